@@ -1,0 +1,1 @@
+//! Energy-conserving dissipative particle dynamics: collisional and random heat exchange.

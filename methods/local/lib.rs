@@ -1,0 +1,1 @@
+//! Cell-centred finite-volume enthalpy baseline: nearest neighbours on the lattice.

@@ -1,0 +1,1 @@
+//! Bond-based peridynamic heat conduction: the weight of a bond.

@@ -1,0 +1,1 @@
+//! Smoothed particle hydrodynamics conduction (Cleary and Monaghan): the weight of a pair.

@@ -1,0 +1,81 @@
+//! Materials: what frozen and unfrozen ground conduct and store, and how they freeze.
+
+/// One phase of a material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Phase {
+    /// Thermal conductivity (W/mK).
+    pub conductivity: f64,
+    /// Heat capacity by mass (J/kgK).
+    pub heat_capacity: f64,
+}
+
+/// How the unfrozen fraction follows the temperature.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FreezingLaw {
+    /// No phase change in the range of the scene: frozen and unfrozen properties meet at the freezing point.
+    None,
+    /// All at the freezing point.
+    Isothermal,
+    /// Linear from 1 at the freezing point to 0 at `width` kelvin below it.
+    Linear {
+        /// Width of the interval (K).
+        width: f64,
+    },
+    /// `S = r + (1 - r) exp(-((T - Tf)/width)^2)` below the freezing point (Nikolaev et al. 2021, eq 9).
+    Weibull {
+        /// Width (K).
+        width: f64,
+        /// Residual unfrozen fraction r.
+        residual: f64,
+    },
+}
+
+/// How the conductivity of partly frozen material follows from its phases.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mixing {
+    /// `S k_u + (1 - S) k_f`.
+    Arithmetic,
+    /// `k_u^S k_f^(1 - S)` (Nikolaev et al. 2021, eq 12).
+    Geometric,
+}
+
+/// A material with constant density.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Name in the scene.
+    pub name: String,
+    /// Density of both phases (kg/m3).
+    pub density: f64,
+    /// Frozen properties.
+    pub frozen: Phase,
+    /// Unfrozen properties.
+    pub unfrozen: Phase,
+    /// Freezing point: where freezing begins on cooling.
+    pub freezing_point: f64,
+    /// Latent heat by mass of material (J/kg).
+    pub latent_heat: f64,
+    /// Freezing curve.
+    pub law: FreezingLaw,
+    /// Conductivity of partly frozen material.
+    pub mixing: Mixing,
+}
+
+impl Material {
+    /// Volumetric heat capacity of the frozen phase (J/m3K).
+    pub fn frozen_capacity(&self) -> f64 {
+        self.density * self.frozen.heat_capacity
+    }
+
+    /// Volumetric heat capacity of the unfrozen phase (J/m3K).
+    pub fn unfrozen_capacity(&self) -> f64 {
+        self.density * self.unfrozen.heat_capacity
+    }
+
+    /// Latent heat by volume (J/m3).
+    pub fn volumetric_latent_heat(&self) -> f64 {
+        match self.law {
+            FreezingLaw::None => 0.0,
+            _ => self.density * self.latent_heat,
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! The two seams of the program: what a method must say ([`PairWeight`]) and what it may do instead ([`Method`]).
+
+use std::sync::Arc;
+
+use crate::plan::Assembly;
+use crate::record::Value;
+use crate::scene::{Numerics, Section, Setting};
+
+/// Geometry of a pair: seam 2. A weight knows the distance of two particles and nothing of heat.
+///
+/// A scaled weight `w(r)` (m^-(d+2)) enters the heat balance of particle i as
+/// `V_i dH_i/dt = sum_j V_i V_j w(r_ij) (U_j - U_i)`, so in the continuum `integral of w r^2 dV = 2 d`.
+/// It must not be negative, and should not grow with distance: the mirror walls then keep the maximum principle.
+pub trait PairWeight: Send + Sync {
+    /// Distance (m) beyond which the weight is zero.
+    fn reach(&self) -> f64;
+    /// The weight at a distance (m) greater than zero.
+    fn weight(&self, distance: f64) -> f64;
+}
+
+/// How weights are scaled to the wanted conductivity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Normalisation {
+    /// By the second moment of the actual neighbourhood: exact for quadratic fields on a lattice.
+    DiscreteMoment,
+    /// Not at all: the continuum constant, as the papers print it.
+    Nominal,
+}
+
+/// A method's geometry on one scene, made by [`MethodKind::read`].
+pub struct Discretisation {
+    /// Pair weight.
+    pub weight: Arc<dyn PairWeight>,
+    /// Scaling.
+    pub normalisation: Normalisation,
+    /// The method's own settings, by their keys in the file, defaults included.
+    pub knobs: Vec<(&'static str, Value)>,
+    /// Differences between the scene and what the method represents, in words, for the report.
+    pub differences: Vec<String>,
+    /// How steps are made.
+    pub stepper: Stepper,
+}
+
+/// Who makes the step.
+#[derive(Clone)]
+pub enum Stepper {
+    /// The shared conduction operator and integrator.
+    Shared,
+    /// The method itself, from the assembled particles, neighbours and walls.
+    Own(Arc<dyn Fn(Assembly) -> Box<dyn Method> + Send + Sync>),
+}
+
+/// A method as the registry lists it.
+pub struct MethodKind {
+    /// Short name, as in `--method` and `[method.NAME]`.
+    pub name: &'static str,
+    /// One line for people.
+    pub title: &'static str,
+    /// Paper and equations.
+    pub source: &'static str,
+    /// Whether the method is stochastic, so that errors need an ensemble.
+    pub stochastic: bool,
+    /// Whether it exists only on a lattice.
+    pub lattice_only: bool,
+    /// Shared settings of a preset; the spacing is filled in from the file.
+    pub defaults: fn(Setting) -> Numerics,
+    /// Reads the method's own keys. Problems go into the section; a best guess is returned all the same.
+    pub read: fn(&mut Section<'_>, Setting, &Numerics, usize) -> Discretisation,
+}
+
+/// Where a run stands in time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clock {
+    /// Time at the start of the step (s).
+    pub time: f64,
+    /// Length of the step (s).
+    pub step: f64,
+    /// Number of steps made before this one.
+    pub index: u64,
+}
+
+/// The explicit limit of a step, and why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bound {
+    /// Longest stable step (s).
+    pub step: f64,
+    /// What sets it, in words, with the particle.
+    pub cause: String,
+}
+
+/// A step that could not be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{reason}")]
+pub struct StepError {
+    /// What went wrong, in words.
+    pub reason: String,
+}
+
+/// A method that owns its step: seam 1. One indirect call a step.
+pub trait Method: Send {
+    /// Longest stable step and its cause. It does not depend on the state.
+    fn bound(&self) -> Bound;
+    /// Advances the particles by one step.
+    fn advance(&mut self, particles: &mut crate::particles::Particles, clock: &Clock) -> Result<(), StepError>;
+    /// Brings the shared columns up to date before they are observed, for methods that keep others.
+    fn publish(&mut self, _particles: &mut crate::particles::Particles) {}
+    /// Heat that has come in through each wall and pipe so far.
+    fn ledger(&self) -> &crate::ledger::Ledger;
+    /// Pairs that one evaluation visits.
+    fn pairs(&self) -> u64;
+    /// Evaluations of the pair operator in one step.
+    fn evaluations_per_step(&self) -> u64 {
+        1
+    }
+}

@@ -1,0 +1,301 @@
+//! What a run leaves behind: one record and the series beside it. Figures and studies read these, never particles.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// A setting as it stands in a record.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// Yes or no.
+    Flag(bool),
+    /// A number.
+    Number(f64),
+    /// A word.
+    Text(String),
+}
+
+/// How a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// As it should.
+    Ok,
+    /// Temperatures left the range of the data, or the front went back, without growing further.
+    Oscillating,
+    /// The heat balance does not close.
+    EnergyDrift,
+    /// Particles jumped over the latent interval.
+    PhaseSkipped,
+    /// Non-finite, or beyond ten times the range of the data.
+    Diverged,
+    /// The time allowed ran out.
+    TimedOut,
+    /// Stopped by the user.
+    Interrupted,
+}
+
+impl Outcome {
+    /// The word used in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Outcome::Ok => "ok",
+            Outcome::Oscillating => "oscillating",
+            Outcome::EnergyDrift => "energy_drift",
+            Outcome::PhaseSkipped => "phase_skipped",
+            Outcome::Diverged => "diverged",
+            Outcome::TimedOut => "timed_out",
+            Outcome::Interrupted => "interrupted",
+        }
+    }
+}
+
+/// Errors against the reference; a measure that does not apply is absent.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Errors {
+    /// Rms of the temperature error at all profile points over the range of the scene's temperatures.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub temperature_rms_rel: Option<f64>,
+    /// Rms of the temperature error over the greatest magnitude of the reference (depends on the zero of the scale).
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub temperature_rms_over_max_abs: Option<f64>,
+    /// Greatest temperature error over the range of the scene's temperatures.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub temperature_max_rel: Option<f64>,
+    /// Rms over the window of the relative error of the front.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub front_rms_rel: Option<f64>,
+    /// Signed relative error of the front at the end.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub front_last_rel: Option<f64>,
+    /// Signed relative error of the front constant fitted over the window.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub front_constant_rel: Option<f64>,
+    /// Rms over the window of the relative error of the frozen volume.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub frozen_volume_rms_rel: Option<f64>,
+    /// Rms relative error of the wall thickness on the plane through a pipe, once closed.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub thickness_main_rms_rel: Option<f64>,
+    /// Rms relative error of the wall thickness on the plane between pipes, once closed.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub thickness_interface_rms_rel: Option<f64>,
+    /// Signed relative error of the time of each named event.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub events: BTreeMap<String, f64>,
+}
+
+/// Where the truth came from.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReferenceInfo {
+    /// `exact`, `similarity`, `table` or `local`.
+    pub kind: String,
+    /// Paper, file or spacings.
+    pub source: String,
+    /// Estimated relative error of the reference itself.
+    pub error_estimate_rel: f64,
+}
+
+/// The record of one run: `record.json`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// Version of the program.
+    pub frazil_version: String,
+    /// Name of the scene.
+    pub scene: String,
+    /// Title of the scene.
+    pub title: String,
+    /// Hash of the scene file as it was run.
+    pub scene_hash: String,
+    /// Name of the method.
+    pub method: String,
+    /// All settings after defaults, by key.
+    pub settings: BTreeMap<String, Value>,
+    /// Units of the numbers: `si`, `dpd` or `dimensionless`.
+    pub units: String,
+    /// Number of particles.
+    pub particles: u64,
+    /// Pairs that one evaluation visits (each pair once).
+    pub pairs: u64,
+    /// Steps made.
+    pub steps: u64,
+    /// Pairs evaluated in all.
+    pub pair_evaluations: u64,
+    /// Particles updated in all.
+    pub particle_updates: u64,
+    /// Longest step made (s).
+    pub step_s: f64,
+    /// Derived bound of the explicit step (s).
+    pub step_bound_s: f64,
+    /// What sets the bound.
+    pub step_limit: String,
+    /// Threads.
+    pub threads: usize,
+    /// Seed of the noise.
+    pub seed: u64,
+    /// Wall time of particle generation, neighbours and weights (s).
+    pub setup_wall_s: f64,
+    /// CPU time of the same (s).
+    pub setup_cpu_s: f64,
+    /// Wall time of all steps (s).
+    pub solve_wall_s: f64,
+    /// CPU time of the same (s).
+    pub solve_cpu_s: f64,
+    /// Greatest resident memory of the process so far (bytes).
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub peak_memory_bytes: Option<u64>,
+    /// How the run ended.
+    pub outcome: Outcome,
+    /// Why, if not `ok`.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub cause: Option<String>,
+    /// (stored - in) / exchanged, the greatest over all outputs.
+    pub energy_balance_rel: f64,
+    /// How far temperatures left the range of the scene's data, over that range.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub bounds_violation_rel: Option<f64>,
+    /// Errors against the reference.
+    pub errors: Errors,
+    /// The reference.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub reference: Option<ReferenceInfo>,
+    /// What the scene did not need and was spared.
+    pub spared: Vec<String>,
+    /// How the method differs from the scene, in words.
+    pub differences: Vec<String>,
+    /// Hash of the final enthalpies, as 16 hexadecimal digits.
+    pub state_hash: String,
+}
+
+/// One row of `front.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FrontRow {
+    /// Time (s).
+    pub time_s: f64,
+    /// Integral of the frozen fraction along the freezing direction (m).
+    pub front_m: f64,
+    /// The reference's.
+    pub front_ref_m: Option<f64>,
+}
+
+/// One row of `profiles.csv`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ProfileRow {
+    /// Time (s).
+    pub time_s: f64,
+    /// Distance along the profile (m); in a ring, from its centre.
+    pub x_m: f64,
+    /// Temperature.
+    pub temperature_c: f64,
+    /// The reference's.
+    pub temperature_ref_c: Option<f64>,
+    /// Frozen fraction.
+    pub frozen_fraction: f64,
+    /// `line`, or in a ring `main` (through a pipe) or `interface` (between two).
+    pub plane: String,
+}
+
+/// One row of `probes.csv`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct ProbeRow {
+    /// Time (s).
+    pub time_s: f64,
+    /// Position (m).
+    pub x_m: f64,
+    /// Position (m).
+    pub y_m: f64,
+    /// Temperature.
+    pub temperature_c: f64,
+}
+
+/// One row of `budget.csv`: the heat balance at an output, per metre (squared) of the missing dimensions.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BudgetRow {
+    /// Time (s).
+    pub time_s: f64,
+    /// Change of stored heat since the start (J).
+    pub stored_j: f64,
+    /// Heat in through each wall and pipe ring so far (J), in the order of [`RunResult::budget_names`].
+    pub in_j: Vec<f64>,
+    /// (stored - in) / exchanged.
+    pub balance_rel: f64,
+}
+
+/// One row of `wall.csv`: the frozen wall of a ring.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct WallRow {
+    /// Time (s).
+    pub time_s: f64,
+    /// Frozen length on planes through a pipe, mean over the ring (m).
+    pub thickness_main_m: f64,
+    /// The reference's.
+    pub thickness_main_ref_m: Option<f64>,
+    /// Frozen length on planes between pipes, mean over the ring (m).
+    pub thickness_interface_m: f64,
+    /// The reference's.
+    pub thickness_interface_ref_m: Option<f64>,
+    /// Frozen area of the whole ring (m2).
+    pub frozen_area_m2: f64,
+    /// The reference's.
+    pub frozen_area_ref_m2: Option<f64>,
+    /// Heat taken by one pipe, mean over the ring (W/m).
+    pub heat_per_pipe_w_per_m: f64,
+}
+
+/// One row of `gaps.csv`: when the gap between two neighbouring pipes closed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GapRow {
+    /// Number of the gap, counted from the first pipe.
+    pub gap: usize,
+    /// Angle of its middle (degrees).
+    pub angle_deg: f64,
+    /// How many gaps of the whole ring it stands for.
+    pub multiplicity: usize,
+    /// When the frozen bodies joined (s); absent if they did not.
+    pub closure_s: Option<f64>,
+    /// The reference's.
+    pub closure_ref_s: Option<f64>,
+}
+
+/// A temperature field on a regular grid; NaN outside the body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Field {
+    /// Time (s).
+    pub time_s: f64,
+    /// Columns.
+    pub nx: usize,
+    /// Rows.
+    pub ny: usize,
+    /// Centre of the first cell (m).
+    pub x0_m: f64,
+    /// Centre of the first cell (m).
+    pub y0_m: f64,
+    /// Cell size (m).
+    pub spacing_m: f64,
+    /// Temperatures, row by row from the lowest y.
+    pub temperature_c: Vec<f64>,
+}
+
+/// Everything one run leaves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunResult {
+    /// The record.
+    pub record: Record,
+    /// Front over time; empty where no front is defined.
+    pub front: Vec<FrontRow>,
+    /// Profiles.
+    pub profiles: Vec<ProfileRow>,
+    /// Probes.
+    pub probes: Vec<ProbeRow>,
+    /// Names of walls and pipe rings in the heat balance.
+    pub budget_names: Vec<String>,
+    /// Heat balance.
+    pub budget: Vec<BudgetRow>,
+    /// Frozen wall of a ring; empty elsewhere.
+    pub walls: Vec<WallRow>,
+    /// Gaps of a ring; empty elsewhere.
+    pub gaps: Vec<GapRow>,
+    /// Temperature fields at the profile instants; empty on a line.
+    pub fields: Vec<Field>,
+}

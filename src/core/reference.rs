@@ -1,0 +1,42 @@
+//! The truth about a scene, wherever it comes from.
+
+use crate::record::ReferenceInfo;
+
+/// A plane of a pipe ring on which walls are measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Plane {
+    /// Through the centre of the ring and a pipe.
+    Main,
+    /// Through the centre of the ring, half-way between two pipes.
+    Interface,
+}
+
+/// A solution to compare with. What it does not know it answers with `None`.
+pub trait Reference: Send + Sync {
+    /// Kind, source and estimated error.
+    fn describe(&self) -> ReferenceInfo;
+    /// Temperature at a distance `x` (m) along the freezing direction, at time `t` (s).
+    fn temperature(&self, _x: f64, _t: f64) -> Option<f64> {
+        None
+    }
+    /// Temperature on a plane of a ring at radius `r` (m) and time `t` (s).
+    fn plane_temperature(&self, _plane: Plane, _r: f64, _t: f64) -> Option<f64> {
+        None
+    }
+    /// Integral of the frozen fraction along the freezing direction (m) at time `t` (s).
+    fn front(&self, _t: f64) -> Option<f64> {
+        None
+    }
+    /// Frozen volume (area in 2D, of the whole ring) at time `t` (s).
+    fn frozen_volume(&self, _t: f64) -> Option<f64> {
+        None
+    }
+    /// Frozen length (m) on a plane of a ring at time `t` (s).
+    fn thickness(&self, _plane: Plane, _t: f64) -> Option<f64> {
+        None
+    }
+    /// Time (s) of a named event.
+    fn event(&self, _name: &str) -> Option<f64> {
+        None
+    }
+}

@@ -1,0 +1,377 @@
+//! A scene: the physics of a run and nothing else, checked and in SI (or in the file's own dimensionless units).
+//!
+//! Temperatures are stored on the file's scale: degrees Celsius in SI scenes, the DPD or dimensionless
+//! temperature elsewhere. [`Units::absolute_zero`] maps them to an absolute scale where a law needs one.
+
+pub mod read;
+pub mod settings;
+
+use crate::material::Material;
+
+pub use read::{Problem, Problems, Section};
+pub use settings::{
+    Exchange, IntegratorChoice, Layout, Mean, Numerics, PipeModel, SearchChoice, Setting, StepChoice, Uptake, WallModel,
+};
+
+/// Units of a scene file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Units {
+    /// SI: keys carry their unit (`spacing_m`, `duration_h`, `temperature_c`).
+    Si,
+    /// Units of dissipative particle dynamics (k_B = 1): keys carry no unit.
+    Dpd,
+    /// No dimensions at all: keys carry no unit.
+    Dimensionless,
+}
+
+impl Units {
+    /// The temperature of absolute zero on the scale of the scene.
+    pub fn absolute_zero(self) -> f64 {
+        match self {
+            Units::Si => -273.15,
+            Units::Dpd | Units::Dimensionless => 0.0,
+        }
+    }
+
+    /// The word used in files and records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Units::Si => "si",
+            Units::Dpd => "dpd",
+            Units::Dimensionless => "dimensionless",
+        }
+    }
+}
+
+/// Unit in which people speak of the times of a scene; only figures and messages use it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TimeUnit {
+    /// Seconds, or the scene's own dimensionless time.
+    Second,
+    /// Hours.
+    Hour,
+    /// Days.
+    Day,
+}
+
+impl TimeUnit {
+    /// Seconds in one unit.
+    pub fn seconds(self) -> f64 {
+        match self {
+            TimeUnit::Second => 1.0,
+            TimeUnit::Hour => 3600.0,
+            TimeUnit::Day => 86400.0,
+        }
+    }
+
+    /// Symbol for axis labels.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            TimeUnit::Second => "s",
+            TimeUnit::Hour => "h",
+            TimeUnit::Day => "d",
+        }
+    }
+}
+
+/// The body of ground or water that is simulated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Domain {
+    /// The interval `0 <= x <= length` (m); walls `left` and `right`.
+    Line {
+        /// Length (m).
+        length: f64,
+    },
+    /// The box `0 <= x <= width`, `0 <= y <= height` (m); walls `left`, `right`, `bottom`, `top`.
+    Rectangle {
+        /// Extent in x (m).
+        width: f64,
+        /// Extent in y (m).
+        height: f64,
+    },
+    /// The plan of a shaft: the disc of `outer_radius` around the origin, or the part of it that its mirror
+    /// planes leave. Walls: `outer`; the mirror planes x = 0 and y = 0 need none.
+    Ring {
+        /// Radius of the outer wall (m).
+        outer_radius: f64,
+        /// How much of the disc is simulated.
+        sector: Sector,
+    },
+}
+
+impl Domain {
+    /// Number of space dimensions.
+    pub fn dimension(&self) -> usize {
+        match self {
+            Domain::Line { .. } => 1,
+            Domain::Rectangle { .. } | Domain::Ring { .. } => 2,
+        }
+    }
+}
+
+/// Part of a ring. The mirror planes are the axes because these, and not the planes of a narrower sector, map
+/// a square lattice onto itself: the mirror is exact to the last bit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sector {
+    /// x >= 0 and y >= 0; the scene is symmetric in both axes.
+    Quarter,
+    /// y >= 0; the scene is symmetric in the x axis.
+    Half,
+    /// The whole plan.
+    Whole,
+}
+
+/// A quantity that is constant or given as a table in time (linear between rows, constant beyond them).
+#[derive(Debug, Clone, PartialEq)]
+pub enum Series {
+    /// The same at all times.
+    Constant(f64),
+    /// Times (s, strictly increasing) and values.
+    Table(Vec<(f64, f64)>),
+}
+
+impl Series {
+    /// Value at time `t` (s).
+    pub fn at(&self, t: f64) -> f64 {
+        match self {
+            Series::Constant(value) => *value,
+            Series::Table(rows) => {
+                let after = rows.partition_point(|row| row.0 <= t);
+                if after == 0 {
+                    return rows[0].1;
+                }
+                if after == rows.len() {
+                    return rows[after - 1].1;
+                }
+                let ((t0, v0), (t1, v1)) = (rows[after - 1], rows[after]);
+                v0 + (v1 - v0) * (t - t0) / (t1 - t0)
+            }
+        }
+    }
+
+    /// Least and greatest value over all times.
+    pub fn range(&self) -> (f64, f64) {
+        match self {
+            Series::Constant(value) => (*value, *value),
+            Series::Table(rows) => {
+                rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), row| (lo.min(row.1), hi.max(row.1)))
+            }
+        }
+    }
+}
+
+/// What happens at a wall.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Condition {
+    /// No heat crosses: a mirror plane.
+    Symmetry,
+    /// The wall has this temperature.
+    Temperature(Series),
+    /// This heat flux enters the body (W/m2; negative when it leaves).
+    Flux(Series),
+    /// The wall exchanges heat with surroundings at a temperature through a film coefficient.
+    Convection {
+        /// Film coefficient (W/m2K).
+        coefficient: Series,
+        /// Temperature of the surroundings.
+        ambient: Series,
+    },
+    /// The wall has the temperature of the scene's exact solution at its position: a finite stand-in for an
+    /// infinite body.
+    Exact,
+}
+
+/// One named wall of the domain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wall {
+    /// `left`, `right`, `bottom`, `top` or `outer`.
+    pub name: &'static str,
+    /// What happens there.
+    pub condition: Condition,
+}
+
+/// A freeze pipe: a cold circle of true radius at an exact position.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pipe {
+    /// Centre (m).
+    pub x: f64,
+    /// Centre (m).
+    pub y: f64,
+    /// Outer radius of the pipe (m).
+    pub radius: f64,
+    /// Temperature of the pipe's outer wall.
+    pub temperature: Series,
+}
+
+/// A ring of evenly spaced pipes, from which pipes and gaps follow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PipeRing {
+    /// Number of pipes on the full circle.
+    pub count: usize,
+    /// Radius of the circle (m).
+    pub ring_radius: f64,
+    /// Angle of the first pipe from the x axis (radians).
+    pub first_angle: f64,
+    /// Radius of one pipe (m).
+    pub pipe_radius: f64,
+    /// Temperature of the pipes' outer wall.
+    pub temperature: Series,
+}
+
+impl PipeRing {
+    /// Angle of pipe `k` (radians).
+    pub fn angle(&self, k: usize) -> f64 {
+        self.first_angle + std::f64::consts::TAU * k as f64 / self.count as f64
+    }
+
+    /// Angle of the middle of the gap between pipe `k` and the next (radians).
+    pub fn gap_angle(&self, k: usize) -> f64 {
+        self.first_angle + std::f64::consts::TAU * (k as f64 + 0.5) / self.count as f64
+    }
+
+    /// The pipes themselves, in order of their angle.
+    pub fn pipes(&self) -> Vec<Pipe> {
+        (0..self.count)
+            .map(|k| {
+                let (sin, cos) = self.angle(k).sin_cos();
+                Pipe {
+                    x: self.ring_radius * cos,
+                    y: self.ring_radius * sin,
+                    radius: self.pipe_radius,
+                    temperature: self.temperature.clone(),
+                }
+            })
+            .collect()
+    }
+}
+
+/// A box of the domain that holds another material than the first one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Region {
+    /// Index into [`Scene::materials`].
+    pub material: usize,
+    /// Least x (m).
+    pub x_min: f64,
+    /// Greatest x (m).
+    pub x_max: f64,
+    /// Least y (m); minus infinity on a line.
+    pub y_min: f64,
+    /// Greatest y (m); infinity on a line.
+    pub y_max: f64,
+}
+
+/// What is observed, and when.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Watch {
+    /// Number of evenly spaced output instants up to the end; the start is not one of them.
+    pub outputs: usize,
+    /// Instants (s) at which profiles are kept.
+    pub profiles: Vec<f64>,
+    /// Points (m) whose temperature is kept at every output.
+    pub probes: Vec<(f64, f64)>,
+    /// Profiles and their errors end at this distance (m) from the wall; the whole domain if absent.
+    pub profile_length: Option<f64>,
+    /// Start (s) of the window over which the front is judged.
+    pub front_from: f64,
+}
+
+/// Where the truth about a scene comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ReferenceChoice {
+    /// A closed form or a similarity solution, if the scene fits one.
+    Exact,
+    /// A table shipped with the program, by name.
+    Table(String),
+    /// The local method on finer lattices, accepted only if shown converged.
+    Local,
+    /// Whatever of the above fits first, in that order.
+    Auto,
+}
+
+/// A whole checked scene.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Short name: the file's stem or the bundled name.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// Where the parameters come from.
+    pub source: String,
+    /// Units of all numbers below.
+    pub units: Units,
+    /// Unit for times in figures and messages.
+    pub time_unit: TimeUnit,
+    /// The body.
+    pub domain: Domain,
+    /// End of the run (s).
+    pub duration: f64,
+    /// Materials; the first fills the domain.
+    pub materials: Vec<Material>,
+    /// Boxes of other materials; later ones win.
+    pub regions: Vec<Region>,
+    /// Temperature everywhere at the start.
+    pub initial_temperature: f64,
+    /// The walls of the domain that are not mirror planes of a sector.
+    pub walls: Vec<Wall>,
+    /// Rings of freeze pipes.
+    pub rings: Vec<PipeRing>,
+    /// Observation.
+    pub watch: Watch,
+    /// Where the truth comes from.
+    pub reference: ReferenceChoice,
+    /// Numerical settings for each method that the file names, in the order of the registry.
+    pub methods: Vec<settings::MethodSettings>,
+    /// Hash of the effective file (after `--set`), as 16 hexadecimal digits.
+    pub hash: String,
+}
+
+impl Scene {
+    /// Least and greatest temperature that data of the scene name: start, walls, pipes.
+    pub fn temperature_range(&self) -> (f64, f64) {
+        let mut range = (self.initial_temperature, self.initial_temperature);
+        let mut widen = |series: &Series| {
+            let (lo, hi) = series.range();
+            range = (range.0.min(lo), range.1.max(hi));
+        };
+        for wall in &self.walls {
+            match &wall.condition {
+                Condition::Temperature(series) => widen(series),
+                Condition::Convection { ambient, .. } => widen(ambient),
+                Condition::Symmetry | Condition::Flux(_) | Condition::Exact => {}
+            }
+        }
+        for ring in &self.rings {
+            widen(&ring.temperature);
+        }
+        range
+    }
+
+    /// Whether a flux condition can drive temperatures beyond [`Scene::temperature_range`].
+    pub fn has_flux(&self) -> bool {
+        self.walls.iter().any(|wall| matches!(wall.condition, Condition::Flux(_)))
+    }
+
+    /// All pipes of all rings.
+    pub fn pipes(&self) -> Vec<Pipe> {
+        self.rings.iter().flat_map(PipeRing::pipes).collect()
+    }
+
+    /// The condition at a named wall.
+    pub fn wall(&self, name: &str) -> Option<&Condition> {
+        self.walls.iter().find(|wall| wall.name == name).map(|wall| &wall.condition)
+    }
+
+    /// The settings of a method, if the scene has them.
+    pub fn method(&self, name: &str) -> Option<&settings::MethodSettings> {
+        self.methods.iter().find(|method| method.method == name)
+    }
+
+    /// Index of the material at a point (m).
+    pub fn material_at(&self, x: f64, y: f64) -> usize {
+        self.regions
+            .iter()
+            .rev()
+            .find(|region| x >= region.x_min && x < region.x_max && y >= region.y_min && y < region.y_max)
+            .map_or(0, |region| region.material)
+    }
+}

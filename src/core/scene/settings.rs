@@ -1,0 +1,170 @@
+//! Numerical settings of one method on one scene: how, never what.
+
+use std::fmt;
+use std::sync::Arc;
+
+use crate::method::Discretisation;
+
+/// Which of a method's two standard settings is the starting point; keys of the file override it one by one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Setting {
+    /// What works best here: potential exchange, discrete-moment normalisation, mirror walls.
+    Best,
+    /// What the method's paper prints.
+    Paper,
+}
+
+/// How a pair exchanges heat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exchange {
+    /// The difference of the conduction potential.
+    Potential,
+    /// A mean of the two conductivities times the difference of temperature.
+    Mean(Mean),
+}
+
+/// A mean of two conductivities.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mean {
+    /// 2ab/(a+b).
+    Harmonic,
+    /// (a+b)/2.
+    Arithmetic,
+    /// sqrt(ab).
+    Geometric,
+}
+
+/// How latent heat is taken up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Uptake {
+    /// Enthalpy is the unknown; temperature follows from it.
+    Enthalpy,
+    /// Temperature and an accumulator of latent heat with a state flag (Chen and Bai 2016, section 1.3), the
+    /// overshoot at either end credited.
+    Flags,
+    /// Temperature with an apparent heat capacity (Nikolaev et al. 2021, eq 13). A sharp front is spread over
+    /// `interval` kelvin below the freezing point.
+    ApparentCapacity {
+        /// Width of the interval (K).
+        interval: f64,
+    },
+}
+
+/// Where particles stand at the start.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Layout {
+    /// Cell centres of a square lattice.
+    Lattice,
+    /// Lattice points moved by uniform random shifts of at most this fraction of the spacing in each direction.
+    Jittered {
+        /// Largest shift over spacing, 0 to 0.5.
+        fraction: f64,
+    },
+    /// Uniformly random points, one for each lattice cell's worth of volume.
+    Random,
+}
+
+/// How walls act on particles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WallModel {
+    /// Ghosts mirrored about the wall; moving least squares where no particle mirrors.
+    Mirror,
+    /// Ghosts from moving least squares everywhere.
+    MovingLeastSquares,
+    /// Layers of ghosts held at the wall's own value: the papers' simplest way.
+    Layers,
+}
+
+/// How a freeze pipe acts on particles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PipeModel {
+    /// Immersed line sink of true radius at its exact position.
+    Immersed,
+    /// The nearest particle is held at the pipe's temperature, as in Chen and Bai 2016.
+    OneParticle,
+}
+
+/// How neighbours are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SearchChoice {
+    /// The lattice stencil where the scene allows it, else the tree.
+    Auto,
+    /// Lattice stencil: no list.
+    Lattice,
+    /// k-d tree.
+    Tree,
+    /// Cell list.
+    Cells,
+    /// Every pair: the oracle.
+    AllPairs,
+}
+
+/// How time advances.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IntegratorChoice {
+    /// Explicit Euler.
+    Euler,
+    /// Runge-Kutta-Legendre of second order with this number of stages.
+    Rkl2 {
+        /// Stages, at least 3.
+        stages: usize,
+    },
+}
+
+/// How long a step is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StepChoice {
+    /// This fraction of the derived bound.
+    Fraction(f64),
+    /// This many seconds; refused if above the bound.
+    Fixed(f64),
+}
+
+/// Settings that every method understands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Numerics {
+    /// Particle spacing (m).
+    pub spacing: f64,
+    /// Placement.
+    pub layout: Layout,
+    /// Pair exchange.
+    pub exchange: Exchange,
+    /// Latent heat.
+    pub uptake: Uptake,
+    /// Whether a particle inside the freezing interval conducts by its frozen fraction (true) or as the phase
+    /// that it last was (false). Only pair means read it: the potential is flat there.
+    pub mushy: bool,
+    /// Walls.
+    pub walls: WallModel,
+    /// Pipes.
+    pub pipes: PipeModel,
+    /// Neighbour search.
+    pub search: SearchChoice,
+    /// Integrator.
+    pub integrator: IntegratorChoice,
+    /// Step.
+    pub step: StepChoice,
+}
+
+/// Everything a scene says about one method.
+#[derive(Clone)]
+pub struct MethodSettings {
+    /// Name in the registry.
+    pub method: &'static str,
+    /// The preset.
+    pub setting: Setting,
+    /// Shared settings.
+    pub numerics: Numerics,
+    /// The method's own geometry.
+    pub discretisation: Arc<Discretisation>,
+}
+
+impl fmt::Debug for MethodSettings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("MethodSettings")
+            .field("method", &self.method)
+            .field("setting", &self.setting)
+            .field("numerics", &self.numerics)
+            .finish_non_exhaustive()
+    }
+}

@@ -6,6 +6,7 @@
 //! `U(H) = integral of k dT` (W/m) and symmetric geometric weights `w_ij >= 0` (m^(d-2)).
 
 pub mod ledger;
+pub mod march;
 pub mod material;
 pub mod method;
 pub mod particles;

@@ -11,6 +11,7 @@ pub mod material;
 pub mod method;
 pub mod particles;
 pub mod plan;
+pub mod potential;
 pub mod record;
 pub mod reference;
 pub mod scene;

@@ -6,10 +6,12 @@
 //! `U(H) = integral of k dT` (W/m) and symmetric geometric weights `w_ij >= 0` (m^(d-2)).
 
 pub mod boundary;
+pub mod ghosts;
 pub mod green;
 pub mod lattice;
 pub mod lattice_operator;
 pub mod ledger;
+pub mod list_operator;
 pub mod march;
 pub mod material;
 pub mod method;

@@ -309,6 +309,45 @@ impl Curve {
         coefficient * (ambient - wall)
     }
 
+    /// Temperature of the interface between this material, whose particle holds the potential `own` (W/m), and
+    /// another at the same distance: both sides carry the same flux to it.
+    pub fn interface_temperature(&self, own: f64, other: &Curve, others: f64) -> f64 {
+        let total = own + others;
+        if self.is_kinked() && other.is_kinked() {
+            // Both potentials are straight between the two freezing points and beyond them.
+            let sum = |temperature: f64| self.potential(temperature) + other.potential(temperature) - total;
+            let (low, high) =
+                (self.freezing_point.min(other.freezing_point), self.freezing_point.max(other.freezing_point));
+            let (at_low, at_high) = (sum(low), sum(high));
+            return if at_low >= 0.0 {
+                low - at_low / (self.frozen_conductivity + other.frozen_conductivity)
+            } else if at_high <= 0.0 {
+                high - at_high / (self.unfrozen_conductivity + other.unfrozen_conductivity)
+            } else {
+                low + (high - low) * at_low / (at_low - at_high)
+            };
+        }
+        let (a, b) = (self.temperature_of_potential(own), other.temperature_of_potential(others));
+        solve_increasing(
+            |temperature| {
+                let missing = self.potential(temperature) + other.potential(temperature) - total;
+                (missing, self.conductivity(temperature) + other.conductivity(temperature))
+            },
+            a.min(b),
+            a.max(b),
+        )
+    }
+
+    /// Greatest conductivity of either phase (W/mK).
+    pub fn most_conductive(&self) -> f64 {
+        self.frozen_conductivity.max(self.unfrozen_conductivity)
+    }
+
+    /// Least heat capacity of either phase (J/m3K).
+    pub fn least_capacity(&self) -> f64 {
+        self.frozen_capacity.min(self.unfrozen_capacity)
+    }
+
     /// Largest slope dU/dH (m2/s) of the exact curve: the largest diffusivity.
     pub fn largest_diffusivity(&self) -> f64 {
         let ends = (self.unfrozen_conductivity / self.unfrozen_capacity)

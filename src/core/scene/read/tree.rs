@@ -57,7 +57,12 @@ pub(super) fn parse(text: &str) -> Result<Vec<Entry>, Vec<Problem>> {
     let mut problems: Vec<Problem> = Vec::new();
     for error in errors {
         let place = error.span().map_or(Place::File, |span| place(span.start));
-        let problem = Problem::new(&place, "", format!("not valid TOML: {}", error.message().replace('\n', ", ")));
+        let mut message = format!("not valid TOML: {}", error.message().replace('\n', ", "));
+        if let (true, Some(found)) = (message.ends_with("duplicate key"), error.span().and_then(|span| text.get(span)))
+        {
+            message.push_str(&format!(" \"{}\"", found.trim()));
+        }
+        let problem = Problem::new(&place, "", message);
         // One slip often breaks the rest of its line in several ways; the first says it.
         if problems.last().is_none_or(|last| last.line != problem.line) {
             problems.push(problem);

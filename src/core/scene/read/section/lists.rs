@@ -34,7 +34,7 @@ impl<'a> Section<'a> {
             let point = self.check_numbers_of(&path, item, Range::ANY)?;
             if point.is_empty() || dimension.is_some_and(|dimension| point.len() != dimension) {
                 let allowed = dimension.map_or_else(|| "1 or 2".into(), |dimension| dimension.to_string());
-                self.note_at(&item.place, &path, format!("coordinates found {}, must be {allowed}", point.len()));
+                self.note_at(&item.place, &path, format!("found {} coordinates, must be {allowed}", point.len()));
                 return None;
             }
             points.push(point);

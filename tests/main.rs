@@ -1,0 +1,4 @@
+//! One binary for all tests of the program.
+
+mod bad_scenes;
+mod bundled_scenes;

@@ -3,7 +3,10 @@
 pub mod check;
 pub mod cli;
 pub mod compare;
+pub mod failure;
 pub mod list;
+pub mod load;
 pub mod output;
+pub mod progress;
 pub mod registry;
 pub mod run;

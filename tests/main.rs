@@ -2,3 +2,4 @@
 
 mod bad_scenes;
 mod bundled_scenes;
+mod command_line;

@@ -54,6 +54,32 @@ impl Scene {
     }
 }
 
+/// Reads a text of keys that is no whole scene, such as a method's own settings, with the same messages.
+///
+/// ```
+/// use frazil_core::scene::{Range, Units, read_section};
+/// let read = |text| read_section(text, "pd.toml", Units::Si, |pd| pd.number_or("horizon_ratio", 3.0, Range::POSITIVE));
+/// assert_eq!(read("horizon_ratio = 4"), Ok(4.0));
+/// let problems = read("horizn_ratio = 4").map_err(|problems| problems.to_string());
+/// assert_eq!(problems, Err("pd.toml:1: horizn_ratio: unknown key, did you mean \"horizon_ratio\"?".to_owned()));
+/// ```
+pub fn read_section<T>(
+    text: &str,
+    file: &str,
+    units: Units,
+    read: impl FnOnce(&mut Section<'_>) -> T,
+) -> Result<T, Problems> {
+    let entries = tree::parse(text).map_err(|problems| Problems::new(file, problems))?;
+    let log = RefCell::new(Vec::new());
+    let mut section = Section::root(&entries, &log);
+    section.set_units(units);
+    let value = read(&mut section);
+    // Unknown and missing keys are found here.
+    drop(section);
+    let problems = log.into_inner();
+    if problems.is_empty() { Ok(value) } else { Err(Problems::new(file, problems)) }
+}
+
 /// The same physics and numerics have the same hash only if file and overrides are the same to the letter.
 fn hash(text: &str, overrides: &[(String, String)]) -> String {
     let mut effective = text.to_owned();

@@ -163,6 +163,46 @@ fn a_misspelt_required_key_is_one_problem() {
     );
 }
 
+#[test]
+fn a_ring_in_days_is_read() {
+    let text = GOOD
+        .replace("[domain.line]\nlength_m = 0.4", "[domain.ring]\nouter_radius_m = 15\nsector = \"half\"")
+        .replace("duration_h = 10\noutputs = 20\nprofiles_h = [5, 10.0]", "duration_days = 2")
+        .replace(
+            "[walls.left]\ntemperature_c = { times_h = [0, 1], values = [8, -20] }\n\n[walls.right]",
+            "[walls.outer]",
+        )
+        .replace("probes_m = [[0.1], [0.2]]", "probes_m = [[-4, 3]]")
+        .replace("spacing_m = 0.002", "spacing_m = 0.1")
+        + "[[pipes]]\ncount = 5\nring_radius_m = 5\nfirst_angle_deg = 36\npipe_radius_m = 0.1\ntemperature_c = -20\n";
+    let scene = read(&text, &[("pipes.0.temperature_c", "-25")]).expect("the scene is good");
+    assert_eq!((scene.duration, scene.time_unit, scene.watch.outputs), (172800.0, TimeUnit::Day, 60));
+    assert_eq!(scene.watch.profiles, [172800.0]);
+    assert_eq!(scene.pipes().len(), 5);
+    assert_eq!(scene.rings[0].first_angle, 36f64.to_radians());
+    assert_eq!(scene.temperature_range(), (-25.0, 8.0));
+    assert_eq!(
+        message(&text, &[("domain.ring.sector", "quarter")]),
+        "water.toml:25: watch.probes_m: found [-4, 3], must lie inside the domain\n\
+         water.toml:32: pipes.0.count: found 5, must be even for the mirror planes of a quarter"
+    );
+}
+
+#[test]
+fn pairs_must_not_reach_beyond_the_body() {
+    assert_eq!(
+        message(GOOD, &[("method.plain.spacing_m", "0.2")]),
+        "--set method.plain.spacing_m=0.2: found 0.2, with which pairs reach 0.6, must reach at most 0.4, the \
+         shortest extent of the domain"
+    );
+}
+
+#[test]
+fn a_line_of_the_file_is_named_by_its_number_also_after_windows_line_ends() {
+    let text = GOOD.replace('\n', "\r\n").replace("0.4", "0");
+    assert_eq!(message(&text, &[]), "water.toml:6: domain.line.length_m: found 0, must be greater than 0");
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 

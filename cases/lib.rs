@@ -1,1 +1,3 @@
-//! x
+//! Scenes by name, exact solutions and reference tables.
+
+pub mod scenes;

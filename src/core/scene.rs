@@ -8,7 +8,7 @@ pub mod settings;
 
 use crate::material::Material;
 
-pub use read::{Problem, Problems, Section};
+pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
 pub use settings::{
     Exchange, IntegratorChoice, Layout, Mean, Numerics, PipeModel, SearchChoice, Setting, StepChoice, Uptake, WallModel,
 };

@@ -8,9 +8,11 @@
 pub mod ledger;
 pub mod march;
 pub mod material;
+pub mod measure;
 pub mod method;
 pub mod particles;
 pub mod plan;
 pub mod record;
 pub mod reference;
 pub mod scene;
+pub mod statistics;

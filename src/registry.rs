@@ -4,10 +4,7 @@ use frazil_core::method::MethodKind;
 
 /// All methods, in the order in which they are shown.
 pub fn methods() -> &'static [&'static MethodKind] {
-    &[
-        &frazil_local::METHOD, //
-        &frazil_pd::METHOD,
-        &frazil_sph::METHOD,
-        &frazil_edpd::METHOD,
-    ]
+    static METHODS: [&MethodKind; 4] =
+        [&frazil_local::METHOD, &frazil_pd::METHOD, &frazil_sph::METHOD, &frazil_edpd::METHOD];
+    &METHODS
 }

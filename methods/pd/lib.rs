@@ -94,12 +94,8 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
     let choices = [("constant", Influence::Constant), ("triangular", Influence::Triangular)];
     let influence = section.choice_or("influence", &choices, Influence::Constant);
     let paper = setting == Setting::Paper;
-    let bond = Bond {
-        dimension,
-        horizon: ratio * numerics.spacing,
-        influence,
-        corrected: paper.then_some(numerics.spacing),
-    };
+    let bond =
+        Bond { dimension, horizon: ratio * numerics.spacing, influence, corrected: paper.then_some(numerics.spacing) };
     let word = if influence == Influence::Constant { "constant" } else { "triangular" };
     let constants = if paper { "printed, partial volumes, self term" } else { "discrete second moment" };
     Discretisation {
@@ -110,7 +106,9 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
             ("influence", Value::Text(word.into())),
             ("normalisation", Value::Text(constants.into())),
         ],
-        differences: vec![format!("heat is exchanged over a horizon of {ratio} spacings, also across fronts and near walls")],
+        differences: vec![format!(
+            "heat is exchanged over a horizon of {ratio} spacings, also across fronts and near walls"
+        )],
         stepper: Stepper::Shared,
     }
 }

@@ -95,7 +95,11 @@ mod tests {
         ] {
             let pair = SmoothedPair { dimension, kernel, smoothing_length: ratio };
             let stencil = Stencil::from_weight(&pair, Normalisation::Nominal, 1.0, dimension);
-            assert!((stencil.moment(1.0) - moment).abs() < 6e-5, "{kernel:?} {dimension}D {ratio}: {}", stencil.moment(1.0));
+            assert!(
+                (stencil.moment(1.0) - moment).abs() < 6e-5,
+                "{kernel:?} {dimension}D {ratio}: {}",
+                stencil.moment(1.0)
+            );
             let found = 1.0 / (stencil.sum() * ratio * ratio);
             assert!((found - limit).abs() < 6e-4, "{kernel:?} {dimension}D {ratio}: {found}");
         }

@@ -182,9 +182,10 @@ impl<L: PotentialLaw> Surroundings for Around<L> {
                     if weight == 0.0 {
                         continue;
                     }
-                    // Ghosts beyond the ends of the row belong to the walls left and right.
-                    let from = (-dx).max(0) as usize;
-                    let to = (columns as i64 - dx.max(0)).max(from as i64) as usize;
+                    // Ghosts beyond the ends of the row belong to the walls left and right, if those are open.
+                    let from = if self.open[0] { (-dx).max(0) as usize } else { 0 };
+                    let beyond = if self.open[1] { dx.max(0) } else { 0 };
+                    let to = (columns as i64 - beyond).max(from as i64) as usize;
                     let inside = &own[reach + from..reach + to];
                     let shifted = (reach + from) as i64 + dx;
                     let ghosts = &near[shifted as usize..][..inside.len()];

@@ -56,7 +56,7 @@ struct Exterior {
     ghost_weights: Vec<f64>,
     /// Particles that reach ghosts, with the sum of those weights.
     near_wall: Vec<(u32, f64)>,
-    /// Largest addition of a ghost to the row sum of its own image.
+    /// Largest addition of ghosts to the row sum of a particle that they image.
     stiffness: f64,
 }
 
@@ -493,6 +493,7 @@ impl Exterior {
             ..Exterior::default()
         };
         let mut numbers = std::collections::BTreeMap::new();
+        let mut reaches: Vec<(u32, u32, f64)> = Vec::new();
         let reach = shape.reach as i64;
         for row in 0..lattice.rows {
             let (first, end) = lattice.span(row);
@@ -519,6 +520,9 @@ impl Exterior {
                                 exterior.ghost_weights.push(0.0);
                             }
                             exterior.ghost_weights[number] += weight;
+                            if let Some(index) = lattice.index(column, row) {
+                                reaches.push((index as u32, number as u32, weight));
+                            }
                         }
                     }
                 }
@@ -556,9 +560,16 @@ impl Exterior {
             exterior.starts.push(exterior.images.len() as u32);
         }
         exterior.values = vec![0.0; exterior.depths.len()];
-        let widest = exterior.images.iter().map(|image| image.1.abs()).fold(0.0, f64::max);
-        let worst = exterior.near_wall.iter().map(|near| near.1).fold(0.0, f64::max);
-        exterior.stiffness = widest * worst;
+        // What a particle finds of itself in the ghosts that it reaches, ghosts falling as their images rise.
+        let (mut last, mut own) = (u32::MAX, 0.0);
+        for (index, ghost, weight) in reaches {
+            own = if index == last { own } else { 0.0 };
+            last = index;
+            let images = exterior.starts[ghost as usize] as usize..exterior.starts[ghost as usize + 1] as usize;
+            let share = exterior.images[images].iter().filter(|image| image.0 == index).map(|image| image.1);
+            own += weight * share.sum::<f64>();
+            exterior.stiffness = exterior.stiffness.max(own);
+        }
         exterior
     }
 

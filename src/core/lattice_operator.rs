@@ -442,20 +442,27 @@ fn bound(
 ) -> Bound {
     let mut largest = sum;
     let mut cause = "pair exchange inside the body".to_string();
-    let mut wall_excess = 0.0;
-    let mut stiffest = Vec::new();
-    for side in boundary.sides {
-        if let Side::Wall(door) = side
-            && faces[door].stiffness() > 0.0
-        {
-            wall_excess += stencil.at(1, 0) * faces[door].stiffness();
-            stiffest.push(boundary.doors[door].name);
-        }
-    }
-    // Opposite walls stiffen the same particle only in a body one particle wide; taking both is safe.
+    // A particle reaches its own image behind a wall at twice its distance from it.
+    let stiffness = |side: usize| match boundary.sides[side] {
+        Side::Wall(door) => faces[door].stiffness().max(0.0),
+        Side::Mirror | Side::Curved => 0.0,
+    };
+    let excess = |near: usize, far: usize, cells: usize| {
+        let own = |side: usize, layer: usize| stiffness(side) * stencil.at(2 * layer + 1, 0);
+        (0..cells).map(|layer| own(near, layer) + own(far, cells - 1 - layer)).fold(0.0, f64::max)
+    };
+    let across = if lattice.dimension == 1 { 0.0 } else { excess(2, 3, lattice.rows) };
+    let wall_excess = excess(0, 1, lattice.columns) + across;
     if wall_excess > 0.0 {
         largest = sum + wall_excess;
-        cause = format!("pair exchange of the particles at wall `{}`", stiffest.join("`, `"));
+        let stiff: Vec<&str> = (0..4)
+            .filter(|side| stiffness(*side) > 0.0)
+            .filter_map(|side| match boundary.sides[side] {
+                Side::Wall(door) => Some(boundary.doors[door].name),
+                Side::Mirror | Side::Curved => None,
+            })
+            .collect();
+        cause = format!("pair exchange of the particles at wall `{}`", stiff.join("` and `"));
     }
     if let Some(exterior) = exterior
         && sum + exterior.stiffness > largest

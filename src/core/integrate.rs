@@ -46,7 +46,8 @@ impl Method for Euler {
 }
 
 /// Runge-Kutta-Legendre of second order (Meyer, Balsara and Aslam 2014): s stages reach (s^2 + s - 2) / 4 Euler
-/// steps. Stable, but not monotone: after a jump it may leave the range of the data.
+/// steps. Stable, but not monotone: a full step right after a jump leaves the range of the data, so its steps grow from
+/// Euler's.
 pub struct Rkl2 {
     operator: Box<dyn Operator>,
     ledger: Ledger,
@@ -154,6 +155,10 @@ impl Method for Rkl2 {
 
     fn pairs(&self) -> u64 {
         self.operator.pairs()
+    }
+
+    fn gentle_step(&self) -> Option<f64> {
+        Some(self.operator.bound().step)
     }
 
     fn evaluations_per_step(&self) -> u64 {

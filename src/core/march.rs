@@ -60,6 +60,10 @@ pub struct Refused {
     pub reason: String,
 }
 
+/// Growth of the steps of a method that is not monotone, from one step to the next: modes that a step cannot resolve
+/// have decayed by the time it is taken.
+const GROWTH: f64 = 1.15;
+
 /// Steps between two looks at the whole state for non-finite or absurd values. The first steps, in which walls jump,
 /// are looked at one by one.
 const GUARD_STEPS: u64 = 64;
@@ -83,21 +87,22 @@ pub fn run(
     let mut last_progress = began;
     let mut clock = Clock { time: 0.0, step: 0.0, index: 0 };
     let mut longest: f64 = 0.0;
+    let gentle = method.gentle_step();
     let mut stop: Option<(Outcome, String)> = None;
     watches.look(&particles, 0.0);
     'run: for instant in instants(scene) {
-        let start = clock.time;
-        let count = ((instant - start) / step * (1.0 - 1e-12)).ceil().max(1.0) as u64;
-        clock.step = (instant - start) / count as f64;
-        longest = longest.max(clock.step);
-        for k in 0..count {
-            clock.time = start + clock.step * k as f64;
+        while clock.time < instant {
+            let allowed = gentle.map_or(step, |first| step.min(first * GROWTH.powi(clock.index.min(1000) as i32)));
+            let count = ((instant - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
+            clock.step = (instant - clock.time) / count;
+            longest = longest.max(clock.step);
             if let Err(error) = method.advance(&mut particles, &clock) {
                 stop = Some((Outcome::Diverged, error.reason));
                 break 'run;
             }
             clock.index += 1;
-            let now = start + clock.step * (k + 1) as f64;
+            let now = if count == 1.0 { instant } else { clock.time + clock.step };
+            clock.time = now;
             if watches.due(now) {
                 method.publish(&mut particles);
                 watches.look(&particles, now);
@@ -132,7 +137,6 @@ pub fn run(
                 break 'run;
             }
         }
-        clock.time = instant;
         method.publish(&mut particles);
         if let Err(cause) = guard.look(&particles, &clock, &bound) {
             stop = Some((Outcome::Diverged, cause));

@@ -125,7 +125,7 @@ pub struct Frame {
 impl Frame {
     /// A frame inside a box, with room for its own labels.
     pub fn inside((left, top): Spot, (right, bottom): Spot, x: Axis, y: Axis) -> Frame {
-        let room = widest_tick(y.tick_labels()) + TICK + 1.3 * LABEL;
+        let room = widest_tick(y.tick_labels()) + TICK + 2.0 * LABEL;
         let below = if x.label.is_empty() { 8.0 } else { 2.2 * TICK + 1.2 * LABEL };
         Frame { left: left + room, top, right: right - 18.0, bottom: bottom - below, x, y }
     }
@@ -224,7 +224,7 @@ impl Frame {
                 to = to.min(q / p);
             }
         }
-        (from <= to).then(|| ((x0 + from * dx, y0 + from * dy), (x0 + to * dx, y0 + to * dy)))
+        (from <= to).then_some(((x0 + from * dx, y0 + from * dy), (x0 + to * dx, y0 + to * dy)))
     }
 }
 
@@ -245,7 +245,9 @@ pub fn legend(canvas: &mut Canvas, (left, top): Spot, width: f64, entries: &[Ent
     let row = 1.5 * LABEL;
     let (mut x, mut y) = (left, top + 0.75 * row);
     for entry in entries {
-        let needed = SWATCH + 8.0 + text_width(&entry.text, LABEL, false);
+        let bare = entry.stroke.is_none() && entry.marker.is_none();
+        let indent = if bare { 0.0 } else { SWATCH + 8.0 };
+        let needed = indent + text_width(&entry.text, LABEL, false);
         if x > left && x + needed > left + width {
             (x, y) = (left, y + row);
         }
@@ -256,7 +258,7 @@ pub fn legend(canvas: &mut Canvas, (left, top): Spot, width: f64, entries: &[Ent
         if let Some((marker, colour, hollow)) = entry.marker {
             canvas.marker((x + 0.5 * SWATCH, middle), marker, 6.0, colour, hollow);
         }
-        canvas.text((x + SWATCH + 8.0, y), entry.text.as_str(), LABEL, Align::Start);
+        canvas.text((x + indent, y), entry.text.as_str(), LABEL, Align::Start);
         x += needed + 26.0;
     }
     if entries.is_empty() { 0.0 } else { y - top + 0.5 * row }

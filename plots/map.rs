@@ -16,8 +16,8 @@ pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
     let (width, height) = (field.nx as f64 * field.spacing_m, field.ny as f64 * field.spacing_m);
     let side = (840.0 / width).min(700.0 / height);
     let (frame_width, frame_height) = (width * side, height * side);
-    let canvas_width = (frame_width + 290.0).max(620.0);
-    let mut canvas = Canvas::new(canvas_width, frame_height + 150.0, &format!("Temperature map: {heading}"));
+    let canvas_width = (frame_width + 250.0).max(620.0);
+    let mut canvas = Canvas::new(canvas_width, frame_height + 132.0, &format!("Temperature map: {heading}"));
     title(&mut canvas, &heading);
     let (x0, y0) = (field.x0_m - 0.5 * field.spacing_m, field.y0_m - 0.5 * field.spacing_m);
     let unit = if words.length_unit.is_some() { "m" } else { "dimensionless" };
@@ -38,7 +38,13 @@ pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
         let colours = Ramp { low, high, zero: words.freezing_point };
         let first = (low / step).floor() as i64;
         let last = ((high / step).ceil() as i64).max(first + 1);
-        let edges: Vec<f64> = (first..=last).map(|k| k as f64 * step).collect();
+        let mut edges: Vec<f64> = (first..=last).map(|k| k as f64 * step).collect();
+        if words.freezing_point > edges[0] && words.freezing_point < edges[edges.len() - 1] {
+            // The colour turns exactly where the ground freezes.
+            edges.push(words.freezing_point);
+            edges.sort_by(f64::total_cmp);
+            edges.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * step);
+        }
         for band in edges.windows(2) {
             let rings = grid.region(band[0], band[1], &frame);
             if !rings.is_empty() {
@@ -53,6 +59,7 @@ pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
             }
         }
         grid.draw_isotherm(&mut canvas, &frame, words.freezing_point, Stroke::whole(INK, 3.2));
+        grid.cover_outside(&mut canvas, &frame);
         colour_bar(&mut canvas, &frame, &edges, &colours, isotherm, words);
     }
     let rim = [
@@ -121,7 +128,7 @@ fn colour_bar(canvas: &mut Canvas, frame: &Frame, edges: &[f64], colours: &Ramp,
         canvas.line(vec![(left - 4.0, py), (right + 4.0, py)], Stroke::whole(INK, 3.2));
     }
     canvas.place(Text {
-        at: (right + 8.0 + 4.2 * TICK, 0.5 * (frame.top + frame.bottom)),
+        at: (right + 8.0 + 3.4 * TICK, 0.5 * (frame.top + frame.bottom)),
         text: words.temperature_label.clone(),
         size: LABEL,
         align: Align::Middle,
@@ -131,7 +138,7 @@ fn colour_bar(canvas: &mut Canvas, frame: &Frame, edges: &[f64], colours: &Ramp,
     });
 }
 
-/// A regular grid of values with the rings around its level sets.
+/// A regular grid of values, with a margin of one cell, and where the body is.
 struct Grid {
     nx: usize,
     ny: usize,
@@ -139,31 +146,47 @@ struct Grid {
     y0: f64,
     spacing: f64,
     values: Vec<f64>,
+    /// One inside the body and zero outside, smoothed; empty if the body fills the grid.
+    body: Vec<f64>,
 }
 
 impl Grid {
     fn thinned(field: &Field) -> Grid {
         let stride = field.nx.max(field.ny).div_ceil(GRID).max(1);
-        let (nx, ny) = (field.nx.div_ceil(stride), field.ny.div_ceil(stride));
-        let value = |i: usize, j: usize| field.temperature_c[j * stride * field.nx + i * stride];
-        let values = (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j))).map(|(i, j)| value(i, j)).collect();
-        Grid { nx, ny, x0: field.x0_m, y0: field.y0_m, spacing: field.spacing_m * stride as f64, values }
+        let (nx, ny) = (field.nx.div_ceil(stride) + 2, field.ny.div_ceil(stride) + 2);
+        // The margin repeats the cells beside it, so that bands and isotherms reach the walls.
+        let source = |k: usize, count: usize| (k.max(1) - 1).min(count.div_ceil(stride) - 1) * stride;
+        let mut values: Vec<f64> = (0..ny)
+            .flat_map(|j| (0..nx).map(move |i| (i, j)))
+            .map(|(i, j)| field.temperature_c[source(j, field.ny) * field.nx + source(i, field.nx)])
+            .collect();
+        let mut body: Vec<f64> = values.iter().map(|value| f64::from(u8::from(value.is_finite()))).collect();
+        if body.iter().all(|share| *share > 0.0) {
+            body.clear();
+        } else {
+            // Values are carried a little beyond the body and covered up along a smooth edge: no stairs.
+            for _ in 0..4 {
+                values = spread(&values, nx, ny);
+            }
+            for _ in 0..3 {
+                body = smooth(&body, nx, ny);
+            }
+        }
+        let spacing = field.spacing_m * stride as f64;
+        Grid { nx, ny, x0: field.x0_m - spacing, y0: field.y0_m - spacing, spacing, values, body }
     }
 
     /// Rings around the cells whose value lies in a band, by even-odd: the region above the lower edge without
-    /// the region above the upper one. Cells outside the body belong to neither.
+    /// the region above the upper one.
     fn region(&self, low: f64, high: f64, frame: &Frame) -> Vec<Vec<Spot>> {
-        let mut rings = self.above(low, frame);
-        rings.extend(self.above(high, frame));
+        let mut rings = self.above(&self.values, low, frame);
+        rings.extend(self.above(&self.values, high, frame));
         rings
     }
 
     /// Rings around the region at or above a level.
-    fn above(&self, level: f64, frame: &Frame) -> Vec<Vec<Spot>> {
-        let outside = self.values.iter().copied().filter(|value| value.is_finite()).fold(f64::INFINITY, f64::min);
-        // Outside the body counts as far below any level, so that every region ends there.
-        let below = level.min(outside) - 1e6;
-        let values: Vec<f64> = self.values.iter().map(|v| if v.is_finite() { *v } else { below }).collect();
+    fn above(&self, values: &[f64], level: f64, frame: &Frame) -> Vec<Vec<Spot>> {
+        let values: Vec<f64> = values.iter().map(|v| if v.is_finite() { *v } else { -1e6 }).collect();
         let builder = ContourBuilder::new(self.nx, self.ny, true);
         let Ok(contours) = builder.contours(&values, &[level]) else {
             return Vec::new();
@@ -186,31 +209,71 @@ impl Grid {
         frame.spot(at(self.x0, x, frame.x.low, frame.x.high), at(self.y0, y, frame.y.low, frame.y.high))
     }
 
-    /// An isotherm between cells that lie in the body; edges of the body are no isotherm.
+    /// An isotherm inside the frame; the frame itself is none.
     fn draw_isotherm(&self, canvas: &mut Canvas, frame: &Frame, level: f64, stroke: Stroke) {
-        for ring in self.above(level, frame) {
+        let edge = |(x, y): &Spot| {
+            (x - frame.left).abs() < 1e-6
+                || (x - frame.right).abs() < 1e-6
+                || (y - frame.top).abs() < 1e-6
+                || (y - frame.bottom).abs() < 1e-6
+        };
+        for ring in self.above(&self.values, level, frame) {
             let mut piece: Vec<Spot> = Vec::new();
             for spot in ring {
-                if self.inner(spot, frame) {
-                    piece.push(spot);
-                } else {
+                let ends = edge(&spot);
+                if ends && piece.last().is_some_and(edge) {
+                    piece.clear();
+                }
+                piece.push(spot);
+                if ends && piece.len() > 1 {
                     canvas.line(std::mem::take(&mut piece), stroke);
+                    piece.push(spot);
                 }
             }
             canvas.line(piece, stroke);
         }
     }
 
-    /// Whether all cells around a pixel are in the body, so that a contour there is a true one.
-    fn inner(&self, (px, py): Spot, frame: &Frame) -> bool {
-        let x = frame.x.low + (px - frame.left) / (frame.right - frame.left) * (frame.x.high - frame.x.low);
-        let y = frame.y.low + (frame.bottom - py) / (frame.bottom - frame.top) * (frame.y.high - frame.y.low);
-        let (i, j) = ((x - self.x0) / self.spacing, (y - self.y0) / self.spacing);
-        if i < 0.0 || j < 0.0 || i > (self.nx - 1) as f64 || j > (self.ny - 1) as f64 {
-            return false;
+    /// Covers what lies outside the body.
+    fn cover_outside(&self, canvas: &mut Canvas, frame: &Frame) {
+        if !self.body.is_empty() {
+            let corners = [
+                (frame.left, frame.top),
+                (frame.right, frame.top),
+                (frame.right, frame.bottom),
+                (frame.left, frame.bottom),
+            ];
+            let inside = self.above(&self.body, 0.5, frame);
+            for ring in &inside {
+                canvas.line(ring.clone(), Stroke::whole(INK, 1.3));
+            }
+            canvas.area(std::iter::once(corners.to_vec()).chain(inside).collect(), Colour::WHITE, 1.0);
         }
-        let (i0, j0) = (i as usize, j as usize);
-        (i0..=(i0 + 1).min(self.nx - 1))
-            .all(|i| (j0..=(j0 + 1).min(self.ny - 1)).all(|j| self.values[j * self.nx + i].is_finite()))
     }
+}
+
+/// The cells of the 3 by 3 block around a cell.
+fn around(values: &[f64], nx: usize, ny: usize, i: usize, j: usize) -> impl Iterator<Item = f64> {
+    let columns = i.saturating_sub(1)..=(i + 1).min(nx - 1);
+    (j.saturating_sub(1)..=(j + 1).min(ny - 1))
+        .flat_map(move |j| columns.clone().map(move |i| (i, j)))
+        .map(move |(i, j)| values[j * nx + i])
+}
+
+/// Gives missing cells the mean of their present neighbours.
+fn spread(values: &[f64], nx: usize, ny: usize) -> Vec<f64> {
+    let mean = |i: usize, j: usize| {
+        let present: Vec<f64> = around(values, nx, ny, i, j).filter(|value| value.is_finite()).collect();
+        if present.is_empty() { f64::NAN } else { present.iter().sum::<f64>() / present.len() as f64 }
+    };
+    let cell = |k: usize| if values[k].is_finite() { values[k] } else { mean(k % nx, k / nx) };
+    (0..values.len()).map(cell).collect()
+}
+
+fn smooth(values: &[f64], nx: usize, ny: usize) -> Vec<f64> {
+    let mean = |k: usize| {
+        let block: Vec<f64> = around(values, nx, ny, k % nx, k / nx).collect();
+        block.iter().sum::<f64>() / block.len() as f64
+    };
+    (0..values.len()).map(mean).collect()
 }

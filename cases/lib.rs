@@ -1,1 +1,24 @@
-//! x
+//! Scenes by name, exact solutions and reference tables.
+
+pub mod exact;
+pub mod scenes;
+pub mod table;
+
+use frazil_core::reference::Reference;
+use frazil_core::scene::{ReferenceChoice, Scene};
+
+/// The reference that a scene asks for and that needs no run: a closed form, a similarity solution or a table.
+///
+/// `None` means that the truth has to come from a run of the local method, or that the scene leaves the choice
+/// open and nothing fits. An error says why what the scene asks for is not to be had.
+pub fn reference_for(scene: &Scene) -> Result<Option<Box<dyn Reference>>, String> {
+    match &scene.reference {
+        ReferenceChoice::Exact => Ok(Some(Box::new(exact::HalfSpace::of_scene(scene)?))),
+        ReferenceChoice::Table(name) => table::by_name(name, scene).map(Some),
+        ReferenceChoice::Local => Ok(None),
+        ReferenceChoice::Auto => Ok(match exact::HalfSpace::of_scene(scene) {
+            Ok(solution) => Some(Box::new(solution)),
+            Err(_) => table::NAMES.iter().find_map(|name| table::by_name(name, scene).ok()),
+        }),
+    }
+}

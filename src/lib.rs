@@ -1,1 +1,12 @@
-//! x
+//! The program `frazil`: what a user runs, as functions.
+
+pub mod check;
+pub mod cli;
+pub mod compare;
+pub mod failure;
+pub mod list;
+pub mod load;
+pub mod output;
+pub mod progress;
+pub mod registry;
+pub mod run;

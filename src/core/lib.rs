@@ -5,12 +5,28 @@
 //! `V_i dH_i/dt = sum_j w_ij (U_j - U_i) + sources`, with the enthalpy `H` (J/m3), the conduction potential
 //! `U(H) = integral of k dT` (W/m) and symmetric geometric weights `w_ij >= 0` (m^(d-2)).
 
+pub mod boundary;
+pub mod ghosts;
+pub mod green;
+pub mod lattice;
+pub mod lattice_operator;
 pub mod ledger;
+pub mod list_operator;
 pub mod march;
 pub mod material;
+pub mod measure;
 pub mod method;
+pub mod neighbours;
+pub mod noise;
+pub mod operator;
 pub mod particles;
+pub mod pipe;
 pub mod plan;
+pub mod potential;
 pub mod record;
 pub mod reference;
 pub mod scene;
+pub mod statistics;
+pub mod stencil;
+pub mod sweep;
+pub mod uptake;

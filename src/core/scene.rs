@@ -8,7 +8,7 @@ pub mod settings;
 
 use crate::material::Material;
 
-pub use read::{Problem, Problems, Section};
+pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
 pub use settings::{
     Exchange, IntegratorChoice, Layout, Mean, Numerics, PipeModel, SearchChoice, Setting, StepChoice, Uptake, WallModel,
 };
@@ -147,6 +147,12 @@ impl Series {
                 v0 + (v1 - v0) * (t - t0) / (t1 - t0)
             }
         }
+    }
+
+    /// Whether the value is not the same at all times.
+    pub fn changes(&self) -> bool {
+        let (least, greatest) = self.range();
+        least != greatest
     }
 
     /// Least and greatest value over all times.
@@ -288,6 +294,19 @@ pub enum ReferenceChoice {
     Auto,
 }
 
+/// Where a plane front runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreezingDirection {
+    /// Along y instead of x.
+    pub along_y: bool,
+    /// Length of the domain in that direction (m).
+    pub length: f64,
+    /// Extent across it (m); 1 on a line.
+    pub across: f64,
+    /// Whether distances count from the far wall (right or top).
+    pub from_end: bool,
+}
+
 /// A whole checked scene.
 #[derive(Debug, Clone)]
 pub struct Scene {
@@ -344,6 +363,27 @@ impl Scene {
             widen(&ring.temperature);
         }
         range
+    }
+
+    /// The direction in which a plane front runs, if the scene has one: along a line, or along the one axis of a
+    /// rectangle whose walls let heat through. It starts at the colder of the two walls.
+    pub fn freezing_direction(&self) -> Option<FreezingDirection> {
+        let closed = |name: &str| self.wall(name).is_none_or(|condition| *condition == Condition::Symmetry);
+        let (along_y, length, across) = match self.domain {
+            Domain::Line { length } => (false, length, 1.0),
+            Domain::Rectangle { width, height } if closed("bottom") && closed("top") => (false, width, height),
+            Domain::Rectangle { width, height } if closed("left") && closed("right") => (true, height, width),
+            _ => return None,
+        };
+        let (near, far) = if along_y { ("bottom", "top") } else { ("left", "right") };
+        // A wall that drives the front has a temperature of its own; the colder of two is the start.
+        let drive = |name: &str| match self.wall(name) {
+            Some(Condition::Temperature(series)) => (series.at(self.duration) - self.initial_temperature).abs(),
+            Some(Condition::Convection { ambient, .. }) => (ambient.at(self.duration) - self.initial_temperature).abs(),
+            Some(Condition::Flux(series)) => series.range().0.abs().max(series.range().1.abs()),
+            _ => 0.0,
+        };
+        Some(FreezingDirection { along_y, length, across, from_end: drive(far) > drive(near) })
     }
 
     /// Whether a flux condition can drive temperatures beyond [`Scene::temperature_range`].

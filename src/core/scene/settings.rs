@@ -168,3 +168,22 @@ impl fmt::Debug for MethodSettings {
             .finish_non_exhaustive()
     }
 }
+
+impl Default for Numerics {
+    /// What works best: potential exchange of enthalpies on a lattice with mirror walls, explicit Euler at 0.9 of
+    /// its bound. The spacing comes from the file.
+    fn default() -> Self {
+        Numerics {
+            spacing: f64::NAN,
+            layout: Layout::Lattice,
+            exchange: Exchange::Potential,
+            uptake: Uptake::Enthalpy,
+            mushy: true,
+            walls: WallModel::Mirror,
+            pipes: PipeModel::Immersed,
+            search: SearchChoice::Auto,
+            integrator: IntegratorChoice::Euler,
+            step: StepChoice::Fraction(0.9),
+        }
+    }
+}

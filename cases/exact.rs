@@ -1,0 +1,171 @@
+//! Solutions in a half space, from material properties alone and independent of the engine's own curves.
+
+mod functions;
+pub mod neumann;
+pub mod similarity;
+
+use frazil_core::material::FreezingLaw;
+use frazil_core::record::ReferenceInfo;
+use frazil_core::reference::Reference;
+use frazil_core::scene::{Condition, Domain, Scene, Series};
+
+pub use neumann::Neumann;
+pub use similarity::Similarity;
+
+/// Greatest change of temperature that the half space may show at the far wall of a finite body by the end of
+/// the run, over the range of temperatures, before the two count as different problems.
+const FAR_WALL_TOLERANCE: f64 = 1e-3;
+
+/// Estimated relative error of [`Neumann`]: a root to the last bits and library error functions.
+const NEUMANN_ERROR: f64 = 1e-13;
+
+/// Estimated relative error of [`Similarity`], ten times what halving its tolerance changes.
+const SIMILARITY_ERROR: f64 = 1e-9;
+
+/// A solution in a half space.
+#[derive(Debug, Clone)]
+pub enum Solution {
+    /// All latent heat at one temperature, or none.
+    Neumann(Neumann),
+    /// A freezing curve.
+    Similarity(Similarity),
+}
+
+impl Solution {
+    /// Temperature at a distance `x` (m) from the wall at time `t` (s).
+    pub fn temperature(&self, x: f64, t: f64) -> f64 {
+        match self {
+            Solution::Neumann(neumann) => neumann.temperature(x, t),
+            Solution::Similarity(similarity) => similarity.temperature(x, t),
+        }
+    }
+
+    /// Heat that leaves through the wall (W/m2) at time `t` (s); negative when it enters.
+    pub fn wall_flux(&self, t: f64) -> f64 {
+        match self {
+            Solution::Neumann(neumann) => neumann.wall_flux(t),
+            Solution::Similarity(similarity) => similarity.wall_flux(t),
+        }
+    }
+}
+
+/// The half-space solution of a scene, cut off at the length of its body.
+#[derive(Debug, Clone)]
+pub struct HalfSpace {
+    solution: Solution,
+    /// Extent of the body along the freezing direction (m).
+    length: f64,
+    name: String,
+}
+
+impl HalfSpace {
+    /// The solution that a scene asks for, or the reason why it has none.
+    ///
+    /// The scene must be a single material in a line or rectangle without pipes, held at one constant temperature
+    /// at one end and insulated at the sides. The far end may be insulated or held at the initial temperature, as
+    /// long as the half space itself changes by less than a thousandth of the range of temperatures there until
+    /// the end of the run; or it may follow the exact solution.
+    pub fn of_scene(scene: &Scene) -> Result<Self, String> {
+        if !scene.rings.is_empty() {
+            return Err("a scene with freeze pipes has no exact solution".into());
+        }
+        if scene.regions.iter().any(|region| region.material != 0) {
+            return Err("a scene with several materials has no exact solution".into());
+        }
+        let material = scene.materials.first().ok_or("the scene has no material")?;
+        let (near_name, far, length) = direction(scene)?;
+        let wall = match scene.wall(near_name) {
+            Some(Condition::Temperature(series)) => constant(series),
+            _ => None,
+        }
+        .ok_or_else(|| format!("the {near_name} wall has no constant temperature"))?;
+        let initial = scene.initial_temperature;
+        let solution = match material.law {
+            FreezingLaw::None | FreezingLaw::Isothermal => Solution::Neumann(Neumann::new(material, wall, initial)?),
+            FreezingLaw::Linear { .. } | FreezingLaw::Weibull { .. } => {
+                Solution::Similarity(Similarity::new(material, wall, initial)?)
+            }
+        };
+        if !matches!(far, Some(Condition::Exact)) {
+            let change = ((solution.temperature(length, scene.duration) - initial) / (initial - wall)).abs();
+            if change >= FAR_WALL_TOLERANCE {
+                return Err(format!(
+                    "the far wall is felt: at {length} m the half space changes by {change:.1e} of the range of \
+                     temperatures before the end (limit {FAR_WALL_TOLERANCE:.0e}); lengthen the body, shorten the \
+                     run or let the far wall follow the exact solution"
+                ));
+            }
+        }
+        Ok(HalfSpace { solution, length, name: material.name.clone() })
+    }
+
+    /// The solution in the unbounded half space.
+    pub fn solution(&self) -> &Solution {
+        &self.solution
+    }
+}
+
+impl Reference for HalfSpace {
+    fn describe(&self) -> ReferenceInfo {
+        let (kind, source, error) = match self.solution {
+            Solution::Neumann(_) => ("exact", "Neumann solution", NEUMANN_ERROR),
+            Solution::Similarity(_) => ("similarity", "similarity solution in x/sqrt(t)", SIMILARITY_ERROR),
+        };
+        ReferenceInfo {
+            kind: kind.into(),
+            source: format!("{source} in a half space of {}", self.name),
+            error_estimate_rel: error,
+        }
+    }
+
+    fn temperature(&self, x: f64, t: f64) -> Option<f64> {
+        Some(self.solution.temperature(x, t))
+    }
+
+    fn front(&self, t: f64) -> Option<f64> {
+        match &self.solution {
+            Solution::Neumann(neumann) => {
+                let front = neumann.front(t)?;
+                Some(if neumann.is_thawing() { (self.length - front).max(0.0) } else { front })
+            }
+            Solution::Similarity(similarity) => Some(similarity.frozen_length(self.length, t)),
+        }
+    }
+}
+
+/// The value of a series that never changes.
+pub(crate) fn constant(series: &Series) -> Option<f64> {
+    let (least, greatest) = series.range();
+    (least == greatest).then_some(least)
+}
+
+/// Name of the wall where freezing or thawing begins, the condition opposite and the distance between them (m).
+fn direction(scene: &Scene) -> Result<(&'static str, Option<&Condition>, f64), String> {
+    let pairs: &[(&'static str, &'static str, f64)] = match scene.domain {
+        Domain::Line { length } => &[("left", "right", length)],
+        Domain::Rectangle { width, height } => &[("left", "right", width), ("bottom", "top", height)],
+        Domain::Ring { .. } => return Err("a ring has no exact solution".into()),
+    };
+    let initial = scene.initial_temperature;
+    let is_still = |name: &str| match scene.wall(name) {
+        None | Some(Condition::Symmetry) => true,
+        Some(Condition::Temperature(series)) => constant(series) == Some(initial),
+        Some(Condition::Exact) => true,
+        Some(Condition::Flux(_) | Condition::Convection { .. }) => false,
+    };
+    let mut driving = pairs
+        .iter()
+        .flat_map(|&(first, second, length)| [(first, second, length), (second, first, length)])
+        .filter(|&(near, _, _)| !is_still(near));
+    let (near, far, length) = driving.next().ok_or("no wall differs from the initial temperature")?;
+    if let Some((other, _, _)) = driving.next() {
+        return Err(format!("both the {near} and the {other} wall drive heat: no exact solution"));
+    }
+    for wall in &scene.walls {
+        let is_side = wall.name != near && wall.name != far;
+        if is_side && wall.condition != Condition::Symmetry {
+            return Err(format!("the {} wall is not insulated, so heat does not flow along one line", wall.name));
+        }
+    }
+    Ok((near, scene.wall(far), length))
+}

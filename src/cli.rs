@@ -1,0 +1,186 @@
+//! From what was typed to a checked request, and to the command that answers it.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+use frazil_core::scene::Setting;
+
+use crate::failure::{Failure, Verdict, exit_code};
+use crate::{check, compare, list, run};
+
+/// Freezing by particles: peridynamics, SPH, eDPD and a local baseline on the same scenes.
+#[derive(Debug, Parser)]
+#[command(name = "frazil", version, arg_required_else_help = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Runs a scene under one method and writes its record, series and figures.
+    Run(RunArguments),
+    /// Sets methods against each other on the same scenes: error against run time.
+    Compare(CompareArguments),
+    /// Checks a scene and prints what a run of it would do.
+    Check(CheckArguments),
+    /// Lists the bundled scenes and the methods.
+    List,
+}
+
+#[derive(Debug, Args)]
+struct RunArguments {
+    /// A scene file, or the name of a bundled scene.
+    scene: String,
+    /// The method; by default the first one that the scene has settings for.
+    #[arg(long, value_name = "NAME")]
+    method: Option<String>,
+    /// Overrides a key of the file, as in `method.pd.horizon_ratio=4`; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
+    set: Vec<(String, String)>,
+    /// Threads; by default one for each core. The result does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Seed of noise and of uneven placement.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Folder for the results; by default out/SCENE.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Says nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Debug, Args)]
+struct CheckArguments {
+    /// A scene file, or the name of a bundled scene.
+    scene: String,
+    /// A method; may be repeated. By default all that the scene has settings for.
+    #[arg(long, value_name = "NAME")]
+    method: Vec<String>,
+    /// Overrides a key of the file; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
+    set: Vec<(String, String)>,
+}
+
+#[derive(Debug, Args)]
+struct CompareArguments {
+    /// Scene files, or names of bundled scenes.
+    #[arg(required = true)]
+    scenes: Vec<String>,
+    /// The methods; by default all that a scene has settings for.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    methods: Vec<String>,
+    /// Number of spacings, each half the one before.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=8))]
+    levels: u8,
+    /// Folder for the results; by default out/compare.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Timed repetitions of each run.
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    repeats: u16,
+    /// Seeds of each stochastic run.
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    seeds: u16,
+    /// Threads of each run.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: u16,
+    /// Wall time that one run may take, in seconds.
+    #[arg(long, value_name = "S", value_parser = positive_seconds)]
+    budget_s: Option<f64>,
+    /// Settings of the methods: best, paper or both.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = setting, default_value = "best")]
+    settings: Vec<Setting>,
+    /// Says nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Runs the program on its arguments, the first of which is its own name.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    match Cli::try_parse_from(arguments) {
+        Ok(cli) => exit_code(dispatch(cli.command)),
+        Err(error) => {
+            // Help that nobody reads to its end is still help.
+            let _ = error.print();
+            if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS }
+        }
+    }
+}
+
+fn dispatch(command: Command) -> Result<Verdict, Failure> {
+    match command {
+        Command::Run(arguments) => run::run(&run::RunRequest {
+            scene: arguments.scene,
+            method: arguments.method,
+            overrides: arguments.set,
+            threads: arguments.threads.map_or_else(all_cores, usize::from),
+            seed: arguments.seed,
+            out: arguments.out,
+            quiet: arguments.quiet,
+        }),
+        Command::Compare(arguments) => compare::compare(&compare::CompareRequest {
+            scenes: arguments.scenes,
+            methods: arguments.methods,
+            levels: arguments.levels.into(),
+            out: arguments.out,
+            repeats: arguments.repeats.into(),
+            seeds: arguments.seeds.into(),
+            threads: arguments.threads.into(),
+            budget_s: arguments.budget_s,
+            settings: arguments.settings,
+            quiet: arguments.quiet,
+        }),
+        Command::Check(arguments) => check::check(&arguments.scene, &arguments.method, &arguments.set),
+        Command::List => list::list(),
+    }
+}
+
+fn all_cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+fn key_and_value(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((key, value)) if !key.trim().is_empty() => Ok((key.trim().to_owned(), value.trim().to_owned())),
+        _ => Err("must be KEY=VALUE, as time.outputs=20".into()),
+    }
+}
+
+fn positive_seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds.is_finite() && seconds > 0.0 => Ok(seconds),
+        _ => Err("must be a number of seconds greater than 0".into()),
+    }
+}
+
+fn setting(text: &str) -> Result<Setting, String> {
+    match text {
+        "best" => Ok(Setting::Best),
+        "paper" => Ok(Setting::Paper),
+        _ => Err("must be \"best\" or \"paper\"".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+
+    #[test]
+    fn the_flags_do_not_contradict_each_other() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_value_may_contain_an_equals_sign() {
+        assert_eq!(key_and_value("title = a=b"), Ok(("title".into(), "a=b".into())));
+        assert!(key_and_value("title").is_err());
+        assert!(key_and_value("=3").is_err());
+    }
+}

@@ -1,0 +1,243 @@
+//! Walls: what a ghost holds. Written once for lattice rows and for lists of ghost particles.
+//!
+//! Walls lie half-way between particles. A ghost mirrors a particle (or a moving-least-squares value) at the same
+//! depth on the other side: odd about the wall's potential for a temperature, even for symmetry, even plus the
+//! wanted slope for a flux. A linear profile is met exactly, whatever the reach of the method.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use crate::potential::Curve;
+use crate::reference::Reference;
+use crate::scene::{Condition, Domain, Scene, Sector, WallModel};
+
+/// A wall that heat may cross.
+#[derive(Clone)]
+pub struct Door {
+    /// Name in the scene.
+    pub name: &'static str,
+    /// Condition.
+    pub condition: Condition,
+    /// Ghosts held at the wall's own value instead of mirrored (temperatures only).
+    pub layers: bool,
+    /// Whether the condition changes in time.
+    changes: bool,
+    /// Distance from the cold wall (m) at which the exact solution is asked.
+    distance: f64,
+    /// The exact solution, for walls that follow it.
+    exact: Option<Arc<dyn Reference>>,
+}
+
+/// A wall at one instant, in potentials relative to the initial state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Face {
+    /// Mirror.
+    Even,
+    /// Ghosts are twice the wall's value less their image.
+    Odd {
+        /// Potential (W/m) at the wall.
+        wall: f64,
+        /// Temperature at the wall.
+        temperature: f64,
+    },
+    /// Ghosts are the wall's value.
+    Held {
+        /// Potential (W/m) at the wall.
+        wall: f64,
+        /// Temperature at the wall.
+        temperature: f64,
+    },
+    /// Ghosts carry the slope of a flux (W/m2) into the body.
+    Flux(f64),
+    /// Ghosts carry the slope of the flux through a film.
+    Film {
+        /// Film coefficient (W/m2K).
+        coefficient: f64,
+        /// Temperature of the surroundings.
+        ambient: f64,
+    },
+}
+
+impl Face {
+    /// Potential of a ghost whose image holds `image`, `depth` (m) behind the wall.
+    #[inline(always)]
+    pub fn ghost(&self, image: f64, depth: f64, curve: &Curve, initial_potential: f64) -> f64 {
+        match *self {
+            Face::Even => image,
+            Face::Odd { wall, .. } => 2.0 * wall - image,
+            Face::Held { wall, .. } => wall,
+            Face::Flux(flux) => image + 2.0 * depth * flux,
+            Face::Film { coefficient, ambient } => {
+                image + 2.0 * depth * curve.film_flux(image + initial_potential, depth, coefficient, ambient)
+            }
+        }
+    }
+
+    /// How strongly a ghost falls when its image rises: what a ghost adds to its own image's row sum.
+    pub fn stiffness(&self) -> f64 {
+        match self {
+            Face::Even => -1.0,
+            Face::Flux(_) => -1.0,
+            Face::Held { .. } => 0.0,
+            Face::Odd { .. } | Face::Film { .. } => 1.0,
+        }
+    }
+}
+
+impl Door {
+    /// The wall at a time, in potentials of the given material curve.
+    pub fn face(&self, time: f64, curve: &Curve, initial_potential: f64) -> Face {
+        let at = |temperature: f64| {
+            let wall = curve.potential(temperature) - initial_potential;
+            if self.layers { Face::Held { wall, temperature } } else { Face::Odd { wall, temperature } }
+        };
+        match &self.condition {
+            Condition::Symmetry => Face::Even,
+            Condition::Temperature(series) => at(series.at(time)),
+            Condition::Flux(series) => Face::Flux(series.at(time)),
+            Condition::Convection { coefficient, ambient } => {
+                Face::Film { coefficient: coefficient.at(time), ambient: ambient.at(time) }
+            }
+            Condition::Exact => match self.exact.as_ref().and_then(|exact| exact.temperature(self.distance, time)) {
+                Some(temperature) => at(temperature),
+                None => Face::Even,
+            },
+        }
+    }
+
+    /// Whether heat may cross.
+    pub fn lets_heat_through(&self) -> bool {
+        self.condition != Condition::Symmetry
+    }
+}
+
+/// One side of the box around a lattice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// A straight wall: index into the doors.
+    Wall(usize),
+    /// A mirror plane of the domain.
+    Mirror,
+    /// The domain ends in a curved wall before this side.
+    Curved,
+}
+
+/// The walls of a scene.
+#[derive(Clone)]
+pub struct Boundary {
+    /// All walls that the scene names.
+    pub doors: Vec<Door>,
+    /// Left, right, bottom, top.
+    pub sides: [Side; 4],
+    /// The curved outer wall: its door and radius (m).
+    pub curved: Option<(usize, f64)>,
+}
+
+impl Boundary {
+    /// The walls of a scene. `exact` is what walls that follow the exact solution ask.
+    pub fn new(scene: &Scene, model: WallModel, exact: Option<Arc<dyn Reference>>) -> Result<Self, String> {
+        let (axis_length, cold_at_end) = scene.freezing_direction().map_or((0.0, false), |d| (d.length, d.from_end));
+        let doors: Vec<Door> = scene
+            .walls
+            .iter()
+            .map(|wall| {
+                let at_end = matches!(wall.name, "right" | "top");
+                let distance = if at_end == cold_at_end { 0.0 } else { axis_length };
+                Door {
+                    name: wall.name,
+                    condition: wall.condition.clone(),
+                    layers: model == WallModel::Layers,
+                    changes: match &wall.condition {
+                        Condition::Symmetry => false,
+                        Condition::Temperature(series) | Condition::Flux(series) => series.changes(),
+                        Condition::Convection { coefficient, ambient } => coefficient.changes() || ambient.changes(),
+                        Condition::Exact => true,
+                    },
+                    distance,
+                    exact: if wall.condition == Condition::Exact { exact.clone() } else { None },
+                }
+            })
+            .collect();
+        for door in &doors {
+            if door.condition == Condition::Exact
+                && door.exact.as_ref().and_then(|e| e.temperature(door.distance, 1.0)).is_none()
+            {
+                return Err(format!("wall `{}` asks for the exact solution, but this scene has none", door.name));
+            }
+        }
+        let named = |name: &str| doors.iter().position(|door| door.name == name).map_or(Side::Mirror, Side::Wall);
+        let (sides, curved) = match scene.domain {
+            Domain::Line { .. } => ([named("left"), named("right"), Side::Mirror, Side::Mirror], None),
+            Domain::Rectangle { .. } => ([named("left"), named("right"), named("bottom"), named("top")], None),
+            Domain::Ring { outer_radius, sector } => {
+                let left = if sector == Sector::Quarter { Side::Mirror } else { Side::Curved };
+                let bottom = if sector == Sector::Whole { Side::Curved } else { Side::Mirror };
+                let outer = doors.iter().position(|door| door.name == "outer");
+                ([left, Side::Curved, bottom, Side::Curved], outer.map(|door| (door, outer_radius)))
+            }
+        };
+        Ok(Boundary { doors, sides, curved })
+    }
+
+    /// All walls at time zero.
+    pub fn first_faces(&self, curve: &Curve, initial_potential: f64) -> Vec<Face> {
+        self.doors.iter().map(|door| door.face(0.0, curve, initial_potential)).collect()
+    }
+
+    /// Brings the walls that change to a later time.
+    #[inline]
+    pub fn update_faces(&self, faces: &mut [Face], time: f64, curve: &Curve, initial_potential: f64) {
+        for (face, door) in faces.iter_mut().zip(&self.doors).filter(|(_, door)| door.changes) {
+            *face = door.face(time, curve, initial_potential);
+        }
+    }
+}
+
+/// Moving least squares: weights with which values at `points` give a linear fit's value at `target`.
+///
+/// Gaussian weights of scale `scale` (m). Exact for linear fields; falls back to the nearest point where the points
+/// do not span the space.
+pub fn moving_least_squares(target: DVec2, points: &[DVec2], scale: f64, dimension: usize) -> Vec<f64> {
+    let weight: Vec<f64> = points.iter().map(|p| (-(*p - target).length_squared() / (scale * scale)).exp()).collect();
+    let unknowns = dimension + 1;
+    let basis = |p: &DVec2| [1.0, (p.x - target.x) / scale, (p.y - target.y) / scale];
+    let mut matrix = [[0.0; 4]; 3];
+    for (point, w) in points.iter().zip(&weight) {
+        let b = basis(point);
+        for r in 0..unknowns {
+            for c in 0..unknowns {
+                matrix[r][c] += w * b[r] * b[c];
+            }
+        }
+    }
+    // Coefficients of the row that picks the constant: matrix * a = e_0.
+    matrix[0][3] = 1.0;
+    for pivot in 0..unknowns {
+        let best = (pivot..unknowns).max_by(|a, b| matrix[*a][pivot].abs().total_cmp(&matrix[*b][pivot].abs()));
+        let Some(best) = best.filter(|row| matrix[*row][pivot].abs() > 1e-10 * weight.iter().sum::<f64>()) else {
+            let nearest = (0..points.len()).min_by(|a, b| {
+                (points[*a] - target).length_squared().total_cmp(&(points[*b] - target).length_squared())
+            });
+            return (0..points.len()).map(|k| if Some(k) == nearest { 1.0 } else { 0.0 }).collect();
+        };
+        matrix.swap(pivot, best);
+        for row in 0..unknowns {
+            if row != pivot {
+                let factor = matrix[row][pivot] / matrix[pivot][pivot];
+                for column in pivot..4 {
+                    matrix[row][column] -= factor * matrix[pivot][column];
+                }
+            }
+        }
+    }
+    let coefficients: Vec<f64> = (0..unknowns).map(|row| matrix[row][3] / matrix[row][row]).collect();
+    points
+        .iter()
+        .zip(&weight)
+        .map(|(point, w)| {
+            let b = basis(point);
+            w * coefficients.iter().zip(b).map(|(c, b)| c * b).sum::<f64>()
+        })
+        .collect()
+}

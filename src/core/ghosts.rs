@@ -1,0 +1,301 @@
+//! Ghost particles around a cloud: mirrors of particles at straight walls, moving least squares at curved ones.
+
+use glam::DVec2;
+
+use crate::boundary::{Boundary, Face, Side, moving_least_squares};
+use crate::lattice::Lattice;
+use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
+use crate::uptake::Materials;
+
+/// Range of moving least squares in units of the spacing, and the scale of its weights.
+const FIT_RANGE: f64 = 2.3;
+const FIT_SCALE: f64 = 1.2;
+
+/// Ghosts, numbered after the particles; each depends only on particles and earlier ghosts.
+#[derive(Debug, Clone, Default)]
+pub struct Ghosts {
+    /// Position (m).
+    pub position: Vec<DVec2>,
+    /// Wall that the ghost stands behind, or none for a mirror plane of the domain.
+    pub door: Vec<Option<u8>>,
+    /// Door through which heat to the ghost goes: its own, or for mirrors of ghosts their image's.
+    pub pays: Vec<Option<u8>>,
+    /// Depth behind the wall (m).
+    pub depth: Vec<f64>,
+    /// A particle near the image, whose material and normalisation the ghost takes.
+    pub model: Vec<u32>,
+    /// What noise calls the ghost: the particle that it mirrors by symmetry alone, or a number of its own.
+    pub identity: Vec<u32>,
+    /// Tells images of one particle apart.
+    pub stream: Vec<u32>,
+    starts: Vec<u32>,
+    images: Vec<(u32, f64)>,
+}
+
+impl Ghosts {
+    /// Ghosts within `reach` (m) outside the walls. `fitted` takes images at straight walls from moving least
+    /// squares as well, with ghosts on their own lattice.
+    pub fn new(points: &[DVec2], lattice: &Lattice, boundary: &Boundary, reach: f64, fitted: bool) -> Self {
+        let mut ghosts = Ghosts { starts: vec![0], ..Ghosts::default() };
+        let reach = reach * (1.0 + 1e-9);
+        let mirrors = (boundary.sides[0] == Side::Mirror, boundary.sides[2] == Side::Mirror);
+        if let Some((door, radius)) = boundary.curved {
+            let across = (reach / lattice.spacing).ceil() as i64 + 1;
+            let cells = (-across..lattice.rows as i64 + across)
+                .flat_map(|row| (-across..lattice.columns as i64 + across).map(move |column| (column, row)));
+            let places = cells.map(|(column, row)| lattice.centre(column, row)).filter(|place| {
+                (!mirrors.0 || place.x > 0.0)
+                    && (!mirrors.1 || place.y > 0.0)
+                    && place.length() > radius * (1.0 + 1e-9)
+                    && place.length() < radius + reach + lattice.spacing
+            });
+            let targets: Vec<(DVec2, DVec2, f64)> = places
+                .map(|place| {
+                    let depth = place.length() - radius;
+                    (place, place * ((radius - depth) / place.length()), depth)
+                })
+                .collect();
+            ghosts.fit(points, lattice, &targets, door, mirrors);
+        }
+        let extent = lattice.spacing * DVec2::new(lattice.columns as f64, lattice.rows as f64);
+        let sides: [(usize, DVec2, f64); 4] = [
+            (0, DVec2::NEG_X, -lattice.corner.x),
+            (1, DVec2::X, lattice.corner.x + extent.x),
+            (2, DVec2::NEG_Y, -lattice.corner.y),
+            (3, DVec2::Y, lattice.corner.y + extent.y),
+        ];
+        // Columns first, then rows over everything so far: corners are mirrored twice, always in this order.
+        for pair in [&sides[..2], &sides[2..]] {
+            if lattice.dimension == 1 && pair[0].0 == 2 {
+                continue;
+            }
+            if fitted && pair.iter().any(|side| matches!(boundary.sides[side.0], Side::Wall(_))) {
+                ghosts.fit_straight(points, lattice, boundary, pair, reach);
+                continue;
+            }
+            let mut frontier: Vec<(u32, usize)> =
+                (0..(points.len() + ghosts.position.len()) as u32).map(|index| (index, usize::MAX)).collect();
+            while !frontier.is_empty() {
+                let mut next = Vec::new();
+                for (index, came_from) in frontier {
+                    for (side, normal, offset) in pair {
+                        if *side == came_from || boundary.sides[*side] == Side::Curved {
+                            continue;
+                        }
+                        let place = ghosts.place(points, index);
+                        let depth = offset - normal.dot(place);
+                        if depth < 0.0 || depth > reach {
+                            continue;
+                        }
+                        let door = match boundary.sides[*side] {
+                            Side::Wall(door) => Some(door as u8),
+                            Side::Mirror | Side::Curved => None,
+                        };
+                        let open = door.filter(|door| boundary.doors[*door as usize].lets_heat_through());
+                        let number = (points.len() + ghosts.position.len()) as u32;
+                        ghosts.mirror(points.len(), index, place + 2.0 * depth * *normal, door, open, depth, *side);
+                        next.push((number, *side));
+                    }
+                }
+                frontier = next;
+            }
+        }
+        ghosts
+    }
+
+    fn place(&self, points: &[DVec2], index: u32) -> DVec2 {
+        let index = index as usize;
+        if index < points.len() { points[index] } else { self.position[index - points.len()] }
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn mirror(
+        &mut self,
+        count: usize,
+        image: u32,
+        place: DVec2,
+        door: Option<u8>,
+        open: Option<u8>,
+        depth: f64,
+        side: usize,
+    ) {
+        let number = (count + self.position.len()) as u32;
+        let parent = (image as usize).checked_sub(count);
+        let (model, identity, stream, pays) = match parent {
+            Some(k) => (self.model[k], self.identity[k], self.stream[k], self.pays[k]),
+            None => (image, image, 0, None),
+        };
+        self.position.push(place);
+        self.door.push(door);
+        self.pays.push(open.or(pays));
+        self.depth.push(depth);
+        self.model.push(model);
+        self.identity.push(if open.is_some() { number } else { identity });
+        self.stream.push(stream * 5 + side as u32 + 1);
+        self.images.push((image, 1.0));
+        self.starts.push(self.images.len() as u32);
+    }
+
+    /// Ghosts on lattice points outside straight walls, with fitted images.
+    fn fit_straight(
+        &mut self,
+        points: &[DVec2],
+        lattice: &Lattice,
+        boundary: &Boundary,
+        pair: &[(usize, DVec2, f64)],
+        reach: f64,
+    ) {
+        let layers = (reach / lattice.spacing).ceil() as i64;
+        for (side, normal, offset) in pair {
+            let Side::Wall(door) = boundary.sides[*side] else { continue };
+            let margin = if *side >= 2 { layers } else { 0 };
+            let (columns, rows) = (lattice.columns as i64, lattice.rows as i64);
+            let cells: Vec<(i64, i64)> = match side {
+                0 => (0..rows).flat_map(|row| (1..=layers).map(move |k| (-k, row))).collect(),
+                1 => (0..rows).flat_map(|row| (0..layers).map(move |k| (columns + k, row))).collect(),
+                2 => (-margin..columns + margin).flat_map(|c| (1..=layers).map(move |k| (c, -k))).collect(),
+                _ => (-margin..columns + margin).flat_map(|c| (0..layers).map(move |k| (c, rows + k))).collect(),
+            };
+            let targets: Vec<(DVec2, DVec2, f64)> = cells
+                .into_iter()
+                .map(|(column, row)| {
+                    let place = lattice.centre(column, row);
+                    let depth = normal.dot(place) - offset;
+                    (place, place - 2.0 * depth * *normal, depth)
+                })
+                .collect();
+            self.fit(points, lattice, &targets, door, (false, false));
+        }
+    }
+
+    /// Adds ghosts at `targets` (place, image, depth) with images fitted to nearby particles.
+    fn fit(
+        &mut self,
+        points: &[DVec2],
+        lattice: &Lattice,
+        targets: &[(DVec2, DVec2, f64)],
+        door: usize,
+        mirrors: (bool, bool),
+    ) {
+        // Particles near a mirror plane see their own images: the same particle at its mirrored place.
+        let mut places = points.to_vec();
+        let mut owner: Vec<u32> = (0..points.len() as u32).collect();
+        let range = FIT_RANGE * lattice.spacing;
+        for (axis, mirrored) in [(DVec2::X, mirrors.0), (DVec2::Y, mirrors.1)] {
+            for k in 0..if mirrored { places.len() } else { 0 } {
+                if places[k].dot(axis) < range {
+                    places.push(places[k] - 2.0 * places[k].dot(axis) * axis);
+                    owner.push(owner[k]);
+                }
+            }
+        }
+        let offset = targets.len();
+        let mut all: Vec<DVec2> = targets.iter().map(|target| target.1).collect();
+        all.extend_from_slice(&places);
+        let near = Tree.neighbours(&all, offset, range, Period::NONE);
+        for (k, (place, image, depth)) in targets.iter().enumerate() {
+            let found: Vec<usize> =
+                near.of(k).iter().filter(|j| **j as usize >= offset).map(|j| *j as usize - offset).collect();
+            let Some(first) = found.iter().copied().min_by(|a, b| {
+                (places[*a] - *image).length_squared().total_cmp(&(places[*b] - *image).length_squared())
+            }) else {
+                continue;
+            };
+            let neighbours: Vec<DVec2> = found.iter().map(|j| places[*j]).collect();
+            let weights = moving_least_squares(*image, &neighbours, FIT_SCALE * lattice.spacing, lattice.dimension);
+            let number = (points.len() + self.position.len()) as u32;
+            self.images.extend(found.iter().zip(weights).map(|(j, weight)| (owner[*j], weight)));
+            self.position.push(*place);
+            self.door.push(Some(door as u8));
+            self.pays.push(Some(door as u8));
+            self.depth.push(*depth);
+            self.model.push(owner[first]);
+            self.identity.push(number);
+            self.stream.push(0);
+            self.starts.push(self.images.len() as u32);
+        }
+    }
+
+    /// Number of ghosts.
+    pub fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.position.is_empty()
+    }
+
+    /// Largest addition that ghosts make to the row sum of a particle, given the weights to ghosts: for each
+    /// particle, `sum over ghosts of weight * share of the particle in the ghost`.
+    pub fn own_share(&self, ghost: usize, particle: u32, faces: &[Face]) -> f64 {
+        let stiffness = self.door[ghost].map_or(-1.0, |door| faces[door as usize].stiffness());
+        let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
+        stiffness * images.iter().filter(|image| image.0 == particle).map(|image| image.1).sum::<f64>()
+    }
+
+    /// Fills the potentials of ghosts, behind those of the particles.
+    pub fn fill_potentials(&self, potentials: &mut [f64], faces: &[Vec<Face>], materials: &Materials) {
+        let count = potentials.len() - self.len();
+        for ghost in 0..self.len() {
+            let image = self.image(ghost, potentials);
+            potentials[count + ghost] = match self.door[ghost] {
+                None => image,
+                Some(door) => {
+                    let material = self.material(ghost, materials);
+                    let thermal = &materials.thermals[material];
+                    faces[material][door as usize].ghost(
+                        image,
+                        self.depth[ghost],
+                        &thermal.curve,
+                        thermal.initial_potential,
+                    )
+                }
+            };
+        }
+    }
+
+    /// Fills the temperatures and conductivities of ghosts, behind those of the particles.
+    pub fn fill_temperatures(
+        &self,
+        temperatures: &mut [f64],
+        conductivities: &mut [f64],
+        faces: &[Vec<Face>],
+        materials: &Materials,
+    ) {
+        let count = temperatures.len() - self.len();
+        for ghost in 0..self.len() {
+            let image = self.image(ghost, temperatures);
+            let carried = conductivities[self.model[ghost] as usize];
+            let material = self.material(ghost, materials);
+            let curve = &materials.thermals[material].curve;
+            let (temperature, conductivity) = match self.door[ghost].map(|door| faces[material][door as usize]) {
+                None | Some(Face::Even) => (image, carried),
+                Some(Face::Odd { temperature, .. }) => {
+                    let ghost = 2.0 * temperature - image;
+                    (ghost, curve.conductivity(ghost))
+                }
+                Some(Face::Held { temperature, .. }) => (temperature, curve.conductivity(temperature)),
+                Some(Face::Flux(flux)) => (image + 2.0 * self.depth[ghost] * flux / carried, carried),
+                Some(Face::Film { coefficient, ambient }) => {
+                    let film = coefficient * self.depth[ghost] / carried;
+                    (image + 2.0 * film / (1.0 + film) * (ambient - image), carried)
+                }
+            };
+            temperatures[count + ghost] = temperature;
+            conductivities[count + ghost] = conductivity;
+        }
+    }
+
+    #[inline]
+    fn image(&self, ghost: usize, values: &[f64]) -> f64 {
+        let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
+        images.iter().map(|(index, weight)| weight * values[*index as usize]).sum()
+    }
+
+    /// Material of a ghost.
+    #[inline]
+    pub fn material(&self, ghost: usize, materials: &Materials) -> usize {
+        materials.of_particle.get(self.model[ghost] as usize).map_or(0, |material| *material as usize)
+    }
+}

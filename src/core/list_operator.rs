@@ -1,0 +1,387 @@
+//! The pair operator on a list: any cloud, any exchange, several materials, and a random part for those who need it.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+
+use crate::boundary::{Boundary, Face};
+use crate::ghosts::Ghosts;
+use crate::ledger::Sum;
+use crate::method::{Bound, Clock};
+use crate::operator::Operator;
+use crate::pipe::Sink;
+use crate::scene::{Exchange, Mean};
+use crate::uptake::{Fields, LatentScheme, Materials};
+
+/// Particles that one task handles; fixed, so that results do not depend on the number of threads.
+const TASK: usize = 2048;
+
+/// Pairs of particles (and ghosts behind them) with their weights, in compressed rows.
+#[derive(Debug, Clone, Default)]
+pub struct PairList {
+    /// Start of each particle's pairs, and the end of the last.
+    pub starts: Vec<usize>,
+    /// Partner: a particle, or `count` + a ghost.
+    pub partners: Vec<u32>,
+    /// Weight by volume (m^-2).
+    pub weights: Vec<f64>,
+}
+
+/// A term beside conduction: eDPD's random heat flux. Off by type where it is [`Off`].
+pub trait PairTerm: Clone + Send + Sync + 'static {
+    /// Whether the term needs temperatures and conductivities of particles.
+    const ACTIVE: bool;
+    /// Prepares the term for a step.
+    fn begin(&mut self, clock: &Clock);
+    /// What the term adds to `weight * conducted`, from partner to particle (W/m3).
+    fn add(&self, pair: &PairView<'_>) -> f64;
+}
+
+/// A pair as a term sees it.
+pub struct PairView<'a> {
+    /// Noise names of particle and partner.
+    pub names: (u32, u32),
+    /// Tells images of one partner apart.
+    pub stream: u32,
+    /// Weight by volume (m^-2).
+    pub weight: f64,
+    /// Conducted potential difference (W/m).
+    pub conducted: f64,
+    /// Particle and partner.
+    pub indices: (usize, usize),
+    /// State.
+    pub fields: &'a Fields,
+}
+
+/// No term.
+#[derive(Debug, Clone, Copy)]
+pub struct Off;
+
+impl PairTerm for Off {
+    const ACTIVE: bool = false;
+
+    fn begin(&mut self, _clock: &Clock) {}
+
+    #[inline(always)]
+    fn add(&self, _pair: &PairView<'_>) -> f64 {
+        0.0
+    }
+}
+
+/// Everything a list operator is made from.
+#[derive(Clone)]
+pub struct ListParts {
+    /// Positions of particles (m).
+    pub positions: Arc<[DVec2]>,
+    /// Volume of each particle (m^d).
+    pub volume: f64,
+    /// Spacing (m).
+    pub spacing: f64,
+    /// Materials.
+    pub materials: Materials,
+    /// Pairs.
+    pub pairs: PairList,
+    /// Ghosts.
+    pub ghosts: Ghosts,
+    /// Walls.
+    pub boundary: Boundary,
+    /// Pipes.
+    pub sinks: Vec<Sink>,
+    /// Names of pipe rings.
+    pub rings: Vec<String>,
+    /// How pairs exchange heat.
+    pub exchange: Exchange,
+    /// Threads, if more than one.
+    pub pool: Option<Arc<ThreadPool>>,
+}
+
+/// The operator.
+pub struct ListOperator<T> {
+    parts: ListParts,
+    term: T,
+    fields: Fields,
+    faces: Vec<Vec<Face>>,
+    sink_heat: Vec<f64>,
+    /// Pairs across open doors: particle, position in the list, door.
+    crossings: Vec<(u32, usize, u8)>,
+    bound: Bound,
+}
+
+impl<T: PairTerm> ListOperator<T> {
+    /// An operator on the given parts with a term.
+    pub fn new(parts: ListParts, term: T) -> Self {
+        let total = parts.positions.len() + parts.ghosts.len();
+        let means = matches!(parts.exchange, Exchange::Mean(_));
+        let temperatures = means || T::ACTIVE;
+        let fields = Fields {
+            // Pipes take heat by potential under every exchange.
+            potential: if means && parts.sinks.is_empty() { Vec::new() } else { vec![0.0; total] },
+            temperature: if temperatures { vec![0.0; total] } else { Vec::new() },
+            conductivity: if temperatures { vec![0.0; total] } else { Vec::new() },
+        };
+        let faces: Vec<Vec<Face>> = parts
+            .materials
+            .thermals
+            .iter()
+            .map(|thermal| parts.boundary.first_faces(&thermal.curve, thermal.initial_potential))
+            .collect();
+        let count = parts.positions.len();
+        let mut crossings = Vec::new();
+        for i in 0..count {
+            for k in parts.pairs.starts[i]..parts.pairs.starts[i + 1] {
+                if let Some(ghost) = (parts.pairs.partners[k] as usize).checked_sub(count)
+                    && let Some(door) = parts.ghosts.pays[ghost]
+                {
+                    crossings.push((i as u32, k, door));
+                }
+            }
+        }
+        let bound = bound(&parts, &faces[0]);
+        let sink_heat = vec![0.0; parts.sinks.len()];
+        ListOperator { parts, term, fields, faces, sink_heat, crossings, bound }
+    }
+
+    /// Rates from the state of a scheme. `clock` feeds the term.
+    pub fn rate_of(
+        &mut self,
+        scheme: &dyn LatentScheme,
+        enthalpy: &[f64],
+        clock: &Clock,
+        rate: &mut [f64],
+        doors: &mut [f64],
+    ) {
+        self.term.begin(clock);
+        let parts = &self.parts;
+        scheme.read(&parts.materials, enthalpy, &mut self.fields);
+        for (faces, thermal) in self.faces.iter_mut().zip(parts.materials.thermals.iter()) {
+            parts.boundary.update_faces(faces, clock.time, &thermal.curve, thermal.initial_potential);
+        }
+        if !self.fields.potential.is_empty() {
+            parts.ghosts.fill_potentials(&mut self.fields.potential, &self.faces, &parts.materials);
+        }
+        if !self.fields.temperature.is_empty() {
+            let (temperature, conductivity) = (&mut self.fields.temperature, &mut self.fields.conductivity);
+            parts.ghosts.fill_temperatures(temperature, conductivity, &self.faces, &parts.materials);
+        }
+        doors.fill(0.0);
+        // The one place where exchange and materials become types.
+        match (parts.exchange, parts.materials.mixed()) {
+            (Exchange::Potential, false) => self.exchange(&|o, i, j| o.potential_difference(i, j), rate, doors),
+            (Exchange::Potential, true) => self.exchange(&|o, i, j| o.across_materials(i, j), rate, doors),
+            (Exchange::Mean(Mean::Harmonic), _) => {
+                self.exchange(&|o, i, j| o.by_mean(i, j, |a, b| 2.0 * a * b / (a + b)), rate, doors);
+            }
+            (Exchange::Mean(Mean::Arithmetic), _) => {
+                self.exchange(&|o, i, j| o.by_mean(i, j, |a, b| 0.5 * (a + b)), rate, doors);
+            }
+            (Exchange::Mean(Mean::Geometric), _) => {
+                self.exchange(&|o, i, j| o.by_mean(i, j, |a, b| (a * b).sqrt()), rate, doors);
+            }
+        }
+        let parts = &self.parts;
+        let walls = parts.boundary.doors.len();
+        for (sink, heat) in parts.sinks.iter().zip(&mut self.sink_heat) {
+            let material = parts.materials.of(sink.sample.first().map_or(0, |entry| entry.0 as usize));
+            let wall = material.potential_at(sink.temperature.at(clock.time));
+            *heat = sink.heat(|index| self.fields.potential[index], wall);
+            let taken = *heat * sink.share;
+            for (index, weight) in &sink.sample {
+                rate[*index as usize] -= taken * weight / parts.volume;
+            }
+            doors[walls + sink.ring] -= taken;
+        }
+    }
+
+    #[inline(always)]
+    fn exchange<F>(&self, conducted: &F, rate: &mut [f64], doors: &mut [f64])
+    where
+        F: Fn(&Self, usize, usize) -> f64 + Sync,
+    {
+        let pairs = &self.parts.pairs;
+        let row = |i: usize| {
+            let mut total = 0.0;
+            for k in pairs.starts[i]..pairs.starts[i + 1] {
+                total += self.flux(conducted, i, k);
+            }
+            total
+        };
+        let task = |(number, rates): (usize, &mut [f64])| {
+            for (offset, rate) in rates.iter_mut().enumerate() {
+                *rate = row(number * TASK + offset);
+            }
+        };
+        match &self.parts.pool {
+            Some(pool) if rate.len() > 2 * TASK => {
+                pool.install(|| rate.par_chunks_mut(TASK).enumerate().for_each(task));
+            }
+            _ => rate.chunks_mut(TASK).enumerate().for_each(task),
+        }
+        let mut sums = [Sum::default(); 8];
+        for (i, k, door) in &self.crossings {
+            sums[*door as usize].add(self.flux(conducted, *i as usize, *k));
+        }
+        for (door, sum) in doors.iter_mut().zip(&sums).take(self.parts.boundary.doors.len()) {
+            *door = sum.value() * self.parts.volume;
+        }
+    }
+
+    #[inline(always)]
+    fn flux<F: Fn(&Self, usize, usize) -> f64>(&self, conducted: &F, i: usize, k: usize) -> f64 {
+        let (j, weight) = (self.parts.pairs.partners[k] as usize, self.parts.pairs.weights[k]);
+        let conducted = conducted(self, i, j);
+        if !T::ACTIVE {
+            return weight * conducted;
+        }
+        let count = self.parts.positions.len();
+        let (name, stream) = match j.checked_sub(count) {
+            None => (j as u32, 0),
+            Some(ghost) => (self.parts.ghosts.identity[ghost], self.parts.ghosts.stream[ghost]),
+        };
+        let view =
+            PairView { names: (i as u32, name), stream, weight, conducted, indices: (i, j), fields: &self.fields };
+        weight * conducted + self.term.add(&view)
+    }
+
+    #[inline(always)]
+    fn potential_difference(&self, i: usize, j: usize) -> f64 {
+        self.fields.potential[j] - self.fields.potential[i]
+    }
+
+    #[inline(always)]
+    fn by_mean(&self, i: usize, j: usize, mean: impl Fn(f64, f64) -> f64) -> f64 {
+        let difference = self.fields.temperature[j] - self.fields.temperature[i];
+        mean(self.fields.conductivity[i], self.fields.conductivity[j]) * difference
+    }
+
+    fn material(&self, index: usize) -> usize {
+        let count = self.parts.positions.len();
+        match index.checked_sub(count) {
+            None => self.parts.materials.of_particle[index] as usize,
+            Some(ghost) => self.parts.ghosts.material(ghost, &self.parts.materials),
+        }
+    }
+
+    /// Two materials are two half-pairs in series that share the temperature of their interface.
+    #[inline]
+    fn across_materials(&self, i: usize, j: usize) -> f64 {
+        let (a, b) = (self.material(i), self.material(j));
+        let difference = self.fields.potential[j] - self.fields.potential[i];
+        if a == b {
+            return difference;
+        }
+        // Exchanging i and j must only turn the sign, so the solve always sees them in the same order.
+        let (low, high) = if i < j { (i, j) } else { (j, i) };
+        let (first, second) =
+            (&self.parts.materials.thermals[self.material(low)], &self.parts.materials.thermals[self.material(high)]);
+        let u_first = self.fields.potential[low] + first.initial_potential;
+        let u_second = self.fields.potential[high] + second.initial_potential;
+        let interface = first.curve.interface_temperature(u_first, &second.curve, u_second);
+        let out_of_first = 2.0 * (first.curve.potential(interface) - u_first);
+        if i < j { out_of_first } else { -out_of_first }
+    }
+}
+
+/// A scheme for [`Operator`] calls: enthalpy is the unknown.
+impl<T: PairTerm> ListOperator<T> {
+    /// Doors of the operator.
+    pub fn door_names(&self) -> Vec<String> {
+        let walls = self.parts.boundary.doors.iter().map(|door| door.name.to_string());
+        walls.chain(self.parts.rings.iter().cloned()).collect()
+    }
+
+    /// The explicit bound.
+    pub fn step_bound(&self) -> Bound {
+        self.bound.clone()
+    }
+
+    /// Pairs, each once.
+    pub fn pair_count(&self) -> u64 {
+        let count = self.parts.positions.len();
+        let inner = self.parts.pairs.partners.iter().filter(|j| (**j as usize) < count).count();
+        (inner / 2 + self.parts.pairs.partners.len() - inner) as u64
+    }
+
+    /// Materials.
+    pub fn materials(&self) -> &Materials {
+        &self.parts.materials
+    }
+}
+
+/// The list operator with enthalpy as its unknown, for the shared integrators.
+pub struct EnthalpyList {
+    /// The operator.
+    pub operator: ListOperator<Off>,
+    /// The scheme that reads enthalpies.
+    pub scheme: Box<dyn LatentScheme>,
+    /// Rates of one evaluation.
+    pub rate: Vec<f64>,
+}
+
+impl Operator for EnthalpyList {
+    fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], doors: &mut [f64]) {
+        let clock = Clock { time, step: 0.0, index: 0 };
+        self.operator.rate_of(self.scheme.as_ref(), enthalpy, &clock, rate, doors);
+    }
+
+    fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, doors: &mut [f64]) {
+        let clock = Clock { time, step, index: 0 };
+        self.operator.rate_of(self.scheme.as_ref(), enthalpy, &clock, &mut self.rate, doors);
+        for (h, rate) in enthalpy.iter_mut().zip(&self.rate) {
+            *h += step * rate;
+        }
+    }
+
+    fn bound(&self) -> Bound {
+        self.operator.step_bound()
+    }
+
+    fn doors(&self) -> Vec<String> {
+        self.operator.door_names()
+    }
+
+    fn pairs(&self) -> u64 {
+        self.operator.pair_count()
+    }
+}
+
+fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
+    let count = parts.positions.len();
+    let mut sums: Vec<f64> = (0..count)
+        .map(|i| {
+            let range = parts.pairs.starts[i]..parts.pairs.starts[i + 1];
+            let own: f64 = range.clone().map(|k| parts.pairs.weights[k]).sum();
+            let mirrored: f64 = range
+                .filter_map(|k| (parts.pairs.partners[k] as usize).checked_sub(count).map(|ghost| (k, ghost)))
+                .map(|(k, ghost)| parts.pairs.weights[k] * parts.ghosts.own_share(ghost, i as u32, faces))
+                .sum();
+            own + mirrored.max(0.0)
+        })
+        .collect();
+    for sink in &parts.sinks {
+        for (index, row_sum) in sink.row_sums(parts.spacing) {
+            sums[index] += row_sum;
+        }
+    }
+    // Pair means act with conductivities of either partner, so the largest of all against the least capacity.
+    let mut stiffest = (0.0, 0usize);
+    for (i, sum) in sums.iter().enumerate() {
+        let slope = match parts.exchange {
+            Exchange::Potential => parts.materials.of(i).largest_slope,
+            Exchange::Mean(_) => {
+                let thermals = &parts.materials.thermals;
+                let most = thermals.iter().map(|thermal| thermal.curve.most_conductive()).fold(0.0, f64::max);
+                most / parts.materials.of(i).curve.least_capacity()
+            }
+        };
+        // Across an interface a half-pair acts with twice its weight at most.
+        let doubled = if parts.materials.mixed() { 2.0 } else { 1.0 };
+        if sum * slope * doubled > stiffest.0 {
+            stiffest = (sum * slope * doubled, i);
+        }
+    }
+    let at = parts.positions[stiffest.1];
+    let cause = format!("pair exchange of particle {} at ({:.6}, {:.6}) m", stiffest.1, at.x, at.y);
+    Bound { step: if stiffest.0 > 0.0 { 1.0 / stiffest.0 } else { f64::INFINITY }, cause }
+}

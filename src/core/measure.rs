@@ -1,0 +1,487 @@
+//! How wrong a run is: its series against a reference.
+//!
+//! All measures are pure functions of the series that a run leaves, so a record can be judged again later. A
+//! measure that does not apply, or that the reference does not know, is absent and never zero.
+
+use std::collections::BTreeMap;
+
+use crate::record::{Errors, FrontRow, GapRow, RunResult, WallRow};
+use crate::reference::{Plane, Reference};
+use crate::scene::Scene;
+
+/// Temperatures on a plane count only farther than this many particle spacings from the wall of a pipe: an
+/// immersed pipe is smeared over them.
+const PIPE_SPACINGS: f64 = 2.0;
+
+/// Frozen volumes of rings are judged from the first day on (or a tenth of a shorter run): before, the frozen
+/// ground is a few particles, and daily tables do not resolve it.
+const VOLUME_FROM: f64 = 86_400.0;
+
+/// Thicknesses are judged from this multiple of the reference's closure on. At closure itself the wall between
+/// pipes has no thickness to be relative to, and the time of closure is a measure of its own.
+const THICKNESS_FROM: f64 = 1.25;
+
+/// Relative change of front^2/t over the window below which the reference's front follows the root of time.
+const ROOT_OF_TIME: f64 = 1e-6;
+
+/// Share of the duration by which the last row may miss the end.
+const AT_THE_END: f64 = 1e-9;
+
+/// Plane of a profile row, by its name in the series.
+enum ProfilePlane {
+    Line,
+    Ring(Plane),
+}
+
+impl ProfilePlane {
+    fn named(name: &str) -> Option<Self> {
+        match name {
+            "line" => Some(ProfilePlane::Line),
+            "main" => Some(ProfilePlane::Ring(Plane::Main)),
+            "interface" => Some(ProfilePlane::Ring(Plane::Interface)),
+            _ => None,
+        }
+    }
+
+    fn temperature(&self, reference: &dyn Reference, x: f64, t: f64) -> Option<f64> {
+        match self {
+            ProfilePlane::Line => reference.temperature(x, t),
+            ProfilePlane::Ring(plane) => reference.plane_temperature(*plane, x, t),
+        }
+    }
+
+    /// Whether a point of the profile counts.
+    fn counts(&self, scene: &Scene, spacing: f64, x: f64) -> bool {
+        match self {
+            ProfilePlane::Line => scene.watch.profile_length.is_none_or(|length| x <= length),
+            // With several rings the plane between two pipes of one may pass through a pipe of another.
+            ProfilePlane::Ring(Plane::Interface) if scene.rings.len() < 2 => true,
+            ProfilePlane::Ring(_) => scene
+                .rings
+                .iter()
+                .all(|ring| (x - ring.ring_radius).abs() >= ring.pipe_radius + PIPE_SPACINGS * spacing),
+        }
+    }
+}
+
+/// Fills the reference's columns of all series, the errors and the description of the reference.
+///
+/// `spacing` is the particle spacing of the run (m).
+pub fn attach(scene: &Scene, spacing: f64, result: &mut RunResult, reference: &dyn Reference) {
+    for row in &mut result.front {
+        row.front_ref_m = reference.front(row.time_s);
+    }
+    for row in &mut result.profiles {
+        row.temperature_ref_c =
+            ProfilePlane::named(&row.plane).and_then(|plane| plane.temperature(reference, row.x_m, row.time_s));
+    }
+    for row in &mut result.walls {
+        row.thickness_main_ref_m = reference.thickness(Plane::Main, row.time_s);
+        row.thickness_interface_ref_m = reference.thickness(Plane::Interface, row.time_s);
+        row.frozen_area_ref_m2 = reference.frozen_volume(row.time_s);
+    }
+    for row in &mut result.gaps {
+        row.closure_ref_s = reference.event("closure_day");
+    }
+    result.record.errors = errors(scene, spacing, result, reference);
+    result.record.reference = Some(reference.describe());
+}
+
+/// Errors of a run against a reference. `spacing` is the particle spacing of the run (m).
+pub fn errors(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn Reference) -> Errors {
+    let (least, greatest) = scene.temperature_range();
+    let points: Vec<(f64, f64)> = result
+        .profiles
+        .iter()
+        .filter_map(|row| {
+            let plane = ProfilePlane::named(&row.plane)?;
+            let expected = plane.temperature(reference, row.x_m, row.time_s)?;
+            plane.counts(scene, spacing, row.x_m).then_some((row.temperature_c, expected))
+        })
+        .collect();
+    let deviation = rms(points.iter().map(|(own, expected)| own - expected));
+    let largest = points.iter().map(|(own, expected)| (own - expected).abs()).reduce(f64::max);
+    let scale = points.iter().map(|(_, expected)| expected.abs()).reduce(f64::max);
+
+    let window: Vec<(f64, f64, f64)> = result
+        .front
+        .iter()
+        .filter(|row| row.time_s >= scene.watch.front_from)
+        .filter_map(|row| Some((row.time_s, row.front_m, positive(reference.front(row.time_s)?)?)))
+        .collect();
+
+    let volume_from = scene.watch.front_from.max(VOLUME_FROM.min(0.1 * scene.duration));
+    let closure = reference.event("closure_day");
+    let thickness_from = closure.map(|closure| THICKNESS_FROM * closure);
+    let wall_error = |from: Option<f64>, own: fn(&WallRow) -> f64, expected: &dyn Fn(f64) -> Option<f64>| {
+        let from = from?;
+        relative_rms(
+            result
+                .walls
+                .iter()
+                .filter(|row| row.time_s >= from)
+                .filter_map(|row| Some((own(row), positive(expected(row.time_s)?)?))),
+        )
+    };
+    Errors {
+        temperature_rms_rel: over(deviation, Some(greatest - least)),
+        temperature_rms_over_max_abs: over(deviation, scale),
+        temperature_max_rel: over(largest, Some(greatest - least)),
+        front_rms_rel: relative_rms(window.iter().map(|&(_, own, expected)| (own, expected))),
+        front_last_rel: front_last(scene, &result.front, reference),
+        front_constant_rel: front_constant(&window),
+        frozen_volume_rms_rel: wall_error(Some(volume_from), |row| row.frozen_area_m2, &|t| reference.frozen_volume(t)),
+        thickness_main_rms_rel: wall_error(thickness_from, |row| row.thickness_main_m, &|t| {
+            reference.thickness(Plane::Main, t)
+        }),
+        thickness_interface_rms_rel: wall_error(thickness_from, |row| row.thickness_interface_m, &|t| {
+            reference.thickness(Plane::Interface, t)
+        }),
+        events: closure_errors(&result.gaps, reference),
+    }
+}
+
+fn positive(value: f64) -> Option<f64> {
+    (value > 0.0).then_some(value)
+}
+
+fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+/// Root of the mean square; absent for no values and where one is not finite.
+fn rms(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let (mut count, mut sum) = (0_usize, 0.0);
+    for value in values {
+        count += 1;
+        sum += value * value;
+    }
+    if count == 0 { None } else { finite((sum / count as f64).sqrt()) }
+}
+
+/// Rms of the relative error of pairs of own and expected values.
+fn relative_rms(pairs: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
+    rms(pairs.map(|(own, expected)| (own - expected) / expected))
+}
+
+fn over(value: Option<f64>, scale: Option<f64>) -> Option<f64> {
+    finite(value? / positive(scale?)?)
+}
+
+/// Signed relative error of the front at the end of the scene; absent for a run that did not get there.
+fn front_last(scene: &Scene, front: &[FrontRow], reference: &dyn Reference) -> Option<f64> {
+    let last = front.last().filter(|row| row.time_s >= scene.duration * (1.0 - AT_THE_END))?;
+    let expected = positive(reference.front(last.time_s)?)?;
+    finite(last.front_m / expected - 1.0)
+}
+
+/// Signed relative error of the constant in `front = constant sqrt(t)`, fitted to the squares over a window of
+/// (time, front, reference); absent unless the reference's own front follows the root of time.
+fn front_constant(window: &[(f64, f64, f64)]) -> Option<f64> {
+    let rate = |&(time, _, expected): &(f64, f64, f64)| expected * expected / time;
+    let first = window.iter().find(|row| row.0 > 0.0).map(rate)?;
+    let is_root = |row: &(f64, f64, f64)| row.0 <= 0.0 || (rate(row) / first - 1.0).abs() < ROOT_OF_TIME;
+    if !window.iter().all(is_root) {
+        return None;
+    }
+    // Both fits go through the origin and share their denominator.
+    let moment = |of: fn(&(f64, f64, f64)) -> f64| window.iter().map(|row| row.0 * of(row) * of(row)).sum::<f64>();
+    let ratio = moment(|row| row.1) / positive(moment(|row| row.2))?;
+    finite(ratio.sqrt() - 1.0)
+}
+
+/// Signed relative errors of closure: of the mean over all gaps of the ring, and of the first and the last gap.
+/// While a gap is open there is neither mean nor last.
+fn closure_errors(gaps: &[GapRow], reference: &dyn Reference) -> BTreeMap<String, f64> {
+    let mut events = BTreeMap::new();
+    let mut note = |name: &str, own: Option<f64>| {
+        let expected = reference.event(name).or_else(|| reference.event("closure_day"));
+        let error = own.zip(expected.and_then(positive)).and_then(|(own, expected)| finite(own / expected - 1.0));
+        if let Some(error) = error {
+            events.insert(name.to_owned(), error);
+        }
+    };
+    let gaps = || gaps.iter().filter(|gap| gap.multiplicity > 0);
+    note("closure_day_first", gaps().filter_map(|gap| gap.closure_s).reduce(f64::min));
+    if gaps().all(|gap| gap.closure_s.is_some()) {
+        let weighted = |gap: &GapRow| gap.closure_s.map(|closure| closure * gap.multiplicity as f64);
+        let count: usize = gaps().map(|gap| gap.multiplicity).sum();
+        if count > 0 {
+            note("closure_day", Some(gaps().filter_map(weighted).sum::<f64>() / count as f64));
+        }
+        note("closure_day_last", gaps().filter_map(|gap| gap.closure_s).reduce(f64::max));
+    }
+    events
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{FreezingLaw, Material, Mixing, Phase};
+    use crate::record::{Outcome, ProfileRow, Record, ReferenceInfo};
+    use crate::scene::{Condition, Domain, PipeRing, ReferenceChoice, Sector, Series, TimeUnit, Units, Wall, Watch};
+
+    const DAY: f64 = 86_400.0;
+
+    /// A truth in simple closed forms.
+    struct Truth;
+
+    impl Reference for Truth {
+        fn describe(&self) -> ReferenceInfo {
+            ReferenceInfo { kind: "exact".into(), source: "made up".into(), error_estimate_rel: 0.0 }
+        }
+        fn temperature(&self, x: f64, _t: f64) -> Option<f64> {
+            Some(-20.0 + 10.0 * x)
+        }
+        fn plane_temperature(&self, plane: Plane, r: f64, _t: f64) -> Option<f64> {
+            Some(if plane == Plane::Main { r } else { 2.0 * r })
+        }
+        fn front(&self, t: f64) -> Option<f64> {
+            Some(0.1 * t.sqrt())
+        }
+        fn frozen_volume(&self, t: f64) -> Option<f64> {
+            (t >= DAY).then_some(t / DAY)
+        }
+        fn thickness(&self, plane: Plane, t: f64) -> Option<f64> {
+            Some(if plane == Plane::Main { 2.0 } else { (t / DAY - 10.0).max(0.0) })
+        }
+        fn event(&self, name: &str) -> Option<f64> {
+            (name == "closure_day").then_some(10.0 * DAY)
+        }
+    }
+
+    /// A truth whose front does not follow the root of time, and that knows nothing else.
+    struct Slowing;
+
+    impl Reference for Slowing {
+        fn describe(&self) -> ReferenceInfo {
+            ReferenceInfo { kind: "table".into(), source: "made up".into(), error_estimate_rel: 0.0 }
+        }
+        fn front(&self, t: f64) -> Option<f64> {
+            Some(t.sqrt() / (1.0 + 1e-3 * t))
+        }
+    }
+
+    fn scene(domain: Domain, duration: f64) -> Scene {
+        let phase = Phase { conductivity: 1.0, heat_capacity: 1.0 };
+        Scene {
+            name: "test".into(),
+            title: String::new(),
+            source: String::new(),
+            units: Units::Si,
+            time_unit: TimeUnit::Second,
+            domain,
+            duration,
+            materials: vec![Material {
+                name: "soil".into(),
+                density: 1.0,
+                frozen: phase,
+                unfrozen: phase,
+                freezing_point: 0.0,
+                latent_heat: 1.0,
+                law: FreezingLaw::Isothermal,
+                mixing: Mixing::Arithmetic,
+            }],
+            regions: Vec::new(),
+            initial_temperature: 5.0,
+            walls: vec![Wall { name: "left", condition: Condition::Temperature(Series::Constant(-20.0)) }],
+            rings: Vec::new(),
+            watch: Watch {
+                outputs: 10,
+                profiles: Vec::new(),
+                probes: Vec::new(),
+                profile_length: None,
+                front_from: 0.0,
+            },
+            reference: ReferenceChoice::Auto,
+            methods: Vec::new(),
+            hash: String::new(),
+        }
+    }
+
+    fn ring_scene() -> Scene {
+        let mut scene = scene(Domain::Ring { outer_radius: 15.0, sector: Sector::Quarter }, 100.0 * DAY);
+        scene.rings.push(PipeRing {
+            count: 26,
+            ring_radius: 5.0,
+            first_angle: 0.0,
+            pipe_radius: 0.05,
+            temperature: Series::Constant(-20.0),
+        });
+        scene
+    }
+
+    fn empty_result() -> RunResult {
+        RunResult {
+            record: Record {
+                frazil_version: String::new(),
+                scene: String::new(),
+                title: String::new(),
+                scene_hash: String::new(),
+                method: String::new(),
+                settings: BTreeMap::new(),
+                units: "si".into(),
+                particles: 0,
+                pairs: 0,
+                steps: 0,
+                pair_evaluations: 0,
+                particle_updates: 0,
+                step_s: 0.0,
+                step_bound_s: 0.0,
+                step_limit: String::new(),
+                threads: 1,
+                seed: 1,
+                setup_wall_s: 0.0,
+                setup_cpu_s: 0.0,
+                solve_wall_s: 0.0,
+                solve_cpu_s: 0.0,
+                peak_memory_bytes: None,
+                outcome: Outcome::Ok,
+                cause: None,
+                energy_balance_rel: 0.0,
+                bounds_violation_rel: None,
+                errors: Errors::default(),
+                reference: None,
+                spared: Vec::new(),
+                differences: Vec::new(),
+                state_hash: String::new(),
+            },
+            front: Vec::new(),
+            profiles: Vec::new(),
+            probes: Vec::new(),
+            budget_names: Vec::new(),
+            budget: Vec::new(),
+            walls: Vec::new(),
+            gaps: Vec::new(),
+            fields: Vec::new(),
+        }
+    }
+
+    fn profile(plane: &str, x_m: f64, temperature_c: f64) -> ProfileRow {
+        let plane = plane.into();
+        ProfileRow { time_s: 1.0, x_m, temperature_c, temperature_ref_c: None, frozen_fraction: 0.0, plane }
+    }
+
+    fn front(time_s: f64, front_m: f64) -> FrontRow {
+        FrontRow { time_s, front_m, front_ref_m: None }
+    }
+
+    fn gap(gap: usize, multiplicity: usize, days: Option<f64>) -> GapRow {
+        let closure_s = days.map(|days| days * DAY);
+        GapRow { gap, angle_deg: 0.0, multiplicity, closure_s, closure_ref_s: None }
+    }
+
+    fn close(own: Option<f64>, expected: f64) {
+        assert!(own.is_some_and(|own| (own - expected).abs() < 1e-12), "{own:?} against {expected}");
+    }
+
+    #[test]
+    fn temperatures_are_relative_to_the_range_of_the_data() {
+        let mut scene = scene(Domain::Line { length: 3.0 }, 1.0);
+        let mut result = empty_result();
+        result.profiles = vec![profile("line", 0.0, -20.0), profile("line", 1.0, -7.0), profile("line", 2.0, -4.0)];
+        let found = errors(&scene, 0.1, &result, &Truth);
+        // Errors 0, 3 and -4 over a range of 25; the greatest magnitude of the truth is 20.
+        close(found.temperature_rms_rel, (25.0_f64 / 3.0).sqrt() / 25.0);
+        close(found.temperature_rms_over_max_abs, (25.0_f64 / 3.0).sqrt() / 20.0);
+        close(found.temperature_max_rel, 4.0 / 25.0);
+        scene.watch.profile_length = Some(1.5);
+        close(errors(&scene, 0.1, &result, &Truth).temperature_max_rel, 3.0 / 25.0);
+    }
+
+    #[test]
+    fn a_diverged_run_has_no_errors_rather_than_nonsense() {
+        let scene = scene(Domain::Line { length: 3.0 }, 4.0);
+        let mut result = empty_result();
+        result.profiles = vec![profile("line", 0.0, f64::NAN)];
+        result.front = vec![front(4.0, f64::INFINITY)];
+        assert_eq!(errors(&scene, 0.1, &result, &Truth), Errors::default());
+        assert_eq!(errors(&scene, 0.1, &empty_result(), &Truth), Errors::default());
+    }
+
+    #[test]
+    fn points_beside_a_pipe_do_not_count() {
+        let scene = ring_scene();
+        let mut result = empty_result();
+        // 0.2 m of smear and 0.05 m of pipe: 4.8 m is inside, 4.7 m outside. Nothing is left out between pipes.
+        result.profiles = vec![profile("main", 4.8, 100.0), profile("main", 4.7, 4.7 + 2.5)];
+        close(errors(&scene, 0.1, &result, &Truth).temperature_max_rel, 0.1);
+        result.profiles.push(profile("interface", 5.0, 10.0 + 5.0));
+        close(errors(&scene, 0.1, &result, &Truth).temperature_max_rel, 0.2);
+        result.profiles.push(profile("elsewhere", 5.0, 1e9));
+        close(errors(&scene, 0.1, &result, &Truth).temperature_max_rel, 0.2);
+    }
+
+    #[test]
+    fn the_front_is_judged_inside_its_window() {
+        let mut scene = scene(Domain::Line { length: 3.0 }, 16.0);
+        scene.watch.front_from = 4.0;
+        let mut result = empty_result();
+        result.front = vec![front(1.0, 9.9), front(4.0, 0.2 * 1.03), front(9.0, 0.3), front(16.0, 0.4 * 0.96)];
+        let found = errors(&scene, 0.1, &result, &Truth);
+        close(found.front_rms_rel, (0.0025_f64 / 3.0).sqrt());
+        close(found.front_last_rel, -0.04);
+        let moment = 4.0 * 4.0 * 1.03 * 1.03 + 9.0 * 9.0 + 16.0 * 16.0 * 0.96 * 0.96;
+        close(found.front_constant_rel, (moment / (16.0_f64 + 81.0 + 256.0)).sqrt() - 1.0);
+        result.front.pop();
+        assert_eq!(errors(&scene, 0.1, &result, &Truth).front_last_rel, None, "the run did not end");
+    }
+
+    #[test]
+    fn a_front_constant_needs_a_front_that_has_one() {
+        let scene = scene(Domain::Line { length: 3.0 }, 16.0);
+        let mut result = empty_result();
+        result.front = [4.0, 9.0, 16.0].map(|t: f64| front(t, 1.01 * Slowing.front(t).unwrap_or(0.0))).to_vec();
+        let found = errors(&scene, 0.1, &result, &Slowing);
+        close(found.front_rms_rel, 0.01);
+        assert_eq!(found.front_constant_rel, None);
+    }
+
+    #[test]
+    fn a_ring_is_judged_by_volume_thickness_and_closure() {
+        let scene = ring_scene();
+        let mut result = empty_result();
+        let wall = |day: f64, area: f64, main: f64, interface: f64| WallRow {
+            time_s: day * DAY,
+            thickness_main_m: main,
+            thickness_main_ref_m: None,
+            thickness_interface_m: interface,
+            thickness_interface_ref_m: None,
+            frozen_area_m2: area,
+            frozen_area_ref_m2: None,
+            heat_per_pipe_w_per_m: 0.0,
+        };
+        // Half a day does not count at all, eleven days not for thickness.
+        result.walls =
+            vec![wall(0.5, 99.0, 99.0, 99.0), wall(11.0, 11.0 * 1.03, 99.0, 99.0), wall(20.0, 20.0 * 0.96, 2.2, 9.0)];
+        result.gaps = vec![gap(0, 1, Some(9.0)), gap(1, 2, Some(10.0)), gap(2, 1, Some(13.0))];
+        let found = errors(&scene, 0.1, &result, &Truth);
+        close(found.frozen_volume_rms_rel, (0.0025_f64 / 2.0).sqrt());
+        close(found.thickness_main_rms_rel, 0.1);
+        close(found.thickness_interface_rms_rel, 0.1);
+        close(found.events.get("closure_day").copied(), 0.05);
+        close(found.events.get("closure_day_first").copied(), -0.1);
+        close(found.events.get("closure_day_last").copied(), 0.3);
+        result.gaps[2].closure_s = None;
+        let open = errors(&scene, 0.1, &result, &Truth).events;
+        assert_eq!(open.keys().collect::<Vec<_>>(), ["closure_day_first"]);
+        assert!(errors(&scene, 0.1, &result, &Slowing).events.is_empty());
+    }
+
+    #[test]
+    fn attaching_fills_the_columns_of_the_reference() {
+        let scene = ring_scene();
+        let mut result = empty_result();
+        result.front = vec![front(4.0, 0.2)];
+        result.profiles = vec![profile("main", 4.0, 4.0), profile("elsewhere", 1.0, 1.0)];
+        result.gaps = vec![gap(0, 26, None)];
+        attach(&scene, 0.1, &mut result, &Truth);
+        assert_eq!(result.front[0].front_ref_m, Some(0.2));
+        assert_eq!(result.profiles[0].temperature_ref_c, Some(4.0));
+        assert_eq!(result.profiles[1].temperature_ref_c, None);
+        assert_eq!(result.gaps[0].closure_ref_s, Some(10.0 * DAY));
+        assert_eq!(result.record.reference.as_ref().map(|info| info.kind.as_str()), Some("exact"));
+        assert_eq!(result.record.errors.temperature_rms_rel, Some(0.0));
+        assert_eq!(result.record.errors.events.len(), 0);
+    }
+}

@@ -1,0 +1,146 @@
+//! Freeze pipes: line sinks of true radius at their exact position.
+//!
+//! The ground is sampled and the heat spread with one regularised delta. The ground within the delta's own
+//! effective radius belongs to the sink; the annulus from there to the pipe's wall is a resistance:
+//! `q = (U_sampled - U_pipe) / R`, `R = S - c - ln(r/dx) / 2 pi`, `S = sum a_i a_j g_ij` (lattice Green's function).
+
+use glam::DVec2;
+
+use crate::green::Green;
+use crate::lattice::Lattice;
+use crate::scene::{Pipe, Series};
+
+/// Stretches of the delta that are tried, in order.
+const STRETCHES: [f64; 14] = [1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0];
+
+/// Least resistance (in units of 1 / conductivity) that is accepted: below, the sink would limit the step.
+const LEAST_RESISTANCE: f64 = 0.03;
+
+/// A pipe joined to particles.
+#[derive(Debug, Clone)]
+pub struct Sink {
+    /// Ring to which the pipe belongs.
+    pub ring: usize,
+    /// Particles and the weights with which they are sampled; images behind mirror planes are folded in.
+    pub sample: Vec<(u32, f64)>,
+    /// Share of the pipe that belongs to this sector: 1/2 on a mirror plane.
+    pub share: f64,
+    /// Resistance between the sampled ground and the pipe's wall, times conductivity (-).
+    pub resistance: f64,
+    /// Temperature of the pipe's wall.
+    pub temperature: Series,
+    /// Where the delta is at work: centre (m) and half width (m).
+    pub extent: (DVec2, f64),
+}
+
+/// Peskin's four-point delta in one direction, at a distance in cells.
+fn peskin(distance: f64) -> f64 {
+    let r = distance.abs();
+    if r <= 1.0 {
+        (3.0 - 2.0 * r + (1.0 + 4.0 * r - 4.0 * r * r).max(0.0).sqrt()) / 8.0
+    } else if r <= 2.0 {
+        (5.0 - 2.0 * r - (-7.0 + 12.0 * r - 4.0 * r * r).max(0.0).sqrt()) / 8.0
+    } else {
+        0.0
+    }
+}
+
+/// Cells and weights of a delta at `centre` (in cells), stretched.
+fn delta(centre: DVec2, stretch: f64) -> Vec<((i64, i64), f64)> {
+    let half = (2.0 * stretch).ceil() as i64;
+    let (x0, y0) = (centre.x.floor() as i64, centre.y.floor() as i64);
+    let mut cells: Vec<((i64, i64), f64)> = (y0 - half..=y0 + half + 1)
+        .flat_map(|y| (x0 - half..=x0 + half + 1).map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let weight = peskin((x as f64 - centre.x) / stretch) * peskin((y as f64 - centre.y) / stretch);
+            ((x, y), weight)
+        })
+        .filter(|cell| cell.1 > 0.0)
+        .collect();
+    let total: f64 = cells.iter().map(|cell| cell.1).sum();
+    cells.iter_mut().for_each(|cell| cell.1 /= total);
+    cells
+}
+
+/// Widest offset between two cells of any delta that may be tried, capped to what the spacing needs.
+pub fn green_reach(pipe_radius: f64, spacing: f64) -> usize {
+    let stretch = STRETCHES.iter().copied().find(|s| *s >= 1.5 * pipe_radius / spacing + 1.0).unwrap_or(16.0);
+    2 * ((2.0 * stretch).ceil() as usize + 1)
+}
+
+/// Joins a pipe to the particles of a lattice. `mirrors` tells for x and y whether the axis is a mirror plane.
+pub fn immerse(
+    pipe: &Pipe,
+    ring: usize,
+    lattice: &Lattice,
+    mirrors: (bool, bool),
+    green: &Green,
+) -> Result<Option<Sink>, String> {
+    let centre = DVec2::new(pipe.x, pipe.y);
+    let tolerance = 1e-9 * (centre.length() + lattice.spacing);
+    if (mirrors.0 && centre.x < -tolerance) || (mirrors.1 && centre.y < -tolerance) {
+        return Ok(None);
+    }
+    let on_plane = |mirror: bool, distance: f64| mirror && distance.abs() <= tolerance;
+    let share =
+        if on_plane(mirrors.0, centre.x) { 0.5 } else { 1.0 } * if on_plane(mirrors.1, centre.y) { 0.5 } else { 1.0 };
+    let in_cells = lattice.to_cells(centre);
+    for stretch in STRETCHES {
+        let cells = delta(in_cells, stretch);
+        let widest = cells
+            .iter()
+            .map(|((x, y), _)| ((*x as f64 - in_cells.x).abs().max((*y as f64 - in_cells.y).abs())).ceil() as usize);
+        if 2 * widest.max().unwrap_or(0) > green.reach() + 1 {
+            break;
+        }
+        let own: f64 = cells
+            .iter()
+            .flat_map(|((x, y), a)| cells.iter().map(move |((u, v), b)| a * b * green.at(x - u, y - v)))
+            .sum();
+        let resistance = own - green.far_constant - (pipe.radius / lattice.spacing).ln() / (2.0 * std::f64::consts::PI);
+        if resistance < LEAST_RESISTANCE {
+            continue;
+        }
+        let mut sample: Vec<(u32, f64)> = Vec::with_capacity(cells.len());
+        for ((x, y), weight) in cells {
+            let fold = |mirror: bool, cell: i64| if mirror && cell < 0 { -1 - cell } else { cell };
+            let Some(index) = lattice.index(fold(mirrors.0, x), fold(mirrors.1, y)) else {
+                return Err(format!(
+                    "the pipe at ({:.4}, {:.4}) m lies too close to a wall for particles {} m apart: {:.3} m are needed",
+                    pipe.x,
+                    pipe.y,
+                    lattice.spacing,
+                    (2.0 * stretch + 1.0) * lattice.spacing
+                ));
+            };
+            match sample.iter_mut().find(|entry| entry.0 as usize == index) {
+                Some(entry) => entry.1 += weight,
+                None => sample.push((index as u32, weight)),
+            }
+        }
+        sample.sort_unstable_by_key(|entry| entry.0);
+        let extent = (centre, 2.0 * stretch * lattice.spacing);
+        return Ok(Some(Sink { ring, sample, share, resistance, temperature: pipe.temperature.clone(), extent }));
+    }
+    Err(format!(
+        "the pipe of radius {} m is too wide for a line sink on particles {} m apart; a spacing of at least {:.3} m is needed",
+        pipe.radius,
+        lattice.spacing,
+        pipe.radius / 6.0
+    ))
+}
+
+impl Sink {
+    /// Heat (W/m) that the whole pipe takes from the ground, from the potentials of its particles.
+    #[inline]
+    pub fn heat(&self, potential: impl Fn(usize) -> f64, pipe_potential: f64) -> f64 {
+        let sampled: f64 = self.sample.iter().map(|(index, weight)| weight * potential(*index as usize)).sum();
+        (sampled - pipe_potential) / self.resistance
+    }
+
+    /// What the sink adds to the row sum of a particle (m^-2), by particle.
+    pub fn row_sums(&self, spacing: f64) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let scale = self.share / (self.resistance * spacing * spacing);
+        self.sample.iter().map(move |(index, weight)| (*index as usize, weight * weight * scale))
+    }
+}

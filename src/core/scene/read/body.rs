@@ -1,0 +1,244 @@
+//! The body and what surrounds it: domain, walls, pipes.
+
+use super::range::{Range, all_of, plain};
+use super::section::{Key, Section};
+use crate::material::Material;
+use crate::scene::{Condition, Domain, PipeRing, ReferenceChoice, Region, Sector, Wall};
+
+/// Pipes of one ring, and rings, that a scene may have; their distances are checked pair by pair.
+const MOST_PIPES: usize = 1000;
+const MOST_RINGS: usize = 20;
+
+pub(super) fn domain(root: &mut Section<'_>) -> Option<Domain> {
+    let mut section = root.section("domain")?;
+    match section.only_one(&["line".into(), "rectangle".into(), "ring".into()])? {
+        0 => {
+            let mut line = section.section("line")?;
+            Some(Domain::Line { length: line.positive(("length", "m"))? })
+        }
+        1 => {
+            let mut rectangle = section.section("rectangle")?;
+            let (width, height) = (rectangle.positive(("width", "m")), rectangle.positive(("height", "m")));
+            Some(Domain::Rectangle { width: width?, height: height? })
+        }
+        _ => {
+            let mut ring = section.section("ring")?;
+            let outer_radius = ring.positive(("outer_radius", "m"));
+            let sectors = [("quarter", Sector::Quarter), ("half", Sector::Half), ("whole", Sector::Whole)];
+            let sector = ring.choice("sector", &sectors);
+            Some(Domain::Ring { outer_radius: outer_radius?, sector: sector? })
+        }
+    }
+}
+
+/// Names of the walls that a domain has.
+pub(super) fn wall_names(domain: &Domain) -> &'static [&'static str] {
+    match domain {
+        Domain::Line { .. } => &["left", "right"],
+        Domain::Rectangle { .. } => &["left", "right", "bottom", "top"],
+        Domain::Ring { .. } => &["outer"],
+    }
+}
+
+pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Wall> {
+    let mut walls = Vec::new();
+    let mut given = Vec::new();
+    for (name, mut wall) in section.named_sections() {
+        if let Some(domain) = domain {
+            let names = wall_names(domain);
+            let Some(known) = names.iter().find(|known| **known == name) else {
+                let kind = match domain {
+                    Domain::Line { .. } => "line",
+                    Domain::Rectangle { .. } => "rectangle",
+                    Domain::Ring { .. } => "ring",
+                };
+                let names = all_of(names.iter().copied());
+                wall.section_problem(format!("the domain has no such wall, a {kind} has {names}"));
+                wall.abandon();
+                continue;
+            };
+            if let Some(condition) = condition(&mut wall) {
+                walls.push(Wall { name: known, condition });
+            }
+        } else {
+            condition(&mut wall);
+        }
+        given.push(name);
+    }
+    if let Some(domain) = domain {
+        let names = wall_names(domain);
+        for name in names.iter().filter(|name| !given.iter().any(|given| given == *name)) {
+            section.note(name, "missing, must have a condition as every wall of the domain");
+        }
+        walls.sort_by_key(|wall| names.iter().position(|name| *name == wall.name));
+    }
+    walls
+}
+
+fn condition(wall: &mut Section<'_>) -> Option<Condition> {
+    const TEMPERATURE: (&str, &str) = ("temperature", "c");
+    const FLUX: (&str, &str) = ("flux", "W_per_m2");
+    const COEFFICIENT: (&str, &str) = ("coefficient", "W_per_m2_K");
+    const AMBIENT: (&str, &str) = ("ambient", "c");
+    let keys: [Key; 4] = [TEMPERATURE.into(), FLUX.into(), COEFFICIENT.into(), "condition".into()];
+    let found = wall.only_one(&keys);
+    if found != Some(2) {
+        let reason = format!("only a wall with \"{}\" has surroundings", keys[2].written(wall.units()));
+        wall.refuse(AMBIENT, &reason);
+    }
+    let temperatures = Range::above(wall.units().absolute_zero());
+    match found? {
+        0 => wall.series(TEMPERATURE, temperatures).map(Condition::Temperature),
+        1 => wall.series(FLUX, Range::ANY).map(Condition::Flux),
+        2 => {
+            let coefficient = wall.series(COEFFICIENT, Range::NOT_NEGATIVE);
+            let ambient = wall.series(AMBIENT, temperatures);
+            Some(Condition::Convection { coefficient: coefficient?, ambient: ambient? })
+        }
+        _ => wall.choice("condition", &[("symmetry", Condition::Symmetry), ("exact", Condition::Exact)]),
+    }
+}
+
+/// Whether walls that hold the exact solution have one: a similarity solution of a half-space.
+pub(super) fn exact_walls(
+    section: &mut Section<'_>,
+    domain: &Domain,
+    walls: &[Wall],
+    (materials, regions): (&[Material], &[Region]),
+    reference: &ReferenceChoice,
+) {
+    if walls.len() < wall_names(domain).len() {
+        return;
+    }
+    for wall in walls.iter().filter(|wall| wall.condition == Condition::Exact) {
+        let opposite = match wall.name {
+            "left" => "right",
+            "right" => "left",
+            "bottom" => "top",
+            "top" => "bottom",
+            _ => "",
+        };
+        let constant = |other: &Wall| matches!(&other.condition, Condition::Temperature(series) if series.range().0 == series.range().1);
+        let reason = if matches!(domain, Domain::Ring { .. }) {
+            Some("a ring has no exact solution".to_owned())
+        } else if !walls.iter().any(|other| other.name == opposite && constant(other)) {
+            Some(format!("the wall \"{opposite}\" must have a constant temperature"))
+        } else if let Some(other) = walls
+            .iter()
+            .find(|other| other.name != wall.name && other.name != opposite && other.condition != Condition::Symmetry)
+        {
+            Some(format!("the wall \"{}\" must be a symmetry plane", other.name))
+        } else if !regions.is_empty() || materials.len() > 1 {
+            Some("the body must be of one material".to_owned())
+        } else if matches!(reference, ReferenceChoice::Table(_) | ReferenceChoice::Local) {
+            Some("the reference must be \"exact\" or \"auto\"".to_owned())
+        } else {
+            None
+        };
+        if let Some(reason) = reason {
+            section.note(wall.name, format!("condition \"exact\" needs an exact solution: {reason}"));
+        }
+    }
+}
+
+pub(super) fn pipes(root: &mut Section<'_>, domain: Option<&Domain>) -> Vec<PipeRing> {
+    let mut rings: Vec<PipeRing> = Vec::new();
+    let mut complete = true;
+    let mut sections = root.sections("pipes");
+    if let (Some(first), Some(Domain::Line { .. } | Domain::Rectangle { .. })) = (sections.first_mut(), domain) {
+        first.section_problem("a ring of pipes needs the domain \"ring\"");
+        complete = false;
+    }
+    if sections.len() > MOST_RINGS {
+        root.problem("pipes", format!("found {} rings, must be at most {MOST_RINGS}", sections.len()));
+        complete = false;
+    }
+    for section in &mut sections {
+        let Some(ring) = ring(section) else {
+            complete = false;
+            continue;
+        };
+        if let (Some(Domain::Ring { outer_radius, sector }), true) = (domain, complete) {
+            ring_in_domain(section, &ring, *outer_radius, *sector);
+            for (index, other) in rings.iter().enumerate() {
+                if overlap(&ring, other) {
+                    section.section_problem(format!("its pipes overlap those of \"pipes.{index}\""));
+                }
+            }
+        }
+        rings.push(ring);
+    }
+    rings
+}
+
+fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
+    let count = section.integer("count", 1..=MOST_PIPES);
+    let ring_radius = section.number(("ring_radius", "m"), Range::NOT_NEGATIVE);
+    let first_angle = section.number_or(("first_angle", "deg"), 0.0, Range::ANY);
+    let pipe_radius = section.positive(("pipe_radius", "m"));
+    let temperature = section.series(("temperature", "c"), Range::above(section.units().absolute_zero()));
+    Some(PipeRing {
+        count: count?,
+        ring_radius: ring_radius?,
+        first_angle: first_angle.to_radians(),
+        pipe_radius: pipe_radius?,
+        temperature: temperature?,
+    })
+}
+
+fn ring_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64, sector: Sector) {
+    if ring.ring_radius + ring.pipe_radius >= outer_radius {
+        let message = format!(
+            "found {}, the pipes must lie inside the outer radius {}",
+            plain(ring.ring_radius),
+            plain(outer_radius)
+        );
+        section.problem(("ring_radius", "m"), message);
+    }
+    let chord = 2.0 * ring.ring_radius * (std::f64::consts::PI / ring.count as f64).sin();
+    if ring.count > 1 && chord <= 2.0 * ring.pipe_radius {
+        let message = format!(
+            "found {}, must be less than half of {}, the distance of neighbouring pipes",
+            plain(ring.pipe_radius),
+            plain(chord)
+        );
+        section.problem(("pipe_radius", "m"), message);
+    }
+    if ring.count == 1 && ring.ring_radius == 0.0 {
+        return;
+    }
+    // A mirror maps the angle a to -a or to 180 degrees - a; the ring repeats every 360 / count degrees.
+    let step = 360.0 / ring.count as f64;
+    let first = ring.first_angle.to_degrees();
+    let whole = |turns: f64| (turns - turns.round()).abs() < 1e-9 * turns.abs().max(1.0);
+    let across_x_axis = whole(2.0 * first / step);
+    let across_y_axis = whole((180.0 - 2.0 * first) / step);
+    let symmetric = match sector {
+        Sector::Whole => true,
+        Sector::Half => across_x_axis,
+        Sector::Quarter => across_x_axis && across_y_axis,
+    };
+    if symmetric {
+        return;
+    }
+    if sector == Sector::Quarter && !ring.count.is_multiple_of(2) {
+        let message = format!("found {}, must be even for the mirror planes of a quarter", ring.count);
+        section.problem("count", message);
+    } else {
+        let message = format!(
+            "found {}, must be a multiple of {}, half the angle between pipes, for the mirror planes of the sector",
+            plain(first),
+            plain(step / 2.0)
+        );
+        section.problem(("first_angle", "deg"), message);
+    }
+}
+
+fn overlap(a: &PipeRing, b: &PipeRing) -> bool {
+    let reach = a.pipe_radius + b.pipe_radius;
+    if (a.ring_radius - b.ring_radius).abs() > reach {
+        return false;
+    }
+    let others = b.pipes();
+    a.pipes().iter().any(|pipe| others.iter().any(|other| (pipe.x - other.x).hypot(pipe.y - other.y) <= reach))
+}

@@ -1,0 +1,195 @@
+//! Materials and the boxes that they fill.
+
+use super::range::{Range, one_of, plain};
+use super::section::Section;
+use crate::material::{FreezingLaw, Material, Mixing, Phase};
+use crate::scene::{Domain, Region, Sector};
+
+/// Reads all materials; one that has a problem keeps its place, for its name.
+pub(super) fn materials(section: &mut Section<'_>) -> Vec<(String, Option<Material>)> {
+    let found: Vec<_> = section
+        .named_sections()
+        .into_iter()
+        .map(|(name, mut table)| {
+            let material = material(&name, &mut table);
+            (name, material)
+        })
+        .collect();
+    if found.is_empty() {
+        section.section_problem("missing, must have at least one material, as [materials.water]");
+    }
+    found
+}
+
+fn material(name: &str, section: &mut Section<'_>) -> Option<Material> {
+    let density = section.positive(("density", "kg_per_m3"));
+    let frozen = section.section("frozen").and_then(phase);
+    let unfrozen = section.section("unfrozen").and_then(phase);
+    let freezing = section.section("freezing").and_then(freezing);
+    let freezing = freezing?;
+    Some(Material {
+        name: name.to_owned(),
+        density: density?,
+        frozen: frozen?,
+        unfrozen: unfrozen?,
+        freezing_point: freezing.point,
+        latent_heat: freezing.latent_heat,
+        law: freezing.law,
+        mixing: freezing.mixing,
+    })
+}
+
+fn phase(mut section: Section<'_>) -> Option<Phase> {
+    let conductivity = section.positive(("conductivity", "W_per_m_K"));
+    let heat_capacity = section.positive(("heat_capacity", "J_per_kg_K"));
+    Some(Phase { conductivity: conductivity?, heat_capacity: heat_capacity? })
+}
+
+struct Freezing {
+    point: f64,
+    latent_heat: f64,
+    law: FreezingLaw,
+    mixing: Mixing,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Law {
+    None,
+    Isothermal,
+    Linear,
+    Weibull,
+}
+
+fn freezing(mut section: Section<'_>) -> Option<Freezing> {
+    const LATENT_HEAT: (&str, &str) = ("latent_heat", "J_per_kg");
+    const WIDTH: (&str, &str) = ("width", "K");
+    let laws =
+        [("none", Law::None), ("isothermal", Law::Isothermal), ("linear", Law::Linear), ("weibull", Law::Weibull)];
+    let coldest = section.units().absolute_zero();
+    let law = section.choice("law", &laws);
+    let point = section.number(("temperature", "c"), Range::above(coldest));
+    let mixings = [("arithmetic", Mixing::Arithmetic), ("geometric", Mixing::Geometric)];
+    let Some(law) = law else {
+        // Which of the other keys belong depends on the law.
+        section.abandon();
+        return None;
+    };
+    let latent_heat = if law == Law::None {
+        section.refuse(LATENT_HEAT, "law \"none\" has no latent heat");
+        section.refuse("mixing", "law \"none\" has no partly frozen state");
+        Some(0.0)
+    } else {
+        section.positive(LATENT_HEAT)
+    };
+    let mixing = match law {
+        Law::None => Mixing::Arithmetic,
+        Law::Weibull => section.choice_or("mixing", &mixings, Mixing::Geometric),
+        _ => section.choice_or("mixing", &mixings, Mixing::Arithmetic),
+    };
+    let width = if matches!(law, Law::Linear | Law::Weibull) {
+        section.positive(WIDTH)
+    } else {
+        section.refuse(WIDTH, "only the laws \"linear\" and \"weibull\" have a width");
+        None
+    };
+    if law != Law::Weibull {
+        section.refuse("residual_fraction", "only the law \"weibull\" leaves a residue");
+    }
+    let law = match law {
+        Law::None => FreezingLaw::None,
+        Law::Isothermal => FreezingLaw::Isothermal,
+        Law::Linear => {
+            let width = width?;
+            if let Some(point) = point
+                && point - width <= coldest
+            {
+                let message = format!("found {}, must end above absolute zero, {}", plain(width), plain(coldest));
+                section.problem(WIDTH, message);
+            }
+            FreezingLaw::Linear { width }
+        }
+        Law::Weibull => {
+            let residual = section.number_or("residual_fraction", 0.0, Range::from_to_below(0.0, 1.0));
+            FreezingLaw::Weibull { width: width?, residual }
+        }
+    };
+    Some(Freezing { point: point?, latent_heat: latent_heat?, law, mixing })
+}
+
+/// Reads the regions and checks that every material has a place.
+pub(super) fn regions(
+    root: &mut Section<'_>,
+    materials_section: &mut Section<'_>,
+    domain: Option<&Domain>,
+    names: &[String],
+) -> Vec<Region> {
+    let mut used = vec![false; names.len()];
+    if let Some(first) = used.first_mut() {
+        *first = true;
+    }
+    let mut regions = Vec::new();
+    for mut section in root.sections("regions") {
+        let material = section.text("material").and_then(|name| {
+            let index = names.iter().position(|known| *known == name);
+            if index.is_none() {
+                let allowed = one_of(names.iter().map(String::as_str));
+                section.problem("material", format!("found \"{}\", must be {allowed}", name.escape_debug()));
+            }
+            index
+        });
+        if let Some(index) = material {
+            used[index] = true;
+        }
+        let Some(domain) = domain else {
+            section.abandon();
+            continue;
+        };
+        let (x_extent, y_extent) = extent(domain);
+        let x = side(&mut section, ("x_min", "m"), ("x_max", "m"), x_extent);
+        let y = if domain.dimension() == 2 {
+            side(&mut section, ("y_min", "m"), ("y_max", "m"), y_extent)
+        } else {
+            section.refuse(("y_min", "m"), "a line has no y");
+            section.refuse(("y_max", "m"), "a line has no y");
+            Some((f64::NEG_INFINITY, f64::INFINITY))
+        };
+        if let (Some(material), Some((x_min, x_max)), Some((y_min, y_max))) = (material, x, y) {
+            regions.push(Region { material, x_min, x_max, y_min, y_max });
+        }
+    }
+    for (name, _) in names.iter().zip(&used).filter(|(_, used)| !**used) {
+        materials_section.note(name, "is used nowhere: the first material fills the body, regions name the others");
+    }
+    regions
+}
+
+type Interval = (f64, f64);
+
+/// The box around the simulated body.
+fn extent(domain: &Domain) -> (Interval, Interval) {
+    match *domain {
+        Domain::Line { length } => ((0.0, length), (f64::NEG_INFINITY, f64::INFINITY)),
+        Domain::Rectangle { width, height } => ((0.0, width), (0.0, height)),
+        Domain::Ring { outer_radius: r, sector } => match sector {
+            Sector::Quarter => ((0.0, r), (0.0, r)),
+            Sector::Half => ((-r, r), (0.0, r)),
+            Sector::Whole => ((-r, r), (-r, r)),
+        },
+    }
+}
+
+fn side(
+    section: &mut Section<'_>,
+    low: (&'static str, &'static str),
+    high: (&'static str, &'static str),
+    extent: Interval,
+) -> Option<Interval> {
+    let allowed = Range::between(extent.0, extent.1);
+    let (from, to) = (section.number(low, allowed), section.number(high, allowed));
+    let (from, to) = (from?, to?);
+    if from >= to {
+        section.problem(high, format!("found {}, must be greater than {}", plain(to), plain(from)));
+        return None;
+    }
+    Some((from, to))
+}

@@ -1,0 +1,332 @@
+//! The sections of the methods: how the scene is resolved, never what it is.
+
+use std::sync::Arc;
+
+use super::range::{Range, all_of, plain};
+use super::section::Section;
+use crate::material::{FreezingLaw, Material};
+use crate::method::MethodKind;
+use crate::scene::settings::{
+    Exchange, IntegratorChoice, Layout, Mean, MethodSettings, Numerics, PipeModel, SearchChoice, Setting, StepChoice,
+    Uptake, WallModel,
+};
+use crate::scene::{Condition, Domain, Sector, Wall};
+
+/// Particles that one run may have.
+const MOST_PARTICLES: f64 = 1e8;
+/// A length is a whole number of spacings if it is so to this relative tolerance.
+const WHOLE: f64 = 1e-6;
+
+const SPACING: (&str, &str) = ("spacing", "m");
+const INTERVAL: (&str, &str) = ("interval", "K");
+
+/// What the checks of numerics need to know of the scene.
+pub(super) struct Setup<'a> {
+    pub(super) domain: Option<&'a Domain>,
+    pub(super) materials: &'a [Material],
+    pub(super) walls: &'a [Wall],
+    pub(super) has_pipes: bool,
+}
+
+pub(super) fn methods(root: &mut Section<'_>, setup: &Setup<'_>, kinds: &[&'static MethodKind]) -> Vec<MethodSettings> {
+    let Some(mut section) = root.section("method") else { return Vec::new() };
+    let names = all_of(kinds.iter().map(|kind| kind.name));
+    let mut found = Vec::new();
+    let tables = section.named_sections();
+    if tables.is_empty() {
+        section.section_problem(format!("missing, must have at least one method: the methods are {names}"));
+    }
+    for (name, mut table) in tables {
+        match kinds.iter().position(|kind| kind.name == name) {
+            Some(index) => found.push((index, method(&mut table, setup, kinds[index]))),
+            None => {
+                table.section_problem(format!("unknown method, the methods are {names}"));
+                table.abandon();
+            }
+        }
+    }
+    found.sort_by_key(|(index, _)| *index);
+    found.into_iter().map(|(_, settings)| settings).collect()
+}
+
+fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKind) -> MethodSettings {
+    let setting = section.choice_or("setting", &[("best", Setting::Best), ("paper", Setting::Paper)], Setting::Best);
+    let mut numerics = (kind.defaults)(setting);
+    let spacing = section.positive(SPACING);
+    // Where the spacing is wrong, the method still reads its own keys.
+    numerics.spacing = spacing.unwrap_or(1.0);
+    numerics.layout = layout(section, numerics.layout);
+    numerics.exchange = exchange(section, numerics.exchange);
+    numerics.uptake = uptake(section, numerics.uptake, setup.materials);
+    if let Some(mushy) = section.optional_flag("mushy") {
+        if numerics.exchange == Exchange::Potential {
+            section.problem("mushy", "has no effect, only the means of conductivities read it");
+        }
+        numerics.mushy = mushy;
+    }
+    let models = [
+        ("mirror", WallModel::Mirror),
+        ("moving-least-squares", WallModel::MovingLeastSquares),
+        ("layers", WallModel::Layers),
+    ];
+    numerics.walls = section.choice_or("wall_model", &models, numerics.walls);
+    if setup.has_pipes {
+        let models = [("immersed", PipeModel::Immersed), ("one-particle", PipeModel::OneParticle)];
+        numerics.pipes = section.choice_or("pipe_model", &models, numerics.pipes);
+    } else {
+        section.refuse("pipe_model", "the scene has no pipes");
+    }
+    let searches = [
+        ("auto", SearchChoice::Auto),
+        ("lattice", SearchChoice::Lattice),
+        ("tree", SearchChoice::Tree),
+        ("cells", SearchChoice::Cells),
+        ("all-pairs", SearchChoice::AllPairs),
+    ];
+    numerics.search = section.choice_or("search", &searches, numerics.search);
+    numerics.integrator = integrator(section, numerics.integrator);
+    numerics.step = step(section, numerics.step);
+    combinations(section, &numerics, setup, kind);
+
+    let fits = match (spacing, setup.domain) {
+        (Some(spacing), Some(domain)) => divides(section, spacing, domain),
+        _ => false,
+    };
+    let dimension = setup.domain.map_or(2, Domain::dimension);
+    let discretisation = (kind.read)(section, setting, &numerics, dimension);
+    if let (true, Some(domain)) = (fits, setup.domain) {
+        let reach = discretisation.weight.reach();
+        let shortest = shortest(domain);
+        // The mirror image of a ghost must be a particle of the body.
+        if reach > shortest * (1.0 + WHOLE) {
+            let message = format!(
+                "found {}, with which pairs reach {}, must reach at most {}, the shortest extent of the domain",
+                plain(numerics.spacing),
+                plain(reach),
+                plain(shortest)
+            );
+            section.problem(SPACING, message);
+        }
+    }
+    MethodSettings { method: kind.name, setting, numerics, discretisation: Arc::new(discretisation) }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum LayoutWord {
+    Lattice,
+    Jittered,
+    Random,
+}
+
+fn layout(section: &mut Section<'_>, preset: Layout) -> Layout {
+    let words = [("lattice", LayoutWord::Lattice), ("jittered", LayoutWord::Jittered), ("random", LayoutWord::Random)];
+    let preset_word = match preset {
+        Layout::Lattice => LayoutWord::Lattice,
+        Layout::Jittered { .. } => LayoutWord::Jittered,
+        Layout::Random => LayoutWord::Random,
+    };
+    let word = section.choice_or("layout", &words, preset_word);
+    if word != LayoutWord::Jittered {
+        section.refuse("jitter_fraction", "only the layout \"jittered\" reads it");
+    }
+    match word {
+        LayoutWord::Lattice => Layout::Lattice,
+        LayoutWord::Random => Layout::Random,
+        LayoutWord::Jittered => {
+            let range = Range::above_to(0.0, 0.5);
+            let fraction = match preset {
+                Layout::Jittered { fraction } => Some(section.number_or("jitter_fraction", fraction, range)),
+                _ => section.number("jitter_fraction", range),
+            };
+            fraction.map_or(Layout::Lattice, |fraction| Layout::Jittered { fraction })
+        }
+    }
+}
+
+fn exchange(section: &mut Section<'_>, preset: Exchange) -> Exchange {
+    let potential = section.optional_choice("exchange", &[("potential", Exchange::Potential)]);
+    let means = [("harmonic", Mean::Harmonic), ("arithmetic", Mean::Arithmetic), ("geometric", Mean::Geometric)];
+    let mean = section.optional_choice("mean", &means);
+    if section.has("exchange") && section.has("mean") {
+        section.problem("mean", "found beside \"exchange\", must be only one of them");
+    }
+    potential.or(mean.map(Exchange::Mean)).unwrap_or(preset)
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Scheme {
+    Enthalpy,
+    Flags,
+    ApparentCapacity,
+}
+
+fn uptake(section: &mut Section<'_>, preset: Uptake, materials: &[Material]) -> Uptake {
+    let words =
+        [("enthalpy", Scheme::Enthalpy), ("flags", Scheme::Flags), ("apparent-capacity", Scheme::ApparentCapacity)];
+    let preset_word = match preset {
+        Uptake::Enthalpy => Scheme::Enthalpy,
+        Uptake::Flags => Scheme::Flags,
+        Uptake::ApparentCapacity { .. } => Scheme::ApparentCapacity,
+    };
+    let scheme = section.choice_or("scheme", &words, preset_word);
+    let sharp = materials.iter().any(|material| material.law == FreezingLaw::Isothermal);
+    if scheme != Scheme::ApparentCapacity {
+        section.refuse(INTERVAL, "only the scheme \"apparent-capacity\" reads it");
+    } else if !sharp && !materials.is_empty() {
+        section.refuse(INTERVAL, "no material freezes at one temperature");
+    }
+    match (scheme, preset) {
+        (Scheme::Enthalpy, _) => Uptake::Enthalpy,
+        (Scheme::Flags, _) => Uptake::Flags,
+        (Scheme::ApparentCapacity, Uptake::ApparentCapacity { interval }) if sharp => {
+            Uptake::ApparentCapacity { interval: section.number_or(INTERVAL, interval, Range::POSITIVE) }
+        }
+        (Scheme::ApparentCapacity, _) if sharp => {
+            Uptake::ApparentCapacity { interval: section.positive(INTERVAL).unwrap_or(1.0) }
+        }
+        (Scheme::ApparentCapacity, Uptake::ApparentCapacity { interval }) => Uptake::ApparentCapacity { interval },
+        (Scheme::ApparentCapacity, _) => Uptake::ApparentCapacity { interval: 0.0 },
+    }
+}
+
+fn integrator(section: &mut Section<'_>, preset: IntegratorChoice) -> IntegratorChoice {
+    let preset_is_rkl2 = matches!(preset, IntegratorChoice::Rkl2 { .. });
+    if !section.choice_or("integrator", &[("euler", false), ("rkl2", true)], preset_is_rkl2) {
+        section.refuse("stages", "only the integrator \"rkl2\" has stages");
+        return IntegratorChoice::Euler;
+    }
+    let stages = match preset {
+        IntegratorChoice::Rkl2 { stages } => section.integer_or("stages", stages, 3..=99),
+        IntegratorChoice::Euler => section.integer("stages", 3..=99).unwrap_or(3),
+    };
+    IntegratorChoice::Rkl2 { stages }
+}
+
+fn step(section: &mut Section<'_>, preset: StepChoice) -> StepChoice {
+    let fixed = section.optional_duration("step", Range::POSITIVE);
+    let fraction = section.optional_number("step_fraction", Range::above_to(0.0, 1.0));
+    if let (Some(_), Some(_)) = (fixed, fraction) {
+        let message = format!("found beside \"{}\", must be only one of them", section.time_key("step"));
+        section.problem("step_fraction", message);
+    }
+    let fixed = fixed.map(|step| StepChoice::Fixed(step.seconds));
+    fixed.or(fraction.map(StepChoice::Fraction)).unwrap_or(preset)
+}
+
+/// Settings that exclude each other.
+fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind) {
+    let scheme = match numerics.uptake {
+        Uptake::Enthalpy => "enthalpy",
+        Uptake::Flags => "flags",
+        Uptake::ApparentCapacity { .. } => "apparent-capacity",
+    };
+    if kind.lattice_only && numerics.layout != Layout::Lattice {
+        section.problem("layout", format!("must be \"lattice\": the method \"{}\" exists only there", kind.name));
+    }
+    if matches!(numerics.integrator, IntegratorChoice::Rkl2 { .. }) && numerics.uptake != Uptake::Enthalpy {
+        let message = format!("found \"rkl2\", which needs scheme = \"enthalpy\" and not \"{scheme}\"");
+        section.problem("integrator", message);
+    }
+    if numerics.uptake == Uptake::Flags
+        && let Some(material) = setup
+            .materials
+            .iter()
+            .find(|material| matches!(material.law, FreezingLaw::Linear { .. } | FreezingLaw::Weibull { .. }))
+    {
+        let message =
+            format!("found \"flags\", which needs a sharp freezing point, but \"{}\" has a curve", material.name);
+        section.problem("scheme", message);
+    }
+    if numerics.search == SearchChoice::Lattice {
+        let reason = if numerics.layout != Layout::Lattice {
+            Some("layout = \"lattice\"".to_owned())
+        } else if numerics.exchange != Exchange::Potential {
+            Some("exchange = \"potential\" and no mean".to_owned())
+        } else if numerics.uptake != Uptake::Enthalpy {
+            Some(format!("scheme = \"enthalpy\" and not \"{scheme}\""))
+        } else if setup.materials.len() > 1 {
+            Some("a single material".to_owned())
+        } else {
+            None
+        };
+        if let Some(reason) = reason {
+            section.problem("search", format!("found \"lattice\", which needs {reason}"));
+        }
+    }
+    if numerics.walls == WallModel::Layers
+        && let Some(wall) =
+            setup.walls.iter().find(|wall| matches!(wall.condition, Condition::Flux(_) | Condition::Convection { .. }))
+    {
+        let message =
+            format!("found \"layers\", which needs walls of known temperature, but \"{}\" is none", wall.name);
+        section.problem("wall_model", message);
+    }
+}
+
+fn shortest(domain: &Domain) -> f64 {
+    match *domain {
+        Domain::Line { length } => length,
+        Domain::Rectangle { width, height } => width.min(height),
+        Domain::Ring { outer_radius, .. } => outer_radius,
+    }
+}
+
+/// Whether the spacing fits the domain; if not, a problem that names the nearest that does.
+fn divides(section: &mut Section<'_>, spacing: f64, domain: &Domain) -> bool {
+    let (extents, volume) = match *domain {
+        Domain::Line { length } => (vec![length], length),
+        Domain::Rectangle { width, height } => (vec![width, height], width * height),
+        Domain::Ring { outer_radius: r, sector } => {
+            let part = match sector {
+                Sector::Quarter => 0.25,
+                Sector::Half => 0.5,
+                Sector::Whole => 1.0,
+            };
+            (vec![], part * std::f64::consts::PI * r * r)
+        }
+    };
+    let particles = volume / spacing.powi(domain.dimension() as i32);
+    if particles.is_nan() || particles > MOST_PARTICLES {
+        let message = format!(
+            "found {}, which makes {particles:.1e} particles, must make at most {MOST_PARTICLES:.0e}",
+            plain(spacing)
+        );
+        section.problem(SPACING, message);
+        return false;
+    }
+    let longest_allowed = shortest(domain);
+    if extents.is_empty() && spacing > longest_allowed {
+        let message = format!("found {}, must be at most the outer radius {}", plain(spacing), plain(longest_allowed));
+        section.problem(SPACING, message);
+        return false;
+    }
+    if extents.iter().all(|extent| is_whole(extent / spacing)) {
+        return true;
+    }
+    let lengths: Vec<String> = extents.iter().map(|extent| plain(*extent)).collect();
+    let nearest = match nearest_spacings(spacing, &extents).as_slice() {
+        [] => "no spacing near it does".to_owned(),
+        [only] => format!("the nearest that does is {}", plain(*only)),
+        [below, above, ..] => format!("the nearest that do are {} and {}", plain(*below), plain(*above)),
+    };
+    let message =
+        format!("found {}, must divide {} into whole parts: {nearest}", plain(spacing), lengths.join(" and "));
+    section.problem(SPACING, message);
+    false
+}
+
+fn is_whole(parts: f64) -> bool {
+    let count = parts.round();
+    count >= 1.0 && (parts - count).abs() <= WHOLE * count
+}
+
+/// The nearest spacing below and above, where there are any, that divides all extents.
+fn nearest_spacings(spacing: f64, extents: &[f64]) -> Vec<f64> {
+    const SEARCHED: usize = 100_000;
+    let first = extents[0];
+    let count = (first / spacing).floor();
+    let fits = |count: &f64| *count >= 1.0 && extents.iter().all(|extent| is_whole(extent * count / first));
+    let below = (1..=SEARCHED).map(|more| count + more as f64).find(fits);
+    let above = (0..=SEARCHED).map(|fewer| count - fewer as f64).take_while(|count| *count >= 1.0).find(fits);
+    below.into_iter().chain(above).map(|count| first / count).collect()
+}

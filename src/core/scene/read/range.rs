@@ -1,0 +1,107 @@
+//! Ranges of numbers that keys allow, and how messages speak of numbers.
+
+use std::fmt;
+
+/// The finite numbers that a key allows. Its display completes "must be ...".
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Range {
+    low: Option<End>,
+    high: Option<End>,
+}
+
+/// One end of a range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct End {
+    value: f64,
+    included: bool,
+}
+
+impl Range {
+    /// Any finite number.
+    pub const ANY: Range = Range { low: None, high: None };
+    /// Greater than zero.
+    pub const POSITIVE: Range = Range::above(0.0);
+    /// Zero or greater.
+    pub const NOT_NEGATIVE: Range = Range::at_least(0.0);
+    /// From 0 to 1, both included.
+    pub const FRACTION: Range = Range::between(0.0, 1.0);
+
+    /// Greater than `low`.
+    pub const fn above(low: f64) -> Range {
+        Range { low: Some(End { value: low, included: false }), high: None }
+    }
+
+    /// `low` or greater.
+    pub const fn at_least(low: f64) -> Range {
+        Range { low: Some(End { value: low, included: true }), high: None }
+    }
+
+    /// From `low` to `high`, both included.
+    pub const fn between(low: f64, high: f64) -> Range {
+        Range { low: Some(End { value: low, included: true }), high: Some(End { value: high, included: true }) }
+    }
+
+    /// Greater than `low`, up to and including `high`.
+    pub const fn above_to(low: f64, high: f64) -> Range {
+        Range { low: Some(End { value: low, included: false }), high: Some(End { value: high, included: true }) }
+    }
+
+    /// From `low`, included, up to but not including `high`.
+    pub const fn from_to_below(low: f64, high: f64) -> Range {
+        Range { low: Some(End { value: low, included: true }), high: Some(End { value: high, included: false }) }
+    }
+
+    /// Whether a number is finite and in the range.
+    pub fn contains(&self, number: f64) -> bool {
+        number.is_finite()
+            && self.low.is_none_or(|end| number > end.value || (end.included && number == end.value))
+            && self.high.is_none_or(|end| number < end.value || (end.included && number == end.value))
+    }
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let low_word = |end: End| if end.included { "at least" } else { "greater than" };
+        match (self.low, self.high) {
+            (None, None) => write!(f, "a finite number"),
+            (Some(low), None) => write!(f, "{} {}", low_word(low), plain(low.value)),
+            (None, Some(high)) if high.included => write!(f, "at most {}", plain(high.value)),
+            (None, Some(high)) => write!(f, "less than {}", plain(high.value)),
+            (Some(low), Some(high)) if low.included && high.included => {
+                write!(f, "between {} and {}", plain(low.value), plain(high.value))
+            }
+            (Some(low), Some(high)) => {
+                let high_word = if high.included { "at most" } else { "less than" };
+                write!(f, "{} {} and {high_word} {}", low_word(low), plain(low.value), plain(high.value))
+            }
+        }
+    }
+}
+
+/// A number as people write it: at most nine digits, powers of ten only far from one.
+pub(super) fn plain(number: f64) -> String {
+    if number == 0.0 {
+        return "0".into();
+    }
+    let short = format!("{number:.8e}").parse().unwrap_or(number);
+    if (1e-4..1e9).contains(&short.abs()) { format!("{short}") } else { format!("{short:e}") }
+}
+
+/// Words in quotes, joined by commas and a last `or`.
+pub(super) fn one_of<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
+    join(words, "or")
+}
+
+/// Words in quotes, joined by commas and a last `and`.
+pub(super) fn all_of<'a>(words: impl IntoIterator<Item = &'a str>) -> String {
+    join(words, "and")
+}
+
+fn join<'a>(words: impl IntoIterator<Item = &'a str>, last: &str) -> String {
+    let quoted: Vec<String> = words.into_iter().map(|word| format!("\"{word}\"")).collect();
+    match quoted.split_last() {
+        None => "nothing".into(),
+        Some((only, [])) => only.clone(),
+        Some((end, rest)) => format!("{} {last} {end}", rest.join(", ")),
+    }
+}

@@ -1,0 +1,112 @@
+//! Time, what is observed, and the reference.
+
+use super::range::{Range, plain};
+use super::section::{Duration, Section};
+use crate::scene::{Domain, ReferenceChoice, Sector, Watch};
+
+/// End of the run and the instants of the observations.
+pub(super) struct Time {
+    pub(super) duration: Duration,
+    outputs: usize,
+    profiles: Vec<f64>,
+}
+
+pub(super) fn time(root: &mut Section<'_>) -> Option<Time> {
+    let mut section = root.section("time")?;
+    let duration = section.duration("duration", Range::POSITIVE);
+    let outputs = section.integer_or("outputs", 60, 1..=100_000);
+    let profiles = section.optional_times("profiles");
+    let duration = duration?;
+    let mut instants = vec![duration.seconds];
+    if let Some(profiles) = profiles {
+        for profile in &profiles {
+            within(&mut section, "profiles", profile, &duration);
+            if profile.seconds == 0.0 {
+                section.time_problem("profiles", "found 0, must be greater than 0");
+            }
+        }
+        instants = profiles.iter().map(|profile| profile.seconds).collect();
+    }
+    Some(Time { duration, outputs, profiles: instants })
+}
+
+fn within(section: &mut Section<'_>, base: &'static str, time: &Duration, duration: &Duration) {
+    if time.seconds > duration.seconds {
+        let (found, end) = (time.seconds / time.unit.seconds(), duration.seconds / time.unit.seconds());
+        section.time_problem(base, format!("found {}, must be at most the duration {}", plain(found), plain(end)));
+    }
+}
+
+pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Option<&Time>) -> Option<Watch> {
+    const PROBES: (&str, &str) = ("probes", "m");
+    const PROFILE_LENGTH: (&str, &str) = ("profile_length", "m");
+    let (mut probes, mut profile_length, mut front_from) = (Vec::new(), None, 0.0);
+    if let Some(mut section) = root.optional_section("watch") {
+        let dimension = domain.map(Domain::dimension);
+        let points = section.optional_points(PROBES, dimension).unwrap_or_default();
+        for point in points {
+            let coordinate = |axis: usize| point.get(axis).copied().unwrap_or(0.0);
+            let (x, y) = (coordinate(0), coordinate(1));
+            if domain.is_some_and(|domain| !inside(domain, x, y)) {
+                let coordinates: Vec<String> = point.iter().map(|coordinate| plain(*coordinate)).collect();
+                section.problem(PROBES, format!("found [{}], must lie inside the domain", coordinates.join(", ")));
+            }
+            probes.push((x, y));
+        }
+        profile_length = section.optional_number(PROFILE_LENGTH, Range::POSITIVE);
+        if let (Some(length), Some(domain)) = (profile_length, domain) {
+            let longest = match *domain {
+                Domain::Line { length } => length,
+                Domain::Rectangle { width, height } => width.max(height),
+                Domain::Ring { outer_radius, .. } => outer_radius,
+            };
+            if length > longest {
+                let message =
+                    format!("found {}, must be at most {}, the domain's extent", plain(length), plain(longest));
+                section.problem(PROFILE_LENGTH, message);
+            }
+        }
+        if let Some(from) = section.optional_duration("front_from", Range::NOT_NEGATIVE) {
+            if let Some(time) = time {
+                within(&mut section, "front_from", &from, &time.duration);
+            }
+            front_from = from.seconds;
+        }
+    }
+    let time = time?;
+    Some(Watch { outputs: time.outputs, profiles: time.profiles.clone(), probes, profile_length, front_from })
+}
+
+fn inside(domain: &Domain, x: f64, y: f64) -> bool {
+    match *domain {
+        Domain::Line { length } => (0.0..=length).contains(&x),
+        Domain::Rectangle { width, height } => (0.0..=width).contains(&x) && (0.0..=height).contains(&y),
+        Domain::Ring { outer_radius, sector } => {
+            x.hypot(y) <= outer_radius
+                && (sector == Sector::Whole || y >= 0.0)
+                && (sector != Sector::Quarter || x >= 0.0)
+        }
+    }
+}
+
+pub(super) fn reference(root: &mut Section<'_>, domain: Option<&Domain>) -> ReferenceChoice {
+    let Some(mut section) = root.optional_section("reference") else { return ReferenceChoice::Auto };
+    let kinds = [("exact", 0), ("table", 1), ("local", 2), ("auto", 3)];
+    let kind = section.choice("kind", &kinds);
+    if kind == Some(1) {
+        return section.text("table").map_or(ReferenceChoice::Auto, ReferenceChoice::Table);
+    }
+    if kind.is_some() {
+        section.refuse("table", "only the kind \"table\" reads one");
+    } else {
+        section.abandon();
+    }
+    if let (Some(0), Some(Domain::Ring { .. })) = (kind, domain) {
+        section.problem("kind", "found \"exact\", but a ring has no exact solution");
+    }
+    match kind {
+        Some(0) => ReferenceChoice::Exact,
+        Some(2) => ReferenceChoice::Local,
+        _ => ReferenceChoice::Auto,
+    }
+}

@@ -1,0 +1,392 @@
+//! The fused lattice step: enthalpy to potential, pair sum and update in one pass through memory.
+//!
+//! A band of rows is swept upward. Only 2 m + 1 rows of potentials live at a time, so memory holds nothing but the
+//! enthalpies. Within a row the sum over a disc of offsets is folded by symmetry: rows +dy and -dy are added first
+//! (`s_dy`), then each column distance k gathers its rows (`v_k = sum_dy w(k, dy) s_dy`), and the particle adds
+//! `v_k` from its left and right. Every particle sees the same operations in the same order whatever the width of
+//! the vectors or the number of bands, and no multiply is fused with an add: the bits are the same everywhere.
+
+use crate::potential::PotentialLaw;
+use crate::stencil::Stencil;
+
+/// Widest stencil that has a compiled sweep, in cells; wider ones take the pair list.
+pub const WIDEST: usize = 8;
+
+/// Columns handled between two passes over the column sums: these stay in the first cache.
+const BLOCK: usize = 256;
+
+/// Lanes that one group may hold at most; buffers are padded so that the last group fits.
+pub const MOST_LANES: usize = 16;
+
+/// Length of one buffer of column sums.
+const PADDED: usize = BLOCK + 2 * WIDEST + MOST_LANES;
+
+/// Where a band reads enthalpies and leaves what it finds. Ranges count from the band's first particle.
+pub trait Target {
+    /// Enthalpies of a range of particles.
+    fn enthalpy(&self, range: std::ops::Range<usize>) -> &[f64];
+    /// Takes the rates dH/dt (W/m3) of particles from `start` on.
+    fn put(&mut self, start: usize, rate: &[f64]);
+}
+
+/// Adds `step` times the rate to the enthalpies themselves: explicit Euler.
+pub struct InPlace<'a> {
+    /// Enthalpies of the band.
+    pub enthalpy: &'a mut [f64],
+    /// Length of the step (s).
+    pub step: f64,
+}
+
+impl Target for InPlace<'_> {
+    #[inline(always)]
+    fn enthalpy(&self, range: std::ops::Range<usize>) -> &[f64] {
+        &self.enthalpy[range]
+    }
+
+    #[inline(always)]
+    fn put(&mut self, start: usize, rate: &[f64]) {
+        for (enthalpy, rate) in self.enthalpy[start..start + rate.len()].iter_mut().zip(rate) {
+            *enthalpy += self.step * rate;
+        }
+    }
+}
+
+/// Writes the rates beside the enthalpies.
+pub struct Beside<'a> {
+    /// Enthalpies of the band.
+    pub enthalpy: &'a [f64],
+    /// Rates of the band.
+    pub rate: &'a mut [f64],
+}
+
+impl Target for Beside<'_> {
+    #[inline(always)]
+    fn enthalpy(&self, range: std::ops::Range<usize>) -> &[f64] {
+        &self.enthalpy[range]
+    }
+
+    #[inline(always)]
+    fn put(&mut self, start: usize, rate: &[f64]) {
+        self.rate[start..start + rate.len()].copy_from_slice(rate);
+    }
+}
+
+/// What a sweep needs to know of the ghosts around a row.
+pub trait Surroundings: Sync {
+    /// Completes a row of potentials: `potentials[column + reach]` is set for every particle of the row.
+    fn complete(&self, row: usize, potentials: &mut [f64]);
+    /// Heat rate through each wall (W per volume of a particle) into a row, from its neighbourhood of rows.
+    fn doors(&self, row: usize, rows: &[&[f64]]) -> [f64; 4];
+    /// Whether any wall lets heat through, so that rates are worth taking.
+    fn has_doors(&self) -> bool;
+}
+
+/// The rows of one band and its buffers.
+#[derive(Debug, Clone)]
+pub struct Band {
+    /// Rows of the lattice, first and one past the last.
+    pub rows: (usize, usize),
+    /// Potentials of the rows next below and above the band, `reach` each.
+    pub below: Vec<f64>,
+    /// Potentials above.
+    pub above: Vec<f64>,
+    ring: Vec<f64>,
+    sums: Vec<[f64; PADDED]>,
+    rate: Vec<f64>,
+}
+
+/// Shape of the rows that a sweep works on.
+#[derive(Debug, Clone, Copy)]
+pub struct Shape {
+    /// Reach of the stencil in columns.
+    pub reach: usize,
+    /// Reach in rows: the same, or zero on a line.
+    pub reach_rows: usize,
+    /// Length of a buffer row: columns, a margin of `reach` on both sides, and room for a last group of lanes.
+    pub width: usize,
+}
+
+impl Band {
+    /// A band with its buffers.
+    pub fn new(rows: (usize, usize), shape: Shape) -> Self {
+        Band {
+            rows,
+            below: vec![0.0; shape.reach_rows * shape.width],
+            above: vec![0.0; shape.reach_rows * shape.width],
+            ring: vec![0.0; (2 * shape.reach_rows + 1) * shape.width],
+            sums: vec![[0.0; PADDED]; shape.reach + 1],
+            rate: vec![0.0; BLOCK + MOST_LANES],
+        }
+    }
+}
+
+/// Everything constant about a sweep.
+pub struct Frame<'a, L, S> {
+    /// Shape of rows.
+    pub shape: Shape,
+    /// Columns of a row that hold particles, and the index of its first particle.
+    pub span: &'a (dyn Fn(usize) -> (usize, usize, usize) + Sync),
+    /// Weights.
+    pub stencil: &'a Stencil,
+    /// Sum of all weights, the weight of the particle itself.
+    pub sum: f64,
+    /// Enthalpy to potential.
+    pub law: &'a L,
+    /// Ghosts.
+    pub surroundings: &'a S,
+}
+
+/// Sweeps one band. `doors` receives the wall rates of each row of the band.
+pub fn sweep<L: PotentialLaw, S: Surroundings, T: Target>(
+    frame: &Frame<'_, L, S>,
+    band: &mut Band,
+    target: &mut T,
+    doors: &mut [[f64; 4]],
+) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") {
+            // SAFETY: the processor has just been asked for these features.
+            return unsafe { sweep_avx512(frame, band, target, doors) };
+        }
+        if is_x86_feature_detected!("avx2") {
+            // SAFETY: as above.
+            return unsafe { sweep_avx2(frame, band, target, doors) };
+        }
+    }
+    by_reach::<L, S, T, 4>(frame, band, target, doors);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512vl")]
+fn sweep_avx512<L: PotentialLaw, S: Surroundings, T: Target>(
+    frame: &Frame<'_, L, S>,
+    band: &mut Band,
+    target: &mut T,
+    doors: &mut [[f64; 4]],
+) {
+    by_reach::<L, S, T, 8>(frame, band, target, doors);
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2")]
+fn sweep_avx2<L: PotentialLaw, S: Surroundings, T: Target>(
+    frame: &Frame<'_, L, S>,
+    band: &mut Band,
+    target: &mut T,
+    doors: &mut [[f64; 4]],
+) {
+    by_reach::<L, S, T, 8>(frame, band, target, doors);
+}
+
+/// The one place where the reach becomes a constant.
+#[inline(always)]
+fn by_reach<L: PotentialLaw, S: Surroundings, T: Target, const LANES: usize>(
+    frame: &Frame<'_, L, S>,
+    band: &mut Band,
+    target: &mut T,
+    doors: &mut [[f64; 4]],
+) {
+    if frame.shape.reach_rows == 0 {
+        return rows::<L, S, T, LANES, 0>(frame, band, target, doors);
+    }
+    match frame.shape.reach_rows {
+        1 => rows::<L, S, T, LANES, 1>(frame, band, target, doors),
+        2 => rows::<L, S, T, LANES, 2>(frame, band, target, doors),
+        3 => rows::<L, S, T, LANES, 3>(frame, band, target, doors),
+        4 => rows::<L, S, T, LANES, 4>(frame, band, target, doors),
+        5 => rows::<L, S, T, LANES, 5>(frame, band, target, doors),
+        6 => rows::<L, S, T, LANES, 6>(frame, band, target, doors),
+        7 => rows::<L, S, T, LANES, 7>(frame, band, target, doors),
+        _ => rows::<L, S, T, LANES, WIDEST>(frame, band, target, doors),
+    }
+}
+
+/// Fills a row of potentials from a row of enthalpies.
+#[inline(always)]
+pub fn fill_row<L: PotentialLaw>(law: &L, enthalpy: &[f64], potentials: &mut [f64]) {
+    for (potential, enthalpy) in potentials.iter_mut().zip(enthalpy) {
+        *potential = law.potential(*enthalpy);
+    }
+}
+
+/// Fills the slot of a row in the ring of rows.
+#[inline(always)]
+fn fill_slot<L: PotentialLaw, S: Surroundings, T: Target>(
+    frame: &Frame<'_, L, S>,
+    row: usize,
+    slots: usize,
+    base: usize,
+    ring: &mut [f64],
+    target: &T,
+) {
+    let Shape { reach, width, .. } = frame.shape;
+    let slot = &mut ring[(row % slots) * width..][..width];
+    let (first, end, start) = (frame.span)(row);
+    fill_row(
+        frame.law,
+        target.enthalpy(start - base..start - base + end - first),
+        &mut slot[first + reach..end + reach],
+    );
+    frame.surroundings.complete(row, slot);
+}
+
+#[inline(always)]
+fn rows<L: PotentialLaw, S: Surroundings, T: Target, const LANES: usize, const ROWS: usize>(
+    frame: &Frame<'_, L, S>,
+    band: &mut Band,
+    target: &mut T,
+    doors: &mut [[f64; 4]],
+) {
+    let Shape { reach, width, .. } = frame.shape;
+    let (first_row, end_row) = band.rows;
+    let slots = 2 * ROWS + 1;
+    let base = (frame.span)(first_row).2;
+    let Band { below, above, ring, sums, rate, .. } = band;
+    let has_doors = frame.surroundings.has_doors();
+    for row in first_row..end_row.min(first_row + ROWS) {
+        fill_slot::<L, S, T>(frame, row, slots, base, ring, target);
+    }
+    for row in first_row..end_row {
+        if row + ROWS < end_row {
+            fill_slot::<L, S, T>(frame, row + ROWS, slots, base, ring, target);
+        }
+        let at = |offset: usize| -> &[f64] {
+            // offset 0..=2 ROWS stands for row - ROWS ..= row + ROWS
+            let position = row + offset;
+            if position < first_row + ROWS {
+                &below[(position - first_row) * width..][..width]
+            } else if position - ROWS < end_row {
+                &ring[((position - ROWS) % slots) * width..][..width]
+            } else {
+                &above[(position - ROWS - end_row) * width..][..width]
+            }
+        };
+        let near: [&[f64]; 17] = std::array::from_fn(|offset| if offset <= 2 * ROWS { at(offset) } else { &[][..] });
+        let (first, end, start) = (frame.span)(row);
+        if has_doors {
+            doors[row - first_row] = frame.surroundings.doors(row, &near[..slots]);
+        }
+        let mut column = first;
+        while column < end {
+            let count = (end - column).min(BLOCK);
+            block::<LANES, ROWS>(frame.stencil, frame.sum, reach, &near, column, count, sums, rate);
+            target.put(start - base + column - first, &rate[..count]);
+            column += count;
+        }
+    }
+}
+
+/// Rates of `count` particles of a row from column `column` on.
+#[inline(always)]
+#[allow(clippy::too_many_arguments)]
+fn block<const LANES: usize, const ROWS: usize>(
+    stencil: &Stencil,
+    sum: f64,
+    reach: usize,
+    near: &[&[f64]; 17],
+    column: usize,
+    count: usize,
+    sums: &mut [[f64; PADDED]],
+    rate: &mut [f64],
+) {
+    if ROWS == 0 {
+        // On a line the column sums are the weighted potentials themselves.
+        let row = &near[0][column..column + count + 2 * reach];
+        let rate = &mut rate[..count];
+        for (rate, centre) in rate.iter_mut().zip(&row[reach..]) {
+            *rate = -(sum * centre);
+        }
+        for k in 1..=reach {
+            let weight = stencil.at(k, 0);
+            let pairs = row[reach - k..].iter().zip(&row[reach + k..]);
+            for (rate, (left, right)) in rate.iter_mut().zip(pairs) {
+                *rate += weight * (left + right);
+            }
+        }
+        return;
+    }
+    // Column sums of all columns that the block reaches.
+    let mut weights = [[0.0; 9]; 9];
+    for (k, by_row) in weights.iter_mut().enumerate().take(ROWS + 1) {
+        for (dy, weight) in by_row.iter_mut().enumerate().take(ROWS + 1) {
+            *weight = stencil.at(k, dy);
+        }
+    }
+    let disc = stencil.fits_disc();
+    let length = count + 2 * reach;
+    if disc {
+        column_sums::<LANES, ROWS, true>(&weights, sum, near, column, length, sums);
+    } else {
+        column_sums::<LANES, ROWS, false>(&weights, sum, near, column, length, sums);
+    }
+    // Every particle adds the column sums from its left and right.
+    let groups = count.div_ceil(LANES);
+    let shifted = |k: usize, shift: usize| -> &[[f64; LANES]] {
+        if (1..=ROWS).contains(&k) { groups_of::<LANES>(&sums[k][shift..], groups) } else { &[][..] }
+    };
+    let left: [&[[f64; LANES]]; WIDEST + 1] = std::array::from_fn(|k| shifted(k, reach - k.min(ROWS)));
+    let right: [&[[f64; LANES]]; WIDEST + 1] = std::array::from_fn(|k| shifted(k, reach + k.min(ROWS)));
+    let own = groups_of::<LANES>(&sums[0][reach..], groups);
+    let rate = &mut rate[..groups * LANES].as_chunks_mut::<LANES>().0[..groups];
+    for group in 0..groups {
+        let mut total = own[group];
+        for k in 1..=ROWS {
+            for lane in 0..LANES {
+                total[lane] += left[k][group][lane] + right[k][group][lane];
+            }
+        }
+        rate[group] = total;
+    }
+}
+
+/// The first groups of lanes of a slice that is padded to hold them.
+#[inline(always)]
+fn groups_of<const LANES: usize>(values: &[f64], groups: usize) -> &[[f64; LANES]] {
+    &values[..groups * LANES].as_chunks::<LANES>().0[..groups]
+}
+
+/// Whether offset (k, dy) can carry weight in a stencil of this reach: all of the square, or its disc.
+#[inline(always)]
+const fn carries<const ROWS: usize, const DISC: bool>(k: usize, dy: usize) -> bool {
+    !DISC || k * k + dy * dy <= ROWS * ROWS
+}
+
+#[inline(always)]
+fn column_sums<const LANES: usize, const ROWS: usize, const DISC: bool>(
+    weights: &[[f64; 9]; 9],
+    sum: f64,
+    near: &[&[f64]; 17],
+    column: usize,
+    length: usize,
+    sums: &mut [[f64; PADDED]],
+) {
+    let groups = length.div_ceil(LANES);
+    let rows: [&[[f64; LANES]]; 2 * WIDEST + 1] = std::array::from_fn(|offset| {
+        if offset <= 2 * ROWS { groups_of::<LANES>(&near[offset][column..], groups) } else { &[][..] }
+    });
+    let sums = &mut sums[..ROWS + 1];
+    for group in 0..groups {
+        let mut folded = [[0.0; LANES]; WIDEST + 1];
+        folded[0] = rows[ROWS][group];
+        for dy in 1..=ROWS {
+            for lane in 0..LANES {
+                folded[dy][lane] = rows[ROWS - dy][group][lane] + rows[ROWS + dy][group][lane];
+            }
+        }
+        for k in 0..=ROWS {
+            let mut total = [0.0; LANES];
+            for lane in 0..LANES {
+                total[lane] = if k == 0 { -(sum * folded[0][lane]) } else { weights[k][0] * folded[0][lane] };
+            }
+            for dy in 1..=ROWS {
+                if carries::<ROWS, DISC>(k, dy) {
+                    for lane in 0..LANES {
+                        total[lane] += weights[k][dy] * folded[dy][lane];
+                    }
+                }
+            }
+            sums[k][group * LANES..group * LANES + LANES].copy_from_slice(&total);
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! How a command ends.
+
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use frazil_core::march::Refused;
+use frazil_core::scene::Problems;
+
+/// The end of a command that did what it was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Verdict {
+    /// All is well.
+    Done,
+    /// The results are there, but a check on them failed.
+    CheckFailed,
+    /// Results are there, but not to their end.
+    Broken,
+}
+
+/// Why a command could not do what it was asked.
+#[derive(Debug, thiserror::Error)]
+pub enum Failure {
+    /// The scene is bad.
+    #[error(transparent)]
+    Scene(#[from] Problems),
+    /// The run was refused.
+    #[error(transparent)]
+    Refused(#[from] Refused),
+    /// A name or an option means nothing here.
+    #[error("{0}")]
+    Request(String),
+    /// A file could not be read or written.
+    #[error("{}: {action}: {source}", path.display())]
+    File {
+        /// The file.
+        path: PathBuf,
+        /// What was tried, as "cannot be read".
+        action: &'static str,
+        /// Why it failed.
+        source: io::Error,
+    },
+    /// Standard output could not be written.
+    #[error("standard output: {0}")]
+    Output(io::Error),
+}
+
+impl Failure {
+    /// A failure on a file.
+    pub fn file(path: &Path, action: &'static str, source: io::Error) -> Self {
+        Failure::File { path: path.to_owned(), action, source }
+    }
+}
+
+/// Reports a failure on standard error, and says with what code the program ends.
+pub fn exit_code(result: Result<Verdict, Failure>) -> ExitCode {
+    match result {
+        Ok(Verdict::Done) => ExitCode::SUCCESS,
+        Ok(Verdict::CheckFailed) => ExitCode::from(1),
+        Ok(Verdict::Broken) => ExitCode::from(2),
+        // Whoever reads has seen enough.
+        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(failure) => {
+            complain(&failure.to_string());
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Says something on standard error; a closed one is no reason to stop.
+pub fn complain(text: &str) {
+    use io::Write;
+    let _ = writeln!(io::stderr(), "{text}");
+}
+
+/// Writes the answer to standard output.
+pub fn answer(text: &str) -> Result<(), Failure> {
+    use io::Write;
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(Failure::Output)
+}

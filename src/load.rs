@@ -1,0 +1,56 @@
+//! From what was typed to a scene and a method of it.
+
+use std::fs;
+use std::path::Path;
+
+use frazil_core::scene::Scene;
+
+use crate::failure::Failure;
+use crate::registry;
+
+/// Reads a scene given by a bundled name or a path.
+pub fn scene(argument: &str, overrides: &[(String, String)]) -> Result<Scene, Failure> {
+    if let Some(bundled) = frazil_cases::scenes::find(argument) {
+        let file = format!("{argument}.toml");
+        return Ok(Scene::read(bundled.text, bundled.name, &file, overrides, registry::methods())?);
+    }
+    let path = Path::new(argument);
+    if !path.exists() && path.extension().is_none() && path.components().count() == 1 {
+        return Err(Failure::Request(unknown_scene(argument)));
+    }
+    let text = fs::read_to_string(path).map_err(|error| Failure::file(path, "cannot be read", error))?;
+    let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
+    Ok(Scene::read(&text, &name, argument, overrides, registry::methods())?)
+}
+
+/// The method to run: the one named, else the first that the scene has.
+pub fn method(scene: &Scene, asked: Option<&str>) -> Result<&'static str, Failure> {
+    let names: Vec<&'static str> = scene.methods.iter().map(|settings| settings.method).collect();
+    let found = match asked {
+        Some(asked) => names.iter().find(|name| **name == asked),
+        None => names.first(),
+    };
+    found.copied().ok_or_else(|| {
+        Failure::Request(format!(
+            "--method {}: the scene \"{}\" has settings for {}",
+            asked.unwrap_or_default(),
+            scene.name,
+            names.join(", ")
+        ))
+    })
+}
+
+fn unknown_scene(asked: &str) -> String {
+    let mut near: Vec<(f64, &str)> = frazil_cases::scenes::all()
+        .iter()
+        .map(|scene| (strsim::jaro_winkler(asked, scene.name), scene.name))
+        .filter(|(likeness, _)| *likeness > 0.75)
+        .collect();
+    near.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let near: Vec<String> = near.iter().take(3).map(|(_, name)| format!("\"{name}\"")).collect();
+    if near.is_empty() {
+        format!("\"{asked}\" is neither a file nor a bundled scene; frazil list shows the scenes")
+    } else {
+        format!("\"{asked}\" is neither a file nor a bundled scene, did you mean {}?", near.join(" or "))
+    }
+}

@@ -1,0 +1,212 @@
+//! Files, each whole or not at all.
+
+use std::fs;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use frazil_core::record::{BudgetRow, RunResult};
+use serde::Serialize;
+use tempfile::NamedTempFile;
+
+use crate::failure::Failure;
+
+/// Writes a file beside its place and moves it there when it is whole.
+pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let write = || -> io::Result<()> {
+        let mut writer = BufWriter::new(NamedTempFile::new_in(folder)?);
+        fill(&mut writer)?;
+        let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
+        // Temporary files are for their owner only; results are for everybody.
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            file.as_file().set_permissions(fs::Permissions::from_mode(0o644))?;
+        }
+        file.as_file().sync_all()?;
+        file.persist(path).map_err(|error| error.error)?;
+        Ok(())
+    };
+    write().map_err(|error| Failure::file(path, "cannot be written", error))
+}
+
+/// Writes JSON for people: indented, with a last line break.
+pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {
+    write_whole(path, |writer| {
+        serde_json::to_writer_pretty(&mut *writer, value)?;
+        writer.write_all(b"\n")
+    })
+}
+
+/// Writes rows as CSV under the names of their fields.
+pub fn write_rows<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), Failure> {
+    write_whole(path, |writer| {
+        let mut csv = csv::Writer::from_writer(writer);
+        for row in rows {
+            csv.serialize(row).map_err(io::Error::other)?;
+        }
+        csv.flush()
+    })
+}
+
+/// Folders that were made for results; those still empty can be taken back.
+pub struct Folder {
+    path: PathBuf,
+    made: Vec<PathBuf>,
+}
+
+impl Folder {
+    /// Makes a folder and those above it, before a run whose results would have no place.
+    pub fn make(path: &Path) -> Result<Self, Failure> {
+        let missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
+        let made = path.ancestors().take_while(missing).map(Path::to_owned).collect();
+        fs::create_dir_all(path).map_err(|error| Failure::file(path, "cannot be made a folder", error))?;
+        Ok(Folder { path: path.to_owned(), made })
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Takes back what was made and is still empty.
+    pub fn take_back(self) {
+        for folder in &self.made {
+            if fs::remove_dir(folder).is_err() {
+                return;
+            }
+        }
+    }
+}
+
+/// Writes the series of a run that have rows, and last its record: where that is, everything is. Files of an
+/// earlier run that this one does not replace are removed, so that a folder never mixes two runs.
+pub fn write_run(folder: &Path, result: &RunResult) -> Result<(), Failure> {
+    let record = folder.join("record.json");
+    remove(&record)?;
+    rows_or_nothing(&folder.join("front.csv"), &result.front)?;
+    rows_or_nothing(&folder.join("profiles.csv"), &result.profiles)?;
+    rows_or_nothing(&folder.join("probes.csv"), &result.probes)?;
+    rows_or_nothing(&folder.join("wall.csv"), &result.walls)?;
+    rows_or_nothing(&folder.join("gaps.csv"), &result.gaps)?;
+    let budget = folder.join("budget.csv");
+    if result.budget.is_empty() {
+        remove(&budget)?;
+    } else {
+        write_budget(&budget, &result.budget_names, &result.budget)?;
+    }
+    write_json(&record, &result.record)
+}
+
+fn rows_or_nothing<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), Failure> {
+    if rows.is_empty() { remove(path) } else { write_rows(path, rows) }
+}
+
+fn remove(path: &Path) -> Result<(), Failure> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Failure::file(path, "cannot be removed", error)),
+        _ => Ok(()),
+    }
+}
+
+fn write_budget(path: &Path, names: &[String], rows: &[BudgetRow]) -> Result<(), Failure> {
+    write_whole(path, |writer| {
+        let mut csv = csv::Writer::from_writer(writer);
+        let doors = names.iter().map(|name| format!("in_{name}_j"));
+        let head = ["time_s".into(), "stored_j".into()].into_iter().chain(doors).chain(["balance_rel".into()]);
+        csv.write_record(head).map_err(io::Error::other)?;
+        for row in rows {
+            let numbers = [row.time_s, row.stored_j].into_iter().chain(row.in_j.iter().copied());
+            csv.serialize(numbers.chain([row.balance_rel]).collect::<Vec<f64>>()).map_err(io::Error::other)?;
+        }
+        csv.flush()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use frazil_core::record::{FrontRow, ProfileRow};
+
+    use super::*;
+
+    #[test]
+    fn files_have_the_promised_columns() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let read = |name: &str| fs::read_to_string(folder.path().join(name)).expect("the file");
+        let front = [FrontRow { time_s: 1.0, front_m: 0.25, front_ref_m: None }];
+        write_rows(&folder.path().join("front.csv"), &front).expect("written");
+        assert_eq!(read("front.csv"), "time_s,front_m,front_ref_m\n1.0,0.25,\n");
+        let profile = [ProfileRow {
+            time_s: 1.0,
+            x_m: 0.5,
+            temperature_c: -2.0,
+            temperature_ref_c: Some(-2.5),
+            frozen_fraction: 1.0,
+            plane: "line".into(),
+        }];
+        write_rows(&folder.path().join("profiles.csv"), &profile).expect("written");
+        assert_eq!(
+            read("profiles.csv"),
+            "time_s,x_m,temperature_c,temperature_ref_c,frozen_fraction,plane\n1.0,0.5,-2.0,-2.5,1.0,line\n"
+        );
+        let budget = [BudgetRow { time_s: 1.0, stored_j: -3.0, in_j: vec![-4.0, 1.0], balance_rel: 0.0 }];
+        let names = ["left".to_owned(), "right".to_owned()];
+        write_budget(&folder.path().join("budget.csv"), &names, &budget).expect("written");
+        assert_eq!(read("budget.csv"), "time_s,stored_j,in_left_j,in_right_j,balance_rel\n1.0,-3.0,-4.0,1.0,0.0\n");
+    }
+
+    #[test]
+    fn a_folder_never_mixes_two_runs() {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("gaps.csv"), "of an earlier run").expect("written");
+        let record = serde_json::json!({
+            "frazil_version": "0.1.0", "scene": "s", "title": "t", "scene_hash": "0", "method": "pd", "settings": {},
+            "units": "si", "particles": 1, "pairs": 0, "steps": 1, "pair_evaluations": 0, "particle_updates": 1,
+            "step_s": 1.0, "step_bound_s": 1.0, "step_limit": "", "threads": 1, "seed": 1, "setup_wall_s": 0.0,
+            "setup_cpu_s": 0.0, "solve_wall_s": 0.0, "solve_cpu_s": 0.0, "outcome": "interrupted",
+            "energy_balance_rel": 0.0, "errors": {}, "spared": [], "differences": [], "state_hash": "0",
+        });
+        let result = RunResult {
+            record: serde_json::from_value(record).expect("a record"),
+            front: vec![FrontRow { time_s: 1.0, front_m: 0.5, front_ref_m: Some(0.25) }],
+            profiles: Vec::new(),
+            probes: Vec::new(),
+            budget_names: Vec::new(),
+            budget: Vec::new(),
+            walls: Vec::new(),
+            gaps: Vec::new(),
+            fields: Vec::new(),
+        };
+        write_run(folder.path(), &result).expect("written");
+        let mut names: Vec<_> = fs::read_dir(folder.path())
+            .expect("the folder")
+            .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        assert_eq!(names, ["front.csv", "record.json"]);
+        let text = fs::read_to_string(folder.path().join("record.json")).expect("the record");
+        let record: frazil_core::record::Record = serde_json::from_str(&text).expect("a record");
+        assert_eq!(record, result.record);
+    }
+
+    #[test]
+    fn a_file_that_fails_half_way_leaves_the_old_one() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("record.json");
+        write_json(&path, &1).expect("written");
+        let failed = write_whole(&path, |writer| {
+            writer.write_all(b"half")?;
+            Err(io::Error::other("stopped"))
+        });
+        assert!(failed.is_err());
+        assert_eq!(fs::read_to_string(&path).expect("the file"), "1\n");
+        assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1);
+    }
+
+    #[test]
+    fn folders_without_results_are_taken_back() {
+        let folder = tempfile::tempdir().expect("a folder");
+        Folder::make(&folder.path().join("out/scene")).expect("made").take_back();
+        assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 0);
+    }
+}

@@ -1,0 +1,126 @@
+//! One scene under one method.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use frazil_core::march::{self, Options, Progress};
+use frazil_core::record::{Errors, Outcome, RunResult};
+use frazil_core::reference::Reference;
+use frazil_core::scene::Scene;
+
+use crate::failure::{Failure, Verdict, answer};
+use crate::load;
+use crate::output::{self, Folder};
+use crate::progress::{Reporter, clock};
+
+/// What is to be run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunRequest {
+    /// Scene, by path or bundled name.
+    pub scene: String,
+    /// Method; the first of the scene if absent.
+    pub method: Option<String>,
+    /// Pairs of key path and value that override the file.
+    pub overrides: Vec<(String, String)>,
+    /// Threads.
+    pub threads: usize,
+    /// Seed.
+    pub seed: u64,
+    /// Folder for the results; `out/<scene>` if absent.
+    pub out: Option<PathBuf>,
+    /// Whether to say nothing but errors.
+    pub quiet: bool,
+}
+
+/// Set by the first interrupt; the second one ends the program at once.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Runs and writes the results, whole even if the run was interrupted.
+pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
+    let scene = load::scene(&request.scene, &request.overrides)?;
+    let method = load::method(&scene, request.method.as_deref())?;
+    let reference = reference(&scene);
+    let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&scene.name));
+    let folder = Folder::make(&path)?;
+    // Where no handler can be set, an interrupt ends the program without results: as ever.
+    let _ = ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    let reporter = Reporter::new(request.quiet);
+    let show = |progress: &Progress| reporter.show(progress);
+    let options = Options {
+        threads: request.threads,
+        seed: request.seed,
+        interrupt: Some(&INTERRUPTED),
+        progress: Some(&show),
+        time_limit_s: None,
+        fields: true,
+    };
+    let result = march::run(&scene, method, reference.as_deref(), &options);
+    reporter.finish();
+    let result = match result {
+        Ok(result) => result,
+        Err(refused) => {
+            folder.take_back();
+            return Err(refused.into());
+        }
+    };
+    output::write_run(folder.path(), &result)?;
+    // FIGURES: frazil_plots::run_figures(&result, folder.path()) belongs here, after the numbers are safe.
+    if !request.quiet {
+        answer(&summary(&result, folder.path()))?;
+    }
+    Ok(verdict(result.record.outcome))
+}
+
+/// The truth about a scene, if there is one.
+pub fn reference(_scene: &Scene) -> Option<Box<dyn Reference>> {
+    None
+}
+
+/// A run that went to its end but against its own checks has failed a check; one that did not get there is broken.
+fn verdict(outcome: Outcome) -> Verdict {
+    match outcome {
+        Outcome::Ok => Verdict::Done,
+        Outcome::Oscillating | Outcome::EnergyDrift | Outcome::PhaseSkipped => Verdict::CheckFailed,
+        Outcome::Diverged | Outcome::TimedOut | Outcome::Interrupted => Verdict::Broken,
+    }
+}
+
+fn summary(result: &RunResult, folder: &Path) -> String {
+    let record = &result.record;
+    let cause = record.cause.as_ref().map_or_else(String::new, |cause| format!(": {cause}"));
+    let mut text = format!("{} under {}: {}{cause}\n", record.scene, record.method, record.outcome.name());
+    let mut line = |title: &str, value: String| text.push_str(&format!("  {title:<13} {value}\n"));
+    line("particles", format!("{}, pairs {}", record.particles, record.pairs));
+    let bound = format!("bound {:.3e} s, set by {}", record.step_bound_s, record.step_limit);
+    line("steps", format!("{} of {:.3e} s; {bound}", record.steps, record.step_s));
+    let (setup, solve) = (clock(record.setup_wall_s), clock(record.solve_wall_s));
+    line("time", format!("{solve}, and {setup} of preparation; threads {}", record.threads));
+    line("heat balance", format!("{:.1e} of the heat exchanged", record.energy_balance_rel));
+    if let Some(reference) = &record.reference {
+        for (title, error) in errors(&record.errors) {
+            line(title, format!("{:.3} %", 100.0 * error));
+        }
+        let own = 100.0 * reference.error_estimate_rel;
+        line("reference", format!("{}, {}; its own error about {own:.1e} %", reference.kind, reference.source));
+    }
+    for difference in &record.differences {
+        line("difference", difference.clone());
+    }
+    line("results", folder.display().to_string());
+    text
+}
+
+/// The errors that people ask for first.
+fn errors(errors: &Errors) -> Vec<(&'static str, f64)> {
+    let named = [
+        ("front", errors.front_rms_rel),
+        ("temperature", errors.temperature_rms_rel),
+        ("frozen area", errors.frozen_volume_rms_rel),
+        ("closure", errors.events.get("closure_day").copied()),
+    ];
+    named.into_iter().filter_map(|(title, error)| error.map(|error| (title, error))).collect()
+}

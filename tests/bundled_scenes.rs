@@ -1,0 +1,16 @@
+//! The scenes that come with the program are good, and say what they are.
+
+use frazil_core::scene::Scene;
+
+#[test]
+fn every_bundled_scene_is_good_under_every_method() {
+    let kinds = frazil::registry::methods();
+    for bundled in frazil_cases::scenes::all() {
+        let scene = Scene::read(bundled.text, bundled.name, bundled.name, &[], kinds);
+        let scene = scene.unwrap_or_else(|problems| unreachable!("{problems}"));
+        let named: Vec<&str> = scene.methods.iter().map(|settings| settings.method).collect();
+        assert_eq!(named, kinds.iter().map(|kind| kind.name).collect::<Vec<_>>(), "{}", bundled.name);
+        assert!(bundled.text.starts_with("# "), "{} opens with what it is", bundled.name);
+        assert!(scene.watch.profiles.contains(&scene.duration), "{} keeps its last profile", bundled.name);
+    }
+}

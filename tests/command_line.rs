@@ -1,0 +1,114 @@
+//! The built program from outside: exit codes, what goes where, and that bad input writes nothing.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+fn frazil(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_frazil")).args(arguments).current_dir(folder).output().expect("the program starts")
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).expect("text")
+}
+
+#[test]
+fn bad_input_ends_with_2_says_why_and_writes_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::write(folder.path().join("bad.toml"), "title = 7\n").expect("written");
+    for command in ["run", "check"] {
+        let output = frazil(folder.path(), &[command, "bad.toml"]);
+        assert_eq!(output.status.code(), Some(2));
+        assert!(output.stdout.is_empty());
+        assert!(text(&output.stderr).starts_with("bad.toml: source: missing, must be a text\n"), "{output:?}");
+        assert!(text(&output.stderr).contains("bad.toml:1: title: found 7, must be a text that is not empty\n"));
+    }
+    for arguments in [
+        &["run", "stefan-water", "--set", "method.pd.spacing_m=-1"][..],
+        &["run", "stefan-water", "--set", "spacing"],
+        &["run", "stefan-water", "--method", "fem"],
+        &["run", "stefan-water", "--threads", "0"],
+        &["run", "missing.toml"],
+        &["run", "."],
+        &["run"],
+        &["freeze"],
+        &["compare"],
+        &["compare", "stefan-water", "--settings", "worst"],
+        &["compare", "stefan-water", "--budget-s", "nan"],
+    ] {
+        let output = frazil(folder.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(!output.stderr.is_empty() && output.stdout.is_empty(), "{arguments:?}");
+    }
+    let names: Vec<_> =
+        fs::read_dir(folder.path()).expect("the folder").map(|entry| entry.expect("an entry").file_name()).collect();
+    assert_eq!(names, ["bad.toml"]);
+}
+
+#[test]
+fn messages_name_the_option_or_the_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = frazil(folder.path(), &["run", "stefan-water", "--set", "method.pd.spacing_m=-1"]);
+    assert_eq!(text(&output.stderr), "--set method.pd.spacing_m=-1: found -1, must be greater than 0\n");
+    let output = frazil(folder.path(), &["run", "stefan-water", "--method", "fem"]);
+    assert_eq!(
+        text(&output.stderr),
+        "--method fem: the scene \"stefan-water\" has settings for local, pd, sph, edpd\n"
+    );
+    let output = frazil(folder.path(), &["run", "missing.toml"]);
+    assert!(text(&output.stderr).starts_with("missing.toml: cannot be read: "));
+}
+
+#[test]
+fn an_unknown_scene_suggests_the_nearest() {
+    let output = frazil(Path::new("."), &["run", "stefan-watre"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("did you mean \"stefan-water\""), "{output:?}");
+    let output = frazil(Path::new("."), &["check", "xyzzy"]);
+    assert!(text(&output.stderr).contains("frazil list"), "{output:?}");
+}
+
+#[test]
+fn list_shows_every_scene_and_method() {
+    let output = frazil(Path::new("."), &["list"]);
+    assert_eq!(output.status.code(), Some(0));
+    for scene in frazil_cases::scenes::all() {
+        assert!(text(&output.stdout).contains(&format!("  {} ", scene.name)));
+    }
+    for kind in frazil::registry::methods() {
+        assert!(text(&output.stdout).contains(&format!("  {} ", kind.name)));
+    }
+    assert!(output.stderr.is_empty());
+}
+
+#[test]
+fn help_and_version_go_to_standard_output() {
+    for argument in ["--help", "--version"] {
+        let output = frazil(Path::new("."), &[argument]);
+        assert_eq!(output.status.code(), Some(0));
+        assert!(text(&output.stdout).contains("frazil") && output.stderr.is_empty());
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_that_leaves_is_no_failure() {
+    let mut child = Command::new(env!("CARGO_BIN_EXE_frazil"))
+        .arg("list")
+        .stdin(Stdio::piped())
+        .stdout(closed_pipe())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    drop(child.stdin.take());
+    let output = child.wait_with_output().expect("the program ends");
+    assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), &b""[..]));
+}
+
+/// The writing end of a pipe that nobody reads.
+#[cfg(unix)]
+fn closed_pipe() -> Stdio {
+    let (reader, writer) = std::io::pipe().expect("a pipe");
+    drop(reader);
+    writer.into()
+}

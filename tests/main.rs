@@ -1,0 +1,6 @@
+//! One binary for all tests of the program.
+
+mod bad_scenes;
+mod broken_scenes;
+mod bundled_scenes;
+mod command_line;

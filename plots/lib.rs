@@ -1,1 +1,41 @@
-//! x
+//! Figures and pages from records: never a particle.
+//!
+//! A [`canvas::Canvas`] holds a drawing; it is written once as SVG and once as PNG, so both show the same.
+
+use std::path::PathBuf;
+
+pub mod axes;
+pub mod canvas;
+pub mod comparison;
+pub mod convergence;
+pub mod map;
+pub mod page;
+mod raster;
+pub mod rings;
+pub mod run;
+pub mod style;
+mod svg;
+
+pub use run::{FigureOptions, run_figures};
+
+/// A figure or page that could not be made.
+#[derive(Debug, thiserror::Error)]
+pub enum PlotError {
+    /// The built-in font was refused.
+    #[error("the built-in font could not be used")]
+    Font,
+    /// A picture could not be encoded.
+    #[error("cannot encode a picture: {0}")]
+    Encode(String),
+    /// A file could not be written.
+    #[error("cannot write {path}: {source}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The page could not be filled in.
+    #[error("cannot fill in the page: {0}")]
+    Page(String),
+}

@@ -75,21 +75,21 @@ struct CompareArguments {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     methods: Vec<String>,
     /// Number of spacings, each half the one before.
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(1..=8))]
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=8))]
     levels: u8,
     /// Folder for the results; by default out/compare.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Timed repetitions of each run.
-    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u16).range(1..=1000))]
-    repeats: u16,
-    /// Seeds of each stochastic run.
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u16).range(1..=1000))]
-    seeds: u16,
+    /// Timed repetitions of each run; by default seven of short runs and fewer of long ones.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    repeats: Option<u16>,
+    /// Seeds of each stochastic run; by default ten, or at least five where time is short.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=1000))]
+    seeds: Option<u16>,
     /// Threads of each run.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
-    /// Wall time that one run may take, in seconds.
+    /// Wall time for one scene, in seconds; 45 by default. Runs that would not fit are left out and listed.
     #[arg(long, value_name = "S", value_parser = positive_seconds)]
     budget_s: Option<f64>,
     /// Settings of the methods: best, paper or both.
@@ -128,12 +128,13 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             methods: arguments.methods,
             levels: arguments.levels.into(),
             out: arguments.out,
-            repeats: arguments.repeats.into(),
-            seeds: arguments.seeds.into(),
+            repeats: arguments.repeats.map(Into::into),
+            seeds: arguments.seeds.map(Into::into),
             threads: arguments.threads.into(),
             budget_s: arguments.budget_s,
             settings: arguments.settings,
             quiet: arguments.quiet,
+            command_line: std::env::args().collect::<Vec<_>>().join(" "),
         }),
         Command::Check(arguments) => check::check(&arguments.scene, &arguments.method, &arguments.set),
         Command::List => list::list(),

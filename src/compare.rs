@@ -1,10 +1,36 @@
 //! Methods against each other on the same scenes: error against run time.
+//!
+//! A comparison goes one way: a plan of runs, the runs themselves, what they say (analysis), and then tables,
+//! figures and one page. Files are written as results arrive, each whole.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use frazil_core::scene::Setting;
+use frazil_core::march::{Options, Refused};
+use frazil_core::method::MethodKind;
+use frazil_core::record::RunResult;
+use frazil_core::reference::Reference;
+use frazil_core::scene::{Scene, Setting};
 
-use crate::failure::{Failure, Verdict};
+use crate::failure::{Failure, Verdict, complain};
+use crate::output::Folder;
+use crate::{load, registry};
+
+pub mod analysis;
+pub mod curve;
+pub mod execute;
+pub mod figures;
+pub mod machine;
+pub mod measured;
+pub mod plan;
+pub mod reference;
+pub mod report;
+pub mod tables;
+#[cfg(test)]
+mod tests;
+
+/// Wall time that is spent on one scene unless told otherwise (s).
+const BUDGET: f64 = 45.0;
 
 /// What is to be compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,21 +43,107 @@ pub struct CompareRequest {
     pub levels: usize,
     /// Folder for the results.
     pub out: Option<PathBuf>,
-    /// Timed repetitions of each run.
-    pub repeats: usize,
-    /// Seeds of each stochastic run.
-    pub seeds: usize,
-    /// Threads of each run.
+    /// Timed repetitions of each run; by its length if absent.
+    pub repeats: Option<usize>,
+    /// Seeds of each stochastic run; ten, or what the time allows, if absent.
+    pub seeds: Option<usize>,
+    /// Threads of each timed run.
     pub threads: usize,
-    /// Wall time that one run may take (s).
+    /// Wall time for one scene (s).
     pub budget_s: Option<f64>,
     /// Settings of the methods.
     pub settings: Vec<Setting>,
     /// Whether to say nothing but errors.
     pub quiet: bool,
+    /// The command as it was typed, for the page.
+    pub command_line: String,
 }
 
+impl CompareRequest {
+    /// Wall time for one scene (s).
+    pub fn budget(&self) -> f64 {
+        self.budget_s.unwrap_or(BUDGET)
+    }
+}
+
+/// Reads a scene by name or path with overrides.
+pub type SceneAt<'a> = dyn Fn(&str, &[(String, String)]) -> Result<Scene, String> + 'a;
+/// The reference of a scene that needs no run.
+pub type ReferenceFor<'a> = dyn Fn(&Scene) -> Result<Option<Box<dyn Reference>>, String> + 'a;
+/// Makes one run.
+pub type Run<'a> = dyn Fn(&Scene, &str, Option<&dyn Reference>, &Options<'_>) -> Result<RunResult, Refused> + Sync + 'a;
+
+/// The rest of the program as a comparison sees it; tests put made-up parts in their place.
+pub struct Parts<'a> {
+    /// Reads scenes.
+    pub scene_at: &'a SceneAt<'a>,
+    /// Knows references.
+    pub reference_for: &'a ReferenceFor<'a>,
+    /// Makes runs.
+    pub run: &'a Run<'a>,
+    /// The methods.
+    pub methods: &'a [&'static MethodKind],
+    /// Set to stop.
+    pub interrupt: &'a AtomicBool,
+}
+
+/// Set by the first interrupt; the second one ends the program at once.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
 /// Compares.
-pub fn compare(_request: &CompareRequest) -> Result<Verdict, Failure> {
-    Err(Failure::Request("compare is not connected".into()))
+pub fn compare(request: &CompareRequest) -> Result<Verdict, Failure> {
+    // Where no handler can be set, an interrupt ends the program: what is written is whole all the same.
+    let _ = ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+    });
+    let parts = Parts {
+        scene_at: &|name, overrides| load::scene(name, overrides).map_err(|failure| failure.to_string()),
+        reference_for: &frazil_cases::reference_for,
+        run: &frazil_core::march::run,
+        methods: registry::methods(),
+        interrupt: &INTERRUPTED,
+    };
+    compare_with(request, &parts)
+}
+
+/// Compares with given parts.
+pub fn compare_with(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failure> {
+    let path = request.out.clone().unwrap_or_else(|| Path::new("out").join("compare"));
+    // Every scene is read before the first run, so that a misspelt name costs no time.
+    for name in &request.scenes {
+        (parts.scene_at)(name, &[]).map_err(Failure::Request)?;
+    }
+    let folder = Folder::make(&path)?;
+    let machine = machine::Machine::now();
+    let mut finished = Vec::new();
+    let mut broken = false;
+    for name in &request.scenes {
+        let say = |text: &str| {
+            if !request.quiet {
+                complain(text);
+            }
+        };
+        let written = |runs: &execute::SceneRuns| tables::write_comparison(folder.path(), &finished, runs);
+        match execute::scene(request, parts, name, &say, &written) {
+            Ok(runs) => finished.push(analysis::Study::of(runs)),
+            Err(execute::Stop::Scene(reason)) => {
+                complain(&format!("{name}: {reason}"));
+                broken = true;
+            }
+            Err(execute::Stop::Files(failure)) => return Err(failure),
+        }
+        tables::write_all(folder.path(), &finished)?;
+        report::write(request, &machine, folder.path(), &finished)?;
+        if parts.interrupt.load(Ordering::Relaxed) {
+            return Ok(Verdict::Broken);
+        }
+    }
+    if finished.is_empty() {
+        folder.take_back();
+    } else if !request.quiet {
+        complain(&format!("written: {}", path.join("report.html").display()));
+    }
+    Ok(if broken { Verdict::Broken } else { Verdict::Done })
 }

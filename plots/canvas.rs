@@ -1,0 +1,210 @@
+//! A drawing as a list of lines, areas and texts, in pixels from the upper left corner.
+
+use std::path::{Path, PathBuf};
+
+use crate::style::{INK, Marker};
+use crate::{PlotError, raster, style, svg};
+
+/// A point of a drawing (px).
+pub type Spot = (f64, f64);
+
+/// Red, green and blue.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Colour(pub u8, pub u8, pub u8);
+
+impl Colour {
+    /// White.
+    pub const WHITE: Colour = Colour(255, 255, 255);
+
+    /// Lightness in a grey print, 0 to 1.
+    pub fn lightness(self) -> f64 {
+        (0.299 * f64::from(self.0) + 0.587 * f64::from(self.1) + 0.114 * f64::from(self.2)) / 255.0
+    }
+}
+
+/// How a line is drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stroke {
+    /// Colour.
+    pub colour: Colour,
+    /// Width (px).
+    pub width: f64,
+    /// Dashes (px on, px off, ...); empty for a whole line.
+    pub dash: &'static [f64],
+}
+
+impl Stroke {
+    /// A whole line.
+    pub fn whole(colour: Colour, width: f64) -> Stroke {
+        Stroke { colour, width, dash: &[] }
+    }
+}
+
+/// Where a text stands relative to its point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Align {
+    /// It begins there.
+    Start,
+    /// It is centred there.
+    Middle,
+    /// It ends there.
+    End,
+}
+
+/// A text and its place; the point lies on its base line.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Text {
+    /// Point on the base line.
+    pub at: Spot,
+    /// The words.
+    pub text: String,
+    /// Size (px).
+    pub size: f64,
+    /// Alignment.
+    pub align: Align,
+    /// Whether it is bold.
+    pub bold: bool,
+    /// Whether it runs upwards.
+    pub upward: bool,
+    /// Colour.
+    pub colour: Colour,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Item {
+    Line { points: Vec<Spot>, stroke: Stroke },
+    Area { rings: Vec<Vec<Spot>>, fill: Colour, opacity: f64 },
+    Text(Text),
+}
+
+/// A drawing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Canvas {
+    /// Width (px).
+    pub width: f64,
+    /// Height (px).
+    pub height: f64,
+    /// What the drawing shows, for readers who cannot see it.
+    pub title: String,
+    pub(crate) items: Vec<Item>,
+}
+
+impl Canvas {
+    /// An empty white drawing.
+    pub fn new(width: f64, height: f64, title: &str) -> Canvas {
+        Canvas { width, height, title: title.into(), items: Vec::new() }
+    }
+
+    /// A line through points.
+    pub fn line(&mut self, points: Vec<Spot>, stroke: Stroke) {
+        if points.len() > 1 {
+            self.items.push(Item::Line { points, stroke });
+        }
+    }
+
+    /// An area inside rings; a ring inside another is a hole.
+    pub fn area(&mut self, rings: Vec<Vec<Spot>>, fill: Colour, opacity: f64) {
+        self.items.push(Item::Area { rings, fill, opacity });
+    }
+
+    /// A filled box.
+    pub fn rectangle(&mut self, (x0, y0): Spot, (x1, y1): Spot, fill: Colour) {
+        self.area(vec![vec![(x0, y0), (x1, y0), (x1, y1), (x0, y1)]], fill, 1.0);
+    }
+
+    /// A text in ink.
+    pub fn text(&mut self, at: Spot, text: impl Into<String>, size: f64, align: Align) {
+        self.place(Text { at, text: text.into(), size, align, bold: false, upward: false, colour: INK });
+    }
+
+    /// A text with all its settings.
+    pub fn place(&mut self, text: Text) {
+        self.items.push(Item::Text(text));
+    }
+
+    /// A marker: filled, or white with a coloured rim.
+    pub fn marker(&mut self, at: Spot, marker: Marker, radius: f64, colour: Colour, hollow: bool) {
+        let mut shape = marker_shape(at, marker, radius);
+        let fill = if hollow { Colour::WHITE } else { colour };
+        self.area(vec![shape.clone()], fill, 1.0);
+        shape.push(shape[0]);
+        // The line is closed past its first corner, so that the corner is joined and not notched.
+        shape.push(shape[1]);
+        self.line(shape, Stroke::whole(colour, 1.8));
+    }
+
+    /// A circle around a point.
+    pub fn ring(&mut self, at: Spot, radius: f64, stroke: Stroke) {
+        let mut circle = marker_shape(at, Marker::Circle, radius);
+        circle.push(circle[0]);
+        self.line(circle, stroke);
+    }
+
+    /// A cross at a point.
+    pub fn cross(&mut self, (x, y): Spot, radius: f64, stroke: Stroke) {
+        self.line(vec![(x - radius, y - radius), (x + radius, y + radius)], stroke);
+        self.line(vec![(x - radius, y + radius), (x + radius, y - radius)], stroke);
+    }
+
+    /// The drawing as SVG.
+    pub fn svg(&self) -> String {
+        svg::render(self)
+    }
+
+    /// The drawing as a PNG of twice its size.
+    pub fn png(&self) -> Result<Vec<u8>, PlotError> {
+        raster::render(self)
+    }
+
+    /// Writes `NAME.svg` and `NAME.png` into a folder.
+    pub fn write(&self, folder: &Path, name: &str) -> Result<Vec<PathBuf>, PlotError> {
+        let mut paths = Vec::new();
+        for (ending, bytes) in [("svg", self.svg().into_bytes()), ("png", self.png()?)] {
+            let path = folder.join(format!("{name}.{ending}"));
+            write_whole(&path, &bytes)?;
+            paths.push(path);
+        }
+        Ok(paths)
+    }
+}
+
+/// Writes a file beside its place and then moves it there, so that no reader sees half of it.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), PlotError> {
+    let failed = |source| PlotError::Write { path: path.into(), source };
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(format!(".{}.part", std::process::id()));
+    let part = path.with_file_name(name);
+    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path)).map_err(|source| {
+        // The part is of no use to anyone; that it cannot be removed is the lesser trouble.
+        let _ = std::fs::remove_file(&part);
+        failed(source)
+    })
+}
+
+/// Width of a text (px).
+pub fn text_width(text: &str, size: f64, bold: bool) -> f64 {
+    raster::text_width(text, size, bold)
+}
+
+/// Width of the widest of some texts in the size of tick labels (px).
+pub fn widest_tick<'a>(labels: impl Iterator<Item = &'a str>) -> f64 {
+    labels.map(|label| text_width(label, style::TICK, false)).fold(0.0, f64::max)
+}
+
+fn marker_shape((x, y): Spot, marker: Marker, r: f64) -> Vec<Spot> {
+    match marker {
+        Marker::Circle => (0..24)
+            .map(|k| {
+                let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 24.0).sin_cos();
+                (x + r * cos, y + r * sin)
+            })
+            .collect(),
+        Marker::Square => {
+            let a = 0.88 * r;
+            vec![(x - a, y - a), (x + a, y - a), (x + a, y + a), (x - a, y + a)]
+        }
+        Marker::Triangle => vec![(x, y - 1.2 * r), (x + 1.1 * r, y + 0.8 * r), (x - 1.1 * r, y + 0.8 * r)],
+        Marker::Wedge => vec![(x, y + 1.2 * r), (x + 1.1 * r, y - 0.8 * r), (x - 1.1 * r, y - 0.8 * r)],
+        Marker::Diamond => vec![(x, y - 1.25 * r), (x + 1.25 * r, y), (x, y + 1.25 * r), (x - 1.25 * r, y)],
+    }
+}

@@ -1,0 +1,70 @@
+//! Error against spacing, with slopes to compare by eye.
+
+use crate::axes::{Axis, Entry, Frame, legend};
+use crate::canvas::{Align, Canvas, Stroke};
+use crate::run::{MARGIN, title};
+use crate::style::{REFERENCE, TICK, method_style};
+
+/// The errors of one method and setting by spacing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OrderCurve {
+    /// Method, which decides the look.
+    pub method: String,
+    /// Words of the legend.
+    pub label: String,
+    /// Whether it is drawn thin: the second curve of a method.
+    pub second: bool,
+    /// Spacing, error, and whether it is below ten times the error of the reference.
+    pub points: Vec<(f64, f64, bool)>,
+}
+
+/// Draws error against spacing. `scale` turns spacings into the unit of `spacing_label`.
+pub fn convergence(heading: &str, spacing_label: &str, scale: f64, error_label: &str, curves: &[OrderCurve]) -> Canvas {
+    let mut canvas = Canvas::new(1000.0, 680.0, heading);
+    title(&mut canvas, heading);
+    let entries: Vec<Entry> = curves
+        .iter()
+        .map(|curve| {
+            let style = method_style(&curve.method);
+            let stroke = style.stroke(if curve.second { 1.2 } else { 2.4 });
+            let marker = Some((style.marker, style.colour, false));
+            Entry { text: curve.label.clone(), stroke: Some(stroke), marker }
+        })
+        .collect();
+    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 8.0;
+    let points = || curves.iter().flat_map(|curve| &curve.points).filter(|point| point.1 > 0.0);
+    let x = Axis::log(spacing_label, points().map(|point| scale * point.0));
+    let y = Axis::log_percent(error_label, points().map(|point| point.1));
+    let frame = Frame::inside((0.0, top), (1000.0, 680.0), x, y);
+    frame.draw(&mut canvas);
+    triangles(&mut canvas, &frame);
+    for curve in curves {
+        let style = method_style(&curve.method);
+        let (width, radius) = if curve.second { (1.2, 4.5) } else { (2.4, 6.5) };
+        frame.curve(&mut canvas, curve.points.iter().map(|point| (scale * point.0, point.1)), style.stroke(width));
+        for (spacing, error, hollow) in curve.points.iter().filter(|point| point.1 > 0.0) {
+            canvas.marker(frame.spot(scale * spacing, *error), style.marker, radius, style.colour, *hollow);
+        }
+    }
+    canvas
+}
+
+/// Slopes of order one and two in the lower right corner, where converging curves do not go.
+fn triangles(canvas: &mut Canvas, frame: &Frame) {
+    let decades = (frame.x.high / frame.x.low).log10();
+    let right = frame.x.high / 10f64.powf(0.07 * decades);
+    let left = right / 10f64.powf(0.14 * decades);
+    let rise = right / left;
+    let bottom = frame.y.low * 10f64.powf(0.06 * (frame.y.high / frame.y.low).log10());
+    let stroke = Stroke::whole(REFERENCE, 1.8);
+    let corner = frame.spot(right, bottom);
+    let start = frame.spot(left, bottom);
+    for order in [1, 2] {
+        let peak = frame.spot(right, (bottom * rise.powi(order)).min(frame.y.high));
+        canvas.line(vec![start, peak], stroke);
+        canvas.text((peak.0 + 6.0, peak.1 + 0.3 * TICK), order.to_string(), TICK, Align::Start);
+    }
+    let peak = frame.spot(right, (bottom * rise * rise).min(frame.y.high));
+    canvas.line(vec![start, corner, peak], stroke);
+    canvas.text((start.0 - 8.0, corner.1 - 2.0), "order", TICK - 2.0, Align::End);
+}

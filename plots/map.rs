@@ -1,0 +1,279 @@
+//! Temperature maps: bands of equal temperature, isotherms, and the freezing isotherm heavy.
+
+use contour::ContourBuilder;
+use frazil_core::record::Field;
+
+use crate::axes::{Axis, Frame, nice_step};
+use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, Text};
+use crate::run::{Words, title};
+use crate::style::{INK, LABEL, TICK, number};
+
+/// Longest side of the grid that is contoured; finer fields are thinned, which keeps the SVG small.
+const GRID: usize = 240;
+
+pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
+    let heading = format!("{}, {}", words.heading, words.instant(field.time_s));
+    let (width, height) = (field.nx as f64 * field.spacing_m, field.ny as f64 * field.spacing_m);
+    let side = (840.0 / width).min(700.0 / height);
+    let (frame_width, frame_height) = (width * side, height * side);
+    let canvas_width = (frame_width + 250.0).max(620.0);
+    let mut canvas = Canvas::new(canvas_width, frame_height + 132.0, &format!("Temperature map: {heading}"));
+    title(&mut canvas, &heading);
+    let (x0, y0) = (field.x0_m - 0.5 * field.spacing_m, field.y0_m - 0.5 * field.spacing_m);
+    let unit = if words.length_unit.is_some() { "m" } else { "dimensionless" };
+    let frame = Frame {
+        left: 90.0,
+        top: 60.0,
+        right: 90.0 + frame_width,
+        bottom: 60.0 + frame_height,
+        x: Axis::between(format!("x ({unit})"), x0, x0 + width),
+        y: Axis::between(format!("y ({unit})"), y0, y0 + height),
+    };
+    frame.draw(&mut canvas);
+    let grid = Grid::thinned(field);
+    let present = || field.temperature_c.iter().copied().filter(|value| value.is_finite());
+    let (low, high) = present().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), t| (lo.min(t), hi.max(t)));
+    if low.is_finite() {
+        let step = band_step(high - low);
+        let colours = Ramp { low, high, zero: words.freezing_point };
+        let first = (low / step).floor() as i64;
+        let last = ((high / step).ceil() as i64).max(first + 1);
+        let mut edges: Vec<f64> = (first..=last).map(|k| k as f64 * step).collect();
+        if words.freezing_point > edges[0] && words.freezing_point < edges[edges.len() - 1] {
+            // The colour turns exactly where the ground freezes.
+            edges.push(words.freezing_point);
+            edges.sort_by(f64::total_cmp);
+            edges.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * step);
+        }
+        for band in edges.windows(2) {
+            let rings = grid.region(band[0], band[1], &frame);
+            if !rings.is_empty() {
+                canvas.area(rings, colours.at(0.5 * (band[0] + band[1])), 1.0);
+            }
+        }
+        let isotherm = isotherm_step(high - low);
+        for k in (low / isotherm).ceil() as i64..=(high / isotherm).floor() as i64 {
+            let level = k as f64 * isotherm;
+            if (level - words.freezing_point).abs() > 0.2 * isotherm {
+                grid.draw_isotherm(&mut canvas, &frame, level, Stroke::whole(INK, 0.9));
+            }
+        }
+        grid.draw_isotherm(&mut canvas, &frame, words.freezing_point, Stroke::whole(INK, 3.2));
+        grid.cover_outside(&mut canvas, &frame);
+        colour_bar(&mut canvas, &frame, &edges, &colours, isotherm, words);
+    }
+    let rim = [
+        (frame.left, frame.top),
+        (frame.right, frame.top),
+        (frame.right, frame.bottom),
+        (frame.left, frame.bottom),
+        (frame.left, frame.top),
+    ];
+    canvas.line(rim.to_vec(), Stroke::whole(INK, 1.3));
+    canvas
+}
+
+fn band_step(span: f64) -> f64 {
+    nice_step((span / 24.0).max(1e-9))
+}
+
+/// Five kelvin where that gives a readable number of lines.
+fn isotherm_step(span: f64) -> f64 {
+    if (8.0..=80.0).contains(&span) { 5.0 } else { nice_step((span / 8.0).max(1e-9)) }
+}
+
+/// Blue below the freezing point and warm above, lighter towards it, darkest at the cold end.
+struct Ramp {
+    low: f64,
+    high: f64,
+    zero: f64,
+}
+
+impl Ramp {
+    fn at(&self, temperature: f64) -> Colour {
+        const COLD: [Colour; 4] =
+            [Colour(0xe4, 0xef, 0xf7), Colour(0x9c, 0xc6, 0xe3), Colour(0x3f, 0x86, 0xc0), Colour(0x0c, 0x2f, 0x6b)];
+        const WARM: [Colour; 3] = [Colour(0xfd, 0xf1, 0xdd), Colour(0xf5, 0xc2, 0x7d), Colour(0xd9, 0x7a, 0x3a)];
+        let (ramp, part): (&[Colour], f64) = if temperature < self.zero {
+            (&COLD, (self.zero - temperature) / (self.zero - self.low).max(1e-12))
+        } else {
+            (&WARM, (temperature - self.zero) / (self.high - self.zero).max(1e-12))
+        };
+        let place = part.clamp(0.0, 1.0) * (ramp.len() - 1) as f64;
+        let index = (place as usize).min(ramp.len() - 2);
+        let (a, b, share) = (ramp[index], ramp[index + 1], place - index as f64);
+        let mix = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
+        Colour(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+    }
+}
+
+fn colour_bar(canvas: &mut Canvas, frame: &Frame, edges: &[f64], colours: &Ramp, isotherm: f64, words: &Words) {
+    let (left, right) = (frame.right + 30.0, frame.right + 56.0);
+    let (low, high) = (edges[0], edges[edges.len() - 1]);
+    let height = |value: f64| frame.bottom - (value - low) / (high - low) * (frame.bottom - frame.top);
+    for band in edges.windows(2) {
+        let colour = colours.at(0.5 * (band[0] + band[1]));
+        canvas.rectangle((left, height(band[1])), (right, height(band[0]) + 0.5), colour);
+    }
+    let rim = [(left, frame.top), (right, frame.top), (right, frame.bottom), (left, frame.bottom), (left, frame.top)];
+    canvas.line(rim.to_vec(), Stroke::whole(INK, 1.3));
+    for k in (low / isotherm).ceil() as i64..=(high / isotherm + 1e-9).floor() as i64 {
+        let level = k as f64 * isotherm;
+        let py = height(level);
+        canvas.line(vec![(left, py), (right, py)], Stroke::whole(INK, 0.9));
+        canvas.text((right + 8.0, py + 0.36 * TICK), number(level, 4), TICK, Align::Start);
+    }
+    if words.freezing_point > low && words.freezing_point < high {
+        let py = height(words.freezing_point);
+        canvas.line(vec![(left - 4.0, py), (right + 4.0, py)], Stroke::whole(INK, 3.2));
+    }
+    canvas.place(Text {
+        at: (right + 8.0 + 3.4 * TICK, 0.5 * (frame.top + frame.bottom)),
+        text: words.temperature_label.clone(),
+        size: LABEL,
+        align: Align::Middle,
+        bold: false,
+        upward: true,
+        colour: INK,
+    });
+}
+
+/// A regular grid of values, with a margin of one cell, and where the body is.
+struct Grid {
+    nx: usize,
+    ny: usize,
+    x0: f64,
+    y0: f64,
+    spacing: f64,
+    values: Vec<f64>,
+    /// One inside the body and zero outside, smoothed; empty if the body fills the grid.
+    body: Vec<f64>,
+}
+
+impl Grid {
+    fn thinned(field: &Field) -> Grid {
+        let stride = field.nx.max(field.ny).div_ceil(GRID).max(1);
+        let (nx, ny) = (field.nx.div_ceil(stride) + 2, field.ny.div_ceil(stride) + 2);
+        // The margin repeats the cells beside it, so that bands and isotherms reach the walls.
+        let source = |k: usize, count: usize| (k.max(1) - 1).min(count.div_ceil(stride) - 1) * stride;
+        let mut values: Vec<f64> = (0..ny)
+            .flat_map(|j| (0..nx).map(move |i| (i, j)))
+            .map(|(i, j)| field.temperature_c[source(j, field.ny) * field.nx + source(i, field.nx)])
+            .collect();
+        let mut body: Vec<f64> = values.iter().map(|value| f64::from(u8::from(value.is_finite()))).collect();
+        if body.iter().all(|share| *share > 0.0) {
+            body.clear();
+        } else {
+            // Values are carried a little beyond the body and covered up along a smooth edge: no stairs.
+            for _ in 0..4 {
+                values = spread(&values, nx, ny);
+            }
+            for _ in 0..3 {
+                body = smooth(&body, nx, ny);
+            }
+        }
+        let spacing = field.spacing_m * stride as f64;
+        Grid { nx, ny, x0: field.x0_m - spacing, y0: field.y0_m - spacing, spacing, values, body }
+    }
+
+    /// Rings around the cells whose value lies in a band, by even-odd: the region above the lower edge without
+    /// the region above the upper one.
+    fn region(&self, low: f64, high: f64, frame: &Frame) -> Vec<Vec<Spot>> {
+        let mut rings = self.above(&self.values, low, frame);
+        rings.extend(self.above(&self.values, high, frame));
+        rings
+    }
+
+    /// Rings around the region at or above a level.
+    fn above(&self, values: &[f64], level: f64, frame: &Frame) -> Vec<Vec<Spot>> {
+        let values: Vec<f64> = values.iter().map(|v| if v.is_finite() { *v } else { -1e6 }).collect();
+        let builder = ContourBuilder::new(self.nx, self.ny, true);
+        let Ok(contours) = builder.contours(&values, &[level]) else {
+            return Vec::new();
+        };
+        let mut rings = Vec::new();
+        for contour in contours {
+            for polygon in &contour.geometry().0 {
+                for ring in std::iter::once(polygon.exterior()).chain(polygon.interiors()) {
+                    rings.push(ring.coords().map(|coord| self.spot(coord.x, coord.y, frame)).collect());
+                }
+            }
+        }
+        rings
+    }
+
+    /// Pixel of a point in the contour's coordinates, where the centre of the first cell is at one half.
+    fn spot(&self, x: f64, y: f64, frame: &Frame) -> Spot {
+        let at =
+            |origin: f64, place: f64, low: f64, high: f64| (origin + (place - 0.5) * self.spacing).clamp(low, high);
+        frame.spot(at(self.x0, x, frame.x.low, frame.x.high), at(self.y0, y, frame.y.low, frame.y.high))
+    }
+
+    /// An isotherm inside the frame; the frame itself is none.
+    fn draw_isotherm(&self, canvas: &mut Canvas, frame: &Frame, level: f64, stroke: Stroke) {
+        let edge = |(x, y): &Spot| {
+            (x - frame.left).abs() < 1e-6
+                || (x - frame.right).abs() < 1e-6
+                || (y - frame.top).abs() < 1e-6
+                || (y - frame.bottom).abs() < 1e-6
+        };
+        for ring in self.above(&self.values, level, frame) {
+            let mut piece: Vec<Spot> = Vec::new();
+            for spot in ring {
+                let ends = edge(&spot);
+                if ends && piece.last().is_some_and(edge) {
+                    piece.clear();
+                }
+                piece.push(spot);
+                if ends && piece.len() > 1 {
+                    canvas.line(std::mem::take(&mut piece), stroke);
+                    piece.push(spot);
+                }
+            }
+            canvas.line(piece, stroke);
+        }
+    }
+
+    /// Covers what lies outside the body.
+    fn cover_outside(&self, canvas: &mut Canvas, frame: &Frame) {
+        if !self.body.is_empty() {
+            let corners = [
+                (frame.left, frame.top),
+                (frame.right, frame.top),
+                (frame.right, frame.bottom),
+                (frame.left, frame.bottom),
+            ];
+            let inside = self.above(&self.body, 0.5, frame);
+            for ring in &inside {
+                canvas.line(ring.clone(), Stroke::whole(INK, 1.3));
+            }
+            canvas.area(std::iter::once(corners.to_vec()).chain(inside).collect(), Colour::WHITE, 1.0);
+        }
+    }
+}
+
+/// The cells of the 3 by 3 block around a cell.
+fn around(values: &[f64], nx: usize, ny: usize, i: usize, j: usize) -> impl Iterator<Item = f64> {
+    let columns = i.saturating_sub(1)..=(i + 1).min(nx - 1);
+    (j.saturating_sub(1)..=(j + 1).min(ny - 1))
+        .flat_map(move |j| columns.clone().map(move |i| (i, j)))
+        .map(move |(i, j)| values[j * nx + i])
+}
+
+/// Gives missing cells the mean of their present neighbours.
+fn spread(values: &[f64], nx: usize, ny: usize) -> Vec<f64> {
+    let mean = |i: usize, j: usize| {
+        let present: Vec<f64> = around(values, nx, ny, i, j).filter(|value| value.is_finite()).collect();
+        if present.is_empty() { f64::NAN } else { present.iter().sum::<f64>() / present.len() as f64 }
+    };
+    let cell = |k: usize| if values[k].is_finite() { values[k] } else { mean(k % nx, k / nx) };
+    (0..values.len()).map(cell).collect()
+}
+
+fn smooth(values: &[f64], nx: usize, ny: usize) -> Vec<f64> {
+    let mean = |k: usize| {
+        let block: Vec<f64> = around(values, nx, ny, k % nx, k / nx).collect();
+        block.iter().sum::<f64>() / block.len() as f64
+    };
+    (0..values.len()).map(mean).collect()
+}

@@ -1,0 +1,244 @@
+//! The figures of one run: front and profiles beside the reference.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use frazil_core::record::{ProfileRow, RunResult};
+use frazil_core::scene::TimeUnit;
+
+use crate::PlotError;
+use crate::axes::{Axis, Entry, Frame, legend};
+use crate::canvas::{Align, Canvas, Colour, Stroke, Text};
+use crate::style::{INK, LABEL, REFERENCE, TITLE, method_style, method_title, number};
+use crate::{map, rings};
+
+/// What figures of a run need beyond the run itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FigureOptions {
+    /// Unit of times on axes.
+    pub time_unit: TimeUnit,
+    /// Temperature of the isotherm that is drawn heavy: where the ground freezes.
+    pub freezing_point: f64,
+}
+
+/// Draws every figure that a run has rows for and returns the files.
+pub fn run_figures(result: &RunResult, folder: &Path, options: &FigureOptions) -> Result<Vec<PathBuf>, PlotError> {
+    let mut files = Vec::new();
+    for (name, canvas) in drawings(result, options) {
+        files.extend(canvas.write(folder, &name)?);
+    }
+    Ok(files)
+}
+
+/// Every figure that a run has rows for, by its file name without ending.
+pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Canvas)> {
+    let words = Words::of(result, options);
+    let mut all = Vec::new();
+    if result.front.iter().any(|row| row.front_m > 0.0) {
+        all.push(("front".into(), front(result, &words)));
+    }
+    if !result.profiles.is_empty() {
+        all.push(("profiles".into(), profiles(result, &words)));
+    }
+    if !result.walls.is_empty() {
+        all.push(("wall".into(), rings::wall(result, &words)));
+        all.push(("heat".into(), rings::heat(result, &words)));
+    }
+    if !result.gaps.is_empty() {
+        all.push(("gaps".into(), rings::gaps(result, &words)));
+    }
+    for field in &result.fields {
+        let time = number(words.time(field.time_s), 4).replace([' ', '·'], "").replace('−', "-");
+        let name = format!("map_{time}{}", words.time_symbol);
+        all.push((name, map::temperature_map(field, &words)));
+    }
+    all
+}
+
+/// How a run speaks of its units.
+pub(crate) struct Words {
+    pub(crate) heading: String,
+    pub(crate) method: String,
+    pub(crate) time_symbol: &'static str,
+    seconds: f64,
+    pub(crate) time_label: String,
+    pub(crate) temperature_label: String,
+    pub(crate) degree: &'static str,
+    pub(crate) length_unit: Option<(f64, &'static str)>,
+    pub(crate) freezing_point: f64,
+}
+
+impl Words {
+    pub(crate) fn of(result: &RunResult, options: &FigureOptions) -> Words {
+        let record = &result.record;
+        let si = record.units == "si";
+        let unit = options.time_unit;
+        let reach = result.front.iter().map(|row| row.front_m).fold(0.0, f64::max);
+        Words {
+            heading: format!("{} — {}", record.title, method_title(&record.method)),
+            method: record.method.clone(),
+            time_symbol: if si { unit.symbol() } else { "" },
+            seconds: if si { unit.seconds() } else { 1.0 },
+            time_label: if si { format!("time ({})", unit.symbol()) } else { "time (dimensionless)".into() },
+            temperature_label: if si { "temperature (°C)".into() } else { "temperature (dimensionless)".into() },
+            degree: if si { " °C" } else { "" },
+            length_unit: si.then_some(if reach > 0.0 && reach < 0.2 { (1e3, "mm") } else { (1.0, "m") }),
+            freezing_point: options.freezing_point,
+        }
+    }
+
+    pub(crate) fn time(&self, seconds: f64) -> f64 {
+        seconds / self.seconds
+    }
+
+    pub(crate) fn instant(&self, seconds: f64) -> String {
+        format!("{} {}", number(self.time(seconds), 4), self.time_symbol).trim_end().into()
+    }
+
+    pub(crate) fn length(&self, metres: f64) -> f64 {
+        metres * self.length_unit.map_or(1.0, |(scale, _)| scale)
+    }
+
+    pub(crate) fn length_label(&self, what: &str) -> String {
+        match self.length_unit {
+            Some((_, symbol)) => format!("{what} ({symbol})"),
+            None => format!("{what} (dimensionless)"),
+        }
+    }
+}
+
+/// Left margin of titles and legends (px).
+pub(crate) const MARGIN: f64 = 24.0;
+
+pub(crate) fn title(canvas: &mut Canvas, text: &str) {
+    let mut size = TITLE;
+    while crate::canvas::text_width(text, size, true) > canvas.width - 2.0 * MARGIN && size > 12.0 {
+        size -= 0.5;
+    }
+    let at = (MARGIN, 34.0);
+    canvas.place(Text { at, text: text.into(), size, align: Align::Start, bold: true, upward: false, colour: INK });
+}
+
+/// Line and legend entry of the reference.
+pub(crate) fn reference_entry() -> Entry {
+    Entry { text: "reference".into(), stroke: Some(reference_stroke()), marker: None }
+}
+
+pub(crate) fn reference_stroke() -> Stroke {
+    Stroke { colour: REFERENCE, width: 4.5, dash: &[] }
+}
+
+fn front(result: &RunResult, words: &Words) -> Canvas {
+    let mut canvas = Canvas::new(1000.0, 720.0, &format!("Front over time: {}", words.heading));
+    title(&mut canvas, &words.heading);
+    let style = method_style(&words.method);
+    let stroke = style.stroke(2.2);
+    let referred = result.front.iter().any(|row| row.front_ref_m.is_some());
+    let mut entries = vec![Entry { text: method_title(&words.method), stroke: Some(stroke), marker: None }];
+    if referred {
+        entries.push(reference_entry());
+    }
+    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 6.0;
+    let times = || result.front.iter().map(|row| words.time(row.time_s)).chain([0.0]);
+    let heights = result.front.iter().flat_map(|row| [Some(row.front_m), row.front_ref_m]).flatten();
+    let y = Axis::linear(words.length_label("front"), heights.map(|height| words.length(height)));
+    let split = if referred { 445.0 } else { 720.0 };
+    let mut below = referred.then(|| {
+        let errors: Vec<f64> = result.front.iter().filter_map(relative_error).collect();
+        let mut sorted = errors.clone();
+        sorted.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        // The first instants, when the front is thinner than a particle, would hide all others.
+        let typical = sorted.get(sorted.len() * 9 / 10).map_or(0.01, |error| 1.3 * error.abs()).max(1e-6);
+        let shown = errors.iter().map(|error| 100.0 * error.clamp(-typical, typical)).chain([0.0]);
+        let y = Axis::linear("error of the front (%)", shown);
+        Frame::inside((0.0, split + 14.0), (1000.0, 720.0), Axis::linear(words.time_label.as_str(), times()), y)
+    });
+    let label = if referred { String::new() } else { words.time_label.clone() };
+    let mut above = Frame::inside((0.0, top), (1000.0, split), Axis::linear(label, times()), y);
+    if let Some(below) = &mut below {
+        let left = above.left.max(below.left);
+        (above.left, below.left) = (left, left);
+    }
+    above.draw(&mut canvas);
+    if referred {
+        let rows = result.front.iter().filter_map(|row| Some((row.time_s, row.front_ref_m?)));
+        above.curve(&mut canvas, rows.map(|(t, s)| (words.time(t), words.length(s))), reference_stroke());
+    }
+    let rows = result.front.iter().map(|row| (words.time(row.time_s), words.length(row.front_m)));
+    above.curve(&mut canvas, rows, stroke);
+    if let Some(below) = below {
+        below.draw(&mut canvas);
+        below.curve(&mut canvas, [(below.x.low, 0.0), (below.x.high, 0.0)], Stroke::whole(REFERENCE, 1.5));
+        let rows = result.front.iter().filter_map(|row| Some((words.time(row.time_s), 100.0 * relative_error(row)?)));
+        below.curve(&mut canvas, rows, stroke);
+    }
+    canvas
+}
+
+fn relative_error(row: &frazil_core::record::FrontRow) -> Option<f64> {
+    row.front_ref_m.filter(|reference| *reference > 0.0).map(|reference| row.front_m / reference - 1.0)
+}
+
+fn profiles(result: &RunResult, words: &Words) -> Canvas {
+    let mut planes: BTreeMap<&str, Vec<&ProfileRow>> = BTreeMap::new();
+    for row in &result.profiles {
+        planes.entry(row.plane.as_str()).or_default().push(row);
+    }
+    let single = planes.len() == 1;
+    let height = if single { 640.0 } else { 110.0 + 400.0 * planes.len() as f64 };
+    let mut canvas = Canvas::new(1000.0, height, &format!("Temperature profiles: {}", words.heading));
+    title(&mut canvas, &words.heading);
+    let mut instants: Vec<f64> = result.profiles.iter().map(|row| row.time_s).collect();
+    instants.sort_by(f64::total_cmp);
+    instants.dedup();
+    let base = method_style(&words.method);
+    let stroke_at = |k: usize| {
+        // Later profiles are darker.
+        let age = if instants.len() > 1 { k as f64 / (instants.len() - 1) as f64 } else { 1.0 };
+        let tone = |channel: u8| (f64::from(channel) + (1.0 - age) * 0.55 * (255.0 - f64::from(channel))) as u8;
+        Stroke::whole(Colour(tone(base.colour.0), tone(base.colour.1), tone(base.colour.2)), 2.4)
+    };
+    let mut entries: Vec<Entry> = instants
+        .iter()
+        .enumerate()
+        .map(|(k, time)| Entry { text: words.instant(*time), stroke: Some(stroke_at(k)), marker: None })
+        .collect();
+    let thin = Stroke { colour: INK, width: 1.6, dash: &[2.5, 4.5] };
+    if result.profiles.iter().any(|row| row.temperature_ref_c.is_some()) {
+        entries.push(Entry { text: "reference".into(), stroke: Some(thin), marker: None });
+    }
+    let isotherm = Stroke { colour: REFERENCE, width: 1.6, dash: &[] };
+    let freezing = format!("freezing point, {}{}", number(words.freezing_point, 3), words.degree);
+    entries.push(Entry { text: freezing, stroke: Some(isotherm), marker: None });
+    let mut top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 10.0;
+    let each = (height - top) / planes.len() as f64;
+    let reach = result.profiles.iter().map(|row| row.x_m).fold(0.0, f64::max);
+    let (scale, symbol) = if words.length_unit.is_none() {
+        (1.0, "dimensionless")
+    } else if reach < 0.2 {
+        (1e3, "mm")
+    } else {
+        (1.0, "m")
+    };
+    for (plane, rows) in planes {
+        let x_label = match plane {
+            "main" => format!("distance from the centre, through a pipe ({symbol})"),
+            "interface" => format!("distance from the centre, between two pipes ({symbol})"),
+            _ => format!("distance ({symbol})"),
+        };
+        let x = Axis::linear(x_label, rows.iter().map(|row| scale * row.x_m));
+        let values = rows.iter().flat_map(|row| [Some(row.temperature_c), row.temperature_ref_c]).flatten();
+        let y = Axis::linear(words.temperature_label.as_str(), values.chain([words.freezing_point]));
+        let frame = Frame::inside((0.0, top), (1000.0, top + each), x, y);
+        frame.draw(&mut canvas);
+        frame.curve(&mut canvas, [(frame.x.low, words.freezing_point), (frame.x.high, words.freezing_point)], isotherm);
+        for (k, time) in instants.iter().enumerate() {
+            let rows: Vec<_> = rows.iter().filter(|row| row.time_s == *time).collect();
+            frame.curve(&mut canvas, rows.iter().map(|row| (scale * row.x_m, row.temperature_c)), stroke_at(k));
+            let references = rows.iter().filter_map(|row| Some((scale * row.x_m, row.temperature_ref_c?)));
+            frame.curve(&mut canvas, references, thin);
+        }
+        top += each + LABEL * 0.2;
+    }
+    canvas
+}

@@ -1,0 +1,229 @@
+//! Every figure from made-up records: they must be drawn without any font of the machine.
+//!
+//! With `FRAZIL_FIGURES=folder` the files stay there to be looked at.
+
+use frazil_core::record::{Errors, Field, FrontRow, GapRow, Outcome, ProfileRow, Record, RunResult, WallRow};
+use frazil_core::scene::TimeUnit;
+use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint, work_precision};
+use frazil_plots::convergence::{OrderCurve, convergence};
+use frazil_plots::{FigureOptions, run_figures};
+
+fn record(title: &str, method: &str) -> Record {
+    Record {
+        frazil_version: "0.1.0".into(),
+        scene: "made-up".into(),
+        title: title.into(),
+        scene_hash: "0".into(),
+        method: method.into(),
+        settings: Default::default(),
+        units: "si".into(),
+        particles: 200,
+        pairs: 600,
+        steps: 1000,
+        pair_evaluations: 600_000,
+        particle_updates: 200_000,
+        step_s: 1.0,
+        step_bound_s: 1.1,
+        step_limit: "diffusion".into(),
+        threads: 1,
+        seed: 1,
+        setup_wall_s: 0.01,
+        setup_cpu_s: 0.01,
+        solve_wall_s: 1.0,
+        solve_cpu_s: 1.0,
+        peak_memory_bytes: None,
+        outcome: Outcome::Ok,
+        cause: None,
+        energy_balance_rel: 1e-14,
+        bounds_violation_rel: Some(0.0),
+        errors: Errors::default(),
+        reference: None,
+        spared: Vec::new(),
+        differences: Vec::new(),
+        state_hash: "0123456789abcdef".into(),
+    }
+}
+
+fn empty(title: &str, method: &str) -> RunResult {
+    RunResult {
+        record: record(title, method),
+        front: Vec::new(),
+        profiles: Vec::new(),
+        probes: Vec::new(),
+        budget_names: Vec::new(),
+        budget: Vec::new(),
+        walls: Vec::new(),
+        gaps: Vec::new(),
+        fields: Vec::new(),
+    }
+}
+
+fn line_run() -> RunResult {
+    let mut run = empty("Freezing of water in a half space (Neumann)", "pd");
+    for k in 1..=120 {
+        let time = 7200.0 * f64::from(k) / 120.0;
+        let exact = 0.0004 * time.sqrt();
+        let wiggle = 1.0 + 0.01 * (-f64::from(k) / 30.0).exp() * (f64::from(k) / 3.0).sin();
+        run.front.push(FrontRow { time_s: time, front_m: exact * wiggle, front_ref_m: Some(exact) });
+    }
+    for time in [720.0, 2880.0, 7200.0] {
+        let front = 0.0004 * f64::sqrt(time);
+        for k in 0..100 {
+            let x = 0.001 * (f64::from(k) + 0.5);
+            let exact = if x < front { -10.0 * (1.0 - x / front) } else { 4.0 * (1.0 - (-(x - front) / 0.02).exp()) };
+            run.profiles.push(ProfileRow {
+                time_s: time,
+                x_m: x,
+                temperature_c: exact + 0.15 * (x * 300.0).sin(),
+                temperature_ref_c: Some(exact),
+                frozen_fraction: f64::from(u8::from(x < front)),
+                plane: "line".into(),
+            });
+        }
+    }
+    run
+}
+
+fn ring_run() -> RunResult {
+    let mut run = empty("Ring of 26 freeze pipes in sand", "sph");
+    for k in 1..=80 {
+        let day = f64::from(k);
+        let closed = (day - 15.0).max(0.0).sqrt() * 0.28;
+        run.walls.push(WallRow {
+            time_s: day * 86400.0,
+            thickness_main_m: 0.3 * day.sqrt(),
+            thickness_main_ref_m: Some(0.303 * day.sqrt()),
+            thickness_interface_m: closed,
+            thickness_interface_ref_m: Some(closed * 1.02),
+            frozen_area_m2: day,
+            frozen_area_ref_m2: None,
+            heat_per_pipe_w_per_m: 80.0 + 400.0 / day.sqrt(),
+        });
+    }
+    for gap in 0..7 {
+        run.gaps.push(GapRow {
+            gap,
+            angle_deg: 6.9 + 13.8 * gap as f64,
+            multiplicity: 4,
+            closure_s: (gap != 5).then_some(86400.0 * (15.5 + 0.1 * (gap % 3) as f64)),
+            closure_ref_s: Some(86400.0 * 15.4),
+        });
+    }
+    let (n, spacing) = (180, 0.05);
+    let mut temperature_c = Vec::new();
+    for j in 0..n {
+        for i in 0..n {
+            let (x, y) = (spacing * (i as f64 + 0.5), spacing * (j as f64 + 0.5));
+            let radius = x.hypot(y);
+            let mut value = 12.0;
+            for k in 0..26 {
+                let angle = std::f64::consts::TAU * (f64::from(k) + 0.5) / 26.0;
+                let distance = (x - 5.5 * angle.cos()).hypot(y - 5.5 * angle.sin()).max(0.054);
+                value -= 3.1 * (-distance / 1.2).exp() * (1.2 / distance).min(6.0);
+            }
+            temperature_c.push(if radius > 9.0 { f64::NAN } else { value.max(-28.0) });
+        }
+    }
+    run.fields.push(Field {
+        time_s: 40.0 * 86400.0,
+        nx: n,
+        ny: n,
+        x0_m: 0.025,
+        y0_m: 0.025,
+        spacing_m: spacing,
+        temperature_c,
+    });
+    run
+}
+
+fn comparison() -> WorkFigure {
+    let curve = |method: &str, label: &str, second: bool, errors: &[f64], first: f64| WorkCurve {
+        method: method.into(),
+        label: label.into(),
+        second,
+        points: errors
+            .iter()
+            .enumerate()
+            .map(|(k, error)| WorkPoint {
+                error: Some(*error),
+                cost: Some(first * 7.5f64.powi(k as i32)),
+                error_range: (method == "edpd").then_some((0.8 * error, 1.25 * error)),
+                cost_range: Some((first * 7.5f64.powi(k as i32) * 0.9, first * 7.5f64.powi(k as i32) * 1.2)),
+                hollow: *error < 4e-4,
+                ringed: method == "sph" && k == 1,
+                on_front: !(method == "sph" && k == 1),
+            })
+            .collect(),
+    };
+    let mut pd = curve("pd", "PD best", false, &[0.027, 0.013, 0.0067, 0.0034], 0.011);
+    pd.points.push(WorkPoint {
+        error: None,
+        cost: Some(30.0),
+        error_range: None,
+        cost_range: None,
+        hollow: false,
+        ringed: false,
+        on_front: false,
+    });
+    WorkFigure {
+        title: "Freezing of water in a half space (Neumann): front".into(),
+        error_label: "rms error of the front".into(),
+        cost_label: "wall time, one thread (s)".into(),
+        reference_error: Some(6e-5),
+        curves: vec![
+            pd,
+            curve("pd", "PD paper", true, &[0.10, 0.052, 0.027, 0.0141], 0.012),
+            curve("sph", "SPH best", false, &[0.008, 0.0011, 0.002, 0.0005], 0.006),
+            curve("edpd", "eDPD best, mean of 10 runs", false, &[0.08, 0.035, 0.02], 0.5),
+            curve("edpd", "eDPD best, single run", true, &[0.13, 0.06, 0.04], 0.05),
+            curve("local", "local best", false, &[0.003, 0.0014, 0.0007, 0.0003], 0.002),
+        ],
+    }
+}
+
+#[test]
+fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn std::error::Error>> {
+    let temporary = tempfile::tempdir()?;
+    let folder = std::env::var_os("FRAZIL_FIGURES").map_or(temporary.path().to_path_buf(), Into::into);
+    let mut files =
+        run_figures(&line_run(), &folder, &FigureOptions { time_unit: TimeUnit::Hour, freezing_point: 0.0 })?;
+    files.extend(run_figures(&ring_run(), &folder, &FigureOptions { time_unit: TimeUnit::Day, freezing_point: -0.5 })?);
+    let figure = comparison();
+    files.extend(work_precision(&figure).write(&folder, "work_precision")?);
+    let orders: Vec<OrderCurve> = figure
+        .curves
+        .iter()
+        .map(|curve| OrderCurve {
+            method: curve.method.clone(),
+            label: curve.label.clone(),
+            second: curve.second,
+            points: curve
+                .points
+                .iter()
+                .enumerate()
+                .filter_map(|(k, point)| Some((0.008 * 0.5f64.powi(k as i32), point.error?, point.hollow)))
+                .collect(),
+        })
+        .collect();
+    files.extend(
+        convergence("Convergence", "particle spacing (mm)", 1e3, "rms error of the front", &orders)
+            .write(&folder, "convergence")?,
+    );
+    let names: Vec<String> = files.iter().filter_map(|path| Some(path.file_stem()?.to_str()?.into())).collect();
+    for name in ["front", "profiles", "wall", "heat", "gaps", "map_40d", "work_precision", "convergence"] {
+        assert_eq!(names.iter().filter(|other| *other == name).count(), 2, "{name} in {names:?}");
+    }
+    for path in files {
+        let size = std::fs::metadata(&path)?.len();
+        assert!(size > 2000 && size < 600_000, "{}: {size} bytes", path.display());
+    }
+    Ok(())
+}
+
+#[test]
+fn a_run_without_rows_has_no_figures() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = tempfile::tempdir()?;
+    let options = FigureOptions { time_unit: TimeUnit::Second, freezing_point: 0.0 };
+    assert!(run_figures(&empty("nothing", "pd"), folder.path(), &options)?.is_empty());
+    Ok(())
+}

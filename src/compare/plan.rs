@@ -1,0 +1,104 @@
+//! Which runs a comparison of one scene consists of.
+
+use frazil_core::method::MethodKind;
+use frazil_core::scene::{Scene, Setting, Units};
+
+use super::{CompareRequest, Parts};
+
+/// One method under one setting at one resolution.
+#[derive(Debug, Clone)]
+pub struct Configuration {
+    /// Method.
+    pub method: &'static str,
+    /// Whether it needs an ensemble.
+    pub stochastic: bool,
+    /// Setting.
+    pub setting: Setting,
+    /// Number of the resolution, from coarse to fine.
+    pub level: usize,
+    /// Particle spacing (m).
+    pub spacing: f64,
+    /// The scene with these settings, or why it cannot be had.
+    pub scene: Result<Scene, String>,
+}
+
+/// The word for a setting.
+pub fn setting_name(setting: Setting) -> &'static str {
+    match setting {
+        Setting::Best => "best",
+        Setting::Paper => "paper",
+    }
+}
+
+/// Spacings from coarse to fine around a scene's own, which is the second finest.
+pub fn spacings(own: f64, levels: usize) -> Vec<f64> {
+    if levels <= 1 {
+        return vec![own];
+    }
+    (0..levels).map(|level| own * 2f64.powi(levels as i32 - 2 - level as i32)).collect()
+}
+
+/// Pairs of key and value that give a method a spacing and a setting.
+pub fn overrides(units: Units, method: &str, spacing: f64, setting: Setting) -> Vec<(String, String)> {
+    let key = if units == Units::Si { "spacing_m" } else { "spacing" };
+    vec![
+        (format!("method.{method}.{key}"), format!("{spacing}")),
+        (format!("method.{method}.setting"), setting_name(setting).into()),
+    ]
+}
+
+/// All configurations of a scene, from coarse to fine.
+pub fn configurations(
+    request: &CompareRequest,
+    parts: &Parts<'_>,
+    name: &str,
+    base: &Scene,
+) -> Result<Vec<Configuration>, String> {
+    let methods = methods(request, parts, base)?;
+    let first = base.methods.first().map(|own| own.numerics.spacing).ok_or("the scene has settings for no method")?;
+    let mut all = Vec::new();
+    for level in 0..request.levels.max(1) {
+        for kind in &methods {
+            let own = base.method(kind.name).map_or(first, |own| own.numerics.spacing);
+            let spacing = spacings(own, request.levels)[level];
+            for setting in &request.settings {
+                let overrides = overrides(base.units, kind.name, spacing, *setting);
+                all.push(Configuration {
+                    method: kind.name,
+                    stochastic: kind.stochastic,
+                    setting: *setting,
+                    level,
+                    spacing,
+                    scene: (parts.scene_at)(name, &overrides),
+                });
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn methods(request: &CompareRequest, parts: &Parts<'_>, base: &Scene) -> Result<Vec<&'static MethodKind>, String> {
+    if let Some(unknown) = request.methods.iter().find(|name| !parts.methods.iter().any(|kind| kind.name == **name)) {
+        let known: Vec<&str> = parts.methods.iter().map(|kind| kind.name).collect();
+        return Err(format!("unknown method \"{unknown}\"; there are {}", known.join(", ")));
+    }
+    let asked = |kind: &MethodKind| match request.methods.as_slice() {
+        [] => base.method(kind.name).is_some(),
+        names => names.iter().any(|name| name == kind.name),
+    };
+    Ok(parts.methods.iter().copied().filter(|kind| asked(kind)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scenes_own_spacing_is_the_second_finest() {
+        assert_eq!(spacings(0.002, 4), [0.008, 0.004, 0.002, 0.001]);
+        assert_eq!(spacings(0.002, 1), [0.002]);
+        let pairs = overrides(Units::Si, "pd", 0.001, Setting::Best);
+        assert_eq!(pairs[0], ("method.pd.spacing_m".into(), "0.001".into()));
+        assert_eq!(overrides(Units::Dpd, "edpd", 2.0, Setting::Paper)[0].0, "method.edpd.spacing");
+    }
+}

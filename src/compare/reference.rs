@@ -1,0 +1,186 @@
+//! A reference from fine runs of the local method, accepted only if they are shown converged.
+
+use std::time::Instant;
+
+use frazil_core::march::Options;
+use frazil_core::measure;
+use frazil_core::record::{Outcome, ReferenceInfo, RunResult};
+use frazil_core::reference::{Plane, Reference};
+use frazil_core::scene::{Scene, Setting};
+use frazil_plots::style::{duration, length, percent};
+
+use super::Parts;
+use super::measured::Headline;
+use super::plan::overrides;
+
+/// Estimated error beyond which fine runs are no reference.
+const WORST: f64 = 0.02;
+/// Share of an instant by which two rows may differ and still be the same instant.
+const SAME_INSTANT: f64 = 1e-9;
+
+/// Instant and plane of a profile, and its points in order.
+type Profile = (f64, String, Vec<(f64, f64)>);
+
+/// The series of a fine run, read between their rows.
+pub struct LocalReference {
+    info: ReferenceInfo,
+    run: RunResult,
+    profiles: Vec<Profile>,
+}
+
+impl LocalReference {
+    /// Takes a run as a reference.
+    pub fn new(run: RunResult, source: String, error_estimate_rel: f64) -> LocalReference {
+        let mut profiles: Vec<Profile> = Vec::new();
+        for row in &run.profiles {
+            let point = (row.x_m, row.temperature_c);
+            match profiles.iter_mut().find(|(time, plane, _)| *time == row.time_s && *plane == row.plane) {
+                Some((.., points)) => points.push(point),
+                None => profiles.push((row.time_s, row.plane.clone(), vec![point])),
+            }
+        }
+        for (.., points) in &mut profiles {
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+        LocalReference { info: ReferenceInfo { kind: "local".into(), source, error_estimate_rel }, run, profiles }
+    }
+
+    fn profile(&self, plane: &str, x: f64, t: f64) -> Option<f64> {
+        let same = |(time, own, _): &&Profile| own == plane && (time - t).abs() <= SAME_INSTANT * t.abs().max(1.0);
+        between(self.profiles.iter().find(same).map(|(.., points)| points.as_slice())?, x)
+    }
+}
+
+/// Value between rows, linear; absent outside them.
+fn between(rows: &[(f64, f64)], at: f64) -> Option<f64> {
+    let after = rows.partition_point(|row| row.0 < at);
+    let next = rows.get(after)?;
+    if next.0 == at {
+        return Some(next.1);
+    }
+    let before = rows.get(after.checked_sub(1)?)?;
+    Some(before.1 + (next.1 - before.1) * (at - before.0) / (next.0 - before.0))
+}
+
+impl Reference for LocalReference {
+    fn describe(&self) -> ReferenceInfo {
+        self.info.clone()
+    }
+
+    fn temperature(&self, x: f64, t: f64) -> Option<f64> {
+        self.profile("line", x, t)
+    }
+
+    fn plane_temperature(&self, plane: Plane, r: f64, t: f64) -> Option<f64> {
+        self.profile(if plane == Plane::Main { "main" } else { "interface" }, r, t)
+    }
+
+    fn front(&self, t: f64) -> Option<f64> {
+        between(&self.run.front.iter().map(|row| (row.time_s, row.front_m)).collect::<Vec<_>>(), t)
+    }
+
+    fn frozen_volume(&self, t: f64) -> Option<f64> {
+        between(&self.run.walls.iter().map(|row| (row.time_s, row.frozen_area_m2)).collect::<Vec<_>>(), t)
+    }
+
+    fn thickness(&self, plane: Plane, t: f64) -> Option<f64> {
+        let value = |row: &frazil_core::record::WallRow| match plane {
+            Plane::Main => row.thickness_main_m,
+            Plane::Interface => row.thickness_interface_m,
+        };
+        between(&self.run.walls.iter().map(|row| (row.time_s, value(row))).collect::<Vec<_>>(), t)
+    }
+
+    fn event(&self, name: &str) -> Option<f64> {
+        let closures: Option<Vec<(f64, f64)>> =
+            self.run.gaps.iter().map(|gap| Some((gap.closure_s?, gap.multiplicity as f64))).collect();
+        match name {
+            "closure_day_first" => self.run.gaps.iter().filter_map(|gap| gap.closure_s).reduce(f64::min),
+            "closure_day_last" => closures?.iter().map(|closure| closure.0).reduce(f64::max),
+            "closure_day" => {
+                let closures = closures?;
+                let count: f64 = closures.iter().map(|closure| closure.1).sum();
+                (count > 0.0).then(|| closures.iter().map(|(time, weight)| time * weight).sum::<f64>() / count)
+            }
+            _ => None,
+        }
+    }
+}
+
+/// Runs the local method at the finest spacing of a comparison and finer, as far as the time allows, and takes the
+/// finest run, with the error that the difference of the two finest suggests.
+pub fn local_reference(
+    parts: &Parts<'_>,
+    name: &str,
+    base: &Scene,
+    finest: f64,
+    seconds: f64,
+    say: &dyn Fn(&str),
+) -> Result<LocalReference, String> {
+    if !parts.methods.iter().any(|kind| kind.name == "local") {
+        return Err("there is no local method to make one".into());
+    }
+    let explicit = 2f64.powi(base.domain.dimension() as i32 + 2);
+    let started = Instant::now();
+    let mut runs: Vec<(f64, RunResult)> = Vec::new();
+    let mut last = 0.0;
+    for spacing in [2.0 * finest, finest, 0.5 * finest, 0.25 * finest] {
+        if started.elapsed().as_secs_f64() + last * explicit > seconds {
+            break;
+        }
+        let Ok(scene) = (parts.scene_at)(name, &overrides(base.units, "local", spacing, Setting::Best)) else {
+            continue;
+        };
+        say(&format!("{}: local run at {} for a reference", base.name, length(spacing)));
+        let begun = Instant::now();
+        let options =
+            Options { interrupt: Some(parts.interrupt), time_limit_s: Some(2.0 * seconds), ..Options::default() };
+        let result = (parts.run)(&scene, "local", None, &options).map_err(|refused| refused.to_string())?;
+        if result.record.outcome != Outcome::Ok {
+            break;
+        }
+        last = begun.elapsed().as_secs_f64();
+        runs.push((spacing, result));
+    }
+    let Some((spacing, fine)) = runs.pop() else {
+        return Err("no local run ended well".into());
+    };
+    let Some((_, coarser)) = runs.last() else {
+        return Err(format!("{} allow one local run only; give more time with --budget-s", duration(seconds)));
+    };
+    let truth = LocalReference::new(fine, String::new(), 0.0);
+    let difference = |run: &RunResult| {
+        let errors = measure::errors(base, 2.0 * spacing, run, &truth);
+        Headline::ALL.iter().find_map(|headline| headline.of(&errors)).map(f64::abs)
+    };
+    let estimate = difference(coarser).ok_or("the local runs have nothing to compare")?;
+    // With a third run the order is seen; without, first order is the cautious guess.
+    let order = match runs.len().checked_sub(2).and_then(|k| difference(&runs[k].1)) {
+        Some(coarse) if estimate > 0.0 => (coarse / estimate - 1.0).max(1.0).log2().clamp(1.0, 2.0),
+        _ => 1.0,
+    };
+    let error = estimate / (2f64.powf(order) - 1.0);
+    if error > WORST {
+        return Err(format!(
+            "local runs at {} and {} still differ by {}: not converged",
+            length(2.0 * spacing),
+            length(spacing),
+            percent(estimate, 2)
+        ));
+    }
+    let source = format!("finest of {} local runs, at {}", runs.len() + 1, length(spacing));
+    Ok(LocalReference::new(truth.run, source, error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_read_between_rows_and_not_beyond() {
+        let rows = [(1.0, 10.0), (2.0, 20.0), (4.0, 0.0)];
+        assert_eq!(between(&rows, 3.0), Some(10.0));
+        assert_eq!(between(&rows, 4.0), Some(0.0));
+        assert_eq!((between(&rows, 0.5), between(&rows, 4.5)), (None, None));
+    }
+}

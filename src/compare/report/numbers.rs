@@ -1,0 +1,297 @@
+//! The tables of the page, in numbers that people can read.
+
+use frazil_core::record::Value;
+use frazil_core::statistics;
+use frazil_plots::page::{Block, Table};
+use frazil_plots::style::{duration, length, number, percent};
+
+use crate::compare::analysis::{self, Comparison, Reached, Study};
+use crate::compare::measured::Timing;
+
+fn reached(value: Reached, show: fn(f64) -> String, within: &str) -> String {
+    match value {
+        Reached::At(value) => show(value),
+        Reached::Within(value) => format!("{within} {}", show(value)),
+        Reached::Not => "not reached".into(),
+    }
+}
+
+pub(super) fn equal_error_table(comparison: &Comparison) -> Table {
+    let base = comparison.baseline.map(|base| comparison.curves[base].label());
+    let heads = std::iter::once("method".into()).chain(analysis::TARGETS.iter().map(|target| percent(*target, 2)));
+    let mut rows = Vec::new();
+    for (k, curve) in comparison.curves.iter().enumerate() {
+        let mut row = vec![curve.label()];
+        for target in analysis::TARGETS {
+            let Some(entry) = comparison.at(target, k) else {
+                row.push(String::new());
+                continue;
+            };
+            let time = reached(entry.time, duration, "at most");
+            let speed_up = entry.speed_up.map(|speed_up| {
+                let times = format!("{}×", number(speed_up.ratio, 3));
+                match speed_up.interval {
+                    _ if !speed_up.resolved => format!("; {times}, no difference"),
+                    Some(interval) => {
+                        format!("; {times} ({} to {})", number(interval.low, 3), number(interval.high, 3))
+                    }
+                    None => format!("; {times}"),
+                }
+            });
+            row.push(format!("{time}{}", speed_up.unwrap_or_default()));
+        }
+        rows.push(row);
+    }
+    let against = base.map_or(String::new(), |base| {
+        format!(" After the semicolon: how many times faster than {base}, with the 95 % interval of {} draws.", 2000)
+    });
+    Table {
+        caption: format!("Time to reach an error, by interpolation between neighbouring points.{against}"),
+        heads: heads.collect(),
+        rows,
+        words: 1,
+        csv: Some("equal_error.csv".into()),
+    }
+}
+
+pub(super) fn equal_time_table(comparison: &Comparison) -> Table {
+    let some = |time: f64| {
+        comparison.equal_time.iter().any(|(other, _, error)| *other == time && matches!(error, Reached::At(_)))
+    };
+    // Times that no method brackets say nothing.
+    let times: Vec<f64> = analysis::TIMES.into_iter().filter(|time| some(*time)).collect();
+    let rows = comparison.curves.iter().enumerate().map(|(k, curve)| {
+        let cell = |time: &f64| {
+            let entry = comparison.equal_time.iter().find(|(other, curve, _)| other == time && *curve == k);
+            entry.map_or(String::new(), |(.., error)| reached(*error, |error| percent(error, 2), "at most"))
+        };
+        std::iter::once(curve.label()).chain(times.iter().map(cell)).collect()
+    });
+    Table {
+        caption: "Error reached in a time. \"At most\": the finest run took less.".into(),
+        rows: rows.collect(),
+        heads: std::iter::once("method".into()).chain(times.iter().map(|time| duration(*time))).collect(),
+        words: 1,
+        csv: Some("equal_time.csv".into()),
+    }
+}
+
+pub(super) fn order_table(comparison: &Comparison) -> Table {
+    let mut rows = Vec::new();
+    for (curve, order) in comparison.curves.iter().zip(&comparison.orders) {
+        let order = order.map_or("none quoted".into(), |order| {
+            format!(
+                "{} ({} to {})",
+                number(order.order, 3),
+                number(order.interval.low, 3),
+                number(order.interval.high, 3)
+            )
+        });
+        let points = curve.points.iter().map(|point| {
+            let mark = if point.ringed { " (○)" } else { "" };
+            let error = point.signed.map_or("failed".into(), |error| percent(error, 2));
+            format!("{}: {error}{mark}", length(point.spacing))
+        });
+        rows.push(vec![curve.label(), points.collect::<Vec<_>>().join("; "), order]);
+    }
+    Table {
+        caption: "Signed errors and observed order with its 95 % interval. None is quoted where the error changes its \
+                  sign, the points do not lie on a line (R² below 0.98), or fewer than three count."
+            .into(),
+        heads: vec!["method".into(), "error by spacing".into(), "order".into()],
+        rows,
+        words: 2,
+        csv: Some("convergence.csv".into()),
+    }
+}
+
+pub(super) fn ensembles(study: &Study) -> Option<Block> {
+    let headline = study.comparisons.first()?.headline;
+    let rows: Vec<Vec<String>> = study
+        .runs
+        .measured
+        .iter()
+        .filter_map(|one| {
+            let all = one.ensemble.as_ref()?.split(headline)?;
+            let bias = all.bias().map_or("not resolved".into(), |bias| percent(bias, 2));
+            Some(vec![
+                one.label(),
+                length(one.spacing),
+                all.count.to_string(),
+                percent(all.run_rms, 3),
+                percent(all.mean_rms, 3),
+                bias,
+                percent(all.variance.sqrt(), 3),
+            ])
+        })
+        .collect();
+    (!rows.is_empty()).then(|| Block {
+        heading: "Ensembles".into(),
+        text: vec![
+            "Three errors that answer different questions: that of one run, that of the mean of these runs, and the \
+             systematic one that no number of runs removes."
+                .into(),
+        ],
+        tables: vec![Table {
+            caption: headline.label().into(),
+            heads: ["method", "spacing", "seeds", "one run", "mean of the runs", "systematic", "scatter"]
+                .map(Into::into)
+                .into(),
+            rows,
+            words: 1,
+            csv: None,
+        }],
+        ..Block::default()
+    })
+}
+
+pub(super) fn run_table(study: &Study) -> Block {
+    let headline = study.comparisons.first().map(|comparison| comparison.headline);
+    let rows = study.runs.measured.iter().map(|one| {
+        let walls: Vec<f64> = one.timings.iter().map(Timing::wall).collect();
+        let cpus: Vec<f64> = one.timings.iter().map(Timing::cpu).collect();
+        let setups: Vec<f64> = one.timings.iter().map(|timing| timing.setup_wall).collect();
+        let median = |values: &[f64]| statistics::median(values).map_or(String::new(), duration);
+        let spread =
+            statistics::median_interval(&walls).filter(|_| walls.len() > 1).map_or(String::new(), |interval| {
+                let kind = if interval.is_confident() { "" } else { " (range)" };
+                format!("{} to {}{kind}", duration(interval.interval.low), duration(interval.interval.high))
+            });
+        let record = one.result.as_ref().map(|result| &result.record);
+        let count = |value: Option<u64>| value.map_or(String::new(), |value| number(value as f64, 3));
+        let error = headline.zip(one.errors()).and_then(|(headline, errors)| headline.of(errors));
+        vec![
+            one.label(),
+            length(one.spacing),
+            count(record.map(|record| record.particles)),
+            count(record.map(|record| record.steps)),
+            count(record.map(|record| record.pair_evaluations)),
+            error.map_or(String::new(), |error| percent(error, 3)),
+            median(&setups),
+            median(&walls),
+            spread,
+            median(&cpus),
+            format!("{}{}", one.timings.len(), if one.cold { " (cold)" } else { "" }),
+        ]
+    });
+    let heads = [
+        "method",
+        "spacing",
+        "particles",
+        "steps",
+        "pairs evaluated",
+        "error",
+        "setup",
+        "setup + solve",
+        "interval",
+        "CPU time",
+        "runs",
+    ];
+    Block {
+        heading: "All runs".into(),
+        tables: vec![Table {
+            caption: "Medians of the repeated runs.".into(),
+            heads: heads.map(Into::into).into(),
+            rows: rows.collect(),
+            words: 1,
+            csv: Some("comparison.csv".into()),
+        }],
+        ..Block::default()
+    }
+}
+
+pub(super) fn gates(study: &Study) -> Block {
+    let rows = study.runs.measured.iter().filter_map(|one| {
+        let record = &one.result.as_ref()?.record;
+        Some(vec![
+            one.label(),
+            length(one.spacing),
+            format!("{:.1e}", record.energy_balance_rel).replace('-', "−"),
+            record.bounds_violation_rel.map_or("not asked".into(), |violation| {
+                if violation == 0.0 { "none".into() } else { percent(violation, 2) }
+            }),
+            if one.repeatable { "yes".into() } else { "NO".into() },
+            record.outcome.name().replace('_', " "),
+        ])
+    });
+    let heads =
+        ["method", "spacing", "heat not accounted for", "beyond the data's range", "repeats to the bit", "outcome"];
+    Block {
+        heading: "Energy and bounds".into(),
+        tables: vec![Table {
+            caption: "Heat balance: (stored − in) over exchanged, the greatest over all outputs. Bounds: how far temperatures leave the range of the scene's data, over that range.".into(),
+            heads: heads.map(Into::into).into(),
+            rows: rows.collect(),
+            words: 1,
+            csv: Some("comparison.csv".into()),
+        }],
+        ..Block::default()
+    }
+}
+
+pub(super) fn failures(study: &Study) -> Block {
+    let list: Vec<String> = study
+        .runs
+        .measured
+        .iter()
+        .filter_map(|one| {
+            Some(format!("{} at {}: {}", one.label(), length(one.spacing), one.trouble().or_else(|| one.note.clone())?))
+        })
+        .collect();
+    let text = if list.is_empty() { vec!["Every planned run ended as it should.".into()] } else { Vec::new() };
+    Block { heading: "Failed and left out".into(), text, list, ..Block::default() }
+}
+
+pub(super) fn settings(study: &Study) -> Block {
+    let mut table = Table {
+        caption: "Settings of each method after defaults, at its finest run, and what the method does not share with the scene.".into(),
+        heads: vec!["method".into(), "settings".into(), "differences".into()],
+        words: 3,
+        ..Table::default()
+    };
+    for same in analysis::group(&study.runs.measured) {
+        let Some((one, result)) = same.iter().rev().find_map(|one| Some((one, one.result.as_ref()?))) else {
+            continue;
+        };
+        let show = |value: &Value| match value {
+            Value::Flag(flag) => flag.to_string(),
+            Value::Number(value) => number(*value, 6),
+            Value::Text(text) => text.clone(),
+        };
+        let all: Vec<String> =
+            result.record.settings.iter().map(|(key, value)| format!("{key} = {}", show(value))).collect();
+        let differences = if result.record.differences.is_empty() {
+            "none declared".into()
+        } else {
+            result.record.differences.join("; ")
+        };
+        table.rows.push(vec![one.label(), all.join(", "), differences]);
+    }
+    Block { heading: "Settings".into(), tables: vec![table], ..Block::default() }
+}
+
+pub(super) fn overall(studies: &[Study]) -> Block {
+    let mut rows = Vec::new();
+    for row in analysis::overall(studies) {
+        rows.push(vec![
+            row.label,
+            percent(row.target, 2),
+            row.mean.map_or("—".into(), |mean| format!("{}×", number(mean, 3))),
+            row.scenes.to_string(),
+            row.wins.to_string(),
+            row.not_reached.to_string(),
+        ]);
+    }
+    let heads = ["method", "error", "faster than the baseline", "scenes in the mean", "quickest in", "not reached in"];
+    Block {
+        heading: "All scenes".into(),
+        tables: vec![Table {
+            caption: "Geometric mean of the speed-ups over the scenes where both reach the error.".into(),
+            heads: heads.map(Into::into).into(),
+            rows,
+            words: 1,
+            csv: Some("equal_error.csv".into()),
+        }],
+        ..Block::default()
+    }
+}

@@ -1,0 +1,177 @@
+//! A whole comparison with made-up runs: no engine, known slopes.
+//!
+//! With `FRAZIL_COMPARISON=folder` its files stay there to be looked at.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use frazil_core::measure;
+use frazil_core::record::{Errors, FrontRow, Outcome, ProfileRow, Record};
+
+use super::*;
+use crate::failure::Failure;
+
+/// A run whose front is wrong by a known law: first order for PD, second for the others, with noise for eDPD.
+fn made_up(
+    scene: &Scene,
+    method: &str,
+    reference: Option<&dyn Reference>,
+    options: &Options<'_>,
+) -> Result<RunResult, Refused> {
+    let Some(settings) = scene.method(method) else {
+        return Err(Refused { reason: "no settings".into() });
+    };
+    let spacing = settings.numerics.spacing;
+    let level = spacing / 0.002;
+    if method == "sph" && level > 3.0 {
+        return Err(Refused { reason: "the spacing is <too> large".into() });
+    }
+    let noise = if method == "edpd" { 0.02 * ((options.seed * 7919) % 13) as f64 / 13.0 - 0.01 } else { 0.0 };
+    let wrong = match method {
+        "pd" => 0.0067 * level,
+        "sph" => 0.002 * level * level,
+        "edpd" => 0.03 * level,
+        _ => 0.0007 * level * level,
+    } * if settings.setting == Setting::Paper { 3.0 } else { 1.0 };
+    let cost = level.powi(-3)
+        * match method {
+            "pd" => 0.02,
+            "edpd" => 0.05,
+            _ => 0.004,
+        };
+    let mut record = blank(scene, method);
+    record.solve_wall_s = cost;
+    record.solve_cpu_s = cost;
+    record.particle_updates = (1e6 * cost) as u64;
+    record.errors = Errors::default();
+    let mut result = RunResult {
+        record,
+        front: Vec::new(),
+        profiles: Vec::new(),
+        probes: Vec::new(),
+        budget_names: Vec::new(),
+        budget: Vec::new(),
+        walls: Vec::new(),
+        gaps: Vec::new(),
+        fields: Vec::new(),
+    };
+    if method == "pd" && level < 0.6 && settings.setting == Setting::Paper {
+        result.record.outcome = Outcome::Diverged;
+        result.record.cause = Some("particle 3 left the range of the data".into());
+    }
+    if let Some(reference) = reference {
+        for k in 1..=60 {
+            let time_s = scene.duration * f64::from(k) / 60.0;
+            let truth = reference.front(time_s).unwrap_or(0.0);
+            result.front.push(FrontRow { time_s, front_m: truth * (1.0 + wrong + noise), front_ref_m: None });
+        }
+        for k in 0..40 {
+            let (x_m, time_s) = (0.002 * (f64::from(k) + 0.5), scene.duration);
+            let truth = reference.temperature(x_m, time_s).unwrap_or(0.0);
+            result.profiles.push(ProfileRow {
+                time_s,
+                x_m,
+                temperature_c: truth + 3.0 * (wrong + noise),
+                temperature_ref_c: None,
+                frozen_fraction: 0.0,
+                plane: "line".into(),
+            });
+        }
+        measure::attach(scene, spacing, &mut result, reference);
+    }
+    Ok(result)
+}
+
+fn blank(scene: &Scene, method: &str) -> Record {
+    Record {
+        frazil_version: "0.1.0".into(),
+        scene: scene.name.clone(),
+        title: scene.title.clone(),
+        scene_hash: scene.hash.clone(),
+        method: method.into(),
+        settings: BTreeMap::new(),
+        units: scene.units.name().into(),
+        particles: 100,
+        pairs: 300,
+        steps: 1000,
+        pair_evaluations: 300_000,
+        particle_updates: 0,
+        step_s: 1.0,
+        step_bound_s: 1.1,
+        step_limit: String::new(),
+        threads: 1,
+        seed: 1,
+        setup_wall_s: 0.0,
+        setup_cpu_s: 0.0,
+        solve_wall_s: 0.0,
+        solve_cpu_s: 0.0,
+        peak_memory_bytes: None,
+        outcome: Outcome::Ok,
+        cause: None,
+        energy_balance_rel: 1e-14,
+        bounds_violation_rel: Some(0.0),
+        errors: Errors::default(),
+        reference: None,
+        spared: Vec::new(),
+        differences: Vec::new(),
+        state_hash: "0123456789abcdef".into(),
+    }
+}
+
+#[test]
+fn a_comparison_leaves_all_its_files() -> Result<(), Failure> {
+    let Ok(temporary) = tempfile::tempdir() else {
+        return Err(Failure::Request("no temporary folder".into()));
+    };
+    let out = std::env::var_os("FRAZIL_COMPARISON").map_or(temporary.path().join("out"), Into::into);
+    let request = CompareRequest {
+        scenes: vec!["stefan-water".into()],
+        methods: ["local", "pd", "sph", "edpd"].map(Into::into).into(),
+        levels: 4,
+        out: Some(out.clone()),
+        repeats: Some(7),
+        seeds: Some(10),
+        threads: 1,
+        budget_s: None,
+        settings: vec![Setting::Best, Setting::Paper],
+        quiet: true,
+        command_line: "frazil compare stefan-water --settings best,paper".into(),
+    };
+    let parts = Parts {
+        scene_at: &|name, overrides| load::scene(name, overrides).map_err(|failure| failure.to_string()),
+        reference_for: &frazil_cases::reference_for,
+        run: &made_up,
+        methods: registry::methods(),
+        interrupt: &AtomicBool::new(false),
+    };
+    assert_eq!(compare_with(&request, &parts)?, Verdict::Done);
+    let read = |name: &str| fs::read_to_string(out.join(name)).unwrap_or_default();
+    let comparison = read("comparison.csv");
+    assert_eq!(comparison.lines().count(), 1 + 4 * 2 * 4, "{comparison}");
+    assert!(comparison.contains("diverged") && comparison.contains("not_run"));
+    assert!(read("equal_error.csv").contains("faster") || read("equal_error.csv").contains("slower"));
+    assert!(read("equal_error.csv").contains("not reached"));
+    assert!(read("equal_time.csv").lines().count() > 1 && read("convergence.csv").lines().count() > 1);
+    for file in ["work_precision.svg", "work_precision.png", "stefan-water/convergence_front.svg"] {
+        assert!(out.join(file).exists(), "{file}");
+    }
+    assert!(out.join("stefan-water/pd_best/front.csv").exists());
+    let page = read("report.html");
+    for part in [
+        "Time to reach an error",
+        "Error reached in a time",
+        "observed order",
+        "Medians of the repeated",
+        "Heat balance",
+        "Failed and left out",
+        "Settings of each method",
+        "How it was measured",
+        "Machine",
+        "Ensembles",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(page.contains("&lt;too&gt; large") && !page.contains("<too>"));
+    assert!(page.contains("particle 3 left the range"));
+    Ok(())
+}

@@ -8,8 +8,9 @@ use frazil_core::march::{self, Options, Progress, Refused};
 use frazil_core::record::{Errors, Outcome, RunResult};
 use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
+use frazil_plots::{FigureOptions, run_figures};
 
-use crate::failure::{Failure, Verdict, answer};
+use crate::failure::{Failure, Verdict, answer, complain};
 use crate::load;
 use crate::output::{self, Folder};
 use crate::progress::{Reporter, clock};
@@ -69,7 +70,11 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
         }
     };
     output::write_run(folder.path(), &result)?;
-    // FIGURES: frazil_plots::run_figures(&result, folder.path()) belongs here, after the numbers are safe.
+    let options = FigureOptions { time_unit: scene.time_unit, freezing_point: scene.materials[0].freezing_point };
+    if let Err(error) = run_figures(&result, folder.path(), &options) {
+        // The numbers are safe: a figure that cannot be drawn does not undo them.
+        complain(&format!("figures: {error}"));
+    }
     if !request.quiet {
         answer(&summary(&result, folder.path()))?;
     }

@@ -23,8 +23,8 @@ use crate::potential::{Curve, Law, Thermal};
 use crate::reference::Reference;
 use crate::scene::settings::MethodSettings;
 use crate::scene::{
-    Domain, Exchange, IntegratorChoice, Layout, Numerics, PipeModel, Scene, SearchChoice, Sector, StepChoice, Units,
-    Uptake, WallModel,
+    Domain, Exchange, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, Sector, StepChoice, Units, Uptake,
+    WallModel,
 };
 use crate::stencil::{SHELL_TOLERANCE, Stencil};
 use crate::sweep::WIDEST;
@@ -451,14 +451,7 @@ fn pipes(
     for (number, ring) in scene.rings.iter().enumerate() {
         let green = Green::new(stencil, lattice.spacing, green_reach(ring.pipe_radius, lattice.spacing));
         for pipe in ring.pipes() {
-            let sink = match numerics.pipes {
-                PipeModel::Immersed => immerse(&pipe, number, lattice, mirrors, &green).map_err(refuse)?,
-                PipeModel::OneParticle => {
-                    return Err(refuse(
-                        "pipe_model = \"one-particle\" is not offered: pipes have a true radius".into(),
-                    ));
-                }
-            };
+            let sink = immerse(&pipe, number, lattice, mirrors, &green).map_err(refuse)?;
             sinks.extend(sink);
         }
         rings.push(if scene.rings.len() == 1 { "pipes".to_string() } else { format!("pipes_{}", number + 1) });

@@ -9,7 +9,7 @@ use frazil_core::record::{Outcome, RunResult};
 use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
 use frazil_core::statistics;
-use frazil_plots::style::{duration, length, percent};
+use frazil_plots::style::{duration, percent};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 
@@ -161,7 +161,7 @@ impl Work<'_> {
     }
 
     fn tell(&self, k: usize, measured: &Measured) {
-        let head = format!("[{}/{}] {}, {}", k + 1, self.plan.len(), measured.label(), length(measured.spacing));
+        let head = format!("[{}/{}] {}, {}", k + 1, self.plan.len(), measured.label(), measured.spacing_words());
         let error = measured
             .errors()
             .and_then(|errors| Headline::ALL.iter().find_map(|headline| Some((headline, headline.of(errors)?))))

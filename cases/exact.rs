@@ -19,8 +19,9 @@ const FAR_WALL_TOLERANCE: f64 = 1e-3;
 /// Estimated relative error of [`Neumann`]: a root to the last bits and library error functions.
 const NEUMANN_ERROR: f64 = 1e-13;
 
-/// Estimated relative error of [`Similarity`], ten times what halving its tolerance changes.
-const SIMILARITY_ERROR: f64 = 1e-9;
+/// Estimated relative error of [`Similarity`]: where its far tail is cut. A tenfold change of its tolerance moves
+/// fronts and fluxes by less than 1e-12.
+const SIMILARITY_ERROR: f64 = 1e-10;
 
 /// A solution in a half space.
 #[derive(Debug, Clone)]

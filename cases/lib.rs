@@ -22,3 +22,6 @@ pub fn reference_for(scene: &Scene) -> Result<Option<Box<dyn Reference>>, String
         }),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -4,6 +4,7 @@ use frazil_core::plan::{self, PlanSummary};
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::load;
+use crate::run::reference;
 
 /// Prints the plan of each method for a scene. A method that is refused does not hide the plans of the others.
 pub fn check(scene: &str, methods: &[String], overrides: &[(String, String)]) -> Result<Verdict, Failure> {
@@ -14,9 +15,10 @@ pub fn check(scene: &str, methods: &[String], overrides: &[(String, String)]) ->
         methods.iter().map(|asked| load::method(&scene, Some(asked))).collect::<Result<_, _>>()?
     };
     answer(&format!("{}: {}\n", scene.name, scene.title))?;
+    let reference = reference(&scene)?;
     let mut verdict = Verdict::Done;
     for method in methods {
-        match plan::summary(&scene, method, 1) {
+        match plan::summary(&scene, method, reference.as_ref(), 1) {
             Ok(summary) => answer(&format!("\n{method}\n{}", plan_text(&summary)))?,
             Err(refused) => {
                 complain(&format!("{method}: {refused}"));

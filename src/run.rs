@@ -1,9 +1,10 @@
 //! One scene under one method.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use frazil_core::march::{self, Options, Progress};
+use frazil_core::march::{self, Options, Progress, Refused};
 use frazil_core::record::{Errors, Outcome, RunResult};
 use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
@@ -39,7 +40,7 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let scene = load::scene(&request.scene, &request.overrides)?;
     let method = load::method(&scene, request.method.as_deref())?;
-    let reference = reference(&scene);
+    let reference = reference(&scene)?;
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&scene.name));
     let folder = Folder::make(&path)?;
     // Where no handler can be set, an interrupt ends the program without results: as ever.
@@ -58,7 +59,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
         time_limit_s: None,
         fields: true,
     };
-    let result = march::run(&scene, method, reference.as_deref(), &options);
+    let result = march::run(&scene, method, reference.as_ref(), &options);
     reporter.finish();
     let result = match result {
         Ok(result) => result,
@@ -75,9 +76,12 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     Ok(verdict(result.record.outcome))
 }
 
-/// The truth about a scene, if there is one.
-pub fn reference(_scene: &Scene) -> Option<Box<dyn Reference>> {
-    None
+/// The truth about a scene, if there is one that needs no run of its own.
+pub fn reference(scene: &Scene) -> Result<Option<Arc<dyn Reference>>, Failure> {
+    match frazil_cases::reference_for(scene) {
+        Ok(reference) => Ok(reference.map(Arc::from)),
+        Err(reason) => Err(Refused { reason: format!("the reference of scene `{}`: {reason}", scene.name) }.into()),
+    }
 }
 
 /// A run that went to its end but against its own checks has failed a check; one that did not get there is broken.

@@ -14,11 +14,14 @@ use super::functions::{erfc_ratio, erfcx};
 /// Local error of one step, relative to the scale of each variable.
 const TOLERANCE: f64 = 1e-13;
 
-/// Beyond a remaining change of this fraction of the range the body counts as uniform.
+/// Beyond a remaining change of this fraction of the width of the curve the body counts as uniform.
 const UNIFORM: f64 = 1e-10;
 
 /// Greatest mismatch of the far temperature, over the range, that shooting may leave.
 const MISMATCH: f64 = 1e-9;
+
+/// Widths below the freezing point at which a Weibull curve begins to be felt: exp(-49) is beyond the last digit.
+const WEIBULL_PEAK: f64 = 7.0;
 
 /// Temperatures closer than this fraction of the range are the same.
 const ROUNDING: f64 = 1e-14;
@@ -93,12 +96,25 @@ impl Medium {
         }
     }
 
+    /// Longest step in temperature (K) from a given one: inside the peak of the apparent capacity, half its width,
+    /// lest a step leap over all of it.
+    fn longest_step(&self, temperature: f64) -> f64 {
+        let below = temperature - self.material.freezing_point;
+        match self.material.law {
+            FreezingLaw::Linear { width } if below.abs() <= width => 0.5 * width,
+            FreezingLaw::Weibull { width, .. } if below.abs() <= WEIBULL_PEAK * width * (1.0 + 1e-9) => 0.5 * width,
+            _ => f64::INFINITY,
+        }
+    }
+
     /// Kinks of the curve strictly between two temperatures, in the order in which they are met.
     fn kinks(&self, from: f64, to: f64) -> Vec<f64> {
         let freezing_point = self.material.freezing_point;
         let mut kinks = match self.material.law {
             FreezingLaw::Linear { width } => vec![freezing_point - width, freezing_point],
-            _ => vec![freezing_point],
+            // No kink, but where the peak of the apparent capacity begins.
+            FreezingLaw::Weibull { width, .. } => vec![freezing_point - WEIBULL_PEAK * width, freezing_point],
+            FreezingLaw::None | FreezingLaw::Isothermal => vec![freezing_point],
         };
         kinks.retain(|&kink| (kink - from) * (kink - to) < 0.0);
         if to < from {
@@ -156,7 +172,10 @@ impl Similarity {
         let excess = shooting.integrate(flux, Some(&mut nodes))?;
         let last = nodes.last().ok_or("the similarity solution has no points")?;
         if excess.abs() > MISMATCH * (initial - wall).abs() {
-            return Err(format!("the similarity solution of {} does not reach {initial}", material.name));
+            return Err(format!(
+                "the similarity solution of {} does not reach {initial}; its curve may be too narrow",
+                material.name
+            ));
         }
         let tail_diffusivity = medium.properties(last.part, last.temperature).diffusivity();
         let frozen = last.frozen;
@@ -271,6 +290,8 @@ struct Shooting<'a> {
     targets: Vec<f64>,
     /// Scale of eta (m/s^1/2).
     reach: f64,
+    /// Scale of temperature (K): the width of a narrow curve, on which properties change.
+    resolution: f64,
 }
 
 impl<'a> Shooting<'a> {
@@ -279,7 +300,13 @@ impl<'a> Shooting<'a> {
         targets.push(initial);
         let at_wall = medium.properties(medium.part(wall, initial), wall);
         let reach = 2.0 * at_wall.diffusivity().sqrt();
-        Shooting { medium, wall, initial, initial_frozen, targets, reach }
+        let range = (initial - wall).abs();
+        let width = match medium.material.law {
+            FreezingLaw::Linear { width } | FreezingLaw::Weibull { width, .. } => width,
+            FreezingLaw::None | FreezingLaw::Isothermal => range,
+        };
+        let resolution = width.clamp(1e-3 * range, range);
+        Shooting { medium, wall, initial, initial_frozen, targets, reach, resolution }
     }
 
     /// The wall flux that leads to the initial temperature: the largest number that does not lead beyond it.
@@ -316,7 +343,6 @@ impl<'a> Shooting<'a> {
 
     /// How far the temperature at infinity lies beyond the initial one (K, negative if it falls short).
     fn integrate(&self, wall_flux: f64, mut record: Option<&mut Vec<Node>>) -> Result<f64, String> {
-        let range = (self.initial - self.wall).abs();
         let direction = (self.initial - self.wall).signum();
         let mut eta = 0.0;
         let mut state = [self.wall, wall_flux, 0.0];
@@ -335,8 +361,11 @@ impl<'a> Shooting<'a> {
                 let to_come =
                     state[1] / here.conductivity * (PI * diffusivity).sqrt() * erfcx(eta / (2.0 * diffusivity.sqrt()));
                 let excess = (state[0] + to_come - self.initial) * direction;
-                let is_uniform = to_come.abs() < UNIFORM * range || (is_last && part != Part::Interval);
-                if is_uniform || (state[0] - self.initial) * direction > 0.0 {
+                // Before a kink, though, however little is to come may be enough to pass it.
+                let is_stuck = is_last || (state[0] + to_come - target) * direction < 0.0;
+                let is_settled = to_come.abs() < UNIFORM * self.resolution && is_stuck;
+                let is_uniform = is_last && part != Part::Interval;
+                if is_settled || is_uniform || (state[0] - self.initial) * direction > 0.0 {
                     return Ok(excess);
                 }
                 let (next, used) = self.step_along_eta(part, eta, state, &mut length, &mut steps)?;
@@ -360,7 +389,8 @@ impl<'a> Shooting<'a> {
         length: &mut f64,
         steps: &mut usize,
     ) -> Result<([f64; 3], f64), String> {
-        let scales = [(self.initial - self.wall).abs(), state[1].abs(), self.reach];
+        let longest = self.medium.longest_step(state[0]);
+        let scales = [self.resolution, state[1].abs(), self.reach];
         loop {
             *steps += 1;
             if *steps > MOST_STEPS {
@@ -370,6 +400,10 @@ impl<'a> Shooting<'a> {
             let (next, error) =
                 step(eta, state, used, |eta, state| along_eta(self.medium, part, self.initial_frozen, eta, state));
             let (accepted, factor) = judge(error, scales);
+            if (next[0] - state[0]).abs() > longest {
+                *length = 0.5 * used;
+                continue;
+            }
             *length = used * factor;
             if accepted {
                 return Ok((next, used));
@@ -394,6 +428,8 @@ impl<'a> Shooting<'a> {
             if *steps > MOST_STEPS {
                 return Err("the similarity solution takes too many steps".into());
             }
+            let longest = self.medium.longest_step(temperature);
+            length = length.clamp(-longest, longest);
             let is_final = length.abs() >= (kink - temperature).abs();
             let used = if is_final { kink - temperature } else { length };
             let (next, error) = step(temperature, turned, used, |temperature, state| {
@@ -680,5 +716,29 @@ pub(crate) mod tests {
                 assert!(solution.temperature(x, time).is_finite());
             }
         }
+    }
+
+    #[test]
+    fn awkward_curves_have_solutions_too() {
+        let curves = [1e-5, 1e-2, 0.3, 40.0].into_iter().flat_map(|width| {
+            let full = FreezingLaw::Weibull { width, residual: 0.0 };
+            [full, FreezingLaw::Weibull { width, residual: 0.9 }, FreezingLaw::Linear { width }]
+        });
+        for law in curves {
+            let ends =
+                [(-20.0, 8.0), (8.0, -20.0), (-1e-3, 8.0), (-20.0, 1e-3), (1e-3, -20.0), (0.0, 8.0), (0.0, -8.0)];
+            for (wall, initial) in ends.into_iter().chain([(-20.0, 0.0), (8.0, 0.0), (-1.0, -20.0), (-20.0, -1.0)]) {
+                let solution = Similarity::new(&water(law), wall, initial);
+                let front = solution.as_ref().map(|solution| solution.front(1.0));
+                assert!(
+                    front.is_ok_and(|front| front.is_finite()),
+                    "{law:?}, {wall} to {initial}: {:?}",
+                    solution.err()
+                );
+            }
+        }
+        assert!(Similarity::new(&weibull(0.5), 8.0, 8.0).is_err());
+        assert!(Similarity::new(&weibull(0.0), -20.0, 8.0).is_err());
+        assert!(Similarity::new(&water(FreezingLaw::Isothermal), -20.0, 8.0).is_err());
     }
 }

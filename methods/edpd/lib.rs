@@ -1,1 +1,164 @@
-//! Energy-conserving dissipative particle dynamics: collisional and random heat exchange.
+//! Energy-conserving dissipative particle dynamics (Ng et al. 2017), particles at rest: collisional and random heat.
+//!
+//! A pair within the cut-off radius conducts by the weight `(1 - r/rc)^2` and exchanges a random heat of zero mean
+//! whose strength follows from it by fluctuation and dissipation: with the pair conductance `K` (W/K),
+//! `dQ = sqrt(2 k_B K T_i T_j) dW`. A particle's heat capacity is `heat_capacity_dpd` times k_B, which fixes the
+//! Boltzmann constant of the coarse particles, and with it the noise, in any units. Motion and its forces enter
+//! through the same step.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use frazil_core::list_operator::{Off, PairTerm, PairView};
+use frazil_core::method::{Clock, Discretisation, Method, MethodKind, Normalisation, PairWeight, Stepper};
+use frazil_core::noise::StepNoise;
+use frazil_core::plan::Assembly;
+use frazil_core::record::Value;
+use frazil_core::scene::{Exchange, Mean, Numerics, Range, Section, Setting};
+
+/// The method as the registry lists it.
+pub static METHOD: MethodKind = MethodKind {
+    name: "edpd",
+    title: "Energy-conserving dissipative particle dynamics",
+    source: "Ng et al. 2017, eqs 7-9, 20, 27-29",
+    stochastic: true,
+    lattice_only: false,
+    defaults,
+    read,
+};
+
+/// The weight of a pair.
+#[derive(Debug, Clone, Copy)]
+struct Collision {
+    dimension: usize,
+    cutoff: f64,
+}
+
+impl PairWeight for Collision {
+    fn reach(&self) -> f64 {
+        self.cutoff
+    }
+
+    fn weight(&self, distance: f64) -> f64 {
+        // 2 d over the second moment of (1 - r/rc)^2: rc^3 / 15 on a line, pi rc^4 / 30 in the plane (eq 20).
+        let constant = match self.dimension {
+            1 => 30.0 / self.cutoff.powi(3),
+            _ => 120.0 / (PI * self.cutoff.powi(4)),
+        };
+        constant * (1.0 - distance / self.cutoff).max(0.0).powi(2)
+    }
+}
+
+/// The random part of the heat exchange.
+#[derive(Debug, Clone, Copy)]
+struct RandomFlux {
+    seed: u64,
+    /// Temperature of absolute zero on the scale of the scene.
+    absolute_zero: f64,
+    /// 2 k_B over the volume of a particle (J/K per m^d).
+    twice_boltzmann_per_volume: f64,
+    noise: StepNoise,
+    /// 2 k_B / (V dt).
+    strength: f64,
+}
+
+impl PairTerm for RandomFlux {
+    const ACTIVE: bool = true;
+
+    fn begin(&mut self, clock: &Clock) {
+        self.noise = StepNoise::new(self.seed, clock.index);
+        self.strength = self.twice_boltzmann_per_volume / clock.step;
+    }
+
+    #[inline(always)]
+    fn add(&self, pair: &PairView<'_>) -> f64 {
+        let (i, j) = pair.indices;
+        let fields = pair.fields;
+        let (warm, cold) = (fields.temperature[i], fields.temperature[j]);
+        let (a, b) = (fields.conductivity[i], fields.conductivity[j]);
+        // The conductivity that the pair conducts with: the integral mean between its two temperatures. Equal
+        // temperatures leave it open between the two particles' own.
+        let mean = pair.conducted / (cold - warm);
+        let mean = if mean.is_finite() { mean.clamp(a.min(b), a.max(b)) } else { 0.5 * (a + b) };
+        let temperatures = (warm - self.absolute_zero) * (cold - self.absolute_zero);
+        let variance = self.strength * pair.weight * mean * temperatures;
+        variance.max(0.0).sqrt() * self.noise.antisymmetric(pair.names.0, pair.names.1, pair.stream)
+    }
+}
+
+fn defaults(setting: Setting) -> Numerics {
+    match setting {
+        Setting::Best => Numerics::default(),
+        Setting::Paper => Numerics { exchange: Exchange::Mean(Mean::Harmonic), ..Numerics::default() },
+    }
+}
+
+fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimension: usize) -> Discretisation {
+    let ratio = section.number_or("cutoff_ratio", 3.92, Range::between(1.2, 8.0));
+    let capacity = section.number_or("heat_capacity_dpd", 1e5, Range::POSITIVE);
+    let noise = section.flag_or("noise", true);
+    let paper = setting == Setting::Paper;
+    let step = move |assembly: Assembly| -> Box<dyn Method> {
+        if !noise {
+            return assembly.into_method(Off);
+        }
+        let parts = &assembly.parts;
+        let boltzmann = parts.materials.thermals[0].curve.unfrozen_capacity() * parts.volume / capacity;
+        let term = RandomFlux {
+            seed: assembly.seed,
+            absolute_zero: assembly.units.absolute_zero(),
+            twice_boltzmann_per_volume: 2.0 * boltzmann / parts.volume,
+            noise: StepNoise::new(assembly.seed, 0),
+            strength: 0.0,
+        };
+        assembly.into_method(term)
+    };
+    let mut differences = vec![
+        format!(
+            "scales: one DPD length is {} (four particles to its square), one particle stores {capacity} k_B per unit \
+             of temperature",
+            2.0 * numerics.spacing
+        ),
+        "particles are at rest: no viscous heat, no momentum noise".to_string(),
+    ];
+    if noise {
+        differences.push(format!(
+            "thermal noise: the temperature of one particle fluctuates by {:.2} % of its absolute value",
+            100.0 / capacity.sqrt()
+        ));
+    }
+    let constants = if paper { "continuum (eq 20)" } else { "discrete second moment" };
+    Discretisation {
+        weight: Arc::new(Collision { dimension, cutoff: ratio * numerics.spacing }),
+        normalisation: if paper { Normalisation::Nominal } else { Normalisation::DiscreteMoment },
+        knobs: vec![
+            ("cutoff_ratio", Value::Number(ratio)),
+            ("heat_capacity_dpd", Value::Number(capacity)),
+            ("noise", Value::Flag(noise)),
+            ("normalisation", Value::Text(constants.into())),
+        ],
+        differences,
+        stepper: Stepper::Own(Arc::new(step)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The continuum second moment is 2 d, so the nominal conductivity is the wanted one.
+    #[test]
+    fn the_weight_has_its_moment() {
+        for dimension in [1, 2] {
+            let pair = Collision { dimension, cutoff: 1.7 };
+            let count = 20_000;
+            let step = pair.cutoff / count as f64;
+            let moment: f64 = (0..count)
+                .map(|k| (k as f64 + 0.5) * step)
+                .map(|r| pair.weight(r) * r * r * if dimension == 1 { 2.0 } else { 2.0 * PI * r } * step)
+                .sum();
+            // Midpoint rule of 20 000 points.
+            assert!((moment - 2.0 * dimension as f64).abs() < 1e-7, "{dimension}D: {moment}");
+        }
+    }
+}

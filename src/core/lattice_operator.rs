@@ -56,7 +56,7 @@ struct Exterior {
     ghost_weights: Vec<f64>,
     /// Particles that reach ghosts, with the sum of those weights.
     near_wall: Vec<(u32, f64)>,
-    /// Largest addition of a ghost to the row sum of its own image.
+    /// Largest addition of ghosts to the row sum of a particle that they image.
     stiffness: f64,
 }
 
@@ -182,9 +182,10 @@ impl<L: PotentialLaw> Surroundings for Around<L> {
                     if weight == 0.0 {
                         continue;
                     }
-                    // Ghosts beyond the ends of the row belong to the walls left and right.
-                    let from = (-dx).max(0) as usize;
-                    let to = (columns as i64 - dx.max(0)).max(from as i64) as usize;
+                    // Ghosts beyond the ends of the row belong to the walls left and right, if those are open.
+                    let from = if self.open[0] { (-dx).max(0) as usize } else { 0 };
+                    let beyond = if self.open[1] { dx.max(0) } else { 0 };
+                    let to = (columns as i64 - beyond).max(from as i64) as usize;
                     let inside = &own[reach + from..reach + to];
                     let shifted = (reach + from) as i64 + dx;
                     let ghosts = &near[shifted as usize..][..inside.len()];
@@ -441,20 +442,27 @@ fn bound(
 ) -> Bound {
     let mut largest = sum;
     let mut cause = "pair exchange inside the body".to_string();
-    let mut wall_excess = 0.0;
-    let mut stiffest = Vec::new();
-    for side in boundary.sides {
-        if let Side::Wall(door) = side
-            && faces[door].stiffness() > 0.0
-        {
-            wall_excess += stencil.at(1, 0) * faces[door].stiffness();
-            stiffest.push(boundary.doors[door].name);
-        }
-    }
-    // Opposite walls stiffen the same particle only in a body one particle wide; taking both is safe.
+    // A particle reaches its own image behind a wall at twice its distance from it.
+    let stiffness = |side: usize| match boundary.sides[side] {
+        Side::Wall(door) => faces[door].stiffness().max(0.0),
+        Side::Mirror | Side::Curved => 0.0,
+    };
+    let excess = |near: usize, far: usize, cells: usize| {
+        let own = |side: usize, layer: usize| stiffness(side) * stencil.at(2 * layer + 1, 0);
+        (0..cells).map(|layer| own(near, layer) + own(far, cells - 1 - layer)).fold(0.0, f64::max)
+    };
+    let across = if lattice.dimension == 1 { 0.0 } else { excess(2, 3, lattice.rows) };
+    let wall_excess = excess(0, 1, lattice.columns) + across;
     if wall_excess > 0.0 {
         largest = sum + wall_excess;
-        cause = format!("pair exchange of the particles at wall `{}`", stiffest.join("`, `"));
+        let stiff: Vec<&str> = (0..4)
+            .filter(|side| stiffness(*side) > 0.0)
+            .filter_map(|side| match boundary.sides[side] {
+                Side::Wall(door) => Some(boundary.doors[door].name),
+                Side::Mirror | Side::Curved => None,
+            })
+            .collect();
+        cause = format!("pair exchange of the particles at wall `{}`", stiff.join("` and `"));
     }
     if let Some(exterior) = exterior
         && sum + exterior.stiffness > largest
@@ -492,6 +500,7 @@ impl Exterior {
             ..Exterior::default()
         };
         let mut numbers = std::collections::BTreeMap::new();
+        let mut reaches: Vec<(u32, u32, f64)> = Vec::new();
         let reach = shape.reach as i64;
         for row in 0..lattice.rows {
             let (first, end) = lattice.span(row);
@@ -518,6 +527,9 @@ impl Exterior {
                                 exterior.ghost_weights.push(0.0);
                             }
                             exterior.ghost_weights[number] += weight;
+                            if let Some(index) = lattice.index(column, row) {
+                                reaches.push((index as u32, number as u32, weight));
+                            }
                         }
                     }
                 }
@@ -555,9 +567,16 @@ impl Exterior {
             exterior.starts.push(exterior.images.len() as u32);
         }
         exterior.values = vec![0.0; exterior.depths.len()];
-        let widest = exterior.images.iter().map(|image| image.1.abs()).fold(0.0, f64::max);
-        let worst = exterior.near_wall.iter().map(|near| near.1).fold(0.0, f64::max);
-        exterior.stiffness = widest * worst;
+        // What a particle finds of itself in the ghosts that it reaches, ghosts falling as their images rise.
+        let (mut last, mut own) = (u32::MAX, 0.0);
+        for (index, ghost, weight) in reaches {
+            own = if index == last { own } else { 0.0 };
+            last = index;
+            let images = exterior.starts[ghost as usize] as usize..exterior.starts[ghost as usize + 1] as usize;
+            let share = exterior.images[images].iter().filter(|image| image.0 == index).map(|image| image.1);
+            own += weight * share.sum::<f64>();
+            exterior.stiffness = exterior.stiffness.max(own);
+        }
         exterior
     }
 

@@ -8,6 +8,7 @@
 pub mod boundary;
 pub mod ghosts;
 pub mod green;
+pub mod integrate;
 pub mod lattice;
 pub mod lattice_operator;
 pub mod ledger;
@@ -30,3 +31,4 @@ pub mod statistics;
 pub mod stencil;
 pub mod sweep;
 pub mod uptake;
+pub mod watch;

@@ -1,10 +1,20 @@
 //! The time loop: from a scene and a method to a [`RunResult`].
 
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
-use crate::record::RunResult;
+use glam::DVec2;
+
+use crate::measure::attach;
+use crate::method::{Bound, Clock, Stepper};
+use crate::particles::Particles;
+use crate::plan::{Plan, build, settings_of};
+use crate::record::{Errors, Outcome, Record, RunResult};
 use crate::reference::Reference;
-use crate::scene::Scene;
+use crate::scene::settings::MethodSettings;
+use crate::scene::{Scene, Uptake};
+use crate::watch::Watches;
 
 /// How a run is to be made; nothing here changes a digit of its result, but the seed.
 #[derive(Clone, Copy)]
@@ -50,12 +60,308 @@ pub struct Refused {
     pub reason: String,
 }
 
+/// Growth of the steps of a method that is not monotone, from one step to the next: modes that a step cannot resolve
+/// have decayed by the time it is taken.
+const GROWTH: f64 = 1.15;
+
+/// Steps between two looks at the whole state for non-finite or absurd values. The first steps, in which walls jump,
+/// are looked at one by one.
+const GUARD_STEPS: u64 = 64;
+
 /// Runs a scene under one method. Errors are taken against `reference`, if there is one.
 pub fn run(
-    _scene: &Scene,
-    _method: &str,
-    _reference: Option<&dyn Reference>,
-    _options: &Options<'_>,
+    scene: &Scene,
+    method: &str,
+    reference: Option<&Arc<dyn Reference>>,
+    options: &Options<'_>,
 ) -> Result<RunResult, Refused> {
-    Err(Refused { reason: "the engine is not connected".into() })
+    let setup = Stopwatch::start();
+    let settings = settings_of(scene, method)?;
+    let plan = build(scene, settings, reference, options.threads, options.seed)?;
+    let mut watches = Watches::new(scene, &plan.particles, options.fields);
+    let setup = setup.stop();
+    let Plan { mut particles, mut method, step, bound, summary, pipe_extents } = plan;
+    let mut guard = Guard::new(scene, &particles, &pipe_extents);
+    let solve = Stopwatch::start();
+    let began = Instant::now();
+    let mut last_progress = began;
+    let mut clock = Clock { time: 0.0, step: 0.0, index: 0 };
+    let mut longest: f64 = 0.0;
+    let gentle = method.gentle_step();
+    let mut stop: Option<(Outcome, String)> = None;
+    watches.look(&particles, 0.0);
+    'run: for instant in instants(scene) {
+        while clock.time < instant {
+            let allowed = gentle.map_or(step, |first| step.min(first * GROWTH.powi(clock.index.min(1000) as i32)));
+            let count = ((instant - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
+            clock.step = (instant - clock.time) / count;
+            longest = longest.max(clock.step);
+            if let Err(error) = method.advance(&mut particles, &clock) {
+                stop = Some((Outcome::Diverged, error.reason));
+                break 'run;
+            }
+            clock.index += 1;
+            let now = if count == 1.0 { instant } else { clock.time + clock.step };
+            clock.time = now;
+            if watches.due(now) {
+                method.publish(&mut particles);
+                watches.look(&particles, now);
+            }
+            if clock.index % GUARD_STEPS == 0 || clock.index < GUARD_STEPS {
+                method.publish(&mut particles);
+                if let Err(cause) = guard.look(&particles, &clock, &bound) {
+                    stop = Some((Outcome::Diverged, cause));
+                    break 'run;
+                }
+            }
+            if clock.index % 16 == 0 {
+                let elapsed = Instant::now();
+                if let Some(progress) = options.progress
+                    && elapsed - last_progress > Duration::from_millis(100)
+                {
+                    last_progress = elapsed;
+                    progress(&Progress {
+                        time_s: now,
+                        duration_s: scene.duration,
+                        steps: clock.index,
+                        elapsed_s: (elapsed - began).as_secs_f64(),
+                    });
+                }
+                if options.time_limit_s.is_some_and(|limit| (elapsed - began).as_secs_f64() > limit) {
+                    stop = Some((Outcome::TimedOut, format!("the time allowed ran out at {now:.6} s")));
+                    break 'run;
+                }
+            }
+            if options.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+                stop = Some((Outcome::Interrupted, format!("interrupted at {now:.6} s of {} s", scene.duration)));
+                break 'run;
+            }
+        }
+        method.publish(&mut particles);
+        if let Err(cause) = guard.look(&particles, &clock, &bound) {
+            stop = Some((Outcome::Diverged, cause));
+            break 'run;
+        }
+        watches.output(scene, &particles, method.ledger(), instant);
+    }
+    let solve = solve.stop();
+    let gaps = watches.gap_rows();
+    let balance = watches.budget.iter().map(|row| row.balance_rel).fold(0.0, larger_magnitude);
+    let (outcome, cause) = match stop {
+        Some((outcome, cause)) => (outcome, Some(cause)),
+        None => judge(settings.numerics.uptake, balance, guard.violation(), method_is_stochastic(settings)),
+    };
+    let record = Record {
+        frazil_version: env!("CARGO_PKG_VERSION").to_string(),
+        scene: scene.name.clone(),
+        title: scene.title.clone(),
+        scene_hash: scene.hash.clone(),
+        method: settings.method.to_string(),
+        settings: settings.values(),
+        units: scene.units.name().to_string(),
+        particles: summary.particles,
+        pairs: summary.pairs,
+        steps: clock.index,
+        pair_evaluations: summary.pairs * clock.index * method.evaluations_per_step(),
+        particle_updates: summary.particles * clock.index * method.evaluations_per_step(),
+        step_s: longest,
+        step_bound_s: bound.step,
+        step_limit: bound.cause.clone(),
+        threads: options.threads,
+        seed: options.seed,
+        setup_wall_s: setup.0,
+        setup_cpu_s: setup.1,
+        solve_wall_s: solve.0,
+        solve_cpu_s: solve.1,
+        peak_memory_bytes: peak_memory(),
+        outcome,
+        cause,
+        energy_balance_rel: balance,
+        bounds_violation_rel: guard.violation(),
+        errors: Errors::default(),
+        reference: None,
+        spared: summary.spared,
+        differences: summary.differences,
+        state_hash: particles.state_hash(),
+    };
+    let mut result = RunResult {
+        record,
+        front: watches.front,
+        profiles: watches.profiles,
+        probes: watches.probe_rows,
+        budget_names: method.ledger().names().to_vec(),
+        budget: watches.budget,
+        walls: watches.walls,
+        gaps,
+        fields: watches.fields,
+    };
+    if let Some(reference) = reference {
+        attach(scene, particles.lattice.spacing, &mut result, reference.as_ref());
+    }
+    Ok(result)
+}
+
+fn method_is_stochastic(settings: &MethodSettings) -> bool {
+    matches!(settings.discretisation.stepper, Stepper::Own(_))
+}
+
+fn larger_magnitude(a: f64, b: f64) -> f64 {
+    if b.abs() > a.abs() { b } else { a }
+}
+
+/// How a run that came to its end is to be called. Balances that rounding explains lie below 1e-10; a lost latent
+/// heat shows as more than a thousandth.
+fn judge(uptake: Uptake, balance: f64, violation: Option<f64>, stochastic: bool) -> (Outcome, Option<String>) {
+    if balance.abs() > 1e-3 {
+        let cause = format!("the heat balance misses {:.3e} of the heat exchanged", balance);
+        return match uptake {
+            Uptake::ApparentCapacity { .. } => {
+                (Outcome::PhaseSkipped, Some(format!("{cause}: particles stepped over the freezing interval")))
+            }
+            Uptake::Enthalpy | Uptake::Flags => (Outcome::EnergyDrift, Some(cause)),
+        };
+    }
+    match violation {
+        Some(violation) if violation > 0.01 && !stochastic => (
+            Outcome::Oscillating,
+            Some(format!("temperatures left the range of the data by {:.2} % of it", 100.0 * violation)),
+        ),
+        _ => (Outcome::Ok, None),
+    }
+}
+
+/// Output and profile instants in order, the end included.
+fn instants(scene: &Scene) -> Vec<f64> {
+    let outputs = scene.watch.outputs.max(1);
+    let mut instants: Vec<f64> = (1..=outputs)
+        .map(|k| if k == outputs { scene.duration } else { scene.duration * k as f64 / outputs as f64 })
+        .chain(scene.watch.profiles.iter().copied())
+        .filter(|instant| *instant > 0.0 && *instant <= scene.duration)
+        .collect();
+    instants.sort_by(f64::total_cmp);
+    // A profile wanted at an output is that output.
+    instants.dedup_by(|later, earlier| *later - *earlier <= 1e-9 * scene.duration);
+    if let Some(last) = instants.last_mut() {
+        *last = scene.duration;
+    }
+    instants
+}
+
+/// Watches over the range of temperatures.
+struct Guard {
+    range: (f64, f64),
+    /// Whether fluxes may drive temperatures beyond any data.
+    open: bool,
+    seen: (f64, f64),
+    /// Particles inside the sinks of pipes, which stand for the pipe and not for ground.
+    inside_pipes: Vec<u32>,
+}
+
+impl Guard {
+    fn new(scene: &Scene, particles: &Particles, pipes: &[(DVec2, f64)]) -> Self {
+        let lattice = &particles.lattice;
+        let mut inside_pipes = Vec::new();
+        for (centre, half_width) in pipes {
+            let cells = lattice.to_cells(*centre);
+            let reach = (half_width / lattice.spacing).ceil() as i64;
+            for row in cells.y as i64 - reach..=cells.y as i64 + reach {
+                for column in cells.x as i64 - reach..=cells.x as i64 + reach {
+                    inside_pipes.extend(lattice.index(column, row).map(|index| index as u32));
+                }
+            }
+        }
+        inside_pipes.sort_unstable();
+        inside_pipes.dedup();
+        let range = scene.temperature_range();
+        Guard { range, open: scene.has_flux(), seen: (f64::INFINITY, f64::NEG_INFINITY), inside_pipes }
+    }
+
+    /// Takes note of the extremes, and refuses what cannot be.
+    fn look(&mut self, particles: &Particles, clock: &Clock, bound: &Bound) -> Result<(), String> {
+        let mut skip = self.inside_pipes.iter().copied().peekable();
+        let mut extremes = [(f64::INFINITY, 0usize), (f64::NEG_INFINITY, 0usize)];
+        for (i, enthalpy) in particles.enthalpy.iter().enumerate() {
+            if !enthalpy.is_finite() {
+                return Err(describe(particles, i, clock, bound, "is not finite"));
+            }
+            if skip.peek() == Some(&(i as u32)) {
+                skip.next();
+                continue;
+            }
+            // Temperature rises with enthalpy: within one material the extremes are those of the enthalpy.
+            if particles.materials.mixed() {
+                let temperature = particles.temperature(i);
+                if temperature < extremes[0].0 {
+                    extremes[0] = (temperature, i);
+                }
+                if temperature > extremes[1].0 {
+                    extremes[1] = (temperature, i);
+                }
+            } else {
+                if *enthalpy < extremes[0].0 {
+                    extremes[0] = (*enthalpy, i);
+                }
+                if *enthalpy > extremes[1].0 {
+                    extremes[1] = (*enthalpy, i);
+                }
+            }
+        }
+        if extremes[0].0 > extremes[1].0 {
+            return Ok(());
+        }
+        let (low, high) = (particles.temperature(extremes[0].1), particles.temperature(extremes[1].1));
+        self.seen = (self.seen.0.min(low), self.seen.1.max(high));
+        let width = self.range.1 - self.range.0;
+        if !self.open && width > 0.0 {
+            for (temperature, index) in [(low, extremes[0].1), (high, extremes[1].1)] {
+                if temperature < self.range.0 - 10.0 * width || temperature > self.range.1 + 10.0 * width {
+                    let what = format!(
+                        "has the temperature {temperature}, ten times out of the range {} to {}",
+                        self.range.0, self.range.1
+                    );
+                    return Err(describe(particles, index, clock, bound, &what));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// How far temperatures left the range of the data, over that range.
+    fn violation(&self) -> Option<f64> {
+        let width = self.range.1 - self.range.0;
+        let seen = self.seen.0 <= self.seen.1;
+        (!self.open && width > 0.0 && seen)
+            .then(|| (self.range.0 - self.seen.0).max(self.seen.1 - self.range.1).max(0.0) / width)
+    }
+}
+
+fn describe(particles: &Particles, index: usize, clock: &Clock, bound: &Bound, what: &str) -> String {
+    let place = particles.position(index);
+    format!(
+        "particle {index} at ({:.6}, {:.6}) m {what} by step {} of {:.6e} s (bound {:.6e} s, set by {})",
+        place.x, place.y, clock.index, clock.step, bound.step, bound.cause
+    )
+}
+
+/// Wall and CPU time together.
+struct Stopwatch {
+    wall: Instant,
+    cpu: cpu_time::ProcessTime,
+}
+
+impl Stopwatch {
+    fn start() -> Self {
+        Stopwatch { wall: Instant::now(), cpu: cpu_time::ProcessTime::now() }
+    }
+
+    fn stop(&self) -> (f64, f64) {
+        (self.wall.elapsed().as_secs_f64(), self.cpu.elapsed().as_secs_f64())
+    }
+}
+
+/// Greatest resident memory of the process so far (bytes), where the system tells.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
 }

@@ -108,6 +108,10 @@ pub trait Method: Send {
     fn ledger(&self) -> &crate::ledger::Ledger;
     /// Pairs that one evaluation visits.
     fn pairs(&self) -> u64;
+    /// Length (s) from which steps should grow after a jump, for methods that are not monotone at their bound.
+    fn gentle_step(&self) -> Option<f64> {
+        None
+    }
     /// Evaluations of the pair operator in one step.
     fn evaluations_per_step(&self) -> u64 {
         1

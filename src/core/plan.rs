@@ -1,10 +1,57 @@
-//! From a scene to what its steps need.
+//! From a scene to what its steps need, and what it is spared: the one place where run time becomes types.
 
+use std::sync::Arc;
+
+use glam::DVec2;
+use rand::{RngExt, SeedableRng};
+use rayon::ThreadPool;
+
+use crate::boundary::{Boundary, Side};
+use crate::ghosts::Ghosts;
+use crate::green::Green;
+use crate::integrate::{Euler, Rkl2, SchemeEuler};
+use crate::lattice::Lattice;
+use crate::lattice_operator::{LatticeOperator, LatticeParts};
+use crate::list_operator::{EnthalpyList, ListOperator, ListParts, Off, PairList, PairTerm};
 use crate::march::Refused;
-use crate::scene::Scene;
+use crate::method::{Bound, Discretisation, Method, Normalisation, Stepper};
+use crate::neighbours::{NeighbourSearch, Period, all_pairs::AllPairs, cells::Cells, tree::Tree};
+use crate::operator::Operator;
+use crate::particles::{Particles, Places};
+use crate::pipe::{Sink, green_reach, immerse};
+use crate::potential::{Curve, Law, Thermal};
+use crate::reference::Reference;
+use crate::scene::settings::MethodSettings;
+use crate::scene::{
+    Domain, Exchange, IntegratorChoice, Layout, Numerics, PipeModel, Scene, SearchChoice, Sector, StepChoice, Units,
+    Uptake, WallModel,
+};
+use crate::stencil::{SHELL_TOLERANCE, Stencil};
+use crate::sweep::WIDEST;
+use crate::uptake::{Materials, scheme};
 
-/// Particles, neighbours and walls, ready for a method's step.
-pub struct Assembly {}
+/// Particles, neighbours and walls on a list, ready for a method's own step.
+pub struct Assembly {
+    /// The parts of a list operator.
+    pub parts: ListParts,
+    /// Latent heat.
+    pub uptake: Uptake,
+    /// Conductivity inside the freezing interval.
+    pub mushy: bool,
+    /// Units of the scene.
+    pub units: Units,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+impl Assembly {
+    /// The shared explicit step with a term beside conduction.
+    pub fn into_method<T: PairTerm>(self, term: T) -> Box<dyn Method> {
+        let count = self.parts.positions.len();
+        let scheme = scheme(self.uptake, self.mushy, &self.parts.materials, count);
+        Box::new(SchemeEuler::new(ListOperator::new(self.parts, term), scheme, count))
+    }
+}
 
 /// What a run of a scene under a method will do: the answer of `frazil check`.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +78,390 @@ pub struct PlanSummary {
     pub differences: Vec<String>,
 }
 
+/// A run that is ready for its first step.
+pub struct Plan {
+    /// Particles at their start.
+    pub particles: Particles,
+    /// The method.
+    pub method: Box<dyn Method>,
+    /// The longest step that will be made (s).
+    pub step: f64,
+    /// The bound that the step was chosen from.
+    pub bound: Bound,
+    /// The same in words.
+    pub summary: PlanSummary,
+    /// Where pipes are at work: centre and half width (m), in the sector.
+    pub pipe_extents: Vec<(DVec2, f64)>,
+}
+
 /// Plans a run without making a step.
-pub fn summary(_scene: &Scene, _method: &str, _seed: u64) -> Result<PlanSummary, Refused> {
-    Err(Refused { reason: "the engine is not connected".into() })
+pub fn summary(
+    scene: &Scene,
+    method: &str,
+    reference: Option<&Arc<dyn Reference>>,
+    seed: u64,
+) -> Result<PlanSummary, Refused> {
+    let settings = settings_of(scene, method)?;
+    build(scene, settings, reference, 1, seed).map(|plan| plan.summary)
+}
+
+/// The settings of a method on a scene, or why there are none.
+pub fn settings_of<'a>(scene: &'a Scene, method: &str) -> Result<&'a MethodSettings, Refused> {
+    scene.method(method).ok_or_else(|| {
+        refuse(format!("scene `{}` has no section [method.{method}] that gives its spacing", scene.name))
+    })
+}
+
+fn refuse(reason: String) -> Refused {
+    Refused { reason }
+}
+
+/// Builds everything that a run needs.
+pub fn build(
+    scene: &Scene,
+    settings: &MethodSettings,
+    reference: Option<&Arc<dyn Reference>>,
+    threads: usize,
+    seed: u64,
+) -> Result<Plan, Refused> {
+    let numerics = &settings.numerics;
+    let discretisation = settings.discretisation.as_ref();
+    let lattice = Arc::new(Lattice::new(&scene.domain, numerics.spacing));
+    if lattice.is_empty() {
+        return Err(refuse(format!("a spacing of {} m leaves no particle in the domain", numerics.spacing)));
+    }
+    let boundary = Boundary::new(scene, numerics.walls, reference.cloned()).map_err(refuse)?;
+    let thermals: Arc<[Thermal]> = scene
+        .materials
+        .iter()
+        .map(|material| {
+            let curve = Curve::new(material);
+            let curve = match numerics.uptake {
+                Uptake::ApparentCapacity { interval } => curve.spread(interval),
+                Uptake::Enthalpy | Uptake::Flags => curve,
+            };
+            Thermal::new(curve, scene.initial_temperature)
+        })
+        .collect();
+    let pool = pool(threads)?;
+    let cloud = place(scene, numerics, &lattice, seed);
+    let of_particle: Vec<u8> = if scene.regions.is_empty() {
+        Vec::new()
+    } else {
+        let material = |place: DVec2| scene.material_at(place.x, place.y) as u8;
+        match &cloud {
+            Some(positions) => positions.iter().copied().map(material).collect(),
+            None => lattice.positions().into_iter().map(material).collect(),
+        }
+    };
+    let materials = Materials { thermals, of_particle };
+    let stencil = Stencil::new(discretisation, lattice.spacing, lattice.dimension);
+    if !stencil.sum().is_finite() || stencil.sum() <= 0.0 {
+        return Err(refuse("no pair of particles has a weight: the reach is shorter than the spacing".into()));
+    }
+    let (sinks, rings) = pipes(scene, numerics, &lattice, &boundary, &stencil)?;
+    let pipe_extents = sinks.iter().map(|sink| sink.extent).collect();
+    let why_list = why_list(scene, numerics, discretisation, &stencil);
+    let mut used = vec![format!(
+        "{} particles, {} m apart, {}",
+        lattice.len(),
+        lattice.spacing,
+        match numerics.layout {
+            Layout::Lattice => "on a lattice".to_string(),
+            Layout::Jittered { fraction } => format!("on a lattice jittered by {fraction} of the spacing"),
+            Layout::Random => "at random".to_string(),
+        }
+    )];
+    let mut spared = Vec::new();
+    let count = cloud.as_ref().map_or(lattice.len(), |cloud| cloud.len());
+    let (method, memory_bytes): (Box<dyn Method>, u64) = match why_list {
+        None => {
+            spared.push("no neighbour list: a fixed lattice stencil".into());
+            spared.push("no positions, volumes or material column".into());
+            used.push(format!("one fused sweep a step, {} neighbours a particle", stencil.neighbours()));
+            let parts = LatticeParts {
+                lattice: lattice.clone(),
+                stencil,
+                thermal: materials.thermals[0].clone(),
+                boundary,
+                sinks,
+                rings,
+                pool,
+            };
+            let operator: Box<dyn Operator> = match materials.thermals[0].law.clone() {
+                Law::Kinked(law) => Box::new(LatticeOperator::new(parts, law)),
+                Law::Curved(law) => Box::new(LatticeOperator::new(parts, law)),
+            };
+            let columns = match numerics.integrator {
+                IntegratorChoice::Euler => 1,
+                IntegratorChoice::Rkl2 { .. } => 6,
+            };
+            (integrator(numerics, operator, count), (8 * columns * count) as u64)
+        }
+        Some(reason) => {
+            used.push(format!("a neighbour list, because {reason}"));
+            let positions: Arc<[DVec2]> = match &cloud {
+                Some(cloud) => cloud.clone(),
+                None => lattice.positions().into(),
+            };
+            let fitted = numerics.walls == WallModel::MovingLeastSquares;
+            let reach = discretisation.weight.reach();
+            let ghosts = Ghosts::new(&positions, &lattice, &boundary, reach, fitted);
+            let pairs = pairs(&positions, &ghosts, &lattice, numerics, discretisation);
+            let bytes = positions.len() * (16 + 8 * 3) + ghosts.len() * 80 + pairs.partners.len() * 12;
+            let parts = ListParts {
+                positions,
+                volume: lattice.volume(),
+                spacing: lattice.spacing,
+                materials: materials.clone(),
+                pairs,
+                ghosts,
+                boundary,
+                sinks,
+                rings,
+                exchange: numerics.exchange,
+                pool,
+            };
+            let method = match &discretisation.stepper {
+                Stepper::Own(step) => {
+                    step(Assembly { parts, uptake: numerics.uptake, mushy: numerics.mushy, units: scene.units, seed })
+                }
+                Stepper::Shared if numerics.uptake == Uptake::Enthalpy && numerics.mushy => {
+                    let operator = EnthalpyList {
+                        operator: ListOperator::new(parts, Off),
+                        scheme: scheme(Uptake::Enthalpy, true, &materials, count),
+                        rate: vec![0.0; count],
+                    };
+                    integrator(numerics, Box::new(operator), count)
+                }
+                Stepper::Shared => {
+                    let assembly =
+                        Assembly { parts, uptake: numerics.uptake, mushy: numerics.mushy, units: scene.units, seed };
+                    assembly.into_method(Off)
+                }
+            };
+            (method, bytes as u64)
+        }
+    };
+    if matches!(discretisation.stepper, Stepper::Shared) {
+        spared.push("no random numbers".into());
+    }
+    spared.push("no motion: velocities, forces and lists with a skin".into());
+    if scene.rings.is_empty() {
+        spared.push("no pipes".into());
+    }
+    if lattice.dimension == 1 {
+        spared.push("one dimension: no rows".into());
+    }
+    if scene.materials.iter().all(|material| material.law == crate::material::FreezingLaw::None) {
+        spared.push("no phase change".into());
+    }
+    let bound = method.bound();
+    let step = choose_step(numerics, &bound, scene)?;
+    let steps = (scene.duration / step).ceil().max(1.0) as u64;
+    let summary = PlanSummary {
+        particles: count as u64,
+        pairs: method.pairs(),
+        memory_bytes,
+        step_s: step,
+        step_bound_s: bound.step,
+        step_limit: bound.cause.clone(),
+        steps,
+        used,
+        spared,
+        differences: discretisation.differences.clone(),
+    };
+    let particles = Particles {
+        enthalpy: vec![0.0; count],
+        places: cloud.map_or(Places::Lattice, Places::Cloud),
+        volume: lattice.volume(),
+        lattice,
+        materials,
+    };
+    Ok(Plan { particles, method, step, bound, summary, pipe_extents })
+}
+
+/// Why a scene needs a neighbour list; none if the lattice stencil does.
+fn why_list(
+    scene: &Scene,
+    numerics: &Numerics,
+    discretisation: &Discretisation,
+    stencil: &Stencil,
+) -> Option<&'static str> {
+    let reasons = [
+        (numerics.layout != Layout::Lattice, "particles stand unevenly"),
+        (numerics.exchange != Exchange::Potential, "pairs exchange by a mean of conductivities"),
+        (numerics.uptake != Uptake::Enthalpy || !numerics.mushy, "the latent-heat scheme keeps its own columns"),
+        (!scene.regions.is_empty(), "there are several materials"),
+        (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
+        (matches!(discretisation.stepper, Stepper::Own(_)), "the method makes its own step"),
+        (stencil.reach > WIDEST, "the reach is wider than any compiled stencil"),
+        (
+            !matches!(numerics.search, SearchChoice::Auto | SearchChoice::Lattice),
+            "the settings ask for a neighbour search",
+        ),
+    ];
+    reasons.into_iter().find(|reason| reason.0).map(|reason| reason.1)
+}
+
+fn integrator(numerics: &Numerics, operator: Box<dyn Operator>, count: usize) -> Box<dyn Method> {
+    match numerics.integrator {
+        IntegratorChoice::Euler => Box::new(Euler::new(operator)),
+        IntegratorChoice::Rkl2 { stages } => Box::new(Rkl2::new(operator, stages, count)),
+    }
+}
+
+fn choose_step(numerics: &Numerics, bound: &Bound, scene: &Scene) -> Result<f64, Refused> {
+    let step = match numerics.step {
+        StepChoice::Fraction(fraction) => fraction * bound.step,
+        StepChoice::Fixed(step) => {
+            // A step equal to the bound to rounding is the bound.
+            if step > bound.step * (1.0 + 1e-12) {
+                return Err(refuse(format!(
+                    "step_s = {step} is above the stable bound of {:.6} s, which is set by {}",
+                    bound.step, bound.cause
+                )));
+            }
+            step
+        }
+    };
+    Ok(step.min(scene.duration))
+}
+
+fn pool(threads: usize) -> Result<Option<Arc<ThreadPool>>, Refused> {
+    if threads <= 1 {
+        return Ok(None);
+    }
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map(|pool| Some(Arc::new(pool)))
+        .map_err(|error| refuse(format!("cannot start {threads} threads: {error}")))
+}
+
+/// Positions of particles off the lattice.
+fn place(scene: &Scene, numerics: &Numerics, lattice: &Lattice, seed: u64) -> Option<Arc<[DVec2]>> {
+    let plane = if lattice.dimension == 1 { DVec2::X } else { DVec2::ONE };
+    let mut random = rand::rngs::StdRng::seed_from_u64(seed);
+    let mut shift = || DVec2::new(random.random_range(-0.5..0.5), random.random_range(-0.5..0.5)) * plane;
+    let inside = |place: DVec2| match scene.domain {
+        Domain::Line { length } => place.x > 0.0 && place.x < length,
+        Domain::Rectangle { width, height } => place.x > 0.0 && place.x < width && place.y > 0.0 && place.y < height,
+        Domain::Ring { outer_radius, sector } => {
+            place.length() < outer_radius
+                && (sector != Sector::Quarter || place.x > 0.0)
+                && (sector == Sector::Whole || place.y > 0.0)
+        }
+    };
+    match numerics.layout {
+        Layout::Lattice => None,
+        Layout::Jittered { fraction } => Some(
+            lattice
+                .positions()
+                .into_iter()
+                .map(|place| {
+                    let moved = place + 2.0 * fraction * lattice.spacing * shift();
+                    if inside(moved) { moved } else { place }
+                })
+                .collect(),
+        ),
+        Layout::Random => {
+            let extent = DVec2::new(lattice.columns as f64, lattice.rows as f64) * lattice.spacing * plane;
+            let centre = lattice.corner * plane + 0.5 * extent;
+            let mut places: Vec<DVec2> = Vec::with_capacity(lattice.len());
+            while places.len() < lattice.len() {
+                let place = centre + extent * shift();
+                if inside(place) {
+                    places.push(place);
+                }
+            }
+            Some(places.into())
+        }
+    }
+}
+
+/// Pairs with their weights: every partner within reach of every particle, ghosts included.
+fn pairs(
+    positions: &[DVec2],
+    ghosts: &Ghosts,
+    lattice: &Lattice,
+    numerics: &Numerics,
+    discretisation: &Discretisation,
+) -> PairList {
+    let weight = discretisation.weight.as_ref();
+    // On a lattice a radius that falls on a shell must not depend on rounding.
+    let limit = weight.reach() * (1.0 + SHELL_TOLERANCE);
+    let mut points = positions.to_vec();
+    points.extend_from_slice(&ghosts.position);
+    let count = positions.len();
+    let list = match numerics.search {
+        SearchChoice::Auto | SearchChoice::Lattice | SearchChoice::Tree => {
+            Tree.neighbours(&points, count, limit, Period::NONE)
+        }
+        SearchChoice::Cells => Cells.neighbours(&points, count, limit, Period::NONE),
+        SearchChoice::AllPairs => AllPairs.neighbours(&points, count, limit, Period::NONE),
+    };
+    // Coincident points exchange nothing: their distance gives no direction.
+    let distance = |i: usize, j: u32| (points[j as usize] - points[i]).length();
+    let volume = lattice.volume();
+    let mut weights: Vec<f64> = Vec::with_capacity(list.partners.len());
+    let mut scale = vec![1.0; points.len()];
+    for i in 0..count {
+        let mut moment = 0.0;
+        for j in list.of(i) {
+            let distance = distance(i, *j);
+            let pair = if distance > 0.0 { volume * weight.weight(distance) } else { 0.0 };
+            moment += pair * distance * distance;
+            weights.push(pair);
+        }
+        if discretisation.normalisation == Normalisation::DiscreteMoment {
+            scale[i] = if moment > 0.0 { (2 * lattice.dimension) as f64 / moment } else { 0.0 };
+        }
+    }
+    for (ghost, model) in ghosts.model.iter().enumerate() {
+        scale[count + ghost] = scale[*model as usize];
+    }
+    let mut place = 0;
+    for i in 0..count {
+        for j in list.of(i) {
+            weights[place] *= 0.5 * (scale[i] + scale[*j as usize]);
+            place += 1;
+        }
+    }
+    PairList { starts: list.starts, partners: list.partners, weights }
+}
+
+/// Sinks of all pipes in the sector, and the names of their rings.
+fn pipes(
+    scene: &Scene,
+    numerics: &Numerics,
+    lattice: &Lattice,
+    boundary: &Boundary,
+    stencil: &Stencil,
+) -> Result<(Vec<Sink>, Vec<String>), Refused> {
+    if scene.rings.is_empty() {
+        return Ok((Vec::new(), Vec::new()));
+    }
+    if numerics.layout != Layout::Lattice {
+        return Err(refuse("freeze pipes need particles on a lattice: set layout = \"lattice\"".into()));
+    }
+    let mirrors = (boundary.sides[0] == Side::Mirror, boundary.sides[2] == Side::Mirror);
+    let mut sinks = Vec::new();
+    let mut rings = Vec::new();
+    for (number, ring) in scene.rings.iter().enumerate() {
+        let green = Green::new(stencil, lattice.spacing, green_reach(ring.pipe_radius, lattice.spacing));
+        for pipe in ring.pipes() {
+            let sink = match numerics.pipes {
+                PipeModel::Immersed => immerse(&pipe, number, lattice, mirrors, &green).map_err(refuse)?,
+                PipeModel::OneParticle => {
+                    return Err(refuse(
+                        "pipe_model = \"one-particle\" is not offered: pipes have a true radius".into(),
+                    ));
+                }
+            };
+            sinks.extend(sink);
+        }
+        rings.push(if scene.rings.len() == 1 { "pipes".to_string() } else { format!("pipes_{}", number + 1) });
+    }
+    Ok((sinks, rings))
 }

@@ -330,6 +330,9 @@ fn block<const LANES: usize, const ROWS: usize>(
     let own = groups_of::<LANES>(&sums[0][reach..], groups);
     let rate = &mut rate[..groups * LANES].as_chunks_mut::<LANES>().0[..groups];
     for group in 0..groups {
+        if ROWS < 3 && opaque() {
+            break;
+        }
         let mut total = own[group];
         for k in 1..=ROWS {
             for lane in 0..LANES {
@@ -338,6 +341,13 @@ fn block<const LANES: usize, const ROWS: usize>(
         }
         rate[group] = total;
     }
+}
+
+/// False, but the compiler cannot know: a loop over groups that may end early is not vectorised a second time
+/// across groups, which gathers and scatters and is two to three times slower for stencils of one or two cells.
+#[inline(always)]
+fn opaque() -> bool {
+    std::hint::black_box(false)
 }
 
 /// The first groups of lanes of a slice that is padded to hold them.
@@ -367,6 +377,9 @@ fn column_sums<const LANES: usize, const ROWS: usize, const DISC: bool>(
     });
     let sums = &mut sums[..ROWS + 1];
     for group in 0..groups {
+        if ROWS < 3 && opaque() {
+            break;
+        }
         let mut folded = [[0.0; LANES]; WIDEST + 1];
         folded[0] = rows[ROWS][group];
         for dy in 1..=ROWS {

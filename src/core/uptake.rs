@@ -142,9 +142,9 @@ impl LatentScheme for Flags {
         for (temperature, t) in fields.temperature.iter_mut().zip(&self.temperature) {
             *temperature = *t;
         }
-        for (i, conductivity) in fields.conductivity.iter_mut().enumerate() {
+        for (i, (conductivity, released)) in fields.conductivity.iter_mut().zip(&self.released).enumerate() {
             let curve = &materials.of(i).curve;
-            let frozen = self.released[i] / curve.latent_heat();
+            let frozen = released / curve.latent_heat();
             *conductivity = curve.mixed_conductivity(1.0 - if self.mushy { frozen } else { frozen.floor() });
         }
     }

@@ -16,7 +16,7 @@ impl PairWeight for W {
 fn main() {
     let one = std::env::args().count() > 1;
     for (n, threads, m) in if one {
-        vec![(1000usize, 1usize, 3.0)]
+        vec![(1000usize, 1usize, std::env::args().nth(1).and_then(|a| a.parse().ok()).unwrap_or(3.0))]
     } else {
         vec![(1000usize, 1usize, 3.0), (1000, 2, 3.0), (1000, 1, 1.0), (1000, 1, 2.4), (1000, 1, 4.0), (3162, 1, 3.0)]
     } {
@@ -83,7 +83,7 @@ fn main() {
         let steps = if n > 2000 { 10 } else { 60 };
         let mut best: f64 = 0.0;
         for _ in 0..5 {
-            let t = Instant::now();
+            let t = cpu_time::ThreadTime::now();
             for s in 0..steps {
                 op.euler(&mut h, s as f64 * dt, dt, &mut doors);
             }

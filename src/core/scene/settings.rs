@@ -1,9 +1,11 @@
 //! Numerical settings of one method on one scene: how, never what.
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
 use crate::method::Discretisation;
+use crate::record::Value;
 
 /// Which of a method's two standard settings is the starting point; keys of the file override it one by one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -157,6 +159,65 @@ pub struct MethodSettings {
     pub numerics: Numerics,
     /// The method's own geometry.
     pub discretisation: Arc<Discretisation>,
+}
+
+impl MethodSettings {
+    /// All settings by the keys of the file, defaults included, as a record shows them.
+    pub fn values(&self) -> BTreeMap<String, Value> {
+        let text = |word: &str| Value::Text(word.to_string());
+        let numerics = &self.numerics;
+        let mut values = BTreeMap::new();
+        let mut put = |key: &str, value: Value| values.insert(key.to_string(), value);
+        put("setting", text(if self.setting == Setting::Best { "best" } else { "paper" }));
+        put("spacing", Value::Number(numerics.spacing));
+        match numerics.layout {
+            Layout::Lattice => put("layout", text("lattice")),
+            Layout::Random => put("layout", text("random")),
+            Layout::Jittered { fraction } => {
+                put("jitter_fraction", Value::Number(fraction));
+                put("layout", text("jittered"))
+            }
+        };
+        let exchange = match numerics.exchange {
+            Exchange::Potential => "potential",
+            Exchange::Mean(Mean::Harmonic) => "harmonic mean",
+            Exchange::Mean(Mean::Arithmetic) => "arithmetic mean",
+            Exchange::Mean(Mean::Geometric) => "geometric mean",
+        };
+        put("exchange", text(exchange));
+        match numerics.uptake {
+            Uptake::Enthalpy => put("scheme", text("enthalpy")),
+            Uptake::Flags => put("scheme", text("flags")),
+            Uptake::ApparentCapacity { interval } => {
+                put("interval_K", Value::Number(interval));
+                put("scheme", text("apparent-capacity"))
+            }
+        };
+        if numerics.exchange != Exchange::Potential {
+            put("mushy", Value::Flag(numerics.mushy));
+        }
+        let walls = match numerics.walls {
+            WallModel::Mirror => "mirror",
+            WallModel::MovingLeastSquares => "moving-least-squares",
+            WallModel::Layers => "layers",
+        };
+        put("wall_model", text(walls));
+        match numerics.integrator {
+            IntegratorChoice::Euler => put("integrator", text("euler")),
+            IntegratorChoice::Rkl2 { stages } => {
+                put("stages", Value::Number(stages as f64));
+                put("integrator", text("rkl2"))
+            }
+        };
+        match numerics.step {
+            StepChoice::Fraction(fraction) => put("step_fraction", Value::Number(fraction)),
+            StepChoice::Fixed(step) => put("step", Value::Number(step)),
+        };
+        for (key, value) in &self.discretisation.knobs {
+            put(key, value.clone());
+        }
+        values
+    }
 }
 
 impl fmt::Debug for MethodSettings {

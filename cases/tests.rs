@@ -1,0 +1,215 @@
+//! Which reference a scene gets, and what it is told when there is none.
+
+use frazil_core::material::{FreezingLaw, Material, Mixing, Phase};
+use frazil_core::reference::Plane;
+use frazil_core::scene::{
+    Condition, Domain, PipeRing, ReferenceChoice, Region, Scene, Sector, Series, TimeUnit, Units, Wall, Watch,
+};
+
+use crate::exact::similarity::tests::water;
+use crate::{reference_for, table};
+
+const HOUR: f64 = 3600.0;
+const DAY: f64 = 86_400.0;
+
+fn temperature(value: f64) -> Condition {
+    Condition::Temperature(Series::Constant(value))
+}
+
+fn wall(name: &'static str, condition: Condition) -> Wall {
+    Wall { name, condition }
+}
+
+/// A metre of water that freezes from the left for ten hours.
+fn half_space(law: FreezingLaw) -> Scene {
+    Scene {
+        name: "test".into(),
+        title: String::new(),
+        source: String::new(),
+        units: Units::Si,
+        time_unit: TimeUnit::Hour,
+        domain: Domain::Line { length: 1.0 },
+        duration: 10.0 * HOUR,
+        materials: vec![water(law)],
+        regions: Vec::new(),
+        initial_temperature: 8.0,
+        walls: vec![wall("left", temperature(-20.0)), wall("right", Condition::Symmetry)],
+        rings: Vec::new(),
+        watch: Watch { outputs: 10, profiles: Vec::new(), probes: Vec::new(), profile_length: None, front_from: 0.0 },
+        reference: ReferenceChoice::Exact,
+        methods: Vec::new(),
+        hash: String::new(),
+    }
+}
+
+fn soil(name: &str, density: f64, frozen: (f64, f64), unfrozen: (f64, f64), point: f64, latent_heat: f64) -> Material {
+    Material {
+        name: name.into(),
+        density,
+        frozen: Phase { conductivity: frozen.0, heat_capacity: frozen.1 },
+        unfrozen: Phase { conductivity: unfrozen.0, heat_capacity: unfrozen.1 },
+        freezing_point: point,
+        latent_heat,
+        law: FreezingLaw::Isothermal,
+        mixing: Mixing::Arithmetic,
+    }
+}
+
+/// The column of the table.
+fn column() -> Scene {
+    Scene {
+        domain: Domain::Line { length: 0.2 },
+        duration: 60.0 * HOUR,
+        materials: vec![soil("soil", 1800.0, (2.68, 2508.5), (3.05, 2124.0), -0.25, 33_500.0)],
+        initial_temperature: 1.0,
+        walls: vec![wall("left", temperature(-5.0)), wall("right", temperature(1.0))],
+        reference: ReferenceChoice::Auto,
+        ..half_space(FreezingLaw::Isothermal)
+    }
+}
+
+/// The sand shaft of the table with pipes of 54 mm.
+fn shaft() -> Scene {
+    Scene {
+        time_unit: TimeUnit::Day,
+        domain: Domain::Ring { outer_radius: 15.0, sector: Sector::Half },
+        duration: 120.0 * DAY,
+        materials: vec![soil("sand", 2090.0, (2.56, 1088.4), (1.86, 1465.1), 0.0, 52_875.8)],
+        initial_temperature: 15.0,
+        walls: vec![wall("outer", temperature(15.0))],
+        rings: vec![PipeRing {
+            count: 26,
+            ring_radius: 5.0,
+            first_angle: 0.0,
+            pipe_radius: 0.054,
+            temperature: Series::Constant(-20.0),
+        }],
+        reference: ReferenceChoice::Auto,
+        ..half_space(FreezingLaw::Isothermal)
+    }
+}
+
+fn kind(scene: &Scene) -> Option<String> {
+    reference_for(scene).expect("no refusal").map(|reference| reference.describe().kind)
+}
+
+fn refusal(scene: &Scene) -> String {
+    reference_for(scene).err().unwrap_or_default()
+}
+
+#[test]
+fn the_law_decides_which_solution_it_is() {
+    assert_eq!(kind(&half_space(FreezingLaw::Isothermal)).as_deref(), Some("exact"));
+    assert_eq!(kind(&half_space(FreezingLaw::None)).as_deref(), Some("exact"));
+    assert_eq!(kind(&half_space(FreezingLaw::Linear { width: 0.5 })).as_deref(), Some("similarity"));
+    assert_eq!(kind(&half_space(FreezingLaw::Weibull { width: 0.5, residual: 0.0 })).as_deref(), Some("similarity"));
+}
+
+#[test]
+fn the_front_is_the_integral_of_the_frozen_fraction() {
+    let time = 10.0 * HOUR;
+    let front = |scene: &Scene| reference_for(scene).expect("fits").and_then(|reference| reference.front(time));
+    let freezing = front(&half_space(FreezingLaw::Isothermal)).expect("front");
+    assert!((freezing / 0.087_495_826_099_615_9 - 1.0).abs() < 1e-12, "{freezing}");
+    assert_eq!(front(&half_space(FreezingLaw::None)), None);
+    // What thaws is taken from the frozen length of the whole body.
+    for law in [FreezingLaw::Isothermal, FreezingLaw::Linear { width: 1e-3 }] {
+        let mut scene = half_space(law);
+        scene.domain = Domain::Line { length: 3.0 };
+        scene.initial_temperature = -20.0;
+        scene.walls[0].condition = temperature(8.0);
+        let left = front(&scene).expect("front");
+        assert!(left > 2.95 && left < 2.99, "{left}");
+    }
+}
+
+#[test]
+fn the_cold_wall_may_be_any() {
+    let reference = reference_for(&half_space(FreezingLaw::Isothermal)).expect("fits").expect("exact");
+    let mut scene = half_space(FreezingLaw::Isothermal);
+    scene.domain = Domain::Rectangle { width: 0.1, height: 1.0 };
+    scene.walls = vec![
+        wall("left", Condition::Symmetry),
+        wall("right", Condition::Symmetry),
+        wall("bottom", temperature(8.0)),
+        wall("top", temperature(-20.0)),
+    ];
+    let turned = reference_for(&scene).expect("fits").expect("exact");
+    assert_eq!(turned.temperature(0.05, HOUR), reference.temperature(0.05, HOUR));
+    assert_eq!(turned.front(HOUR), reference.front(HOUR));
+}
+
+#[test]
+fn a_far_wall_that_is_felt_is_refused_unless_it_follows_the_solution() {
+    let mut scene = half_space(FreezingLaw::Isothermal);
+    scene.domain = Domain::Line { length: 0.3 };
+    assert!(refusal(&scene).contains("the far wall is felt"), "{}", refusal(&scene));
+    scene.reference = ReferenceChoice::Auto;
+    assert_eq!(kind(&scene), None);
+    scene.walls[1].condition = Condition::Exact;
+    assert_eq!(kind(&scene).as_deref(), Some("exact"));
+}
+
+#[test]
+fn other_scenes_are_refused_with_the_reason() {
+    let base = half_space(FreezingLaw::Isothermal);
+    let with = |change: &dyn Fn(&mut Scene)| {
+        let mut scene = base.clone();
+        change(&mut scene);
+        refusal(&scene)
+    };
+    let both = with(&|scene| scene.walls[1].condition = temperature(-20.0));
+    assert!(both.contains("both the left and the right wall"), "{both}");
+    let still = with(&|scene| scene.walls[0].condition = temperature(8.0));
+    assert!(still.contains("no wall differs"), "{still}");
+    let flux = with(&|scene| scene.walls[0].condition = Condition::Flux(Series::Constant(-10.0)));
+    assert!(flux.contains("left wall has no constant temperature"), "{flux}");
+    let rising =
+        with(&|scene| scene.walls[0].condition = Condition::Temperature(Series::Table(vec![(0.0, -20.0), (1.0, 0.0)])));
+    assert!(rising.contains("left wall has no constant temperature"), "{rising}");
+    let inclusion = with(&|scene| {
+        scene.materials.push(scene.materials[0].clone());
+        scene.regions.push(Region { material: 1, x_min: 0.1, x_max: 0.2, y_min: f64::MIN, y_max: f64::MAX });
+    });
+    assert!(inclusion.contains("several materials"), "{inclusion}");
+    let side = with(&|scene| {
+        scene.domain = Domain::Rectangle { width: 1.0, height: 1.0 };
+        scene.walls.push(wall("top", temperature(8.0)));
+    });
+    assert!(side.contains("top wall is not insulated"), "{side}");
+    let ring = Scene { reference: ReferenceChoice::Exact, ..shaft() };
+    assert!(refusal(&ring).contains("freeze pipes"), "{}", refusal(&ring));
+}
+
+#[test]
+fn a_table_is_found_for_its_own_scene_alone() {
+    let reference = reference_for(&column()).expect("no refusal").expect("table");
+    assert_eq!(reference.describe().kind, "table");
+    let front = reference.front(HOUR).expect("an hour is in the table");
+    assert!((front - 0.034_076_287_1).abs() < 1e-15, "{front}");
+    let reference = reference_for(&shaft()).expect("no refusal").expect("table");
+    assert!(reference.describe().source.contains("shaft-single-sand-54mm"));
+    assert!(reference.thickness(Plane::Main, 60.0 * DAY).is_some());
+
+    let mut scene = shaft();
+    scene.reference = ReferenceChoice::Table("shaft-single-sand-6.38mm".into());
+    assert!(refusal(&scene).contains("the pipe radius is 0.00638 there and 0.054 here"), "{}", refusal(&scene));
+    scene.reference = ReferenceChoice::Table("shaft".into());
+    assert!(table::NAMES.iter().all(|name| refusal(&scene).contains(name)), "{}", refusal(&scene));
+
+    let mut scene = column();
+    scene.reference = ReferenceChoice::Table("soil-column".into());
+    assert_eq!(kind(&scene).as_deref(), Some("table"));
+    scene.walls[0].condition = temperature(-7.0);
+    scene.materials[0].latent_heat = 40_000.0;
+    let reason = refusal(&scene);
+    assert!(reason.contains("cold end is -5 there and -7 here") && reason.contains("latent heat"), "{reason}");
+    scene.reference = ReferenceChoice::Auto;
+    assert_eq!(kind(&scene), None);
+}
+
+#[test]
+fn a_local_run_is_made_elsewhere() {
+    let scene = Scene { reference: ReferenceChoice::Local, ..half_space(FreezingLaw::Isothermal) };
+    assert_eq!(kind(&scene), None);
+}

@@ -1,0 +1,422 @@
+//! Watches: what is read off the particles at outputs, and never inside a step.
+
+use std::f64::consts::PI;
+
+use glam::DVec2;
+
+use crate::boundary::moving_least_squares;
+use crate::lattice::Lattice;
+use crate::ledger::{Ledger, Sum};
+use crate::material::FreezingLaw;
+use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
+use crate::particles::{Particles, Places};
+use crate::record::{BudgetRow, Field, FrontRow, GapRow, ProbeRow, ProfileRow, WallRow};
+use crate::scene::{Domain, FreezingDirection, Scene, Sector};
+
+/// Largest number of cells of a kept field along one direction.
+const FIELD_CELLS: usize = 400;
+
+/// A point read as a weighted sum over particles.
+#[derive(Debug, Clone, Default)]
+struct Sample(Vec<(u32, f64)>);
+
+impl Sample {
+    fn of(&self, value: impl Fn(usize) -> f64) -> f64 {
+        self.0.iter().map(|(index, weight)| weight * value(*index as usize)).sum()
+    }
+}
+
+/// A ray of evenly spaced samples.
+#[derive(Debug, Clone)]
+struct Ray {
+    /// How many rays of the whole ring it stands for.
+    multiplicity: usize,
+    radii: Vec<f64>,
+    samples: Vec<Sample>,
+}
+
+/// A gap between two pipes and whether it has closed.
+#[derive(Debug, Clone)]
+struct Gap {
+    number: usize,
+    angle: f64,
+    multiplicity: usize,
+    samples: Vec<Sample>,
+    /// Time and openness at the last look: positive while open.
+    last: Option<(f64, f64)>,
+    closed: Option<f64>,
+}
+
+/// All watches of a run and what they have seen.
+pub struct Watches {
+    direction: Option<FreezingDirection>,
+    profile_length: f64,
+    main: Vec<Ray>,
+    interface: Vec<Ray>,
+    gaps: Vec<Gap>,
+    next_look: f64,
+    look_every: f64,
+    sector_count: f64,
+    pipe_count: usize,
+    probes: Vec<(DVec2, Sample)>,
+    keep_fields: bool,
+    field_radius: f64,
+    isothermal: bool,
+    /// Front over time.
+    pub front: Vec<FrontRow>,
+    /// Profiles.
+    pub profiles: Vec<ProfileRow>,
+    /// Probes.
+    pub probe_rows: Vec<ProbeRow>,
+    /// Heat balance.
+    pub budget: Vec<BudgetRow>,
+    /// Frozen wall.
+    pub walls: Vec<WallRow>,
+    /// Temperature fields.
+    pub fields: Vec<Field>,
+}
+
+impl Watches {
+    /// The watches that a scene asks for.
+    pub fn new(scene: &Scene, particles: &Particles, keep_fields: bool) -> Self {
+        let sampler = Sampler::new(scene, particles);
+        let spacing = particles.lattice.spacing;
+        let (sector, outer) = match scene.domain {
+            Domain::Ring { outer_radius, sector } => (Some(sector), outer_radius),
+            Domain::Line { .. } | Domain::Rectangle { .. } => (None, 0.0),
+        };
+        let in_sector = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            match sector {
+                Some(Sector::Quarter) => cos > -1e-9 && sin > -1e-9,
+                Some(Sector::Half) => sin > -1e-9,
+                Some(Sector::Whole) => true,
+                None => false,
+            }
+        };
+        // A ray on a mirror plane stands for fewer rays of the whole ring than one inside the sector.
+        let multiplicity = |angle: f64| {
+            let (sin, cos) = angle.sin_cos();
+            match sector {
+                Some(Sector::Quarter) => 4 / if sin.abs() < 1e-9 || cos.abs() < 1e-9 { 2 } else { 1 },
+                Some(Sector::Half) => 2 / if sin.abs() < 1e-9 { 2 } else { 1 },
+                _ => 1,
+            }
+        };
+        let ray = |angle: f64, from: f64, to: f64, step: f64| {
+            let count = ((to - from) / step).ceil().max(1.0) as usize;
+            let radii: Vec<f64> = (0..=count).map(|k| from + (to - from) * k as f64 / count as f64).collect();
+            let direction = DVec2::from_angle(angle);
+            let samples = radii.iter().map(|radius| sampler.sample(direction * *radius)).collect();
+            Ray { multiplicity: multiplicity(angle), radii, samples }
+        };
+        let (mut main, mut interface, mut gaps) = (Vec::new(), Vec::new(), Vec::new());
+        // Walls are measured on the first ring; others are part of the layout around it.
+        if let Some(ring) = scene.rings.first() {
+            let chord = 2.0 * ring.ring_radius * (PI / ring.count as f64).sin();
+            for k in 0..ring.count {
+                if in_sector(ring.angle(k)) {
+                    main.push(ray(ring.angle(k), 0.0, outer - spacing, 0.5 * spacing));
+                }
+                if in_sector(ring.gap_angle(k)) {
+                    let angle = ring.gap_angle(k);
+                    interface.push(ray(angle, 0.0, outer - spacing, 0.5 * spacing));
+                    // Columns meet a little inside the ring; look where they can.
+                    let (from, to) = (ring.ring_radius - 0.5 * chord, ring.ring_radius + 0.3 * chord);
+                    let near = ray(angle, from.max(0.0), to.min(outer), 0.25 * spacing);
+                    gaps.push(Gap {
+                        number: k,
+                        angle,
+                        multiplicity: near.multiplicity,
+                        samples: near.samples,
+                        last: None,
+                        closed: None,
+                    });
+                }
+            }
+        }
+        let probes =
+            scene.watch.probes.iter().map(|(x, y)| (DVec2::new(*x, *y), sampler.sample(DVec2::new(*x, *y)))).collect();
+        let direction = scene.freezing_direction();
+        Watches {
+            profile_length: scene.watch.profile_length.or(direction.map(|d| d.length)).unwrap_or(outer),
+            direction,
+            main,
+            interface,
+            gaps,
+            next_look: 0.0,
+            look_every: scene.duration / 4000.0,
+            sector_count: match sector {
+                Some(Sector::Quarter) => 4.0,
+                Some(Sector::Half) => 2.0,
+                _ => 1.0,
+            },
+            pipe_count: scene.rings.iter().map(|ring| ring.count).sum(),
+            probes,
+            keep_fields: keep_fields && scene.domain.dimension() == 2,
+            field_radius: scene.rings.iter().map(|ring| 1.6 * ring.ring_radius).fold(0.0, f64::max),
+            isothermal: matches!(scene.materials[0].law, FreezingLaw::Isothermal),
+            front: Vec::new(),
+            profiles: Vec::new(),
+            probe_rows: Vec::new(),
+            budget: Vec::new(),
+            walls: Vec::new(),
+            fields: Vec::new(),
+        }
+    }
+
+    /// Whether something needs a look between outputs at this time.
+    #[inline]
+    pub fn due(&self, time: f64) -> bool {
+        !self.gaps.is_empty() && time >= self.next_look
+    }
+
+    /// Looks at the gaps between pipes: closed once every point of the line between two pipes' neighbours, at some
+    /// radius, is frozen with its latent heat released. The instant is interpolated between looks.
+    pub fn look(&mut self, particles: &Particles, time: f64) {
+        self.next_look = time + self.look_every;
+        let isothermal = self.isothermal;
+        for gap in self.gaps.iter_mut().filter(|gap| gap.closed.is_none()) {
+            let openness = |sample: &Sample| {
+                if isothermal {
+                    // Enthalpy above the frozen state, in units of the latent heat.
+                    sample.of(|i| {
+                        let thermal = particles.materials.of(i);
+                        (particles.enthalpy[i] + thermal.initial_enthalpy) / thermal.curve.latent_heat() + 1.0
+                    })
+                } else {
+                    0.5 - sample.of(|i| particles.frozen_fraction(i))
+                }
+            };
+            let now = gap.samples.iter().map(openness).fold(f64::INFINITY, f64::min);
+            if now <= 0.0 {
+                gap.closed = Some(match gap.last {
+                    Some((before, open)) if open > 0.0 => before + (time - before) * open / (open - now),
+                    _ => time,
+                });
+            }
+            gap.last = Some((time, now));
+        }
+    }
+
+    /// Takes everything that is due at an output.
+    pub fn output(&mut self, scene: &Scene, particles: &Particles, ledger: &Ledger, time: f64) {
+        let frozen: Sum = (0..particles.len()).map(|i| particles.frozen_fraction(i)).collect();
+        let frozen = frozen.value() * particles.volume;
+        if let Some(direction) = self.direction {
+            self.front.push(FrontRow { time_s: time, front_m: frozen / direction.across, front_ref_m: None });
+        }
+        if !self.main.is_empty() {
+            let length = |rays: &[Ray]| {
+                let weights: usize = rays.iter().map(|ray| ray.multiplicity).sum();
+                rays.iter().map(|ray| ray.multiplicity as f64 * frozen_length(ray, particles)).sum::<f64>()
+                    / weights.max(1) as f64
+            };
+            let pipes = self.pipe_count as f64 / self.sector_count;
+            let heat: f64 =
+                ledger.names().iter().zip(ledger.rate()).filter(|d| d.0.starts_with("pipes")).map(|d| -d.1).sum();
+            self.walls.push(WallRow {
+                time_s: time,
+                thickness_main_m: length(&self.main),
+                thickness_main_ref_m: None,
+                thickness_interface_m: length(&self.interface),
+                thickness_interface_ref_m: None,
+                frozen_area_m2: frozen * self.sector_count,
+                frozen_area_ref_m2: None,
+                heat_per_pipe_w_per_m: heat / pipes,
+            });
+        }
+        for (place, sample) in &self.probes {
+            let temperature_c = sample.of(|i| particles.temperature(i));
+            self.probe_rows.push(ProbeRow { time_s: time, x_m: place.x, y_m: place.y, temperature_c });
+        }
+        self.budget.push(balance(particles, ledger, time));
+        let kept = |wanted: &&f64| (**wanted - time).abs() <= 1e-9 * scene.duration;
+        if scene.watch.profiles.iter().find(kept).is_some() {
+            self.profile(particles, time);
+            if self.keep_fields {
+                self.fields.push(field(particles, time, self.field_radius));
+            }
+        }
+    }
+
+    fn profile(&mut self, particles: &Particles, time: f64) {
+        if let Some(direction) = self.direction {
+            self.profiles.extend(layers(particles, &direction, self.profile_length, time));
+        }
+        for (rays, plane) in [(&self.main, "main"), (&self.interface, "interface")] {
+            let Some(ray) = rays.first() else { continue };
+            for (radius, sample) in ray.radii.iter().zip(&ray.samples) {
+                self.profiles.push(ProfileRow {
+                    time_s: time,
+                    x_m: *radius,
+                    temperature_c: sample.of(|i| particles.temperature(i)),
+                    temperature_ref_c: None,
+                    frozen_fraction: sample.of(|i| particles.frozen_fraction(i)),
+                    plane: plane.to_string(),
+                });
+            }
+        }
+    }
+
+    /// When each gap closed.
+    pub fn gap_rows(&self) -> Vec<GapRow> {
+        self.gaps
+            .iter()
+            .map(|gap| GapRow {
+                gap: gap.number,
+                angle_deg: gap.angle.to_degrees(),
+                multiplicity: gap.multiplicity,
+                closure_s: gap.closed,
+                closure_ref_s: None,
+            })
+            .collect()
+    }
+}
+
+/// Frozen length of a ray: the integral of the frozen fraction along it (m).
+fn frozen_length(ray: &Ray, particles: &Particles) -> f64 {
+    let fractions: Vec<f64> = ray.samples.iter().map(|sample| sample.of(|i| particles.frozen_fraction(i))).collect();
+    let step = ray.radii[1] - ray.radii[0];
+    step * (fractions.iter().sum::<f64>() - 0.5 * (fractions[0] + fractions[fractions.len() - 1]))
+}
+
+/// The heat balance at a time.
+fn balance(particles: &Particles, ledger: &Ledger, time: f64) -> BudgetRow {
+    let stored: Sum = particles.enthalpy.iter().copied().collect();
+    let stored_j = stored.value() * particles.volume;
+    let in_j = ledger.heat();
+    let total: Sum = in_j.iter().copied().collect();
+    let exchanged = in_j.iter().map(|heat| heat.abs()).sum::<f64>().max(stored_j.abs());
+    let balance_rel = if exchanged > 0.0 { (stored_j - total.value()) / exchanged } else { 0.0 };
+    BudgetRow { time_s: time, stored_j, in_j, balance_rel }
+}
+
+/// Means over layers one spacing thick across the freezing direction.
+fn layers(particles: &Particles, direction: &FreezingDirection, length: f64, time: f64) -> Vec<ProfileRow> {
+    let spacing = particles.lattice.spacing;
+    let count = (direction.length / spacing).round() as usize;
+    let mut sums = vec![(0.0, 0.0, 0.0, 0usize); count];
+    for i in 0..particles.len() {
+        let place = particles.position(i);
+        let along = if direction.along_y { place.y } else { place.x };
+        let along = if direction.from_end { direction.length - along } else { along };
+        let layer = ((along / spacing) as usize).min(count - 1);
+        let sum = &mut sums[layer];
+        *sum = (sum.0 + along, sum.1 + particles.temperature(i), sum.2 + particles.frozen_fraction(i), sum.3 + 1);
+    }
+    sums.into_iter()
+        .filter(|sum| sum.3 > 0)
+        .map(|(along, temperature, fraction, number)| {
+            let number = number as f64;
+            ProfileRow {
+                time_s: time,
+                x_m: along / number,
+                temperature_c: temperature / number,
+                temperature_ref_c: None,
+                frozen_fraction: fraction / number,
+                plane: "line".into(),
+            }
+        })
+        .filter(|row| row.x_m <= length)
+        .collect()
+}
+
+/// Temperatures on a grid of at most [`FIELD_CELLS`] cells a side; particles off the lattice fill their nearest cell.
+fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
+    let lattice = &particles.lattice;
+    let within = |extent: f64| if radius > 0.0 { extent.min(radius) } else { extent };
+    let least = DVec2::new(-within(-lattice.corner.x), -within(-lattice.corner.y));
+    let most = lattice.corner + lattice.spacing * DVec2::new(lattice.columns as f64, lattice.rows as f64);
+    let size = DVec2::new(within(most.x), within(most.y)) - least;
+    let coarsening = (size.max_element() / lattice.spacing / FIELD_CELLS as f64).ceil().max(1.0);
+    let spacing = coarsening * lattice.spacing;
+    let (nx, ny) = ((size.x / spacing).round().max(1.0) as usize, (size.y / spacing).round().max(1.0) as usize);
+    let mut sums = vec![(0.0, 0usize); nx * ny];
+    for i in 0..particles.len() {
+        let cell = ((particles.position(i) - least) / spacing).floor();
+        if cell.x >= 0.0 && cell.y >= 0.0 && (cell.x as usize) < nx && (cell.y as usize) < ny {
+            let sum = &mut sums[cell.y as usize * nx + cell.x as usize];
+            *sum = (sum.0 + particles.temperature(i), sum.1 + 1);
+        }
+    }
+    Field {
+        time_s,
+        nx,
+        ny,
+        x0_m: least.x + 0.5 * spacing,
+        y0_m: least.y + 0.5 * spacing,
+        spacing_m: spacing,
+        temperature_c: sums.into_iter().map(|(sum, n)| if n > 0 { sum / n as f64 } else { f64::NAN }).collect(),
+    }
+}
+
+/// Turns points into samples: bilinear on a lattice, moving least squares elsewhere.
+struct Sampler<'a> {
+    lattice: &'a Lattice,
+    mirrors: (bool, bool),
+    cloud: Option<&'a [DVec2]>,
+}
+
+impl<'a> Sampler<'a> {
+    fn new(scene: &Scene, particles: &'a Particles) -> Self {
+        let mirrors = match scene.domain {
+            Domain::Ring { sector, .. } => (sector == Sector::Quarter, sector != Sector::Whole),
+            Domain::Line { .. } | Domain::Rectangle { .. } => (false, false),
+        };
+        let cloud = match &particles.places {
+            Places::Lattice => None,
+            Places::Cloud(positions) => Some(&positions[..]),
+        };
+        Sampler { lattice: &particles.lattice, mirrors, cloud }
+    }
+
+    fn sample(&self, place: DVec2) -> Sample {
+        match self.cloud {
+            Some(positions) => self.fitted(positions, place),
+            None => self.bilinear(place),
+        }
+    }
+
+    /// The four cells around a point, folded at mirror planes and clamped at walls.
+    fn bilinear(&self, place: DVec2) -> Sample {
+        let cells = self.lattice.to_cells(place);
+        let base = cells.floor();
+        let part = cells - base;
+        let mut entries: Vec<(u32, f64)> = Vec::with_capacity(4);
+        let mut missing = 0.0;
+        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let weight = (if dx == 1 { part.x } else { 1.0 - part.x }) * (if dy == 1 { part.y } else { 1.0 - part.y });
+            if weight == 0.0 {
+                continue;
+            }
+            let fold = |mirror: bool, cell: i64| if mirror && cell < 0 { -1 - cell } else { cell };
+            let column = fold(self.mirrors.0, base.x as i64 + dx).clamp(0, self.lattice.columns as i64 - 1);
+            let row = fold(self.mirrors.1, base.y as i64 + dy).clamp(0, self.lattice.rows as i64 - 1);
+            match self.lattice.index(column, row) {
+                Some(index) => entries.push((index as u32, weight)),
+                None => missing += weight,
+            }
+        }
+        if missing > 0.0 && missing < 1.0 {
+            entries.iter_mut().for_each(|entry| entry.1 /= 1.0 - missing);
+        }
+        Sample(entries)
+    }
+
+    fn fitted(&self, positions: &[DVec2], place: DVec2) -> Sample {
+        let mut points = vec![place];
+        points.extend_from_slice(positions);
+        let mut range = 2.0 * self.lattice.spacing;
+        let found: Vec<u32> = loop {
+            let list = Tree.neighbours(&points, 1, range, Period::NONE);
+            if list.partners.len() > self.lattice.dimension + 1 || list.partners.len() == positions.len() {
+                break list.partners.iter().map(|j| j - 1).collect();
+            }
+            range *= 1.5;
+        };
+        let near: Vec<DVec2> = found.iter().map(|j| positions[*j as usize]).collect();
+        let weights = moving_least_squares(place, &near, 0.6 * range, self.lattice.dimension);
+        Sample(found.into_iter().zip(weights).collect())
+    }
+}

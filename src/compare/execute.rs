@@ -306,7 +306,8 @@ impl Work<'_> {
             return;
         };
         let options = Options { time_limit_s: None, ..self.options(1, self.request.threads, false) };
-        if let Ok(result) = (self.parts.run)(scene, one.method, None, &options)
+        // The reference goes along because walls may take their temperature from it; errors are not timed.
+        if let Ok(result) = (self.parts.run)(scene, one.method, self.reference, &options)
             && result.record.outcome != Outcome::Interrupted
         {
             let first = measured.result.as_ref().map(|first| &first.record.state_hash);

@@ -4,6 +4,7 @@
 //! figures and one page. Files are written as results arrive, each whole.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use frazil_core::march::{Options, Refused};
@@ -71,7 +72,8 @@ pub type SceneAt<'a> = dyn Fn(&str, &[(String, String)]) -> Result<Scene, String
 /// The reference of a scene that needs no run.
 pub type ReferenceFor<'a> = dyn Fn(&Scene) -> Result<Option<Box<dyn Reference>>, String> + 'a;
 /// Makes one run.
-pub type Run<'a> = dyn Fn(&Scene, &str, Option<&dyn Reference>, &Options<'_>) -> Result<RunResult, Refused> + Sync + 'a;
+pub type Run<'a> =
+    dyn Fn(&Scene, &str, Option<&Arc<dyn Reference>>, &Options<'_>) -> Result<RunResult, Refused> + Sync + 'a;
 
 /// The rest of the program as a comparison sees it; tests put made-up parts in their place.
 pub struct Parts<'a> {

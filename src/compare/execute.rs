@@ -1,5 +1,6 @@
 //! The runs of one scene: a first one each, ensembles, then repeated runs in shuffled rounds.
 
+use std::sync::Arc;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
@@ -72,10 +73,10 @@ pub fn scene(
     ));
     let finest = plan.iter().map(|one| one.spacing).fold(f64::INFINITY, f64::min);
     let closed = (parts.reference_for)(&base).map_err(Stop::Scene)?;
-    let reference: Option<Box<dyn Reference>> = match closed {
-        Some(reference) => Some(reference),
+    let reference: Option<Arc<dyn Reference>> = match closed {
+        Some(reference) => Some(Arc::from(reference)),
         None => match local_reference(parts, name, &base, finest, request.budget(), say) {
-            Ok(reference) => Some(Box::new(reference)),
+            Ok(reference) => Some(Arc::new(reference)),
             Err(reason) => {
                 say(&format!("{}: no reference: {reason}", base.name));
                 None
@@ -94,7 +95,7 @@ pub fn scene(
         rounds: 0,
         spent: 0.0,
     };
-    let work = Work { request, parts, plan: &plan, reference: reference.as_deref(), started: Instant::now(), say };
+    let work = Work { request, parts, plan: &plan, reference: reference.as_ref(), started: Instant::now(), say };
     work.first_runs(&mut runs, written)?;
     work.repeated_runs(&mut runs);
     runs.spent = work.started.elapsed().as_secs_f64();
@@ -106,7 +107,7 @@ struct Work<'a> {
     request: &'a CompareRequest,
     parts: &'a Parts<'a>,
     plan: &'a [Configuration],
-    reference: Option<&'a dyn Reference>,
+    reference: Option<&'a Arc<dyn Reference>>,
     started: Instant,
     say: &'a dyn Fn(&str),
 }
@@ -246,7 +247,7 @@ impl Work<'_> {
         if all.len() < made.min(wanted) && all.len() < 2 {
             return;
         }
-        measured.ensemble = EnsembleRuns::of(scene, one.spacing, &all, reference);
+        measured.ensemble = EnsembleRuns::of(scene, one.spacing, &all, reference.map(|reference| reference.as_ref()));
     }
 
     /// Timed runs. All configurations take turns in shuffled rounds, so that a slow minute of the machine hits all.

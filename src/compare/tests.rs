@@ -15,7 +15,7 @@ use crate::failure::Failure;
 fn made_up(
     scene: &Scene,
     method: &str,
-    reference: Option<&dyn Reference>,
+    reference: Option<&Arc<dyn Reference>>,
     options: &Options<'_>,
 ) -> Result<RunResult, Refused> {
     let Some(settings) = scene.method(method) else {
@@ -77,7 +77,7 @@ fn made_up(
                 plane: "line".into(),
             });
         }
-        measure::attach(scene, spacing, &mut result, reference);
+        measure::attach(scene, spacing, &mut result, reference.as_ref());
     }
     Ok(result)
 }

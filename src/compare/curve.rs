@@ -163,7 +163,7 @@ impl Curve {
     pub fn judge(&mut self, reference_error: Option<f64>) {
         let lucky = lucky(&self.points);
         for (point, lucky) in self.points.iter_mut().zip(lucky) {
-            point.ringed = lucky;
+            point.ringed = lucky || matches!(&point.chance, Chance::Runs(runs) if runs.len() == 1);
             point.hollow = reference_error
                 .zip(point.error())
                 .is_some_and(|(reference, error)| error < REFERENCE_MARGIN * reference);
@@ -266,8 +266,12 @@ fn point(one: &Measured, headline: Headline, clock: Clock, kind: Kind) -> Point 
                 point.updates = point.updates.map(|updates| count * updates);
             }
         }
+    } else if kind == Kind::Single {
+        // One seed: an error, but by chance.
+        point.chance = Chance::Runs(point.error().into_iter().collect());
     } else if kind != Kind::Plain {
         point.signed = None;
+        point.costs.clear();
     }
     point
 }

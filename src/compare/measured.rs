@@ -2,10 +2,10 @@
 
 use frazil_core::record::{Errors, Outcome, Record, RunResult};
 use frazil_core::reference::Reference;
-use frazil_core::scene::{Scene, Setting};
+use frazil_core::scene::{Scene, Setting, Units};
 use frazil_core::{measure, statistics};
 
-use super::plan::{Configuration, setting_name};
+use super::plan::{Configuration, length_words, setting_name};
 
 /// The error that a diagram shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -196,6 +196,8 @@ pub struct Measured {
     pub level: usize,
     /// Particle spacing (m).
     pub spacing: f64,
+    /// Units of the scene.
+    pub units: Units,
     /// The first run, if one was made.
     pub result: Option<RunResult>,
     /// Why there is none, or what else is to be said.
@@ -218,6 +220,7 @@ impl Measured {
             setting: configuration.setting,
             level: configuration.level,
             spacing: configuration.spacing,
+            units: configuration.units,
             result: None,
             note: configuration.scene.as_ref().err().cloned(),
             timings: Vec::new(),
@@ -230,6 +233,11 @@ impl Measured {
     /// Method and setting in words.
     pub fn label(&self) -> String {
         format!("{} {}", frazil_plots::style::method_title(self.method), setting_name(self.setting))
+    }
+
+    /// The spacing in words.
+    pub fn spacing_words(&self) -> String {
+        length_words(self.units, self.spacing)
     }
 
     /// How the run ended; `not_run` if there was none.

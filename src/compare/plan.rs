@@ -2,6 +2,7 @@
 
 use frazil_core::method::MethodKind;
 use frazil_core::scene::{Scene, Setting, Units};
+use frazil_plots::style;
 
 use super::{CompareRequest, Parts};
 
@@ -18,6 +19,8 @@ pub struct Configuration {
     pub level: usize,
     /// Particle spacing (m).
     pub spacing: f64,
+    /// Units of the scene.
+    pub units: Units,
     /// The scene with these settings, or why it cannot be had.
     pub scene: Result<Scene, String>,
 }
@@ -28,6 +31,11 @@ pub fn setting_name(setting: Setting) -> &'static str {
         Setting::Best => "best",
         Setting::Paper => "paper",
     }
+}
+
+/// A length in words: with a unit where the scene has any.
+pub fn length_words(units: Units, value: f64) -> String {
+    if units == Units::Si { style::length(value) } else { style::number(value, 3) }
 }
 
 /// Spacings from coarse to fine around a scene's own, which is the second finest.
@@ -69,6 +77,7 @@ pub fn configurations(
                     setting: *setting,
                     level,
                     spacing,
+                    units: base.units,
                     scene: (parts.scene_at)(name, &overrides),
                 });
             }

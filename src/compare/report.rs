@@ -9,7 +9,6 @@ use frazil_core::material::Material;
 use frazil_plots::comparison::work_precision_panels;
 use frazil_plots::page::{self, Block, Figure, Page, SceneSection};
 use frazil_plots::run::drawings;
-use frazil_plots::style::length;
 use frazil_plots::{FigureOptions, PlotError};
 
 use super::CompareRequest;
@@ -98,7 +97,7 @@ fn section(folder: &Path, study: &Study) -> Result<SceneSection, Failure> {
         blocks.push(Block {
             heading: format!("Convergence: {}", comparison.headline.label()),
             figures: vec![Figure::new(&canvas, caption, format!("{name}/{file}"))],
-            tables: vec![order_table(comparison)],
+            tables: vec![order_table(study.runs.scene.units, comparison)],
             ..Block::default()
         });
     }
@@ -147,7 +146,7 @@ fn finest_runs(folder: &Path, study: &Study) -> Result<Vec<Block>, Failure> {
         crate::output::write_run(&own, result)?;
         let all = drawings(result, &options);
         let last_map = all.iter().rposition(|(file, _)| file.starts_with("map_"));
-        let mut block = Block { heading: format!("{} at {}", one.label(), length(one.spacing)), ..Block::default() };
+        let mut block = Block { heading: format!("{} at {}", one.label(), one.spacing_words()), ..Block::default() };
         for (k, (file, canvas)) in all.iter().enumerate() {
             put(canvas.write(&own, file))?;
             if !file.starts_with("map_") || last_map == Some(k) {

@@ -2,10 +2,10 @@
 
 use frazil_core::record::{Errors, Outcome, Record, RunResult};
 use frazil_core::reference::Reference;
-use frazil_core::scene::{Scene, Setting, Units};
+use frazil_core::scene::{Scene, Units};
 use frazil_core::{measure, statistics};
 
-use super::plan::{Configuration, length_words, setting_name};
+use super::plan::{Configuration, Variant, length_words};
 
 /// The error that a diagram shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -191,7 +191,7 @@ pub struct Measured {
     /// Method.
     pub method: &'static str,
     /// Setting.
-    pub setting: Setting,
+    pub setting: Variant,
     /// Number of the resolution.
     pub level: usize,
     /// Particle spacing (m).
@@ -217,7 +217,7 @@ impl Measured {
     pub fn planned(configuration: &Configuration) -> Measured {
         Measured {
             method: configuration.method,
-            setting: configuration.setting,
+            setting: configuration.setting.clone(),
             level: configuration.level,
             spacing: configuration.spacing,
             units: configuration.units,
@@ -232,7 +232,7 @@ impl Measured {
 
     /// Method and setting in words.
     pub fn label(&self) -> String {
-        format!("{} {}", frazil_plots::style::method_title(self.method), setting_name(self.setting))
+        format!("{} {}", frazil_plots::style::method_title(self.method), self.setting.name)
     }
 
     /// The spacing in words.

@@ -11,7 +11,7 @@ use frazil_plots::style::{duration, percent};
 
 use super::Parts;
 use super::measured::Headline;
-use super::plan::{length_words, overrides};
+use super::plan::{Variant, length_words, overrides};
 
 /// Estimated error beyond which fine runs are no reference.
 const WORST: f64 = 0.02;
@@ -128,7 +128,8 @@ pub fn local_reference(
         if started.elapsed().as_secs_f64() + last * explicit > seconds {
             break;
         }
-        let Ok(scene) = (parts.scene_at)(name, &overrides(base.units, "local", spacing, Setting::Best)) else {
+        let best = Variant::standard(Setting::Best);
+        let Ok(scene) = (parts.scene_at)(name, &overrides(base.units, "local", spacing, &best)) else {
             continue;
         };
         say(&format!("{}: local run at {} for a reference", base.name, length_words(base.units, spacing)));

@@ -16,7 +16,6 @@ use super::analysis::{self, Study};
 use super::curve::Clock;
 use super::figures::{Cost, order_figure, work_figure};
 use super::machine::Machine;
-use super::plan::setting_name;
 use crate::failure::Failure;
 use numbers::{
     ensembles, equal_error_table, equal_time_table, failures, gates, order_table, overall, run_table, settings,
@@ -140,7 +139,7 @@ fn finest_runs(folder: &Path, study: &Study) -> Result<Vec<Block>, Failure> {
         else {
             continue;
         };
-        let key = format!("{}_{}", one.method, setting_name(one.setting));
+        let key = format!("{}_{}", one.method, one.setting.name.replace('=', "-"));
         let own = folder.join(&key);
         std::fs::create_dir_all(&own).map_err(|error| Failure::file(&own, "cannot be made a folder", error))?;
         crate::output::write_run(&own, result)?;

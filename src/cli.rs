@@ -117,6 +117,15 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
+/// Whether the program would understand its arguments, the first of which is its own name; if not, why. Asking for help
+/// is understood.
+pub fn understood<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Result<(), String> {
+    match Cli::try_parse_from(arguments) {
+        Err(error) if error.use_stderr() => Err(error.to_string()),
+        _ => Ok(()),
+    }
+}
+
 fn dispatch(command: Command) -> Result<Verdict, Failure> {
     match command {
         Command::Run(arguments) => run::run(&run::RunRequest {

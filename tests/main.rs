@@ -4,3 +4,5 @@ mod bad_scenes;
 mod broken_scenes;
 mod bundled_scenes;
 mod command_line;
+mod invariants;
+mod sketch;

@@ -5,4 +5,7 @@ mod broken_scenes;
 mod bundled_scenes;
 mod command_line;
 mod invariants;
+mod order;
+mod references;
+mod reproducibility;
 mod sketch;

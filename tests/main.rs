@@ -5,3 +5,8 @@ mod broken_scenes;
 mod bundled_scenes;
 mod command_line;
 mod documents;
+mod invariants;
+mod order;
+mod references;
+mod reproducibility;
+mod sketch;

@@ -8,8 +8,8 @@ use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
 use crate::uptake::Materials;
 
 /// Range of moving least squares in units of the spacing, and the scale of its weights.
-const FIT_RANGE: f64 = 2.3;
-const FIT_SCALE: f64 = 1.2;
+pub(crate) const FIT_RANGE: f64 = 2.3;
+pub(crate) const FIT_SCALE: f64 = 1.2;
 
 /// Ghosts, numbered after the particles; each depends only on particles and earlier ghosts.
 #[derive(Debug, Clone, Default)]
@@ -127,7 +127,8 @@ impl Ghosts {
         };
         self.position.push(place);
         self.door.push(door);
-        self.pays.push(open.or(pays));
+        // Corners beside an open wall left or right are its own, as on the lattice.
+        self.pays.push(if side >= 2 { pays.or(open) } else { open.or(pays) });
         self.depth.push(depth);
         self.model.push(model);
         self.identity.push(if open.is_some() { number } else { identity });

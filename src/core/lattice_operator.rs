@@ -7,6 +7,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 
 use crate::boundary::{Boundary, Face, Side, moving_least_squares};
+use crate::ghosts::{FIT_RANGE, FIT_SCALE};
 use crate::lattice::Lattice;
 use crate::ledger::Sum;
 use crate::method::Bound;
@@ -550,17 +551,22 @@ impl Exterior {
             exterior.rows[(row + shape.reach_rows as i64) as usize].push(((column + reach) as u32, number as u32));
             let near = lattice.to_cells(image).round();
             let mut points: Vec<(usize, DVec2)> = Vec::new();
-            for dy in -2..=2 {
-                for dx in -2..=2 {
+            // The rounded image is at most half a cell off, so the box holds the disc of the fit.
+            let across = (FIT_RANGE + 0.5).ceil() as i64;
+            for dy in -across..=across {
+                for dx in -across..=across {
                     let cell = (near.x as i64 + dx, near.y as i64 + dy);
                     let folded = fold(cell.0, cell.1);
-                    if let Some(index) = lattice.index(folded.0, folded.1) {
-                        points.push((index, lattice.centre(cell.0, cell.1)));
+                    let centre = lattice.centre(cell.0, cell.1);
+                    if let Some(index) = lattice.index(folded.0, folded.1)
+                        && (centre - image).length() <= FIT_RANGE * lattice.spacing
+                    {
+                        points.push((index, centre));
                     }
                 }
             }
             let places: Vec<DVec2> = points.iter().map(|point| point.1).collect();
-            let weights = moving_least_squares(image, &places, 1.2 * lattice.spacing, 2);
+            let weights = moving_least_squares(image, &places, FIT_SCALE * lattice.spacing, 2);
             for ((index, _), weight) in points.iter().zip(weights) {
                 exterior.images.push((*index as u32, weight));
             }

@@ -268,7 +268,9 @@ impl<T: PairTerm> ListOperator<T> {
     fn across_materials(&self, i: usize, j: usize) -> f64 {
         let (a, b) = (self.material(i), self.material(j));
         let difference = self.fields.potential[j] - self.fields.potential[i];
-        if a == b {
+        // Potentials count from the initial temperature, which all materials share: two zeros are at rest, and the
+        // solve below would know it only to rounding.
+        if a == b || (self.fields.potential[i] == 0.0 && self.fields.potential[j] == 0.0) {
             return difference;
         }
         // Exchanging i and j must only turn the sign, so the solve always sees them in the same order.

@@ -142,9 +142,14 @@ impl LatentScheme for Flags {
         for (temperature, t) in fields.temperature.iter_mut().zip(&self.temperature) {
             *temperature = *t;
         }
-        for (i, (conductivity, released)) in fields.conductivity.iter_mut().zip(&self.released).enumerate() {
+        // Columns are longer than the particles: ghosts stand behind them.
+        for (i, (conductivity, t)) in fields.conductivity.iter_mut().zip(&self.temperature).enumerate() {
             let curve = &materials.of(i).curve;
-            let frozen = released / curve.latent_heat();
+            let frozen = if curve.latent_heat() > 0.0 {
+                self.released[i] / curve.latent_heat()
+            } else {
+                f64::from(u8::from(*t < curve.freezing_point()))
+            };
             *conductivity = curve.mixed_conductivity(1.0 - if self.mushy { frozen } else { frozen.floor() });
         }
     }
@@ -155,8 +160,9 @@ impl LatentScheme for Flags {
             let (freezing_point, latent) = (curve.freezing_point(), curve.latent_heat());
             let (t, released) = (&mut self.temperature[i], &mut self.released[i]);
             let mut heat = step * rate[i];
-            // At most three stretches: out of one phase, through the change, into the other.
-            if *released <= 0.0 {
+            // At most three stretches: out of one phase, through the change, into the other. Without latent heat the
+            // temperature alone tells the phase.
+            if *released <= 0.0 && (latent > 0.0 || *t >= freezing_point) {
                 *t += heat / curve.unfrozen_capacity();
                 heat = ((*t - freezing_point) * curve.unfrozen_capacity()).min(0.0);
             } else if *released >= latent {

@@ -220,6 +220,15 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
         let message = format!("found \"rkl2\", which needs scheme = \"enthalpy\" and not \"{scheme}\"");
         section.problem("integrator", message);
     }
+    // A method that makes its own step, or a scheme that keeps a column of phases, knows explicit Euler alone.
+    if matches!(numerics.integrator, IntegratorChoice::Rkl2 { .. }) {
+        if kind.stochastic {
+            let message = format!("found \"rkl2\", but the method \"{}\" makes its own explicit steps", kind.name);
+            section.problem("integrator", message);
+        } else if !numerics.mushy {
+            section.problem("integrator", "found \"rkl2\", which needs mushy = true");
+        }
+    }
     if numerics.uptake == Uptake::Flags
         && let Some(material) = setup
             .materials
@@ -239,6 +248,8 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
             Some(format!("scheme = \"enthalpy\" and not \"{scheme}\""))
         } else if setup.materials.len() > 1 {
             Some("a single material".to_owned())
+        } else if kind.stochastic {
+            Some(format!("a method of weights alone and not \"{}\"", kind.name))
         } else {
             None
         };

@@ -1,0 +1,189 @@
+//! Runs against the truth: the bundled scenes within the accuracy that the program promises, and steady states in
+//! closed form.
+
+use frazil::registry::methods;
+use frazil_core::march::{self, Options};
+use frazil_core::method::MethodKind;
+use frazil_core::record::{Errors, Outcome};
+use frazil_core::scene::Domain;
+
+use crate::sketch::{Sketch, sand, water, without_noise};
+
+/// Errors of a bundled scene under a method.
+pub fn errors(scene: &str, method: &str, overrides: &[(&str, &str)]) -> Errors {
+    let overrides: Vec<(String, String)> =
+        overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    let scene = frazil::load::scene(scene, &overrides).unwrap_or_else(|failure| unreachable!("{failure}"));
+    let reference = frazil::run::reference(&scene).unwrap_or_else(|failure| unreachable!("{failure}"));
+    let result = march::run(&scene, method, reference.as_ref(), &Options::default()).expect("a run");
+    assert_eq!(result.record.outcome, Outcome::Ok, "{} {method}: {:?}", scene.name, result.record.cause);
+    result.record.errors
+}
+
+/// The limits of every method without noise: a new one needs its line in each table.
+fn limits<'a, T>(table: &'a [(&str, T)]) -> Vec<(&'static str, &'a T)> {
+    let deterministic = methods().iter().filter(|kind| !kind.stochastic);
+    deterministic
+        .map(|kind| {
+            let limit = table.iter().find(|row| row.0 == kind.name);
+            (kind.name, &limit.unwrap_or_else(|| unreachable!("{} has no limits", kind.name)).1)
+        })
+        .collect()
+}
+
+/// Prints what was measured, for `--nocapture`, and compares.
+fn check(what: &str, method: &str, found: Option<f64>, limit: f64) {
+    let found = found.unwrap_or_else(|| unreachable!("{what} of {method} was not measured")).abs();
+    eprintln!("{what} {method}: {found:.6}, allowed {limit}");
+    assert!(found <= limit, "{what} of {method}: {found}, must be at most {limit}");
+}
+
+// The limits are those that the program is accepted by, set before there was a run; `--nocapture` shows what is
+// measured.
+
+#[test]
+fn stefan_water() {
+    for (method, (front, temperature)) in
+        limits(&[("local", (0.001, 0.002)), ("sph", (0.003, 0.0025)), ("pd", (0.008, 0.005))])
+    {
+        let errors = errors("stefan-water", method, &[]);
+        check("stefan-water, front", method, errors.front_rms_rel, *front);
+        check("stefan-water, temperature", method, errors.temperature_rms_rel, *temperature);
+    }
+}
+
+#[test]
+fn stefan_water_along_a_curve() {
+    for (method, front) in limits(&[("local", 0.01), ("sph", 0.01), ("pd", 0.01)]) {
+        check("stefan-water-mushy, front", method, errors("stefan-water-mushy", method, &[]).front_rms_rel, *front);
+    }
+}
+
+#[test]
+fn stefan_unit() {
+    for (method, front) in limits(&[("local", 0.003), ("sph", 0.006), ("pd", 0.015)]) {
+        check("stefan-unit, front", method, errors("stefan-unit", method, &[]).front_rms_rel, *front);
+    }
+}
+
+#[test]
+fn frozen_wall_sand() {
+    for (method, closure) in limits(&[("local", 0.02), ("sph", 0.025), ("pd", 0.04)]) {
+        let found = errors("frozen-wall-sand", method, &[]).events.get("closure_day").copied();
+        check("frozen-wall-sand, closure", method, found, *closure);
+    }
+}
+
+// This scene has no limits of its own: it takes those of stefan-unit, a line of as many particles to the front.
+#[test]
+fn soil_column() {
+    for (method, front) in limits(&[("local", 0.003), ("sph", 0.006), ("pd", 0.015)]) {
+        check("soil-column, front", method, errors("soil-column", method, &[]).front_rms_rel, *front);
+    }
+}
+
+const LENGTH: f64 = 0.1;
+/// Conductivities of frozen and unfrozen water in the sketches.
+const FROZEN: f64 = 2.14;
+const UNFROZEN: f64 = 0.6;
+
+/// A line of little latent heat, long enough to be steady: the slowest of its modes falls by exp(-25) in 50 h.
+fn steady_line() -> Sketch {
+    let mut sketch = Sketch::new(Domain::Line { length: LENGTH }, LENGTH / 24.0);
+    sketch.materials = vec![("water", water("law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 1000"))];
+    sketch.duration_s = 50.0 * 3600.0;
+    sketch
+}
+
+fn check_steady(sketch: &Sketch, kind: &'static MethodKind, potential: impl Fn(f64) -> f64) {
+    let result = sketch.run(kind);
+    assert!(result.profiles.len() == 24);
+    for row in &result.profiles {
+        let wanted = potential(row.x_m);
+        let wanted = if wanted < 0.0 { wanted / FROZEN } else { wanted / UNFROZEN };
+        // The exchange and all walls are exact for a potential that is linear; what remains of the start is below
+        // 25 K exp(-25) = 4e-10 K.
+        assert!((row.temperature_c - wanted).abs() < 1e-8, "{}: {row:?}, must be {wanted}", kind.name);
+    }
+}
+
+#[test]
+fn steady_between_two_temperatures() {
+    for kind in methods() {
+        let sketch = steady_line()
+            .with(without_noise(kind))
+            .wall("left", "temperature_c = -10")
+            .wall("right", "temperature_c = 10");
+        let (left, right) = (-10.0 * FROZEN, 10.0 * UNFROZEN);
+        check_steady(&sketch, kind, |x| left + (right - left) * x / LENGTH);
+        let flux = (right - left) / LENGTH;
+        let result = sketch.run(kind);
+        let mut longer = sketch.clone();
+        longer.duration_s *= 1.25;
+        // Heat through the right wall in the last hours.
+        let heat = |result: &frazil_core::record::RunResult| result.budget.last().expect("an output").in_j[1];
+        let found = (heat(&longer.run(kind)) - heat(&result)) / (0.25 * sketch.duration_s);
+        assert!((found / flux - 1.0).abs() < 1e-8, "{}: {found} W/m2, must be {flux}", kind.name);
+    }
+}
+
+#[test]
+fn steady_under_a_flux() {
+    for kind in methods() {
+        let sketch = steady_line()
+            .with(without_noise(kind))
+            .wall("left", "flux_W_per_m2 = -300")
+            .wall("right", "temperature_c = 10");
+        check_steady(&sketch, kind, |x| 10.0 * UNFROZEN - 300.0 * (LENGTH - x));
+    }
+}
+
+#[test]
+fn steady_under_convection() {
+    for kind in methods() {
+        let sketch = steady_line()
+            .with(without_noise(kind))
+            .wall("left", "coefficient_W_per_m2_K = 50\nambient_c = -20")
+            .wall("right", "temperature_c = 10");
+        // The film passes what the line conducts: 50 (T - -20) = (U_right - k_frozen T) / length.
+        let right = 10.0 * UNFROZEN;
+        let wall = FROZEN * (right / LENGTH - 50.0 * 20.0) / (50.0 + FROZEN / LENGTH);
+        check_steady(&sketch, kind, |x| wall + (right - wall) * x / LENGTH);
+    }
+}
+
+/// Two materials in series. Half-pairs share their interface half-way, as neighbours beside the interface do; pairs
+/// that reach further across it do so too wherever it lies, which leaves an error that falls with the spacing.
+#[test]
+fn steady_through_two_materials() {
+    let exact = 20.0 / (0.5 * LENGTH / UNFROZEN + 0.5 * LENGTH / 1.86);
+    for kind in methods() {
+        let settings = &steady_line().scene(kind).methods[0];
+        let only_nearest = settings.discretisation.weight.reach() < 1.5 * settings.numerics.spacing;
+        let error = |parts: f64| {
+            let mut sketch = steady_line()
+                .with(without_noise(kind))
+                .wall("left", "temperature_c = 10")
+                .wall("right", "temperature_c = 30");
+            sketch.spacing_m = LENGTH / parts;
+            let law = "law = \"none\", temperature_c = 0";
+            sketch.materials = vec![("water", water(law)), ("sand", sand(law))];
+            sketch.regions = vec![format!("material = \"sand\"\nx_min_m = {}\nx_max_m = {LENGTH}", 0.5 * LENGTH)];
+            sketch.outputs = 5;
+            let result = sketch.run(kind);
+            let rows = &result.budget[3..];
+            let flux = (rows[1].in_j[1] - rows[0].in_j[1]) / (rows[1].time_s - rows[0].time_s);
+            flux / exact - 1.0
+        };
+        let errors = [12.0, 24.0, 48.0].map(error);
+        eprintln!("two materials in series, {}: {errors:.8?}", kind.name);
+        if only_nearest {
+            assert!(errors.iter().all(|error| error.abs() < 1e-6), "{}: {errors:?}", kind.name);
+        } else {
+            // First order halves the error (measured: 0.50 for every method).
+            for pair in errors.windows(2) {
+                assert!(pair[1].abs() < 0.6 * pair[0].abs(), "{}: {errors:?}", kind.name);
+            }
+        }
+    }
+}

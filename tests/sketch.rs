@@ -1,0 +1,180 @@
+//! Small scenes for tests, rendered as scene files and read like any other.
+
+use std::fmt::Write;
+
+use frazil_core::march::{self, Options};
+use frazil_core::method::{Clock, MethodKind};
+use frazil_core::plan::{self, Plan};
+use frazil_core::record::RunResult;
+use frazil_core::scene::{Domain, Scene, Sector};
+
+/// A scene in a few words. Walls, materials and numerics are lines of the file.
+#[derive(Debug, Clone)]
+pub struct Sketch {
+    pub domain: Domain,
+    pub duration_s: f64,
+    pub outputs: usize,
+    /// Inline tables by name; the first fills the body.
+    pub materials: Vec<(&'static str, String)>,
+    /// Lines of one region each.
+    pub regions: Vec<String>,
+    pub initial_c: f64,
+    /// Lines by wall; walls that are not named are symmetry planes.
+    pub walls: Vec<(&'static str, String)>,
+    /// Lines of one ring of pipes each.
+    pub pipes: Vec<String>,
+    /// Lines of the section `watch`.
+    pub watch: String,
+    pub spacing_m: f64,
+    /// Further lines of the method's section.
+    pub numerics: String,
+}
+
+/// Water, with the freezing law as lines of an inline table.
+pub fn water(law: &str) -> String {
+    format!(
+        "{{ density_kg_per_m3 = 1000, \
+         frozen = {{ conductivity_W_per_m_K = 2.14, heat_capacity_J_per_kg_K = 2060 }}, \
+         unfrozen = {{ conductivity_W_per_m_K = 0.6, heat_capacity_J_per_kg_K = 4182 }}, freezing = {{ {law} }} }}"
+    )
+}
+
+/// Sand, which conducts better and holds less latent heat.
+pub fn sand(law: &str) -> String {
+    format!(
+        "{{ density_kg_per_m3 = 2090, \
+         frozen = {{ conductivity_W_per_m_K = 2.56, heat_capacity_J_per_kg_K = 1088.4 }}, \
+         unfrozen = {{ conductivity_W_per_m_K = 1.86, heat_capacity_J_per_kg_K = 1465.1 }}, freezing = {{ {law} }} }}"
+    )
+}
+
+/// A material whose properties do not depend on temperature: diffusivity 1e-6 m2/s, conductivity 2 W/mK.
+pub fn steady_material() -> String {
+    let phase = "{ conductivity_W_per_m_K = 2, heat_capacity_J_per_kg_K = 1000 }";
+    format!(
+        "{{ density_kg_per_m3 = 2000, frozen = {phase}, unfrozen = {phase}, \
+         freezing = {{ law = \"none\", temperature_c = -200 }} }}"
+    )
+}
+
+impl Sketch {
+    /// A body of sharply freezing water at 3 degC without heat exchange, at rest under its method's best settings.
+    pub fn new(domain: Domain, spacing_m: f64) -> Self {
+        Sketch {
+            domain,
+            duration_s: 3600.0,
+            outputs: 1,
+            materials: vec![("water", water("law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 334000"))],
+            regions: Vec::new(),
+            initial_c: 3.0,
+            walls: Vec::new(),
+            pipes: Vec::new(),
+            watch: String::new(),
+            spacing_m,
+            numerics: String::new(),
+        }
+    }
+
+    /// Sets the condition of a wall.
+    pub fn wall(mut self, name: &'static str, line: impl Into<String>) -> Self {
+        self.walls.retain(|wall| wall.0 != name);
+        self.walls.push((name, line.into()));
+        self
+    }
+
+    /// Adds a line to the method's section.
+    pub fn with(mut self, line: &str) -> Self {
+        self.numerics.push_str(line);
+        self.numerics.push('\n');
+        self
+    }
+
+    /// The scene file for a method.
+    pub fn text(&self, method: &str) -> String {
+        let mut text = "title = \"sketch\"\nsource = \"a test\"\n".to_owned();
+        let mut put = |line: std::fmt::Arguments<'_>| text.write_fmt(line).expect("a string takes any text");
+        let names: &[&str] = match self.domain {
+            Domain::Line { length } => {
+                put(format_args!("[domain.line]\nlength_m = {length}\n"));
+                &["left", "right"]
+            }
+            Domain::Rectangle { width, height } => {
+                put(format_args!("[domain.rectangle]\nwidth_m = {width}\nheight_m = {height}\n"));
+                &["left", "right", "bottom", "top"]
+            }
+            Domain::Ring { outer_radius, sector } => {
+                let sector = match sector {
+                    Sector::Quarter => "quarter",
+                    Sector::Half => "half",
+                    Sector::Whole => "whole",
+                };
+                put(format_args!("[domain.ring]\nouter_radius_m = {outer_radius}\nsector = \"{sector}\"\n"));
+                &["outer"]
+            }
+        };
+        put(format_args!("[time]\nduration_s = {}\noutputs = {}\n", self.duration_s, self.outputs));
+        put(format_args!("[initial]\ntemperature_c = {}\n[materials]\n", self.initial_c));
+        for (name, material) in &self.materials {
+            put(format_args!("{name} = {material}\n"));
+        }
+        for region in &self.regions {
+            put(format_args!("[[regions]]\n{region}\n"));
+        }
+        for name in names {
+            let line = self.walls.iter().find(|wall| wall.0 == *name).map(|wall| wall.1.as_str());
+            put(format_args!("[walls.{name}]\n{}\n", line.unwrap_or("condition = \"symmetry\"")));
+        }
+        for ring in &self.pipes {
+            put(format_args!("[[pipes]]\n{ring}\n"));
+        }
+        if !self.watch.is_empty() {
+            put(format_args!("[watch]\n{}\n", self.watch));
+        }
+        put(format_args!("[method.{method}]\nspacing_m = {}\n{}", self.spacing_m, self.numerics));
+        text
+    }
+
+    /// The scene, which must be good.
+    pub fn scene(&self, kind: &'static MethodKind) -> Scene {
+        let text = self.text(kind.name);
+        Scene::read(&text, "sketch", "sketch", &[], &[kind])
+            .unwrap_or_else(|problems| unreachable!("{problems}\nin\n{text}"))
+    }
+
+    /// The plan under a method, on one thread.
+    pub fn plan(&self, kind: &'static MethodKind) -> Plan {
+        self.plan_with(kind, 1, 1)
+    }
+
+    /// The plan under a method.
+    pub fn plan_with(&self, kind: &'static MethodKind, threads: usize, seed: u64) -> Plan {
+        let scene = self.scene(kind);
+        plan::build(&scene, &scene.methods[0], None, threads, seed)
+            .unwrap_or_else(|refused| unreachable!("{refused}\nin\n{}", self.text(kind.name)))
+    }
+
+    /// The whole run under a method.
+    pub fn run(&self, kind: &'static MethodKind) -> RunResult {
+        self.run_with(kind, &Options::default())
+    }
+
+    /// The whole run under a method with options.
+    pub fn run_with(&self, kind: &'static MethodKind, options: &Options<'_>) -> RunResult {
+        march::run(&self.scene(kind), kind.name, None, options)
+            .unwrap_or_else(|refused| unreachable!("{refused}\nin\n{}", self.text(kind.name)))
+    }
+}
+
+/// Makes `count` steps of the length that was planned, from time zero.
+pub fn advance(plan: &mut Plan, count: u64) {
+    for index in 0..count {
+        let clock = Clock { time: plan.step * index as f64, step: plan.step, index };
+        plan.method.advance(&mut plan.particles, &clock).expect("a step");
+    }
+    plan.method.publish(&mut plan.particles);
+}
+
+/// The line that takes the noise from a method that has any.
+pub fn without_noise(kind: &MethodKind) -> &'static str {
+    if kind.stochastic { "noise = false" } else { "" }
+}

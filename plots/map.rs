@@ -58,14 +58,14 @@ pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
             }
         }
         let front = Stroke::whole(INK, FRONT_WIDTH);
-        let frozen = grid.has_front();
+        let frozen = crosses(&grid.frozen);
         if frozen {
             grid.draw_level(&mut canvas, &frame, &grid.frozen, 0.5, front);
         } else {
             grid.draw_level(&mut canvas, &frame, &grid.values, words.freezing_point, front);
         }
         grid.cover_outside(&mut canvas, &frame);
-        colour_bar(&mut canvas, &frame, &edges, &colours, isotherm, words);
+        colour_bar(&mut canvas, &frame, &edges, &colours, isotherm, frozen, words);
         front_note(&mut canvas, &frame, frozen, words);
     }
     let rim = [
@@ -113,7 +113,15 @@ impl Ramp {
     }
 }
 
-fn colour_bar(canvas: &mut Canvas, frame: &Frame, edges: &[f64], colours: &Ramp, isotherm: f64, words: &Words) {
+fn colour_bar(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    edges: &[f64],
+    colours: &Ramp,
+    isotherm: f64,
+    frozen: bool,
+    words: &Words,
+) {
     let (left, right) = (frame.right + 30.0, frame.right + 56.0);
     let (low, high) = (edges[0], edges[edges.len() - 1]);
     let height = |value: f64| frame.bottom - (value - low) / (high - low) * (frame.bottom - frame.top);
@@ -129,7 +137,8 @@ fn colour_bar(canvas: &mut Canvas, frame: &Frame, edges: &[f64], colours: &Ramp,
         canvas.line(vec![(left, py), (right, py)], Stroke::whole(INK, 0.9));
         canvas.text((right + 8.0, py + 0.36 * TICK), number(level, 4), TICK, Align::Start);
     }
-    if words.freezing_point > low && words.freezing_point < high {
+    // The heavy line belongs to a temperature only where it is an isotherm.
+    if !frozen && words.freezing_point > low && words.freezing_point < high {
         let py = height(words.freezing_point);
         canvas.line(vec![(left - 4.0, py), (right + 4.0, py)], Stroke::whole(INK, FRONT_WIDTH));
     }
@@ -200,6 +209,12 @@ impl Grid {
                 body = smooth(&body, nx, ny);
             }
         }
+        // A sharp front passes from one to zero within one cell. The mean over three puts the level 1/2 where the
+        // frozen volume has it, and without steps; a body of a cell or two would vanish in it.
+        let even = smooth(&frozen, nx, ny);
+        if crosses(&even) {
+            frozen = even;
+        }
         let spacing = field.spacing_m * stride as f64;
         Grid { nx, ny, x0: field.x0_m - spacing, y0: field.y0_m - spacing, spacing, values, frozen, body }
     }
@@ -223,12 +238,6 @@ impl Grid {
         for (_, ring, colour) in rings {
             canvas.area(ring, colour);
         }
-    }
-
-    /// Whether the front lies in the field.
-    fn has_front(&self) -> bool {
-        let present = || self.frozen.iter().filter(|share| share.is_finite());
-        present().any(|share| *share < 0.5) && present().any(|share| *share >= 0.5)
     }
 
     /// Polygons around the region at or above a level: each the rim, then its holes.
@@ -294,6 +303,12 @@ impl Grid {
     }
 }
 
+/// Whether frozen fractions lie on both sides of one half.
+fn crosses(frozen: &[f64]) -> bool {
+    let present = || frozen.iter().filter(|share| share.is_finite());
+    present().any(|share| *share < 0.5) && present().any(|share| *share >= 0.5)
+}
+
 /// Area inside a ring (px2).
 fn enclosed(ring: &[Spot]) -> f64 {
     let next = ring.iter().cycle().skip(1);
@@ -326,18 +341,34 @@ fn around(values: &[f64], nx: usize, ny: usize, i: usize, j: usize) -> impl Iter
 
 /// Gives missing cells the mean of their present neighbours.
 fn spread(values: &[f64], nx: usize, ny: usize) -> Vec<f64> {
-    let mean = |i: usize, j: usize| {
-        let present: Vec<f64> = around(values, nx, ny, i, j).filter(|value| value.is_finite()).collect();
-        if present.is_empty() { f64::NAN } else { present.iter().sum::<f64>() / present.len() as f64 }
-    };
-    let cell = |k: usize| if values[k].is_finite() { values[k] } else { mean(k % nx, k / nx) };
+    let cell = |k: usize| if values[k].is_finite() { values[k] } else { block_mean(values, nx, ny, k % nx, k / nx) };
     (0..values.len()).map(cell).collect()
 }
 
+/// Mean of the present values of a block; NaN if there are none.
+fn block_mean(values: &[f64], nx: usize, ny: usize, i: usize, j: usize) -> f64 {
+    let (sum, count) = around(values, nx, ny, i, j)
+        .filter(|value| value.is_finite())
+        .fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / count
+}
+
+/// Gives every cell the mean of its block.
 fn smooth(values: &[f64], nx: usize, ny: usize) -> Vec<f64> {
-    let mean = |k: usize| {
-        let block: Vec<f64> = around(values, nx, ny, k % nx, k / nx).collect();
-        block.iter().sum::<f64>() / block.len() as f64
-    };
-    (0..values.len()).map(mean).collect()
+    (0..values.len()).map(|k| block_mean(values, nx, ny, k % nx, k / nx)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hole_is_cut_open_without_a_change_of_area() {
+        let square = |a: f64, b: f64| vec![(a, a), (b, a), (b, b), (a, b)];
+        let mut hole = square(2.0, 4.0);
+        hole.reverse();
+        let ring = cut_open(vec![square(0.0, 10.0), hole]);
+        assert_eq!(ring.len(), 4 + 5 + 1);
+        assert!((enclosed(&ring) - 96.0).abs() < 1e-12);
+    }
 }

@@ -34,7 +34,9 @@ impl Axis {
         let ticks = ((low / step - 1e-6).ceil() as i64..=(high / step + 1e-6).floor() as i64)
             .map(|k| {
                 let value = k as f64 * step;
-                let text = if value.abs() >= 1e6 || (step < 1e-4 && value != 0.0) {
+                let text = if k == 0 {
+                    "0".into()
+                } else if value.abs() >= 1e6 || step < 1e-4 {
                     number(value, 3)
                 } else {
                     format!("{value:.places$}").replace('-', "−")

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::style::{INK, Marker};
-use crate::{PlotError, raster, style, svg};
+use crate::{PlotError, draw, style};
 
 /// A point of a drawing (px).
 pub type Spot = (f64, f64);
@@ -73,7 +73,9 @@ pub struct Text {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Item {
     Line { points: Vec<Spot>, stroke: Stroke },
-    Area { rings: Vec<Vec<Spot>>, fill: Colour, opacity: f64 },
+    Area { ring: Vec<Spot>, fill: Colour },
+    Disc { at: Spot, radius: f64, fill: Colour },
+    Circle { at: Spot, radius: f64, stroke: Stroke },
     Text(Text),
 }
 
@@ -102,14 +104,16 @@ impl Canvas {
         }
     }
 
-    /// An area inside rings; a ring inside another is a hole.
-    pub fn area(&mut self, rings: Vec<Vec<Spot>>, fill: Colour, opacity: f64) {
-        self.items.push(Item::Area { rings, fill, opacity });
+    /// An area inside a ring.
+    pub fn area(&mut self, ring: Vec<Spot>, fill: Colour) {
+        if ring.len() > 2 {
+            self.items.push(Item::Area { ring, fill });
+        }
     }
 
     /// A filled box.
     pub fn rectangle(&mut self, (x0, y0): Spot, (x1, y1): Spot, fill: Colour) {
-        self.area(vec![vec![(x0, y0), (x1, y0), (x1, y1), (x0, y1)]], fill, 1.0);
+        self.area(vec![(x0, y0), (x1, y0), (x1, y1), (x0, y1)], fill);
     }
 
     /// A text in ink.
@@ -124,20 +128,27 @@ impl Canvas {
 
     /// A marker: filled, or white with a coloured rim.
     pub fn marker(&mut self, at: Spot, marker: Marker, radius: f64, colour: Colour, hollow: bool) {
-        let mut shape = marker_shape(at, marker, radius);
+        const RIM: f64 = 1.8;
         let fill = if hollow { Colour::WHITE } else { colour };
-        self.area(vec![shape.clone()], fill, 1.0);
-        shape.push(shape[0]);
-        // The line is closed past its first corner, so that the corner is joined and not notched.
-        shape.push(shape[1]);
-        self.line(shape, Stroke::whole(colour, 1.8));
+        match marker_shape(at, marker, radius) {
+            Some(mut shape) => {
+                self.area(shape.clone(), fill);
+                // The line is closed past its first corner, so that the corner is joined and not notched.
+                shape.extend([shape[0], shape[1]]);
+                self.line(shape, Stroke::whole(colour, RIM));
+            }
+            None => {
+                self.items.push(Item::Disc { at, radius: radius + 0.5 * RIM, fill: colour });
+                if hollow {
+                    self.items.push(Item::Disc { at, radius: radius - 0.5 * RIM, fill });
+                }
+            }
+        }
     }
 
     /// A circle around a point.
     pub fn ring(&mut self, at: Spot, radius: f64, stroke: Stroke) {
-        let mut circle = marker_shape(at, Marker::Circle, radius);
-        circle.push(circle[0]);
-        self.line(circle, stroke);
+        self.items.push(Item::Circle { at, radius, stroke });
     }
 
     /// A cross at a point.
@@ -148,12 +159,12 @@ impl Canvas {
 
     /// The drawing as SVG.
     pub fn svg(&self) -> String {
-        svg::render(self)
+        draw::svg(self)
     }
 
     /// The drawing as a PNG of twice its size.
     pub fn png(&self) -> Result<Vec<u8>, PlotError> {
-        raster::render(self)
+        draw::png(self)
     }
 
     /// Writes `NAME.svg` and `NAME.png` into a folder.
@@ -183,7 +194,7 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), PlotError> {
 
 /// Width of a text (px).
 pub fn text_width(text: &str, size: f64, bold: bool) -> f64 {
-    raster::text_width(text, size, bold)
+    draw::text_width(text, size, bold)
 }
 
 /// Width of the widest of some texts in the size of tick labels (px).
@@ -191,20 +202,16 @@ pub fn widest_tick<'a>(labels: impl Iterator<Item = &'a str>) -> f64 {
     labels.map(|label| text_width(label, style::TICK, false)).fold(0.0, f64::max)
 }
 
-fn marker_shape((x, y): Spot, marker: Marker, r: f64) -> Vec<Spot> {
+/// Corners of a marker; a circle has none.
+fn marker_shape((x, y): Spot, marker: Marker, r: f64) -> Option<Vec<Spot>> {
     match marker {
-        Marker::Circle => (0..24)
-            .map(|k| {
-                let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 24.0).sin_cos();
-                (x + r * cos, y + r * sin)
-            })
-            .collect(),
+        Marker::Circle => None,
         Marker::Square => {
             let a = 0.88 * r;
-            vec![(x - a, y - a), (x + a, y - a), (x + a, y + a), (x - a, y + a)]
+            Some(vec![(x - a, y - a), (x + a, y - a), (x + a, y + a), (x - a, y + a)])
         }
-        Marker::Triangle => vec![(x, y - 1.2 * r), (x + 1.1 * r, y + 0.8 * r), (x - 1.1 * r, y + 0.8 * r)],
-        Marker::Wedge => vec![(x, y + 1.2 * r), (x + 1.1 * r, y - 0.8 * r), (x - 1.1 * r, y - 0.8 * r)],
-        Marker::Diamond => vec![(x, y - 1.25 * r), (x + 1.25 * r, y), (x, y + 1.25 * r), (x - 1.25 * r, y)],
+        Marker::Triangle => Some(vec![(x, y - 1.2 * r), (x + 1.1 * r, y + 0.8 * r), (x - 1.1 * r, y + 0.8 * r)]),
+        Marker::Wedge => Some(vec![(x, y + 1.2 * r), (x + 1.1 * r, y - 0.8 * r), (x - 1.1 * r, y - 0.8 * r)]),
+        Marker::Diamond => Some(vec![(x, y - 1.25 * r), (x + 1.25 * r, y), (x, y + 1.25 * r), (x - 1.25 * r, y)]),
     }
 }

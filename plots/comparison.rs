@@ -120,9 +120,9 @@ fn notes<'a, I: Iterator<Item = &'a WorkPoint>>(points: impl Fn() -> I) -> Vec<E
         note("hollow: below 10 × error of the reference", Some((Marker::Circle, REFERENCE, true)));
     }
     if points().any(|point| point.ringed) {
-        note("(○): may be low by luck", None);
+        note("ringed (○): may be low by luck", None);
     }
-    if points().any(|point| point.error.is_none()) {
+    if points().any(|point| point.error.is_none() && point.cost.is_some()) {
         note("× at the edge: failed or not run", None);
     }
     notes

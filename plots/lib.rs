@@ -1,6 +1,6 @@
 //! Figures and pages from records: never a particle.
 //!
-//! A [`canvas::Canvas`] holds a drawing; it is written once as SVG and once as PNG, so both show the same.
+//! A [`canvas::Canvas`] holds a drawing; plotters writes it once as SVG and once as PNG, so both show the same.
 
 use std::path::PathBuf;
 
@@ -8,13 +8,12 @@ pub mod axes;
 pub mod canvas;
 pub mod comparison;
 pub mod convergence;
+mod draw;
 pub mod map;
 pub mod page;
-mod raster;
 pub mod rings;
 pub mod run;
 pub mod style;
-mod svg;
 
 pub use run::{FigureOptions, run_figures};
 

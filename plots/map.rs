@@ -1,15 +1,18 @@
-//! Temperature maps: bands of equal temperature, isotherms, and the freezing isotherm heavy.
+//! Temperature maps: bands of equal temperature, isotherms, and the front heavy.
 
 use contour::ContourBuilder;
 use frazil_core::record::Field;
 
 use crate::axes::{Axis, Frame, nice_step};
-use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, Text};
+use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, Text, text_width};
 use crate::run::{Words, title};
 use crate::style::{INK, LABEL, TICK, number};
 
 /// Longest side of the grid that is contoured; finer fields are thinned, which keeps the SVG small.
 const GRID: usize = 240;
+
+/// Width of the line of the front (px).
+const FRONT_WIDTH: f64 = 3.2;
 
 pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
     let heading = format!("{}, {}", words.heading, words.instant(field.time_s));
@@ -45,22 +48,25 @@ pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
             edges.sort_by(f64::total_cmp);
             edges.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * step);
         }
-        for band in edges.windows(2) {
-            let rings = grid.region(band[0], band[1], &frame);
-            if !rings.is_empty() {
-                canvas.area(rings, colours.at(0.5 * (band[0] + band[1])), 1.0);
-            }
-        }
+        let bands: Vec<Colour> = edges.windows(2).map(|band| colours.at(0.5 * (band[0] + band[1]))).collect();
+        grid.paint_bands(&mut canvas, &frame, &edges[1..edges.len() - 1], &bands);
         let isotherm = isotherm_step(high - low);
         for k in (low / isotherm).ceil() as i64..=(high / isotherm).floor() as i64 {
             let level = k as f64 * isotherm;
             if (level - words.freezing_point).abs() > 0.2 * isotherm {
-                grid.draw_isotherm(&mut canvas, &frame, level, Stroke::whole(INK, 0.9));
+                grid.draw_level(&mut canvas, &frame, &grid.values, level, Stroke::whole(INK, 0.9));
             }
         }
-        grid.draw_isotherm(&mut canvas, &frame, words.freezing_point, Stroke::whole(INK, 3.2));
+        let front = Stroke::whole(INK, FRONT_WIDTH);
+        let frozen = crosses(&grid.frozen);
+        if frozen {
+            grid.draw_level(&mut canvas, &frame, &grid.frozen, 0.5, front);
+        } else {
+            grid.draw_level(&mut canvas, &frame, &grid.values, words.freezing_point, front);
+        }
         grid.cover_outside(&mut canvas, &frame);
-        colour_bar(&mut canvas, &frame, &edges, &colours, isotherm, words);
+        colour_bar(&mut canvas, &frame, &edges, &colours, isotherm, frozen, words);
+        front_note(&mut canvas, &frame, frozen, words);
     }
     let rim = [
         (frame.left, frame.top),
@@ -107,7 +113,15 @@ impl Ramp {
     }
 }
 
-fn colour_bar(canvas: &mut Canvas, frame: &Frame, edges: &[f64], colours: &Ramp, isotherm: f64, words: &Words) {
+fn colour_bar(
+    canvas: &mut Canvas,
+    frame: &Frame,
+    edges: &[f64],
+    colours: &Ramp,
+    isotherm: f64,
+    frozen: bool,
+    words: &Words,
+) {
     let (left, right) = (frame.right + 30.0, frame.right + 56.0);
     let (low, high) = (edges[0], edges[edges.len() - 1]);
     let height = |value: f64| frame.bottom - (value - low) / (high - low) * (frame.bottom - frame.top);
@@ -123,9 +137,10 @@ fn colour_bar(canvas: &mut Canvas, frame: &Frame, edges: &[f64], colours: &Ramp,
         canvas.line(vec![(left, py), (right, py)], Stroke::whole(INK, 0.9));
         canvas.text((right + 8.0, py + 0.36 * TICK), number(level, 4), TICK, Align::Start);
     }
-    if words.freezing_point > low && words.freezing_point < high {
+    // The heavy line belongs to a temperature only where it is an isotherm.
+    if !frozen && words.freezing_point > low && words.freezing_point < high {
         let py = height(words.freezing_point);
-        canvas.line(vec![(left - 4.0, py), (right + 4.0, py)], Stroke::whole(INK, 3.2));
+        canvas.line(vec![(left - 4.0, py), (right + 4.0, py)], Stroke::whole(INK, FRONT_WIDTH));
     }
     canvas.place(Text {
         at: (right + 8.0 + 3.4 * TICK, 0.5 * (frame.top + frame.bottom)),
@@ -138,6 +153,20 @@ fn colour_bar(canvas: &mut Canvas, frame: &Frame, edges: &[f64], colours: &Ramp,
     });
 }
 
+/// Says what the heavy line is, under the colour bar's side of the map.
+fn front_note(canvas: &mut Canvas, frame: &Frame, frozen: bool, words: &Words) {
+    let text = if frozen {
+        "front (half frozen)".into()
+    } else {
+        format!("{}{}, freezing point", number(words.freezing_point, 3), words.degree)
+    };
+    let y = frame.bottom + 2.0 * TICK + LABEL;
+    let swatch = 44.0;
+    let left = frame.right + 30.0 + 26.0 + 8.0 + 3.4 * TICK - swatch - 8.0 - text_width(&text, LABEL, false);
+    canvas.line(vec![(left, y - 0.34 * LABEL), (left + swatch, y - 0.34 * LABEL)], Stroke::whole(INK, FRONT_WIDTH));
+    canvas.text((left + swatch + 8.0, y), text, LABEL, Align::Start);
+}
+
 /// A regular grid of values, with a margin of one cell, and where the body is.
 struct Grid {
     nx: usize,
@@ -146,6 +175,8 @@ struct Grid {
     y0: f64,
     spacing: f64,
     values: Vec<f64>,
+    /// Frozen fractions; empty if the field has none.
+    frozen: Vec<f64>,
     /// One inside the body and zero outside, smoothed; empty if the body fills the grid.
     body: Vec<f64>,
 }
@@ -156,10 +187,15 @@ impl Grid {
         let (nx, ny) = (field.nx.div_ceil(stride) + 2, field.ny.div_ceil(stride) + 2);
         // The margin repeats the cells beside it, so that bands and isotherms reach the walls.
         let source = |k: usize, count: usize| (k.max(1) - 1).min(count.div_ceil(stride) - 1) * stride;
-        let mut values: Vec<f64> = (0..ny)
-            .flat_map(|j| (0..nx).map(move |i| (i, j)))
-            .map(|(i, j)| field.temperature_c[source(j, field.ny) * field.nx + source(i, field.nx)])
-            .collect();
+        let taken = |from: &[f64]| -> Vec<f64> {
+            (0..ny)
+                .flat_map(|j| (0..nx).map(move |i| (i, j)))
+                .filter_map(|(i, j)| from.get(source(j, field.ny) * field.nx + source(i, field.nx)).copied())
+                .collect()
+        };
+        let mut values = taken(&field.temperature_c);
+        let mut frozen = taken(&field.frozen_fraction);
+        frozen.truncate(if frozen.len() == values.len() { frozen.len() } else { 0 });
         let mut body: Vec<f64> = values.iter().map(|value| f64::from(u8::from(value.is_finite()))).collect();
         if body.iter().all(|share| *share > 0.0) {
             body.clear();
@@ -167,39 +203,60 @@ impl Grid {
             // Values are carried a little beyond the body and covered up along a smooth edge: no stairs.
             for _ in 0..4 {
                 values = spread(&values, nx, ny);
+                frozen = spread(&frozen, nx, ny);
             }
             for _ in 0..3 {
                 body = smooth(&body, nx, ny);
             }
         }
+        // A sharp front passes from one to zero within one cell. The mean over three puts the level 1/2 where the
+        // frozen volume has it, and without steps; a body of a cell or two would vanish in it.
+        let even = smooth(&frozen, nx, ny);
+        if crosses(&even) {
+            frozen = even;
+        }
         let spacing = field.spacing_m * stride as f64;
-        Grid { nx, ny, x0: field.x0_m - spacing, y0: field.y0_m - spacing, spacing, values, body }
+        Grid { nx, ny, x0: field.x0_m - spacing, y0: field.y0_m - spacing, spacing, values, frozen, body }
     }
 
-    /// Rings around the cells whose value lies in a band, by even-odd: the region above the lower edge without
-    /// the region above the upper one.
-    fn region(&self, low: f64, high: f64, frame: &Frame) -> Vec<Vec<Spot>> {
-        let mut rings = self.above(&self.values, low, frame);
-        rings.extend(self.above(&self.values, high, frame));
-        rings
+    /// Paints bands between levels, of which there is one fewer than colours. Every level is a set of rings that
+    /// cross no others; from the largest to the smallest, each is filled with what lies just inside it. No ring needs
+    /// a hole then.
+    fn paint_bands(&self, canvas: &mut Canvas, frame: &Frame, levels: &[f64], colours: &[Colour]) {
+        canvas.rectangle((frame.left, frame.top), (frame.right, frame.bottom), colours[0]);
+        let mut rings: Vec<(f64, Vec<Spot>, Colour)> = Vec::new();
+        for (k, level) in levels.iter().enumerate() {
+            for polygon in self.above(&self.values, *level, frame) {
+                for (number, ring) in polygon.into_iter().enumerate() {
+                    // The first ring of a polygon is its rim, all others are holes in it, which are colder.
+                    let colour = if number == 0 { colours[k + 1] } else { colours[k] };
+                    rings.push((enclosed(&ring), ring, colour));
+                }
+            }
+        }
+        rings.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (_, ring, colour) in rings {
+            canvas.area(ring, colour);
+        }
     }
 
-    /// Rings around the region at or above a level.
-    fn above(&self, values: &[f64], level: f64, frame: &Frame) -> Vec<Vec<Spot>> {
+    /// Polygons around the region at or above a level: each the rim, then its holes.
+    fn above(&self, values: &[f64], level: f64, frame: &Frame) -> Vec<Vec<Vec<Spot>>> {
         let values: Vec<f64> = values.iter().map(|v| if v.is_finite() { *v } else { -1e6 }).collect();
         let builder = ContourBuilder::new(self.nx, self.ny, true);
         let Ok(contours) = builder.contours(&values, &[level]) else {
             return Vec::new();
         };
-        let mut rings = Vec::new();
-        for contour in contours {
-            for polygon in &contour.geometry().0 {
-                for ring in std::iter::once(polygon.exterior()).chain(polygon.interiors()) {
-                    rings.push(ring.coords().map(|coord| self.spot(coord.x, coord.y, frame)).collect());
-                }
-            }
-        }
-        rings
+        contours
+            .iter()
+            .flat_map(|contour| &contour.geometry().0)
+            .map(|polygon| {
+                std::iter::once(polygon.exterior())
+                    .chain(polygon.interiors())
+                    .map(|ring| ring.coords().map(|coord| self.spot(coord.x, coord.y, frame)).collect())
+                    .collect()
+            })
+            .collect()
     }
 
     /// Pixel of a point in the contour's coordinates, where the centre of the first cell is at one half.
@@ -209,15 +266,15 @@ impl Grid {
         frame.spot(at(self.x0, x, frame.x.low, frame.x.high), at(self.y0, y, frame.y.low, frame.y.high))
     }
 
-    /// An isotherm inside the frame; the frame itself is none.
-    fn draw_isotherm(&self, canvas: &mut Canvas, frame: &Frame, level: f64, stroke: Stroke) {
+    /// A line of equal value inside the frame; the frame itself is none.
+    fn draw_level(&self, canvas: &mut Canvas, frame: &Frame, values: &[f64], level: f64, stroke: Stroke) {
         let edge = |(x, y): &Spot| {
             (x - frame.left).abs() < 1e-6
                 || (x - frame.right).abs() < 1e-6
                 || (y - frame.top).abs() < 1e-6
                 || (y - frame.bottom).abs() < 1e-6
         };
-        for ring in self.above(&self.values, level, frame) {
+        for ring in self.above(values, level, frame).into_iter().flatten() {
             let mut piece: Vec<Spot> = Vec::new();
             for spot in ring {
                 let ends = edge(&spot);
@@ -236,20 +293,42 @@ impl Grid {
 
     /// Covers what lies outside the body.
     fn cover_outside(&self, canvas: &mut Canvas, frame: &Frame) {
-        if !self.body.is_empty() {
-            let corners = [
-                (frame.left, frame.top),
-                (frame.right, frame.top),
-                (frame.right, frame.bottom),
-                (frame.left, frame.bottom),
-            ];
-            let inside = self.above(&self.body, 0.5, frame);
-            for ring in &inside {
-                canvas.line(ring.clone(), Stroke::whole(INK, 1.3));
+        let outside: Vec<f64> = self.body.iter().map(|share| 1.0 - share).collect();
+        if !outside.is_empty() {
+            for polygon in self.above(&outside, 0.5, frame) {
+                canvas.area(cut_open(polygon), Colour::WHITE);
             }
-            canvas.area(std::iter::once(corners.to_vec()).chain(inside).collect(), Colour::WHITE, 1.0);
+            self.draw_level(canvas, frame, &outside, 0.5, Stroke::whole(INK, 1.3));
         }
     }
+}
+
+/// Whether frozen fractions lie on both sides of one half.
+fn crosses(frozen: &[f64]) -> bool {
+    let present = || frozen.iter().filter(|share| share.is_finite());
+    present().any(|share| *share < 0.5) && present().any(|share| *share >= 0.5)
+}
+
+/// Area inside a ring (px2).
+fn enclosed(ring: &[Spot]) -> f64 {
+    let next = ring.iter().cycle().skip(1);
+    (0.5 * ring.iter().zip(next).map(|(a, b)| a.0 * b.1 - b.0 * a.1).sum::<f64>()).abs()
+}
+
+/// One ring for a rim and its holes: each hole is joined to the rim by a cut where the two are nearest.
+fn cut_open(polygon: Vec<Vec<Spot>>) -> Vec<Spot> {
+    let mut rings = polygon.into_iter();
+    let mut rim = rings.next().unwrap_or_default();
+    for hole in rings {
+        let distance = |a: &Spot, b: &Spot| (a.0 - b.0).hypot(a.1 - b.1);
+        let pairs = (0..rim.len()).flat_map(|i| (0..hole.len()).map(move |j| (i, j)));
+        let nearest = pairs.min_by(|a, b| distance(&rim[a.0], &hole[a.1]).total_cmp(&distance(&rim[b.0], &hole[b.1])));
+        if let Some((i, j)) = nearest {
+            let around: Vec<Spot> = hole[j..].iter().chain(&hole[..=j]).copied().chain([rim[i]]).collect();
+            rim.splice(i + 1..i + 1, around);
+        }
+    }
+    rim
 }
 
 /// The cells of the 3 by 3 block around a cell.
@@ -262,18 +341,34 @@ fn around(values: &[f64], nx: usize, ny: usize, i: usize, j: usize) -> impl Iter
 
 /// Gives missing cells the mean of their present neighbours.
 fn spread(values: &[f64], nx: usize, ny: usize) -> Vec<f64> {
-    let mean = |i: usize, j: usize| {
-        let present: Vec<f64> = around(values, nx, ny, i, j).filter(|value| value.is_finite()).collect();
-        if present.is_empty() { f64::NAN } else { present.iter().sum::<f64>() / present.len() as f64 }
-    };
-    let cell = |k: usize| if values[k].is_finite() { values[k] } else { mean(k % nx, k / nx) };
+    let cell = |k: usize| if values[k].is_finite() { values[k] } else { block_mean(values, nx, ny, k % nx, k / nx) };
     (0..values.len()).map(cell).collect()
 }
 
+/// Mean of the present values of a block; NaN if there are none.
+fn block_mean(values: &[f64], nx: usize, ny: usize, i: usize, j: usize) -> f64 {
+    let (sum, count) = around(values, nx, ny, i, j)
+        .filter(|value| value.is_finite())
+        .fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
+    sum / count
+}
+
+/// Gives every cell the mean of its block.
 fn smooth(values: &[f64], nx: usize, ny: usize) -> Vec<f64> {
-    let mean = |k: usize| {
-        let block: Vec<f64> = around(values, nx, ny, k % nx, k / nx).collect();
-        block.iter().sum::<f64>() / block.len() as f64
-    };
-    (0..values.len()).map(mean).collect()
+    (0..values.len()).map(|k| block_mean(values, nx, ny, k % nx, k / nx)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hole_is_cut_open_without_a_change_of_area() {
+        let square = |a: f64, b: f64| vec![(a, a), (b, a), (b, b), (a, b)];
+        let mut hole = square(2.0, 4.0);
+        hole.reverse();
+        let ring = cut_open(vec![square(0.0, 10.0), hole]);
+        assert_eq!(ring.len(), 4 + 5 + 1);
+        assert!((enclosed(&ring) - 96.0).abs() < 1e-12);
+    }
 }

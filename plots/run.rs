@@ -170,7 +170,8 @@ fn front(result: &RunResult, words: &Words) -> Canvas {
         below.draw(&mut canvas);
         below.curve(&mut canvas, [(below.x.low, 0.0), (below.x.high, 0.0)], Stroke::whole(REFERENCE, 1.5));
         let rows = result.front.iter().filter_map(|row| Some((words.time(row.time_s), 100.0 * relative_error(row)?)));
-        below.curve(&mut canvas, rows, stroke);
+        // Alone in its frame, it need not be told from others, and dashes would hide its bends.
+        below.curve(&mut canvas, rows, Stroke::whole(style.colour, 2.2));
     }
     canvas
 }
@@ -211,7 +212,8 @@ fn profiles(result: &RunResult, words: &Words) -> Canvas {
     let freezing = format!("freezing point, {}{}", number(words.freezing_point, 3), words.degree);
     entries.push(Entry { text: freezing, stroke: Some(isotherm), marker: None });
     let mut top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 10.0;
-    let each = (height - top) / planes.len() as f64;
+    const GAP: f64 = 0.9 * LABEL;
+    let each = (height - top - GAP * (planes.len() - 1) as f64) / planes.len() as f64;
     let reach = result.profiles.iter().map(|row| row.x_m).fold(0.0, f64::max);
     let (scale, symbol) = if words.length_unit.is_none() {
         (1.0, "dimensionless")
@@ -238,7 +240,7 @@ fn profiles(result: &RunResult, words: &Words) -> Canvas {
             let references = rows.iter().filter_map(|row| Some((scale * row.x_m, row.temperature_ref_c?)));
             frame.curve(&mut canvas, references, thin);
         }
-        top += each + LABEL * 0.2;
+        top += each + GAP;
     }
     canvas
 }

@@ -20,8 +20,8 @@ pub const GRID: Colour = Colour(0xdd, 0xdd, 0xdd);
 /// Colour of references.
 pub const REFERENCE: Colour = Colour(0x77, 0x77, 0x77);
 
-/// Name under which the built-in font is known to the rasteriser.
-pub(crate) const FONT: &str = "frazil-sans";
+/// Name under which the built-in font is known. It goes into every SVG too, so it names what a browser may take.
+pub(crate) const FONT: &str = "Noto Sans, Open Sans, Liberation Sans, Helvetica, Arial, sans-serif";
 
 /// Makes the built-in font known, once per process: no figure depends on the fonts of the machine.
 pub(crate) fn register() -> Result<(), PlotError> {

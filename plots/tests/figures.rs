@@ -132,6 +132,8 @@ fn ring_run() -> RunResult {
         x0_m: 0.025,
         y0_m: 0.025,
         spacing_m: spacing,
+        // Soft over some tenths of a kelvin, as in ground that freezes in an interval.
+        frozen_fraction: temperature_c.iter().map(|value| (-0.2 - value).clamp(0.0, 0.6) / 0.6).collect(),
         temperature_c,
         frozen_fraction,
     });

@@ -21,7 +21,9 @@ impl Machine {
     /// Everything, for the page.
     pub fn facts(&self, threads: usize) -> Vec<Fact> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let memory = value_in("/proc/meminfo", "MemTotal:").unwrap_or_else(|| "unknown".into());
+        let memory = value_in("/proc/meminfo", "MemTotal:");
+        let memory = memory.as_deref().and_then(|text| text.strip_suffix("kB")?.trim().parse::<f64>().ok());
+        let memory = memory.map_or("unknown".into(), |kibibytes| format!("{:.1} GiB", kibibytes / 1_048_576.0));
         vec![
             Fact::new(
                 "Processor",

@@ -214,7 +214,7 @@ pub(super) fn gates(study: &Study) -> Block {
         Some(vec![
             one.label(),
             one.spacing_words(),
-            format!("{:.1e}", record.energy_balance_rel).replace('-', "−"),
+            number(record.energy_balance_rel, 2),
             record.bounds_violation_rel.map_or("not asked".into(), |violation| {
                 if violation == 0.0 { "none".into() } else { percent(violation, 2) }
             }),

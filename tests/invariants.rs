@@ -41,6 +41,8 @@ struct Variant {
     potential: bool,
     /// The word of the latent-heat scheme.
     scheme: &'static str,
+    /// Whether the freezing law is a curve.
+    curved: bool,
 }
 
 /// All ways in which a method can run a body that starts at 3 degC. There is no heat exchange with anything yet.
@@ -83,6 +85,7 @@ fn variants(kind: &'static MethodKind, domain: Domain) -> Vec<Variant> {
                             sketch,
                             potential: exchange.contains("potential"),
                             scheme,
+                            curved: !sharp,
                         });
                     }
                 }
@@ -245,7 +248,9 @@ fn a_constant_field_stays_at_rest_to_the_last_bit() {
                 warm.initial_c = 10.0 / 3.0;
                 frozen.initial_c = -50.0 / 7.0;
                 // Some walls are held at the same temperature, the others are symmetry planes.
-                for sketch in [warm, frozen] {
+                // The warm side of a curve is that of a sharp law, and its table takes long to make.
+                let starts = if variant.curved { vec![frozen] } else { vec![warm, frozen] };
+                for sketch in starts {
                     let held = format!("temperature_c = {}", sketch.initial_c);
                     let sketch = sketch.wall("left", held.clone());
                     let sketch = if domain.dimension() == 2 { sketch.wall("top", held) } else { sketch };

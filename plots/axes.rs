@@ -259,7 +259,7 @@ pub fn legend(canvas: &mut Canvas, (left, top): Spot, width: f64, entries: &[Ent
             canvas.marker((x + 0.5 * SWATCH, middle), marker, 6.0, colour, hollow);
         }
         canvas.text((x + indent, y), entry.text.as_str(), LABEL, Align::Start);
-        x += needed + 26.0;
+        x += needed + 30.0;
     }
     if entries.is_empty() { 0.0 } else { y - top + 0.5 * row }
 }

@@ -10,7 +10,7 @@ pub(crate) fn render(canvas: &Canvas) -> String {
     let _ = write!(
         out,
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" role=\"img\" \
-         font-family=\"'Noto Sans', 'DejaVu Sans', Helvetica, Arial, sans-serif\">\n<title>{title}</title>\n\
+         font-family=\"'Noto Sans', 'Open Sans', 'Liberation Sans', Helvetica, Arial, sans-serif\">\n<title>{title}</title>\n\
          <path fill=\"#fff\" d=\"M0 0H{w}V{h}H0Z\"/>\n",
         w = canvas.width,
         h = canvas.height,

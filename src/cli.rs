@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, Subcommand};
 use frazil_core::scene::Setting;
 
+use crate::compare::plan::Variant;
 use crate::failure::{Failure, Verdict, exit_code};
 use crate::{check, compare, list, run};
 
@@ -95,6 +96,10 @@ struct CompareArguments {
     /// Settings of the methods: best, paper or both.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = setting, default_value = "best")]
     settings: Vec<Setting>,
+    /// Also compares the best setting with a key of the methods' sections changed, as in `mean=harmonic`; may be
+    /// repeated.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
+    also: Vec<(String, String)>,
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -109,6 +114,15 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             let _ = error.print();
             if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS }
         }
+    }
+}
+
+/// Whether the program would understand its arguments, the first of which is its own name; if not, why. Asking for help
+/// is understood.
+pub fn understood<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Result<(), String> {
+    match Cli::try_parse_from(arguments) {
+        Err(error) if error.use_stderr() => Err(error.to_string()),
+        _ => Ok(()),
     }
 }
 
@@ -132,7 +146,12 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             seeds: arguments.seeds.map(Into::into),
             threads: arguments.threads.into(),
             budget_s: arguments.budget_s,
-            settings: arguments.settings,
+            settings: arguments
+                .settings
+                .into_iter()
+                .map(Variant::standard)
+                .chain(arguments.also.iter().map(|(key, value)| Variant::changed(key, value)))
+                .collect(),
             quiet: arguments.quiet,
             command_line: std::env::args().collect::<Vec<_>>().join(" "),
         }),

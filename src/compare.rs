@@ -11,7 +11,7 @@ use frazil_core::march::{Options, Refused};
 use frazil_core::method::MethodKind;
 use frazil_core::record::RunResult;
 use frazil_core::reference::Reference;
-use frazil_core::scene::{Scene, Setting};
+use frazil_core::scene::Scene;
 
 use crate::failure::{Failure, Verdict, complain};
 use crate::output::Folder;
@@ -53,7 +53,7 @@ pub struct CompareRequest {
     /// Wall time for one scene (s).
     pub budget_s: Option<f64>,
     /// Settings of the methods.
-    pub settings: Vec<Setting>,
+    pub settings: Vec<plan::Variant>,
     /// Whether to say nothing but errors.
     pub quiet: bool,
     /// The command as it was typed, for the page.

@@ -10,3 +10,8 @@ pub mod output;
 pub mod progress;
 pub mod registry;
 pub mod run;
+
+/// The example of the document is compiled and run with the tests.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/add-a-method.md")]
+pub struct AddAMethod;

@@ -124,6 +124,7 @@ fn ring_run() -> RunResult {
             temperature_c.push(if radius > 9.0 { f64::NAN } else { value.max(-28.0) });
         }
     }
+    let frozen_fraction = temperature_c.iter().map(|t: &f64| if *t < 0.0 { 1.0 } else { 0.0 * t }).collect();
     run.fields.push(Field {
         time_s: 40.0 * 86400.0,
         nx: n,
@@ -132,6 +133,7 @@ fn ring_run() -> RunResult {
         y0_m: 0.025,
         spacing_m: spacing,
         temperature_c,
+        frozen_fraction,
     });
     run
 }

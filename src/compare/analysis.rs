@@ -2,14 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use frazil_core::scene::Setting;
 use frazil_core::statistics::{self, Interval, Order};
 use rand::SeedableRng;
 
 use super::curve::{Clock, Curve, Kind};
 use super::execute::SceneRuns;
 use super::measured::{Headline, Measured};
-use super::plan::setting_name;
 
 /// Errors at which times are compared.
 pub const TARGETS: [f64; 6] = [0.05, 0.02, 0.01, 0.005, 0.002, 0.001];
@@ -196,7 +194,7 @@ impl Comparison {
 
 /// The local method with its best setting, or else the curve that is slowest at the easiest error it shares.
 fn baseline(curves: &[Curve]) -> Option<usize> {
-    let local = |curve: &Curve| curve.method == "local" && curve.setting == Setting::Best && !curve.front().is_empty();
+    let local = |curve: &Curve| curve.method == "local" && curve.setting.is_best() && !curve.front().is_empty();
     curves.iter().position(local).or_else(|| {
         TARGETS.iter().find_map(|target| {
             let times: Vec<(usize, f64)> = curves
@@ -307,7 +305,7 @@ pub fn overall(studies: &[Study]) -> Vec<Overall> {
                     continue;
                 }
                 let method = frazil_plots::style::method_title(curve.method);
-                let row = rows.entry((t, format!("{method} {}", setting_name(curve.setting)))).or_default();
+                let row = rows.entry((t, format!("{method} {}", curve.setting.name))).or_default();
                 row.0.extend(entry.speed_up.map(|speed_up| speed_up.ratio));
                 match time(entry) {
                     Some(time) => row.1 += usize::from(time <= best),

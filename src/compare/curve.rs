@@ -1,11 +1,10 @@
 //! Points of error and cost of one method under one setting, and which of them count.
 
-use frazil_core::scene::Setting;
 use frazil_core::statistics::{self, Interval};
 use rand::{Rng, RngExt};
 
 use super::measured::{Headline, Measured, Timing};
-use super::plan::setting_name;
+use super::plan::Variant;
 
 /// Errors below this multiple of the reference's own say nothing.
 pub const REFERENCE_MARGIN: f64 = 10.0;
@@ -119,7 +118,7 @@ pub struct Curve {
     /// Method.
     pub method: &'static str,
     /// Setting.
-    pub setting: Setting,
+    pub setting: Variant,
     /// What its errors are.
     pub kind: Kind,
     /// Points.
@@ -141,7 +140,7 @@ impl Curve {
             .into_iter()
             .map(|kind| {
                 let points = measured.iter().map(|one| point(one, headline, clock, kind)).collect();
-                let mut curve = Curve { method: first.method, setting: first.setting, kind, points };
+                let mut curve = Curve { method: first.method, setting: first.setting.clone(), kind, points };
                 curve.judge(reference_error);
                 curve
             })
@@ -151,7 +150,7 @@ impl Curve {
     /// Words of the legend.
     pub fn label(&self) -> String {
         let method = frazil_plots::style::method_title(self.method);
-        let setting = setting_name(self.setting);
+        let setting = &self.setting.name;
         match self.kind {
             Kind::Plain => format!("{method} {setting}"),
             Kind::Single => format!("{method} {setting}, single run"),
@@ -163,7 +162,7 @@ impl Curve {
     pub fn judge(&mut self, reference_error: Option<f64>) {
         let lucky = lucky(&self.points);
         for (point, lucky) in self.points.iter_mut().zip(lucky) {
-            point.ringed = lucky;
+            point.ringed = lucky || matches!(&point.chance, Chance::Runs(runs) if runs.len() == 1);
             point.hollow = reference_error
                 .zip(point.error())
                 .is_some_and(|(reference, error)| error < REFERENCE_MARGIN * reference);
@@ -266,8 +265,12 @@ fn point(one: &Measured, headline: Headline, clock: Clock, kind: Kind) -> Point 
                 point.updates = point.updates.map(|updates| count * updates);
             }
         }
+    } else if kind == Kind::Single {
+        // One seed: an error, but by chance.
+        point.chance = Chance::Runs(point.error().into_iter().collect());
     } else if kind != Kind::Plain {
         point.signed = None;
+        point.costs.clear();
     }
     point
 }
@@ -310,7 +313,8 @@ pub fn made_up(method: &'static str, rows: &[(f64, f64, f64)]) -> Curve {
             on_front: false,
         })
         .collect();
-    let mut curve = Curve { method, setting: Setting::Best, kind: Kind::Plain, points };
+    let mut curve =
+        Curve { method, setting: Variant::standard(frazil_core::scene::Setting::Best), kind: Kind::Plain, points };
     curve.judge(None);
     curve
 }

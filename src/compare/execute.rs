@@ -10,7 +10,7 @@ use frazil_core::record::{Outcome, RunResult};
 use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
 use frazil_core::statistics;
-use frazil_plots::style::{duration, length, percent};
+use frazil_plots::style::{duration, percent};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 
@@ -162,7 +162,7 @@ impl Work<'_> {
     }
 
     fn tell(&self, k: usize, measured: &Measured) {
-        let head = format!("[{}/{}] {}, {}", k + 1, self.plan.len(), measured.label(), length(measured.spacing));
+        let head = format!("[{}/{}] {}, {}", k + 1, self.plan.len(), measured.label(), measured.spacing_words());
         let error = measured
             .errors()
             .and_then(|errors| Headline::ALL.iter().find_map(|headline| Some((headline, headline.of(errors)?))))
@@ -307,7 +307,8 @@ impl Work<'_> {
             return;
         };
         let options = Options { time_limit_s: None, ..self.options(1, self.request.threads, false) };
-        if let Ok(result) = (self.parts.run)(scene, one.method, None, &options)
+        // The reference goes along because walls may take their temperature from it; errors are not timed.
+        if let Ok(result) = (self.parts.run)(scene, one.method, self.reference, &options)
             && result.record.outcome != Outcome::Interrupted
         {
             let first = measured.result.as_ref().map(|first| &first.record.state_hash);

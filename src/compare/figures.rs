@@ -1,6 +1,6 @@
 //! From curves to what figures show.
 
-use frazil_core::scene::{Setting, Units};
+use frazil_core::scene::Units;
 use frazil_core::statistics;
 use frazil_plots::canvas::Canvas;
 use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint};
@@ -56,7 +56,7 @@ pub fn work_figure(study: &Study, comparison: &Comparison, cost: Cost) -> WorkFi
 }
 
 fn is_second(curve: &Curve) -> bool {
-    curve.setting == Setting::Paper || curve.kind == Kind::Single
+    !curve.setting.is_best() || curve.kind == Kind::Single
 }
 
 fn work_curve(curve: &Curve) -> WorkCurve {

@@ -2,10 +2,10 @@
 
 use frazil_core::record::{Errors, Outcome, Record, RunResult};
 use frazil_core::reference::Reference;
-use frazil_core::scene::{Scene, Setting};
+use frazil_core::scene::{Scene, Units};
 use frazil_core::{measure, statistics};
 
-use super::plan::{Configuration, setting_name};
+use super::plan::{Configuration, Variant, length_words};
 
 /// The error that a diagram shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -191,11 +191,13 @@ pub struct Measured {
     /// Method.
     pub method: &'static str,
     /// Setting.
-    pub setting: Setting,
+    pub setting: Variant,
     /// Number of the resolution.
     pub level: usize,
     /// Particle spacing (m).
     pub spacing: f64,
+    /// Units of the scene.
+    pub units: Units,
     /// The first run, if one was made.
     pub result: Option<RunResult>,
     /// Why there is none, or what else is to be said.
@@ -215,9 +217,10 @@ impl Measured {
     pub fn planned(configuration: &Configuration) -> Measured {
         Measured {
             method: configuration.method,
-            setting: configuration.setting,
+            setting: configuration.setting.clone(),
             level: configuration.level,
             spacing: configuration.spacing,
+            units: configuration.units,
             result: None,
             note: configuration.scene.as_ref().err().cloned(),
             timings: Vec::new(),
@@ -229,7 +232,12 @@ impl Measured {
 
     /// Method and setting in words.
     pub fn label(&self) -> String {
-        format!("{} {}", frazil_plots::style::method_title(self.method), setting_name(self.setting))
+        format!("{} {}", frazil_plots::style::method_title(self.method), self.setting.name)
+    }
+
+    /// The spacing in words.
+    pub fn spacing_words(&self) -> String {
+        length_words(self.units, self.spacing)
     }
 
     /// How the run ended; `not_run` if there was none.

@@ -2,6 +2,7 @@
 
 use frazil_core::method::MethodKind;
 use frazil_core::scene::{Scene, Setting, Units};
+use frazil_plots::style;
 
 use super::{CompareRequest, Parts};
 
@@ -13,21 +14,50 @@ pub struct Configuration {
     /// Whether it needs an ensemble.
     pub stochastic: bool,
     /// Setting.
-    pub setting: Setting,
+    pub setting: Variant,
     /// Number of the resolution, from coarse to fine.
     pub level: usize,
     /// Particle spacing (m).
     pub spacing: f64,
+    /// Units of the scene.
+    pub units: Units,
     /// The scene with these settings, or why it cannot be had.
     pub scene: Result<Scene, String>,
 }
 
-/// The word for a setting.
-pub fn setting_name(setting: Setting) -> &'static str {
-    match setting {
-        Setting::Best => "best",
-        Setting::Paper => "paper",
+/// One way of running a method: a standard setting, or the best one with a key changed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Variant {
+    /// What it is called in tables and figures.
+    pub name: String,
+    /// The key of the method's section that it sets, and the value.
+    key: (String, String),
+}
+
+impl Variant {
+    /// A standard setting.
+    pub fn standard(setting: Setting) -> Self {
+        let word = match setting {
+            Setting::Best => "best",
+            Setting::Paper => "paper",
+        };
+        Variant { name: word.into(), key: ("setting".into(), word.into()) }
     }
+
+    /// The best setting with one key changed.
+    pub fn changed(key: &str, value: &str) -> Self {
+        Variant { name: format!("{key}={value}"), key: (key.into(), value.into()) }
+    }
+
+    /// Whether it is the best setting as it stands.
+    pub fn is_best(&self) -> bool {
+        *self == Variant::standard(Setting::Best)
+    }
+}
+
+/// A length in words: with a unit where the scene has any.
+pub fn length_words(units: Units, value: f64) -> String {
+    if units == Units::Si { style::length(value) } else { style::number(value, 3) }
 }
 
 /// Spacings from coarse to fine around a scene's own, which is the second finest.
@@ -39,11 +69,11 @@ pub fn spacings(own: f64, levels: usize) -> Vec<f64> {
 }
 
 /// Pairs of key and value that give a method a spacing and a setting.
-pub fn overrides(units: Units, method: &str, spacing: f64, setting: Setting) -> Vec<(String, String)> {
+pub fn overrides(units: Units, method: &str, spacing: f64, setting: &Variant) -> Vec<(String, String)> {
     let key = if units == Units::Si { "spacing_m" } else { "spacing" };
     vec![
         (format!("method.{method}.{key}"), format!("{spacing}")),
-        (format!("method.{method}.setting"), setting_name(setting).into()),
+        (format!("method.{method}.{}", setting.key.0), setting.key.1.clone()),
     ]
 }
 
@@ -62,13 +92,14 @@ pub fn configurations(
             let own = base.method(kind.name).map_or(first, |own| own.numerics.spacing);
             let spacing = spacings(own, request.levels)[level];
             for setting in &request.settings {
-                let overrides = overrides(base.units, kind.name, spacing, *setting);
+                let overrides = overrides(base.units, kind.name, spacing, setting);
                 all.push(Configuration {
                     method: kind.name,
                     stochastic: kind.stochastic,
-                    setting: *setting,
+                    setting: setting.clone(),
                     level,
                     spacing,
+                    units: base.units,
                     scene: (parts.scene_at)(name, &overrides),
                 });
             }
@@ -97,8 +128,11 @@ mod tests {
     fn the_scenes_own_spacing_is_the_second_finest() {
         assert_eq!(spacings(0.002, 4), [0.008, 0.004, 0.002, 0.001]);
         assert_eq!(spacings(0.002, 1), [0.002]);
-        let pairs = overrides(Units::Si, "pd", 0.001, Setting::Best);
+        let pairs = overrides(Units::Si, "pd", 0.001, &Variant::standard(Setting::Best));
         assert_eq!(pairs[0], ("method.pd.spacing_m".into(), "0.001".into()));
-        assert_eq!(overrides(Units::Dpd, "edpd", 2.0, Setting::Paper)[0].0, "method.edpd.spacing");
+        assert_eq!(
+            overrides(Units::Dpd, "edpd", 2.0, &Variant::changed("mean", "harmonic"))[0].0,
+            "method.edpd.spacing"
+        );
     }
 }

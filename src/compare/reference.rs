@@ -7,11 +7,11 @@ use frazil_core::measure;
 use frazil_core::record::{Outcome, ReferenceInfo, RunResult};
 use frazil_core::reference::{Plane, Reference};
 use frazil_core::scene::{Scene, Setting};
-use frazil_plots::style::{duration, length, percent};
+use frazil_plots::style::{duration, percent};
 
 use super::Parts;
 use super::measured::Headline;
-use super::plan::overrides;
+use super::plan::{Variant, length_words, overrides};
 
 /// Estimated error beyond which fine runs are no reference.
 const WORST: f64 = 0.02;
@@ -128,10 +128,11 @@ pub fn local_reference(
         if started.elapsed().as_secs_f64() + last * explicit > seconds {
             break;
         }
-        let Ok(scene) = (parts.scene_at)(name, &overrides(base.units, "local", spacing, Setting::Best)) else {
+        let best = Variant::standard(Setting::Best);
+        let Ok(scene) = (parts.scene_at)(name, &overrides(base.units, "local", spacing, &best)) else {
             continue;
         };
-        say(&format!("{}: local run at {} for a reference", base.name, length(spacing)));
+        say(&format!("{}: local run at {} for a reference", base.name, length_words(base.units, spacing)));
         let begun = Instant::now();
         let options =
             Options { interrupt: Some(parts.interrupt), time_limit_s: Some(2.0 * seconds), ..Options::default() };
@@ -163,12 +164,12 @@ pub fn local_reference(
     if error > WORST {
         return Err(format!(
             "local runs at {} and {} still differ by {}: not converged",
-            length(2.0 * spacing),
-            length(spacing),
+            length_words(base.units, 2.0 * spacing),
+            length_words(base.units, spacing),
             percent(estimate, 2)
         ));
     }
-    let source = format!("finest of {} local runs, at {}", runs.len() + 1, length(spacing));
+    let source = format!("finest of {} local runs, at {}", runs.len() + 1, length_words(base.units, spacing));
     Ok(LocalReference::new(truth.run, source, error))
 }
 

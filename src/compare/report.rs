@@ -9,7 +9,6 @@ use frazil_core::material::Material;
 use frazil_plots::comparison::work_precision_panels;
 use frazil_plots::page::{self, Block, Figure, Page, SceneSection};
 use frazil_plots::run::drawings;
-use frazil_plots::style::length;
 use frazil_plots::{FigureOptions, PlotError};
 
 use super::CompareRequest;
@@ -17,7 +16,6 @@ use super::analysis::{self, Study};
 use super::curve::Clock;
 use super::figures::{Cost, order_figure, work_figure};
 use super::machine::Machine;
-use super::plan::setting_name;
 use crate::failure::Failure;
 use numbers::{
     ensembles, equal_error_table, equal_time_table, failures, gates, order_table, overall, run_table, settings,
@@ -98,7 +96,7 @@ fn section(folder: &Path, study: &Study) -> Result<SceneSection, Failure> {
         blocks.push(Block {
             heading: format!("Convergence: {}", comparison.headline.label()),
             figures: vec![Figure::new(&canvas, caption, format!("{name}/{file}"))],
-            tables: vec![order_table(comparison)],
+            tables: vec![order_table(study.runs.scene.units, comparison)],
             ..Block::default()
         });
     }
@@ -141,13 +139,13 @@ fn finest_runs(folder: &Path, study: &Study) -> Result<Vec<Block>, Failure> {
         else {
             continue;
         };
-        let key = format!("{}_{}", one.method, setting_name(one.setting));
+        let key = format!("{}_{}", one.method, one.setting.name.replace('=', "-"));
         let own = folder.join(&key);
         std::fs::create_dir_all(&own).map_err(|error| Failure::file(&own, "cannot be made a folder", error))?;
         crate::output::write_run(&own, result)?;
         let all = drawings(result, &options);
         let last_map = all.iter().rposition(|(file, _)| file.starts_with("map_"));
-        let mut block = Block { heading: format!("{} at {}", one.label(), length(one.spacing)), ..Block::default() };
+        let mut block = Block { heading: format!("{} at {}", one.label(), one.spacing_words()), ..Block::default() };
         for (k, (file, canvas)) in all.iter().enumerate() {
             put(canvas.write(&own, file))?;
             if !file.starts_with("map_") || last_map == Some(k) {

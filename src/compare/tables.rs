@@ -8,7 +8,6 @@ use serde::Serialize;
 use super::analysis::{Comparison, Reached, Study};
 use super::execute::SceneRuns;
 use super::measured::{Measured, Timing};
-use super::plan::setting_name;
 use crate::failure::Failure;
 use crate::output::write_rows;
 
@@ -81,7 +80,7 @@ impl Row {
         Row {
             scene: scene.into(),
             method: one.method.into(),
-            setting: setting_name(one.setting).into(),
+            setting: one.setting.name.clone(),
             level: one.level,
             spacing_m: one.spacing,
             particles: record.map(|record| record.particles),
@@ -141,7 +140,7 @@ struct EqualErrorRow {
     measure: &'static str,
     target: f64,
     method: String,
-    setting: &'static str,
+    setting: String,
     curve: String,
     status: &'static str,
     time_s: Option<f64>,
@@ -160,7 +159,7 @@ struct EqualTimeRow {
     measure: &'static str,
     time_s: f64,
     method: String,
-    setting: &'static str,
+    setting: String,
     curve: String,
     status: &'static str,
     error: Option<f64>,
@@ -171,7 +170,7 @@ struct ConvergenceRow {
     scene: String,
     measure: &'static str,
     method: String,
-    setting: &'static str,
+    setting: String,
     curve: String,
     spacing_m: f64,
     error_signed: Option<f64>,
@@ -218,7 +217,7 @@ fn equal_error(scene: &str, comparison: &Comparison) -> Vec<EqualErrorRow> {
             measure: comparison.headline.name(),
             target: entry.target,
             method: curve.method.into(),
-            setting: setting_name(curve.setting),
+            setting: curve.setting.name.clone(),
             curve: curve.label(),
             status,
             time_s,
@@ -248,7 +247,7 @@ fn equal_time(scene: &str, comparison: &Comparison) -> Vec<EqualTimeRow> {
             measure: comparison.headline.name(),
             time_s: *time,
             method: curve.method.into(),
-            setting: setting_name(curve.setting),
+            setting: curve.setting.name.clone(),
             curve: curve.label(),
             status,
             error,
@@ -272,7 +271,7 @@ fn convergence(scene: &str, comparison: &Comparison) -> Vec<ConvergenceRow> {
             scene: scene.into(),
             measure: comparison.headline.name(),
             method: curve.method.into(),
-            setting: setting_name(curve.setting),
+            setting: curve.setting.name.clone(),
             curve: curve.label(),
             spacing_m: point.spacing,
             error_signed: point.signed,

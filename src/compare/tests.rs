@@ -7,6 +7,7 @@ use std::fs;
 
 use frazil_core::measure;
 use frazil_core::record::{Errors, FrontRow, Outcome, ProfileRow, Record};
+use frazil_core::scene::Setting;
 
 use super::*;
 use crate::failure::Failure;
@@ -133,7 +134,7 @@ fn a_comparison_leaves_all_its_files() -> Result<(), Failure> {
         seeds: Some(10),
         threads: 1,
         budget_s: None,
-        settings: vec![Setting::Best, Setting::Paper],
+        settings: [Setting::Best, Setting::Paper].map(plan::Variant::standard).to_vec(),
         quiet: true,
         command_line: "frazil compare stefan-water --settings best,paper".into(),
     };

@@ -107,14 +107,14 @@ pub fn run(
                 method.publish(&mut particles);
                 watches.look(&particles, now);
             }
-            if clock.index % GUARD_STEPS == 0 || clock.index < GUARD_STEPS {
+            if clock.index.is_multiple_of(GUARD_STEPS) || clock.index < GUARD_STEPS {
                 method.publish(&mut particles);
                 if let Err(cause) = guard.look(&particles, &clock, &bound) {
                     stop = Some((Outcome::Diverged, cause));
                     break 'run;
                 }
             }
-            if clock.index % 16 == 0 {
+            if clock.index.is_multiple_of(16) {
                 let elapsed = Instant::now();
                 if let Some(progress) = options.progress
                     && elapsed - last_progress > Duration::from_millis(100)

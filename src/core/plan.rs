@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use glam::DVec2;
-use rand::{RngExt, SeedableRng};
+use rand::SeedableRng;
+use rand_distr::{Distribution, Uniform};
 use rayon::ThreadPool;
 
 use crate::boundary::{Boundary, Side};
@@ -23,8 +24,8 @@ use crate::potential::{Curve, Law, Thermal};
 use crate::reference::Reference;
 use crate::scene::settings::MethodSettings;
 use crate::scene::{
-    Domain, Exchange, IntegratorChoice, Layout, Numerics, PipeModel, Scene, SearchChoice, Sector, StepChoice, Units,
-    Uptake, WallModel,
+    Domain, Exchange, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, Sector, StepChoice, Units, Uptake,
+    WallModel,
 };
 use crate::stencil::{SHELL_TOLERANCE, Stencil};
 use crate::sweep::WIDEST;
@@ -144,7 +145,7 @@ pub fn build(
         })
         .collect();
     let pool = pool(threads)?;
-    let cloud = place(scene, numerics, &lattice, seed);
+    let cloud = place(scene, numerics, &lattice, seed)?;
     let of_particle: Vec<u8> = if scene.regions.is_empty() {
         Vec::new()
     } else {
@@ -340,10 +341,11 @@ fn pool(threads: usize) -> Result<Option<Arc<ThreadPool>>, Refused> {
 }
 
 /// Positions of particles off the lattice.
-fn place(scene: &Scene, numerics: &Numerics, lattice: &Lattice, seed: u64) -> Option<Arc<[DVec2]>> {
+fn place(scene: &Scene, numerics: &Numerics, lattice: &Lattice, seed: u64) -> Result<Option<Arc<[DVec2]>>, Refused> {
+    let uniform = Uniform::new(-0.5, 0.5).map_err(|error| refuse(error.to_string()))?;
     let plane = if lattice.dimension == 1 { DVec2::X } else { DVec2::ONE };
     let mut random = rand::rngs::StdRng::seed_from_u64(seed);
-    let mut shift = || DVec2::new(random.random_range(-0.5..0.5), random.random_range(-0.5..0.5)) * plane;
+    let mut shift = || DVec2::new(uniform.sample(&mut random), uniform.sample(&mut random)) * plane;
     let inside = |place: DVec2| match scene.domain {
         Domain::Line { length } => place.x > 0.0 && place.x < length,
         Domain::Rectangle { width, height } => place.x > 0.0 && place.x < width && place.y > 0.0 && place.y < height,
@@ -353,7 +355,7 @@ fn place(scene: &Scene, numerics: &Numerics, lattice: &Lattice, seed: u64) -> Op
                 && (sector == Sector::Whole || place.y > 0.0)
         }
     };
-    match numerics.layout {
+    Ok(match numerics.layout {
         Layout::Lattice => None,
         Layout::Jittered { fraction } => Some(
             lattice
@@ -377,7 +379,7 @@ fn place(scene: &Scene, numerics: &Numerics, lattice: &Lattice, seed: u64) -> Op
             }
             Some(places.into())
         }
-    }
+    })
 }
 
 /// Pairs with their weights: every partner within reach of every particle, ghosts included.
@@ -451,14 +453,7 @@ fn pipes(
     for (number, ring) in scene.rings.iter().enumerate() {
         let green = Green::new(stencil, lattice.spacing, green_reach(ring.pipe_radius, lattice.spacing));
         for pipe in ring.pipes() {
-            let sink = match numerics.pipes {
-                PipeModel::Immersed => immerse(&pipe, number, lattice, mirrors, &green).map_err(refuse)?,
-                PipeModel::OneParticle => {
-                    return Err(refuse(
-                        "pipe_model = \"one-particle\" is not offered: pipes have a true radius".into(),
-                    ));
-                }
-            };
+            let sink = immerse(&pipe, number, lattice, mirrors, &green).map_err(refuse)?;
             sinks.extend(sink);
         }
         rings.push(if scene.rings.len() == 1 { "pipes".to_string() } else { format!("pipes_{}", number + 1) });

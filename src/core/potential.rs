@@ -30,12 +30,19 @@ pub struct Curve {
     frozen_capacity: f64,
     unfrozen_capacity: f64,
     latent_heat: f64,
+    /// Potential and conductivity at even steps of temperature below the freezing point, where the potential has no
+    /// closed form; empty elsewhere.
+    steps: Arc<[(f64, f64)]>,
 }
+
+/// Steps of temperature over which a geometric mean of conductivities is integrated. Cubic interpolation between
+/// them is exact to rounding: the step is a thousandth of the width of the curve.
+const POTENTIAL_STEPS: usize = 8192;
 
 impl Curve {
     /// The relations of a material.
     pub fn new(material: &Material) -> Self {
-        Curve {
+        let curve = Curve {
             law: material.law,
             mixing: material.mixing,
             freezing_point: material.freezing_point,
@@ -44,14 +51,36 @@ impl Curve {
             frozen_capacity: material.frozen_capacity(),
             unfrozen_capacity: material.unfrozen_capacity(),
             latent_heat: material.volumetric_latent_heat(),
+            steps: Vec::new().into(),
+        };
+        curve.with_steps()
+    }
+
+    /// Fills the table of the potential, if its law needs one.
+    fn with_steps(mut self) -> Self {
+        if self.is_kinked() || self.mixing == Mixing::Arithmetic {
+            return self;
         }
+        let step = self.coldest_change() / POTENTIAL_STEPS as f64;
+        let conductivity = |below: f64| self.mixed_conductivity(1.0 - self.frozen_part(below));
+        let mut potential = 0.0;
+        let mut steps = Vec::with_capacity(POTENTIAL_STEPS + 1);
+        for k in 0..=POTENTIAL_STEPS {
+            let below = k as f64 * step;
+            if k > 0 {
+                potential += simpson(conductivity, below - step, below);
+            }
+            steps.push((potential, conductivity(below)));
+        }
+        self.steps = steps.into();
+        self
     }
 
     /// The same material with its latent heat spread linearly over `width` kelvin below the freezing point, if it
     /// was released all at once.
     pub fn spread(&self, width: f64) -> Self {
         match self.law {
-            FreezingLaw::Isothermal => Curve { law: FreezingLaw::Linear { width }, ..self.clone() },
+            FreezingLaw::Isothermal => Curve { law: FreezingLaw::Linear { width }, ..self.clone() }.with_steps(),
             _ => self.clone(),
         }
     }
@@ -259,10 +288,15 @@ impl Curve {
                 self.unfrozen_conductivity * unfrozen + self.frozen_conductivity * (below - unfrozen)
             }
             Mixing::Geometric => {
-                let coldest = self.coldest_change();
-                let inside = below.max(coldest);
-                let beyond = (below - inside) * self.coldest_conductivity();
-                beyond - gauss(|offset| self.conductivity(self.freezing_point + offset), inside, 0.0)
+                let step = self.coldest_change() / POTENTIAL_STEPS as f64;
+                let place = below / step;
+                let k = place as usize;
+                let Some(((u0, k0), (u1, k1))) = self.steps.get(k).zip(self.steps.get(k + 1)) else {
+                    let (deepest, conductivity) = self.steps[POTENTIAL_STEPS];
+                    return deepest + (below - self.coldest_change()) * conductivity;
+                };
+                let (s, d0, d1, rise) = (place - k as f64, k0 * step, k1 * step, u1 - u0);
+                u0 + s * (d0 + s * ((3.0 * rise - 2.0 * d0 - d1) + s * (d0 + d1 - 2.0 * rise)))
             }
         }
     }
@@ -381,26 +415,6 @@ fn solve_increasing(residual: impl Fn(f64) -> (f64, f64), mut low: f64, mut high
         guess = next;
     }
     guess
-}
-
-/// Integral of a smooth function by Gauss-Legendre quadrature, 16 panels of 5 points.
-fn gauss(f: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
-    const NODES: [(f64, f64); 3] = [
-        (0.0, 0.568_888_888_888_888_9),
-        (0.538_469_310_105_683_1, 0.478_628_670_499_366_5),
-        (0.906_179_845_938_664, 0.236_926_885_056_189_1),
-    ];
-    const PANELS: usize = 16;
-    let half = (to - from) / (2 * PANELS) as f64;
-    let mut sum = 0.0;
-    for panel in 0..PANELS {
-        let centre = from + half * (2 * panel + 1) as f64;
-        sum += NODES[0].1 * f(centre);
-        for (node, weight) in &NODES[1..] {
-            sum += weight * (f(centre - half * node) + f(centre + half * node));
-        }
-    }
-    sum * half
 }
 
 /// The function of the inner loop: enthalpy to potential, both counted from the initial state.

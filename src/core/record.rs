@@ -275,6 +275,8 @@ pub struct Field {
     pub spacing_m: f64,
     /// Temperatures, row by row from the lowest y.
     pub temperature_c: Vec<f64>,
+    /// Frozen fractions in the same order: their level 1/2 is the front, where the temperature is flat.
+    pub frozen_fraction: Vec<f64>,
 }
 
 /// Everything one run leaves.

@@ -10,7 +10,7 @@ use crate::material::Material;
 
 pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
 pub use settings::{
-    Exchange, IntegratorChoice, Layout, Mean, Numerics, PipeModel, SearchChoice, Setting, StepChoice, Uptake, WallModel,
+    Exchange, IntegratorChoice, Layout, Mean, Numerics, SearchChoice, Setting, StepChoice, Uptake, WallModel,
 };
 
 /// Units of a scene file.

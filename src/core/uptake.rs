@@ -270,6 +270,21 @@ mod tests {
     }
 
     #[test]
+    fn every_scheme_leaves_the_places_of_ghosts_alone() {
+        let materials = materials(FreezingLaw::Isothermal, 2.0);
+        for choice in [Uptake::Enthalpy, Uptake::Flags, Uptake::ApparentCapacity { interval: 1.0 }] {
+            for mushy in [true, false] {
+                let scheme = scheme(choice, mushy, &materials, 2);
+                let column = || vec![-7.0; 3];
+                let mut fields = Fields { potential: column(), temperature: column(), conductivity: column() };
+                scheme.read(&materials, &[0.0; 2], &mut fields);
+                assert_eq!((fields.potential[2], fields.temperature[2], fields.conductivity[2]), (-7.0, -7.0, -7.0));
+                assert_eq!((fields.temperature[1], fields.conductivity[1]), (2.0, 0.6), "{choice:?}");
+            }
+        }
+    }
+
+    #[test]
     fn apparent_capacity_loses_latent_heat_in_a_long_step() {
         let materials = materials(FreezingLaw::Linear { width: 1.0 }, 0.5);
         let mut scheme = scheme(Uptake::ApparentCapacity { interval: 1.0 }, true, &materials, 1);

@@ -332,14 +332,15 @@ fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
     let coarsening = (size.max_element() / lattice.spacing / FIELD_CELLS as f64).ceil().max(1.0);
     let spacing = coarsening * lattice.spacing;
     let (nx, ny) = ((size.x / spacing).round().max(1.0) as usize, (size.y / spacing).round().max(1.0) as usize);
-    let mut sums = vec![(0.0, 0usize); nx * ny];
+    let mut sums = vec![(0.0, 0.0, 0usize); nx * ny];
     for i in 0..particles.len() {
         let cell = ((particles.position(i) - least) / spacing).floor();
         if cell.x >= 0.0 && cell.y >= 0.0 && (cell.x as usize) < nx && (cell.y as usize) < ny {
             let sum = &mut sums[cell.y as usize * nx + cell.x as usize];
-            *sum = (sum.0 + particles.temperature(i), sum.1 + 1);
+            *sum = (sum.0 + particles.temperature(i), sum.1 + particles.frozen_fraction(i), sum.2 + 1);
         }
     }
+    let mean = |sum: f64, count: usize| if count > 0 { sum / count as f64 } else { f64::NAN };
     Field {
         time_s,
         nx,
@@ -347,7 +348,8 @@ fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
         x0_m: least.x + 0.5 * spacing,
         y0_m: least.y + 0.5 * spacing,
         spacing_m: spacing,
-        temperature_c: sums.into_iter().map(|(sum, n)| if n > 0 { sum / n as f64 } else { f64::NAN }).collect(),
+        temperature_c: sums.iter().map(|sum| mean(sum.0, sum.2)).collect(),
+        frozen_fraction: sums.iter().map(|sum| mean(sum.1, sum.2)).collect(),
     }
 }
 

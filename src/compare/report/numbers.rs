@@ -1,12 +1,14 @@
 //! The tables of the page, in numbers that people can read.
 
 use frazil_core::record::Value;
+use frazil_core::scene::Units;
 use frazil_core::statistics;
 use frazil_plots::page::{Block, Table};
-use frazil_plots::style::{duration, length, number, percent};
+use frazil_plots::style::{duration, number, percent};
 
 use crate::compare::analysis::{self, Comparison, Reached, Study};
 use crate::compare::measured::Timing;
+use crate::compare::plan::length_words;
 
 fn reached(value: Reached, show: fn(f64) -> String, within: &str) -> String {
     match value {
@@ -29,21 +31,27 @@ pub(super) fn equal_error_table(comparison: &Comparison) -> Table {
             };
             let time = reached(entry.time, duration, "at most");
             let speed_up = entry.speed_up.map(|speed_up| {
-                let times = format!("{}×", number(speed_up.ratio, 3));
-                match speed_up.interval {
-                    _ if !speed_up.resolved => format!("; {times}, no difference"),
-                    Some(interval) => {
-                        format!("; {times} ({} to {})", number(interval.low, 3), number(interval.high, 3))
-                    }
-                    None => format!("; {times}"),
+                if !speed_up.resolved {
+                    return "\nno difference".into();
                 }
+                let faster = speed_up.ratio > 1.0;
+                let times = |ratio: f64| number(if faster { ratio } else { 1.0 / ratio }, 3);
+                let word = if faster { "faster" } else { "slower" };
+                let interval = speed_up.interval.map_or(String::new(), |interval| {
+                    let (low, high) = (times(interval.low), times(interval.high));
+                    if faster { format!(" ({low} to {high})") } else { format!(" ({high} to {low})") }
+                });
+                format!("\n{}× {word}{interval}", times(speed_up.ratio))
             });
             row.push(format!("{time}{}", speed_up.unwrap_or_default()));
         }
         rows.push(row);
     }
     let against = base.map_or(String::new(), |base| {
-        format!(" After the semicolon: how many times faster than {base}, with the 95 % interval of {} draws.", 2000)
+        format!(
+            " Below it: how many times faster or slower than {base}, with the 95 % interval of 2000 draws of the \
+             repeated runs (and seeds); \"at most\": the coarsest run is better already."
+        )
     });
     Table {
         caption: format!("Time to reach an error, by interpolation between neighbouring points.{against}"),
@@ -76,7 +84,7 @@ pub(super) fn equal_time_table(comparison: &Comparison) -> Table {
     }
 }
 
-pub(super) fn order_table(comparison: &Comparison) -> Table {
+pub(super) fn order_table(units: Units, comparison: &Comparison) -> Table {
     let mut rows = Vec::new();
     for (curve, order) in comparison.curves.iter().zip(&comparison.orders) {
         let order = order.map_or("none quoted".into(), |order| {
@@ -90,7 +98,7 @@ pub(super) fn order_table(comparison: &Comparison) -> Table {
         let points = curve.points.iter().map(|point| {
             let mark = if point.ringed { " (○)" } else { "" };
             let error = point.signed.map_or("failed".into(), |error| percent(error, 2));
-            format!("{}: {error}{mark}", length(point.spacing))
+            format!("{}: {error}{mark}", length_words(units, point.spacing))
         });
         rows.push(vec![curve.label(), points.collect::<Vec<_>>().join("; "), order]);
     }
@@ -116,7 +124,7 @@ pub(super) fn ensembles(study: &Study) -> Option<Block> {
             let bias = all.bias().map_or("not resolved".into(), |bias| percent(bias, 2));
             Some(vec![
                 one.label(),
-                length(one.spacing),
+                one.spacing_words(),
                 all.count.to_string(),
                 percent(all.run_rms, 3),
                 percent(all.mean_rms, 3),
@@ -162,7 +170,7 @@ pub(super) fn run_table(study: &Study) -> Block {
         let error = headline.zip(one.errors()).and_then(|(headline, errors)| headline.of(errors));
         vec![
             one.label(),
-            length(one.spacing),
+            one.spacing_words(),
             count(record.map(|record| record.particles)),
             count(record.map(|record| record.steps)),
             count(record.map(|record| record.pair_evaluations)),
@@ -205,7 +213,7 @@ pub(super) fn gates(study: &Study) -> Block {
         let record = &one.result.as_ref()?.record;
         Some(vec![
             one.label(),
-            length(one.spacing),
+            one.spacing_words(),
             format!("{:.1e}", record.energy_balance_rel).replace('-', "−"),
             record.bounds_violation_rel.map_or("not asked".into(), |violation| {
                 if violation == 0.0 { "none".into() } else { percent(violation, 2) }
@@ -235,7 +243,7 @@ pub(super) fn failures(study: &Study) -> Block {
         .measured
         .iter()
         .filter_map(|one| {
-            Some(format!("{} at {}: {}", one.label(), length(one.spacing), one.trouble().or_else(|| one.note.clone())?))
+            Some(format!("{} at {}: {}", one.label(), one.spacing_words(), one.trouble().or_else(|| one.note.clone())?))
         })
         .collect();
     let text = if list.is_empty() { vec!["Every planned run ended as it should.".into()] } else { Vec::new() };

@@ -1,9 +1,10 @@
+//! Particle updates a second of the lattice sweep.
+#![allow(clippy::print_stdout, clippy::unwrap_used, clippy::panic, unused_qualifications)]
 use frazil_core::{
     boundary::Boundary, lattice::Lattice, lattice_operator::*, material::*, method::*, operator::Operator,
     potential::*, scene::*, stencil::Stencil,
 };
 use std::sync::Arc;
-use std::time::Instant;
 struct W(f64);
 impl PairWeight for W {
     fn reach(&self) -> f64 {

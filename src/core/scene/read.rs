@@ -129,7 +129,6 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         // The checks of combinations would speak of the wrong materials if some were missing.
         materials: if complete { &materials } else { &[] },
         walls: &walls,
-        has_pipes: root.has("pipes"),
     };
     let methods = numerics::methods(&mut root, &setup, kinds);
     let time = time?;

@@ -77,15 +77,6 @@ pub enum WallModel {
     Layers,
 }
 
-/// How a freeze pipe acts on particles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PipeModel {
-    /// Immersed line sink of true radius at its exact position.
-    Immersed,
-    /// The nearest particle is held at the pipe's temperature, as in Chen and Bai 2016.
-    OneParticle,
-}
-
 /// How neighbours are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SearchChoice {
@@ -138,8 +129,6 @@ pub struct Numerics {
     pub mushy: bool,
     /// Walls.
     pub walls: WallModel,
-    /// Pipes.
-    pub pipes: PipeModel,
     /// Neighbour search.
     pub search: SearchChoice,
     /// Integrator.
@@ -241,7 +230,6 @@ impl Default for Numerics {
             uptake: Uptake::Enthalpy,
             mushy: true,
             walls: WallModel::Mirror,
-            pipes: PipeModel::Immersed,
             search: SearchChoice::Auto,
             integrator: IntegratorChoice::Euler,
             step: StepChoice::Fraction(0.9),

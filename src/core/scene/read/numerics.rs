@@ -7,8 +7,8 @@ use super::section::Section;
 use crate::material::{FreezingLaw, Material};
 use crate::method::MethodKind;
 use crate::scene::settings::{
-    Exchange, IntegratorChoice, Layout, Mean, MethodSettings, Numerics, PipeModel, SearchChoice, Setting, StepChoice,
-    Uptake, WallModel,
+    Exchange, IntegratorChoice, Layout, Mean, MethodSettings, Numerics, SearchChoice, Setting, StepChoice, Uptake,
+    WallModel,
 };
 use crate::scene::{Condition, Domain, Sector, Wall};
 
@@ -25,7 +25,6 @@ pub(super) struct Setup<'a> {
     pub(super) domain: Option<&'a Domain>,
     pub(super) materials: &'a [Material],
     pub(super) walls: &'a [Wall],
-    pub(super) has_pipes: bool,
 }
 
 pub(super) fn methods(root: &mut Section<'_>, setup: &Setup<'_>, kinds: &[&'static MethodKind]) -> Vec<MethodSettings> {
@@ -70,12 +69,6 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
         ("layers", WallModel::Layers),
     ];
     numerics.walls = section.choice_or("wall_model", &models, numerics.walls);
-    if setup.has_pipes {
-        let models = [("immersed", PipeModel::Immersed), ("one-particle", PipeModel::OneParticle)];
-        numerics.pipes = section.choice_or("pipe_model", &models, numerics.pipes);
-    } else {
-        section.refuse("pipe_model", "the scene has no pipes");
-    }
     let searches = [
         ("auto", SearchChoice::Auto),
         ("lattice", SearchChoice::Lattice),

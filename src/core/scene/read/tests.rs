@@ -32,7 +32,6 @@ static PLAIN: MethodKind = MethodKind {
         uptake: Uptake::Enthalpy,
         mushy: true,
         walls: WallModel::Mirror,
-        pipes: PipeModel::Immersed,
         search: SearchChoice::Auto,
         integrator: IntegratorChoice::Euler,
         step: StepChoice::Fraction(0.9),

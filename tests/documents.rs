@@ -1,0 +1,228 @@
+//! The documents say what is so: their scenes are good, their commands are understood, their links lead somewhere.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use frazil_core::scene::Scene;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| unreachable!("{}: {error}", path.display()))
+}
+
+/// All documents for people, by path.
+fn documents() -> Vec<(PathBuf, String)> {
+    let in_folder = |folder: PathBuf| {
+        let entries = fs::read_dir(folder).expect("the folder").map(|entry| entry.expect("an entry").path());
+        entries.filter(|path| path.extension().is_some_and(|extension| extension == "md")).collect::<Vec<_>>()
+    };
+    let mut paths = [in_folder(root().to_owned()), in_folder(root().join("docs"))].concat();
+    paths.sort();
+    assert!(paths.len() > 6, "{paths:?}");
+    paths.into_iter().map(|path| (path.clone(), read(&path))).collect()
+}
+
+/// Fenced blocks of a language.
+fn blocks<'a>(text: &'a str, language: &str) -> Vec<&'a str> {
+    let fence = format!("```{language}\n");
+    text.split(&fence).skip(1).map(|rest| rest.split("```").next().unwrap_or_default()).collect()
+}
+
+/// Words in back-quotes, outside fenced blocks.
+fn quoted(text: &str) -> BTreeSet<&str> {
+    let prose = text.split("```").step_by(2);
+    prose.flat_map(|part| part.split('`').skip(1).step_by(2)).collect()
+}
+
+#[test]
+fn every_scene_in_the_documents_is_good() {
+    let mut count = 0;
+    for (path, text) in documents() {
+        for block in blocks(&text, "toml") {
+            let name = path.display().to_string();
+            if let Err(problems) = Scene::read(block, "example", &name, &[], frazil::registry::methods()) {
+                unreachable!("{problems}");
+            }
+            count += 1;
+        }
+    }
+    assert!(count >= 2);
+}
+
+#[test]
+fn every_command_in_the_documents_is_understood() {
+    let mut count = 0;
+    for (path, text) in documents() {
+        let lines = blocks(&text, "sh").concat().replace("\\\n", " ");
+        let inline = quoted(&text).into_iter().filter(|words| words.starts_with("frazil ")).map(str::to_owned);
+        for line in lines.lines().map(str::to_owned).chain(inline) {
+            let line = line.split(" #").next().unwrap_or_default().trim().replace("SCENE...", "SCENE");
+            let Some(arguments) =
+                line.strip_prefix("cargo run --release --").or_else(|| line.strip_prefix("frazil ")).map(str::trim)
+            else {
+                continue;
+            };
+            // Commands named alone, as `frazil run`, stand for themselves.
+            if arguments.is_empty() || !arguments.contains(' ') && arguments != "list" {
+                continue;
+            }
+            let words = std::iter::once("frazil").chain(arguments.split_whitespace());
+            if let Err(error) = frazil::cli::understood(words) {
+                unreachable!("{}: {line}: {error}", path.display());
+            }
+            count += 1;
+        }
+    }
+    assert!(count > 20, "{count}");
+}
+
+/// Overrides in commands name keys that exist, and values that are allowed.
+#[test]
+fn every_override_in_the_documents_is_good() {
+    let mut count = 0;
+    for (path, text) in documents() {
+        for line in blocks(&text, "sh").concat().replace("\\\n", " ").lines().chain(quoted(&text)) {
+            let mut words = line.split(" #").next().unwrap_or_default().split_whitespace();
+            let (Some("frazil"), Some("run" | "check"), Some(scene)) = (words.next(), words.next(), words.next())
+            else {
+                continue;
+            };
+            let Some(bundled) = frazil_cases::scenes::find(scene) else { continue };
+            let words: Vec<&str> = words.collect();
+            for method in if line.contains(" M ") { &["local", "sph", "pd"][..] } else { &[""] } {
+                let overrides: Vec<(String, String)> = words
+                    .windows(2)
+                    .filter(|pair| pair[0] == "--set")
+                    .filter_map(|pair| pair[1].split_once('='))
+                    .map(|(key, value)| (key.replace(".M.", &format!(".{method}.")), value.to_owned()))
+                    .collect();
+                let kinds = frazil::registry::methods();
+                if let Err(problems) = Scene::read(bundled.text, scene, scene, &overrides, kinds) {
+                    unreachable!("{}: {line}: {problems}", path.display());
+                }
+                count += 1;
+            }
+        }
+    }
+    assert!(count > 20, "{count}");
+}
+
+#[test]
+fn every_link_in_the_documents_leads_somewhere() {
+    let mut count = 0;
+    for (path, text) in documents() {
+        for target in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            if target.contains("://") {
+                continue;
+            }
+            let (file, heading) = target.split_once('#').map_or((target, None), |(file, part)| (file, Some(part)));
+            let folder = path.parent().expect("a folder");
+            let file = if file.is_empty() { path.clone() } else { folder.join(file) };
+            assert!(file.exists(), "{}: {target}", path.display());
+            if let Some(heading) = heading {
+                let found = read(&file).lines().any(|line| line.starts_with('#') && anchor(line) == heading);
+                assert!(found, "{}: {target} names no heading", path.display());
+            }
+            count += 1;
+        }
+    }
+    assert!(count > 15, "{count}");
+}
+
+/// The anchor that pages make of a heading.
+fn anchor(line: &str) -> String {
+    let kept = |c: &char| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_');
+    line.trim_start_matches('#').trim().to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-")
+}
+
+#[test]
+fn every_method_is_in_the_readme_and_its_keys_are_in_the_guide() {
+    let (readme, guide) = (read(&root().join("README.md")), read(&root().join("docs/guide.md")));
+    let (in_readme, in_guide) = (quoted(&readme), quoted(&guide));
+    // The record's names of settings that are not keys of the file.
+    let derived = ["normalisation", "step", "spacing"];
+    let scene = frazil_cases::scenes::find("frozen-wall-sand").expect("bundled");
+    let scene = Scene::read(scene.text, scene.name, scene.name, &[], frazil::registry::methods());
+    let scene = scene.unwrap_or_else(|problems| unreachable!("{problems}"));
+    for settings in &scene.methods {
+        assert!(in_readme.contains(settings.method), "{}", settings.method);
+        for key in settings.values().keys().filter(|key| !derived.contains(&key.as_str())) {
+            assert!(in_guide.contains(key.as_str()), "{}: {key}", settings.method);
+        }
+    }
+}
+
+/// A key that a section asks for stands in quotes as `("spacing", "m")` or after a call that reads it.
+#[test]
+fn every_key_that_the_reader_asks_for_is_in_the_guide() {
+    let guide = read(&root().join("docs/guide.md"));
+    let words: BTreeSet<&str> = quoted(&guide)
+        .into_iter()
+        .chain(blocks(&guide, "toml"))
+        .flat_map(|text| text.split(|c: char| !(c.is_alphanumeric() || c == '_')))
+        .collect();
+    let folder = root().join("src/core/scene/read");
+    let methods = frazil::registry::methods().iter().map(|kind| root().join("methods").join(kind.name).join("lib.rs"));
+    let files = ["body.rs", "ground.rs", "numerics.rs", "watch.rs"].map(|name| folder.join(name));
+    let mut count = 0;
+    for file in files.into_iter().chain(methods) {
+        let text = read(&file);
+        for (key, unit) in keys(&text) {
+            let written = match unit {
+                Some(unit) => format!("{key}_{unit}"),
+                None => key.to_owned(),
+            };
+            let times = ["s", "h", "days"].map(|unit| format!("{key}_{unit}"));
+            let known = words.contains(written.as_str()) || times.iter().all(|time| words.contains(time.as_str()));
+            assert!(known, "{}: {written}", file.display());
+            count += 1;
+        }
+    }
+    assert!(count > 50, "{count}");
+}
+
+/// Keys and units in the text of a reader: first arguments of its calls, and pairs of words.
+fn keys(text: &str) -> Vec<(&str, Option<&str>)> {
+    let calls = [
+        "section(",
+        "sections(",
+        "text(",
+        "number(",
+        "number_or(",
+        "positive(",
+        "choice(",
+        "choice_or(",
+        "integer(",
+        "integer_or(",
+        "flag_or(",
+        "optional_flag(",
+        "optional_choice(",
+        "duration(",
+        "times(",
+        "optional_number(",
+    ];
+    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+    let mut found = Vec::new();
+    for call in calls {
+        for rest in code.split(&format!(".{call}")).skip(1) {
+            if let Some(key) = rest.trim_start().strip_prefix('"').and_then(|rest| rest.split('"').next()) {
+                found.push((key, None));
+            }
+        }
+    }
+    for rest in code.split("(\"").skip(1) {
+        let mut parts = rest.split('"');
+        if let (Some(key), Some(", "), Some(unit), Some(end)) = (parts.next(), parts.next(), parts.next(), parts.next())
+            && end.starts_with(')')
+            && key.chars().all(|c| c.is_ascii_lowercase() || c == '_')
+            && unit.chars().all(|c| c.is_alphanumeric() || c == '_')
+        {
+            found.push((key, Some(unit)));
+        }
+    }
+    found
+}

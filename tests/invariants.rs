@@ -41,6 +41,8 @@ struct Variant {
     potential: bool,
     /// The word of the latent-heat scheme.
     scheme: &'static str,
+    /// Whether the freezing law is a curve.
+    curved: bool,
 }
 
 /// All ways in which a method can run a body that starts at 3 degC. There is no heat exchange with anything yet.
@@ -83,6 +85,7 @@ fn variants(kind: &'static MethodKind, domain: Domain) -> Vec<Variant> {
                             sketch,
                             potential: exchange.contains("potential"),
                             scheme,
+                            curved: !sharp,
                         });
                     }
                 }
@@ -245,7 +248,9 @@ fn a_constant_field_stays_at_rest_to_the_last_bit() {
                 warm.initial_c = 10.0 / 3.0;
                 frozen.initial_c = -50.0 / 7.0;
                 // Some walls are held at the same temperature, the others are symmetry planes.
-                for sketch in [warm, frozen] {
+                // The warm side of a curve is that of a sharp law, and its table takes long to make.
+                let starts = if variant.curved { vec![frozen] } else { vec![warm, frozen] };
+                for sketch in starts {
                     let held = format!("temperature_c = {}", sketch.initial_c);
                     let sketch = sketch.wall("left", held.clone());
                     let sketch = if domain.dimension() == 2 { sketch.wall("top", held) } else { sketch };
@@ -363,23 +368,46 @@ fn the_mirror_image_of_a_scene_has_mirrored_states() {
     }
 }
 
+/// How a field is drawn between two temperatures.
+#[derive(Debug, Clone, Copy)]
+enum Draw {
+    /// Anything between.
+    Between,
+    /// One of the two.
+    Either,
+    /// The first everywhere, the second in one particle: where a step that is too long shows first.
+    Spike,
+}
+
+/// Walls that may hold a temperature together. In a corner of two such walls a particle has two odd images; weights
+/// that end at a rim with a jump may count them more than the particle itself, and the promise ends there (measured:
+/// 0.85 % of the range beyond it, beside a lone warm particle in the corner, under peridynamics).
+fn open_walls(sketch: &Sketch, kind: &'static MethodKind, random: &mut StdRng) -> Vec<&'static str> {
+    let settings = &sketch.scene(kind).methods[0];
+    let only_nearest = settings.discretisation.weight.reach() < 1.5 * SPACING;
+    match sketch.domain {
+        Domain::Rectangle { .. } if only_nearest => vec!["left", "right", "bottom", "top"],
+        Domain::Rectangle { .. } if random.random() => vec!["bottom", "top"],
+        _ => vec!["left", "right"],
+    }
+}
+
 #[test]
 fn temperatures_stay_within_the_data_at_the_bound_of_the_step() {
     for kind in methods() {
         for domain in [LINE, RECTANGLE] {
             // Explicit Euler promises it for the potential; means of conductivities make no such promise beside
-            // walls, nor does an apparent capacity that a step may leave.
-            let promised = |variant: &Variant| {
-                variant.potential && variant.scheme == "enthalpy" && !variant.sketch.numerics.contains("mushy")
-            };
+            // walls and on clouds (they do leave the data there), nor does an apparent capacity that a step may leave.
+            let promised = |variant: &Variant| variant.potential && variant.scheme == "enthalpy";
             for (number, variant) in variants(kind, domain).into_iter().filter(promised).enumerate() {
                 let mut random = StdRng::seed_from_u64(number as u64);
-                for _ in 0..4 {
+                // Through the freezing point, and frozen throughout, where diffusivity and the bound are greatest.
+                for (low, high) in [(-10.0, 10.0), (-10.0, -2.0)] {
                     let mut sketch = variant.sketch.clone().with("step_fraction = 1.0");
                     sketch.duration_s = 1e8;
-                    sketch.initial_c = random.random_range(-10.0..10.0);
-                    for name in ["left", "right", "bottom", "top"].into_iter().take(2 * domain.dimension()) {
-                        let temperature: f64 = random.random_range(-10.0..10.0);
+                    sketch.initial_c = random.random_range(low..high);
+                    for name in open_walls(&sketch, kind, &mut random) {
+                        let temperature: f64 = if random.random() { low } else { random.random_range(low..high) };
                         let line = match random.random_range(0..4) {
                             0 => "condition = \"symmetry\"".to_owned(),
                             1 => format!("coefficient_W_per_m2_K = 20\nambient_c = {temperature}"),
@@ -388,25 +416,60 @@ fn temperatures_stay_within_the_data_at_the_bound_of_the_step() {
                         sketch = sketch.wall(name, line);
                     }
                     let mut plan = sketch.plan(kind);
-                    let particles = &mut plan.particles;
-                    for i in 0..particles.len() {
-                        let temperature = random.random_range(-10.0..10.0);
-                        particles.enthalpy[i] = particles.materials.of(i).enthalpy(temperature);
-                    }
-                    for _ in 0..12 {
-                        advance(&mut plan, 1);
-                        for i in 0..plan.particles.len() {
-                            let temperature = plan.particles.temperature(i);
-                            // 1e-12 of the range of 20 K.
-                            assert!(
-                                temperature.abs() <= 10.0 + 2e-11,
-                                "{}: {temperature} of particle {i}\n{}",
-                                variant.name,
-                                sketch.text(kind.name)
-                            );
+                    for draw in [Draw::Between, Draw::Either, Draw::Spike, Draw::Spike] {
+                        let count = plan.particles.len();
+                        let spike = if random.random() { 0 } else { random.random_range(0..count) };
+                        for i in 0..count {
+                            let temperature = match draw {
+                                Draw::Between => random.random_range(low..high),
+                                Draw::Either => *[low, high].get(random.random_range(0..2)).expect("one of two"),
+                                Draw::Spike => [low, high][usize::from(i == spike)],
+                            };
+                            plan.particles.enthalpy[i] = plan.particles.materials.of(i).enthalpy(temperature);
+                        }
+                        for _ in 0..3 {
+                            advance(&mut plan, 1);
+                            for i in 0..count {
+                                let temperature = plan.particles.temperature(i);
+                                let slack = 1e-12 * (high - low);
+                                assert!(
+                                    temperature >= low - slack && temperature <= high + slack,
+                                    "{}: {temperature} of particle {i}, {draw:?}\n{}",
+                                    variant.name,
+                                    sketch.text(kind.name)
+                                );
+                            }
                         }
                     }
                 }
+            }
+        }
+    }
+}
+
+/// The bound is no smaller than it must be: a hundredth beyond it, a lone warm particle in a cold body overshoots.
+#[test]
+fn the_bound_of_the_step_is_sharp() {
+    for kind in methods() {
+        for domain in [LINE, RECTANGLE] {
+            for search in ["auto", "tree"] {
+                let mut sketch =
+                    Sketch::new(domain, SPACING).with(without_noise(kind)).with(&format!("search = \"{search}\""));
+                sketch.initial_c = -10.0;
+                sketch.duration_s = 1e8;
+                let coldest = |beyond: f64| {
+                    let mut plan = sketch.clone().with("step_fraction = 1.0").plan(kind);
+                    let lattice = &plan.particles.lattice;
+                    let middle = lattice.rows / 2 * lattice.columns + lattice.columns / 2;
+                    plan.particles.enthalpy[middle] = plan.particles.materials.of(middle).enthalpy(-2.0);
+                    plan.step *= beyond;
+                    advance(&mut plan, 1);
+                    plan.particles.temperature(middle)
+                };
+                // It keeps 8 K (1 - step sum of weights x slope), which is nothing at the bound; rounding of -10.
+                let name = format!("{} {domain:?} {search}", kind.name);
+                assert!((coldest(1.0) + 10.0).abs() < 1e-12, "{name}: {}", coldest(1.0));
+                assert!((coldest(1.01) + 10.08).abs() < 1e-12, "{name}: {}", coldest(1.01));
             }
         }
     }

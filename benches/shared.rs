@@ -1,0 +1,136 @@
+//! What the benches share: a freezing square, steps that are timed alone, rounds in which all cases take turns.
+
+// Every bench uses a part of this.
+#![allow(dead_code)]
+
+use std::time::Instant;
+
+use frazil_core::method::{Clock, MethodKind};
+use frazil_core::plan::{self, Plan};
+use frazil_core::scene::Scene;
+use frazil_core::statistics::{median, quartiles};
+use rand::{RngExt, SeedableRng, rngs::StdRng};
+
+/// Rounds in which all cases take turns; medians are over rounds.
+pub const ROUNDS: usize = 7;
+
+const SPACING: f64 = 0.002;
+
+/// A square of water, `side` particles along each side, with a cold wall. A third of its particles are frozen, a third
+/// freeze and a third are warm, in random order: no branch can be guessed.
+pub fn square(side: usize, method: &str, numerics: &str, threads: usize) -> Plan {
+    let kind = kind(method);
+    let extent = side as f64 * SPACING;
+    let text = format!(
+        "title = \"square\"\nsource = \"a bench\"\n\
+         [domain.rectangle]\nwidth_m = {extent}\nheight_m = {extent}\n\
+         [time]\nduration_days = 1000\n\
+         [materials.water]\ndensity_kg_per_m3 = 1000\n\
+         frozen = {{ conductivity_W_per_m_K = 2.14, heat_capacity_J_per_kg_K = 2060 }}\n\
+         unfrozen = {{ conductivity_W_per_m_K = 0.6, heat_capacity_J_per_kg_K = 4182 }}\n\
+         freezing = {{ law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 334000 }}\n\
+         [initial]\ntemperature_c = 3\n\
+         [walls.left]\ntemperature_c = -20\n\
+         [walls.right]\ncondition = \"symmetry\"\n\
+         [walls.bottom]\ncondition = \"symmetry\"\n\
+         [walls.top]\ncondition = \"symmetry\"\n\
+         [method.{method}]\nspacing_m = {SPACING}\n{numerics}\n"
+    );
+    let scene =
+        Scene::read(&text, "square", "square", &[], &[kind]).unwrap_or_else(|problems| unreachable!("{problems}"));
+    let mut plan =
+        plan::build(&scene, &scene.methods[0], None, threads, 1).unwrap_or_else(|refused| unreachable!("{refused}"));
+    let mut random = StdRng::seed_from_u64(1);
+    let curve = plan.particles.materials.thermals[0].clone();
+    let freezing = [curve.enthalpy(-1e-9), curve.enthalpy(1e-9)];
+    for enthalpy in &mut plan.particles.enthalpy {
+        *enthalpy = match random.random_range(0..3) {
+            0 => curve.enthalpy(random.random_range(-10.0..0.0)),
+            1 => random.random_range(freezing[0]..freezing[1]),
+            _ => curve.enthalpy(random.random_range(0.0..5.0)),
+        };
+    }
+    plan
+}
+
+/// A method of the registry.
+pub fn kind(name: &str) -> &'static MethodKind {
+    let found = frazil::registry::methods().iter().find(|kind| kind.name == name);
+    found.unwrap_or_else(|| unreachable!("no method {name}"))
+}
+
+/// A plan that is stepped, and the times that its steps took.
+pub struct Case {
+    /// What the table calls it.
+    pub name: String,
+    /// Particles, and what they do.
+    pub plan: Plan,
+    steps: u64,
+    made: u64,
+    /// Seconds per particle and step, by round.
+    pub times: Vec<f64>,
+}
+
+impl Case {
+    /// A case that makes `steps` steps a round; the first step is made now and not timed.
+    pub fn new(name: impl Into<String>, plan: Plan, steps: u64) -> Self {
+        let mut case = Case { name: name.into(), plan, steps, made: 0, times: Vec::new() };
+        case.advance(1);
+        case
+    }
+
+    fn advance(&mut self, steps: u64) {
+        for _ in 0..steps {
+            let step = self.plan.step;
+            let clock = Clock { time: step * self.made as f64, step, index: self.made };
+            self.plan.method.advance(&mut self.plan.particles, &clock).expect("a step");
+            self.made += 1;
+        }
+    }
+
+    /// Particles.
+    pub fn len(&self) -> usize {
+        self.plan.particles.len()
+    }
+
+    /// One round.
+    pub fn round(&mut self) {
+        let began = Instant::now();
+        self.advance(self.steps);
+        self.times.push(began.elapsed().as_secs_f64() / (self.steps as f64 * self.len() as f64));
+    }
+
+    /// Median seconds per particle and step.
+    pub fn median(&self) -> f64 {
+        median(&self.times).unwrap_or(f64::NAN)
+    }
+
+    /// `million particle-steps a second, quartiles`.
+    pub fn rate(&self) -> String {
+        let [low, middle, high] = quartiles(&self.times).unwrap_or([f64::NAN; 3]);
+        format!("{:8.1} ({:.1} to {:.1})", 1e-6 / middle, 1e-6 / high, 1e-6 / low)
+    }
+}
+
+/// Lets all cases take turns, so that whatever slows the machine for a while slows all of them.
+pub fn take_turns(cases: &mut [Case]) {
+    for round in 0..ROUNDS {
+        for case in cases.iter_mut() {
+            case.round();
+        }
+        eprintln!("round {} of {ROUNDS}", round + 1);
+    }
+}
+
+/// Median over rounds of the ratio of two cases' times in the same round.
+pub fn ratio(slow: &Case, fast: &Case) -> f64 {
+    let ratios: Vec<f64> = slow.times.iter().zip(&fast.times).map(|(slow, fast)| slow / fast).collect();
+    median(&ratios).unwrap_or(f64::NAN)
+}
+
+/// Resident memory of this process (bytes), where the system tells.
+pub fn resident() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmRSS:"))?;
+    line.split_whitespace().nth(1)?.parse::<f64>().ok().map(|kilobytes| kilobytes * 1024.0)
+}

@@ -1,0 +1,20 @@
+//! One thread against two, on a million particles.
+
+#![allow(clippy::print_stdout)]
+
+mod shared;
+
+use shared::{Case, ratio, square, take_turns};
+
+fn main() {
+    const CASES: [(&str, &str, &str, u64); 3] =
+        [("pd, lattice", "pd", "", 8), ("local, lattice", "local", "", 16), ("pd, list", "pd", "search = \"tree\"", 1)];
+    println!("{:<18} {:>28} {:>28} {:>10}", "1 M particles", "1 thread, M/s", "2 threads, M/s", "faster by");
+    for (name, method, numerics, steps) in CASES {
+        eprintln!("{name}");
+        let mut pair =
+            [1, 2].map(|threads| Case::new(name, square(1000, method, numerics, threads), steps * threads as u64));
+        take_turns(&mut pair);
+        println!("{name:<18} {:>28} {:>28} {:>10.2}", pair[0].rate(), pair[1].rate(), ratio(&pair[0], &pair[1]));
+    }
+}

@@ -124,7 +124,6 @@ fn ring_run() -> RunResult {
             temperature_c.push(if radius > 9.0 { f64::NAN } else { value.max(-28.0) });
         }
     }
-    let frozen_fraction = temperature_c.iter().map(|t: &f64| if *t < 0.0 { 1.0 } else { 0.0 * t }).collect();
     run.fields.push(Field {
         time_s: 40.0 * 86400.0,
         nx: n,
@@ -135,7 +134,6 @@ fn ring_run() -> RunResult {
         // Soft over some tenths of a kelvin, as in ground that freezes in an interval.
         frozen_fraction: temperature_c.iter().map(|value| (-0.2 - value).clamp(0.0, 0.6) / 0.6).collect(),
         temperature_c,
-        frozen_fraction,
     });
     run
 }

@@ -72,6 +72,28 @@ struct Around<L> {
     open: [bool; 4],
     faces: Vec<Face>,
     exterior: Option<Exterior>,
+    /// Weight with which all particles of a row together reach the ghosts of a column wall: by row offset and layer.
+    door_weights: Vec<f64>,
+    /// Weight with which a particle of a row reaches all ghosts of a column wall: by its distance from the wall.
+    door_own: Vec<f64>,
+}
+
+/// [`Around::door_weights`] and [`Around::door_own`] of a stencil on rows of `columns` particles.
+fn door_weights(stencil: &Stencil, shape: Shape, columns: usize) -> (Vec<f64>, Vec<f64>) {
+    let (reach, rows) = (shape.reach, 2 * shape.reach_rows + 1);
+    let cells = reach.min(columns);
+    let mut weights = vec![0.0; rows * reach];
+    let mut own = vec![0.0; cells];
+    for row in 0..rows {
+        for (cell, own) in own.iter_mut().enumerate() {
+            for layer in 0..reach - cell {
+                let weight = stencil.at(cell + layer + 1, row.abs_diff(shape.reach_rows));
+                weights[row * reach + layer] += weight;
+                *own += weight;
+            }
+        }
+    }
+    (weights, own)
 }
 
 impl<L: PotentialLaw> Around<L> {
@@ -160,16 +182,18 @@ impl<L: PotentialLaw> Surroundings for Around<L> {
             if !self.open[side] {
                 continue;
             }
-            for cell in 0..reach.min(columns) {
-                let inside = if side == 0 { own[reach + cell] } else { own[reach + columns - 1 - cell] };
-                for (dy, near) in rows.iter().enumerate() {
-                    for layer in 0..reach - cell {
-                        let ghost = if side == 0 { near[reach - 1 - layer] } else { near[reach + columns + layer] };
-                        let weight = self.stencil.at(cell + layer + 1, dy.abs_diff(reach_rows));
-                        rates[side] += weight * (ghost - inside);
-                    }
+            let mut rate = 0.0;
+            for (near, weights) in rows.iter().zip(self.door_weights.chunks_exact(reach)) {
+                for (layer, weight) in weights.iter().enumerate() {
+                    let ghost = if side == 0 { near[reach - 1 - layer] } else { near[reach + columns + layer] };
+                    rate += weight * ghost;
                 }
             }
+            for (cell, weight) in self.door_own.iter().enumerate() {
+                let inside = if side == 0 { own[reach + cell] } else { own[reach + columns - 1 - cell] };
+                rate -= weight * inside;
+            }
+            rates[side] = rate;
         }
         for side in 2..4 {
             let to_wall = if side == 2 { row } else { self.lattice.rows - 1 - row };
@@ -245,7 +269,9 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         let sides = boundary.sides;
         let sink_potentials = sinks.iter().map(|sink| thermal.potential_at(sink.temperature.at(0.0))).collect();
         let sink_heat = vec![0.0; sinks.len()];
-        let around = Around { lattice, shape, stencil, law, thermal, sides, open, faces, exterior };
+        let (door_weights, door_own) = door_weights(&stencil, shape, lattice.columns);
+        let around =
+            Around { lattice, shape, stencil, law, thermal, sides, open, faces, exterior, door_weights, door_own };
         LatticeOperator {
             around,
             boundary,

@@ -15,7 +15,7 @@ use crate::operator::Operator;
 use crate::pipe::Sink;
 use crate::potential::{PotentialLaw, Thermal};
 use crate::stencil::Stencil;
-use crate::sweep::{Band, Beside, Frame, InPlace, MOST_LANES, Shape, Surroundings, Target, fill_row, sweep};
+use crate::sweep::{Band, Beside, Frame, InPlace, Shape, Surroundings, Target, fill_row, sweep};
 
 /// Particles below which a second thread costs more than it saves (one step of 20 000 particles takes about as
 /// long as two hand-overs between threads).
@@ -247,11 +247,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
     pub fn new(parts: LatticeParts, law: L) -> Self {
         let LatticeParts { lattice, stencil, thermal, boundary, sinks, rings, pool } = parts;
         let reach = stencil.reach;
-        let shape = Shape {
-            reach,
-            reach_rows: if lattice.dimension == 1 { 0 } else { reach },
-            width: lattice.columns + 2 * reach + MOST_LANES,
-        };
+        let shape = Shape::new(lattice.columns, reach, lattice.dimension == 1);
         let faces = boundary.first_faces(&thermal.curve, thermal.initial_potential);
         let open = boundary.sides.map(|side| match side {
             Side::Wall(door) => boundary.doors[door].lets_heat_through(),

@@ -18,6 +18,9 @@ const BLOCK: usize = 256;
 /// Lanes that one group may hold at most; buffers are padded so that the last group fits.
 pub const MOST_LANES: usize = 16;
 
+/// Bytes of a cache line: rows start on one, so that a group of eight does not straddle two.
+const CACHE_LINE: usize = 64;
+
 /// Length of one buffer of column sums.
 const PADDED: usize = BLOCK + 2 * WIDEST + MOST_LANES;
 
@@ -81,6 +84,17 @@ pub trait Surroundings: Sync {
     fn has_doors(&self) -> bool;
 }
 
+impl Shape {
+    /// The shape of rows of `columns` particles under a stencil of some reach; on a line there are no other rows.
+    pub fn new(columns: usize, reach: usize, line: bool) -> Self {
+        let needed = columns + 2 * reach + MOST_LANES;
+        // Whole cache lines, and not a whole number of pages: rows a page apart would fight for the same places.
+        let width = needed.next_multiple_of(8);
+        let width = if width.is_multiple_of(512) { width + 8 } else { width };
+        Shape { reach, reach_rows: if line { 0 } else { reach }, width }
+    }
+}
+
 /// The rows of one band and its buffers.
 #[derive(Debug, Clone)]
 pub struct Band {
@@ -91,9 +105,16 @@ pub struct Band {
     /// Potentials above.
     pub above: Vec<f64>,
     ring: Vec<f64>,
-    sums: Vec<[f64; PADDED]>,
+    /// Where the ring starts on a cache line.
+    ring_start: usize,
+    sums: Vec<Sums>,
     rate: Vec<f64>,
 }
+
+/// Column sums of one distance, on cache lines of their own.
+#[derive(Debug, Clone)]
+#[repr(align(64))]
+struct Sums([f64; PADDED]);
 
 /// Shape of the rows that a sweep works on.
 #[derive(Debug, Clone, Copy)]
@@ -109,12 +130,14 @@ pub struct Shape {
 impl Band {
     /// A band with its buffers.
     pub fn new(rows: (usize, usize), shape: Shape) -> Self {
+        let ring = vec![0.0; (2 * shape.reach_rows + 1) * shape.width + CACHE_LINE / size_of::<f64>()];
         Band {
             rows,
             below: vec![0.0; shape.reach_rows * shape.width],
             above: vec![0.0; shape.reach_rows * shape.width],
-            ring: vec![0.0; (2 * shape.reach_rows + 1) * shape.width],
-            sums: vec![[0.0; PADDED]; shape.reach + 1],
+            ring_start: ring.as_ptr().align_offset(CACHE_LINE).min(CACHE_LINE / size_of::<f64>()),
+            ring,
+            sums: vec![Sums([0.0; PADDED]); shape.reach + 1],
             rate: vec![0.0; BLOCK + MOST_LANES],
         }
     }
@@ -242,7 +265,8 @@ fn rows<L: PotentialLaw, S: Surroundings, T: Target, const LANES: usize, const R
     let (first_row, end_row) = band.rows;
     let slots = 2 * ROWS + 1;
     let base = (frame.span)(first_row).2;
-    let Band { below, above, ring, sums, rate, .. } = band;
+    let Band { below, above, ring, ring_start, sums, rate, .. } = band;
+    let ring = &mut ring[*ring_start..];
     let has_doors = frame.surroundings.has_doors();
     for row in first_row..end_row.min(first_row + ROWS) {
         fill_slot::<L, S, T>(frame, row, slots, base, ring, target);
@@ -287,7 +311,7 @@ fn block<const LANES: usize, const ROWS: usize>(
     near: &[&[f64]; 17],
     column: usize,
     count: usize,
-    sums: &mut [[f64; PADDED]],
+    sums: &mut [Sums],
     rate: &mut [f64],
 ) {
     if ROWS == 0 {
@@ -323,11 +347,11 @@ fn block<const LANES: usize, const ROWS: usize>(
     // Every particle adds the column sums from its left and right.
     let groups = count.div_ceil(LANES);
     let shifted = |k: usize, shift: usize| -> &[[f64; LANES]] {
-        if (1..=ROWS).contains(&k) { groups_of::<LANES>(&sums[k][shift..], groups) } else { &[][..] }
+        if (1..=ROWS).contains(&k) { groups_of::<LANES>(&sums[k].0[shift..], groups) } else { &[][..] }
     };
     let left: [&[[f64; LANES]]; WIDEST + 1] = std::array::from_fn(|k| shifted(k, reach - k.min(ROWS)));
     let right: [&[[f64; LANES]]; WIDEST + 1] = std::array::from_fn(|k| shifted(k, reach + k.min(ROWS)));
-    let own = groups_of::<LANES>(&sums[0][reach..], groups);
+    let own = groups_of::<LANES>(&sums[0].0[reach..], groups);
     let rate = &mut rate[..groups * LANES].as_chunks_mut::<LANES>().0[..groups];
     for group in 0..groups {
         if ROWS < 3 && opaque() {
@@ -369,7 +393,7 @@ fn column_sums<const LANES: usize, const ROWS: usize, const DISC: bool>(
     near: &[&[f64]; 17],
     column: usize,
     length: usize,
-    sums: &mut [[f64; PADDED]],
+    sums: &mut [Sums],
 ) {
     let groups = length.div_ceil(LANES);
     let rows: [&[[f64; LANES]]; 2 * WIDEST + 1] = std::array::from_fn(|offset| {
@@ -399,7 +423,7 @@ fn column_sums<const LANES: usize, const ROWS: usize, const DISC: bool>(
                     }
                 }
             }
-            sums[k][group * LANES..group * LANES + LANES].copy_from_slice(&total);
+            sums[k].0[group * LANES..group * LANES + LANES].copy_from_slice(&total);
         }
     }
 }

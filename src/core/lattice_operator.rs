@@ -19,7 +19,7 @@ use crate::sweep::{Band, Beside, Frame, InPlace, Shape, Surroundings, Target, fi
 
 /// Particles below which a second thread costs more than it saves (one step of 20 000 particles takes about as
 /// long as two hand-overs between threads).
-const PARTICLES_PER_THREAD: usize = 16_384;
+pub const PARTICLES_PER_THREAD: usize = 16_384;
 
 /// Everything an operator on a lattice is made from.
 #[derive(Clone)]
@@ -307,10 +307,8 @@ impl<L: PotentialLaw> LatticeOperator<L> {
                 around.fill_any((end + k) as i64, enthalpy, &mut band.above[k * width..][..width]);
             }
         };
-        match &self.pool {
-            Some(pool) => pool.install(|| self.bands.par_iter_mut().for_each(fill)),
-            None => self.bands.iter_mut().for_each(fill),
-        }
+        // A few rows a band: less work than a second hand-over between threads.
+        self.bands.iter_mut().for_each(fill);
     }
 
     /// Sweeps all bands; `targets` holds one target for each.

@@ -115,8 +115,8 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
     };
     let mut differences = vec![
         format!(
-            "scales: one DPD length is {} (four particles to its square), one particle stores {capacity} k_B per unit \
-             of temperature",
+            "scales: one DPD length is {} of the scene's units of length (four particles to its square), one particle \
+             stores {capacity} k_B per unit of temperature",
             2.0 * numerics.spacing
         ),
         "particles are at rest: no viscous heat, no momentum noise".to_string(),

@@ -217,6 +217,24 @@ impl Ghosts {
         }
     }
 
+    /// For each ghost that mirrors one particle, directly or through another ghost: the particle, and the factor
+    /// with which the ghost follows it.
+    pub fn mirrored(&self, count: usize, faces: &[Face]) -> Vec<Option<(u32, f64)>> {
+        let mut mirrored: Vec<Option<(u32, f64)>> = Vec::with_capacity(self.len());
+        for ghost in 0..self.len() {
+            let sign = -self.door[ghost].map_or(-1.0, |door| faces[door as usize].stiffness());
+            let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
+            mirrored.push(match images {
+                [(image, 1.0)] => match (*image as usize).checked_sub(count) {
+                    None => Some((*image, sign)),
+                    Some(parent) => mirrored[parent].map(|(particle, factor)| (particle, sign * factor)),
+                },
+                _ => None,
+            });
+        }
+        mirrored
+    }
+
     /// Number of ghosts.
     pub fn len(&self) -> usize {
         self.position.len()

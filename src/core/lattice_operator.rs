@@ -7,6 +7,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 
 use crate::boundary::{Boundary, Face, Side, moving_least_squares};
+use crate::corner::{CornerPair, lattice_pairs};
 use crate::ghosts::{FIT_RANGE, FIT_SCALE};
 use crate::lattice::Lattice;
 use crate::ledger::Sum;
@@ -236,6 +237,8 @@ pub struct LatticeOperator<L> {
     rings: Vec<String>,
     sink_potentials: Vec<f64>,
     sink_heat: Vec<f64>,
+    corners: Vec<CornerPair>,
+    corner_rates: Vec<f64>,
     bands: Vec<Band>,
     row_doors: Vec<[f64; 4]>,
     pool: Option<Arc<ThreadPool>>,
@@ -255,7 +258,14 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         });
         let exterior = boundary.curved.map(|(_, radius)| Exterior::new(&lattice, &stencil, shape, &boundary, radius));
         let sum = stencil.sum();
-        let bound = bound(&lattice, &stencil, sum, &thermal, &boundary, &faces, exterior.as_ref(), &sinks);
+        let stiffness = boundary.sides.map(|side| match side {
+            Side::Wall(door) => Some(faces[door].stiffness()),
+            Side::Mirror => Some(-1.0),
+            Side::Curved => None,
+        });
+        let corners = lattice_pairs(&lattice, &stencil, stiffness);
+        let corner_rates = vec![0.0; corners.len()];
+        let bound = bound(&lattice, &stencil, sum, &thermal, &boundary, &faces, exterior.as_ref(), &sinks, &corners);
         let threads = pool.as_ref().map_or(1, |pool| pool.current_num_threads());
         let most = (lattice.len() / PARTICLES_PER_THREAD).min(lattice.rows / (4 * shape.reach_rows).max(1));
         let count = if lattice.rows == 1 { 1 } else { threads.min(most).max(1) };
@@ -276,6 +286,8 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             rings,
             sink_potentials,
             sink_heat,
+            corners,
+            corner_rates,
             bands,
             row_doors,
             pool,
@@ -298,6 +310,10 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             *heat = sink.heat(|index| around.law.potential(enthalpy[index]), *potential);
         }
         let around = &self.around;
+        for (pair, rate) in self.corners.iter().zip(&mut self.corner_rates) {
+            let potential = |index: u32| around.law.potential(enthalpy[index as usize]);
+            *rate = pair.weight * (potential(pair.second) - potential(pair.first));
+        }
         let Shape { reach_rows, width, .. } = around.shape;
         let fill = |band: &mut Band| {
             let (first, end) = band.rows;
@@ -368,6 +384,14 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         }
     }
 
+    /// Adds what strengthened corner pairs exchange to `rates`, scaled.
+    fn strengthen(&self, rates: &mut [f64], scale: f64) {
+        for (pair, rate) in self.corners.iter().zip(&self.corner_rates) {
+            rates[pair.first as usize] += scale * rate;
+            rates[pair.second as usize] -= scale * rate;
+        }
+    }
+
     /// Takes the heat of the pipes from `rates`, scaled.
     fn sink(&self, rates: &mut [f64], scale: f64) {
         let volume = self.around.lattice.volume();
@@ -395,6 +419,7 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         self.sweep(&mut targets);
         drop(targets);
         self.sink(rate, 1.0);
+        self.strengthen(rate, 1.0);
         self.book(enthalpy, doors);
     }
 
@@ -419,6 +444,7 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
             self.sweep(&mut targets);
         }
         self.sink(enthalpy, step);
+        self.strengthen(enthalpy, step);
         match curved {
             Some((door, heat)) => doors[door] = heat,
             None => self.book(enthalpy, doors),
@@ -460,6 +486,7 @@ fn bound(
     faces: &[Face],
     exterior: Option<&Exterior>,
     sinks: &[Sink],
+    corners: &[CornerPair],
 ) -> Bound {
     let mut largest = sum;
     let mut cause = "pair exchange inside the body".to_string();
@@ -475,7 +502,12 @@ fn bound(
     let across = if lattice.dimension == 1 { 0.0 } else { excess(2, 3, lattice.rows) };
     let wall_excess = excess(0, 1, lattice.columns) + across;
     if wall_excess > 0.0 {
-        largest = sum + wall_excess;
+        let mut strengthened = std::collections::BTreeMap::new();
+        for pair in corners {
+            *strengthened.entry(pair.first).or_insert(0.0) += pair.weight;
+            *strengthened.entry(pair.second).or_insert(0.0) += pair.weight;
+        }
+        largest = sum + wall_excess + strengthened.values().copied().fold(0.0, f64::max);
         let stiff: Vec<&str> = (0..4)
             .filter(|side| stiffness(*side) > 0.0)
             .filter_map(|side| match boundary.sides[side] {

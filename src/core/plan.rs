@@ -8,6 +8,7 @@ use rand_distr::{Distribution, Uniform};
 use rayon::ThreadPool;
 
 use crate::boundary::{Boundary, Side};
+use crate::corner::strengthen;
 use crate::ghosts::Ghosts;
 use crate::green::Green;
 use crate::integrate::{Euler, Rkl2, SchemeEuler};
@@ -208,7 +209,10 @@ pub fn build(
             let fitted = numerics.walls == WallModel::MovingLeastSquares;
             let reach = discretisation.weight.reach();
             let ghosts = Ghosts::new(&positions, &lattice, &boundary, reach, fitted);
-            let pairs = pairs(&positions, &ghosts, &lattice, numerics, discretisation);
+            let mut pairs = pairs(&positions, &ghosts, &lattice, numerics, discretisation);
+            let first = &materials.thermals[0];
+            let faces = boundary.first_faces(&first.curve, first.initial_potential);
+            strengthen(&mut pairs, &ghosts, positions.len(), &faces);
             let bytes = positions.len() * (16 + 8 * 3) + ghosts.len() * 80 + pairs.partners.len() * 12;
             let parts = ListParts {
                 positions,

@@ -11,9 +11,8 @@ use crate::scene::{Numerics, Section, Setting};
 /// A scaled weight `w(r)` (m^-(d+2)) enters the heat balance of particle i as
 /// `V_i dH_i/dt = sum_j V_i V_j w(r_ij) (U_j - U_i)`, so in the continuum `integral of w r^2 dV = 2 d`.
 /// It must not be negative, and should not grow with distance: a mirror wall then keeps the maximum principle, for a
-/// particle is nearer to its neighbour than to the neighbour's image. In a corner of two walls with temperatures of
-/// their own the two images together can weigh more; weights that reach no farther than the nearest neighbours are
-/// safe there too.
+/// particle is nearer to its neighbour than to the neighbour's image. Corners of two walls see to themselves
+/// ([`crate::corner`]).
 pub trait PairWeight: Send + Sync {
     /// Distance (m) beyond which the weight is zero.
     fn reach(&self) -> f64;

@@ -50,6 +50,22 @@ impl Particles {
         }
     }
 
+    /// Visits all particles in order with their positions (m).
+    pub fn visit(&self, mut visitor: impl FnMut(usize, DVec2)) {
+        match &self.places {
+            Places::Cloud(positions) => positions.iter().enumerate().for_each(|(i, place)| visitor(i, *place)),
+            Places::Lattice => {
+                for row in 0..self.lattice.rows {
+                    let (first, end) = self.lattice.span(row);
+                    let start = self.lattice.start(row);
+                    for column in first..end {
+                        visitor(start + column - first, self.lattice.centre(column as i64, row as i64));
+                    }
+                }
+            }
+        }
+    }
+
     /// Temperature of a particle.
     pub fn temperature(&self, index: usize) -> f64 {
         self.materials.of(index).temperature(self.enthalpy[index])

@@ -297,14 +297,13 @@ fn layers(particles: &Particles, direction: &FreezingDirection, length: f64, tim
     let spacing = particles.lattice.spacing;
     let count = (direction.length / spacing).round() as usize;
     let mut sums = vec![(0.0, 0.0, 0.0, 0usize); count];
-    for i in 0..particles.len() {
-        let place = particles.position(i);
+    particles.visit(|i, place| {
         let along = if direction.along_y { place.y } else { place.x };
         let along = if direction.from_end { direction.length - along } else { along };
         let layer = ((along / spacing) as usize).min(count - 1);
         let sum = &mut sums[layer];
         *sum = (sum.0 + along, sum.1 + particles.temperature(i), sum.2 + particles.frozen_fraction(i), sum.3 + 1);
-    }
+    });
     sums.into_iter()
         .filter(|sum| sum.3 > 0)
         .map(|(along, temperature, fraction, number)| {
@@ -333,13 +332,13 @@ fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
     let spacing = coarsening * lattice.spacing;
     let (nx, ny) = ((size.x / spacing).round().max(1.0) as usize, (size.y / spacing).round().max(1.0) as usize);
     let mut sums = vec![(0.0, 0.0, 0usize); nx * ny];
-    for i in 0..particles.len() {
-        let cell = ((particles.position(i) - least) / spacing).floor();
+    particles.visit(|i, place| {
+        let cell = ((place - least) / spacing).floor();
         if cell.x >= 0.0 && cell.y >= 0.0 && (cell.x as usize) < nx && (cell.y as usize) < ny {
             let sum = &mut sums[cell.y as usize * nx + cell.x as usize];
             *sum = (sum.0 + particles.temperature(i), sum.1 + particles.frozen_fraction(i), sum.2 + 1);
         }
-    }
+    });
     let mean = |sum: f64, count: usize| if count > 0 { sum / count as f64 } else { f64::NAN };
     Field {
         time_s,

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use rayon::ThreadPool;
-use rayon::prelude::*;
 
 use crate::boundary::{Boundary, Face, Side, moving_least_squares};
 use crate::corner::{CornerPair, lattice_pairs};
@@ -345,19 +344,20 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         };
         match &self.pool {
             Some(pool) => {
-                let mut doors: Vec<&mut [[f64; 4]]> = Vec::with_capacity(self.bands.len());
-                let mut rest = self.row_doors.as_mut_slice();
-                for band in &self.bands {
-                    let (own, later) = rest.split_at_mut(band.rows.1 - band.rows.0);
-                    doors.push(own);
-                    rest = later;
-                }
-                pool.install(|| {
-                    self.bands
-                        .par_iter_mut()
-                        .zip(targets.par_iter_mut())
-                        .zip(doors.par_iter_mut())
-                        .for_each(|((band, target), doors)| sweep(&frame, band, target, doors));
+                // The calling thread sweeps the last band itself: one thread less to be woken each step.
+                pool.in_place_scope(|scope| {
+                    let frame = &frame;
+                    let mut rest = self.row_doors.as_mut_slice();
+                    let last = self.bands.len() - 1;
+                    for (number, (band, target)) in self.bands.iter_mut().zip(targets).enumerate() {
+                        let (doors, later) = rest.split_at_mut(band.rows.1 - band.rows.0);
+                        rest = later;
+                        if number < last {
+                            scope.spawn(move |_| sweep(frame, band, target, doors));
+                        } else {
+                            sweep(frame, band, target, doors);
+                        }
+                    }
                 });
             }
             None => sweep(&frame, &mut self.bands[0], &mut targets[0], &mut self.row_doors),

@@ -65,7 +65,7 @@ impl Headline {
 
     /// Relative errors of one run point by point, whose rms over the points is the headline error. A single
     /// number where the measure is one.
-    pub fn points(self, scene: &Scene, result: &RunResult, reference: &dyn Reference) -> Vec<f64> {
+    pub fn points(self, scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn Reference) -> Vec<f64> {
         let relative = |own: f64, expected: Option<f64>| Some(own / expected.filter(|value| *value > 0.0)? - 1.0);
         match self {
             Headline::Front => result
@@ -76,8 +76,8 @@ impl Headline {
                 .collect(),
             Headline::Temperature => {
                 let (least, greatest) = scene.temperature_range();
-                let rows = result.profiles.iter().filter_map(|row| Some((row.temperature_c, row.temperature_ref_c?)));
-                rows.map(|(own, expected)| (own - expected) / (greatest - least)).collect()
+                let points = measure::profile_points(scene, spacing, result, reference);
+                points.into_iter().map(|(own, expected)| (own - expected) / (greatest - least)).collect()
             }
             Headline::Closure | Headline::Volume => self.of(&result.record.errors).into_iter().collect(),
         }
@@ -101,7 +101,7 @@ impl EnsembleRuns {
         let mut mean = runs.first().filter(|_| runs.len() > 1)?.clone();
         average(&mut mean, runs);
         let points = Headline::ALL.map(|headline| match reference {
-            Some(reference) => runs.iter().map(|run| headline.points(scene, run, reference)).collect(),
+            Some(reference) => runs.iter().map(|run| headline.points(scene, spacing, run, reference)).collect(),
             None => Vec::new(),
         });
         Some(EnsembleRuns {

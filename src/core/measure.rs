@@ -87,18 +87,21 @@ pub fn attach(scene: &Scene, spacing: f64, result: &mut RunResult, reference: &d
     result.record.reference = Some(reference.describe());
 }
 
+/// Temperatures of a run and of the reference at all profile points that count. `spacing` is the particle spacing of
+/// the run (m).
+pub fn profile_points(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn Reference) -> Vec<(f64, f64)> {
+    let rows = result.profiles.iter().filter_map(|row| {
+        let plane = ProfilePlane::named(&row.plane)?;
+        let expected = plane.temperature(reference, row.x_m, row.time_s)?;
+        plane.counts(scene, spacing, row.x_m).then_some((row.temperature_c, expected))
+    });
+    rows.collect()
+}
+
 /// Errors of a run against a reference. `spacing` is the particle spacing of the run (m).
 pub fn errors(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn Reference) -> Errors {
     let (least, greatest) = scene.temperature_range();
-    let points: Vec<(f64, f64)> = result
-        .profiles
-        .iter()
-        .filter_map(|row| {
-            let plane = ProfilePlane::named(&row.plane)?;
-            let expected = plane.temperature(reference, row.x_m, row.time_s)?;
-            plane.counts(scene, spacing, row.x_m).then_some((row.temperature_c, expected))
-        })
-        .collect();
+    let points = profile_points(scene, spacing, result, reference);
     let deviation = rms(points.iter().map(|(own, expected)| own - expected));
     let largest = points.iter().map(|(own, expected)| (own - expected).abs()).reduce(f64::max);
     let scale = points.iter().map(|(_, expected)| expected.abs()).reduce(f64::max);

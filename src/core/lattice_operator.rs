@@ -17,8 +17,7 @@ use crate::potential::{PotentialLaw, Thermal};
 use crate::stencil::Stencil;
 use crate::sweep::{Band, Beside, Frame, InPlace, Shape, Surroundings, Target, fill_row, sweep};
 
-/// Particles below which a second thread costs more than it saves (one step of 20 000 particles takes about as
-/// long as two hand-overs between threads).
+/// Particles that each further thread must have to itself: a step of fewer is over before a thread is woken.
 pub const PARTICLES_PER_THREAD: usize = 16_384;
 
 /// Everything an operator on a lattice is made from.

@@ -25,17 +25,7 @@ static PLAIN: MethodKind = MethodKind {
     source: "none",
     stochastic: false,
     lattice_only: false,
-    defaults: |_| Numerics {
-        spacing: 1.0,
-        layout: Layout::Lattice,
-        exchange: Exchange::Potential,
-        uptake: Uptake::Enthalpy,
-        mushy: true,
-        walls: WallModel::Mirror,
-        search: SearchChoice::Auto,
-        integrator: IntegratorChoice::Euler,
-        step: StepChoice::Fraction(0.9),
-    },
+    defaults: |_| Numerics::default(),
     read: |section, _, numerics, _| {
         let ratio = section.number_or("horizon_ratio", 3.0, Range::between(1.0, 12.0));
         Discretisation {

@@ -147,6 +147,12 @@ pub struct Record {
     pub solve_wall_s: f64,
     /// CPU time of the same (s).
     pub solve_cpu_s: f64,
+    /// Wall time of what watches read off the particles meanwhile (s); not part of the solution.
+    #[serde(default)]
+    pub observation_wall_s: f64,
+    /// CPU time of it (s).
+    #[serde(default)]
+    pub observation_cpu_s: f64,
     /// Greatest resident memory of the process so far (bytes).
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub peak_memory_bytes: Option<u64>,

@@ -22,6 +22,8 @@ pub struct Control {
     least: f64,
     next: f64,
     most_heat: f64,
+    /// Whether the step that is being made was too long at first.
+    shortened: bool,
 }
 
 /// What is to be done with a step.
@@ -36,7 +38,7 @@ pub enum Judgement {
 impl Control {
     /// A control that starts with steps of `least` seconds.
     pub fn new(tolerance: f64, order: f64, least: f64) -> Self {
-        Control { tolerance, order, least, next: least, most_heat: 0.0 }
+        Control { tolerance, order, least, next: least, most_heat: 0.0, shortened: false }
     }
 
     /// The step that should come next (s).
@@ -54,7 +56,8 @@ impl Control {
         if keep {
             self.most_heat = most_heat;
             // A step cut short by an output says nothing against a longer one.
-            let grown = step * factor.min(MOST_GROWTH);
+            let grown = step * factor.min(if self.shortened { 1.0 } else { MOST_GROWTH });
+            self.shortened = false;
             let kept = if relative <= self.tolerance { self.next.min(step * factor) } else { 0.0 };
             self.next = grown.max(kept).max(self.least);
             Judgement::Keep
@@ -65,6 +68,7 @@ impl Control {
 
     /// Makes a step again, shorter by a factor.
     pub fn again(&mut self, step: f64, factor: f64) -> Judgement {
+        self.shortened = true;
         self.next = (step * factor.min(SAFETY)).max(self.least);
         Judgement::Again(self.next)
     }

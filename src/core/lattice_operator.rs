@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use glam::DVec2;
 use rayon::ThreadPool;
 
-use crate::boundary::{Boundary, Face, Side, moving_least_squares};
+use crate::boundary::{Boundary, Face, Side};
 use crate::corner::{CornerPair, lattice_pairs};
-use crate::ghosts::{FIT_RANGE, FIT_SCALE};
+use crate::curved_wall::{Contacts, Neighbourhood};
 use crate::lattice::Lattice;
 use crate::ledger::Sum;
 use crate::method::Bound;
@@ -39,25 +38,15 @@ pub struct LatticeParts {
     pub pool: Option<Arc<ThreadPool>>,
 }
 
-/// Ghosts behind a curved wall.
+/// What lies behind a curved wall.
 #[derive(Debug, Clone, Default)]
 struct Exterior {
-    /// Value of each ghost at the current instant.
-    values: Vec<f64>,
-    /// Depth of each ghost behind the wall (m).
-    depths: Vec<f64>,
-    /// Start of each ghost's image weights, and their end.
-    starts: Vec<u32>,
-    /// Particles and weights of the images.
-    images: Vec<(u32, f64)>,
-    /// Ghosts of each padded row: column + reach, ghost.
-    rows: Vec<Vec<(u32, u32)>>,
-    /// Sum over particles of the weight with which each ghost acts.
-    ghost_weights: Vec<f64>,
-    /// Particles that reach ghosts, with the sum of those weights.
-    near_wall: Vec<(u32, f64)>,
-    /// Largest addition of ghosts to the row sum of a particle that they image.
-    stiffness: f64,
+    /// Cells behind the wall that pairs reach, by padded row: column + reach. They hold zero.
+    rows: Vec<Vec<u32>>,
+    /// Particles whose pairs the wall cuts.
+    contacts: Contacts,
+    /// What each of them gains at the current instant, and what the sweep takes from it for the cut pairs (W/m3).
+    gains: Vec<(f64, f64)>,
 }
 
 /// Ghosts and walls, as the sweep sees them.
@@ -138,8 +127,8 @@ impl<L: PotentialLaw> Around<L> {
     fn exterior_row(&self, row: i64, potentials: &mut [f64]) {
         if let Some(exterior) = &self.exterior {
             let row = (row + self.shape.reach_rows as i64) as usize;
-            for (column, ghost) in &exterior.rows[row] {
-                potentials[*column as usize] = exterior.values[*ghost as usize];
+            for column in &exterior.rows[row] {
+                potentials[*column as usize] = 0.0;
             }
         }
     }
@@ -364,7 +353,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
     }
 
     /// Heat in through every door (W), from what the sweep and the preparation left.
-    fn book(&self, enthalpy_was: &[f64], doors: &mut [f64]) {
+    fn book(&self, doors: &mut [f64]) {
         let volume = self.around.lattice.volume();
         doors.fill(0.0);
         for side in (0..4).filter(|side| self.around.open[*side]) {
@@ -372,10 +361,8 @@ impl<L: PotentialLaw> LatticeOperator<L> {
                 doors[door] += volume * self.row_doors.iter().map(|rates| rates[side]).collect::<Sum>().value();
             }
         }
-        if let (Some(exterior), Some((door, _))) = (&self.around.exterior, self.boundary.curved)
-            && self.boundary.doors[door].lets_heat_through()
-        {
-            doors[door] = volume * exterior.heat(&self.around.law, enthalpy_was);
+        if let (Some(exterior), Some((door, _))) = (&self.around.exterior, self.boundary.curved) {
+            doors[door] = volume * exterior.heat();
         }
         let walls = self.boundary.doors.len();
         for (sink, heat) in self.sinks.iter().zip(&self.sink_heat) {
@@ -388,6 +375,13 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         for (pair, rate) in self.corners.iter().zip(&self.corner_rates) {
             rates[pair.first as usize] += scale * rate;
             rates[pair.second as usize] -= scale * rate;
+        }
+    }
+
+    /// Adds what a curved wall gives to `rates`, scaled.
+    fn contact(&self, rates: &mut [f64], scale: f64) {
+        if let Some(exterior) = &self.around.exterior {
+            exterior.add(rates, scale);
         }
     }
 
@@ -419,16 +413,12 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         drop(targets);
         self.sink(rate, 1.0);
         self.strengthen(rate, 1.0);
-        self.book(enthalpy, doors);
+        self.contact(rate, 1.0);
+        self.book(doors);
     }
 
     fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, doors: &mut [f64]) {
         self.prepare(enthalpy, time);
-        if self.around.exterior.is_some() {
-            // The curved wall's heat needs the state before the step.
-            self.book(enthalpy, doors);
-        }
-        let curved = self.boundary.curved.map(|(door, _)| (door, doors[door]));
         if let [_] = self.bands.as_slice() {
             self.sweep(&mut [InPlace { enthalpy, step }]);
         } else {
@@ -444,10 +434,8 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         }
         self.sink(enthalpy, step);
         self.strengthen(enthalpy, step);
-        match curved {
-            Some((door, heat)) => doors[door] = heat,
-            None => self.book(enthalpy, doors),
-        }
+        self.contact(enthalpy, step);
+        self.book(doors);
     }
 
     fn bound(&self) -> Bound {
@@ -516,11 +504,13 @@ fn bound(
             .collect();
         cause = format!("pair exchange of the particles at wall `{}`", stiff.join("` and `"));
     }
-    if let Some(exterior) = exterior
-        && sum + exterior.stiffness > largest
-    {
-        largest = sum + exterior.stiffness;
-        cause = "pair exchange of the particles at the curved wall".to_string();
+    if let (Some(exterior), Some((door, _))) = (exterior, boundary.curved) {
+        let contacts = exterior.contacts.contacts.iter();
+        let added = contacts.map(|contact| faces[door].holds() * contact.stiffness - contact.cut).fold(0.0, f64::max);
+        if sum + added > largest {
+            largest = sum + added;
+            cause = "pair exchange of the particles at the curved wall".to_string();
+        }
     }
     for sink in sinks {
         for (index, row_sum) in sink.row_sums(lattice.spacing) {
@@ -546,24 +536,21 @@ impl Exterior {
                 if mirror(2) && row < 0 { -1 - row } else { row },
             )
         };
-        let mut exterior = Exterior {
-            rows: vec![Vec::new(); lattice.rows + 2 * shape.reach_rows],
-            starts: vec![0],
-            ..Exterior::default()
-        };
-        let mut numbers = std::collections::BTreeMap::new();
-        let mut reaches: Vec<(u32, u32, f64)> = Vec::new();
-        let reach = shape.reach as i64;
+        let (reach, reach_rows) = (shape.reach as i64, shape.reach_rows as i64);
+        let mut rows = vec![std::collections::BTreeSet::new(); lattice.rows + 2 * shape.reach_rows];
+        let mut contacts = Contacts::default();
+        let sum = stencil.sum();
+        let layers = boundary.curved.is_some_and(|(door, _)| boundary.doors[door].layers);
         for row in 0..lattice.rows {
             let (first, end) = lattice.span(row);
             for column in first as i64..end as i64 {
                 let row = row as i64;
-                let mut outside = 0.0;
-                // Deep inside every offset stays inside.
                 let depth = radius - lattice.centre(column, row).length();
+                // Deep inside every offset stays inside.
                 if depth > (reach as f64 + 1.5) * lattice.spacing * 1.5 {
                     continue;
                 }
+                let mut near = Neighbourhood::new(depth);
                 for (dx, dy, weight) in stencil.offsets() {
                     let (dx, dy) = (dx as i64, dy as i64);
                     for (sx, sy) in [(1, 1), (-1, 1), (1, -1), (-1, -1)] {
@@ -571,86 +558,42 @@ impl Exterior {
                             continue;
                         }
                         let cell = fold(column + sx * dx, row + sy * dy);
-                        if lattice.index(cell.0, cell.1).is_none() {
-                            outside += weight;
-                            let next = numbers.len();
-                            let number = *numbers.entry(cell).or_insert(next);
-                            if number == exterior.ghost_weights.len() {
-                                exterior.ghost_weights.push(0.0);
-                            }
-                            exterior.ghost_weights[number] += weight;
-                            if let Some(index) = lattice.index(column, row) {
-                                reaches.push((index as u32, number as u32, weight));
+                        let depth = radius - lattice.centre(cell.0, cell.1).length();
+                        match lattice.index(cell.0, cell.1) {
+                            Some(index) => near.pair(index as u32, weight, depth),
+                            None => {
+                                near.cut(weight, if layers { 0.0 } else { -depth });
+                                rows[(cell.1 + reach_rows) as usize].insert((cell.0 + reach) as u32);
                             }
                         }
                     }
                 }
-                if outside > 0.0
-                    && let Some(index) = lattice.index(column, row)
-                {
-                    exterior.near_wall.push((index as u32, outside));
+                if let Some(index) = lattice.index(column, row) {
+                    contacts.add(index as u32, &near, sum);
                 }
             }
         }
-        let mut cells: Vec<((i64, i64), usize)> = numbers.into_iter().collect();
-        cells.sort_unstable_by_key(|cell| cell.1);
-        for ((column, row), number) in cells {
-            let place = lattice.centre(column, row);
-            let depth = (place.length() - radius).max(0.0);
-            let image = place * ((radius - depth) / place.length());
-            exterior.depths.push(depth);
-            exterior.rows[(row + shape.reach_rows as i64) as usize].push(((column + reach) as u32, number as u32));
-            let near = lattice.to_cells(image).round();
-            let mut points: Vec<(usize, DVec2)> = Vec::new();
-            // The rounded image is at most half a cell off, so the box holds the disc of the fit.
-            let across = (FIT_RANGE + 0.5).ceil() as i64;
-            for dy in -across..=across {
-                for dx in -across..=across {
-                    let cell = (near.x as i64 + dx, near.y as i64 + dy);
-                    let folded = fold(cell.0, cell.1);
-                    let centre = lattice.centre(cell.0, cell.1);
-                    if let Some(index) = lattice.index(folded.0, folded.1)
-                        && (centre - image).length() <= FIT_RANGE * lattice.spacing
-                    {
-                        points.push((index, centre));
-                    }
-                }
-            }
-            let places: Vec<DVec2> = points.iter().map(|point| point.1).collect();
-            let weights = moving_least_squares(image, &places, FIT_SCALE * lattice.spacing, 2);
-            for ((index, _), weight) in points.iter().zip(weights) {
-                exterior.images.push((*index as u32, weight));
-            }
-            exterior.starts.push(exterior.images.len() as u32);
-        }
-        exterior.values = vec![0.0; exterior.depths.len()];
-        // What a particle finds of itself in the ghosts that it reaches, ghosts falling as their images rise.
-        let (mut last, mut own) = (u32::MAX, 0.0);
-        for (index, ghost, weight) in reaches {
-            own = if index == last { own } else { 0.0 };
-            last = index;
-            let images = exterior.starts[ghost as usize] as usize..exterior.starts[ghost as usize + 1] as usize;
-            let share = exterior.images[images].iter().filter(|image| image.0 == index).map(|image| image.1);
-            own += weight * share.sum::<f64>();
-            exterior.stiffness = exterior.stiffness.max(own);
-        }
-        exterior
+        let rows = rows.into_iter().map(|row| row.into_iter().collect()).collect();
+        Exterior { rows, gains: vec![(0.0, 0.0); contacts.contacts.len()], contacts }
     }
 
     fn update<L: PotentialLaw>(&mut self, law: &L, enthalpy: &[f64], face: &Face, thermal: &Thermal) {
-        for (ghost, value) in self.values.iter_mut().enumerate() {
-            let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
-            let image: f64 =
-                images.iter().map(|(index, weight)| weight * law.potential(enthalpy[*index as usize])).sum();
-            *value = face.ghost(image, self.depths[ghost], &thermal.curve, thermal.initial_potential);
+        let potential = |particle: usize| law.potential(enthalpy[particle]);
+        for (contact, gain) in self.contacts.contacts.iter().zip(&mut self.gains) {
+            let flux = |particle: usize, depth: f64| face.flux(potential(particle), depth, thermal);
+            *gain = (self.contacts.gain(contact, flux), contact.cut * potential(contact.particle as usize));
+        }
+    }
+
+    /// Adds what the wall gives to `rates`, scaled, and gives back what the sweep took for the cut pairs.
+    fn add(&self, rates: &mut [f64], scale: f64) {
+        for (contact, (gain, taken)) in self.contacts.contacts.iter().zip(&self.gains) {
+            rates[contact.particle as usize] += scale * (gain + taken);
         }
     }
 
     /// Heat rate in through the wall, by volume of a particle.
-    fn heat<L: PotentialLaw>(&self, law: &L, enthalpy: &[f64]) -> f64 {
-        let ghosts: Sum = self.values.iter().zip(&self.ghost_weights).map(|(value, weight)| value * weight).collect();
-        let inside: Sum =
-            self.near_wall.iter().map(|(index, weight)| weight * law.potential(enthalpy[*index as usize])).collect();
-        ghosts.value() - inside.value()
+    fn heat(&self) -> f64 {
+        self.gains.iter().map(|gain| gain.0).collect::<Sum>().value()
     }
 }

@@ -7,6 +7,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 
 use crate::boundary::{Boundary, Face};
+use crate::curved_wall::Contacts;
 use crate::ghosts::Ghosts;
 use crate::ledger::Sum;
 use crate::method::{Bound, Clock};
@@ -87,6 +88,8 @@ pub struct ListParts {
     pub ghosts: Ghosts,
     /// Walls.
     pub boundary: Boundary,
+    /// Contacts with the curved wall.
+    pub contacts: Contacts,
     /// Pipes.
     pub sinks: Vec<Sink>,
     /// Names of pipe rings.
@@ -180,6 +183,7 @@ impl<T: PairTerm> ListOperator<T> {
                 self.exchange(&|o, i, j| o.by_mean(i, j, |a, b| (a * b).sqrt()), rate, doors);
             }
         }
+        self.contact(rate, doors);
         let parts = &self.parts;
         let walls = parts.boundary.doors.len();
         for (sink, heat) in parts.sinks.iter().zip(&mut self.sink_heat) {
@@ -192,6 +196,30 @@ impl<T: PairTerm> ListOperator<T> {
             }
             doors[walls + sink.ring] -= taken;
         }
+    }
+
+    /// Adds what the curved wall gives.
+    fn contact(&self, rate: &mut [f64], doors: &mut [f64]) {
+        let Some((door, _)) = self.parts.boundary.curved else { return };
+        let (materials, fields) = (&self.parts.materials, &self.fields);
+        let by_potential = |particle: usize, depth: f64| {
+            let material = materials.index(particle);
+            self.faces[material][door].flux(fields.potential[particle], depth, &materials.thermals[material])
+        };
+        let by_temperature = |particle: usize, depth: f64| {
+            let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
+            self.faces[0][door].flux_by_temperature(temperature, conductivity, depth)
+        };
+        let mut sum = Sum::default();
+        for contact in &self.parts.contacts.contacts {
+            let gain = match self.parts.exchange {
+                Exchange::Potential => self.parts.contacts.gain(contact, by_potential),
+                Exchange::Mean(_) => self.parts.contacts.gain(contact, by_temperature),
+            };
+            rate[contact.particle as usize] += gain;
+            sum.add(gain);
+        }
+        doors[door] = sum.value() * self.parts.volume;
     }
 
     #[inline(always)]
@@ -361,6 +389,11 @@ fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
             own + mirrored.max(0.0)
         })
         .collect();
+    if let Some((door, _)) = parts.boundary.curved {
+        for contact in &parts.contacts.contacts {
+            sums[contact.particle as usize] += faces[door].holds() * contact.stiffness;
+        }
+    }
     for sink in &parts.sinks {
         for (index, row_sum) in sink.row_sums(parts.spacing) {
             sums[index] += row_sum;

@@ -9,6 +9,7 @@ use rayon::ThreadPool;
 
 use crate::boundary::{Boundary, Side};
 use crate::corner::strengthen;
+use crate::curved_wall::{Contacts, Neighbourhood, cells_behind};
 use crate::ghosts::Ghosts;
 use crate::green::Green;
 use crate::integrate::{Euler, Rkl2, SchemeEuler};
@@ -209,7 +210,8 @@ pub fn build(
             let fitted = numerics.walls == WallModel::MovingLeastSquares;
             let reach = discretisation.weight.reach();
             let ghosts = Ghosts::new(&positions, &lattice, &boundary, reach, fitted);
-            let mut pairs = pairs(&positions, &ghosts, &lattice, numerics, discretisation);
+            let (mut pairs, contacts) =
+                pairs(&positions, &ghosts, &lattice, &boundary, &materials, numerics, discretisation);
             let first = &materials.thermals[0];
             let faces = boundary.first_faces(&first.curve, first.initial_potential);
             strengthen(&mut pairs, &ghosts, positions.len(), &faces);
@@ -222,6 +224,7 @@ pub fn build(
                 pairs,
                 ghosts,
                 boundary,
+                contacts,
                 sinks,
                 rings,
                 exchange: numerics.exchange,
@@ -386,14 +389,17 @@ fn place(scene: &Scene, numerics: &Numerics, lattice: &Lattice, seed: u64) -> Re
     })
 }
 
-/// Pairs with their weights: every partner within reach of every particle, ghosts included.
+/// Pairs with their weights: every partner within reach of every particle, ghosts included; and what became of those
+/// that a curved wall cuts.
 fn pairs(
     positions: &[DVec2],
     ghosts: &Ghosts,
     lattice: &Lattice,
+    boundary: &Boundary,
+    materials: &Materials,
     numerics: &Numerics,
     discretisation: &Discretisation,
-) -> PairList {
+) -> (PairList, Contacts) {
     let weight = discretisation.weight.as_ref();
     // On a lattice a radius that falls on a shell must not depend on rounding.
     let limit = weight.reach() * (1.0 + SHELL_TOLERANCE);
@@ -410,10 +416,15 @@ fn pairs(
     // Coincident points exchange nothing: their distance gives no direction.
     let distance = |i: usize, j: u32| (points[j as usize] - points[i]).length();
     let volume = lattice.volume();
+    let behind = |i: usize| {
+        let curved = boundary.curved.into_iter();
+        let cells = curved.flat_map(move |(_, radius)| cells_behind(positions[i], lattice, radius, limit));
+        cells.map(|(distance, depth)| (distance, depth, volume * weight.weight(distance)))
+    };
     let mut weights: Vec<f64> = Vec::with_capacity(list.partners.len());
     let mut scale = vec![1.0; points.len()];
     for i in 0..count {
-        let mut moment = 0.0;
+        let mut moment: f64 = behind(i).map(|(distance, _, pair)| pair * distance * distance).sum();
         for j in list.of(i) {
             let distance = distance(i, *j);
             let pair = if distance > 0.0 { volume * weight.weight(distance) } else { 0.0 };
@@ -434,7 +445,32 @@ fn pairs(
             place += 1;
         }
     }
-    PairList { starts: list.starts, partners: list.partners, weights }
+    let mut contacts = Contacts::default();
+    if let Some((door, radius)) = boundary.curved {
+        for i in 0..count {
+            let mut near = Neighbourhood::new(radius - positions[i].length());
+            let mut sum = 0.0;
+            for (_, depth, pair) in behind(i) {
+                near.cut(scale[i] * pair, if boundary.doors[door].layers { 0.0 } else { depth });
+                sum += scale[i] * pair;
+            }
+            if sum == 0.0 {
+                continue;
+            }
+            for k in list.starts[i]..list.starts[i + 1] {
+                // Beside a curved wall there are mirror planes alone, whose ghosts are their particles.
+                let partner = list.partners[k] as usize;
+                let particle = partner.checked_sub(count).map_or(partner as u32, |ghost| ghosts.model[ghost]);
+                sum += weights[k];
+                // A neighbour of another material pulls by the potential of the interface, not by its own.
+                if materials.index(particle as usize) == materials.index(i) {
+                    near.pair(particle, weights[k], radius - positions[particle as usize].length());
+                }
+            }
+            contacts.add(i as u32, &near, sum);
+        }
+    }
+    (PairList { starts: list.starts, partners: list.partners, weights }, contacts)
 }
 
 /// Sinks of all pipes in the sector, and the names of their rings.

@@ -208,8 +208,7 @@ impl Ghosts {
         self.position.is_empty()
     }
 
-    /// Largest addition that ghosts make to the row sum of a particle, given the weights to ghosts: for each
-    /// particle, `sum over ghosts of weight * share of the particle in the ghost`.
+    /// How strongly a fitted ghost falls when a particle rises, by the particle's share in the fit.
     pub fn own_share(&self, ghost: usize, particle: u32, faces: &[Face]) -> f64 {
         let stiffness = self.door[ghost].map_or(-1.0, |door| faces[door as usize].stiffness());
         let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];

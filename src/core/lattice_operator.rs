@@ -294,7 +294,8 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             if sink.temperature.changes() {
                 *potential = thermal.potential_at(sink.temperature.at(time));
             }
-            *heat = sink.heat(|index| around.law.potential(enthalpy[index]), *potential);
+            let working = sink.works(time);
+            *heat = if working { sink.heat(|index| around.law.potential(enthalpy[index]), *potential) } else { 0.0 };
         }
         let around = &self.around;
         for (pair, rate) in self.corners.iter().zip(&mut self.corner_rates) {

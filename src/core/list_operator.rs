@@ -189,7 +189,8 @@ impl<T: PairTerm> ListOperator<T> {
         for (sink, heat) in parts.sinks.iter().zip(&mut self.sink_heat) {
             let material = parts.materials.of(sink.sample.first().map_or(0, |entry| entry.0 as usize));
             let wall = material.potential_at(sink.temperature.at(clock.time));
-            *heat = sink.heat(|index| self.fields.potential[index], wall);
+            let working = sink.works(clock.time);
+            *heat = if working { sink.heat(|index| self.fields.potential[index], wall) } else { 0.0 };
             let taken = *heat * sink.share;
             for (index, weight) in &sink.sample {
                 rate[*index as usize] -= taken * weight / parts.volume;
@@ -378,13 +379,20 @@ impl Operator for EnthalpyList {
 
 fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
     let count = parts.positions.len();
+    let mirrored = parts.ghosts.mirrored(count, faces);
+    // How a ghost falls when the particle rises: through any number of mirrors, or by its share in a fit.
+    let falls = |ghost: usize, particle: u32| match mirrored[ghost] {
+        Some((own, factor)) if own == particle => -factor,
+        Some(_) => 0.0,
+        None => parts.ghosts.own_share(ghost, particle, faces),
+    };
     let mut sums: Vec<f64> = (0..count)
         .map(|i| {
             let range = parts.pairs.starts[i]..parts.pairs.starts[i + 1];
             let own: f64 = range.clone().map(|k| parts.pairs.weights[k]).sum();
             let mirrored: f64 = range
                 .filter_map(|k| (parts.pairs.partners[k] as usize).checked_sub(count).map(|ghost| (k, ghost)))
-                .map(|(k, ghost)| parts.pairs.weights[k] * parts.ghosts.own_share(ghost, i as u32, faces))
+                .map(|(k, ghost)| parts.pairs.weights[k] * falls(ghost, i as u32))
                 .sum();
             own + mirrored.max(0.0)
         })

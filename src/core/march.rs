@@ -93,15 +93,17 @@ pub fn run(
     'run: for instant in instants(scene) {
         while clock.time < instant {
             let allowed = gentle.map_or(step, |first| step.min(first * GROWTH.powi(clock.index.min(1000) as i32)));
-            let count = ((instant - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
-            clock.step = (instant - clock.time) / count;
+            // Pipes are switched between steps.
+            let landing = scene.next_switch(clock.time).map_or(instant, |switch| instant.min(switch));
+            let count = ((landing - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
+            clock.step = (landing - clock.time) / count;
             longest = longest.max(clock.step);
             if let Err(error) = method.advance(&mut particles, &clock) {
                 stop = Some((Outcome::Diverged, error.reason));
                 break 'run;
             }
             clock.index += 1;
-            let now = if count == 1.0 { instant } else { clock.time + clock.step };
+            let now = if count == 1.0 { landing } else { clock.time + clock.step };
             clock.time = now;
             if watches.due(now) {
                 method.publish(&mut particles);

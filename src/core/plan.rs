@@ -33,6 +33,12 @@ use crate::stencil::{SHELL_TOLERANCE, Stencil};
 use crate::sweep::WIDEST;
 use crate::uptake::{Materials, scheme};
 
+/// Times that a ring of pipes may be switched in one run.
+const MOST_SWITCHES: f64 = 1e7;
+
+/// Steps of one run: more and time, which is as good as 16 digits, would stand still.
+const MOST_STEPS: f64 = 1e15;
+
 /// Particles, neighbours and walls on a list, ready for a method's own step.
 pub struct Assembly {
     /// The parts of a list operator.
@@ -164,7 +170,11 @@ pub fn build(
     }
     let (sinks, rings) = pipes(scene, numerics, &lattice, &boundary, &stencil)?;
     let pipe_extents = sinks.iter().map(|sink| sink.extent).collect();
-    let why_list = why_list(scene, numerics, discretisation, &stencil);
+    let narrow = stencil.reach > lattice.columns || (lattice.dimension == 2 && stencil.reach > lattice.rows);
+    if narrow && numerics.search == SearchChoice::Lattice {
+        return Err(refuse("search = \"lattice\" needs a body at least as wide as pairs reach: set \"auto\"".into()));
+    }
+    let why_list = why_list(scene, numerics, discretisation, &stencil, narrow);
     let mut used = vec![format!(
         "{} particles, {} m apart, {}",
         lattice.len(),
@@ -295,6 +305,7 @@ fn why_list(
     numerics: &Numerics,
     discretisation: &Discretisation,
     stencil: &Stencil,
+    narrow: bool,
 ) -> Option<&'static str> {
     let reasons = [
         (numerics.layout != Layout::Lattice, "particles stand unevenly"),
@@ -303,6 +314,7 @@ fn why_list(
         (!scene.regions.is_empty(), "there are several materials"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
         (matches!(discretisation.stepper, Stepper::Own(_)), "the method makes its own step"),
+        (narrow, "pairs reach farther than the body is wide"),
         (stencil.reach > WIDEST, "the reach is wider than any compiled stencil"),
         (
             !matches!(numerics.search, SearchChoice::Auto | SearchChoice::Lattice),
@@ -333,6 +345,13 @@ fn choose_step(numerics: &Numerics, bound: &Bound, scene: &Scene) -> Result<f64,
             step
         }
     };
+    let steps = scene.duration / step;
+    if steps.is_nan() || steps > MOST_STEPS {
+        return Err(refuse(format!(
+            "the run would take {steps:.1e} steps of {step:.1e} s, must be at most {MOST_STEPS:.0e}: the bound is set by {}",
+            bound.cause
+        )));
+    }
     Ok(step.min(scene.duration))
 }
 
@@ -491,6 +510,16 @@ fn pipes(
     let mut sinks = Vec::new();
     let mut rings = Vec::new();
     for (number, ring) in scene.rings.iter().enumerate() {
+        if let Some(schedule) = &ring.schedule
+            && schedule.switches(scene.duration) > MOST_SWITCHES
+        {
+            return Err(refuse(format!(
+                "the pipes of ring {} are switched {:.1e} times, must be at most {MOST_SWITCHES:.0e}: steps land on \
+                 every switch",
+                number + 1,
+                schedule.switches(scene.duration)
+            )));
+        }
         let green = Green::new(stencil, lattice.spacing, green_reach(ring.pipe_radius, lattice.spacing));
         for pipe in ring.pipes() {
             let sink = immerse(&pipe, number, lattice, mirrors, &green).map_err(refuse)?;

@@ -340,7 +340,12 @@ impl Curve {
                 start.max(ambient),
             )
         };
-        coefficient * (ambient - wall)
+        // The smaller of the two differences of temperature would be lost in rounding.
+        if target > self.most_conductive() {
+            (self.potential(wall) - inside) / depth
+        } else {
+            coefficient * (ambient - wall)
+        }
     }
 
     /// Temperature of the interface between this material, whose particle holds the potential `own` (W/m), and

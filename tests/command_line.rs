@@ -72,7 +72,7 @@ fn an_unknown_scene_suggests_the_nearest() {
 fn list_shows_every_scene_and_method() {
     let output = frazil(Path::new("."), &["list"]);
     assert_eq!(output.status.code(), Some(0));
-    for scene in frazil_cases::scenes::all() {
+    for scene in frazil_cases::scenes::all().iter().chain(frazil_cases::scenes::extreme()) {
         assert!(text(&output.stdout).contains(&format!("  {} ", scene.name)));
     }
     for kind in frazil::registry::methods() {

@@ -5,6 +5,7 @@ mod broken_scenes;
 mod bundled_scenes;
 mod command_line;
 mod documents;
+mod extreme;
 mod invariants;
 mod order;
 mod references;

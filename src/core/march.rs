@@ -19,7 +19,7 @@ use crate::scene::{Scene, Uptake};
 use crate::watch::Watches;
 
 use guard::Guard;
-use instants::{outputs, stops};
+use instants::{next_turn, outputs, stops};
 
 /// How a run is to be made; nothing here changes a digit of its result, but the seed.
 #[derive(Clone, Copy)]
@@ -89,20 +89,26 @@ pub fn run(
     let solve = Stopwatch::start();
     let began = Instant::now();
     let mut last_progress = began;
-    let mut clock = Clock { time: 0.0, step: 0.0, index: 0 };
+    let mut clock = Clock { time: 0.0, step: 0.0, index: 0, turned: true };
     let mut longest: f64 = 0.0;
     let mut stop: Option<(Outcome, String)> = None;
     watches.look(&particles, 0.0);
     let dense = method.is_dense();
     let outputs = outputs(scene);
     let mut pending = outputs.iter().copied().peekable();
+    let mut turn = f64::NEG_INFINITY;
     let mut observation = Elapsed::default();
     let mut between = vec![0.0; if dense { particles.len() } else { 0 }];
     'run: for instant in stops(scene, &outputs, dense) {
         while clock.time < instant {
             let allowed = step.min(method.wanted_step());
-            let count = ((instant - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
-            clock.step = (instant - clock.time) / count;
+            clock.turned = clock.time >= turn || clock.index == 0;
+            if clock.turned {
+                turn = next_turn(scene, clock.time, dense);
+            }
+            let landing = instant.min(turn);
+            let count = ((landing - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
+            clock.step = (landing - clock.time) / count;
             let made = match method.advance(&mut particles, &clock) {
                 Ok(made) => made,
                 Err(error) => {
@@ -113,7 +119,7 @@ pub fn run(
             longest = longest.max(made);
             clock.index += 1;
             let before = clock.time;
-            let now = if count == 1.0 && made == clock.step { instant } else { before + made };
+            let now = if count == 1.0 && made == clock.step { landing } else { before + made };
             clock.time = now;
             if dense && (pending.peek().is_some_and(|time| *time < now) || watches.closes(&particles)) {
                 let seen = Stopwatch::start();

@@ -310,6 +310,7 @@ mod tests {
             first_angle: 0.0,
             pipe_radius: 0.05,
             temperature: Series::Constant(-20.0),
+            schedule: None,
         });
         scene
     }

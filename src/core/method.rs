@@ -82,6 +82,8 @@ pub struct Clock {
     pub step: f64,
     /// Number of steps made before this one.
     pub index: u64,
+    /// Whether walls or pipes may have jumped since the last step.
+    pub turned: bool,
 }
 
 /// The explicit limit of a step, and why.

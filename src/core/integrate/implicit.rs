@@ -2,7 +2,7 @@
 
 use super::control::{Control, EnthalpyRange, Judgement};
 use super::newton::{Newton, NotConverged, RESIDUAL, Stage};
-use super::sharp_step;
+use super::{just_before, sharp_step};
 use crate::ledger::{Hermite, Ledger};
 use crate::method::{Bound, Clock, Method, StepError, Work};
 use crate::operator::Operator;
@@ -56,7 +56,7 @@ pub struct Implicit {
     end_doors: Vec<f64>,
     start_doors: Vec<f64>,
     heat: Vec<f64>,
-    begun: bool,
+    turns: u64,
     rejected: u64,
     limited: u64,
 }
@@ -97,7 +97,7 @@ impl Implicit {
             end_doors: door(),
             start_doors: door(),
             heat: door(),
-            begun: false,
+            turns: 0,
             rejected: 0,
             limited: 0,
         }
@@ -114,7 +114,7 @@ impl Implicit {
         newton.solve(operator.as_mut(), &system, stage, first, first_doors)?;
         extrapolate(known, start, first, (1.0 - DIAGONAL) * step);
         extrapolate(stage, start, first, step);
-        let system = Stage { known, weight, time: time + step, scale };
+        let system = Stage { known, weight, time: just_before(time, step), scale };
         newton.solve(operator.as_mut(), &system, stage, second, second_doors)?;
         extrapolate(next, known, second, weight);
         Ok(())
@@ -129,7 +129,7 @@ impl Implicit {
         self.euler_rate.resize(start.len(), 0.0);
         let Implicit { operator, newton, stage, next, euler_rate, doors, .. } = self;
         stage.copy_from_slice(start);
-        let system = Stage { known: start, weight: step, time: time + step, scale };
+        let system = Stage { known: start, weight: step, time: just_before(time, step), scale };
         newton.solve(operator.as_mut(), &system, stage, euler_rate, &mut doors[2])?;
         extrapolate(stage, start, euler_rate, step);
         let share = self.range.share(stage, next, SLACK);
@@ -196,8 +196,8 @@ impl Method for Implicit {
 
     fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
         let state = &mut particles.enthalpy;
-        if !self.begun {
-            self.begun = true;
+        if clock.turned {
+            self.turns += 1;
             self.operator.rate(state, clock.time, &mut self.rate, &mut self.end_doors);
         }
         let mut step = clock.step;
@@ -254,7 +254,7 @@ impl Method for Implicit {
     fn work(&self) -> Work {
         let (newton_median, newton_most) = self.newton.median_and_most();
         Work {
-            evaluations: u64::from(self.begun) + self.newton.evaluations,
+            evaluations: self.turns + self.newton.evaluations,
             rejected_steps: self.rejected,
             limited_steps: self.limited,
             newton_solves: self.newton.solves,

@@ -1,7 +1,7 @@
 //! Runge-Kutta-Legendre of second order.
 
 use super::control::{Control, EnthalpyRange, Judgement};
-use super::sharp_step;
+use super::{just_before, sharp_step};
 use crate::ledger::{Hermite, Ledger};
 use crate::method::{Bound, Clock, Method, StepError, Work};
 use crate::operator::{Operator, Stage, StageColumns};
@@ -199,6 +199,9 @@ impl Method for Rkl2 {
 
     fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
         let state = &mut particles.enthalpy;
+        if clock.turned {
+            self.first_holds_at = None;
+        }
         if let Pace::Fixed { stages, steps } = &mut self.pace {
             *steps = steps.saturating_add(1);
             let stages = *stages;
@@ -212,7 +215,7 @@ impl Method for Rkl2 {
             self.chain(state, clock.time, step, Self::stages_for(step / self.euler.step));
             self.first_holds_at = Some(clock.time);
             let end = clock.time + step;
-            self.operator.rate(&self.old, end, &mut self.last_rate, &mut self.doors.last);
+            self.operator.rate(&self.old, just_before(clock.time, step), &mut self.last_rate, &mut self.doors.last);
             self.work.evaluations += 1;
             let (error, size) = self.error(state, step);
             let Pace::Controlled { control, range, .. } = &mut self.pace else { return Ok(step) };

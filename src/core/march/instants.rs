@@ -1,6 +1,6 @@
 //! The instants of a run: outputs, and those on which steps must land.
 
-use crate::scene::{Condition, Scene, Series};
+use crate::scene::Scene;
 
 /// Output and profile instants in order, the end included.
 pub fn outputs(scene: &Scene) -> Vec<f64> {
@@ -19,38 +19,22 @@ pub fn outputs(scene: &Scene) -> Vec<f64> {
     instants
 }
 
-/// Instants at which a series of the scene bends, in order: steps must land there.
-pub fn bends(scene: &Scene) -> Vec<f64> {
-    let mut bends = Vec::new();
-    let mut add = |series: &Series| {
-        if let Series::Table(rows) = series {
-            bends.extend(rows.iter().map(|row| row.0).filter(|time| *time > 0.0 && *time < scene.duration));
-        }
-    };
-    for wall in &scene.walls {
-        match &wall.condition {
-            Condition::Temperature(series) | Condition::Flux(series) => add(series),
-            Condition::Convection { coefficient, ambient } => {
-                add(coefficient);
-                add(ambient);
-            }
-            Condition::Symmetry | Condition::Exact => {}
-        }
-    }
-    scene.rings.iter().for_each(|ring| add(&ring.temperature));
-    bends.sort_by(f64::total_cmp);
-    bends.dedup();
-    bends
-}
-
-/// Instants on which steps land: the bends, all outputs or, where states between steps are known, those alone at which
-/// whole profiles are kept, and the end.
+/// Instants on which steps land whatever the walls do: all outputs or, where states between steps are known, those
+/// alone at which whole profiles are kept, and the end.
 pub fn stops(scene: &Scene, outputs: &[f64], dense: bool) -> Vec<f64> {
-    let mut stops = bends(scene);
-    let wanted = |instant: &f64| (0.0..scene.duration).contains(instant);
-    stops.extend(if dense { scene.watch.profiles.as_slice() } else { outputs }.iter().copied().filter(wanted));
-    stops.push(scene.duration);
+    if !dense {
+        return outputs.to_vec();
+    }
+    let kept = scene.watch.profiles.iter().copied().filter(|instant| *instant > 0.0 && *instant < scene.duration);
+    let mut stops: Vec<f64> = kept.chain([scene.duration]).collect();
     stops.sort_by(f64::total_cmp);
     stops.dedup();
     stops
+}
+
+/// The next instant after `time` at which steps land for what walls and pipes do: they are switched between steps, and
+/// long steps do not pass over a bend of their series.
+pub fn next_turn(scene: &Scene, time: f64, dense: bool) -> f64 {
+    let bend = if dense { scene.next_bend(time) } else { None };
+    scene.next_switch(time).into_iter().chain(bend).fold(f64::INFINITY, f64::min)
 }

@@ -10,8 +10,15 @@ use frazil_core::scene::{Layout, Scene, Units};
 
 use crate::sketch::advance;
 
+/// Keys of a method's section with their values.
+type Keys = &'static [(&'static str, &'static str)];
+
 /// The integrators that every scene runs under: a name, and keys of the method's section with their values.
-const INTEGRATORS: &[(&str, &[(&str, &str)])] = &[("explicit Euler", &[])];
+const INTEGRATORS: &[(&str, Keys)] = &[
+    ("explicit Euler", &[]),
+    ("rkl2", &[("integrator", "\"rkl2\"")]),
+    ("implicit", &[("integrator", "\"implicit\"")]),
+];
 
 /// What the balance may miss of the heat exchanged. It is rounding alone: sums over particles lose some 1e-14 in a
 /// short run, and a lattice that is all but steady repeats the same rounding in each of a million steps; the worst here
@@ -21,6 +28,9 @@ const BALANCE: f64 = 1e-10;
 /// How far temperatures may leave the data, over their range. A monotone step cannot leave them at all but by the
 /// rounding of enthalpies, which holds up to a million times the range in scenes that the reader takes.
 const BOUNDS: f64 = 1e-9;
+
+/// The same where steps are stabilised: they are made again, shorter, where they leave the data by a thousandth.
+const STABILISED_BOUNDS: f64 = 1e-3;
 
 /// A bundled scene with keys of a method's section set.
 fn read(name: &str, method: &str, keys: &[(&str, &str)]) -> Scene {
@@ -36,19 +46,26 @@ fn run_scene(scene: &Scene, method: &str) -> RunResult {
 }
 
 /// Runs a scene under each deterministic method and integrator.
-fn each_run(name: &str, mut judge: impl FnMut(&str, &Scene, &RunResult)) {
+fn each_run(name: &str, mut judge: impl FnMut(&str, &Scene, &RunResult, Keys)) {
     let mut count = 0;
     for (integrator, keys) in INTEGRATORS {
         for kind in methods().iter().filter(|kind| !kind.stochastic) {
             let scene = frazil::load::scene(name, &[]).unwrap_or_else(|failure| unreachable!("{name}: {failure}"));
             if scene.method(kind.name).is_some() {
                 let scene = read(name, kind.name, keys);
-                judge(&format!("{name}, {}, {integrator}", kind.name), &scene, &run_scene(&scene, kind.name));
+                let run = format!("{name}, {}, {integrator}", kind.name);
+                judge(&run, &scene, &run_scene(&scene, kind.name), keys);
                 count += 1;
             }
         }
     }
     assert!(count > 0, "{name} has no method");
+}
+
+/// What steps may miss beside what the spacing does, over the size of a number: as much as they were allowed.
+fn by_steps(scene: &Scene, result: &RunResult) -> f64 {
+    let settings = scene.method(&result.record.method).expect("a section");
+    settings.numerics.integrator.tolerance().unwrap_or(0.0)
 }
 
 /// Every number that a run leaves.
@@ -79,7 +96,8 @@ fn extreme_scenes_stay_whole_under_every_method() {
         for (integrator, keys) in INTEGRATORS {
             for kind in methods() {
                 let scene = read(bundled.name, kind.name, &[]);
-                if scene.method(kind.name).is_none() {
+                // A stochastic method makes its own steps.
+                if scene.method(kind.name).is_none() || (kind.stochastic && !keys.is_empty()) {
                     continue;
                 }
                 let scene = read(bundled.name, kind.name, keys);
@@ -90,8 +108,10 @@ fn extreme_scenes_stay_whole_under_every_method() {
                 assert!(record.energy_balance_rel.abs() <= BALANCE, "{name}: {:e}", record.energy_balance_rel);
                 if !kind.stochastic && !scene.has_flux() {
                     let violation = record.bounds_violation_rel;
-                    assert!(violation.is_some_and(|found| found <= BOUNDS), "{name}: {violation:?}");
+                    let allowed = if *integrator == "rkl2" { STABILISED_BOUNDS } else { BOUNDS };
+                    assert!(violation.is_some_and(|found| found <= allowed), "{name}: {violation:?}");
                 }
+                assert!(record.work.newton_median <= 8, "{name}: {:?}", record.work);
             }
         }
     }
@@ -131,12 +151,13 @@ fn fronts_follow_the_closed_forms() {
     for name in
         ["stefan-number-1e-3", "stefan-number-1e-2", "stefan-number-10", "stefan-number-1e3", "at-the-freezing-point"]
     {
-        each_run(name, |run, scene, result| {
+        each_run(name, |run, scene, result, _| {
             let spacing = scene.methods[0].numerics.spacing;
             let mut count = 0;
             for row in result.front.iter().filter(|row| row.time_s >= scene.watch.front_from) {
                 let exact = row.front_ref_m.expect("a closed form");
-                assert!((row.front_m - exact).abs() <= 0.5 * spacing, "{run}: {} and {exact}", row.front_m);
+                let allowed = 0.5 * spacing + by_steps(scene, result) * exact;
+                assert!((row.front_m - exact).abs() <= allowed, "{run}: {} and {exact}", row.front_m);
                 count += usize::from(exact > 4.0 * spacing);
             }
             assert!(count > 20, "{run}: the front came past four particles in {count} rows only");
@@ -147,10 +168,10 @@ fn fronts_follow_the_closed_forms() {
 /// An interval that is narrower than any temperature difference freezes as a sharp point does.
 #[test]
 fn a_microkelvin_is_sharp() {
-    let sharp: Vec<(String, String)> = [("law", "isothermal")]
-        .map(|(key, value)| (format!("materials.water.freezing.{key}"), value.to_owned()))
-        .to_vec();
-    each_run("interval-of-a-microkelvin", |run, scene, result| {
+    each_run("interval-of-a-microkelvin", |run, scene, result, keys| {
+        let method = &result.record.method;
+        let mut sharp = vec![("materials.water.freezing.law".to_owned(), "isothermal".to_owned())];
+        sharp.extend(keys.iter().map(|(key, value)| (format!("method.{method}.{key}"), (*value).to_owned())));
         let text = scenes::find("interval-of-a-microkelvin").expect("bundled").text.replace("width_K = 1e-6, ", "");
         let other = Scene::read(&text, "sharp", "sharp", &sharp, methods());
         let other = other.unwrap_or_else(|problems| unreachable!("{problems}"));
@@ -158,8 +179,9 @@ fn a_microkelvin_is_sharp() {
         let last = |result: &RunResult| result.front.last().map_or(0.0, |row| row.front_m);
         let (own, sharp) = (last(result), last(&other));
         // Potentials differ by a microkelvin of twenty kelvin; steps that end a freezing move it by no more than that.
+        let allowed = 1e-5 + by_steps(scene, result);
         assert!(
-            own > 4.0 * scene.methods[0].numerics.spacing && (own / sharp - 1.0).abs() < 1e-5,
+            own > 4.0 * scene.methods[0].numerics.spacing && (own / sharp - 1.0).abs() < allowed,
             "{run}: {own} {sharp}"
         );
     });
@@ -167,7 +189,7 @@ fn a_microkelvin_is_sharp() {
 
 #[test]
 fn a_hundred_cycles_lose_no_heat_and_no_symmetry() {
-    each_run("freeze-thaw-100", |run, scene, result| {
+    each_run("freeze-thaw-100", |run, scene, result, _| {
         let mut crossed = 0.0;
         let mut before = vec![0.0; result.budget_names.len()];
         for row in &result.budget {
@@ -192,7 +214,7 @@ fn a_hundred_cycles_lose_no_heat_and_no_symmetry() {
 
 #[test]
 fn pipes_that_are_off_exchange_nothing() {
-    each_run("pipes-by-the-hour", |run, _, result| {
+    each_run("pipes-by-the-hour", |run, _, result, _| {
         let pipes = result.budget_names.iter().position(|name| name == "pipes").expect("a ring");
         let mut before = 0.0;
         for (hour, row) in result.budget.iter().enumerate() {
@@ -206,7 +228,7 @@ fn pipes_that_are_off_exchange_nothing() {
 
 #[test]
 fn hot_pipes_thaw_the_ground() {
-    each_run("hot-pipe", |run, _, result| {
+    each_run("hot-pipe", |run, _, result, _| {
         let heat = result.budget.last().expect("an output").in_j.iter().sum::<f64>();
         let thawed = result.profiles.iter().filter(|row| row.frozen_fraction == 0.0).count();
         assert!(heat > 1e5 && thawed > 0, "{run}: {heat} J came in, {thawed} points are thawed");
@@ -215,7 +237,7 @@ fn hot_pipes_thaw_the_ground() {
 
 #[test]
 fn nothing_crosses_an_insulated_curve() {
-    each_run("insulated-disc", |run, _, result| {
+    each_run("insulated-disc", |run, _, result, _| {
         let outer = result.budget_names.iter().position(|name| name == "outer").expect("the wall");
         assert!(result.budget.iter().all(|row| row.in_j[outer] == 0.0), "{run}");
         assert!(result.budget.last().is_some_and(|row| row.stored_j < -1e6), "{run}: the pipe took nothing");
@@ -224,13 +246,14 @@ fn nothing_crosses_an_insulated_curve() {
 
 #[test]
 fn one_particle_settles_between_its_walls() {
-    each_run("one-particle", |run, scene, result| {
+    each_run("one-particle", |run, scene, result, _| {
         let material = &scene.materials[0];
         // The mean of the walls' potentials, in the frozen phase.
         let potential = 0.5 * (-20.0 * material.frozen.conductivity + 5.0 * material.unfrozen.conductivity);
         let settled = potential / material.frozen.conductivity;
         let last = result.profiles.last().expect("a profile").temperature_c;
-        assert!((last - settled).abs() < 1e-9, "{run}: {last}, must be {settled}");
+        let allowed = 1e-9 + by_steps(scene, result) * 25.0;
+        assert!((last - settled).abs() < allowed, "{run}: {last}, must be {settled}");
     });
 }
 
@@ -263,12 +286,15 @@ fn particles_without_neighbours_keep_their_heat() {
 /// Largest and smallest properties make the same run in other units.
 #[test]
 fn properties_of_any_size_freeze_alike() {
-    each_run("largest-properties", |run, _, large| {
-        let small = run_scene(&read("smallest-properties", "", &[]), &large.record.method);
+    each_run("largest-properties", |run, scene, large, keys| {
+        let method = &large.record.method;
+        let small = run_scene(&read("smallest-properties", method, keys), method);
+        let by_steps = by_steps(scene, large);
         assert_eq!(large.front.len(), small.front.len());
         for (large, small) in large.front.iter().zip(&small.front) {
             // Powers of ten are rounded, and their products again.
-            assert!((large.front_m - small.front_m).abs() < 1e-9, "{run}: {} {}", large.front_m, small.front_m);
+            let allowed = 1e-9 + by_steps * small.front_m;
+            assert!((large.front_m - small.front_m).abs() < allowed, "{run}: {} {}", large.front_m, small.front_m);
         }
         assert!(large.front.last().is_some_and(|row| row.front_m > 0.3), "{run}");
     });

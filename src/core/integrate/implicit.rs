@@ -14,7 +14,7 @@ const DIAGONAL: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Share of Euler's bound at which steps start: there the scheme keeps the maximum principle.
 const START: f64 = 0.9;
 
-/// Room (over the width of the range of the data) that steps are given beyond it: what the residual of the stages
+/// Room (over the scale of enthalpies) that steps are given beyond it: what the residual of the stages
 /// explains.
 const SLACK: f64 = 5.0 * RESIDUAL;
 
@@ -105,16 +105,15 @@ impl Implicit {
 
     /// Solves both stages from `start`, and leaves the new state in `next`.
     fn stages(&mut self, start: &[f64], time: f64, step: f64) -> Result<(), NotConverged> {
-        let scale = self.range.scale();
         let weight = DIAGONAL * step;
-        let Implicit { operator, newton, stage, known, next, rates: [first, second], doors, .. } = self;
+        let Implicit { operator, newton, range, stage, known, next, rates: [first, second], doors, .. } = self;
         let [first_doors, second_doors, _] = doors;
         extrapolate(stage, start, &self.rate, weight);
-        let system = Stage { known: start, weight, time: time + weight, scale };
+        let system = Stage { known: start, weight, time: time + weight, range };
         newton.solve(operator.as_mut(), &system, stage, first, first_doors)?;
         extrapolate(known, start, first, (1.0 - DIAGONAL) * step);
         extrapolate(stage, start, first, step);
-        let system = Stage { known, weight, time: just_before(time, step), scale };
+        let system = Stage { known, weight, time: just_before(time, step), range };
         newton.solve(operator.as_mut(), &system, stage, second, second_doors)?;
         extrapolate(next, known, second, weight);
         Ok(())
@@ -125,14 +124,13 @@ impl Implicit {
         if self.range.excess(&self.next) <= SLACK {
             return Ok(1.0);
         }
-        let scale = self.range.scale();
         self.euler_rate.resize(start.len(), 0.0);
-        let Implicit { operator, newton, stage, next, euler_rate, doors, .. } = self;
+        let Implicit { operator, newton, range, stage, next, euler_rate, doors, .. } = self;
         stage.copy_from_slice(start);
-        let system = Stage { known: start, weight: step, time: just_before(time, step), scale };
+        let system = Stage { known: start, weight: step, time: just_before(time, step), range };
         newton.solve(operator.as_mut(), &system, stage, euler_rate, &mut doors[2])?;
         extrapolate(stage, start, euler_rate, step);
-        let share = self.range.share(stage, next, SLACK);
+        let share = range.share(stage, next, SLACK);
         for (next, euler) in next.iter_mut().zip(stage.iter()) {
             *next = euler + share * (*next - euler);
         }

@@ -11,3 +11,4 @@ mod order;
 mod references;
 mod reproducibility;
 mod sketch;
+mod steps_by_error;

@@ -1,0 +1,163 @@
+//! Steps by error: what they keep whatever their length, and what outputs may not change.
+
+use frazil::registry::methods;
+use frazil_core::march::Options;
+use frazil_core::method::MethodKind;
+use frazil_core::scene::{Domain, Sector};
+
+use crate::sketch::{Sketch, sand, steady_material, water};
+
+const INTEGRATORS: [&str; 2] = ["integrator = \"rkl2\"", "integrator = \"implicit\""];
+
+fn deterministic() -> impl Iterator<Item = &'static &'static MethodKind> {
+    methods().iter().filter(|kind| !kind.stochastic)
+}
+
+/// Bodies in which nothing changes phase, with every kind of wall, pipes, two materials and uneven particles: for them
+/// the exchange is linear.
+fn linear_bodies() -> Vec<(&'static str, Sketch)> {
+    let line = Domain::Line { length: 0.4 };
+    let square = Domain::Rectangle { width: 0.24, height: 0.2 };
+    let ring = Domain::Ring { outer_radius: 2.0, sector: Sector::Quarter };
+    let body = |domain: Domain, spacing: f64| {
+        let mut sketch = Sketch::new(domain, spacing);
+        sketch.materials = vec![("rock", steady_material())];
+        sketch.duration_s = 1e5;
+        sketch
+    };
+    let film = "coefficient_W_per_m2_K = 20\nambient_c = -15";
+    let mut mixed = body(square, 0.02);
+    let other = steady_material().replace("conductivity_W_per_m_K = 2,", "conductivity_W_per_m_K = 0.5,");
+    mixed.materials.push(("clay", other));
+    mixed.regions.push("material = \"clay\"\nx_min_m = 0.1\nx_max_m = 0.24\ny_min_m = 0\ny_max_m = 0.2".into());
+    let mut pipes = body(ring, 0.1).wall("outer", "temperature_c = 3");
+    pipes.pipes.push("count = 8\nring_radius_m = 1\npipe_radius_m = 0.05\ntemperature_c = -20".into());
+    let mut film_ring = body(ring, 0.1).wall("outer", film);
+    film_ring.initial_c = 1.0;
+    vec![
+        ("a line between two temperatures", body(line, 0.01).wall("left", "temperature_c = -20")),
+        ("a line behind a film", body(line, 0.01).wall("left", film)),
+        ("a line under a flux", body(line, 0.01).wall("left", "flux_W_per_m2 = -40")),
+        ("a square behind films", body(square, 0.02).wall("left", film).wall("top", film)),
+        ("a square with a corner", body(square, 0.02).wall("left", "temperature_c = -9").wall("top", film)),
+        (
+            "an uneven square",
+            body(square, 0.02).wall("left", film).with("layout = \"jittered\"\njitter_fraction = 0.3"),
+        ),
+        ("two materials", mixed.wall("left", film)),
+        ("pipes", pipes),
+        ("a curved film", film_ring),
+    ]
+}
+
+/// The Newton matrix is the derivative of the rates: a linear system is solved at once by elimination, and by iteration
+/// as fast as the linear solver is asked to.
+#[test]
+fn newton_solves_a_linear_system_at_once() {
+    for (name, sketch) in linear_bodies() {
+        for kind in deterministic().filter(|kind| !(kind.lattice_only && sketch.numerics.contains("jitter"))) {
+            let run = sketch.clone().with(INTEGRATORS[1]).run(kind);
+            let work = run.record.work;
+            // Two digits an iteration at the least, and ten are wanted of a first guess that misses by everything; the
+            // system of a line is eliminated.
+            let allowed = if matches!(sketch.domain, Domain::Line { .. }) { 2 } else { 6 };
+            assert!(work.newton_most <= allowed && work.newton_paths == 0, "{name}, {}: {work:?}", kind.name);
+            assert!(work.newton_solves > 10, "{name}, {}: {work:?}", kind.name);
+        }
+    }
+}
+
+/// Freezing bodies: sharp, along a curve, two materials.
+fn freezing_bodies() -> Vec<(&'static str, Sketch)> {
+    let body = |law: &str| {
+        let mut sketch =
+            Sketch::new(Domain::Rectangle { width: 0.24, height: 0.2 }, 0.02).wall("left", "temperature_c = -20");
+        sketch.materials = vec![("water", water(law))];
+        sketch.duration_s = 3e5;
+        sketch.outputs = 7;
+        sketch
+    };
+    let sharp = "law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 334000";
+    let curve =
+        "law = \"weibull\", temperature_c = 0, latent_heat_J_per_kg = 334000, width_K = 0.5, residual_fraction = 0.05";
+    let mut mixed = body(sharp);
+    mixed.materials.push(("sand", sand("law = \"isothermal\", temperature_c = -0.5, latent_heat_J_per_kg = 50000")));
+    mixed.regions.push("material = \"sand\"\nx_min_m = 0.1\nx_max_m = 0.24\ny_min_m = 0\ny_max_m = 0.2".into());
+    vec![("sharp", body(sharp)), ("along a curve", body(curve)), ("two materials", mixed)]
+}
+
+#[test]
+fn heat_and_bounds_are_kept_at_every_output() {
+    for (name, sketch) in freezing_bodies() {
+        for (kind, integrator) in deterministic().flat_map(|kind| INTEGRATORS.map(|integrator| (kind, integrator))) {
+            for tolerance in ["1e-4", "1"] {
+                let run = sketch.clone().with(integrator).with(&format!("tolerance = {tolerance}")).run(kind);
+                let name = format!("{name}, {}, {integrator}, {tolerance}", kind.name);
+                assert_eq!(run.budget.len(), 7, "{name}");
+                for row in &run.budget {
+                    // Rounding of sums over some hundred particles and steps, between steps as at their ends.
+                    assert!(row.balance_rel.abs() < 1e-12, "{name}: {row:?}");
+                }
+                let violation = run.record.bounds_violation_rel.expect("walls of known temperature");
+                let allowed = if integrator.contains("implicit") { 1e-9 } else { 1e-3 };
+                assert!(violation <= allowed, "{name}: {violation:e}");
+            }
+        }
+    }
+}
+
+/// Steps pass over outputs, so their number changes nothing.
+#[test]
+fn outputs_do_not_change_the_run() {
+    for (name, sketch) in freezing_bodies() {
+        for (kind, integrator) in deterministic().flat_map(|kind| INTEGRATORS.map(|integrator| (kind, integrator))) {
+            let hash = |outputs: usize| {
+                let mut sketch = sketch.clone().with(integrator);
+                sketch.outputs = outputs;
+                sketch.run(kind).record.state_hash
+            };
+            assert_eq!(hash(3), hash(50), "{name}, {}, {integrator}", kind.name);
+        }
+    }
+}
+
+/// A tighter tolerance comes nearer to the answer of explicit Euler at small steps.
+#[test]
+fn errors_follow_the_tolerance() {
+    for (name, sketch) in freezing_bodies() {
+        for kind in deterministic() {
+            let front = |line: &str| {
+                let run = sketch.clone().with(line).run(kind);
+                run.front.iter().map(|row| row.front_m).collect::<Vec<f64>>()
+            };
+            let exact = front("step_fraction = 0.05");
+            for integrator in INTEGRATORS {
+                let error = |tolerance: &str| {
+                    let found = front(&format!("{integrator}\ntolerance = {tolerance}"));
+                    found.iter().zip(&exact).map(|(found, exact)| (found / exact - 1.0).abs()).fold(0.0, f64::max)
+                };
+                let (loose, tight) = (error("1e-1"), error("1e-5"));
+                assert!(
+                    tight < 0.2 * loose && tight < 1e-3,
+                    "{name}, {}, {integrator}: {loose:e}, {tight:e}",
+                    kind.name
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn steps_by_error_do_not_depend_on_the_number_of_threads() {
+    let mut sketch =
+        Sketch::new(Domain::Rectangle { width: 1.8, height: 4.0 }, 0.01).wall("left", "temperature_c = -10");
+    sketch.initial_c = 0.5;
+    sketch.duration_s = 400.0;
+    for (kind, integrator) in deterministic().flat_map(|kind| INTEGRATORS.map(|integrator| (kind, integrator))) {
+        let hash = |threads: usize| {
+            let options = Options { threads, ..Options::default() };
+            sketch.clone().with(integrator).run_with(kind, &options).record.state_hash
+        };
+        assert_eq!(hash(3), hash(1), "{}, {integrator}", kind.name);
+    }
+}

@@ -18,6 +18,8 @@ const LINE: Domain = Domain::Line { length: 2.4 };
 const RECTANGLE: Domain = Domain::Rectangle { width: 0.9, height: 0.7 };
 /// A disc whose wall passes particles at all depths.
 const DISC: Domain = Domain::Ring { outer_radius: 0.93, sector: Sector::Half };
+/// A body that is narrower than most pairs reach.
+const NARROW: Domain = Domain::Rectangle { width: 0.2, height: 0.3 };
 const JITTERED: &str = "layout = \"jittered\"\njitter_fraction = 0.3";
 
 fn ring(sector: Sector) -> Domain {
@@ -384,10 +386,12 @@ enum Draw {
 #[test]
 fn temperatures_stay_within_the_data_at_the_bound_of_the_step() {
     for kind in methods() {
-        for domain in [LINE, RECTANGLE, DISC] {
+        for domain in [LINE, RECTANGLE, DISC, NARROW] {
             // Explicit Euler promises it for the potential; means of conductivities make no such promise beside
             // walls and on clouds (they do leave the data there), nor does an apparent capacity that a step may leave.
-            let promised = |variant: &Variant| variant.potential && variant.scheme == "enthalpy";
+            // Noise does not reach over a body, so its methods do not either; and the second material would lie outside.
+            let fits = |variant: &Variant| domain != NARROW || !kind.stochastic && variant.sketch.regions.is_empty();
+            let promised = |variant: &Variant| variant.potential && variant.scheme == "enthalpy" && fits(variant);
             for (number, variant) in variants(kind, domain).into_iter().filter(promised).enumerate() {
                 let mut random = StdRng::seed_from_u64(number as u64);
                 // Through the freezing point, and frozen throughout, where diffusivity and the bound are greatest.

@@ -114,7 +114,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
 
     let initial_temperature = root
         .section("initial")
-        .and_then(|mut section| section.number(("temperature", "c"), Range::above(units.absolute_zero())));
+        .and_then(|mut section| section.number(("temperature", "c"), range::temperatures(units.absolute_zero())));
     let mut wall_section = root.section("walls");
     let walls = wall_section.as_mut().map(|section| body::walls(section, domain.as_ref())).unwrap_or_default();
     let rings = body::pipes(&mut root, domain.as_ref());

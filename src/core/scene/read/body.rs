@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::range::{Range, all_of, plain};
+use super::range::{Range, all_of, plain, temperatures};
 use super::section::{Key, Section};
 use crate::material::Material;
 use crate::scene::{Condition, Domain, PipeRing, ReferenceChoice, Region, Sector, Wall};
@@ -88,13 +88,13 @@ fn condition(wall: &mut Section<'_>) -> Option<Condition> {
         let reason = format!("only a wall with \"{}\" has surroundings", keys[2].written(wall.units()));
         wall.refuse(AMBIENT, &reason);
     }
-    let temperatures = Range::above(wall.units().absolute_zero());
+    let allowed = temperatures(wall.units().absolute_zero());
     match found? {
-        0 => wall.series(TEMPERATURE, temperatures).map(Condition::Temperature),
+        0 => wall.series(TEMPERATURE, allowed).map(Condition::Temperature),
         1 => wall.series(FLUX, Range::ANY).map(Condition::Flux),
         2 => {
             let coefficient = wall.series(COEFFICIENT, Range::NOT_NEGATIVE);
-            let ambient = wall.series(AMBIENT, temperatures);
+            let ambient = wall.series(AMBIENT, allowed);
             Some(Condition::Convection { coefficient: coefficient?, ambient: ambient? })
         }
         _ => wall.choice("condition", &[("symmetry", Condition::Symmetry), ("exact", Condition::Exact)]),
@@ -178,7 +178,7 @@ fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
     let ring_radius = section.number(("ring_radius", "m"), Range::NOT_NEGATIVE);
     let first_angle = section.number_or(("first_angle", "deg"), 0.0, Range::ANY);
     let pipe_radius = section.positive(("pipe_radius", "m"));
-    let temperature = section.series(("temperature", "c"), Range::above(section.units().absolute_zero()));
+    let temperature = section.series(("temperature", "c"), temperatures(section.units().absolute_zero()));
     let schedule = section.optional_schedule().map(Arc::new);
     Some(PipeRing {
         count: count?,

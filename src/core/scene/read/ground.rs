@@ -1,6 +1,6 @@
 //! Materials and the boxes that they fill.
 
-use super::range::{Range, one_of, plain};
+use super::range::{Range, one_of, plain, temperatures};
 use super::section::Section;
 use crate::material::{FreezingLaw, Material, Mixing, Phase};
 use crate::scene::{Domain, Region, Sector};
@@ -102,7 +102,7 @@ fn freezing(mut section: Section<'_>) -> Option<Freezing> {
         [("none", Law::None), ("isothermal", Law::Isothermal), ("linear", Law::Linear), ("weibull", Law::Weibull)];
     let coldest = section.units().absolute_zero();
     let law = section.choice("law", &laws);
-    let point = section.number(("temperature", "c"), Range::above(coldest));
+    let point = section.number(("temperature", "c"), temperatures(coldest));
     let mixings = [("arithmetic", Mixing::Arithmetic), ("geometric", Mixing::Geometric)];
     let Some(law) = law else {
         // Which of the other keys belong depends on the law.
@@ -127,32 +127,22 @@ fn freezing(mut section: Section<'_>) -> Option<Freezing> {
         section.refuse(WIDTH, "only the laws \"linear\" and \"weibull\" have a width");
         None
     };
+    if let (Some(point), Some(width)) = (point, width)
+        && point - width <= coldest
+    {
+        let message = format!("found {}, must end above absolute zero, {}", plain(width), plain(coldest));
+        section.problem(WIDTH, message);
+    }
     if law != Law::Weibull {
         section.refuse("residual_fraction", "only the law \"weibull\" leaves a residue");
     }
     let law = match law {
         Law::None => FreezingLaw::None,
         Law::Isothermal => FreezingLaw::Isothermal,
-        Law::Linear => {
-            let width = width?;
-            if let Some(point) = point
-                && point - width <= coldest
-            {
-                let message = format!("found {}, must end above absolute zero, {}", plain(width), plain(coldest));
-                section.problem(WIDTH, message);
-            }
-            FreezingLaw::Linear { width }
-        }
+        Law::Linear => FreezingLaw::Linear { width: width? },
         Law::Weibull => {
             let residual = section.number_or("residual_fraction", 0.0, Range::from_to_below(0.0, 1.0));
-            let width = width?;
-            if let Some(point) = point
-                && point - width <= coldest
-            {
-                let message = format!("found {}, must end above absolute zero, {}", plain(width), plain(coldest));
-                section.problem(WIDTH, message);
-            }
-            FreezingLaw::Weibull { width, residual }
+            FreezingLaw::Weibull { width: width?, residual }
         }
     };
     Some(Freezing { point: point?, latent_heat: latent_heat?, law, mixing })

@@ -78,6 +78,15 @@ impl fmt::Display for Range {
     }
 }
 
+/// The warmest temperature that a scene may name: far beyond any ground, and near enough to the others to leave them
+/// their digits.
+const WARMEST: f64 = 1e6;
+
+/// What a temperature of a scene may be.
+pub(super) const fn temperatures(absolute_zero: f64) -> Range {
+    Range::above_to(absolute_zero, WARMEST)
+}
+
 /// Size of the largest number of a file, and of the inverse of the smallest: products of three of them with squares of
 /// lengths neither overflow nor vanish.
 const LARGEST: f64 = 1e30;

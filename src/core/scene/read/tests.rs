@@ -152,10 +152,9 @@ fn a_misspelt_required_key_is_one_problem() {
     );
 }
 
-#[test]
-fn a_ring_in_days_is_read() {
-    let text = GOOD
-        .replace("[domain.line]\nlength_m = 0.4", "[domain.ring]\nouter_radius_m = 15\nsector = \"half\"")
+/// The good scene as half of the plan of a shaft.
+fn half_ring() -> String {
+    GOOD.replace("[domain.line]\nlength_m = 0.4", "[domain.ring]\nouter_radius_m = 15\nsector = \"half\"")
         .replace("duration_h = 10\noutputs = 20\nprofiles_h = [5, 10.0]", "duration_days = 2")
         .replace(
             "[walls.left]\ntemperature_c = { times_h = [0, 1], values = [8, -20] }\n\n[walls.right]",
@@ -163,6 +162,11 @@ fn a_ring_in_days_is_read() {
         )
         .replace("probes_m = [[0.1], [0.2]]", "probes_m = [[-4, 3]]")
         .replace("spacing_m = 0.002", "spacing_m = 0.1")
+}
+
+#[test]
+fn a_ring_in_days_is_read() {
+    let text = half_ring()
         + "[[pipes]]\ncount = 5\nring_radius_m = 5\nfirst_angle_deg = 36\npipe_radius_m = 0.1\ntemperature_c = -20\n";
     let scene = read(&text, &[("pipes.0.temperature_c", "-25")]).expect("the scene is good");
     assert_eq!((scene.duration, scene.time_unit, scene.watch.outputs), (172800.0, TimeUnit::Day, 60));
@@ -178,12 +182,33 @@ fn a_ring_in_days_is_read() {
 }
 
 #[test]
-fn pairs_must_not_reach_beyond_the_body() {
+fn pairs_reach_beyond_a_body_only_between_straight_walls() {
+    assert_eq!(message(GOOD, &[("method.plain.spacing_m", "0.2")]), "no problem");
     assert_eq!(
-        message(GOOD, &[("method.plain.spacing_m", "0.2")]),
-        "--set method.plain.spacing_m=0.2: found 0.2, with which pairs reach 0.6, must reach at most 0.4, the \
+        message(&half_ring(), &[("method.plain.spacing_m", "7.5")]),
+        "--set method.plain.spacing_m=7.5: found 7.5, with which pairs reach 22.5, must reach at most 15, the \
          shortest extent of the domain"
     );
+}
+
+#[test]
+fn tables_and_work_may_repeat() {
+    let wall = "walls.left.temperature_c";
+    let scene = read(GOOD, &[(wall, "{ times_h = [0, 12], values = [8, -20], period_days = 1 }")]);
+    let scene = scene.expect("the scene is good");
+    let Some(crate::scene::Condition::Temperature(series)) = scene.wall("left") else {
+        unreachable!("the left wall has a temperature");
+    };
+    assert_eq!(series, &Series::Repeated { rows: vec![(0.0, 8.0), (43_200.0, -20.0)], period: 86_400.0 });
+    let text = half_ring() + "[[pipes]]\ncount = 2\nring_radius_m = 5\npipe_radius_m = 0.1\ntemperature_c = -20\n";
+    let schedule = |sets: &[(&str, &str)]| read(&text, sets).expect("the scene is good").rings[0].schedule.clone();
+    assert_eq!(schedule(&[]), None);
+    let nights = schedule(&[("pipes.0.on_h", "[[0, 8], [20, 24]]"), ("pipes.0.on_period_days", "1")]);
+    let nights = nights.expect("a schedule");
+    assert_eq!(nights.on, [(0.0, 28_800.0), (72_000.0, 86_400.0)]);
+    assert_eq!(nights.period, Some(86_400.0));
+    let late = schedule(&[("pipes.0.on_days", "[[10]]")]).expect("a schedule");
+    assert_eq!((late.on.as_slice(), late.period), (&[(864_000.0, f64::INFINITY)][..], None));
 }
 
 #[test]

@@ -20,7 +20,8 @@ fn beyond_period(end: f64, period: &Duration) -> Option<String> {
     // Times in hours and a period in days may round differently.
     let within = end <= period.seconds * (1.0 + 1e-12);
     let (end, most) = (plain(end / unit.seconds()), plain(period.seconds / unit.seconds()));
-    let message = format!("ends at {end} {}, must end within the period, {most} {}", unit.symbol(), unit.symbol());
+    let message =
+        format!("found an end at {end} {}, must end within the period, {most} {}", unit.symbol(), unit.symbol());
     (!within).then_some(message)
 }
 

@@ -1,25 +1,49 @@
 //! What a run would do, without a step of it.
 
 use frazil_core::plan::{self, PlanSummary};
+use frazil_core::reduce::{self, Finding};
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::load;
-use crate::run::reference;
+use crate::run::{reference, why_not};
+
+/// What is to be checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CheckRequest {
+    /// Scene, by path or bundled name.
+    pub scene: String,
+    /// Methods; all that the scene has settings for if empty.
+    pub methods: Vec<String>,
+    /// Pairs of key path and value that override the file.
+    pub overrides: Vec<(String, String)>,
+    /// Threads of the run.
+    pub threads: usize,
+    /// Whether a smaller scene that gives the same answer is to be planned instead.
+    pub reduce: bool,
+}
 
 /// Prints the plan of each method for a scene. A method that is refused does not hide the plans of the others.
-pub fn check(scene: &str, methods: &[String], overrides: &[(String, String)]) -> Result<Verdict, Failure> {
-    let scene = load::scene(scene, overrides)?;
-    let methods: Vec<&str> = if methods.is_empty() {
+pub fn check(request: &CheckRequest) -> Result<Verdict, Failure> {
+    let scene = load::scene(&request.scene, &request.overrides)?;
+    let methods: Vec<&str> = if request.methods.is_empty() {
         scene.methods.iter().map(|settings| settings.method).collect()
     } else {
-        methods.iter().map(|asked| load::method(&scene, Some(asked))).collect::<Result<_, _>>()?
+        request.methods.iter().map(|asked| load::method(&scene, Some(asked))).collect::<Result<_, _>>()?
     };
     answer(&format!("{}: {}\n", scene.name, scene.title))?;
     let reference = reference(&scene)?;
     let mut verdict = Verdict::Done;
     for method in methods {
-        match plan::summary(&scene, method, reference.as_ref(), 1) {
-            Ok(summary) => answer(&format!("\n{method}\n{}", plan_text(&summary)))?,
+        let planned = reduce::find(&scene, method, reference.as_ref()).and_then(|finding| {
+            let smaller = match &finding {
+                Finding::Smaller(reduction) if request.reduce => &reduction.scene,
+                _ => &scene,
+            };
+            let summary = plan::summary(smaller, method, reference.as_ref(), 1)?;
+            Ok(format!("{}{}", reduction_text(&finding, request.reduce), plan_text(&summary)))
+        });
+        match planned {
+            Ok(text) => answer(&format!("\n{method}\n{text}"))?,
             Err(refused) => {
                 complain(&format!("{method}: {refused}"));
                 verdict = Verdict::Broken;
@@ -27,6 +51,17 @@ pub fn check(scene: &str, methods: &[String], overrides: &[(String, String)]) ->
         }
     }
     Ok(verdict)
+}
+/// What there is to be said of a smaller scene.
+fn reduction_text(finding: &Finding, asked: bool) -> String {
+    match (finding, asked) {
+        (Finding::Smaller(reduction), true) => format!("  reduced      {}\n", reduction.words()),
+        (Finding::Smaller(reduction), false) => {
+            format!("  reduction    {} gives the same answer: {} (--reduce)\n", reduction.body(), reduction.why())
+        }
+        (Finding::Kept(_), _) | (Finding::Whole, true) => format!("  reduction    none: {}\n", why_not(finding)),
+        (Finding::Whole, false) => String::new(),
+    }
 }
 
 fn plan_text(summary: &PlanSummary) -> String {

@@ -7,6 +7,7 @@ mod command_line;
 mod documents;
 mod invariants;
 mod order;
+mod reductions;
 mod references;
 mod reproducibility;
 mod sketch;

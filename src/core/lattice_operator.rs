@@ -37,6 +37,8 @@ pub struct LatticeParts {
     pub rings: Vec<String>,
     /// Threads, if more than one.
     pub pool: Option<Arc<ThreadPool>>,
+    /// The bound of the step, where it is known from elsewhere.
+    pub bound: Option<Bound>,
 }
 
 /// Ghosts behind a curved wall.
@@ -246,7 +248,7 @@ pub struct LatticeOperator<L> {
 impl<L: PotentialLaw> LatticeOperator<L> {
     /// An operator on the given parts, with the law of their material.
     pub fn new(parts: LatticeParts, law: L) -> Self {
-        let LatticeParts { lattice, stencil, thermal, boundary, sinks, rings, pool } = parts;
+        let LatticeParts { lattice, stencil, thermal, boundary, sinks, rings, pool, bound: known } = parts;
         let reach = stencil.reach;
         let shape = Shape::new(lattice.columns, reach, lattice.dimension == 1);
         let faces = boundary.first_faces(&thermal.curve, thermal.initial_potential);
@@ -263,7 +265,8 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         });
         let corners = lattice_pairs(&lattice, &stencil, stiffness);
         let corner_rates = vec![0.0; corners.len()];
-        let bound = bound(&lattice, &stencil, sum, &thermal, &boundary, &faces, exterior.as_ref(), &sinks, &corners);
+        let derived = bound(&lattice, &stencil, sum, &thermal, &boundary, &faces, exterior.as_ref(), &sinks, &corners);
+        let bound = known.unwrap_or(derived);
         let threads = pool.as_ref().map_or(1, |pool| pool.current_num_threads());
         let most = (lattice.len() / PARTICLES_PER_THREAD).min(lattice.rows / (4 * shape.reach_rows).max(1));
         let count = if lattice.rows == 1 { 1 } else { threads.min(most).max(1) };

@@ -26,6 +26,7 @@ pub mod pipe;
 pub mod plan;
 pub mod potential;
 pub mod record;
+pub mod reduce;
 pub mod reference;
 pub mod scene;
 pub mod statistics;

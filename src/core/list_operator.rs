@@ -95,6 +95,8 @@ pub struct ListParts {
     pub exchange: Exchange,
     /// Threads, if more than one.
     pub pool: Option<Arc<ThreadPool>>,
+    /// The bound of the step, where it is known from elsewhere.
+    pub bound: Option<Bound>,
 }
 
 /// The operator.
@@ -138,7 +140,7 @@ impl<T: PairTerm> ListOperator<T> {
                 }
             }
         }
-        let bound = bound(&parts, &faces[0]);
+        let bound = parts.bound.clone().unwrap_or_else(|| bound(&parts, &faces[0]));
         let sink_heat = vec![0.0; parts.sinks.len()];
         ListOperator { parts, term, fields, faces, sink_heat, crossings, bound }
     }

@@ -180,6 +180,7 @@ pub fn run(
         bounds_violation_rel: guard.violation(),
         errors: Errors::default(),
         reference: None,
+        reduced_from: None,
         spared: summary.spared,
         differences: summary.differences,
         state_hash: particles.state_hash(),

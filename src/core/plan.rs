@@ -189,6 +189,7 @@ pub fn build(
                 sinks,
                 rings,
                 pool,
+                bound: settings.bound.clone(),
             };
             let operator: Box<dyn Operator> = match materials.thermals[0].law.clone() {
                 Law::Kinked(law) => Box::new(LatticeOperator::new(parts, law)),
@@ -226,6 +227,7 @@ pub fn build(
                 rings,
                 exchange: numerics.exchange,
                 pool,
+                bound: settings.bound.clone(),
             };
             let method = match &discretisation.stepper {
                 Stepper::Own(step) => {

@@ -78,6 +78,14 @@ impl Stencil {
         (if column > 0 { 2 } else { 1 }) * (if row > 0 { 2 } else { 1 })
     }
 
+    /// Weights on a line for states that do not vary across it: of each column distance from 1 to the reach, the sum
+    /// over rows. Offsets in the particle's own column exchange nothing.
+    pub fn collapsed(&self) -> Vec<f64> {
+        let over_rows =
+            |column| (0..=self.reach).map(move |row| if row > 0 { 2.0 } else { 1.0 } * self.at(column, row));
+        (1..=self.reach).map(|column| over_rows(column).sum()).collect()
+    }
+
     /// Sum of all weights (m^-2).
     pub fn sum(&self) -> f64 {
         self.offsets().map(|(column, row, w)| Self::multiplicity(column, row) as f64 * w).sum()

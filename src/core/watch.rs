@@ -85,24 +85,8 @@ impl Watches {
             Domain::Ring { outer_radius, sector } => (Some(sector), outer_radius),
             Domain::Line { .. } | Domain::Rectangle { .. } => (None, 0.0),
         };
-        let in_sector = |angle: f64| {
-            let (sin, cos) = angle.sin_cos();
-            match sector {
-                Some(Sector::Quarter) => cos > -1e-9 && sin > -1e-9,
-                Some(Sector::Half) => sin > -1e-9,
-                Some(Sector::Whole) => true,
-                None => false,
-            }
-        };
-        // A ray on a mirror plane stands for fewer rays of the whole ring than one inside the sector.
-        let multiplicity = |angle: f64| {
-            let (sin, cos) = angle.sin_cos();
-            match sector {
-                Some(Sector::Quarter) => 4 / if sin.abs() < 1e-9 || cos.abs() < 1e-9 { 2 } else { 1 },
-                Some(Sector::Half) => 2 / if sin.abs() < 1e-9 { 2 } else { 1 },
-                _ => 1,
-            }
-        };
+        let in_sector = |angle: f64| sector.is_some_and(|sector| sector.holds(angle));
+        let multiplicity = |angle: f64| sector.map_or(1, |sector| sector.multiplicity(angle));
         let ray = |angle: f64, from: f64, to: f64, step: f64| {
             let count = ((to - from) / step).ceil().max(1.0) as usize;
             let radii: Vec<f64> = (0..=count).map(|k| from + (to - from) * k as f64 / count as f64).collect();
@@ -146,11 +130,7 @@ impl Watches {
             gaps,
             next_look: 0.0,
             look_every: scene.duration / 4000.0,
-            sector_count: match sector {
-                Some(Sector::Quarter) => 4.0,
-                Some(Sector::Half) => 2.0,
-                _ => 1.0,
-            },
+            sector_count: sector.map_or(1.0, |sector| sector.images() as f64),
             pipe_count: scene.rings.iter().map(|ring| ring.count).sum(),
             probes,
             keep_fields: keep_fields && scene.domain.dimension() == 2,

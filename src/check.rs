@@ -1,10 +1,12 @@
-//! What a run would do, without a step of it.
+//! What a run would do, and what it would take: the first of its steps are tried, and nothing is written.
 
-use frazil_core::plan::{self, PlanSummary};
+use frazil_core::memory::Memory;
+use frazil_core::predict::{self, Forecast};
 use frazil_core::reduce::{self, Finding};
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::load;
+use crate::progress::clock;
 use crate::run::{reference, why_not};
 
 /// What is to be checked.
@@ -39,8 +41,8 @@ pub fn check(request: &CheckRequest) -> Result<Verdict, Failure> {
                 Finding::Smaller(reduction) if request.reduce => &reduction.scene,
                 _ => &scene,
             };
-            let summary = plan::summary(smaller, method, reference.as_ref(), 1)?;
-            Ok(format!("{}{}", reduction_text(&finding, request.reduce), plan_text(&summary)))
+            let forecast = predict::forecast(smaller, method, reference.as_ref(), request.threads, 1)?;
+            Ok(format!("{}{}", reduction_text(&finding, request.reduce), plan_text(&forecast)))
         });
         match planned {
             Ok(text) => answer(&format!("\n{method}\n{text}"))?,
@@ -64,12 +66,19 @@ fn reduction_text(finding: &Finding, asked: bool) -> String {
     }
 }
 
-fn plan_text(summary: &PlanSummary) -> String {
-    let megabytes = summary.memory_bytes as f64 / 1e6;
+fn plan_text(forecast: &Forecast) -> String {
+    let summary = &forecast.summary;
     let mut text = format!(
-        "  particles    {}\n  pairs        {}\n  memory       {megabytes:.1} MB\n  step         {:.4e} s\n  \
-         step limit   {:.4e} s: {}\n  steps        {}\n",
-        summary.particles, summary.pairs, summary.step_s, summary.step_bound_s, summary.step_limit, summary.steps
+        "  particles    {}\n  pairs        {}\n  memory       {}\n  step         {:.4e} s\n  \
+         step limit   {:.4e} s: {}\n  steps        {}\n  time         {}\n",
+        summary.particles,
+        summary.pairs,
+        memory_text(&summary.memory),
+        summary.step_s,
+        summary.step_bound_s,
+        summary.step_limit,
+        summary.steps,
+        time_text(forecast)
     );
     for (title, lines) in [("uses", &summary.used), ("spared", &summary.spared), ("differences", &summary.differences)]
     {
@@ -78,4 +87,42 @@ fn plan_text(summary: &PlanSummary) -> String {
         }
     }
     text
+}
+
+fn memory_text(memory: &Memory) -> String {
+    let parts =
+        [("particles", memory.particles), ("pairs, walls and step", memory.method), ("results", memory.watches)];
+    let parts = parts.map(|(name, bytes)| format!("{name} {}", size(bytes)));
+    format!("{}: {}", size(memory.total()), parts.join(", "))
+}
+
+fn size(bytes: usize) -> String {
+    match bytes as f64 {
+        b if b < 1e6 => format!("{:.1} kB", b / 1e3),
+        b if b < 1e9 => format!("{:.1} MB", b / 1e6),
+        b => format!("{:.2} GB", b / 1e9),
+    }
+}
+
+/// The time and what it rests on.
+fn time_text(forecast: &Forecast) -> String {
+    let step = format!("{} a step, measured over {} steps now", short(forecast.cost.step), forecast.timed_steps);
+    let threads = if forecast.threads == 1 { "1 thread".into() } else { format!("{} threads", forecast.threads) };
+    match (forecast.seconds(), &forecast.work) {
+        (Some(seconds), Some(work)) => {
+            format!(
+                "{} on {threads}: {step}; {} for outputs and looks",
+                clock(seconds),
+                short(forecast.cost.beside(work))
+            )
+        }
+        _ => format!("unknown, as the number of steps is: {step}, {threads}"),
+    }
+}
+
+fn short(seconds: f64) -> String {
+    match seconds {
+        s if s < 1e-3 => format!("{:.2} us", 1e6 * s),
+        s => clock(s),
+    }
 }

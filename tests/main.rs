@@ -5,6 +5,7 @@ mod broken_scenes;
 mod bundled_scenes;
 mod command_line;
 mod documents;
+mod forecasts;
 mod invariants;
 mod order;
 mod reductions;

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use crate::boundary::{Boundary, Face, Side, moving_least_squares};
 use crate::lattice::Lattice;
+use crate::memory::Held;
 use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
 use crate::uptake::Materials;
 
@@ -32,6 +33,15 @@ pub struct Ghosts {
     pub stream: Vec<u32>,
     starts: Vec<u32>,
     images: Vec<(u32, f64)>,
+}
+
+impl Held for Ghosts {
+    fn held(&self) -> usize {
+        // Doors are a byte and whether there is one.
+        let doors = (self.door.capacity() + self.pays.capacity()) * size_of::<Option<u8>>();
+        let names = self.model.held() + self.identity.held() + self.stream.held();
+        self.position.held() + doors + self.depth.held() + names + self.starts.held() + self.images.held()
+    }
 }
 
 impl Ghosts {

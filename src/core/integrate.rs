@@ -2,6 +2,7 @@
 
 use crate::ledger::Ledger;
 use crate::list_operator::{ListOperator, PairTerm};
+use crate::memory::Held;
 use crate::method::{Bound, Clock, Method, StepError};
 use crate::operator::Operator;
 use crate::particles::Particles;
@@ -42,6 +43,10 @@ impl Method for Euler {
 
     fn pairs(&self) -> u64 {
         self.operator.pairs()
+    }
+
+    fn held(&self) -> usize {
+        self.operator.held()
     }
 }
 
@@ -157,6 +162,11 @@ impl Method for Rkl2 {
         self.operator.pairs()
     }
 
+    fn held(&self) -> usize {
+        let columns = [&self.start, &self.older, &self.old, &self.first_rate, &self.rate];
+        self.operator.held() + columns.into_iter().map(Held::held).sum::<usize>()
+    }
+
     fn gentle_step(&self) -> Option<f64> {
         Some(self.operator.bound().step)
     }
@@ -209,5 +219,9 @@ impl<T: PairTerm> Method for SchemeEuler<T> {
 
     fn pairs(&self) -> u64 {
         self.operator.pair_count()
+    }
+
+    fn held(&self) -> usize {
+        self.operator.held() + self.scheme.held() + self.rate.held()
     }
 }

@@ -10,6 +10,7 @@ use crate::corner::{CornerPair, lattice_pairs};
 use crate::ghosts::{FIT_RANGE, FIT_SCALE};
 use crate::lattice::Lattice;
 use crate::ledger::Sum;
+use crate::memory::Held;
 use crate::method::Bound;
 use crate::operator::Operator;
 use crate::pipe::Sink;
@@ -60,6 +61,13 @@ struct Exterior {
     near_wall: Vec<(u32, f64)>,
     /// Largest addition of ghosts to the row sum of a particle that they image.
     stiffness: f64,
+}
+
+impl Held for Exterior {
+    fn held(&self) -> usize {
+        let images = self.values.held() + self.depths.held() + self.starts.held() + self.images.held();
+        images + self.rows.held() + self.ghost_weights.held() + self.near_wall.held()
+    }
 }
 
 /// Ghosts and walls, as the sweep sees them.
@@ -463,6 +471,14 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
 
     fn pairs(&self) -> u64 {
         (self.around.lattice.len() * self.around.stencil.neighbours() / 2) as u64
+    }
+
+    fn held(&self) -> usize {
+        let around = &self.around;
+        let walls = around.exterior.held() + around.door_weights.held() + around.door_own.held();
+        let pipes = self.sinks.held() + self.sink_potentials.held() + self.sink_heat.held();
+        let corners = self.corners.capacity() * size_of::<CornerPair>() + self.corner_rates.held();
+        around.stencil.held() + walls + pipes + corners + self.bands.held() + self.row_doors.held()
     }
 }
 

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use crate::boundary::{Boundary, Face};
 use crate::ghosts::Ghosts;
 use crate::ledger::Sum;
+use crate::memory::{Held, shared};
 use crate::method::{Bound, Clock};
 use crate::operator::Operator;
 use crate::pipe::Sink;
@@ -347,6 +348,27 @@ impl Operator for EnthalpyList {
 
     fn pairs(&self) -> u64 {
         self.operator.pair_count()
+    }
+
+    fn held(&self) -> usize {
+        self.operator.held() + self.scheme.held() + self.rate.held()
+    }
+}
+
+impl<T> Held for ListOperator<T> {
+    fn held(&self) -> usize {
+        let parts = &self.parts;
+        let fields = self.fields.potential.held() + self.fields.temperature.held() + self.fields.conductivity.held();
+        let pairs = parts.pairs.starts.held() + parts.pairs.partners.held() + parts.pairs.weights.held();
+        // Its copy of the materials of particles, and positions even of those on a lattice.
+        let copies = shared(&parts.positions) + parts.materials.of_particle.held();
+        copies
+            + pairs
+            + parts.ghosts.held()
+            + fields
+            + self.crossings.held()
+            + parts.sinks.held()
+            + self.sink_heat.held()
     }
 }
 

@@ -62,11 +62,11 @@ pub struct Refused {
 
 /// Growth of the steps of a method that is not monotone, from one step to the next: modes that a step cannot resolve
 /// have decayed by the time it is taken.
-const GROWTH: f64 = 1.15;
+pub(crate) const GROWTH: f64 = 1.15;
 
 /// Steps between two looks at the whole state for non-finite or absurd values. The first steps, in which walls jump,
 /// are looked at more closely: after the 1st, 2nd, 4th, 8th ...
-const GUARD_STEPS: u64 = 64;
+pub(crate) const GUARD_STEPS: u64 = 64;
 
 /// Runs a scene under one method. Errors are taken against `reference`, if there is one.
 pub fn run(
@@ -232,7 +232,7 @@ fn judge(uptake: Uptake, balance: f64, violation: Option<f64>, stochastic: bool)
 }
 
 /// Output and profile instants in order, the end included.
-fn instants(scene: &Scene) -> Vec<f64> {
+pub(crate) fn instants(scene: &Scene) -> Vec<f64> {
     let outputs = scene.watch.outputs.max(1);
     let mut instants: Vec<f64> = (1..=outputs)
         .map(|k| if k == outputs { scene.duration } else { scene.duration * k as f64 / outputs as f64 })
@@ -249,7 +249,7 @@ fn instants(scene: &Scene) -> Vec<f64> {
 }
 
 /// Watches over the range of temperatures.
-struct Guard {
+pub(crate) struct Guard {
     range: (f64, f64),
     /// Whether fluxes may drive temperatures beyond any data.
     open: bool,
@@ -259,7 +259,7 @@ struct Guard {
 }
 
 impl Guard {
-    fn new(scene: &Scene, particles: &Particles, pipes: &[(DVec2, f64)]) -> Self {
+    pub(crate) fn new(scene: &Scene, particles: &Particles, pipes: &[(DVec2, f64)]) -> Self {
         let lattice = &particles.lattice;
         let mut inside_pipes = Vec::new();
         for (centre, half_width) in pipes {
@@ -278,7 +278,7 @@ impl Guard {
     }
 
     /// Takes note of the extremes, and refuses what cannot be.
-    fn look(&mut self, particles: &Particles, clock: &Clock, bound: &Bound) -> Result<(), String> {
+    pub(crate) fn look(&mut self, particles: &Particles, clock: &Clock, bound: &Bound) -> Result<(), String> {
         let mut skip = self.inside_pipes.iter().copied().peekable();
         let mut extremes = [(f64::INFINITY, 0usize), (f64::NEG_INFINITY, 0usize)];
         for (i, enthalpy) in particles.enthalpy.iter().enumerate() {

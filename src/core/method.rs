@@ -110,6 +110,8 @@ pub trait Method: Send {
     fn ledger(&self) -> &crate::ledger::Ledger;
     /// Pairs that one evaluation visits.
     fn pairs(&self) -> u64;
+    /// Bytes that the method holds on the heap; what particles hold is theirs.
+    fn held(&self) -> usize;
     /// Length (s) from which steps should grow after a jump, for methods that are not monotone at their bound.
     fn gentle_step(&self) -> Option<f64> {
         None

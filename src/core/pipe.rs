@@ -8,6 +8,7 @@ use glam::DVec2;
 
 use crate::green::Green;
 use crate::lattice::Lattice;
+use crate::memory::Held;
 use crate::scene::{Pipe, Series};
 
 /// Stretches of the delta that are tried, in order.
@@ -128,6 +129,12 @@ pub fn immerse(
         lattice.spacing,
         pipe.radius / 6.0
     ))
+}
+
+impl Held for Sink {
+    fn held(&self) -> usize {
+        self.sample.held()
+    }
 }
 
 impl Sink {

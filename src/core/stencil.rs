@@ -1,5 +1,6 @@
 //! A pair weight on a lattice: a fixed table of offsets, no neighbour list.
 
+use crate::memory::Held;
 use crate::method::{Discretisation, Normalisation, PairWeight};
 
 /// Relative tolerance on a reach that falls on a shell of the lattice: the shell belongs to the neighbourhood.
@@ -16,6 +17,12 @@ pub struct Stencil {
     /// Weight at offset (column, row), both 0..=reach, in that order: `weights[row * (reach + 1) + column]`.
     weights: Vec<f64>,
     disc: bool,
+}
+
+impl Held for Stencil {
+    fn held(&self) -> usize {
+        self.weights.held()
+    }
 }
 
 impl Stencil {

@@ -26,6 +26,7 @@ pub fn all() -> &'static [BundledScene] {
         "stefan-dpd-3",
         "stefan-dpd-4",
         "soil-column",
+        "soil-column-printed",
         "frozen-wall-sand",
         "frozen-wall-clay",
     ];

@@ -21,7 +21,8 @@ pub struct Axis {
 impl Axis {
     /// A linear axis that holds all values with a little room, and zero if that is near.
     pub fn linear(label: impl Into<String>, values: impl Iterator<Item = f64>) -> Axis {
-        let (low, high) = finite_range(values).unwrap_or((0.0, 1.0));
+        // Nothing but zeros say as little of a scale as nothing at all.
+        let (low, high) = finite_range(values).filter(|range| *range != (0.0, 0.0)).unwrap_or((0.0, 1.0));
         let span = if high > low { high - low } else { high.abs().max(1e-9) };
         let low = if low >= 0.0 && low < 0.3 * span { 0.0 } else { low - 0.04 * span };
         Axis::between(label, low, if high <= 0.0 && high > -0.3 * span { 0.0 } else { high + 0.04 * span })
@@ -282,6 +283,13 @@ pub fn nice_step(length: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn an_axis_of_zeros_has_an_extent() {
+        let axis = Axis::linear("thickness", [0.0, 0.0].into_iter());
+        assert!(axis.high > axis.low && axis.place(0.0).is_finite());
+        assert!(axis.tick_labels().count() < 20);
+    }
 
     #[test]
     fn ticks_are_round_and_have_no_exponents() {

@@ -1,25 +1,51 @@
-//! What a run would do, without a step of it.
+//! What a run would do, and what it would take: the first of its steps are tried, and nothing is written.
 
-use frazil_core::plan::{self, PlanSummary};
+use frazil_core::memory::Memory;
+use frazil_core::predict::{self, Forecast};
+use frazil_core::reduce::{self, Finding};
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::load;
-use crate::run::reference;
+use crate::progress::clock;
+use crate::run::{reference, why_not};
+
+/// What is to be checked.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CheckRequest {
+    /// Scene, by path or bundled name.
+    pub scene: String,
+    /// Methods; all that the scene has settings for if empty.
+    pub methods: Vec<String>,
+    /// Pairs of key path and value that override the file.
+    pub overrides: Vec<(String, String)>,
+    /// Threads of the run.
+    pub threads: usize,
+    /// Whether a smaller scene that gives the same answer is to be planned instead.
+    pub reduce: bool,
+}
 
 /// Prints the plan of each method for a scene. A method that is refused does not hide the plans of the others.
-pub fn check(scene: &str, methods: &[String], overrides: &[(String, String)]) -> Result<Verdict, Failure> {
-    let scene = load::scene(scene, overrides)?;
-    let methods: Vec<&str> = if methods.is_empty() {
+pub fn check(request: &CheckRequest) -> Result<Verdict, Failure> {
+    let scene = load::scene(&request.scene, &request.overrides)?;
+    let methods: Vec<&str> = if request.methods.is_empty() {
         scene.methods.iter().map(|settings| settings.method).collect()
     } else {
-        methods.iter().map(|asked| load::method(&scene, Some(asked))).collect::<Result<_, _>>()?
+        request.methods.iter().map(|asked| load::method(&scene, Some(asked))).collect::<Result<_, _>>()?
     };
     answer(&format!("{}: {}\n", scene.name, scene.title))?;
     let reference = reference(&scene)?;
     let mut verdict = Verdict::Done;
     for method in methods {
-        match plan::summary(&scene, method, reference.as_ref(), 1) {
-            Ok(summary) => answer(&format!("\n{method}\n{}", plan_text(&summary)))?,
+        let planned = reduce::find(&scene, method, reference.as_ref()).and_then(|finding| {
+            let smaller = match &finding {
+                Finding::Smaller(reduction) if request.reduce => &reduction.scene,
+                _ => &scene,
+            };
+            let forecast = predict::forecast(smaller, method, reference.as_ref(), request.threads, 1)?;
+            Ok(format!("{}{}", reduction_text(&finding, request.reduce), plan_text(&forecast)))
+        });
+        match planned {
+            Ok(text) => answer(&format!("\n{method}\n{text}"))?,
             Err(refused) => {
                 complain(&format!("{method}: {refused}"));
                 verdict = Verdict::Broken;
@@ -28,13 +54,31 @@ pub fn check(scene: &str, methods: &[String], overrides: &[(String, String)]) ->
     }
     Ok(verdict)
 }
+/// What there is to be said of a smaller scene.
+fn reduction_text(finding: &Finding, asked: bool) -> String {
+    match (finding, asked) {
+        (Finding::Smaller(reduction), true) => format!("  reduced      {}\n", reduction.words()),
+        (Finding::Smaller(reduction), false) => {
+            format!("  reduction    {} gives the same answer: {} (--reduce)\n", reduction.body(), reduction.why())
+        }
+        (Finding::Kept(_), _) | (Finding::Whole, true) => format!("  reduction    none: {}\n", why_not(finding)),
+        (Finding::Whole, false) => String::new(),
+    }
+}
 
-fn plan_text(summary: &PlanSummary) -> String {
-    let megabytes = summary.memory_bytes as f64 / 1e6;
+fn plan_text(forecast: &Forecast) -> String {
+    let summary = &forecast.summary;
     let mut text = format!(
-        "  particles    {}\n  pairs        {}\n  memory       {megabytes:.1} MB\n  step         {:.4e} s\n  \
-         step limit   {:.4e} s: {}\n  steps        {}\n",
-        summary.particles, summary.pairs, summary.step_s, summary.step_bound_s, summary.step_limit, summary.steps
+        "  particles    {}\n  pairs        {}\n  memory       {}\n  step         {:.4e} s\n  \
+         step limit   {:.4e} s: {}\n  steps        {}\n  time         {}\n",
+        summary.particles,
+        summary.pairs,
+        memory_text(&summary.memory),
+        summary.step_s,
+        summary.step_bound_s,
+        summary.step_limit,
+        summary.steps,
+        time_text(forecast)
     );
     for (title, lines) in [("uses", &summary.used), ("spared", &summary.spared), ("differences", &summary.differences)]
     {
@@ -43,4 +87,42 @@ fn plan_text(summary: &PlanSummary) -> String {
         }
     }
     text
+}
+
+fn memory_text(memory: &Memory) -> String {
+    let parts =
+        [("particles", memory.particles), ("pairs, walls and step", memory.method), ("results", memory.watches)];
+    let parts = parts.map(|(name, bytes)| format!("{name} {}", size(bytes)));
+    format!("{}: {}", size(memory.total()), parts.join(", "))
+}
+
+fn size(bytes: usize) -> String {
+    match bytes as f64 {
+        b if b < 1e6 => format!("{:.1} kB", b / 1e3),
+        b if b < 1e9 => format!("{:.1} MB", b / 1e6),
+        b => format!("{:.2} GB", b / 1e9),
+    }
+}
+
+/// The time and what it rests on.
+fn time_text(forecast: &Forecast) -> String {
+    let step = format!("{} a step, measured over {} steps now", short(forecast.cost.step), forecast.timed_steps);
+    let threads = if forecast.threads == 1 { "1 thread".into() } else { format!("{} threads", forecast.threads) };
+    match (forecast.seconds(), &forecast.work) {
+        (Some(seconds), Some(work)) => {
+            format!(
+                "{} on {threads}: {step}; {} for outputs and looks",
+                clock(seconds),
+                short(forecast.cost.beside(work))
+            )
+        }
+        _ => format!("unknown, as the number of steps is: {step}, {threads}"),
+    }
+}
+
+fn short(seconds: f64) -> String {
+    match seconds {
+        s if s < 1e-3 => format!("{:.2} us", 1e6 * s),
+        s => clock(s),
+    }
 }

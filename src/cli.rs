@@ -50,6 +50,9 @@ struct RunArguments {
     /// Folder for the results; by default out/SCENE.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Runs the smaller scene that gives the same answer, if there is one.
+    #[arg(long)]
+    reduce: bool,
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -65,6 +68,12 @@ struct CheckArguments {
     /// Overrides a key of the file; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     set: Vec<(String, String)>,
+    /// Threads of the run; by default one for each core.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Plans the smaller scene that gives the same answer, if there is one.
+    #[arg(long)]
+    reduce: bool,
 }
 
 #[derive(Debug, Args)]
@@ -100,6 +109,9 @@ struct CompareArguments {
     /// repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     also: Vec<(String, String)>,
+    /// Runs smaller scenes that give the same answer, where there are any.
+    #[arg(long)]
+    reduce: bool,
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -135,6 +147,7 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             threads: arguments.threads.map_or_else(all_cores, usize::from),
             seed: arguments.seed,
             out: arguments.out,
+            reduce: arguments.reduce,
             quiet: arguments.quiet,
         }),
         Command::Compare(arguments) => compare::compare(&compare::CompareRequest {
@@ -152,10 +165,17 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
                 .map(Variant::standard)
                 .chain(arguments.also.iter().map(|(key, value)| Variant::changed(key, value)))
                 .collect(),
+            reduce: arguments.reduce,
             quiet: arguments.quiet,
             command_line: std::env::args().collect::<Vec<_>>().join(" "),
         }),
-        Command::Check(arguments) => check::check(&arguments.scene, &arguments.method, &arguments.set),
+        Command::Check(arguments) => check::check(&check::CheckRequest {
+            scene: arguments.scene,
+            methods: arguments.method,
+            overrides: arguments.set,
+            threads: arguments.threads.map_or_else(all_cores, usize::from),
+            reduce: arguments.reduce,
+        }),
         Command::List => list::list(),
     }
 }

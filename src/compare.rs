@@ -54,6 +54,8 @@ pub struct CompareRequest {
     pub budget_s: Option<f64>,
     /// Settings of the methods.
     pub settings: Vec<plan::Variant>,
+    /// Whether smaller scenes that give the same answer are to be run instead.
+    pub reduce: bool,
     /// Whether to say nothing but errors.
     pub quiet: bool,
     /// The command as it was typed, for the page.
@@ -103,7 +105,7 @@ pub fn compare(request: &CompareRequest) -> Result<Verdict, Failure> {
     let parts = Parts {
         scene_at: &|name, overrides| load::scene(name, overrides).map_err(|failure| failure.to_string()),
         reference_for: &frazil_cases::reference_for,
-        run: &frazil_core::march::run,
+        run: if request.reduce { &frazil_core::reduce::run } else { &frazil_core::march::run },
         methods: registry::methods(),
         interrupt: &INTERRUPTED,
     };

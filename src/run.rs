@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use frazil_core::march::{self, Options, Progress, Refused};
 use frazil_core::record::{Errors, Outcome, RunResult};
+use frazil_core::reduce::{self, Finding};
 use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
 use frazil_plots::{FigureOptions, run_figures};
@@ -30,6 +31,8 @@ pub struct RunRequest {
     pub seed: u64,
     /// Folder for the results; `out/<scene>` if absent.
     pub out: Option<PathBuf>,
+    /// Whether a smaller scene that gives the same answer is to be run instead.
+    pub reduce: bool,
     /// Whether to say nothing but errors.
     pub quiet: bool,
 }
@@ -60,7 +63,11 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
         time_limit_s: None,
         fields: true,
     };
-    let result = march::run(&scene, method, reference.as_ref(), &options);
+    let result = if request.reduce {
+        reduced(&scene, method, reference.as_ref(), &options)
+    } else {
+        march::run(&scene, method, reference.as_ref(), &options)
+    };
     reporter.finish();
     let result = match result {
         Ok(result) => result,
@@ -79,6 +86,30 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
         answer(&summary(&result, folder.path()))?;
     }
     Ok(verdict(result.record.outcome))
+}
+
+/// Runs the smaller scene, or says why there is none.
+fn reduced(
+    scene: &Scene,
+    method: &str,
+    reference: Option<&Arc<dyn Reference>>,
+    options: &Options<'_>,
+) -> Result<RunResult, Refused> {
+    match reduce::find(scene, method, reference)? {
+        Finding::Smaller(reduction) => reduction.run(reference, options),
+        finding => {
+            complain(&format!("{}: not reduced: {}", scene.name, why_not(&finding)));
+            march::run(scene, method, reference, options)
+        }
+    }
+}
+
+/// Why a scene is not reduced, in words.
+pub fn why_not(finding: &Finding) -> &str {
+    match finding {
+        Finding::Kept(reason) => reason,
+        Finding::Whole | Finding::Smaller(_) => "no symmetry of the scene makes it smaller",
+    }
 }
 
 /// The truth about a scene, if there is one that needs no run of its own.
@@ -103,6 +134,9 @@ fn summary(result: &RunResult, folder: &Path) -> String {
     let cause = record.cause.as_ref().map_or_else(String::new, |cause| format!(": {cause}"));
     let mut text = format!("{} under {}: {}{cause}\n", record.scene, record.method, record.outcome.name());
     let mut line = |title: &str, value: String| text.push_str(&format!("  {title:<13} {value}\n"));
+    if let Some(words) = &record.reduced_from {
+        line("reduced", words.clone());
+    }
     line("particles", format!("{}, pairs {}", record.particles, record.pairs));
     let bound = format!("bound {:.3e} s, set by {}", record.step_bound_s, record.step_limit);
     line("steps", format!("{} of {:.3e} s; {bound}", record.steps, record.step_s));

@@ -331,6 +331,18 @@ fn rounding(plan: &Plan, steps: u64, temperatures: (f64, f64)) -> f64 {
     steps as f64 * 50.0 * f64::EPSILON * span * lattice.columns.max(lattice.rows) as f64
 }
 
+/// How much larger roundings of temperatures are, taken as enthalpies, than those of enthalpies: where temperature is
+/// the unknown, they come back multiplied by the largest apparent capacity.
+fn rounding_of_temperatures(plan: &Plan, (low, high): (f64, f64)) -> f64 {
+    let ratio = |thermal: &frazil_core::potential::Thermal| {
+        let capacities =
+            (0..=1000).map(|k| thermal.curve.apparent_capacity(low + (high - low) * f64::from(k) / 1000.0));
+        let span = thermal.enthalpy(low).abs().max(thermal.enthalpy(high).abs());
+        capacities.fold(0.0, f64::max) * (high - low) / span
+    };
+    plan.particles.materials.thermals.iter().map(ratio).fold(1.0, f64::max)
+}
+
 #[test]
 fn the_mirror_image_of_a_scene_has_mirrored_states() {
     const STEPS: u64 = 30;
@@ -346,7 +358,12 @@ fn the_mirror_image_of_a_scene_has_mirrored_states() {
                 }
                 let mut own = sketch.plan(kind);
                 advance(&mut own, STEPS);
-                let bound = rounding(&own, STEPS, (-18.0, 3.0));
+                let temperatures = (-18.0, 3.0);
+                let roundings = rounding(&own, STEPS, temperatures);
+                let bound = match variant.scheme {
+                    "apparent-capacity" => roundings * rounding_of_temperatures(&own, temperatures),
+                    _ => roundings,
+                };
                 let (columns, rows) = (own.particles.lattice.columns, own.particles.lattice.rows);
                 for in_y in [false, true].into_iter().take(domain.dimension()) {
                     let mut other = mirrored(&sketch, in_y).plan(kind);

@@ -41,6 +41,7 @@ fn record(title: &str, method: &str) -> Record {
         bounds_violation_rel: Some(0.0),
         errors: Errors::default(),
         reference: None,
+        reduced_from: None,
         spared: Vec::new(),
         differences: Vec::new(),
         state_hash: "0123456789abcdef".into(),

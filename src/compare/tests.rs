@@ -116,6 +116,7 @@ fn blank(scene: &Scene, method: &str) -> Record {
         bounds_violation_rel: Some(0.0),
         errors: Errors::default(),
         reference: None,
+        reduced_from: None,
         spared: Vec::new(),
         differences: Vec::new(),
         state_hash: "0123456789abcdef".into(),
@@ -138,6 +139,7 @@ fn a_comparison_leaves_all_its_files() -> Result<(), Failure> {
         threads: 1,
         budget_s: None,
         settings: [Setting::Best, Setting::Paper].map(plan::Variant::standard).to_vec(),
+        reduce: false,
         quiet: true,
         command_line: "frazil compare stefan-water --settings best,paper".into(),
     };

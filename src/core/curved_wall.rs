@@ -17,6 +17,7 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use crate::lattice::Lattice;
+use crate::memory::Held;
 
 /// What a curved wall may add to the row sum of a particle, over that of a whole neighbourhood. Beyond it deeper
 /// neighbours serve. The step is then 8/9 of that deep inside. On a quenched disc errors were within a factor of two of
@@ -140,6 +141,12 @@ impl Contacts {
             views.iter().map(|view| view.particle.abs_diff(contact.particle) as usize).max().unwrap_or(0)
         };
         self.contacts.iter().map(width).max().unwrap_or(0)
+    }
+}
+
+impl Held for Contacts {
+    fn held(&self) -> usize {
+        self.contacts.capacity() * size_of::<Contact>() + self.views.capacity() * size_of::<View>()
     }
 }
 

@@ -4,12 +4,15 @@ use glam::DVec2;
 
 use crate::boundary::{Boundary, Face, Side, moving_least_squares};
 use crate::lattice::Lattice;
+use crate::memory::Held;
 use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
 use crate::uptake::Materials;
 
 /// Range of moving least squares in units of the spacing, and the scale of its weights.
 pub(crate) const FIT_RANGE: f64 = 2.3;
 pub(crate) const FIT_SCALE: f64 = 1.2;
+/// Relative difference of squared distances that rounding may make.
+const SAME_DISTANCE: f64 = 1e-9;
 
 /// Ghosts, numbered after the particles; each depends only on particles and earlier ghosts.
 #[derive(Debug, Clone, Default)]
@@ -30,6 +33,15 @@ pub struct Ghosts {
     pub stream: Vec<u32>,
     starts: Vec<u32>,
     images: Vec<(u32, f64)>,
+}
+
+impl Held for Ghosts {
+    fn held(&self) -> usize {
+        // Doors are a byte and whether there is one.
+        let doors = (self.door.capacity() + self.pays.capacity()) * size_of::<Option<u8>>();
+        let names = self.model.held() + self.identity.held() + self.stream.held();
+        self.position.held() + doors + self.depth.held() + names + self.starts.held() + self.images.held()
+    }
 }
 
 impl Ghosts {
@@ -160,11 +172,7 @@ impl Ghosts {
         for (k, (place, image, depth)) in targets.iter().enumerate() {
             let found: Vec<usize> =
                 near.of(k).iter().filter(|j| **j as usize >= offset).map(|j| *j as usize - offset).collect();
-            let Some(first) = found.iter().copied().min_by(|a, b| {
-                (points[*a] - *image).length_squared().total_cmp(&(points[*b] - *image).length_squared())
-            }) else {
-                continue;
-            };
+            let Some(first) = model(*image, &found, points) else { continue };
             let neighbours: Vec<DVec2> = found.iter().map(|j| points[*j]).collect();
             let weights = moving_least_squares(*image, &neighbours, FIT_SCALE * lattice.spacing, lattice.dimension);
             let number = (points.len() + self.position.len()) as u32;
@@ -292,7 +300,11 @@ impl Ghosts {
             let material = self.material(ghost, materials);
             let curve = &materials.thermals[material].curve;
             let (temperature, conductivity) = match self.door[ghost].map(|door| faces[material][door as usize]) {
-                None | Some(Face::Even) => (image, carried),
+                // A mirror conducts as what it mirrors, be that a ghost itself.
+                None | Some(Face::Even) => match &self.images[self.images_of(ghost)] {
+                    [(own, 1.0)] => (image, conductivities[*own as usize]),
+                    _ => (image, carried),
+                },
                 Some(Face::Odd { temperature, .. }) => {
                     let ghost = 2.0 * temperature - image;
                     (ghost, curve.conductivity(ghost))
@@ -310,14 +322,49 @@ impl Ghosts {
     }
 
     #[inline]
+    fn images_of(&self, ghost: usize) -> std::ops::Range<usize> {
+        self.starts[ghost] as usize..self.starts[ghost + 1] as usize
+    }
+
+    #[inline]
     fn image(&self, ghost: usize, values: &[f64]) -> f64 {
-        let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
-        images.iter().map(|(index, weight)| weight * values[*index as usize]).sum()
+        self.images[self.images_of(ghost)].iter().map(|(index, weight)| weight * values[*index as usize]).sum()
     }
 
     /// Material of a ghost.
     #[inline]
     pub fn material(&self, ghost: usize, materials: &Materials) -> usize {
         materials.of_particle.get(self.model[ghost] as usize).map_or(0, |material| *material as usize)
+    }
+}
+
+/// The place nearest to an image. Equally near ones are told apart by their distances from the axes, so that mirror
+/// images of a ghost take mirror images of a particle.
+fn model(image: DVec2, found: &[usize], places: &[DVec2]) -> Option<usize> {
+    let distance = |place: usize| (places[place] - image).length_squared();
+    let least = found.iter().copied().map(distance).fold(f64::INFINITY, f64::min);
+    let nearest = found.iter().copied().filter(|place| distance(*place) <= least * (1.0 + SAME_DISTANCE));
+    nearest.min_by(|a, b| {
+        let (a, b) = (places[*a].abs(), places[*b].abs());
+        a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On a diagonal two particles are equally near. Mirror images of the image must take mirror images of one of them.
+    #[test]
+    fn mirrored_ghosts_take_mirrored_models() {
+        let places = [DVec2::new(1.1, 0.9), DVec2::new(0.9, 1.1), DVec2::new(1.5, 1.5)];
+        let model = |image: DVec2, places: &[DVec2]| model(image, &[0, 1, 2], places).map(|found| places[found].abs());
+        let own = model(DVec2::ONE, &places);
+        for mirror in [DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0), DVec2::NEG_ONE] {
+            // A lattice numbers its particles upward, whichever side of an axis they are on.
+            let mut mirrored = places.map(|place| place * mirror);
+            mirrored.sort_by(|a, b| a.y.total_cmp(&b.y));
+            assert_eq!(model(mirror, &mirrored), own);
+        }
     }
 }

@@ -10,6 +10,7 @@ pub mod sharp;
 
 use crate::ledger::Ledger;
 use crate::list_operator::{ListOperator, PairTerm, Tangent};
+use crate::memory::Held;
 use crate::method::{Bound, Clock, Method, StepError, Work};
 use crate::operator::Operator;
 use crate::particles::Particles;
@@ -80,6 +81,10 @@ impl Method for Euler {
         self.operator.pairs()
     }
 
+    fn held(&self) -> usize {
+        self.operator.held()
+    }
+
     fn work(&self) -> Work {
         Work { evaluations: self.steps, ..Work::default() }
     }
@@ -143,5 +148,9 @@ impl<T: PairTerm> Method for SchemeEuler<T> {
 
     fn work(&self) -> Work {
         Work { evaluations: self.steps, ..Work::default() }
+    }
+
+    fn held(&self) -> usize {
+        self.operator.held() + self.scheme.held() + self.rate.held()
     }
 }

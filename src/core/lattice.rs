@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use crate::memory::Held;
 use crate::scene::{Domain, Sector};
 
 /// The lattice of a domain. Particle `i` of row `y` stands at column `first(y) + i - start(y)`.
@@ -21,6 +22,12 @@ pub struct Lattice {
     spans: Vec<(u32, u32)>,
     /// Index of the first particle of each row, and the number of all.
     starts: Vec<usize>,
+}
+
+impl Held for Lattice {
+    fn held(&self) -> usize {
+        self.spans.held() + self.starts.held()
+    }
 }
 
 /// Relative distance by which a cell centre may lie outside a curved wall and still belong to the domain.

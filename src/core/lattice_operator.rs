@@ -9,6 +9,7 @@ use crate::corner::{CornerPair, lattice_pairs};
 use crate::curved_wall::{Contacts, Neighbourhood};
 use crate::lattice::Lattice;
 use crate::ledger::Sum;
+use crate::memory::Held;
 use crate::method::Bound;
 use crate::operator::{Operator, Stage, StageColumns};
 use crate::pipe::Sink;
@@ -37,6 +38,8 @@ pub struct LatticeParts {
     pub rings: Vec<String>,
     /// Threads, if more than one.
     pub pool: Option<Arc<ThreadPool>>,
+    /// The bound of the step, where it is known from elsewhere.
+    pub bound: Option<Bound>,
 }
 
 /// What lies behind a curved wall.
@@ -56,6 +59,12 @@ struct Exterior {
 struct WallSlopes {
     by_side: [Vec<f64>; 4],
     curved: Vec<f64>,
+}
+
+impl Held for Exterior {
+    fn held(&self) -> usize {
+        self.rows.held() + self.contacts.held() + self.gains.held()
+    }
 }
 
 /// Ghosts and walls, as the sweep sees them.
@@ -255,7 +264,7 @@ pub struct LatticeOperator<L> {
 impl<L: PotentialLaw> LatticeOperator<L> {
     /// An operator on the given parts, with the law of their material.
     pub fn new(parts: LatticeParts, law: L) -> Self {
-        let LatticeParts { lattice, stencil, thermal, boundary, sinks, rings, pool } = parts;
+        let LatticeParts { lattice, stencil, thermal, boundary, sinks, rings, pool, bound: known } = parts;
         let reach = stencil.reach;
         let shape = Shape::new(lattice.columns, reach, lattice.dimension == 1);
         let faces = boundary.first_faces(&thermal.curve, thermal.initial_potential);
@@ -272,7 +281,8 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         });
         let corners = lattice_pairs(&lattice, &stencil, stiffness);
         let corner_rates = vec![0.0; corners.len()];
-        let bound = bound(&lattice, &stencil, sum, &thermal, &boundary, &faces, exterior.as_ref(), &sinks, &corners);
+        let derived = bound(&lattice, &stencil, sum, &thermal, &boundary, &faces, exterior.as_ref(), &sinks, &corners);
+        let bound = known.unwrap_or(derived);
         let threads = pool.as_ref().map_or(1, |pool| pool.current_num_threads());
         let most = (lattice.len() / PARTICLES_PER_THREAD).min(lattice.rows / (4 * shape.reach_rows).max(1));
         let count = if lattice.rows == 1 { 1 } else { threads.min(most).max(1) };
@@ -661,6 +671,15 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
 
     fn pairs(&self) -> u64 {
         (self.around.lattice.len() * self.around.stencil.neighbours() / 2) as u64
+    }
+
+    fn held(&self) -> usize {
+        let around = &self.around;
+        let walls = around.exterior.held() + around.door_weights.held() + around.door_own.held();
+        let pipes = self.sinks.held() + self.sink_potentials.held() + self.sink_heat.held();
+        let corners = self.corners.capacity() * size_of::<CornerPair>() + self.corner_rates.held();
+        let tangent = self.tangent.as_ref().map_or(0, |tangent| tangent.held());
+        around.stencil.held() + walls + pipes + corners + self.bands.held() + self.row_doors.held() + tangent
     }
 }
 

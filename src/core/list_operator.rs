@@ -10,6 +10,7 @@ use crate::boundary::{Boundary, Face};
 use crate::curved_wall::Contacts;
 use crate::ghosts::Ghosts;
 use crate::ledger::Sum;
+use crate::memory::{Held, shared};
 use crate::method::{Bound, Clock};
 use crate::operator::{Operator, Stage, StageColumns};
 use crate::pipe::Sink;
@@ -98,6 +99,8 @@ pub struct ListParts {
     pub exchange: Exchange,
     /// Threads, if more than one.
     pub pool: Option<Arc<ThreadPool>>,
+    /// The bound of the step, where it is known from elsewhere.
+    pub bound: Option<Bound>,
 }
 
 /// The operator.
@@ -141,7 +144,7 @@ impl<T: PairTerm> ListOperator<T> {
                 }
             }
         }
-        let bound = bound(&parts, &faces[0]);
+        let bound = parts.bound.clone().unwrap_or_else(|| bound(&parts, &faces[0]));
         let sink_heat = vec![0.0; parts.sinks.len()];
         ListOperator { parts, term, fields, faces, sink_heat, crossings, bound }
     }
@@ -557,6 +560,30 @@ impl Operator for EnthalpyList {
 
     fn pairs(&self) -> u64 {
         self.operator.pair_count()
+    }
+
+    fn held(&self) -> usize {
+        let Tangent { changes, ghosts, shares, views, .. } = &self.tangent;
+        let tangent = changes.held() + ghosts.held() + shares.held() + views.held();
+        self.operator.held() + self.scheme.held() + self.rate.held() + tangent
+    }
+}
+
+impl<T> Held for ListOperator<T> {
+    fn held(&self) -> usize {
+        let parts = &self.parts;
+        let fields = self.fields.potential.held() + self.fields.temperature.held() + self.fields.conductivity.held();
+        let pairs = parts.pairs.starts.held() + parts.pairs.partners.held() + parts.pairs.weights.held();
+        // Its copy of the materials of particles, and positions even of those on a lattice.
+        let copies = shared(&parts.positions) + parts.materials.of_particle.held();
+        copies
+            + pairs
+            + parts.ghosts.held()
+            + fields
+            + self.crossings.held()
+            + parts.contacts.held()
+            + parts.sinks.held()
+            + self.sink_heat.held()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The time loop: from a scene and a method to a [`RunResult`].
 
-mod guard;
-mod instants;
+pub(crate) mod guard;
+pub(crate) mod instants;
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -67,7 +67,7 @@ pub struct Refused {
 
 /// Steps between two looks at the whole state for non-finite or absurd values. The first steps, in which walls jump,
 /// are looked at more closely: after the 1st, 2nd, 4th, 8th ...
-const GUARD_STEPS: u64 = 64;
+pub(crate) const GUARD_STEPS: u64 = 64;
 
 /// Looks into a step in which a gap between pipes closes, where states between steps are known.
 const LOOKS: u32 = 8;
@@ -227,6 +227,7 @@ pub fn run(
         bounds_violation_rel: guard.violation(),
         errors: Errors::default(),
         reference: None,
+        reduced_from: None,
         spared: summary.spared,
         differences: summary.differences,
         state_hash: particles.state_hash(),

@@ -349,6 +349,7 @@ mod tests {
                 bounds_violation_rel: None,
                 errors: Errors::default(),
                 reference: None,
+                reduced_from: None,
                 spared: Vec::new(),
                 differences: Vec::new(),
                 state_hash: String::new(),

@@ -119,6 +119,12 @@ pub trait Method: Send {
     fn ledger(&self) -> &Ledger;
     /// Pairs that one evaluation visits.
     fn pairs(&self) -> u64;
+    /// Bytes that the method holds on the heap; what particles hold is theirs.
+    fn held(&self) -> usize;
+    /// Length (s) from which steps of a fixed length grow after a jump, for methods that are not monotone at their bound.
+    fn gentle_step(&self) -> Option<f64> {
+        None
+    }
     /// Longest step (s) that the method would make now, where it chooses for itself.
     fn wanted_step(&self) -> f64 {
         f64::INFINITY

@@ -57,4 +57,6 @@ pub trait Operator: Send {
     fn doors(&self) -> Vec<String>;
     /// Pairs that one evaluation visits.
     fn pairs(&self) -> u64;
+    /// Bytes that the operator holds on the heap; what particles hold is theirs.
+    fn held(&self) -> usize;
 }

@@ -10,6 +10,7 @@ use glam::DVec2;
 
 use crate::green::Green;
 use crate::lattice::Lattice;
+use crate::memory::Held;
 use crate::scene::{Pipe, Schedule, Series};
 
 /// Stretches of the delta that are tried, in order.
@@ -133,6 +134,12 @@ pub fn immerse(
         lattice.spacing,
         pipe.radius / 6.0
     ))
+}
+
+impl Held for Sink {
+    fn held(&self) -> usize {
+        self.sample.held()
+    }
 }
 
 impl Sink {

@@ -18,12 +18,14 @@ use crate::lattice::Lattice;
 use crate::lattice_operator::{LatticeOperator, LatticeParts};
 use crate::list_operator::{EnthalpyList, ListOperator, ListParts, Off, PairList, PairTerm, Tangent};
 use crate::march::Refused;
+use crate::memory::{Held, Memory};
 use crate::method::{Bound, Discretisation, Method, Normalisation, Stepper};
 use crate::neighbours::{NeighbourSearch, Period, all_pairs::AllPairs, cells::Cells, tree::Tree};
 use crate::operator::Operator;
 use crate::particles::{Particles, Places};
 use crate::pipe::{Sink, green_reach, immerse};
 use crate::potential::{Curve, Law, Thermal};
+use crate::predict::{StepCount, planned_steps};
 use crate::reference::Reference;
 use crate::scene::settings::MethodSettings;
 use crate::scene::{
@@ -73,8 +75,8 @@ pub struct PlanSummary {
     pub particles: u64,
     /// Pairs that one evaluation visits (each pair once).
     pub pairs: u64,
-    /// Memory of columns, lists and ghosts (bytes).
-    pub memory_bytes: u64,
+    /// What the run holds on the heap to its end, apart from watches (bytes).
+    pub memory: Memory,
     /// Step that will be made (s), before it is shortened to land on outputs.
     pub step_s: f64,
     /// Derived bound of the explicit step (s).
@@ -82,7 +84,7 @@ pub struct PlanSummary {
     /// What sets the bound.
     pub step_limit: String,
     /// Steps of the whole run.
-    pub steps: u64,
+    pub steps: StepCount,
     /// What the scene uses, in words.
     pub used: Vec<String>,
     /// What it is spared, in words.
@@ -105,17 +107,6 @@ pub struct Plan {
     pub summary: PlanSummary,
     /// Where pipes are at work: centre and half width (m), in the sector.
     pub pipe_extents: Vec<(DVec2, f64)>,
-}
-
-/// Plans a run without making a step.
-pub fn summary(
-    scene: &Scene,
-    method: &str,
-    reference: Option<&Arc<dyn Reference>>,
-    seed: u64,
-) -> Result<PlanSummary, Refused> {
-    let settings = settings_of(scene, method)?;
-    build(scene, settings, reference, 1, seed).map(|plan| plan.summary)
 }
 
 /// Limits of explicit steps of a method on a scene.
@@ -220,7 +211,7 @@ pub fn build(
     )];
     let mut spared = Vec::new();
     let count = cloud.as_ref().map_or(lattice.len(), |cloud| cloud.len());
-    let (method, memory_bytes): (Box<dyn Method>, u64) = match why_list {
+    let method: Box<dyn Method> = match why_list {
         None => {
             spared.push("no neighbour list: a fixed lattice stencil".into());
             spared.push("no positions, volumes or material column".into());
@@ -233,18 +224,13 @@ pub fn build(
                 sinks,
                 rings,
                 pool,
+                bound: settings.bound.clone(),
             };
             let operator: Box<dyn Operator> = match materials.thermals[0].law.clone() {
                 Law::Kinked(law) => Box::new(LatticeOperator::new(parts, law)),
                 Law::Curved(law) => Box::new(LatticeOperator::new(parts, law)),
             };
-            let columns = match numerics.integrator {
-                IntegratorChoice::Euler => 1,
-                IntegratorChoice::Rkl2 { .. } => 4,
-                IntegratorChoice::ControlledRkl2 { .. } => 5,
-                IntegratorChoice::Implicit { .. } => 20,
-            };
-            (integrator(numerics, operator, range, largest_slope, count), (8 * columns * count) as u64)
+            integrator(numerics, operator, range, largest_slope, count)
         }
         Some(reason) => {
             used.push(format!("a neighbour list, because {reason}"));
@@ -260,7 +246,6 @@ pub fn build(
             let first = &materials.thermals[0];
             let faces = boundary.first_faces(&first.curve, first.initial_potential);
             strengthen(&mut pairs, &ghosts, positions.len(), &faces);
-            let bytes = positions.len() * (16 + 8 * 3) + ghosts.len() * 80 + pairs.partners.len() * 12;
             let parts = ListParts {
                 positions,
                 volume: lattice.volume(),
@@ -274,8 +259,9 @@ pub fn build(
                 rings,
                 exchange: numerics.exchange,
                 pool,
+                bound: settings.bound.clone(),
             };
-            let method = match &discretisation.stepper {
+            match &discretisation.stepper {
                 Stepper::Own(step) => {
                     step(Assembly { parts, uptake: numerics.uptake, mushy: numerics.mushy, units: scene.units, seed })
                 }
@@ -293,8 +279,7 @@ pub fn build(
                         Assembly { parts, uptake: numerics.uptake, mushy: numerics.mushy, units: scene.units, seed };
                     assembly.into_method(Off)
                 }
-            };
-            (method, bytes as u64)
+            }
         }
     };
     if matches!(discretisation.stepper, Stepper::Shared) {
@@ -312,25 +297,27 @@ pub fn build(
     }
     let bound = method.bound();
     let step = choose_step(numerics, &bound, scene)?;
-    let steps = (scene.duration / step).ceil().max(1.0) as u64;
-    let summary = PlanSummary {
-        particles: count as u64,
-        pairs: method.pairs(),
-        memory_bytes,
-        step_s: step,
-        step_bound_s: bound.step,
-        step_limit: bound.cause.clone(),
-        steps,
-        used,
-        spared,
-        differences: discretisation.differences.clone(),
-    };
     let particles = Particles {
         enthalpy: vec![0.0; count],
         places: cloud.map_or(Places::Lattice, Places::Cloud),
         volume: lattice.volume(),
         lattice,
         materials,
+    };
+    let summary = PlanSummary {
+        particles: count as u64,
+        pairs: method.pairs(),
+        memory: Memory { particles: particles.held(), method: method.held(), watches: 0 },
+        step_s: step,
+        step_bound_s: bound.step,
+        step_limit: bound.cause.clone(),
+        steps: match numerics.integrator.tolerance() {
+            None => StepCount::Planned(planned_steps(scene, step, method.gentle_step())),
+            Some(_) => StepCount::ByErrorControl { estimate: None, trial: 0 },
+        },
+        used,
+        spared,
+        differences: discretisation.differences.clone(),
     };
     Ok(Plan { particles, method, step, bound, summary, pipe_extents })
 }

@@ -8,6 +8,7 @@
 use std::sync::Arc;
 
 use crate::material::{FreezingLaw, Material, Mixing};
+use crate::memory::{Held, shared};
 
 const HALF_SQRT_PI: f64 = 0.886_226_925_452_758;
 
@@ -600,6 +601,21 @@ impl Law {
         match self {
             Law::Kinked(law) => law.slope(enthalpy),
             Law::Curved(law) => law.slope(enthalpy),
+        }
+    }
+}
+
+impl Held for Curve {
+    fn held(&self) -> usize {
+        shared(&self.steps)
+    }
+}
+
+impl Held for Law {
+    fn held(&self) -> usize {
+        match self {
+            Law::Kinked(_) => 0,
+            Law::Curved(law) => shared(&law.warm) + shared(&law.cold),
         }
     }
 }

@@ -171,6 +171,9 @@ pub struct Record {
     /// The reference.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub reference: Option<ReferenceInfo>,
+    /// The body that the scene describes and why a smaller one was run for it; absent if it was run itself.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub reduced_from: Option<String>,
     /// What the scene did not need and was spared.
     pub spared: Vec<String>,
     /// How the method differs from the scene, in words.

@@ -125,6 +125,46 @@ pub enum Sector {
     Whole,
 }
 
+impl Sector {
+    /// Whether a ray from the centre at an angle (radians) lies in the sector, its edges included.
+    pub fn holds(self, angle: f64) -> bool {
+        let (sin, cos) = angle.sin_cos();
+        match self {
+            Sector::Quarter => cos > -ON_AXIS && sin > -ON_AXIS,
+            Sector::Half => sin > -ON_AXIS,
+            Sector::Whole => true,
+        }
+    }
+
+    /// How many rays of the whole plan a ray of the sector stands for: on a mirror plane fewer than inside.
+    pub fn multiplicity(self, angle: f64) -> usize {
+        let (sin, cos) = angle.sin_cos();
+        let on_edge = sin.abs() < ON_AXIS || (self == Sector::Quarter && cos.abs() < ON_AXIS);
+        self.images() / if on_edge && self != Sector::Whole { 2 } else { 1 }
+    }
+
+    /// The word used in files and messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Sector::Quarter => "quarter",
+            Sector::Half => "half",
+            Sector::Whole => "whole",
+        }
+    }
+
+    /// How many times the sector fits into the whole plan.
+    pub fn images(self) -> usize {
+        match self {
+            Sector::Quarter => 4,
+            Sector::Half => 2,
+            Sector::Whole => 1,
+        }
+    }
+}
+
+/// Sine or cosine of an angle below which a ray lies on an axis.
+const ON_AXIS: f64 = 1e-9;
+
 /// What happens at a wall.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Condition {

@@ -1,5 +1,6 @@
 //! A pair weight on a lattice: a fixed table of offsets, no neighbour list.
 
+use crate::memory::Held;
 use crate::method::{Discretisation, Normalisation, PairWeight};
 
 /// Relative tolerance on a reach that falls on a shell of the lattice: the shell belongs to the neighbourhood.
@@ -16,6 +17,12 @@ pub struct Stencil {
     /// Weight at offset (column, row), both 0..=reach, in that order: `weights[row * (reach + 1) + column]`.
     weights: Vec<f64>,
     disc: bool,
+}
+
+impl Held for Stencil {
+    fn held(&self) -> usize {
+        self.weights.held()
+    }
 }
 
 impl Stencil {
@@ -76,6 +83,14 @@ impl Stencil {
     /// How many offsets of the whole plane one of the first quadrant stands for.
     pub fn multiplicity(column: usize, row: usize) -> usize {
         (if column > 0 { 2 } else { 1 }) * (if row > 0 { 2 } else { 1 })
+    }
+
+    /// Weights on a line for states that do not vary across it: of each column distance from 1 to the reach, the sum
+    /// over rows. Offsets in the particle's own column exchange nothing.
+    pub fn collapsed(&self) -> Vec<f64> {
+        let over_rows =
+            |column| (0..=self.reach).map(move |row| if row > 0 { 2.0 } else { 1.0 } * self.at(column, row));
+        (1..=self.reach).map(|column| over_rows(column).sum()).collect()
     }
 
     /// Sum of all weights (m^-2).

@@ -6,6 +6,7 @@
 //! `v_k` from its left and right. Every particle sees the same operations in the same order whatever the width of
 //! the vectors or the number of bands, and no multiply is fused with an add: the bits are the same everywhere.
 
+use crate::memory::Held;
 use crate::operator::{Stage, StageColumns};
 use crate::potential::PotentialLaw;
 use crate::stencil::Stencil;
@@ -168,6 +169,13 @@ impl Band {
             sums: vec![Sums([0.0; PADDED]); shape.reach + 1],
             rate: vec![0.0; BLOCK + MOST_LANES],
         }
+    }
+}
+
+impl Held for Band {
+    fn held(&self) -> usize {
+        let rows = self.below.held() + self.above.held() + self.ring.held();
+        rows + self.sums.capacity() * size_of::<Sums>() + self.rate.held()
     }
 }
 

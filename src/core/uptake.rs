@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::memory::Held;
 use crate::potential::Thermal;
 use crate::scene::Uptake;
 
@@ -48,7 +49,7 @@ impl Materials {
 }
 
 /// A scheme: turns its state into fields, and heat into state.
-pub trait LatentScheme: Send {
+pub trait LatentScheme: Send + Held {
     /// Fills the non-empty columns of `fields` (of the first particles).
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields);
     /// Adds `step` times the rates (W/m3).
@@ -82,6 +83,12 @@ pub fn scheme(choice: Uptake, mushy: bool, materials: &Materials, count: usize) 
 /// Enthalpy is the unknown.
 struct Enthalpy;
 
+impl Held for Enthalpy {
+    fn held(&self) -> usize {
+        0
+    }
+}
+
 impl LatentScheme for Enthalpy {
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields) {
         for (i, (potential, h)) in fields.potential.iter_mut().zip(enthalpy).enumerate() {
@@ -111,6 +118,12 @@ struct LastPhase {
     frozen: Vec<bool>,
 }
 
+impl Held for LastPhase {
+    fn held(&self) -> usize {
+        self.frozen.held()
+    }
+}
+
 impl LatentScheme for LastPhase {
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields) {
         Enthalpy.read(materials, enthalpy, fields);
@@ -137,6 +150,12 @@ struct Flags {
     temperature: Vec<f64>,
     released: Vec<f64>,
     mushy: bool,
+}
+
+impl Held for Flags {
+    fn held(&self) -> usize {
+        self.temperature.held() + self.released.held()
+    }
 }
 
 impl LatentScheme for Flags {
@@ -204,6 +223,12 @@ impl LatentScheme for Flags {
 /// freezing interval and lose latent heat, and the heat balance shows it.
 struct ApparentCapacity {
     temperature: Vec<f64>,
+}
+
+impl Held for ApparentCapacity {
+    fn held(&self) -> usize {
+        self.temperature.held()
+    }
 }
 
 impl LatentScheme for ApparentCapacity {

@@ -1,20 +1,22 @@
 //! Watches: what is read off the particles at outputs, and never inside a step.
 
+mod field;
+mod held;
+
 use std::f64::consts::PI;
 
+use field::field;
 use glam::DVec2;
 
 use crate::boundary::moving_least_squares;
 use crate::lattice::Lattice;
 use crate::ledger::{Ledger, Sum};
+use crate::march::instants::outputs;
 use crate::material::FreezingLaw;
 use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
 use crate::particles::{Particles, Places};
 use crate::record::{BudgetRow, Field, FrontRow, GapRow, ProbeRow, ProfileRow, WallRow};
 use crate::scene::{Domain, FreezingDirection, Scene, Sector};
-
-/// Largest number of cells of a kept field along one direction.
-const FIELD_CELLS: usize = 400;
 
 /// A point read as a weighted sum over particles.
 #[derive(Debug, Clone, Default)]
@@ -62,6 +64,7 @@ pub struct Watches {
     keep_fields: bool,
     field_radius: f64,
     isothermal: bool,
+    rows: held::Rows,
     /// Front over time.
     pub front: Vec<FrontRow>,
     /// Profiles.
@@ -77,6 +80,9 @@ pub struct Watches {
 }
 
 impl Watches {
+    /// Share of the duration between two looks at gaps.
+    pub(crate) const LOOK_SHARE: f64 = 1.0 / 4000.0;
+
     /// The watches that a scene asks for.
     pub fn new(scene: &Scene, particles: &Particles, keep_fields: bool) -> Self {
         let sampler = Sampler::new(scene, particles);
@@ -85,24 +91,8 @@ impl Watches {
             Domain::Ring { outer_radius, sector } => (Some(sector), outer_radius),
             Domain::Line { .. } | Domain::Rectangle { .. } => (None, 0.0),
         };
-        let in_sector = |angle: f64| {
-            let (sin, cos) = angle.sin_cos();
-            match sector {
-                Some(Sector::Quarter) => cos > -1e-9 && sin > -1e-9,
-                Some(Sector::Half) => sin > -1e-9,
-                Some(Sector::Whole) => true,
-                None => false,
-            }
-        };
-        // A ray on a mirror plane stands for fewer rays of the whole ring than one inside the sector.
-        let multiplicity = |angle: f64| {
-            let (sin, cos) = angle.sin_cos();
-            match sector {
-                Some(Sector::Quarter) => 4 / if sin.abs() < 1e-9 || cos.abs() < 1e-9 { 2 } else { 1 },
-                Some(Sector::Half) => 2 / if sin.abs() < 1e-9 { 2 } else { 1 },
-                _ => 1,
-            }
-        };
+        let in_sector = |angle: f64| sector.is_some_and(|sector| sector.holds(angle));
+        let multiplicity = |angle: f64| sector.map_or(1, |sector| sector.multiplicity(angle));
         let ray = |angle: f64, from: f64, to: f64, step: f64| {
             let count = ((to - from) / step).ceil().max(1.0) as usize;
             let radii: Vec<f64> = (0..=count).map(|k| from + (to - from) * k as f64 / count as f64).collect();
@@ -138,19 +128,15 @@ impl Watches {
         let probes =
             scene.watch.probes.iter().map(|(x, y)| (DVec2::new(*x, *y), sampler.sample(DVec2::new(*x, *y)))).collect();
         let direction = scene.freezing_direction();
-        Watches {
+        let mut watches = Watches {
             profile_length: scene.watch.profile_length.or(direction.map(|d| d.length)).unwrap_or(outer),
             direction,
             main,
             interface,
             gaps,
             next_look: 0.0,
-            look_every: scene.duration / 4000.0,
-            sector_count: match sector {
-                Some(Sector::Quarter) => 4.0,
-                Some(Sector::Half) => 2.0,
-                _ => 1.0,
-            },
+            look_every: scene.duration * Self::LOOK_SHARE,
+            sector_count: sector.map_or(1.0, |sector| sector.images() as f64),
             pipe_count: scene.rings.iter().map(|ring| ring.count).sum(),
             probes,
             keep_fields: keep_fields && scene.domain.dimension() == 2,
@@ -162,7 +148,10 @@ impl Watches {
             budget: Vec::new(),
             walls: Vec::new(),
             fields: Vec::new(),
-        }
+            rows: held::Rows::default(),
+        };
+        watches.make_room(particles, outputs(scene).len(), scene.watch.profiles.len());
+        watches
     }
 
     /// Whether something needs a look between outputs at this time.
@@ -332,37 +321,6 @@ fn layers(particles: &Particles, direction: &FreezingDirection, length: f64, tim
         })
         .filter(|row| row.x_m <= length)
         .collect()
-}
-
-/// Temperatures on a grid of at most [`FIELD_CELLS`] cells a side; particles off the lattice fill their nearest cell.
-fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
-    let lattice = &particles.lattice;
-    let within = |extent: f64| if radius > 0.0 { extent.min(radius) } else { extent };
-    let least = DVec2::new(-within(-lattice.corner.x), -within(-lattice.corner.y));
-    let most = lattice.corner + lattice.spacing * DVec2::new(lattice.columns as f64, lattice.rows as f64);
-    let size = DVec2::new(within(most.x), within(most.y)) - least;
-    let coarsening = (size.max_element() / lattice.spacing / FIELD_CELLS as f64).ceil().max(1.0);
-    let spacing = coarsening * lattice.spacing;
-    let (nx, ny) = ((size.x / spacing).round().max(1.0) as usize, (size.y / spacing).round().max(1.0) as usize);
-    let mut sums = vec![(0.0, 0.0, 0usize); nx * ny];
-    particles.visit(|i, place| {
-        let cell = ((place - least) / spacing).floor();
-        if cell.x >= 0.0 && cell.y >= 0.0 && (cell.x as usize) < nx && (cell.y as usize) < ny {
-            let sum = &mut sums[cell.y as usize * nx + cell.x as usize];
-            *sum = (sum.0 + particles.temperature(i), sum.1 + particles.frozen_fraction(i), sum.2 + 1);
-        }
-    });
-    let mean = |sum: f64, count: usize| if count > 0 { sum / count as f64 } else { f64::NAN };
-    Field {
-        time_s,
-        nx,
-        ny,
-        x0_m: least.x + 0.5 * spacing,
-        y0_m: least.y + 0.5 * spacing,
-        spacing_m: spacing,
-        temperature_c: sums.iter().map(|sum| mean(sum.0, sum.2)).collect(),
-        frozen_fraction: sums.iter().map(|sum| mean(sum.1, sum.2)).collect(),
-    }
 }
 
 /// Turns points into samples: bilinear on a lattice, moving least squares elsewhere.

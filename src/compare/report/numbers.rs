@@ -268,6 +268,7 @@ pub(super) fn settings(study: &Study) -> Block {
         };
         let all: Vec<String> =
             result.record.settings.iter().map(|(key, value)| format!("{key} = {}", show(value))).collect();
+        let all = [all, result.record.reduced_from.iter().map(|words| format!("reduced: {words}")).collect()].concat();
         let differences = if result.record.differences.is_empty() {
             "none declared".into()
         } else {

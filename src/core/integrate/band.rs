@@ -1,5 +1,7 @@
 //! Direct solution of narrow banded systems.
 
+use crate::memory::Held;
+
 /// A square matrix with entries within `half` of its diagonal, row by row.
 #[derive(Debug, Clone)]
 pub struct Band {
@@ -70,6 +72,12 @@ impl Band {
             let known: f64 = entries[1..].iter().zip(&right[row + 1..]).map(|(entry, value)| entry * value).sum();
             right[row] = (right[row] - known) / entries[0];
         }
+    }
+}
+
+impl Held for Band {
+    fn held(&self) -> usize {
+        self.rows.held()
     }
 }
 

@@ -4,6 +4,7 @@ use super::control::{Control, EnthalpyRange, Judgement};
 use super::newton::{Newton, NotConverged, RESIDUAL, Stage};
 use super::{just_before, sharp_step};
 use crate::ledger::{Hermite, Ledger};
+use crate::memory::Held;
 use crate::method::{Bound, Clock, Method, StepError, Work};
 use crate::operator::Operator;
 use crate::particles::Particles;
@@ -232,6 +233,12 @@ impl Method for Implicit {
 
     fn pairs(&self) -> u64 {
         self.operator.pairs()
+    }
+
+    fn held(&self) -> usize {
+        let columns = [&self.stage, &self.known, &self.next, &self.previous, &self.rate, &self.previous_rate];
+        let columns: usize = columns.into_iter().map(Held::held).sum();
+        self.operator.held() + self.newton.held() + columns + self.rates.held() + self.euler_rate.held()
     }
 
     fn wanted_step(&self) -> f64 {

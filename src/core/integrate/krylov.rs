@@ -3,6 +3,8 @@
 //!
 //! Sums run over particles in order, so the result does not depend on the number of threads.
 
+use crate::memory::Held;
+
 /// Iterations after which a solve gives up: its caller shortens the step.
 const MOST_ITERATIONS: usize = 3000;
 
@@ -161,6 +163,13 @@ impl Krylov {
             }
         }
         products
+    }
+}
+
+impl Held for Krylov {
+    fn held(&self) -> usize {
+        let columns = [&self.residual, &self.direction, &self.shaped, &self.image, &self.shadow, &self.second_image];
+        columns.into_iter().map(Held::held).sum()
     }
 }
 

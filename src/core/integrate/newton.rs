@@ -8,6 +8,7 @@
 use super::band::Band;
 use super::control::EnthalpyRange;
 use super::krylov::Krylov;
+use crate::memory::Held;
 use crate::operator::Operator;
 
 /// Largest residual that is left, over the scale of a particle's enthalpy. It bounds how far a stage can leave the range of the
@@ -283,6 +284,18 @@ impl Newton {
                 }
             }
         }
+    }
+}
+
+impl Held for Newton {
+    fn held(&self) -> usize {
+        let columns =
+            [&self.residual, &self.slopes, &self.roots, &self.change, &self.scratch, &self.right, &self.diagonal];
+        let linear = match &self.linear {
+            Linear::Direct { exchange, system, .. } => exchange.held() + system.held(),
+            Linear::Iterative(krylov) => krylov.held(),
+        };
+        columns.into_iter().map(Held::held).sum::<usize>() + linear
     }
 }
 

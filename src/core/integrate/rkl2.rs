@@ -3,13 +3,14 @@
 use super::control::{Control, EnthalpyRange, Judgement};
 use super::{just_before, sharp_step};
 use crate::ledger::{Hermite, Ledger};
+use crate::memory::Held;
 use crate::method::{Bound, Clock, Method, StepError, Work};
 use crate::operator::{Operator, Stage, StageColumns};
 use crate::particles::Particles;
 
 /// Growth of the steps of a fixed chain, from one step to the next: modes that a step cannot resolve have decayed by
 /// the time it is taken.
-const GROWTH: f64 = 1.15;
+pub(crate) const GROWTH: f64 = 1.15;
 
 /// How far, over the range of the data, a controlled step may leave it.
 const EXCESS: f64 = 1e-3;
@@ -257,6 +258,15 @@ impl Method for Rkl2 {
 
     fn pairs(&self) -> u64 {
         self.operator.pairs()
+    }
+
+    fn gentle_step(&self) -> Option<f64> {
+        matches!(self.pace, Pace::Fixed { .. }).then_some(self.euler.step)
+    }
+
+    fn held(&self) -> usize {
+        let columns = [&self.older, &self.old, &self.first_rate, &self.last_rate];
+        self.operator.held() + columns.into_iter().map(Held::held).sum::<usize>()
     }
 
     fn wanted_step(&self) -> f64 {

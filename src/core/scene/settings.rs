@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 
-use crate::method::Discretisation;
+use crate::method::{Bound, Discretisation};
 use crate::record::Value;
 
 /// Which of a method's two standard settings is the starting point; keys of the file override it one by one.
@@ -170,6 +170,9 @@ pub struct MethodSettings {
     pub numerics: Numerics,
     /// The method's own geometry.
     pub discretisation: Arc<Discretisation>,
+    /// The bound of an explicit step, where a larger body knows it for this one ([`crate::reduce`]): both then make
+    /// the same steps. Derived from the particles if absent.
+    pub bound: Option<Bound>,
 }
 
 impl MethodSettings {

@@ -108,7 +108,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
             section.problem(SPACING, message);
         }
     }
-    MethodSettings { method: kind.name, setting, numerics, discretisation: Arc::new(discretisation) }
+    MethodSettings { method: kind.name, setting, numerics, discretisation: Arc::new(discretisation), bound: None }
 }
 
 #[derive(Clone, Copy, PartialEq)]

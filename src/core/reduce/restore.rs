@@ -1,0 +1,150 @@
+//! The way back: what a smaller body leaves, in terms of the larger one.
+
+use super::fold::{Fold, folded, same_direction};
+use crate::record::{Field, GapRow, ProfileRow, RunResult};
+use crate::scene::{Scene, Sector};
+
+impl Fold {
+    /// Turns what the smaller body left into what `larger`, the scene before this fold, would have left. Counts and
+    /// times stay those of the run that was made.
+    pub(super) fn restore(&self, larger: &Scene, result: &mut RunResult) {
+        self.heat(larger, result);
+        let count = larger.watch.probes.len();
+        for (k, row) in result.probes.iter_mut().enumerate() {
+            (row.x_m, row.y_m) = larger.watch.probes[k % count];
+        }
+        match *self {
+            Fold::Line { .. } => {}
+            Fold::Half { along_y, length } => {
+                if larger.freezing_direction().is_some_and(|direction| direction.along_y == along_y) {
+                    result.front.iter_mut().for_each(|row| row.front_m *= 2.0);
+                    let end = larger.watch.profile_length.unwrap_or(length);
+                    result.profiles = mirrored(&result.profiles, length, end);
+                }
+                for field in &mut result.fields {
+                    let middle = 0.5 * length;
+                    *field = unfold(field, along_y, middle);
+                }
+            }
+            Fold::Sector { from, to, .. } => {
+                result.gaps = gaps(larger, from, to, &result.gaps);
+                for field in &mut result.fields {
+                    if from != Sector::Half {
+                        *field = unfold(field, true, 0.0);
+                    }
+                    if to == Sector::Quarter {
+                        *field = unfold(field, false, 0.0);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Heat by walls and rings of the larger body.
+    fn heat(&self, larger: &Scene, result: &mut RunResult) {
+        let rings = &result.budget_names[result.budget_names.len() - larger.rings.len()..];
+        let walls = larger.walls.iter().map(|wall| wall.name.to_string());
+        let names: Vec<String> = walls.chain(rings.iter().cloned()).collect();
+        // Whose heat stands for a door's, and how many times; a wall that the smaller body lacks lets none through.
+        let source = |name: &str| -> (Option<String>, f64) {
+            match self {
+                Fold::Line { along_y, across } => {
+                    let own = match (name, along_y) {
+                        ("left" | "right", false) => Some(name),
+                        ("bottom", true) => Some("left"),
+                        ("top", true) => Some("right"),
+                        _ => None,
+                    };
+                    (own.map(str::to_string), *across)
+                }
+                Fold::Half { along_y, .. } => match (name, along_y) {
+                    ("left" | "right", false) => (Some("left".into()), 1.0),
+                    ("bottom" | "top", true) => (Some("bottom".into()), 1.0),
+                    _ => (Some(name.into()), 2.0),
+                },
+                Fold::Sector { from, to, .. } => (Some(name.into()), images(*from, *to)),
+            }
+        };
+        let scale = match self {
+            Fold::Line { across, .. } => *across,
+            Fold::Half { .. } => 2.0,
+            Fold::Sector { from, to, .. } => images(*from, *to),
+        };
+        let sources: Vec<(Option<usize>, f64)> = names
+            .iter()
+            .map(|name| {
+                let (own, times) = source(name);
+                (own.and_then(|own| result.budget_names.iter().position(|name| *name == own)), times)
+            })
+            .collect();
+        for row in &mut result.budget {
+            row.stored_j *= scale;
+            row.in_j = sources.iter().map(|(own, times)| own.map_or(0.0, |own| times * row.in_j[own])).collect();
+        }
+        result.budget_names = names;
+    }
+}
+
+/// How many of a sector make up a larger one.
+fn images(from: Sector, to: Sector) -> f64 {
+    to.images() as f64 / from.images() as f64
+}
+
+/// Profiles of half a body of `length` (m), continued to `end`.
+fn mirrored(half: &[ProfileRow], length: f64, end: f64) -> Vec<ProfileRow> {
+    let mut whole = Vec::with_capacity(2 * half.len());
+    for rows in half.chunk_by(|a, b| a.time_s == b.time_s && a.plane == b.plane) {
+        whole.extend_from_slice(rows);
+        let images = rows.iter().rev().map(|row| ProfileRow { x_m: length - row.x_m, ..row.clone() });
+        whole.extend(images.filter(|row| row.x_m <= end));
+    }
+    whole
+}
+
+/// Gaps of the larger sector, each closed when its image was.
+fn gaps(larger: &Scene, from: Sector, to: Sector, found: &[GapRow]) -> Vec<GapRow> {
+    let Some(ring) = larger.rings.first() else { return Vec::new() };
+    let gaps = (0..ring.count).map(|gap| (gap, ring.gap_angle(gap))).filter(|(_, angle)| from.holds(*angle));
+    gaps.map(|(gap, angle)| {
+        let is_image = |row: &&GapRow| same_direction(row.angle_deg.to_radians(), folded(angle, to));
+        GapRow {
+            gap,
+            angle_deg: angle.to_degrees(),
+            multiplicity: from.multiplicity(angle),
+            closure_s: found.iter().find(is_image).and_then(|row| row.closure_s),
+            closure_ref_s: None,
+        }
+    })
+    .collect()
+}
+
+/// A field continued behind a plane of y, or of x, at `plane` (m): on its far side if the field lies before it, on its
+/// near side if behind.
+fn unfold(field: &Field, in_y: bool, plane: f64) -> Field {
+    let (nx, ny) = if in_y { (field.nx, 2 * field.ny) } else { (2 * field.nx, field.ny) };
+    let first = if in_y { field.y0_m } else { field.x0_m };
+    let count = if in_y { field.ny } else { field.nx };
+    let own_first = first < plane;
+    let own = |k: usize| match (own_first, k < count) {
+        (true, true) => k,
+        (true, false) => 2 * count - 1 - k,
+        (false, true) => count - 1 - k,
+        (false, false) => k - count,
+    };
+    let cell = |column: usize, row: usize| {
+        if in_y { own(row) * field.nx + column } else { row * field.nx + own(column) }
+    };
+    let spread = |values: &[f64]| -> Vec<f64> {
+        (0..ny).flat_map(|row| (0..nx).map(move |column| (column, row))).map(|(c, r)| values[cell(c, r)]).collect()
+    };
+    let start = if own_first { first } else { first - count as f64 * field.spacing_m };
+    Field {
+        nx,
+        ny,
+        x0_m: if in_y { field.x0_m } else { start },
+        y0_m: if in_y { start } else { field.y0_m },
+        temperature_c: spread(&field.temperature_c),
+        frozen_fraction: spread(&field.frozen_fraction),
+        ..field.clone()
+    }
+}

@@ -1,0 +1,184 @@
+//! What is said of a run beforehand: its memory against what the allocator handed out, its steps against those made.
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+use std::sync::Arc;
+
+use frazil::registry::methods;
+use frazil_cases::scenes::BundledScene;
+use frazil_core::march::{self, Options};
+use frazil_core::method::MethodKind;
+use frazil_core::plan;
+use frazil_core::predict::forecast;
+use frazil_core::scene::{Domain, Scene, Sector, Units};
+
+use crate::sketch::{Sketch, sand};
+
+/// The system's allocator with a count of bytes for each thread: tests run beside each other.
+struct Counting;
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+thread_local! {
+    /// Bytes handed out and not returned, and their largest number so far.
+    static LIVE: Cell<(isize, isize)> = const { Cell::new((0, 0)) };
+}
+
+fn count(bytes: isize) {
+    // A thread that ends frees the last of its memory when its counter is gone.
+    let _ = LIVE.try_with(|live| {
+        let (now, most) = live.get();
+        live.set((now + bytes, most.max(now + bytes)));
+    });
+}
+
+// SAFETY: every call goes to the system's allocator as it came.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        count(layout.size() as isize);
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        count(-(layout.size() as isize));
+        // SAFETY: as the caller promises.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+
+    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
+        count(layout.size() as isize);
+        // SAFETY: as the caller promises.
+        unsafe { System.alloc_zeroed(layout) }
+    }
+
+    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
+        count(size as isize - layout.size() as isize);
+        // SAFETY: as the caller promises.
+        unsafe { System.realloc(pointer, layout, size) }
+    }
+}
+
+/// Bytes that this thread holds now.
+fn live() -> isize {
+    LIVE.get().0
+}
+
+/// Most bytes beyond those held now that some work holds at once.
+fn most<T>(work: impl FnOnce() -> T) -> (T, isize) {
+    let before = live();
+    LIVE.set((before, before));
+    let value = work();
+    (value, LIVE.get().1 - before)
+}
+
+/// Names, causes and differences in words, boxes, shared counters: what is not counted (bytes).
+const SMALL: f64 = 6000.0;
+
+fn assert_counted(name: &str, scene: &Scene) {
+    let before = live();
+    let plan = plan::build(scene, &scene.methods[0], None, 1, 1).unwrap_or_else(|refused| unreachable!("{refused}"));
+    let held = (live() - before) as f64;
+    let counted = (plan.summary.memory.particles + plan.summary.memory.method) as f64;
+    assert!((counted..counted + SMALL).contains(&held), "{name}: {counted} bytes counted, {held} held");
+}
+
+#[test]
+fn a_plan_counts_what_it_holds() {
+    let law = "law = \"weibull\", width_K = 1, latent_heat_J_per_kg = 50000, temperature_c = 0";
+    for kind in methods() {
+        for domain in [
+            Domain::Line { length: 40.0 },
+            Domain::Rectangle { width: 4.0, height: 3.0 },
+            Domain::Ring { outer_radius: 4.0, sector: Sector::Half },
+        ] {
+            let sketch = Sketch::new(domain, 0.05);
+            let mut ring = sketch.clone();
+            if matches!(domain, Domain::Ring { .. }) {
+                ring.pipes = vec!["count = 8\nring_radius_m = 2\npipe_radius_m = 0.05\ntemperature_c = -20".into()];
+            }
+            let mut mixed = sketch.clone();
+            mixed.materials = vec![("sand", sand(law)), ("clay", sand(law))];
+            let y = if domain.dimension() == 2 { "\ny_min_m = 0\ny_max_m = 1" } else { "" };
+            mixed.regions = vec![format!("material = \"clay\"\nx_min_m = 1\nx_max_m = 2{y}")];
+            let mut variants = vec![
+                ("plain", sketch.clone()),
+                ("pipes", ring),
+                ("materials", mixed),
+                ("list", sketch.clone().with("search = \"cells\"")),
+                ("mean", sketch.clone().with("mean = \"harmonic\"\nmushy = false")),
+                ("flags", sketch.clone().with("scheme = \"flags\"")),
+            ];
+            if !kind.stochastic {
+                variants.push(("rkl2", sketch.clone().with("integrator = \"rkl2\"\nstages = 5")));
+            }
+            if !kind.lattice_only {
+                variants.push(("cloud", sketch.with("layout = \"jittered\"\njitter_fraction = 0.2")));
+            }
+            for (name, sketch) in variants {
+                assert_counted(&format!("{} {name} {domain:?}", kind.name), &sketch.scene(kind));
+            }
+        }
+    }
+}
+
+/// The most that a run holds at once, its preparation and its results included, is what was counted before: to a tenth,
+/// which leaves room for what only the preparation holds.
+#[test]
+fn a_forecast_counts_what_a_run_holds() {
+    for (name, finer) in [
+        ("stefan-water", 1.0),
+        ("stefan-unit", 1.0),
+        ("soil-column", 1.0),
+        ("stefan-dpd-1", 1.0),
+        ("frozen-wall-clay", 1.0),
+        ("frozen-wall-sand", 2.0),
+    ] {
+        let bundled = frazil_cases::scenes::find(name).expect("bundled");
+        for kind in methods() {
+            let scene = shortened(bundled, kind, finer);
+            let reference = frazil_cases::reference_for(&scene).expect("a reference").map(Arc::from);
+            let expected = forecast(&scene, kind.name, reference.as_ref(), 1, 1).expect("a forecast");
+            let options = Options { fields: true, ..Options::default() };
+            let (result, held) = most(|| march::run(&scene, kind.name, reference.as_ref(), &options));
+            let result = result.expect("a run");
+            assert_eq!(expected.summary.steps.number(), Some(result.record.steps), "{name} {}", kind.name);
+            let ratio = expected.summary.memory.total() as f64 / held as f64;
+            assert!((0.9..1.1).contains(&ratio), "{name}, {}: {ratio} of {held} bytes", kind.name);
+        }
+    }
+}
+
+/// Steps are shortened to land on outputs and profiles, and grow where the integrator asks for it.
+#[test]
+fn the_steps_of_a_run_are_counted_beforehand() {
+    for numerics in ["", "integrator = \"rkl2\"\nstages = 7", "step_s = 1000", "step_fraction = 0.37"] {
+        for (outputs, duration_s) in [(1, 40_000.0), (7, 654_321.0), (400, 1e6)] {
+            for kind in methods().iter().filter(|kind| !kind.stochastic) {
+                let mut sketch = Sketch::new(Domain::Line { length: 5.0 }, 0.1).with(numerics);
+                (sketch.outputs, sketch.duration_s) = (outputs, duration_s);
+                let planned = sketch.plan(kind).summary.steps.number();
+                let made = sketch.run(kind).record.steps;
+                assert_eq!(planned, Some(made), "{} {numerics} {outputs}", kind.name);
+            }
+        }
+    }
+}
+
+/// A bundled scene with all its outputs, in a hundredth of its time.
+fn shortened(bundled: &BundledScene, kind: &MethodKind, finer: f64) -> Scene {
+    const SHARE: f64 = 0.01;
+    let read = |overrides: &[(String, String)]| {
+        Scene::read(bundled.text, bundled.name, bundled.name, overrides, methods())
+            .unwrap_or_else(|problems| unreachable!("{problems}"))
+    };
+    let own = read(&[]);
+    let spacing = own.method(kind.name).expect("settings").numerics.spacing / finer;
+    let key = if own.units == Units::Si { "spacing_m" } else { "spacing" };
+    let mut scene = read(&[(format!("method.{}.{key}", kind.name), spacing.to_string())]);
+    scene.duration *= SHARE;
+    scene.watch.front_from *= SHARE;
+    scene.watch.profiles.iter_mut().for_each(|instant| *instant *= SHARE);
+    scene
+}

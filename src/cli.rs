@@ -9,7 +9,7 @@ use frazil_core::scene::Setting;
 
 use crate::compare::plan::Variant;
 use crate::failure::{Failure, Verdict, exit_code};
-use crate::{check, compare, list, run};
+use crate::{check, compare, list, parallel, run};
 
 /// Freezing by particles: peridynamics, SPH, eDPD and a local baseline on the same scenes.
 #[derive(Debug, Parser)]
@@ -132,7 +132,7 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             scene: arguments.scene,
             method: arguments.method,
             overrides: arguments.set,
-            threads: arguments.threads.map_or_else(all_cores, usize::from),
+            threads: arguments.threads.map_or_else(parallel::cores, usize::from),
             seed: arguments.seed,
             out: arguments.out,
             quiet: arguments.quiet,
@@ -158,10 +158,6 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
         Command::Check(arguments) => check::check(&arguments.scene, &arguments.method, &arguments.set),
         Command::List => list::list(),
     }
-}
-
-fn all_cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 fn key_and_value(text: &str) -> Result<(String, String), String> {

@@ -20,6 +20,7 @@ pub mod measure;
 pub mod method;
 pub mod neighbours;
 pub mod noise;
+pub mod one_way;
 pub mod operator;
 pub mod particles;
 pub mod pipe;

@@ -22,6 +22,7 @@ fn record(title: &str, method: &str) -> Record {
         steps: 1000,
         pair_evaluations: 600_000,
         particle_updates: 200_000,
+        work: Default::default(),
         step_s: 1.0,
         step_bound_s: 1.1,
         step_limit: "diffusion".into(),

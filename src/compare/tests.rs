@@ -97,6 +97,7 @@ fn blank(scene: &Scene, method: &str) -> Record {
         steps: 1000,
         pair_evaluations: 300_000,
         particle_updates: 0,
+        work: Default::default(),
         step_s: 1.0,
         step_bound_s: 1.1,
         step_limit: String::new(),

@@ -74,6 +74,28 @@ impl Face {
         }
     }
 
+    /// The wall as small changes of potentials meet it.
+    pub fn homogeneous(&self) -> Face {
+        match *self {
+            Face::Even | Face::Flux(_) => Face::Even,
+            Face::Odd { .. } => Face::Odd { wall: 0.0, temperature: 0.0 },
+            Face::Held { .. } => Face::Held { wall: 0.0, temperature: 0.0 },
+            Face::Film { .. } => *self,
+        }
+    }
+
+    /// Change of a ghost with its image, at the same place.
+    pub fn ghost_slope(&self, image: f64, depth: f64, curve: &Curve, initial_potential: f64) -> f64 {
+        match *self {
+            Face::Even | Face::Flux(_) => 1.0,
+            Face::Odd { .. } => -1.0,
+            Face::Held { .. } => 0.0,
+            Face::Film { coefficient, ambient } => {
+                1.0 + 2.0 * depth * curve.film_slope(image + initial_potential, depth, coefficient, ambient)
+            }
+        }
+    }
+
     /// How strongly a ghost falls when its image rises: what a ghost adds to its own image's row sum.
     pub fn stiffness(&self) -> f64 {
         match self {
@@ -178,6 +200,18 @@ impl Boundary {
             }
         };
         Ok(Boundary { doors, sides, curved })
+    }
+
+    /// Whether ghosts follow their images in the same way at all states and times.
+    pub fn is_linear(&self) -> bool {
+        !self.doors.iter().any(|door| matches!(door.condition, Condition::Convection { .. } | Condition::Exact))
+    }
+
+    /// Takes the walls as they are from now on, whatever the time.
+    pub fn hold_still(&mut self) {
+        for door in &mut self.doors {
+            door.changes = false;
+        }
     }
 
     /// All walls at time zero.

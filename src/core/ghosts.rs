@@ -274,6 +274,47 @@ impl Ghosts {
         }
     }
 
+    /// How each ghost follows its image, from the potentials of particles and ghosts.
+    pub fn slopes(&self, potentials: &[f64], faces: &[Vec<Face>], materials: &Materials, slopes: &mut Vec<f64>) {
+        slopes.clear();
+        slopes.extend((0..self.len()).map(|ghost| match self.door[ghost] {
+            None => 1.0,
+            Some(door) => {
+                let material = self.material(ghost, materials);
+                let thermal = &materials.thermals[material];
+                faces[material][door as usize].ghost_slope(
+                    self.image(ghost, potentials),
+                    self.depth[ghost],
+                    &thermal.curve,
+                    thermal.initial_potential,
+                )
+            }
+        }));
+    }
+
+    /// Fills small changes of the potentials of ghosts, behind those of the particles.
+    pub fn fill_changes(&self, changes: &mut [f64], slopes: &[f64]) {
+        let count = changes.len() - self.len();
+        for (ghost, slope) in slopes.iter().enumerate() {
+            changes[count + ghost] = slope * self.image(ghost, changes);
+        }
+    }
+
+    /// Particles that the image of a ghost is made of, directly or through other ghosts.
+    pub fn makers(&self, ghost: usize, count: usize) -> Vec<u32> {
+        let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
+        let maker = |index: u32| match (index as usize).checked_sub(count) {
+            None => vec![index],
+            Some(parent) => self.makers(parent, count),
+        };
+        images.iter().flat_map(|image| maker(image.0)).collect()
+    }
+
+    /// Whether every ghost is the mirror image of one particle or ghost.
+    pub fn all_mirrored(&self) -> bool {
+        self.images.len() == self.len()
+    }
+
     /// Fills the temperatures and conductivities of ghosts, behind those of the particles.
     pub fn fill_temperatures(
         &self,

@@ -11,11 +11,12 @@ use crate::ghosts::{FIT_RANGE, FIT_SCALE};
 use crate::lattice::Lattice;
 use crate::ledger::Sum;
 use crate::method::Bound;
-use crate::operator::Operator;
+use crate::operator::{Operator, Stage, StageColumns};
 use crate::pipe::Sink;
-use crate::potential::{PotentialLaw, Thermal};
+use crate::potential::{Identity, PotentialLaw, Thermal};
+use crate::scene::Series;
 use crate::stencil::Stencil;
-use crate::sweep::{Band, Beside, Frame, InPlace, Shape, Surroundings, Target, fill_row, sweep};
+use crate::sweep::{Band, Beside, Chained, Frame, InPlace, Shape, Surroundings, Target, fill_row, sweep};
 
 /// Particles that each further thread must have to itself: a step of fewer is over before a thread is woken.
 pub const PARTICLES_PER_THREAD: usize = 16_384;
@@ -60,6 +61,14 @@ struct Exterior {
     stiffness: f64,
 }
 
+/// How the ghosts of walls with a film follow their images, by place along the wall and layer; empty for the other
+/// walls, whose ghosts all follow alike.
+#[derive(Debug, Clone, Default)]
+struct FilmSlopes {
+    by_side: [Vec<f64>; 4],
+    curved: Vec<f64>,
+}
+
 /// Ghosts and walls, as the sweep sees them.
 struct Around<L> {
     lattice: Arc<Lattice>,
@@ -70,6 +79,8 @@ struct Around<L> {
     sides: [Side; 4],
     open: [bool; 4],
     faces: Vec<Face>,
+    /// Instead of faces, where potentials are small changes.
+    slopes: Option<FilmSlopes>,
     exterior: Option<Exterior>,
     /// Weight with which all particles of a row together reach the ghosts of a column wall: by row offset and layer.
     door_weights: Vec<f64>,
@@ -103,8 +114,12 @@ impl<L: PotentialLaw> Around<L> {
         }
     }
 
+    /// A ghost of a straight wall, `layer` rows behind it at `place` along it.
     #[inline(always)]
-    fn ghost(&self, face: &Face, image: f64, layer: usize) -> f64 {
+    fn ghost(&self, side: usize, face: &Face, image: f64, place: usize, layer: usize) -> f64 {
+        if let (Some(slopes), Face::Film { .. }) = (&self.slopes, face) {
+            return slopes.by_side[side][place * self.shape.reach + layer] * image;
+        }
         let depth = (layer as f64 + 0.5) * self.lattice.spacing;
         face.ghost(image, depth, &self.thermal.curve, self.thermal.initial_potential)
     }
@@ -124,14 +139,15 @@ impl<L: PotentialLaw> Around<L> {
         let (side, layer, image) = if row < 0 { (2, -1 - row, -1 - row) } else { (3, row - rows, 2 * rows - 1 - row) };
         if self.sides[side] == Side::Curved {
             self.exterior_row(row, potentials);
-            self.columns(potentials);
+            // Walls with a film do not meet curved ones: the place along them does not matter here.
+            self.columns(0, potentials);
             return;
         }
         self.fill_any(image, enthalpy, potentials);
         let face = self.face(side);
         let used = self.lattice.columns + 2 * self.shape.reach;
-        for potential in &mut potentials[..used] {
-            *potential = self.ghost(&face, *potential, layer as usize);
+        for (place, potential) in potentials[..used].iter_mut().enumerate() {
+            *potential = self.ghost(side, &face, *potential, place, layer as usize);
         }
     }
 
@@ -146,18 +162,18 @@ impl<L: PotentialLaw> Around<L> {
 
     /// Ghost columns left and right of a row.
     #[inline]
-    fn columns(&self, potentials: &mut [f64]) {
+    fn columns(&self, row: usize, potentials: &mut [f64]) {
         let (reach, columns) = (self.shape.reach, self.lattice.columns);
         let (left, right) = (self.face(0), self.face(1));
         let (has_left, has_right) = (self.sides[0] != Side::Curved, self.sides[1] != Side::Curved);
         // From the wall outward, both sides in turn: in a body narrower than the reach, images are ghosts themselves.
         for layer in 0..reach {
             if has_left {
-                potentials[reach - 1 - layer] = self.ghost(&left, potentials[reach + layer], layer);
+                potentials[reach - 1 - layer] = self.ghost(0, &left, potentials[reach + layer], row, layer);
             }
             if has_right {
                 potentials[reach + columns + layer] =
-                    self.ghost(&right, potentials[reach + columns - 1 - layer], layer);
+                    self.ghost(1, &right, potentials[reach + columns - 1 - layer], row, layer);
             }
         }
     }
@@ -169,7 +185,7 @@ impl<L: PotentialLaw> Surroundings for Around<L> {
         if self.exterior.is_some() {
             self.exterior_row(row as i64, potentials);
         }
-        self.columns(potentials);
+        self.columns(row, potentials);
     }
 
     fn doors(&self, row: usize, rows: &[&[f64]]) -> [f64; 4] {
@@ -241,6 +257,8 @@ pub struct LatticeOperator<L> {
     row_doors: Vec<[f64; 4]>,
     pool: Option<Arc<ThreadPool>>,
     bound: Bound,
+    /// The same operator for small changes of potentials, once it was asked for.
+    tangent: Option<Box<LatticeOperator<Identity>>>,
 }
 
 impl<L: PotentialLaw> LatticeOperator<L> {
@@ -274,8 +292,20 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         let sink_potentials = sinks.iter().map(|sink| thermal.potential_at(sink.temperature.at(0.0))).collect();
         let sink_heat = vec![0.0; sinks.len()];
         let (door_weights, door_own) = door_weights(&stencil, shape, lattice.columns);
-        let around =
-            Around { lattice, shape, stencil, law, thermal, sides, open, faces, exterior, door_weights, door_own };
+        let around = Around {
+            lattice,
+            shape,
+            stencil,
+            law,
+            thermal,
+            sides,
+            open,
+            faces,
+            slopes: None,
+            exterior,
+            door_weights,
+            door_own,
+        };
         LatticeOperator {
             around,
             boundary,
@@ -290,7 +320,89 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             row_doors,
             pool,
             bound,
+            tangent: None,
         }
+    }
+
+    /// The operator on small changes of potentials: walls and pipes hold still, and no heat is booked.
+    fn tangent(&self) -> LatticeOperator<Identity> {
+        let still = |sink: &Sink| Sink { temperature: Series::Constant(0.0), ..sink.clone() };
+        let around = &self.around;
+        let mut boundary = self.boundary.clone();
+        boundary.hold_still();
+        LatticeOperator {
+            around: Around {
+                lattice: around.lattice.clone(),
+                shape: around.shape,
+                stencil: around.stencil.clone(),
+                law: Identity,
+                thermal: around.thermal.clone(),
+                sides: around.sides,
+                open: [false; 4],
+                faces: around.faces.iter().map(Face::homogeneous).collect(),
+                slopes: Some(FilmSlopes::default()),
+                exterior: around.exterior.clone(),
+                door_weights: around.door_weights.clone(),
+                door_own: around.door_own.clone(),
+            },
+            boundary,
+            sum: self.sum,
+            sinks: self.sinks.iter().map(still).collect(),
+            rings: self.rings.clone(),
+            sink_potentials: vec![0.0; self.sinks.len()],
+            sink_heat: vec![0.0; self.sinks.len()],
+            corners: self.corners.clone(),
+            corner_rates: vec![0.0; self.corners.len()],
+            bands: self.bands.clone(),
+            row_doors: self.row_doors.clone(),
+            pool: self.pool.clone(),
+            bound: self.bound.clone(),
+            tangent: None,
+        }
+    }
+
+    /// How ghosts of walls with a film follow their images at a state.
+    fn film_slopes(&self, enthalpy: &[f64]) -> FilmSlopes {
+        let around = &self.around;
+        let Shape { reach, width, .. } = around.shape;
+        let (columns, rows) = (around.lattice.columns, around.lattice.rows);
+        let slope = |face: &Face, image: f64, depth: f64| {
+            face.ghost_slope(image, depth, &around.thermal.curve, around.thermal.initial_potential)
+        };
+        let mut slopes = FilmSlopes::default();
+        let mut row_buffer = vec![0.0; width];
+        for side in 0..4 {
+            let face = around.face(side);
+            if !matches!(face, Face::Film { .. }) {
+                continue;
+            }
+            let depth = |layer: usize| (layer as f64 + 0.5) * around.lattice.spacing;
+            let table = &mut slopes.by_side[side];
+            if side < 2 {
+                for row in 0..rows {
+                    around.fill_any(row as i64, enthalpy, &mut row_buffer);
+                    table.extend((0..reach).map(|layer| {
+                        let image = if side == 0 { reach + layer } else { reach + columns - 1 - layer };
+                        slope(&face, row_buffer[image], depth(layer))
+                    }));
+                }
+            } else {
+                table.resize((columns + 2 * reach) * reach, 0.0);
+                for layer in 0..around.shape.reach_rows {
+                    let image = if side == 2 { layer as i64 } else { rows as i64 - 1 - layer as i64 };
+                    around.fill_any(image, enthalpy, &mut row_buffer);
+                    for (place, potential) in row_buffer[..columns + 2 * reach].iter().enumerate() {
+                        table[place * reach + layer] = slope(&face, *potential, depth(layer));
+                    }
+                }
+            }
+        }
+        if let (Some(exterior), Some((door, _))) = (&around.exterior, self.boundary.curved)
+            && matches!(around.faces[door], Face::Film { .. })
+        {
+            slopes.curved = exterior.slopes(&around.law, enthalpy, &around.faces[door], &around.thermal);
+        }
+        slopes
     }
 
     /// Brings ghosts, pipes and the rows around each band to the given state.
@@ -299,7 +411,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         let thermal = &around.thermal;
         self.boundary.update_faces(&mut around.faces, time, &thermal.curve, thermal.initial_potential);
         if let (Some(exterior), Some((door, _))) = (&mut around.exterior, self.boundary.curved) {
-            exterior.update(&around.law, enthalpy, &around.faces[door], thermal);
+            exterior.update(&around.law, enthalpy, &around.faces[door], thermal, around.slopes.as_ref());
         }
         for ((sink, potential), heat) in self.sinks.iter().zip(&mut self.sink_potentials).zip(&mut self.sink_heat) {
             if sink.temperature.changes() {
@@ -363,6 +475,51 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         }
     }
 
+    /// The sweep of a stage over several bands.
+    fn stage_in_bands(&mut self, stage: &Stage, columns: &mut StageColumns<'_>) {
+        let mut targets: Vec<Chained<'_>> = Vec::with_capacity(self.bands.len());
+        let (mut newest, mut start, mut first) = (columns.newest, columns.start, columns.first);
+        let mut oldest = &mut columns.oldest[..];
+        for band in &self.bands {
+            let count = self.around.lattice.start(band.rows.1) - self.around.lattice.start(band.rows.0);
+            let (own_newest, own_start, own_first);
+            (own_newest, newest) = newest.split_at(count);
+            (own_start, start) = start.split_at(count);
+            (own_first, first) = first.split_at(count);
+            let (own_oldest, later) = oldest.split_at_mut(count);
+            oldest = later;
+            let columns = StageColumns { newest: own_newest, oldest: own_oldest, start: own_start, first: own_first };
+            targets.push(Chained { stage: *stage, columns });
+        }
+        self.sweep(&mut targets);
+    }
+
+    /// Rates of all particles, without booking what passes the doors.
+    fn rates(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64]) {
+        self.prepare(enthalpy, time);
+        if let [_] = self.bands.as_slice() {
+            self.sweep(&mut [Beside { enthalpy, rate }]);
+        } else {
+            self.rates_in_bands(enthalpy, rate);
+        }
+        self.sink(rate, 1.0);
+        self.strengthen(rate, 1.0);
+    }
+
+    /// The sweep of the rates over several bands.
+    fn rates_in_bands(&mut self, enthalpy: &[f64], rate: &mut [f64]) {
+        let mut targets: Vec<Beside<'_>> = Vec::with_capacity(self.bands.len());
+        let (mut from, mut into) = (enthalpy, &mut rate[..]);
+        for band in &self.bands {
+            let count = self.around.lattice.start(band.rows.1) - self.around.lattice.start(band.rows.0);
+            let (own, later) = from.split_at(count);
+            let (own_rate, later_rate) = into.split_at_mut(count);
+            targets.push(Beside { enthalpy: own, rate: own_rate });
+            (from, into) = (later, later_rate);
+        }
+        self.sweep(&mut targets);
+    }
+
     /// Heat in through every door (W), from what the sweep and the preparation left.
     fn book(&self, enthalpy_was: &[f64], doors: &mut [f64]) {
         let volume = self.around.lattice.volume();
@@ -405,21 +562,63 @@ impl<L: PotentialLaw> LatticeOperator<L> {
 
 impl<L: PotentialLaw> Operator for LatticeOperator<L> {
     fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], doors: &mut [f64]) {
-        self.prepare(enthalpy, time);
-        let mut targets: Vec<Beside<'_>> = Vec::with_capacity(self.bands.len());
-        let (mut from, mut into) = (enthalpy, &mut rate[..]);
-        for band in &self.bands {
-            let count = self.around.lattice.start(band.rows.1) - self.around.lattice.start(band.rows.0);
-            let (own, later) = from.split_at(count);
-            let (own_rate, later_rate) = into.split_at_mut(count);
-            targets.push(Beside { enthalpy: own, rate: own_rate });
-            (from, into) = (later, later_rate);
-        }
-        self.sweep(&mut targets);
-        drop(targets);
-        self.sink(rate, 1.0);
-        self.strengthen(rate, 1.0);
+        self.rates(enthalpy, time, rate);
         self.book(enthalpy, doors);
+    }
+
+    fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64, doors: &mut [f64]) {
+        self.prepare(columns.newest, time);
+        if let [_] = self.bands.as_slice() {
+            let StageColumns { newest, ref mut oldest, start, first } = *columns;
+            self.sweep(&mut [Chained { stage: *stage, columns: StageColumns { newest, oldest, start, first } }]);
+        } else {
+            self.stage_in_bands(stage, columns);
+        }
+        self.sink(columns.oldest, stage.rate);
+        self.strengthen(columns.oldest, stage.rate);
+        self.book(columns.newest, doors);
+    }
+    fn linearise(&mut self, enthalpy: &[f64], time: f64, slopes: &mut [f64]) {
+        let around = &mut self.around;
+        let thermal = &around.thermal;
+        self.boundary.update_faces(&mut around.faces, time, &thermal.curve, thermal.initial_potential);
+        for (slope, enthalpy) in slopes.iter_mut().zip(enthalpy) {
+            *slope = around.law.slope(*enthalpy);
+        }
+        let film_slopes = self.film_slopes(enthalpy);
+        let mut tangent = self.tangent.take().unwrap_or_else(|| Box::new(self.tangent()));
+        for (linear, face) in tangent.around.faces.iter_mut().zip(&self.around.faces) {
+            *linear = face.homogeneous();
+        }
+        tangent.around.slopes = Some(film_slopes);
+        self.tangent = Some(tangent);
+    }
+
+    fn act(&mut self, potentials: &[f64], rate: &mut [f64]) {
+        match &mut self.tangent {
+            Some(tangent) => tangent.rates(potentials, 0.0, rate),
+            None => self.rates(potentials, 0.0, rate),
+        }
+    }
+
+    fn is_symmetric(&self) -> bool {
+        // Images at curved walls are fitted, and behind a film deeper ghosts follow less.
+        let film = |side: usize| matches!(self.around.face(side), Face::Film { .. });
+        self.around.exterior.is_none() && (self.around.shape.reach == 1 || !(0..4).any(film))
+    }
+
+    fn is_constant(&self) -> bool {
+        self.boundary.is_linear()
+    }
+
+    fn bandwidth(&self) -> usize {
+        let lattice = &self.around.lattice;
+        let by_pairs = self.around.shape.reach_rows * lattice.columns + self.around.shape.reach.min(lattice.columns);
+        if self.around.exterior.is_some() || !self.sinks.is_empty() {
+            lattice.len()
+        } else {
+            by_pairs.min(lattice.len())
+        }
     }
 
     fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, doors: &mut [f64]) {
@@ -448,6 +647,10 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
             Some((door, heat)) => doors[door] = heat,
             None => self.book(enthalpy, doors),
         }
+    }
+
+    fn steepest(&self) -> Vec<f64> {
+        vec![self.around.thermal.largest_slope; self.around.lattice.len()]
     }
 
     fn bound(&self) -> Bound {
@@ -637,13 +840,36 @@ impl Exterior {
         exterior
     }
 
-    fn update<L: PotentialLaw>(&mut self, law: &L, enthalpy: &[f64], face: &Face, thermal: &Thermal) {
-        for (ghost, value) in self.values.iter_mut().enumerate() {
-            let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
-            let image: f64 =
-                images.iter().map(|(index, weight)| weight * law.potential(enthalpy[*index as usize])).sum();
-            *value = face.ghost(image, self.depths[ghost], &thermal.curve, thermal.initial_potential);
+    fn image<L: PotentialLaw>(&self, ghost: usize, law: &L, enthalpy: &[f64]) -> f64 {
+        let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
+        images.iter().map(|(index, weight)| weight * law.potential(enthalpy[*index as usize])).sum()
+    }
+
+    fn update<L: PotentialLaw>(
+        &mut self,
+        law: &L,
+        enthalpy: &[f64],
+        face: &Face,
+        thermal: &Thermal,
+        slopes: Option<&FilmSlopes>,
+    ) {
+        for ghost in 0..self.values.len() {
+            let image = self.image(ghost, law, enthalpy);
+            self.values[ghost] = match (slopes, face) {
+                (Some(slopes), Face::Film { .. }) => slopes.curved[ghost] * image,
+                _ => face.ghost(image, self.depths[ghost], &thermal.curve, thermal.initial_potential),
+            };
         }
+    }
+
+    /// How each ghost follows its image.
+    fn slopes<L: PotentialLaw>(&self, law: &L, enthalpy: &[f64], face: &Face, thermal: &Thermal) -> Vec<f64> {
+        (0..self.values.len())
+            .map(|ghost| {
+                let image = self.image(ghost, law, enthalpy);
+                face.ghost_slope(image, self.depths[ghost], &thermal.curve, thermal.initial_potential)
+            })
+            .collect()
     }
 
     /// Heat rate in through the wall, by volume of a particle.

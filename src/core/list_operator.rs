@@ -10,7 +10,7 @@ use crate::boundary::{Boundary, Face};
 use crate::ghosts::Ghosts;
 use crate::ledger::Sum;
 use crate::method::{Bound, Clock};
-use crate::operator::Operator;
+use crate::operator::{Operator, Stage, StageColumns};
 use crate::pipe::Sink;
 use crate::scene::{Exchange, Mean};
 use crate::uptake::{Fields, LatentScheme, Materials};
@@ -255,6 +255,93 @@ impl<T: PairTerm> ListOperator<T> {
         mean(self.fields.conductivity[i], self.fields.conductivity[j]) * difference
     }
 
+    /// How the flux that [`ListOperator::across_materials`] gives follows the potentials of both sides: it falls by the
+    /// first share of the change of `i` and rises by the second share of the change of `j`.
+    fn interface_shares(&self, i: usize, j: usize) -> (f64, f64) {
+        let (a, b) = (self.material(i), self.material(j));
+        if a == b {
+            return (1.0, 1.0);
+        }
+        let (first, second) = (&self.parts.materials.thermals[a], &self.parts.materials.thermals[b]);
+        let u_first = self.fields.potential[i] + first.initial_potential;
+        let u_second = self.fields.potential[j] + second.initial_potential;
+        let interface = first.curve.interface_temperature(u_first, &second.curve, u_second);
+        first.curve.interface_shares(&second.curve, interface)
+    }
+
+    /// Linearises around a state: `slopes` takes dU/dH (m2/s) of every particle, `tangent` the exchange of small changes.
+    pub fn linearise(
+        &mut self,
+        scheme: &dyn LatentScheme,
+        enthalpy: &[f64],
+        time: f64,
+        slopes: &mut [f64],
+        tangent: &mut Tangent,
+    ) {
+        let total = self.parts.positions.len() + self.parts.ghosts.len();
+        self.fields.potential.resize(total, 0.0);
+        let parts = &self.parts;
+        scheme.read(&parts.materials, enthalpy, &mut self.fields);
+        for (faces, thermal) in self.faces.iter_mut().zip(parts.materials.thermals.iter()) {
+            parts.boundary.update_faces(faces, time, &thermal.curve, thermal.initial_potential);
+        }
+        let potential = &mut self.fields.potential;
+        parts.ghosts.fill_potentials(potential, &self.faces, &parts.materials);
+        parts.ghosts.slopes(potential, &self.faces, &parts.materials, &mut tangent.ghosts);
+        tangent.changes.resize(potential.len(), 0.0);
+        for (i, (slope, enthalpy)) in slopes.iter_mut().zip(enthalpy).enumerate() {
+            *slope = parts.materials.of(i).law.slope(*enthalpy);
+        }
+        if parts.materials.mixed() {
+            let pairs = &parts.pairs;
+            tangent.shares.clear();
+            for i in 0..enthalpy.len() {
+                let partners = &pairs.partners[pairs.starts[i]..pairs.starts[i + 1]];
+                tangent.shares.extend(partners.iter().map(|j| self.interface_shares(i, *j as usize)));
+            }
+        }
+    }
+
+    /// Rates (W/m3) that small changes of the potentials (W/m) of particles cause.
+    pub fn act(&self, tangent: &mut Tangent, potentials: &[f64], rate: &mut [f64]) {
+        let parts = &self.parts;
+        let Tangent { changes, ghosts, shares } = tangent;
+        changes[..potentials.len()].copy_from_slice(potentials);
+        parts.ghosts.fill_changes(changes, ghosts);
+        let changes = &*changes;
+        let pairs = &parts.pairs;
+        let row = |i: usize| {
+            let range = pairs.starts[i]..pairs.starts[i + 1];
+            let own = changes[i];
+            let partners = pairs.partners[range.clone()].iter().zip(&pairs.weights[range.clone()]);
+            if shares.is_empty() {
+                partners.map(|(j, weight)| weight * (changes[*j as usize] - own)).sum::<f64>()
+            } else {
+                let flux = |((j, weight), (own_share, other_share)): ((&u32, &f64), &(f64, f64))| {
+                    weight * (other_share * changes[*j as usize] - own_share * own)
+                };
+                partners.zip(&shares[range]).map(flux).sum()
+            }
+        };
+        let task = |(number, rates): (usize, &mut [f64])| {
+            for (offset, rate) in rates.iter_mut().enumerate() {
+                *rate = row(number * TASK + offset);
+            }
+        };
+        match &parts.pool {
+            Some(pool) if rate.len() > 2 * TASK => {
+                pool.install(|| rate.par_chunks_mut(TASK).enumerate().for_each(task));
+            }
+            _ => rate.chunks_mut(TASK).enumerate().for_each(task),
+        }
+        for sink in &parts.sinks {
+            let heat = sink.heat(|index| changes[index], 0.0) * sink.share;
+            for (index, weight) in &sink.sample {
+                rate[*index as usize] -= heat * weight / parts.volume;
+            }
+        }
+    }
+
     fn material(&self, index: usize) -> usize {
         let count = self.parts.positions.len();
         match index.checked_sub(count) {
@@ -305,6 +392,12 @@ impl<T: PairTerm> ListOperator<T> {
         (inner / 2 + self.parts.pairs.partners.len() - inner) as u64
     }
 
+    /// The largest slope dU/dH (m2/s) with which each particle can answer: under pair means, the largest conductivity
+    /// of all over its least capacity.
+    pub fn steepest(&self) -> Vec<f64> {
+        (0..self.parts.positions.len()).map(|i| steepest(&self.parts, i)).collect()
+    }
+
     /// Materials.
     pub fn materials(&self) -> &Materials {
         &self.parts.materials
@@ -319,6 +412,19 @@ pub struct EnthalpyList {
     pub scheme: Box<dyn LatentScheme>,
     /// Rates of one evaluation.
     pub rate: Vec<f64>,
+    /// The last linearisation.
+    pub tangent: Tangent,
+}
+
+/// The exchange of small changes around a state.
+#[derive(Debug, Clone, Default)]
+pub struct Tangent {
+    /// Changes of the potentials of particles and ghosts.
+    changes: Vec<f64>,
+    /// How ghosts follow their images.
+    ghosts: Vec<f64>,
+    /// How the flux of each pair follows its own particle and its partner; empty for a single material.
+    shares: Vec<(f64, f64)>,
 }
 
 impl Operator for EnthalpyList {
@@ -335,6 +441,63 @@ impl Operator for EnthalpyList {
         }
     }
 
+    fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64, doors: &mut [f64]) {
+        let clock = Clock { time, step: 0.0, index: 0 };
+        self.operator.rate_of(self.scheme.as_ref(), columns.newest, &clock, &mut self.rate, doors);
+        let states = columns.newest.iter().zip(columns.start);
+        let rates = self.rate.iter().zip(columns.first);
+        for (out, ((newest, start), (rate, first))) in columns.oldest.iter_mut().zip(states.zip(rates)) {
+            *out = stage.newest * newest
+                + stage.oldest * *out
+                + stage.start * start
+                + stage.rate * rate
+                + stage.first * first;
+        }
+    }
+
+    fn linearise(&mut self, enthalpy: &[f64], time: f64, slopes: &mut [f64]) {
+        self.operator.linearise(self.scheme.as_ref(), enthalpy, time, slopes, &mut self.tangent);
+    }
+
+    fn act(&mut self, potentials: &[f64], rate: &mut [f64]) {
+        self.operator.act(&mut self.tangent, potentials, rate);
+    }
+
+    fn is_symmetric(&self) -> bool {
+        self.operator.parts.ghosts.all_mirrored() && self.is_constant()
+    }
+
+    fn is_constant(&self) -> bool {
+        let parts = &self.operator.parts;
+        !parts.materials.mixed() && parts.boundary.is_linear()
+    }
+
+    fn bandwidth(&self) -> usize {
+        let parts = &self.operator.parts;
+        let count = parts.positions.len();
+        let farthest = |i: usize| {
+            let partners = &parts.pairs.partners[parts.pairs.starts[i]..parts.pairs.starts[i + 1]];
+            let width = |j: u32| match (j as usize).checked_sub(count) {
+                None => (j as usize).abs_diff(i),
+                Some(ghost) => {
+                    let makers = parts.ghosts.makers(ghost, count);
+                    makers.iter().map(|maker| (*maker as usize).abs_diff(i)).max().unwrap_or(0)
+                }
+            };
+            partners.iter().map(|j| width(*j)).max().unwrap_or(0)
+        };
+        let sampled = |sink: &Sink| {
+            let numbers = sink.sample.iter().map(|entry| entry.0 as usize);
+            numbers.clone().max().unwrap_or(0) - numbers.min().unwrap_or(0)
+        };
+        let by_pairs = (0..count).map(farthest).max().unwrap_or(0);
+        by_pairs.max(parts.sinks.iter().map(sampled).max().unwrap_or(0))
+    }
+
+    fn steepest(&self) -> Vec<f64> {
+        self.operator.steepest()
+    }
+
     fn bound(&self) -> Bound {
         self.operator.step_bound()
     }
@@ -345,6 +508,20 @@ impl Operator for EnthalpyList {
 
     fn pairs(&self) -> u64 {
         self.operator.pair_count()
+    }
+}
+
+/// The largest slope dU/dH (m2/s) of a particle. Pair means act with conductivities of either partner, so there it is the
+/// largest of all over the least capacity.
+fn steepest(parts: &ListParts, particle: usize) -> f64 {
+    let thermal = parts.materials.of(particle);
+    match parts.exchange {
+        Exchange::Potential => thermal.largest_slope,
+        Exchange::Mean(_) => {
+            let most =
+                parts.materials.thermals.iter().map(|thermal| thermal.curve.most_conductive()).fold(0.0, f64::max);
+            most / thermal.curve.least_capacity()
+        }
     }
 }
 
@@ -366,17 +543,9 @@ fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
             sums[index] += row_sum;
         }
     }
-    // Pair means act with conductivities of either partner, so the largest of all against the least capacity.
     let mut stiffest = (0.0, 0usize);
     for (i, sum) in sums.iter().enumerate() {
-        let slope = match parts.exchange {
-            Exchange::Potential => parts.materials.of(i).largest_slope,
-            Exchange::Mean(_) => {
-                let thermals = &parts.materials.thermals;
-                let most = thermals.iter().map(|thermal| thermal.curve.most_conductive()).fold(0.0, f64::max);
-                most / parts.materials.of(i).curve.least_capacity()
-            }
-        };
+        let slope = steepest(parts, i);
         // Across an interface a half-pair acts with twice its weight at most.
         let doubled = if parts.materials.mixed() { 2.0 } else { 1.0 };
         if sum * slope * doubled > stiffest.0 {

@@ -13,7 +13,7 @@ use crate::plan::{Plan, build, settings_of};
 use crate::record::{Errors, Outcome, Record, RunResult};
 use crate::reference::Reference;
 use crate::scene::settings::MethodSettings;
-use crate::scene::{Scene, Uptake};
+use crate::scene::{Condition, Scene, Series, Uptake};
 use crate::watch::Watches;
 
 /// How a run is to be made; nothing here changes a digit of its result, but the seed.
@@ -60,10 +60,6 @@ pub struct Refused {
     pub reason: String,
 }
 
-/// Growth of the steps of a method that is not monotone, from one step to the next: modes that a step cannot resolve
-/// have decayed by the time it is taken.
-const GROWTH: f64 = 1.15;
-
 /// Steps between two looks at the whole state for non-finite or absurd values. The first steps, in which walls jump,
 /// are looked at more closely: after the 1st, 2nd, 4th, 8th ...
 const GUARD_STEPS: u64 = 64;
@@ -87,21 +83,24 @@ pub fn run(
     let mut last_progress = began;
     let mut clock = Clock { time: 0.0, step: 0.0, index: 0 };
     let mut longest: f64 = 0.0;
-    let gentle = method.gentle_step();
     let mut stop: Option<(Outcome, String)> = None;
     watches.look(&particles, 0.0);
-    'run: for instant in instants(scene) {
+    let outputs = instants(scene);
+    'run: for instant in stops(scene, &outputs) {
         while clock.time < instant {
-            let allowed = gentle.map_or(step, |first| step.min(first * GROWTH.powi(clock.index.min(1000) as i32)));
+            let allowed = step.min(method.wanted_step());
             let count = ((instant - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
             clock.step = (instant - clock.time) / count;
-            longest = longest.max(clock.step);
-            if let Err(error) = method.advance(&mut particles, &clock) {
-                stop = Some((Outcome::Diverged, error.reason));
-                break 'run;
-            }
+            let made = match method.advance(&mut particles, &clock) {
+                Ok(made) => made,
+                Err(error) => {
+                    stop = Some((Outcome::Diverged, error.reason));
+                    break 'run;
+                }
+            };
+            longest = longest.max(made);
             clock.index += 1;
-            let now = if count == 1.0 { instant } else { clock.time + clock.step };
+            let now = if count == 1.0 && made == clock.step { instant } else { clock.time + made };
             clock.time = now;
             if watches.due(now) {
                 method.publish(&mut particles);
@@ -142,7 +141,9 @@ pub fn run(
             stop = Some((Outcome::Diverged, cause));
             break 'run;
         }
-        watches.output(scene, &particles, method.ledger(), instant);
+        if outputs.binary_search_by(|output| output.total_cmp(&instant)).is_ok() {
+            watches.output(scene, &particles, method.ledger(), instant);
+        }
     }
     let solve = solve.stop();
     let gaps = watches.gap_rows();
@@ -153,6 +154,7 @@ pub fn run(
         Some((outcome, cause)) => (outcome, Some(cause)),
         None => judge(settings.numerics.uptake, balance, guard.violation(), setback, noise),
     };
+    let work = method.work();
     let record = Record {
         frazil_version: env!("CARGO_PKG_VERSION").to_string(),
         scene: scene.name.clone(),
@@ -164,8 +166,9 @@ pub fn run(
         particles: summary.particles,
         pairs: summary.pairs,
         steps: clock.index,
-        pair_evaluations: summary.pairs * clock.index * method.evaluations_per_step(),
-        particle_updates: summary.particles * clock.index * method.evaluations_per_step(),
+        pair_evaluations: summary.pairs * work.evaluations,
+        particle_updates: summary.particles * work.evaluations,
+        work,
         step_s: longest,
         step_bound_s: bound.step,
         step_limit: bound.cause.clone(),
@@ -265,6 +268,30 @@ fn instants(scene: &Scene) -> Vec<f64> {
         *last = scene.duration;
     }
     instants
+}
+
+/// Instants on which steps must land: all outputs, and those at which a series of the scene bends.
+fn stops(scene: &Scene, outputs: &[f64]) -> Vec<f64> {
+    let mut stops = outputs.to_vec();
+    let mut bends = |series: &Series| {
+        if let Series::Table(rows) = series {
+            stops.extend(rows.iter().map(|row| row.0).filter(|time| *time > 0.0 && *time < scene.duration));
+        }
+    };
+    for wall in &scene.walls {
+        match &wall.condition {
+            Condition::Temperature(series) | Condition::Flux(series) => bends(series),
+            Condition::Convection { coefficient, ambient } => {
+                bends(coefficient);
+                bends(ambient);
+            }
+            Condition::Symmetry | Condition::Exact => {}
+        }
+    }
+    scene.rings.iter().for_each(|ring| bends(&ring.temperature));
+    stops.sort_by(f64::total_cmp);
+    stops.dedup();
+    stops
 }
 
 /// Watches over the range of temperatures.

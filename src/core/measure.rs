@@ -329,6 +329,7 @@ mod tests {
                 steps: 0,
                 pair_evaluations: 0,
                 particle_updates: 0,
+                work: Default::default(),
                 step_s: 0.0,
                 step_bound_s: 0.0,
                 step_limit: String::new(),

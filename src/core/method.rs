@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use serde::{Deserialize, Serialize};
+
 use crate::plan::Assembly;
 use crate::record::Value;
 use crate::scene::{Numerics, Section, Setting};
@@ -104,20 +106,45 @@ pub struct StepError {
 pub trait Method: Send {
     /// Longest stable step and its cause. It does not depend on the state.
     fn bound(&self) -> Bound;
-    /// Advances the particles by one step.
-    fn advance(&mut self, particles: &mut crate::particles::Particles, clock: &Clock) -> Result<(), StepError>;
+    /// Longest step (s) of explicit Euler that is stable at all, if every particle conducts as well as it ever can: the
+    /// sharp limit that [`Method::bound`] stays below. Found by iteration, so asked for only where it is shown.
+    fn sharp_step(&mut self) -> f64;
+    /// Advances the particles by one step of at most `clock.step`, and returns the step that it made (s): shorter
+    /// where errors are controlled and the whole step would have been too coarse.
+    fn advance(&mut self, particles: &mut crate::particles::Particles, clock: &Clock) -> Result<f64, StepError>;
     /// Brings the shared columns up to date before they are observed, for methods that keep others.
     fn publish(&mut self, _particles: &mut crate::particles::Particles) {}
     /// Heat that has come in through each wall and pipe so far.
     fn ledger(&self) -> &crate::ledger::Ledger;
     /// Pairs that one evaluation visits.
     fn pairs(&self) -> u64;
-    /// Length (s) from which steps should grow after a jump, for methods that are not monotone at their bound.
-    fn gentle_step(&self) -> Option<f64> {
-        None
+    /// Longest step (s) that the method would make now, where it chooses for itself.
+    fn wanted_step(&self) -> f64 {
+        f64::INFINITY
     }
-    /// Evaluations of the pair operator in one step.
-    fn evaluations_per_step(&self) -> u64 {
-        1
-    }
+    /// What the steps so far have cost.
+    fn work(&self) -> Work;
+}
+
+/// What steps cost, in units that do not depend on the machine.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct Work {
+    /// Evaluations of the pair operator: rates, stages, and products with the linearised operator.
+    pub evaluations: u64,
+    /// Steps that were made again with a shorter length.
+    pub rejected_steps: u64,
+    /// Steps that were mixed with the backward Euler step, to keep the range of the data.
+    pub limited_steps: u64,
+    /// Nonlinear systems solved.
+    pub newton_solves: u64,
+    /// Newton iterations, in all.
+    pub newton_iterations: u64,
+    /// Median number of Newton iterations of a solve.
+    pub newton_median: u32,
+    /// Largest number of Newton iterations of a solve.
+    pub newton_most: u32,
+    /// Solves that had to follow the path of a growing step.
+    pub newton_paths: u64,
+    /// Iterations of linear solvers, in all.
+    pub linear_iterations: u64,
 }

@@ -11,10 +11,11 @@ use crate::boundary::{Boundary, Side};
 use crate::corner::strengthen;
 use crate::ghosts::Ghosts;
 use crate::green::Green;
-use crate::integrate::{Euler, Rkl2, SchemeEuler};
+use crate::integrate::control::EnthalpyRange;
+use crate::integrate::{Euler, Implicit, Rkl2, SchemeEuler};
 use crate::lattice::Lattice;
 use crate::lattice_operator::{LatticeOperator, LatticeParts};
-use crate::list_operator::{EnthalpyList, ListOperator, ListParts, Off, PairList, PairTerm};
+use crate::list_operator::{EnthalpyList, ListOperator, ListParts, Off, PairList, PairTerm, Tangent};
 use crate::march::Refused;
 use crate::method::{Bound, Discretisation, Method, Normalisation, Stepper};
 use crate::neighbours::{NeighbourSearch, Period, all_pairs::AllPairs, cells::Cells, tree::Tree};
@@ -31,6 +32,9 @@ use crate::scene::{
 use crate::stencil::{SHELL_TOLERANCE, Stencil};
 use crate::sweep::WIDEST;
 use crate::uptake::{Materials, scheme};
+
+/// Stages of one step by error: longer steps are rarely as exact as they are stable, and gain less and less.
+const MOST_STAGES: usize = 99;
 
 /// Particles, neighbours and walls on a list, ready for a method's own step.
 pub struct Assembly {
@@ -107,6 +111,29 @@ pub fn summary(
     build(scene, settings, reference, 1, seed).map(|plan| plan.summary)
 }
 
+/// Limits of explicit steps of a method on a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bounds {
+    /// By row sums of the actual pairs (Gershgorin): up to here the maximum principle holds.
+    pub gershgorin: Bound,
+    /// Two over the largest rate of decay (s), by power iteration: up to here steps are linearly stable.
+    pub sharp_step: f64,
+}
+
+/// Both limits of explicit steps.
+pub fn bounds(
+    scene: &Scene,
+    settings: &MethodSettings,
+    reference: Option<&Arc<dyn Reference>>,
+    seed: u64,
+) -> Result<Bounds, Refused> {
+    let mut explicit = settings.clone();
+    explicit.numerics.integrator = IntegratorChoice::Euler;
+    explicit.numerics.step = StepChoice::Fraction(1.0);
+    let mut plan = build(scene, &explicit, reference, 1, seed)?;
+    Ok(Bounds { sharp_step: plan.method.sharp_step(), gershgorin: plan.bound })
+}
+
 /// The settings of a method on a scene, or why there are none.
 pub fn settings_of<'a>(scene: &'a Scene, method: &str) -> Result<&'a MethodSettings, Refused> {
     scene.method(method).ok_or_else(|| {
@@ -162,6 +189,12 @@ pub fn build(
         return Err(refuse("no pair of particles has a weight: the reach is shorter than the spacing".into()));
     }
     let (sinks, rings) = pipes(scene, numerics, &lattice, &boundary, &stencil)?;
+    let sampled = sinks.iter().flat_map(|sink| sink.sample.iter().map(|entry| entry.0));
+    let mut exempt: Vec<u32> = sampled.collect();
+    exempt.sort_unstable();
+    exempt.dedup();
+    let range = || EnthalpyRange::new(&materials, scene.temperature_range(), exempt, scene.has_flux());
+    let largest_slope = materials.thermals.iter().map(|thermal| thermal.largest_slope).fold(0.0, f64::max);
     let pipe_extents = sinks.iter().map(|sink| sink.extent).collect();
     let why_list = why_list(scene, numerics, discretisation, &stencil);
     let mut used = vec![format!(
@@ -196,9 +229,11 @@ pub fn build(
             };
             let columns = match numerics.integrator {
                 IntegratorChoice::Euler => 1,
-                IntegratorChoice::Rkl2 { .. } => 6,
+                IntegratorChoice::Rkl2 { .. } => 4,
+                IntegratorChoice::ControlledRkl2 { .. } => 5,
+                IntegratorChoice::Implicit { .. } => 20,
             };
-            (integrator(numerics, operator, count), (8 * columns * count) as u64)
+            (integrator(numerics, operator, range, largest_slope, count), (8 * columns * count) as u64)
         }
         Some(reason) => {
             used.push(format!("a neighbour list, because {reason}"));
@@ -236,8 +271,9 @@ pub fn build(
                         operator: ListOperator::new(parts, Off),
                         scheme: scheme(Uptake::Enthalpy, true, &materials, count),
                         rate: vec![0.0; count],
+                        tangent: Tangent::default(),
                     };
-                    integrator(numerics, Box::new(operator), count)
+                    integrator(numerics, Box::new(operator), range, largest_slope, count)
                 }
                 Stepper::Shared => {
                     let assembly =
@@ -309,19 +345,34 @@ fn why_list(
     reasons.into_iter().find(|reason| reason.0).map(|reason| reason.1)
 }
 
-fn integrator(numerics: &Numerics, operator: Box<dyn Operator>, count: usize) -> Box<dyn Method> {
+fn integrator(
+    numerics: &Numerics,
+    operator: Box<dyn Operator>,
+    range: impl FnOnce() -> EnthalpyRange,
+    largest_slope: f64,
+    count: usize,
+) -> Box<dyn Method> {
     match numerics.integrator {
         IntegratorChoice::Euler => Box::new(Euler::new(operator)),
-        IntegratorChoice::Rkl2 { stages } => Box::new(Rkl2::new(operator, stages, count)),
+        IntegratorChoice::Rkl2 { stages } => Box::new(Rkl2::fixed(operator, stages, count)),
+        IntegratorChoice::ControlledRkl2 { tolerance } => {
+            Box::new(Rkl2::controlled(operator, MOST_STAGES, tolerance, range(), count))
+        }
+        IntegratorChoice::Implicit { tolerance } => {
+            Box::new(Implicit::new(operator, tolerance, range(), largest_slope, count))
+        }
     }
 }
 
+/// The longest step that a run will make (s); steps by error may be shorter.
 fn choose_step(numerics: &Numerics, bound: &Bound, scene: &Scene) -> Result<f64, Refused> {
+    let by_error = numerics.integrator.tolerance().is_some();
     let step = match numerics.step {
+        StepChoice::Fraction(_) if by_error => scene.duration,
         StepChoice::Fraction(fraction) => fraction * bound.step,
         StepChoice::Fixed(step) => {
             // A step equal to the bound to rounding is the bound.
-            if step > bound.step * (1.0 + 1e-12) {
+            if !by_error && step > bound.step * (1.0 + 1e-12) {
                 return Err(refuse(format!(
                     "step_s = {step} is above the stable bound of {:.6} s, which is set by {}",
                     bound.step, bound.cause

@@ -192,6 +192,12 @@ impl Curve {
         }
     }
 
+    /// Least enthalpy (J/m3) at a temperature: at a sharp freezing point, with all latent heat released.
+    pub fn least_enthalpy(&self, temperature: f64) -> f64 {
+        let sharp = matches!(self.law, FreezingLaw::Isothermal) && temperature == self.freezing_point;
+        if sharp { -self.latent_heat } else { self.enthalpy(temperature) }
+    }
+
     /// Heat capacity dH/dT (J/m3K), latent heat included, away from the jump of an isothermal law.
     pub fn apparent_capacity(&self, temperature: f64) -> f64 {
         let below = temperature - self.freezing_point;
@@ -343,6 +349,15 @@ impl Curve {
         coefficient * (ambient - wall)
     }
 
+    /// How the flux of [`Curve::film_flux`] changes with the particle's potential (1/m).
+    pub fn film_slope(&self, inside: f64, depth: f64, coefficient: f64, ambient: f64) -> f64 {
+        if coefficient == 0.0 {
+            return 0.0;
+        }
+        let wall = ambient - self.film_flux(inside, depth, coefficient, ambient) / coefficient;
+        -coefficient / (self.conductivity(wall) + coefficient * depth)
+    }
+
     /// Temperature of the interface between this material, whose particle holds the potential `own` (W/m), and
     /// another at the same distance: both sides carry the same flux to it.
     pub fn interface_temperature(&self, own: f64, other: &Curve, others: f64) -> f64 {
@@ -370,6 +385,14 @@ impl Curve {
             a.min(b),
             a.max(b),
         )
+    }
+
+    /// Share of the other material in how the flux to the interface of [`Curve::interface_temperature`] follows this
+    /// material's potential, at the interface's temperature. The conductivities there decide: the better conductor
+    /// holds the interface, and the other side feels its own particle alone.
+    pub fn interface_shares(&self, other: &Curve, temperature: f64) -> (f64, f64) {
+        let (own, others) = (self.conductivity(temperature), other.conductivity(temperature));
+        (2.0 * others / (own + others), 2.0 * own / (own + others))
     }
 
     /// Greatest conductivity of either phase (W/mK).
@@ -421,6 +444,24 @@ fn solve_increasing(residual: impl Fn(f64) -> (f64, f64), mut low: f64, mut high
 pub trait PotentialLaw: Clone + Send + Sync + 'static {
     /// Potential (W/m) less the initial potential, at an enthalpy (J/m3) less the initial enthalpy.
     fn potential(&self, enthalpy: f64) -> f64;
+    /// Slope dU/dH (m2/s) at an enthalpy; at a kink, the steeper of the two.
+    fn slope(&self, enthalpy: f64) -> f64;
+}
+
+/// The law of numbers that are potentials already: what the linearised operator is swept with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Identity;
+
+impl PotentialLaw for Identity {
+    #[inline(always)]
+    fn potential(&self, potential: f64) -> f64 {
+        potential
+    }
+
+    #[inline(always)]
+    fn slope(&self, _potential: f64) -> f64 {
+        1.0
+    }
 }
 
 /// A law of three straight pieces: frozen, freezing, unfrozen.
@@ -441,6 +482,13 @@ impl PotentialLaw for Kinked {
         let cold = if enthalpy < self.frozen_below { enthalpy } else { self.frozen_below };
         let warm = if enthalpy > self.unfrozen_above { enthalpy } else { self.unfrozen_above };
         self.frozen_slope * (cold - self.frozen_rest) + self.unfrozen_slope * (warm - self.unfrozen_rest)
+    }
+
+    #[inline(always)]
+    fn slope(&self, enthalpy: f64) -> f64 {
+        let frozen = if enthalpy <= self.frozen_below { self.frozen_slope } else { 0.0 };
+        let unfrozen = if enthalpy >= self.unfrozen_above { self.unfrozen_slope } else { 0.0 };
+        if frozen > unfrozen { frozen } else { unfrozen }
     }
 }
 
@@ -481,6 +529,30 @@ impl PotentialLaw for Curved {
         };
         potential - self.initial.1
     }
+
+    #[inline]
+    fn slope(&self, enthalpy: f64) -> f64 {
+        let absolute = enthalpy + self.initial.0;
+        if absolute >= 0.0 {
+            return self.unfrozen_slope;
+        }
+        if absolute <= self.coldest.0 {
+            return self.frozen_slope;
+        }
+        let warm = absolute > self.middle;
+        let (nodes, distance) = if warm { (&self.warm, -absolute) } else { (&self.cold, absolute - self.coldest.0) };
+        // At the very end of a table the derivative by the root vanishes with the root: a thousandth of an interval
+        // away their ratio is still a ratio of numbers and not of rounding errors.
+        let place = (distance.sqrt() * self.per_interval).max(1e-3);
+        let k = (place as usize).min(TABLE_INTERVALS - 1);
+        let s = place - k as f64;
+        let ((u0, d0), (u1, d1)) = (nodes[k], nodes[k + 1]);
+        let rise = u1 - u0;
+        let by_place = d0 + s * (2.0 * (3.0 * rise - 2.0 * d0 - d1) + s * 3.0 * (d0 + d1 - 2.0 * rise));
+        // place = per_interval sqrt(distance), so d place / d distance = per_interval^2 / (2 place).
+        let by_distance = by_place * self.per_interval * self.per_interval / (2.0 * place);
+        (if warm { -by_distance } else { by_distance }).max(0.0)
+    }
 }
 
 /// The law of one material as the step needs it, with the exact curve beside it.
@@ -515,6 +587,14 @@ impl Law {
         match self {
             Law::Kinked(law) => law.potential(enthalpy),
             Law::Curved(law) => law.potential(enthalpy),
+        }
+    }
+
+    /// The slope dU/dH (m2/s), likewise.
+    pub fn slope(&self, enthalpy: f64) -> f64 {
+        match self {
+            Law::Kinked(law) => law.slope(enthalpy),
+            Law::Curved(law) => law.slope(enthalpy),
         }
     }
 }

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::method::Work;
+
 /// A setting as it stands in a record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
@@ -124,6 +126,9 @@ pub struct Record {
     pub pair_evaluations: u64,
     /// Particles updated in all.
     pub particle_updates: u64,
+    /// What the steps cost, in units that do not depend on the machine.
+    #[serde(default)]
+    pub work: Work,
     /// Longest step made (s).
     pub step_s: f64,
     /// Derived bound of the explicit step (s).

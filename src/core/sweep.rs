@@ -6,6 +6,7 @@
 //! `v_k` from its left and right. Every particle sees the same operations in the same order whatever the width of
 //! the vectors or the number of bands, and no multiply is fused with an add: the bits are the same everywhere.
 
+use crate::operator::{Stage, StageColumns};
 use crate::potential::PotentialLaw;
 use crate::stencil::Stencil;
 
@@ -71,6 +72,33 @@ impl Target for Beside<'_> {
     #[inline(always)]
     fn put(&mut self, start: usize, rate: &[f64]) {
         self.rate[start..start + rate.len()].copy_from_slice(rate);
+    }
+}
+
+/// One stage of a Runge-Kutta chain, in place of the state two stages back.
+pub struct Chained<'a> {
+    /// Coefficients.
+    pub stage: Stage,
+    /// Columns of the band.
+    pub columns: StageColumns<'a>,
+}
+
+impl Target for Chained<'_> {
+    #[inline(always)]
+    fn enthalpy(&self, range: std::ops::Range<usize>) -> &[f64] {
+        &self.columns.newest[range]
+    }
+
+    #[inline(always)]
+    fn put(&mut self, start: usize, rate: &[f64]) {
+        let range = start..start + rate.len();
+        let Stage { newest, oldest, start, rate: by_rate, first } = self.stage;
+        let columns = &mut self.columns;
+        let states = columns.newest[range.clone()].iter().zip(&columns.start[range.clone()]);
+        let rates = rate.iter().zip(&columns.first[range.clone()]);
+        for (out, ((new, old), (rate, first_rate))) in columns.oldest[range].iter_mut().zip(states.zip(rates)) {
+            *out = newest * new + oldest * *out + start * old + by_rate * rate + first * first_rate;
+        }
     }
 }
 

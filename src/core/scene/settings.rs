@@ -93,15 +93,37 @@ pub enum SearchChoice {
 }
 
 /// How time advances.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum IntegratorChoice {
     /// Explicit Euler.
     Euler,
-    /// Runge-Kutta-Legendre of second order with this number of stages.
+    /// Runge-Kutta-Legendre of second order in steps of a fixed number of stages.
     Rkl2 {
         /// Stages, at least 3.
         stages: usize,
     },
+    /// Runge-Kutta-Legendre of second order in steps by error.
+    ControlledRkl2 {
+        /// Estimated error of one step.
+        tolerance: f64,
+    },
+    /// Singly diagonally implicit Runge-Kutta of second order in steps by error.
+    Implicit {
+        /// Estimated error of one step.
+        tolerance: f64,
+    },
+}
+
+impl IntegratorChoice {
+    /// Estimated error of one step, where steps follow it.
+    pub fn tolerance(self) -> Option<f64> {
+        match self {
+            IntegratorChoice::Euler | IntegratorChoice::Rkl2 { .. } => None,
+            IntegratorChoice::ControlledRkl2 { tolerance } | IntegratorChoice::Implicit { tolerance } => {
+                Some(tolerance)
+            }
+        }
+    }
 }
 
 /// How long a step is.
@@ -109,7 +131,7 @@ pub enum IntegratorChoice {
 pub enum StepChoice {
     /// This fraction of the derived bound.
     Fraction(f64),
-    /// This many seconds; refused if above the bound.
+    /// This many seconds; refused if above the bound of a fixed step, the longest of steps by error.
     Fixed(f64),
 }
 
@@ -191,14 +213,22 @@ impl MethodSettings {
             WallModel::Layers => "layers",
         };
         put("wall_model", text(walls));
-        match numerics.integrator {
-            IntegratorChoice::Euler => put("integrator", text("euler")),
+        let integrator = match numerics.integrator {
+            IntegratorChoice::Euler => "euler",
             IntegratorChoice::Rkl2 { stages } => {
                 put("stages", Value::Number(stages as f64));
-                put("integrator", text("rkl2"))
+                "rkl2"
             }
+            IntegratorChoice::ControlledRkl2 { .. } => "rkl2",
+            IntegratorChoice::Implicit { .. } => "implicit",
         };
+        put("integrator", text(integrator));
+        if let Some(tolerance) = numerics.integrator.tolerance() {
+            put("tolerance", Value::Number(tolerance));
+        }
         match numerics.step {
+            // Steps by error know no bound.
+            StepChoice::Fraction(_) if numerics.integrator.tolerance().is_some() => None,
             StepChoice::Fraction(fraction) => put("step_fraction", Value::Number(fraction)),
             StepChoice::Fixed(step) => put("step", Value::Number(step)),
         };

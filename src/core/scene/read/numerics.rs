@@ -17,6 +17,11 @@ const MOST_PARTICLES: f64 = 1e8;
 /// A length is a whole number of spacings if it is so to this relative tolerance.
 const WHOLE: f64 = 1e-6;
 
+/// Error of one step where a scene does not say, by integrator: heat in the wrong place over the heat held (see
+/// docs/theory.md for what it costs and gives).
+const RKL2_TOLERANCE: f64 = 1e-2;
+const IMPLICIT_TOLERANCE: f64 = 1e-3;
+
 const SPACING: (&str, &str) = ("spacing", "m");
 const INTERVAL: (&str, &str) = ("interval", "K");
 
@@ -78,7 +83,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     ];
     numerics.search = section.choice_or("search", &searches, numerics.search);
     numerics.integrator = integrator(section, numerics.integrator);
-    numerics.step = step(section, numerics.step);
+    numerics.step = step(section, numerics.step, numerics.integrator.tolerance().is_some());
     combinations(section, &numerics, setup, kind);
 
     let fits = match (spacing, setup.domain) {
@@ -182,21 +187,48 @@ fn uptake(section: &mut Section<'_>, preset: Uptake, materials: &[Material]) -> 
     }
 }
 
-fn integrator(section: &mut Section<'_>, preset: IntegratorChoice) -> IntegratorChoice {
-    let preset_is_rkl2 = matches!(preset, IntegratorChoice::Rkl2 { .. });
-    if !section.choice_or("integrator", &[("euler", false), ("rkl2", true)], preset_is_rkl2) {
-        section.refuse("stages", "only the integrator \"rkl2\" has stages");
-        return IntegratorChoice::Euler;
-    }
-    let stages = match preset {
-        IntegratorChoice::Rkl2 { stages } => section.integer_or("stages", stages, 3..=99),
-        IntegratorChoice::Euler => section.integer("stages", 3..=99).unwrap_or(3),
-    };
-    IntegratorChoice::Rkl2 { stages }
+#[derive(Clone, Copy, PartialEq)]
+enum Advance {
+    Euler,
+    Rkl2,
+    Implicit,
 }
 
-fn step(section: &mut Section<'_>, preset: StepChoice) -> StepChoice {
+fn integrator(section: &mut Section<'_>, preset: IntegratorChoice) -> IntegratorChoice {
+    let words = [("euler", Advance::Euler), ("rkl2", Advance::Rkl2), ("implicit", Advance::Implicit)];
+    let preset_word = match preset {
+        IntegratorChoice::Euler => Advance::Euler,
+        IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. } => Advance::Rkl2,
+        IntegratorChoice::Implicit { .. } => Advance::Implicit,
+    };
+    let word = section.choice_or("integrator", &words, preset_word);
+    if word != Advance::Rkl2 {
+        section.refuse("stages", "only the integrator \"rkl2\" has stages");
+    }
+    if word == Advance::Euler {
+        section.refuse("tolerance", "explicit Euler does not estimate its error");
+        return IntegratorChoice::Euler;
+    }
+    if word == Advance::Rkl2 && section.has("stages") {
+        section.refuse("tolerance", "\"stages\" fixes the step");
+        return IntegratorChoice::Rkl2 { stages: section.integer("stages", 3..=99).unwrap_or(3) };
+    }
+    if let (IntegratorChoice::Rkl2 { stages }, false) = (preset, section.has("tolerance")) {
+        return IntegratorChoice::Rkl2 { stages };
+    }
+    let usual = if word == Advance::Rkl2 { RKL2_TOLERANCE } else { IMPLICIT_TOLERANCE };
+    let tolerance = section.number_or("tolerance", preset.tolerance().unwrap_or(usual), Range::between(1e-9, 1.0));
+    match word {
+        Advance::Rkl2 => IntegratorChoice::ControlledRkl2 { tolerance },
+        _ => IntegratorChoice::Implicit { tolerance },
+    }
+}
+
+fn step(section: &mut Section<'_>, preset: StepChoice, by_error: bool) -> StepChoice {
     let fixed = section.optional_duration("step", Range::POSITIVE);
+    if by_error {
+        section.refuse("step_fraction", "steps follow the tolerance");
+    }
     let fraction = section.optional_number("step_fraction", Range::above_to(0.0, 1.0));
     if let (Some(_), Some(_)) = (fixed, fraction) {
         let message = format!("found beside \"{}\", must be only one of them", section.time_key("step"));
@@ -216,17 +248,24 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
     if kind.lattice_only && numerics.layout != Layout::Lattice {
         section.problem("layout", format!("must be \"lattice\": the method \"{}\" exists only there", kind.name));
     }
-    if matches!(numerics.integrator, IntegratorChoice::Rkl2 { .. }) && numerics.uptake != Uptake::Enthalpy {
-        let message = format!("found \"rkl2\", which needs scheme = \"enthalpy\" and not \"{scheme}\"");
-        section.problem("integrator", message);
-    }
-    // A method that makes its own step, or a scheme that keeps a column of phases, knows explicit Euler alone.
-    if matches!(numerics.integrator, IntegratorChoice::Rkl2 { .. }) {
+    // A method that makes its own step, or a scheme that keeps columns of its own, knows explicit Euler alone.
+    let integrator = match numerics.integrator {
+        IntegratorChoice::Euler => None,
+        IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. } => Some("rkl2"),
+        IntegratorChoice::Implicit { .. } => Some("implicit"),
+    };
+    if let Some(word) = integrator {
+        if numerics.uptake != Uptake::Enthalpy {
+            let message = format!("found \"{word}\", which needs scheme = \"enthalpy\" and not \"{scheme}\"");
+            section.problem("integrator", message);
+        }
         if kind.stochastic {
-            let message = format!("found \"rkl2\", but the method \"{}\" makes its own explicit steps", kind.name);
+            let message = format!("found \"{word}\", but the method \"{}\" makes its own explicit steps", kind.name);
             section.problem("integrator", message);
         } else if !numerics.mushy {
-            section.problem("integrator", "found \"rkl2\", which needs mushy = true");
+            section.problem("integrator", format!("found \"{word}\", which needs mushy = true"));
+        } else if word == "implicit" && numerics.exchange != Exchange::Potential {
+            section.problem("integrator", "found \"implicit\", which needs exchange = \"potential\" and no mean");
         }
     }
     if numerics.uptake == Uptake::Flags

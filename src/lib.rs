@@ -13,6 +13,7 @@ pub mod parallel;
 pub mod progress;
 pub mod registry;
 pub mod run;
+pub mod stability;
 pub mod words;
 
 /// The example of the document is compiled and run with the tests.

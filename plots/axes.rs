@@ -48,6 +48,19 @@ impl Axis {
         Axis { label: label.into(), low, high, log: false, ticks, fine: Vec::new() }
     }
 
+    /// A logarithmic axis with given ends and ticks.
+    pub fn log_between(label: impl Into<String>, (low, high): (f64, f64), ticks: &[f64]) -> Axis {
+        let ticks = ticks.iter().map(|value| (*value, number(*value, 3))).collect();
+        Axis { label: label.into(), low, high, log: true, ticks, fine: Vec::new() }
+    }
+
+    /// An axis of named columns: column k reaches from k to k + 1.
+    pub fn columns(label: impl Into<String>, names: &[String]) -> Axis {
+        let ticks = names.iter().enumerate().map(|(k, name)| (k as f64 + 0.5, name.clone())).collect();
+        let high = names.len().max(1) as f64;
+        Axis { label: label.into(), low: 0.0, high, log: false, ticks, fine: Vec::new() }
+    }
+
     /// A logarithmic axis that holds all positive values.
     pub fn log(label: impl Into<String>, values: impl Iterator<Item = f64>) -> Axis {
         Axis::logarithmic(label, values, |value| {

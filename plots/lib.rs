@@ -13,6 +13,7 @@ pub mod map;
 pub mod page;
 pub mod rings;
 pub mod run;
+pub mod stability;
 pub mod style;
 
 pub use run::{FigureOptions, run_figures};

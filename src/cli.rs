@@ -9,7 +9,8 @@ use frazil_core::scene::Setting;
 
 use crate::compare::plan::Variant;
 use crate::failure::{Failure, Verdict, exit_code};
-use crate::{check, compare, list, run};
+use crate::stability::axis::Axis;
+use crate::{check, compare, list, parallel, run, stability};
 
 /// Freezing by particles: peridynamics, SPH, eDPD and a local baseline on the same scenes.
 #[derive(Debug, Parser)]
@@ -25,6 +26,8 @@ enum Command {
     Run(RunArguments),
     /// Sets methods against each other on the same scenes: error against run time.
     Compare(CompareArguments),
+    /// Maps where methods break: the outcome over the step and one parameter, with its boundaries.
+    Stability(StabilityArguments),
     /// Checks a scene and prints what a run of it would do.
     Check(CheckArguments),
     /// Lists the bundled scenes and the methods.
@@ -117,6 +120,50 @@ struct CompareArguments {
     quiet: bool,
 }
 
+#[derive(Debug, Args)]
+struct StabilityArguments {
+    /// Scene files, or names of bundled scenes.
+    #[arg(required = true)]
+    scenes: Vec<String>,
+    /// The methods; by default all that a scene has settings for.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    methods: Vec<String>,
+    /// Parameters of the maps: stefan, conductivity, capacity, reach, disorder, noise, rkl2 (stages); or own, the scene
+    /// as it is. By default all but the last that mean anything to a scene and a method.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = axis)]
+    axes: Vec<Axis>,
+    /// Overrides a key of every scene; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
+    set: Vec<(String, String)>,
+    /// Runs these steps over the bound alone, and looks for no boundary.
+    #[arg(long, value_name = "RATIOS", value_delimiter = ',', value_parser = positive)]
+    steps: Vec<f64>,
+    /// Number of steps of a map, from a quarter of the bound to four times it.
+    #[arg(long, value_name = "N", default_value_t = 13, value_parser = clap::value_parser!(u16).range(2..=200))]
+    grid: u16,
+    /// Number of columns of a map; odd, so that the scene's own value stands in the middle.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = odd)]
+    values: u16,
+    /// Seeds of a noisy cell near a boundary.
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    seeds: u16,
+    /// Largest spacing over the scene's own; as much of it is taken as the scene allows.
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=16))]
+    coarsen: u8,
+    /// Wall time of one run, in seconds; a cell that needs more has timed out.
+    #[arg(long, value_name = "S", default_value = "60", value_parser = positive_seconds)]
+    time_limit_s: f64,
+    /// Columns that are worked on side by side; by default one for each core. The result does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Folder for the results; by default out/stability. Runs that a study there has made already are not made again.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Says nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
 /// Runs the program on its arguments, the first of which is its own name.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     match Cli::try_parse_from(arguments) {
@@ -144,7 +191,7 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             scene: arguments.scene,
             method: arguments.method,
             overrides: arguments.set,
-            threads: arguments.threads.map_or_else(all_cores, usize::from),
+            threads: arguments.threads.map_or_else(parallel::cores, usize::from),
             seed: arguments.seed,
             out: arguments.out,
             reduce: arguments.reduce,
@@ -173,15 +220,27 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             scene: arguments.scene,
             methods: arguments.method,
             overrides: arguments.set,
-            threads: arguments.threads.map_or_else(all_cores, usize::from),
+            threads: arguments.threads.map_or_else(parallel::cores, usize::from),
             reduce: arguments.reduce,
+        }),
+        Command::Stability(arguments) => stability::stability(&stability::StabilityRequest {
+            scenes: arguments.scenes,
+            methods: arguments.methods,
+            axes: arguments.axes,
+            overrides: arguments.set,
+            steps: arguments.steps,
+            grid: arguments.grid.into(),
+            values: arguments.values.into(),
+            seeds: arguments.seeds.into(),
+            coarsen: arguments.coarsen.into(),
+            time_limit_s: arguments.time_limit_s,
+            threads: arguments.threads.map_or_else(parallel::cores, usize::from),
+            out: arguments.out,
+            quiet: arguments.quiet,
+            command_line: std::env::args().collect::<Vec<_>>().join(" "),
         }),
         Command::List => list::list(),
     }
-}
-
-fn all_cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 fn key_and_value(text: &str) -> Result<(String, String), String> {
@@ -192,10 +251,26 @@ fn key_and_value(text: &str) -> Result<(String, String), String> {
 }
 
 fn positive_seconds(text: &str) -> Result<f64, String> {
+    positive(text).map_err(|_| "must be a number of seconds greater than 0".into())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(seconds) if seconds.is_finite() && seconds > 0.0 => Ok(seconds),
-        _ => Err("must be a number of seconds greater than 0".into()),
+        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
+        _ => Err("must be a number greater than 0".into()),
     }
+}
+
+fn odd(text: &str) -> Result<u16, String> {
+    match text.parse::<u16>() {
+        Ok(number) if number % 2 == 1 && number < 100 => Ok(number),
+        _ => Err("must be an odd number from 1 to 99".into()),
+    }
+}
+
+fn axis(text: &str) -> Result<Axis, String> {
+    let words = || Axis::WORDS.map(|(word, _)| word).join(", ");
+    Axis::of_word(text).ok_or_else(|| format!("must be one of {}", words()))
 }
 
 fn setting(text: &str) -> Result<Setting, String> {

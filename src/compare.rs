@@ -14,14 +14,14 @@ use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
 
 use crate::failure::{Failure, Verdict, complain};
+use crate::machine::Machine;
 use crate::output::Folder;
-use crate::{load, registry};
+use crate::{interrupt, load, registry};
 
 pub mod analysis;
 pub mod curve;
 pub mod execute;
 pub mod figures;
-pub mod machine;
 pub mod measured;
 pub mod plan;
 pub mod reference;
@@ -91,23 +91,14 @@ pub struct Parts<'a> {
     pub interrupt: &'a AtomicBool,
 }
 
-/// Set by the first interrupt; the second one ends the program at once.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
 /// Compares.
 pub fn compare(request: &CompareRequest) -> Result<Verdict, Failure> {
-    // Where no handler can be set, an interrupt ends the program: what is written is whole all the same.
-    let _ = ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
     let parts = Parts {
         scene_at: &|name, overrides| load::scene(name, overrides).map_err(|failure| failure.to_string()),
         reference_for: &frazil_cases::reference_for,
         run: if request.reduce { &frazil_core::reduce::run } else { &frazil_core::march::run },
         methods: registry::methods(),
-        interrupt: &INTERRUPTED,
+        interrupt: interrupt::watch(),
     };
     compare_with(request, &parts)
 }
@@ -120,7 +111,7 @@ pub fn compare_with(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdi
         (parts.scene_at)(name, &[]).map_err(Failure::Request)?;
     }
     let folder = Folder::make(&path)?;
-    let machine = machine::Machine::now();
+    let machine = Machine::now();
     let mut finished = Vec::new();
     let mut broken = false;
     for name in &request.scenes {

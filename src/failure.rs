@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use frazil_core::march::Refused;
 use frazil_core::scene::Problems;
+use frazil_plots::PlotError;
 
 /// The end of a command that did what it was asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -49,6 +50,15 @@ impl Failure {
     /// A failure on a file.
     pub fn file(path: &Path, action: &'static str, source: io::Error) -> Self {
         Failure::File { path: path.to_owned(), action, source }
+    }
+}
+
+impl From<PlotError> for Failure {
+    fn from(error: PlotError) -> Self {
+        match error {
+            PlotError::Write { path, source } => Failure::file(&path, "cannot be written", source),
+            other => Failure::Request(other.to_string()),
+        }
     }
 }
 

@@ -4,12 +4,17 @@ pub mod check;
 pub mod cli;
 pub mod compare;
 pub mod failure;
+pub mod interrupt;
 pub mod list;
 pub mod load;
+pub mod machine;
 pub mod output;
+pub mod parallel;
 pub mod progress;
 pub mod registry;
 pub mod run;
+pub mod stability;
+pub mod words;
 
 /// The example of the document is compiled and run with the tests.
 #[cfg(doctest)]

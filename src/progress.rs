@@ -37,17 +37,22 @@ impl Reporter {
 
     /// Shows where a run stands.
     pub fn show(&self, progress: &Progress) {
+        self.at(done(progress), || describe(progress));
+    }
+
+    /// Shows the share that is done, 0 to 1, and words about it.
+    pub fn at(&self, share: f64, words: impl FnOnce() -> String) {
         match self {
             Reporter::Quiet => {}
             Reporter::Bar(bar) => {
-                bar.set_position((1000.0 * done(progress)) as u64);
-                bar.set_message(describe(progress));
+                bar.set_position((1000.0 * share) as u64);
+                bar.set_message(words());
             }
             Reporter::Lines(last) => {
                 let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);
                 if last.elapsed() >= BETWEEN_LINES {
                     *last = Instant::now();
-                    complain(&format!("{:3.0} %  {}", 100.0 * done(progress), describe(progress)));
+                    complain(&format!("{:3.0} %  {}", 100.0 * share, words()));
                 }
             }
         }

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use frazil_core::march::{self, Options, Progress, Refused};
 use frazil_core::record::{Errors, Outcome, RunResult};
@@ -12,9 +11,9 @@ use frazil_core::scene::Scene;
 use frazil_plots::{FigureOptions, run_figures};
 
 use crate::failure::{Failure, Verdict, answer, complain};
-use crate::load;
 use crate::output::{self, Folder};
 use crate::progress::{Reporter, clock};
+use crate::{interrupt, load};
 
 /// What is to be run.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,9 +36,6 @@ pub struct RunRequest {
     pub quiet: bool,
 }
 
-/// Set by the first interrupt; the second one ends the program at once.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
-
 /// Runs and writes the results, whole even if the run was interrupted.
 pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let scene = load::scene(&request.scene, &request.overrides)?;
@@ -47,18 +43,12 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let reference = reference(&scene)?;
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&scene.name));
     let folder = Folder::make(&path)?;
-    // Where no handler can be set, an interrupt ends the program without results: as ever.
-    let _ = ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    });
     let reporter = Reporter::new(request.quiet);
     let show = |progress: &Progress| reporter.show(progress);
     let options = Options {
         threads: request.threads,
         seed: request.seed,
-        interrupt: Some(&INTERRUPTED),
+        interrupt: Some(interrupt::watch()),
         progress: Some(&show),
         time_limit_s: None,
         fields: true,

@@ -121,6 +121,7 @@ fn assembled(sketch: &Sketch, kind: &'static MethodKind) -> ListParts {
         normalisation: own.normalisation,
         knobs: Vec::new(),
         differences: Vec::new(),
+        fluctuation: 0.0,
         stepper: Stepper::Own(Arc::new(move |assembly: Assembly| {
             *keep.lock().expect("no other thread") = Some(assembly.parts.clone());
             assembly.into_method(Off)

@@ -138,6 +138,7 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
             ("normalisation", Value::Text(constants.into())),
         ],
         differences,
+        fluctuation: if noise { 1.0 / capacity.sqrt() } else { 0.0 },
         stepper: Stepper::Own(Arc::new(step)),
     }
 }

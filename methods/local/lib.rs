@@ -43,6 +43,7 @@ fn read(_section: &mut Section<'_>, _setting: Setting, numerics: &Numerics, _dim
         normalisation: Normalisation::DiscreteMoment,
         knobs: Vec::new(),
         differences: Vec::new(),
+        fluctuation: 0.0,
         stepper: Stepper::Shared,
     }
 }

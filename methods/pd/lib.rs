@@ -109,6 +109,7 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
         differences: vec![format!(
             "heat is exchanged over a horizon of {ratio} spacings, also across fronts and near walls"
         )],
+        fluctuation: 0.0,
         stepper: Stepper::Shared,
     }
 }

@@ -68,6 +68,7 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
             ("normalisation", Value::Text(constants.into())),
         ],
         differences: Vec::new(),
+        fluctuation: 0.0,
         stepper: Stepper::Shared,
     }
 }

@@ -39,6 +39,7 @@ fn record(title: &str, method: &str) -> Record {
         cause: None,
         energy_balance_rel: 1e-14,
         bounds_violation_rel: Some(0.0),
+        setback_rel: None,
         errors: Errors::default(),
         reference: None,
         reduced_from: None,

@@ -1,12 +1,11 @@
 //! The runs of one scene: a first one each, ensembles, then repeated runs in shuffled rounds.
 
 use std::sync::Arc;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use frazil_core::march::Options;
-use frazil_core::record::{Outcome, RunResult};
+use frazil_core::record::Outcome;
 use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
 use frazil_core::statistics;
@@ -19,6 +18,7 @@ use super::plan::{Configuration, configurations};
 use super::reference::local_reference;
 use super::{CompareRequest, Parts};
 use crate::failure::Failure;
+use crate::parallel;
 
 /// Fewest seeds for which an ensemble says anything.
 pub const FEWEST_SEEDS: usize = 5;
@@ -205,7 +205,7 @@ impl Work<'_> {
         let Some(first) = measured.result.clone() else {
             return;
         };
-        let workers = std::thread::available_parallelism().map_or(1, usize::from);
+        let workers = parallel::cores();
         let single = Timing::of(&first.record).wall().max(1e-4);
         let allowed = (0.4 * self.left() / single * workers as f64) as usize;
         let wanted = self.request.seeds.unwrap_or(SEEDS.min(allowed));
@@ -213,32 +213,12 @@ impl Work<'_> {
             measured.note = Some(format!("one run only: the time does not allow {FEWEST_SEEDS} seeds"));
             return;
         }
-        let next = AtomicUsize::new(2);
-        let others: Mutex<Vec<(usize, RunResult)>> = Mutex::new(Vec::new());
-        let options = |seed: usize| self.options(seed as u64, 1, false);
         let (run, reference) = (self.parts.run, self.reference);
-        let limits: Vec<_> = (0..=wanted).map(options).collect();
-        std::thread::scope(|scope| {
-            for _ in 0..workers.min(wanted) {
-                scope.spawn(|| {
-                    loop {
-                        let seed = next.fetch_add(1, Ordering::Relaxed);
-                        let Some(options) = limits.get(seed) else {
-                            return;
-                        };
-                        if let (Ok(result), Ok(mut others)) =
-                            (run(scene, one.method, reference, options), others.lock())
-                        {
-                            others.push((seed, result));
-                        }
-                    }
-                });
-            }
-        });
-        let mut others = others.into_inner().unwrap_or_default();
-        others.sort_by_key(|(seed, _)| *seed);
+        // The first run had seed 1.
+        let limits: Vec<_> = (2..=wanted).map(|seed| self.options(seed as u64, 1, false)).collect();
+        let others = parallel::in_order(limits.len(), workers, |k| run(scene, one.method, reference, &limits[k]).ok());
         let mut all = vec![first];
-        all.extend(others.into_iter().map(|(_, result)| result));
+        all.extend(others.into_iter().flatten());
         let made = all.len();
         all.retain(|run| run.record.outcome == Outcome::Ok);
         if all.len() < wanted {

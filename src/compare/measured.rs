@@ -5,7 +5,8 @@ use frazil_core::reference::Reference;
 use frazil_core::scene::{Scene, Units};
 use frazil_core::{measure, statistics};
 
-use super::plan::{Configuration, Variant, length_words};
+use super::plan::{Configuration, Variant};
+use crate::words::length_words;
 
 /// The error that a diagram shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -2,7 +2,6 @@
 
 use frazil_core::method::MethodKind;
 use frazil_core::scene::{Scene, Setting, Units};
-use frazil_plots::style;
 
 use super::{CompareRequest, Parts};
 
@@ -53,11 +52,6 @@ impl Variant {
     pub fn is_best(&self) -> bool {
         *self == Variant::standard(Setting::Best)
     }
-}
-
-/// A length in words: with a unit where the scene has any.
-pub fn length_words(units: Units, value: f64) -> String {
-    if units == Units::Si { style::length(value) } else { style::number(value, 3) }
 }
 
 /// Spacings from coarse to fine around a scene's own, which is the second finest.

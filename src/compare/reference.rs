@@ -11,7 +11,8 @@ use frazil_plots::style::{duration, percent};
 
 use super::Parts;
 use super::measured::Headline;
-use super::plan::{Variant, length_words, overrides};
+use super::plan::{Variant, overrides};
+use crate::words::length_words;
 
 /// Estimated error beyond which fine runs are no reference.
 const WORST: f64 = 0.02;

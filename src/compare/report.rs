@@ -6,17 +6,17 @@ mod words;
 use std::path::Path;
 
 use frazil_core::material::Material;
+use frazil_plots::FigureOptions;
 use frazil_plots::comparison::work_precision_panels;
-use frazil_plots::page::{self, Block, Figure, Page, SceneSection};
+use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection};
 use frazil_plots::run::drawings;
-use frazil_plots::{FigureOptions, PlotError};
 
 use super::CompareRequest;
 use super::analysis::{self, Study};
 use super::curve::Clock;
 use super::figures::{Cost, order_figure, work_figure};
-use super::machine::Machine;
 use crate::failure::Failure;
+use crate::machine::Machine;
 use numbers::{
     ensembles, equal_error_table, equal_time_table, failures, gates, order_table, overall, run_table, settings,
 };
@@ -36,7 +36,7 @@ pub fn write(request: &CompareRequest, machine: &Machine, folder: &Path, studies
         ],
         command: request.command_line.clone(),
         fairness: fairness(request, studies),
-        machine: machine.facts(request.threads),
+        machine: machine.facts(Fact::new("Threads of a timed run", request.threads.to_string())),
         ..Page::default()
     };
     let overview: Vec<_> = studies
@@ -44,7 +44,7 @@ pub fn write(request: &CompareRequest, machine: &Machine, folder: &Path, studies
         .filter_map(|study| Some(work_figure(study, study.comparisons.first()?, Cost::Time(study.clock))))
         .collect();
     if !overview.is_empty() {
-        put(work_precision_panels(&overview).write(folder, "work_precision"))?;
+        work_precision_panels(&overview).write(folder, "work_precision")?;
     }
     if studies.len() > 1 {
         page.summary.push(overall(studies));
@@ -52,14 +52,7 @@ pub fn write(request: &CompareRequest, machine: &Machine, folder: &Path, studies
     for study in studies {
         page.scenes.push(section(folder, study)?);
     }
-    put(page::write(&page, &folder.join("report.html")))
-}
-
-fn put<T>(result: Result<T, PlotError>) -> Result<T, Failure> {
-    result.map_err(|error| match error {
-        PlotError::Write { path, source } => Failure::file(&path, "cannot be written", source),
-        other => Failure::Request(other.to_string()),
-    })
+    Ok(page::write(&page, &folder.join("report.html"))?)
 }
 
 fn section(folder: &Path, study: &Study) -> Result<SceneSection, Failure> {
@@ -80,7 +73,7 @@ fn section(folder: &Path, study: &Study) -> Result<SceneSection, Failure> {
             Block { heading: format!("Error against cost: {}", comparison.headline.label()), ..Block::default() };
         for (place, (cost, file)) in costs.into_iter().enumerate() {
             let canvas = work_precision_panels(&[work_figure(study, comparison, cost)]);
-            put(canvas.write(&own, &file))?;
+            canvas.write(&own, &file)?;
             // The second measure is shown by the clock that counts; its other figures lie beside the page.
             if k == 0 || place == 0 {
                 block.figures.push(Figure::new(&canvas, caption(study, cost), format!("{name}/{file}")));
@@ -91,7 +84,7 @@ fn section(folder: &Path, study: &Study) -> Result<SceneSection, Failure> {
         blocks.push(block);
         let file = format!("convergence_{word}");
         let canvas = order_figure(study, comparison);
-        put(canvas.write(&own, &file))?;
+        canvas.write(&own, &file)?;
         let caption = "Error against particle spacing. Hollow points lie below ten times the error of the reference.";
         blocks.push(Block {
             heading: format!("Convergence: {}", comparison.headline.label()),
@@ -147,7 +140,7 @@ fn finest_runs(folder: &Path, study: &Study) -> Result<Vec<Block>, Failure> {
         let last_map = all.iter().rposition(|(file, _)| file.starts_with("map_"));
         let mut block = Block { heading: format!("{} at {}", one.label(), one.spacing_words()), ..Block::default() };
         for (k, (file, canvas)) in all.iter().enumerate() {
-            put(canvas.write(&own, file))?;
+            canvas.write(&own, file)?;
             if !file.starts_with("map_") || last_map == Some(k) {
                 block.figures.push(Figure::new(canvas, canvas.title.clone(), format!("{}/{key}/{file}", study.name())));
             }

@@ -114,6 +114,7 @@ fn blank(scene: &Scene, method: &str) -> Record {
         cause: None,
         energy_balance_rel: 1e-14,
         bounds_violation_rel: Some(0.0),
+        setback_rel: Some(0.0),
         errors: Errors::default(),
         reference: None,
         reduced_from: None,

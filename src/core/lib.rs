@@ -22,6 +22,7 @@ pub mod memory;
 pub mod method;
 pub mod neighbours;
 pub mod noise;
+pub mod one_way;
 pub mod operator;
 pub mod particles;
 pub mod pipe;

@@ -347,6 +347,7 @@ mod tests {
                 cause: None,
                 energy_balance_rel: 0.0,
                 bounds_violation_rel: None,
+                setback_rel: None,
                 errors: Errors::default(),
                 reference: None,
                 reduced_from: None,

@@ -42,6 +42,8 @@ pub struct Discretisation {
     pub knobs: Vec<(&'static str, Value)>,
     /// Differences between the scene and what the method represents, in words, for the report.
     pub differences: Vec<String>,
+    /// Standard deviation of one unfrozen particle's temperature over its absolute value; 0 without noise.
+    pub fluctuation: f64,
     /// How steps are made.
     pub stepper: Stepper,
 }

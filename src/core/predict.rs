@@ -243,7 +243,7 @@ fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f
     cost.guard = timed(TRIAL.1, now, &mut || failed |= guard.look(&particles, &clock, &bound).is_err()).each;
     // No profile is wanted at the start, and one at each of its instants.
     let output = |watches: &mut Watches, time: f64| {
-        watches.output(scene, &particles, method.ledger(), time);
+        watches.output(scene, &particles, method.ledger(), time, true);
         watches.forget();
     };
     cost.output = timed(TRIAL.1, now, &mut || output(&mut watches, 0.0)).each;

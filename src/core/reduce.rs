@@ -200,6 +200,7 @@ fn discretisation(settings: &MethodSettings, folds: &[Fold]) -> Discretisation {
         knobs: own.knobs.clone(),
         differences: own.differences.clone(),
         stepper: own.stepper.clone(),
+        fluctuation: own.fluctuation,
     }
 }
 

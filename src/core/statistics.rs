@@ -296,6 +296,35 @@ pub fn welch(first: &[f64], second: &[f64]) -> Option<Difference> {
     Some(Difference { difference, interval: Interval::around(difference, half_width), freedom })
 }
 
+/// What a count of failures says about the chance of failing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Share {
+    /// Failures over trials.
+    pub share: f64,
+    /// Interval of the chance (Wilson 1927).
+    pub interval: Interval,
+}
+
+/// Share of failures among trials with its Wilson interval, which holds for few trials and for none that fail. Absent
+/// without a trial.
+pub fn wilson(failures: usize, trials: usize) -> Option<Share> {
+    /// A normal variable stays within this many standard deviations with 95 %.
+    const DEVIATIONS: f64 = 1.959_963_984_540_054;
+    if trials == 0 || failures > trials {
+        return None;
+    }
+    let (count, share) = (trials as f64, failures as f64 / trials as f64);
+    let square = DEVIATIONS * DEVIATIONS;
+    let centre = (share + square / (2.0 * count)) / (1.0 + square / count);
+    let half_width =
+        DEVIATIONS / (1.0 + square / count) * (share * (1.0 - share) / count + square / (4.0 * count * count)).sqrt();
+    let ends = Interval::around(centre, half_width);
+    // The ends of none and of all are zero and one but for rounding.
+    let low = if failures == 0 { 0.0 } else { ends.low };
+    let high = if failures == trials { 1.0 } else { ends.high };
+    Some(Share { share, interval: Interval { low, high } })
+}
+
 /// Least-squares line through points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Line {
@@ -497,6 +526,27 @@ mod tests {
         assert!(!found.is_resolved());
         assert!(welch(&[1.0, 1.0], &[2.0, 2.0]).is_some_and(|found| found.is_resolved()));
         assert_eq!(welch(&[1.0], &second), None);
+    }
+
+    #[test]
+    fn few_failures_leave_much_open() {
+        let found = |failures, trials| wilson(failures, trials).expect("trials").interval;
+        // Without a failure the upper end is z^2 / (n + z^2).
+        for (trials, upper) in [(5, 0.4345), (10, 0.2775), (20, 0.1611)] {
+            let none = found(0, trials);
+            assert!(none.low == 0.0 && (none.high - upper).abs() < 5e-5, "{trials}: {none:?}");
+            let all = found(trials, trials);
+            assert!(all.high == 1.0 && (all.low - (1.0 - upper)).abs() < 5e-5, "{trials}: {all:?}");
+        }
+        // Four digits as printed by Newcombe (1998, table I, method 3).
+        for (failures, trials, low, high) in
+            [(81, 263, 0.2553, 0.3662), (15, 148, 0.0624, 0.1605), (1, 29, 0.0061, 0.1718)]
+        {
+            let some = found(failures, trials);
+            assert!((some.low - low).abs() < 6e-5 && (some.high - high).abs() < 6e-5, "{failures}/{trials}: {some:?}");
+        }
+        assert_eq!(wilson(0, 0), None);
+        assert_eq!(wilson(3, 2), None);
     }
 
     #[test]

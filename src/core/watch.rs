@@ -14,6 +14,7 @@ use crate::ledger::{Ledger, Sum};
 use crate::march::instants::outputs;
 use crate::material::FreezingLaw;
 use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
+use crate::one_way::OneWay;
 use crate::particles::{Particles, Places};
 use crate::record::{BudgetRow, Field, FrontRow, GapRow, ProbeRow, ProfileRow, WallRow};
 use crate::scene::{Domain, FreezingDirection, Scene, Sector};
@@ -65,6 +66,8 @@ pub struct Watches {
     field_radius: f64,
     isothermal: bool,
     rows: held::Rows,
+    /// What can only go one way.
+    pub one_way: OneWay,
     /// Front over time.
     pub front: Vec<FrontRow>,
     /// Profiles.
@@ -142,6 +145,7 @@ impl Watches {
             keep_fields: keep_fields && scene.domain.dimension() == 2,
             field_radius: scene.rings.iter().map(|ring| 1.6 * ring.ring_radius).fold(0.0, f64::max),
             isothermal: matches!(scene.materials[0].law, FreezingLaw::Isothermal),
+            one_way: OneWay::new(scene),
             front: Vec::new(),
             profiles: Vec::new(),
             probe_rows: Vec::new(),
@@ -201,10 +205,14 @@ impl Watches {
         }
     }
 
-    /// Takes everything that is due at an output.
-    pub fn output(&mut self, scene: &Scene, particles: &Particles, ledger: &Ledger, time: f64) {
+    /// Takes everything that is due at an output, on which a step has landed or over which it has passed.
+    pub fn output(&mut self, scene: &Scene, particles: &Particles, ledger: &Ledger, time: f64, landed: bool) {
         let frozen: Sum = (0..particles.len()).map(|i| particles.frozen_fraction(i)).collect();
         let frozen = frozen.value() * particles.volume;
+        if landed {
+            // The curve between two states may swing where steps do not.
+            self.one_way.look(frozen, ledger.names(), ledger.rate());
+        }
         if let Some(direction) = self.direction {
             self.front.push(FrontRow { time_s: time, front_m: frozen / direction.across, front_ref_m: None });
         }

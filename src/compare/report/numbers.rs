@@ -8,7 +8,7 @@ use frazil_plots::style::{duration, number, percent};
 
 use crate::compare::analysis::{self, Comparison, Reached, Study};
 use crate::compare::measured::Timing;
-use crate::compare::plan::length_words;
+use crate::words::length_words;
 
 fn reached(value: Reached, show: fn(f64) -> String, within: &str) -> String {
     match value {

@@ -33,6 +33,7 @@ static PLAIN: MethodKind = MethodKind {
             normalisation: Normalisation::DiscreteMoment,
             knobs: vec![("horizon_ratio", Value::Number(ratio))],
             differences: Vec::new(),
+            fluctuation: 0.0,
             stepper: Stepper::Shared,
         }
     },

@@ -5,7 +5,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use frazil_plots::page::Fact;
 
-/// What is known at the start of a comparison.
+/// What is known at the start of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
     date: String,
@@ -18,9 +18,9 @@ impl Machine {
         Machine { date: utc(SystemTime::now()), load: load() }
     }
 
-    /// Everything, for the page.
-    pub fn facts(&self, threads: usize) -> Vec<Fact> {
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    /// Everything, for the page, with how a study used its threads.
+    pub fn facts(&self, threads: Fact) -> Vec<Fact> {
+        let cores = crate::parallel::cores();
         let memory = value_in("/proc/meminfo", "MemTotal:");
         let memory = memory.as_deref().and_then(|text| text.strip_suffix("kB")?.trim().parse::<f64>().ok());
         let memory = memory.map_or("unknown".into(), |kibibytes| format!("{:.1} GiB", kibibytes / 1_048_576.0));
@@ -41,7 +41,7 @@ impl Machine {
                     Some(flags) => flags,
                 },
             ),
-            Fact::new("Threads of a timed run", threads.to_string()),
+            threads,
             Fact::new("Load average at the start and the end", format!("{}; {}", self.load, load())),
             Fact::new("Date", self.date.clone()),
         ]

@@ -1,0 +1,216 @@
+//! What the data of a scene allow in one direction only: a body that is cooled from all sides freezes and does not
+//! thaw, and the coldest wall of all takes heat and gives none. An unstable step breaks such rules where temperatures
+//! may still look innocent, as inside the smeared delta of a pipe.
+
+use crate::scene::{Condition, Scene, Series};
+
+/// What is watched, and how far it went the wrong way.
+#[derive(Debug, Clone)]
+pub struct OneWay {
+    /// +1 where the frozen volume can only grow, -1 where it can only shrink.
+    frozen: Option<f64>,
+    /// Names of walls that can only take heat (-1) or only give it (+1).
+    walls: Vec<(&'static str, f64)>,
+    /// The same for rings of pipes, in the order of the scene.
+    rings: Vec<Option<f64>>,
+    watches: bool,
+    /// Extreme of the frozen volume so far, in its one direction, and its greatest value.
+    furthest: Option<(f64, f64)>,
+    /// Strongest flow through any door so far (W).
+    strongest: f64,
+    setback: f64,
+}
+
+impl OneWay {
+    /// The rules that the data of a scene make.
+    pub fn new(scene: &Scene) -> Self {
+        let (low, high) = scene.temperature_range();
+        let side = |series: &Series| match series.range() {
+            (a, b) if low == high || a != b => None,
+            (value, _) if value == low => Some(-1.0),
+            (value, _) if value == high => Some(1.0),
+            _ => None,
+        };
+        let open = scene.has_flux();
+        let exact = scene.walls.iter().any(|wall| wall.condition == Condition::Exact);
+        let walls = scene.walls.iter().filter_map(|wall| match &wall.condition {
+            Condition::Temperature(series) => Some((wall.name, side(series)?)),
+            Condition::Convection { ambient, .. } => Some((wall.name, side(ambient)?)),
+            Condition::Symmetry | Condition::Flux(_) | Condition::Exact => None,
+        });
+        let walls: Vec<_> = if open { Vec::new() } else { walls.collect() };
+        let rings: Vec<_> = scene.rings.iter().map(|ring| if open { None } else { side(&ring.temperature) }).collect();
+        let frozen = if open || exact || low == high { None } else { direction(scene) };
+        let watches = frozen.is_some() || !walls.is_empty() || rings.iter().any(Option::is_some);
+        OneWay { frozen, walls, rings, watches, furthest: None, strongest: 0.0, setback: 0.0 }
+    }
+
+    /// Takes note of the frozen volume and of the flow into the body (W) through each door. `names` are the doors:
+    /// walls, then rings of pipes.
+    pub fn look(&mut self, frozen: f64, names: &[String], flows: &[f64]) {
+        if let Some(sign) = self.frozen {
+            let (furthest, greatest) = self.furthest.unwrap_or((frozen, 0.0));
+            let greatest = f64::max(greatest, frozen);
+            if greatest > 0.0 {
+                self.setback = self.setback.max(sign * (furthest - frozen) / greatest);
+            }
+            let further = if sign > 0.0 { furthest.max(frozen) } else { furthest.min(frozen) };
+            self.furthest = Some((further, greatest));
+        }
+        self.strongest = flows.iter().fold(self.strongest, |strongest, flow| strongest.max(flow.abs()));
+        let walls = names.len() - self.rings.len().min(names.len());
+        for (door, (name, flow)) in names.iter().zip(flows).enumerate() {
+            let sign = match door.checked_sub(walls) {
+                Some(ring) => self.rings.get(ring).copied().flatten(),
+                None => self.walls.iter().find(|wall| wall.0 == name).map(|wall| wall.1),
+            };
+            if let Some(sign) = sign.filter(|_| self.strongest > 0.0) {
+                self.setback = self.setback.max(-sign * flow / self.strongest);
+            }
+        }
+    }
+
+    /// The furthest way back: of the frozen volume over its greatest, of the flow through a wall or pipe over the
+    /// strongest through any. Absent where the data make no rule.
+    pub fn setback(&self) -> Option<f64> {
+        self.watches.then_some(self.setback)
+    }
+}
+
+/// Which way the frozen volume goes, if all data pull one way from the uniform start and never let go.
+fn direction(scene: &Scene) -> Option<f64> {
+    let start = scene.initial_temperature;
+    let pulls = |series: &Series, sign: f64| {
+        let away = |value: f64| sign * (start - value) >= 0.0;
+        match series {
+            Series::Constant(value) => away(*value),
+            Series::Table(rows) => {
+                rows.first().is_some_and(|row| away(row.1))
+                    && rows.windows(2).all(|pair| sign * (pair[0].1 - pair[1].1) >= 0.0)
+            }
+            Series::Repeated { .. } => !series.changes() && away(series.range().0),
+        }
+    };
+    [1.0, -1.0].into_iter().find(|sign| {
+        let wall = |condition: &Condition| match condition {
+            Condition::Symmetry => true,
+            Condition::Temperature(series) => pulls(series, *sign),
+            Condition::Convection { coefficient, ambient } => !coefficient.changes() && pulls(ambient, *sign),
+            Condition::Flux(_) | Condition::Exact => false,
+        };
+        scene.walls.iter().all(|own| wall(&own.condition))
+            // Pipes that are switched off let the body come back.
+            && scene.rings.iter().all(|ring| ring.schedule.is_none() && pulls(&ring.temperature, *sign))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{FreezingLaw, Material, Mixing, Phase};
+    use crate::scene::{Domain, PipeRing, ReferenceChoice, TimeUnit, Units, Wall, Watch};
+
+    fn scene(walls: Vec<(&'static str, Condition)>) -> Scene {
+        let phase = Phase { conductivity: 1.0, heat_capacity: 1.0 };
+        Scene {
+            name: "test".into(),
+            title: String::new(),
+            source: String::new(),
+            units: Units::Si,
+            time_unit: TimeUnit::Second,
+            domain: Domain::Line { length: 1.0 },
+            duration: 1.0,
+            materials: vec![Material {
+                name: "soil".into(),
+                density: 1.0,
+                frozen: phase,
+                unfrozen: phase,
+                freezing_point: 0.0,
+                latent_heat: 1.0,
+                law: FreezingLaw::Isothermal,
+                mixing: Mixing::Arithmetic,
+            }],
+            regions: Vec::new(),
+            initial_temperature: 5.0,
+            walls: walls.into_iter().map(|(name, condition)| Wall { name, condition }).collect(),
+            rings: Vec::new(),
+            watch: Watch {
+                outputs: 10,
+                profiles: Vec::new(),
+                probes: Vec::new(),
+                profile_length: None,
+                front_from: 0.0,
+            },
+            reference: ReferenceChoice::Auto,
+            methods: Vec::new(),
+            hash: String::new(),
+        }
+    }
+
+    fn held(temperature: f64) -> Condition {
+        Condition::Temperature(Series::Constant(temperature))
+    }
+
+    fn after(scene: &Scene, looks: &[(f64, &[f64])]) -> Option<f64> {
+        let walls = scene.walls.iter().map(|wall| wall.name.to_string());
+        let names: Vec<String> = walls.chain(scene.rings.iter().map(|_| "pipes".to_string())).collect();
+        let mut watch = OneWay::new(scene);
+        for (frozen, flows) in looks {
+            watch.look(*frozen, &names, flows);
+        }
+        watch.setback()
+    }
+
+    #[test]
+    fn a_cooled_body_freezes_only_and_its_cold_wall_only_takes() {
+        let cooled = scene(vec![("left", held(-20.0)), ("right", held(5.0))]);
+        assert_eq!(after(&cooled, &[(0.0, &[-8.0, 0.0]), (2.0, &[-4.0, 1.0]), (2.0, &[-3.0, 0.0])]), Some(0.0));
+        // A quarter of the frozen volume thaws again.
+        assert_eq!(after(&cooled, &[(1.0, &[-8.0, 0.0]), (4.0, &[-4.0, 0.0]), (3.0, &[-3.0, 0.0])]), Some(0.25));
+        // Heat comes out of the cold wall; it goes into the warm one.
+        assert_eq!(after(&cooled, &[(1.0, &[-8.0, 0.0]), (2.0, &[2.0, 0.0])]), Some(0.25));
+        assert_eq!(after(&cooled, &[(1.0, &[-8.0, 0.0]), (2.0, &[-2.0, -4.0])]), Some(0.5));
+    }
+
+    #[test]
+    fn a_heated_body_thaws_only() {
+        let mut heated = scene(vec![("left", held(10.0)), ("right", Condition::Symmetry)]);
+        heated.initial_temperature = -5.0;
+        assert_eq!(after(&heated, &[(4.0, &[8.0, 0.0]), (3.0, &[6.0, 0.0]), (1.0, &[5.0, 0.0])]), Some(0.0));
+        assert_eq!(after(&heated, &[(4.0, &[8.0, 0.0]), (2.0, &[6.0, 0.0]), (3.0, &[5.0, 0.0])]), Some(0.25));
+    }
+
+    #[test]
+    fn pipes_are_doors_after_the_walls() {
+        let mut ring = scene(vec![("outer", held(5.0))]);
+        ring.rings.push(PipeRing {
+            schedule: None,
+            count: 4,
+            ring_radius: 1.0,
+            first_angle: 0.0,
+            pipe_radius: 0.1,
+            temperature: Series::Constant(-20.0),
+        });
+        assert_eq!(after(&ring, &[(1.0, &[0.0, -8.0]), (2.0, &[0.0, 4.0])]), Some(0.5));
+    }
+
+    #[test]
+    fn no_rule_is_made_where_data_allow_either_way() {
+        let film = |times: Series| Condition::Convection { coefficient: times, ambient: Series::Constant(-20.0) };
+        let growing = Series::Table(vec![(0.0, 1.0), (1.0, 2.0)]);
+        let rising = Condition::Temperature(Series::Table(vec![(0.0, -5.0), (1.0, 2.0)]));
+        let falling = Condition::Temperature(Series::Table(vec![(0.0, 5.0), (1.0, -2.0)]));
+        let flux = Condition::Flux(Series::Constant(-1.0));
+        // Thawing under each: allowed but where the wall only ever gets colder.
+        for (condition, rule) in [(rising, None), (flux, None), (falling, Some(0.75)), (held(5.0), None)] {
+            assert_eq!(after(&scene(vec![("left", condition)]), &[(4.0, &[-1.0]), (1.0, &[-1.0])]), rule);
+        }
+        // A film that changes may let the front go back, but the coldest surroundings still give no heat.
+        let changing = scene(vec![("left", film(growing))]);
+        assert_eq!(after(&changing, &[(4.0, &[-2.0]), (1.0, &[-1.0])]), Some(0.0));
+        assert_eq!(after(&changing, &[(4.0, &[-2.0]), (1.0, &[1.0])]), Some(0.5));
+        // A warmer wall beside a colder one pulls the other way.
+        let both = scene(vec![("left", held(-20.0)), ("right", held(9.0))]);
+        assert_eq!(after(&both, &[(4.0, &[-2.0, 0.0]), (1.0, &[-1.0, 0.0])]), Some(0.0));
+    }
+}

@@ -1,0 +1,329 @@
+//! The parameters along which a map is drawn, as overrides of a scene.
+
+use frazil_core::material::{FreezingLaw, Material};
+use frazil_core::method::MethodKind;
+use frazil_core::record::Value;
+use frazil_core::scene::settings::MethodSettings;
+use frazil_core::scene::{Layout, Scene, Units};
+
+/// Key path and value, as of `--set`.
+pub type Override = (String, String);
+
+/// A parameter of a map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Axis {
+    /// The scene as it is: a map of one column.
+    Own,
+    /// Stefan number: sensible over latent heat.
+    Stefan,
+    /// Frozen over unfrozen conductivity.
+    Conductivity,
+    /// Frozen over unfrozen heat capacity.
+    Capacity,
+    /// Reach of the pair weight over the spacing.
+    Reach,
+    /// Largest shift of particles off the lattice over the spacing.
+    Disorder,
+    /// Relative fluctuation of a particle's temperature.
+    Noise,
+    /// Stages of RKL2.
+    Stages,
+}
+
+/// One column of a map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// Where it stands on the axis; absent for the scene as it is.
+    pub value: Option<f64>,
+    /// What makes it out of the scene.
+    pub overrides: Vec<Override>,
+}
+
+/// Span of a physical parameter around the scene's own value: a quarter to four times.
+const PHYSICS: f64 = 4.0;
+/// Span of the reach: half to twice.
+const REACH: f64 = 2.0;
+/// Span of the noise: a tenth to ten times.
+const NOISE: f64 = 10.0;
+/// Largest jitter that the reader takes.
+const DISORDER: f64 = 0.5;
+/// Stages of RKL2 that are tried.
+const STAGES: std::ops::RangeInclusive<usize> = 3..=40;
+
+impl Axis {
+    /// All but the scene as it is, by the words of `--axes`.
+    pub const WORDS: [(&'static str, Axis); 8] = [
+        ("stefan", Axis::Stefan),
+        ("conductivity", Axis::Conductivity),
+        ("capacity", Axis::Capacity),
+        ("reach", Axis::Reach),
+        ("disorder", Axis::Disorder),
+        ("noise", Axis::Noise),
+        ("rkl2", Axis::Stages),
+        ("own", Axis::Own),
+    ];
+
+    /// The word of files and of `--axes`.
+    pub fn word(self) -> &'static str {
+        Axis::WORDS.iter().find(|(_, axis)| *axis == self).map_or("", |(word, _)| word)
+    }
+
+    /// The axis of a word.
+    pub fn of_word(word: &str) -> Option<Axis> {
+        Axis::WORDS.iter().find(|(own, _)| *own == word).map(|(_, axis)| *axis)
+    }
+
+    /// Name and symbol for figures.
+    pub fn label(self) -> &'static str {
+        match self {
+            Axis::Own => "the scene as it is",
+            Axis::Stefan => "Stefan number, sensible over latent heat",
+            Axis::Conductivity => "conductivity, frozen over unfrozen",
+            Axis::Capacity => "heat capacity, frozen over unfrozen",
+            Axis::Reach => "reach of the weight (horizon, smoothing length, cut-off) over spacing",
+            Axis::Disorder => "largest shift of particles over spacing",
+            Axis::Noise => "fluctuation of a particle's absolute temperature",
+            Axis::Stages => "stages of RKL2",
+        }
+    }
+
+    /// The columns of a map for one method on a scene; none where the axis means nothing there. `count` is odd: the
+    /// middle column is the scene's own value, but for disorder and noise, which begin at zero.
+    pub fn columns(self, scene: &Scene, kind: &MethodKind, settings: &MethodSettings, count: usize) -> Vec<Column> {
+        let freezes: Vec<&Material> =
+            scene.materials.iter().filter(|material| material.law != FreezingLaw::None).collect();
+        let quiet = self.without_noise(settings);
+        let scaled = |span: f64, column: &dyn Fn(f64) -> Option<Column>| -> Vec<Column> {
+            factors(span, count).into_iter().filter_map(column).collect()
+        };
+        let mut columns = match self {
+            Axis::Own => vec![Column { value: None, overrides: Vec::new() }],
+            Axis::Stefan => scaled(PHYSICS, &|factor| {
+                let first = freezes.first()?;
+                let latent = |material: &&Material| material.latent_heat / factor;
+                Some(Column {
+                    value: Some(stefan_number(scene, first)? * factor),
+                    overrides: changed(&freezes, factor, |material| {
+                        (key(scene.units, "freezing.latent_heat", "J_per_kg"), latent(&material))
+                    }),
+                })
+            }),
+            Axis::Conductivity => scaled(PHYSICS, &|factor| {
+                let first = freezes.first()?;
+                Some(Column {
+                    value: Some(first.frozen.conductivity / first.unfrozen.conductivity * factor),
+                    overrides: changed(&freezes, factor, |material| {
+                        (key(scene.units, "frozen.conductivity", "W_per_m_K"), material.frozen.conductivity * factor)
+                    }),
+                })
+            }),
+            Axis::Capacity => scaled(PHYSICS, &|factor| {
+                let first = freezes.first()?;
+                Some(Column {
+                    value: Some(first.frozen.heat_capacity / first.unfrozen.heat_capacity * factor),
+                    overrides: changed(&freezes, factor, |material| {
+                        (key(scene.units, "frozen.heat_capacity", "J_per_kg_K"), material.frozen.heat_capacity * factor)
+                    }),
+                })
+            }),
+            Axis::Reach => scaled(REACH, &|factor| {
+                let (knob, own) = reach(settings)?;
+                let value = if factor == 1.0 { own } else { rounded(own * factor) };
+                let overrides = if factor == 1.0 { Vec::new() } else { vec![method_key(settings, knob, value)] };
+                Some(Column { value: Some(value), overrides })
+            }),
+            Axis::Disorder if kind.lattice_only || !scene.rings.is_empty() => Vec::new(),
+            Axis::Disorder => (0..count)
+                .map(|k| rounded(DISORDER * k as f64 / (count - 1).max(1) as f64))
+                .filter_map(|shift| disordered(settings, shift))
+                .collect(),
+            Axis::Noise => noise_levels(settings, count),
+            Axis::Stages if kind.stochastic => Vec::new(),
+            Axis::Stages => STAGES
+                .map(|stages| Column {
+                    value: Some(stages as f64),
+                    overrides: vec![
+                        (format!("method.{}.integrator", settings.method), "rkl2".into()),
+                        method_key(settings, "stages", stages as f64),
+                    ],
+                })
+                .collect(),
+        };
+        for column in &mut columns {
+            column.overrides.extend(quiet.clone());
+        }
+        columns
+    }
+
+    /// Away from its own axis noise is switched off: it does not change the operator, whose stability the maps show.
+    fn without_noise(self, settings: &MethodSettings) -> Option<Override> {
+        let noisy = settings.discretisation.fluctuation > 0.0;
+        (noisy && self != Axis::Noise && self != Axis::Own && has_knob(settings, "noise"))
+            .then(|| (format!("method.{}.noise", settings.method), "false".into()))
+    }
+}
+
+/// Factors from one over the span to the span, evenly in their logarithm; a single one is one.
+fn factors(span: f64, count: usize) -> Vec<f64> {
+    let half = (count / 2) as i32;
+    let factor = |k: i32| if k == 0 { 1.0 } else { span.powf(f64::from(k) / f64::from(half)) };
+    (-half..=half).map(factor).collect()
+}
+
+/// A number of two significant digits near another, as people write them.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
+}
+
+/// Numbers of overrides are written with four digits, so that a command can be read.
+fn written(value: f64) -> String {
+    let short: f64 = format!("{value:.3e}").parse().unwrap_or(value);
+    format!("{short}")
+}
+
+fn key(units: Units, name: &str, unit: &str) -> String {
+    if units == Units::Si { format!("{name}_{unit}") } else { name.into() }
+}
+
+fn method_key(settings: &MethodSettings, name: &str, value: f64) -> Override {
+    (format!("method.{}.{name}", settings.method), format!("{value}"))
+}
+
+/// One override for each material; none for the scene's own value, whose cells are then those of the other axes.
+fn changed(materials: &[&Material], factor: f64, key: impl Fn(&Material) -> (String, f64)) -> Vec<Override> {
+    if factor == 1.0 {
+        return Vec::new();
+    }
+    let one = |material: &&Material| {
+        let (name, value) = key(material);
+        (format!("materials.{}.{name}", material.name), written(value))
+    };
+    materials.iter().map(one).collect()
+}
+
+/// Heat that the frozen phase gives up between the freezing point and the coldest datum, over the latent heat; where
+/// nothing freezes, that of the unfrozen phase up to the warmest.
+pub fn stefan_number(scene: &Scene, material: &Material) -> Option<f64> {
+    let (low, high) = scene.temperature_range();
+    let sensible = if low < material.freezing_point {
+        material.frozen.heat_capacity * (material.freezing_point - low)
+    } else {
+        material.unfrozen.heat_capacity * (high - material.freezing_point)
+    };
+    (material.latent_heat > 0.0).then(|| sensible / material.latent_heat)
+}
+
+fn has_knob(settings: &MethodSettings, name: &str) -> bool {
+    settings.discretisation.knobs.iter().any(|(knob, _)| *knob == name)
+}
+
+/// A method's reach over its spacing: by convention the one setting of its own whose key ends in `_ratio`.
+fn reach(settings: &MethodSettings) -> Option<(&'static str, f64)> {
+    settings.discretisation.knobs.iter().find_map(|(knob, value)| match value {
+        Value::Number(value) if knob.ends_with("_ratio") => Some((*knob, *value)),
+        _ => None,
+    })
+}
+
+fn disordered(settings: &MethodSettings, shift: f64) -> Option<Column> {
+    let own = match settings.numerics.layout {
+        Layout::Lattice => 0.0,
+        Layout::Jittered { fraction } => fraction,
+        // Random places have no shift to scale.
+        Layout::Random => return None,
+    };
+    let set = |name: &str, value: String| (format!("method.{}.{name}", settings.method), value);
+    let overrides = match shift {
+        shift if shift == own => Vec::new(),
+        0.0 => vec![set("layout", "lattice".into())],
+        shift => vec![set("layout", "jittered".into()), set("jitter_fraction", format!("{shift}"))],
+    };
+    Some(Column { value: Some(shift), overrides })
+}
+
+/// No noise, then levels around the scene's own.
+fn noise_levels(settings: &MethodSettings, count: usize) -> Vec<Column> {
+    const CAPACITY: &str = "heat_capacity_dpd";
+    let own = settings.discretisation.fluctuation;
+    if own == 0.0 || !has_knob(settings, CAPACITY) || !has_knob(settings, "noise") {
+        return Vec::new();
+    }
+    let none =
+        Column { value: Some(0.0), overrides: vec![(format!("method.{}.noise", settings.method), "false".into())] };
+    let level = |factor: f64| {
+        let level = own * factor;
+        let capacity = method_key(settings, CAPACITY, 0.0).0;
+        let overrides = if factor == 1.0 { Vec::new() } else { vec![(capacity, written(1.0 / (level * level)))] };
+        Column { value: Some(level), overrides }
+    };
+    std::iter::once(none).chain(factors(NOISE, count).into_iter().map(level)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{load, registry};
+
+    fn columns(scene: &str, method: &str, axis: Axis) -> Vec<Column> {
+        let scene = load::scene(scene, &[]).unwrap_or_else(|failure| unreachable!("{failure}"));
+        let kind = registry::methods().iter().find(|kind| kind.name == method).expect("known");
+        axis.columns(&scene, kind, scene.method(method).expect("settings"), 5)
+    }
+
+    #[test]
+    fn every_column_is_a_scene_that_has_the_value() {
+        for bundled in frazil_cases::scenes::all() {
+            for kind in registry::methods() {
+                for (_, axis) in Axis::WORDS {
+                    for column in columns(bundled.name, kind.name, axis) {
+                        let scene = load::scene(bundled.name, &column.overrides);
+                        let scene = scene.unwrap_or_else(|failure| unreachable!("{failure}"));
+                        let settings = scene.method(kind.name).expect("settings");
+                        let material = &scene.materials[0];
+                        let (frozen, unfrozen) = (material.frozen, material.unfrozen);
+                        let found = match axis {
+                            Axis::Own => None,
+                            Axis::Stefan => stefan_number(&scene, material),
+                            Axis::Conductivity => Some(frozen.conductivity / unfrozen.conductivity),
+                            Axis::Capacity => Some(frozen.heat_capacity / unfrozen.heat_capacity),
+                            Axis::Reach => reach(settings).map(|reach| reach.1),
+                            Axis::Disorder => match settings.numerics.layout {
+                                Layout::Jittered { fraction } => Some(fraction),
+                                _ => Some(0.0),
+                            },
+                            Axis::Noise => Some(settings.discretisation.fluctuation),
+                            Axis::Stages => column.value,
+                        };
+                        let near = match (found, column.value) {
+                            // Four digits are written.
+                            (Some(found), Some(value)) => (found - value).abs() <= 1e-3 * value,
+                            (found, value) => found == value,
+                        };
+                        assert!(near, "{} {} {axis:?}: {found:?} {column:?}", bundled.name, kind.name);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_scenes_own_value_stands_in_the_middle_and_changes_nothing() {
+        for axis in [Axis::Stefan, Axis::Conductivity, Axis::Capacity, Axis::Reach] {
+            let all = columns("stefan-water", "pd", axis);
+            assert_eq!((all.len(), all[2].overrides.len()), (5, 0), "{axis:?}");
+            assert!(all.windows(2).all(|pair| pair[0].value < pair[1].value), "{axis:?}");
+        }
+        assert_eq!(columns("stefan-water", "edpd", Axis::Stefan)[2].overrides[0].1, "false");
+        assert_eq!(columns("stefan-water", "edpd", Axis::Noise)[3].overrides, []);
+    }
+
+    #[test]
+    fn an_axis_that_means_nothing_has_no_column() {
+        assert_eq!(columns("stefan-water", "local", Axis::Reach), []);
+        assert_eq!(columns("stefan-water", "local", Axis::Disorder), []);
+        assert_eq!(columns("frozen-wall-sand", "pd", Axis::Disorder), [], "pipes need a lattice");
+        assert_eq!(columns("stefan-water", "pd", Axis::Noise), []);
+        assert_eq!(columns("stefan-water", "edpd", Axis::Stages), []);
+        assert_eq!(columns("stefan-water", "sph", Axis::Stages).len(), 38);
+    }
+}

@@ -1,0 +1,80 @@
+//! A scene in words, as pages say it.
+
+use frazil_core::scene::{Condition, Domain, Scene, Series, Units};
+use frazil_plots::page::Fact;
+use frazil_plots::style::{length, number};
+
+/// A length (m) in words: with a unit where the scene has any.
+pub fn length_words(units: Units, value: f64) -> String {
+    if units == Units::Si { length(value) } else { number(value, 3) }
+}
+
+/// What a scene says, for a page.
+pub fn parameters(scene: &Scene) -> Vec<Fact> {
+    let si = scene.units == Units::Si;
+    let with = |value: f64, unit: &str| if si { format!("{} {unit}", number(value, 4)) } else { number(value, 4) };
+    let series = |series: &Series, unit: &str| match series {
+        Series::Constant(value) => with(*value, unit),
+        Series::Table(rows) => format!("a table of {} instants", rows.len()),
+        Series::Repeated { rows, .. } => format!("a repeated table of {} instants", rows.len()),
+    };
+    let domain = match scene.domain {
+        Domain::Line { length } => format!("line of {}", with(length, "m")),
+        Domain::Rectangle { width, height } => format!("{} by {}", with(width, "m"), with(height, "m")),
+        Domain::Ring { outer_radius, sector } => {
+            format!("{} of a disc of radius {}", sector.name(), with(outer_radius, "m"))
+        }
+    };
+    let mut facts = vec![
+        Fact::new("Body", domain),
+        Fact::new(
+            "Duration",
+            if si {
+                format!("{} {}", number(scene.duration / scene.time_unit.seconds(), 4), scene.time_unit.symbol())
+            } else {
+                number(scene.duration, 4)
+            },
+        ),
+        Fact::new("Temperature at the start", with(scene.initial_temperature, "°C")),
+    ];
+    for wall in &scene.walls {
+        let condition = match &wall.condition {
+            Condition::Symmetry => "mirror plane, no heat crosses".into(),
+            Condition::Temperature(value) => series(value, "°C"),
+            Condition::Flux(value) => format!("heat flux into the body: {}", series(value, "W/m²")),
+            Condition::Convection { coefficient, ambient } => {
+                format!("film coefficient {} to {}", series(coefficient, "W/m²K"), series(ambient, "°C"))
+            }
+            Condition::Exact => "temperature of the exact solution".into(),
+        };
+        facts.push(Fact::new(format!("Wall {}", wall.name), condition));
+    }
+    for ring in &scene.rings {
+        facts.push(Fact::new(
+            "Pipes",
+            format!(
+                "{} on a circle of radius {}, each of radius {}, at {}",
+                ring.count,
+                with(ring.ring_radius, "m"),
+                with(ring.pipe_radius, "m"),
+                series(&ring.temperature, "°C")
+            ),
+        ));
+    }
+    for material in &scene.materials {
+        facts.push(Fact::new(
+            format!("Material {}", material.name),
+            format!(
+                "frozen {}, {}; unfrozen {}, {}; density {}; freezes at {}; latent heat {}",
+                with(material.frozen.conductivity, "W/(m K)"),
+                with(material.frozen.heat_capacity, "J/(kg K)"),
+                with(material.unfrozen.conductivity, "W/(m K)"),
+                with(material.unfrozen.heat_capacity, "J/(kg K)"),
+                with(material.density, "kg/m³"),
+                with(material.freezing_point, "°C"),
+                with(material.latent_heat, "J/kg"),
+            ),
+        ));
+    }
+    facts
+}

@@ -82,7 +82,7 @@ impl Case {
     fn advance(&mut self, steps: u64) {
         for _ in 0..steps {
             let step = self.plan.step;
-            let clock = Clock { time: step * self.made as f64, step, index: self.made };
+            let clock = Clock { time: step * self.made as f64, step, index: self.made, turned: self.made == 0 };
             self.plan.method.advance(&mut self.plan.particles, &clock).expect("a step");
             self.made += 1;
         }

@@ -10,14 +10,14 @@ pub struct BundledScene {
 }
 
 macro_rules! bundled {
-    ($($name:literal),* $(,)?) => {
-        &[$(BundledScene { name: $name, text: include_str!(concat!("scenes/", $name, ".toml")) }),*]
+    ($folder:literal: $($name:literal),* $(,)?) => {
+        &[$(BundledScene { name: $name, text: include_str!(concat!($folder, "/", $name, ".toml")) }),*]
     };
 }
 
-/// All bundled scenes.
+/// The scenes of the papers, with references: what is compared.
 pub fn all() -> &'static [BundledScene] {
-    const ALL: &[BundledScene] = bundled![
+    const ALL: &[BundledScene] = bundled!["scenes":
         "stefan-water",
         "stefan-water-mushy",
         "stefan-unit",
@@ -32,7 +32,46 @@ pub fn all() -> &'static [BundledScene] {
     ALL
 }
 
-/// The bundled scene of this name.
+/// Scenes that drive physics and numerics to their edges; each says what must hold.
+pub fn extreme() -> &'static [BundledScene] {
+    const EXTREME: &[BundledScene] = bundled!["extreme":
+        "stefan-number-1e-3",
+        "stefan-number-1e-2",
+        "stefan-number-10",
+        "stefan-number-1e3",
+        "interval-of-a-microkelvin",
+        "no-latent-heat",
+        "at-the-freezing-point",
+        "conductivity-ratio-1e-4",
+        "conductivity-ratio-1e4",
+        "capacity-ratio-1e-3",
+        "properties-apart",
+        "largest-properties",
+        "smallest-properties",
+        "freeze-thaw-100",
+        "jump-of-1000-K",
+        "wall-ramp-1e5-K-per-s",
+        "film-from-0-to-1e12",
+        "a-million-steps",
+        "one-particle",
+        "two-particles",
+        "one-particle-wide",
+        "isolated-particles",
+        "disorder-10",
+        "disorder-30",
+        "disorder-50",
+        "random-cloud",
+        "reach-of-1.5",
+        "reach-of-8",
+        "hot-pipe",
+        "pipes-by-the-hour",
+        "insulated-disc",
+        "curved-wall-quench",
+    ];
+    EXTREME
+}
+
+/// The bundled scene of this name, of either group.
 pub fn find(name: &str) -> Option<&'static BundledScene> {
-    all().iter().find(|scene| scene.name == name)
+    all().iter().chain(extreme()).find(|scene| scene.name == name)
 }

@@ -83,6 +83,7 @@ fn shaft() -> Scene {
             first_angle: 0.0,
             pipe_radius: 0.054,
             temperature: Series::Constant(-20.0),
+            schedule: None,
         }],
         reference: ReferenceChoice::Auto,
         ..half_space(FreezingLaw::Isothermal)

@@ -5,18 +5,23 @@ use frazil_core::scene::Scene;
 use crate::failure::{Failure, Verdict, answer};
 use crate::registry;
 
-/// Prints the bundled scenes and the methods with their titles.
+/// Prints the bundled scenes by group, and the methods with their titles.
 pub fn list() -> Result<Verdict, Failure> {
     let kinds = registry::methods();
-    let scenes = frazil_cases::scenes::all();
-    let names = scenes.iter().map(|scene| scene.name).chain(kinds.iter().map(|kind| kind.name));
+    let groups = [("Scenes", frazil_cases::scenes::all()), ("Extreme scenes", frazil_cases::scenes::extreme())];
+    let names =
+        groups.iter().flat_map(|group| group.1).map(|scene| scene.name).chain(kinds.iter().map(|kind| kind.name));
     let width = names.map(str::len).max().unwrap_or(0);
-    let mut text = String::from("Scenes\n");
-    for bundled in scenes {
-        let scene = Scene::read(bundled.text, bundled.name, bundled.name, &[], kinds)?;
-        text.push_str(&format!("  {:width$}  {} ({})\n", bundled.name, scene.title, scene.source));
+    let mut text = String::new();
+    for (title, scenes) in groups {
+        text.push_str(&format!("{title}\n"));
+        for bundled in scenes {
+            let scene = Scene::read(bundled.text, bundled.name, bundled.name, &[], kinds)?;
+            text.push_str(&format!("  {:width$}  {} ({})\n", bundled.name, scene.title, scene.source));
+        }
+        text.push('\n');
     }
-    text.push_str("\nMethods\n");
+    text.push_str("Methods\n");
     for kind in kinds {
         let noise = if kind.stochastic { ", stochastic" } else { "" };
         text.push_str(&format!("  {:width$}  {}{noise}\n", kind.name, kind.title));

@@ -43,6 +43,7 @@ pub fn method(scene: &Scene, asked: Option<&str>) -> Result<&'static str, Failur
 fn unknown_scene(asked: &str) -> String {
     let mut near: Vec<(f64, &str)> = frazil_cases::scenes::all()
         .iter()
+        .chain(frazil_cases::scenes::extreme())
         .map(|scene| (strsim::jaro_winkler(asked, scene.name), scene.name))
         .filter(|(likeness, _)| *likeness > 0.75)
         .collect();

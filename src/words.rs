@@ -16,6 +16,7 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
     let series = |series: &Series, unit: &str| match series {
         Series::Constant(value) => with(*value, unit),
         Series::Table(rows) => format!("a table of {} instants", rows.len()),
+        Series::Repeated { rows, .. } => format!("a repeated table of {} instants", rows.len()),
     };
     let domain = match scene.domain {
         Domain::Line { length } => format!("line of {}", with(length, "m")),

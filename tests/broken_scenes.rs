@@ -6,6 +6,9 @@ use proptest::prelude::*;
 /// The bundled scenes and one bad scene of each kind of body that they lack.
 fn sources() -> Vec<&'static str> {
     let mut texts: Vec<&str> = frazil_cases::scenes::all().iter().map(|scene| scene.text).collect();
+    for name in ["freeze-thaw-100", "pipes-by-the-hour"] {
+        texts.extend(frazil_cases::scenes::find(name).map(|scene| scene.text));
+    }
     texts.push(include_str!("../cases/bad/region-outside.toml"));
     texts.push(include_str!("../cases/bad/pipes-overlap-between-rings.toml"));
     texts.push(include_str!("../cases/bad/spacing-does-not-divide-rectangle.toml"));

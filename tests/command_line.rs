@@ -35,6 +35,13 @@ fn bad_input_ends_with_2_says_why_and_writes_nothing() {
         &["compare"],
         &["compare", "stefan-water", "--settings", "worst"],
         &["compare", "stefan-water", "--budget-s", "nan"],
+        &["stability"],
+        &["stability", "stefan-watre"],
+        &["stability", "stefan-water", "--axes", "peclet"],
+        &["stability", "stefan-water", "--methods", "fem"],
+        &["stability", "stefan-water", "--methods", "local", "--axes", "noise"],
+        &["stability", "stefan-water", "--steps", "0"],
+        &["stability", "stefan-water", "--values", "4"],
     ] {
         let output = frazil(folder.path(), arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
@@ -72,7 +79,7 @@ fn an_unknown_scene_suggests_the_nearest() {
 fn list_shows_every_scene_and_method() {
     let output = frazil(Path::new("."), &["list"]);
     assert_eq!(output.status.code(), Some(0));
-    for scene in frazil_cases::scenes::all() {
+    for scene in frazil_cases::scenes::all().iter().chain(frazil_cases::scenes::extreme()) {
         assert!(text(&output.stdout).contains(&format!("  {} ", scene.name)));
     }
     for kind in frazil::registry::methods() {

@@ -16,6 +16,8 @@ use crate::sketch::{Sketch, advance, sand, water, without_noise};
 const SPACING: f64 = 0.1;
 const LINE: Domain = Domain::Line { length: 2.4 };
 const RECTANGLE: Domain = Domain::Rectangle { width: 0.9, height: 0.7 };
+/// A disc whose wall passes particles at all depths.
+const DISC: Domain = Domain::Ring { outer_radius: 0.93, sector: Sector::Half };
 const JITTERED: &str = "layout = \"jittered\"\njitter_fraction = 0.3";
 
 fn ring(sector: Sector) -> Domain {
@@ -383,7 +385,7 @@ enum Draw {
 #[test]
 fn temperatures_stay_within_the_data_at_the_bound_of_the_step() {
     for kind in methods() {
-        for domain in [LINE, RECTANGLE] {
+        for domain in [LINE, RECTANGLE, DISC] {
             // Explicit Euler promises it for the potential; means of conductivities make no such promise beside
             // walls and on clouds (they do leave the data there), nor does an apparent capacity that a step may leave.
             let promised = |variant: &Variant| variant.potential && variant.scheme == "enthalpy";
@@ -396,7 +398,8 @@ fn temperatures_stay_within_the_data_at_the_bound_of_the_step() {
                     sketch.initial_c = random.random_range(low..high);
                     let walls: &[&'static str] = match domain {
                         Domain::Line { .. } => &["left", "right"],
-                        _ => &["left", "right", "bottom", "top"],
+                        Domain::Rectangle { .. } => &["left", "right", "bottom", "top"],
+                        Domain::Ring { .. } => &["outer"],
                     };
                     for name in walls.iter().copied() {
                         let temperature: f64 = if random.random() { low } else { random.random_range(low..high) };
@@ -503,6 +506,31 @@ fn check_balance(sketch: &Sketch, kind: &'static MethodKind, name: &str) {
     assert!(balance.abs() <= 1e-12, "{name}: {balance:e}");
     let last = result.budget.last().expect("an output");
     assert!(last.in_j.iter().any(|heat| heat.abs() > 1e5), "{name}: no heat went in: {last:?}");
+}
+
+#[test]
+fn an_insulated_curved_wall_keeps_all_heat() {
+    for kind in methods() {
+        for numerics in ["", "search = \"tree\"", JITTERED, "mean = \"harmonic\""] {
+            if kind.lattice_only && numerics == JITTERED {
+                continue;
+            }
+            let mut plan = Sketch::new(DISC, SPACING).with(numerics).with(without_noise(kind)).plan(kind);
+            let mut random = StdRng::seed_from_u64(5);
+            let materials = plan.particles.materials.clone();
+            for (i, enthalpy) in plan.particles.enthalpy.iter_mut().enumerate() {
+                *enthalpy = materials.of(i).enthalpy(random.random_range(-20.0..20.0));
+            }
+            let sum = |plan: &Plan| plan.particles.enthalpy.iter().sum::<f64>();
+            let (before, start) = (sum(&plan), plan.particles.enthalpy.clone());
+            advance(&mut plan, 100);
+            let moved: f64 = plan.particles.enthalpy.iter().zip(&start).map(|(own, was)| (own - was).abs()).sum();
+            // Pairs cancel to the rounding of what a hundred steps moved.
+            let lost = (sum(&plan) - before).abs() / moved;
+            assert!(moved > 1e8 && lost < 1e-12, "{} {numerics}: {lost:e} of {moved:e}", kind.name);
+            assert!(plan.method.ledger().heat().iter().all(|heat| *heat == 0.0), "{} {numerics}", kind.name);
+        }
+    }
 }
 
 #[test]

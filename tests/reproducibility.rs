@@ -112,7 +112,7 @@ fn temperatures_fluctuate_as_equilibrium_wants() {
             let mut index = 0;
             let mut snapshot = || {
                 for _ in 0..between {
-                    let clock = Clock { time: plan.step * index as f64, step: plan.step, index };
+                    let clock = Clock { time: plan.step * index as f64, step: plan.step, index, turned: index == 0 };
                     plan.method.advance(&mut plan.particles, &clock).expect("a step");
                     index += 1;
                 }

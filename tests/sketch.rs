@@ -168,7 +168,7 @@ impl Sketch {
 /// Makes `count` steps of the length that was planned, from time zero.
 pub fn advance(plan: &mut Plan, count: u64) {
     for index in 0..count {
-        let clock = Clock { time: plan.step * index as f64, step: plan.step, index };
+        let clock = Clock { time: plan.step * index as f64, step: plan.step, index, turned: index == 0 };
         plan.method.advance(&mut plan.particles, &clock).expect("a step");
     }
     plan.method.publish(&mut plan.particles);

@@ -95,7 +95,7 @@ fn defaults(setting: Setting) -> Numerics {
 
 fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimension: usize) -> Discretisation {
     let ratio = section.number_or("cutoff_ratio", 3.92, Range::between(1.2, 8.0));
-    let capacity = section.number_or("heat_capacity_dpd", 1e5, Range::POSITIVE);
+    let capacity = section.number_or("heat_capacity_dpd", 1e5, Range::at_least(100.0));
     let noise = section.flag_or("noise", true);
     let paper = setting == Setting::Paper;
     let step = move |assembly: Assembly| -> Box<dyn Method> {

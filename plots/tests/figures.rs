@@ -32,6 +32,8 @@ fn record(title: &str, method: &str) -> Record {
         setup_cpu_s: 0.01,
         solve_wall_s: 1.0,
         solve_cpu_s: 1.0,
+        observation_wall_s: 0.0,
+        observation_cpu_s: 0.0,
         peak_memory_bytes: None,
         outcome: Outcome::Ok,
         cause: None,

@@ -107,6 +107,8 @@ fn blank(scene: &Scene, method: &str) -> Record {
         setup_cpu_s: 0.0,
         solve_wall_s: 0.0,
         solve_cpu_s: 0.0,
+        observation_wall_s: 0.0,
+        observation_cpu_s: 0.0,
         peak_memory_bytes: None,
         outcome: Outcome::Ok,
         cause: None,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use crate::potential::Curve;
+use crate::potential::{Curve, Thermal};
 use crate::reference::Reference;
 use crate::scene::{Condition, Domain, Scene, Sector, WallModel};
 
@@ -93,6 +93,54 @@ impl Face {
             Face::Film { coefficient, ambient } => {
                 1.0 + 2.0 * depth * curve.film_slope(image + initial_potential, depth, coefficient, ambient)
             }
+        }
+    }
+
+    /// Heat flux (W/m2) into the body by the linear profile through the wall and a particle of this potential (W/m,
+    /// relative) at a depth (m).
+    #[inline]
+    pub fn flux(&self, potential: f64, depth: f64, thermal: &Thermal) -> f64 {
+        match *self {
+            Face::Even => 0.0,
+            Face::Odd { wall, .. } | Face::Held { wall, .. } => (wall - potential) / depth,
+            Face::Flux(flux) => flux,
+            Face::Film { coefficient, ambient } => {
+                thermal.curve.film_flux(potential + thermal.initial_potential, depth, coefficient, ambient)
+            }
+        }
+    }
+
+    /// How the flux follows the potential (1/m).
+    pub fn flux_slope(&self, potential: f64, depth: f64, thermal: &Thermal) -> f64 {
+        match *self {
+            Face::Even | Face::Flux(_) => 0.0,
+            Face::Odd { .. } | Face::Held { .. } => -1.0 / depth,
+            Face::Film { coefficient, ambient } => {
+                thermal.curve.film_slope(potential + thermal.initial_potential, depth, coefficient, ambient)
+            }
+        }
+    }
+
+    /// The same where a particle of this temperature conducts by its own conductivity (W/mK).
+    #[inline]
+    pub fn flux_by_temperature(&self, inside: f64, conductivity: f64, depth: f64) -> f64 {
+        match *self {
+            Face::Even => 0.0,
+            Face::Odd { temperature, .. } | Face::Held { temperature, .. } => {
+                conductivity * (temperature - inside) / depth
+            }
+            Face::Flux(flux) => flux,
+            Face::Film { coefficient, ambient } => {
+                coefficient / (1.0 + coefficient * depth / conductivity) * (ambient - inside)
+            }
+        }
+    }
+
+    /// One where the flux falls with the potential inside, zero where it does not.
+    pub fn holds(&self) -> f64 {
+        match self {
+            Face::Even | Face::Flux(_) => 0.0,
+            Face::Odd { .. } | Face::Held { .. } | Face::Film { .. } => 1.0,
         }
     }
 

@@ -1,4 +1,4 @@
-//! Ghost particles around a cloud: mirrors of particles at straight walls, moving least squares at curved ones.
+//! Ghost particles around a cloud: mirrors of particles at straight walls, or moving least squares.
 
 use glam::DVec2;
 
@@ -38,25 +38,6 @@ impl Ghosts {
     pub fn new(points: &[DVec2], lattice: &Lattice, boundary: &Boundary, reach: f64, fitted: bool) -> Self {
         let mut ghosts = Ghosts { starts: vec![0], ..Ghosts::default() };
         let reach = reach * (1.0 + 1e-9);
-        let mirrors = (boundary.sides[0] == Side::Mirror, boundary.sides[2] == Side::Mirror);
-        if let Some((door, radius)) = boundary.curved {
-            let across = (reach / lattice.spacing).ceil() as i64 + 1;
-            let cells = (-across..lattice.rows as i64 + across)
-                .flat_map(|row| (-across..lattice.columns as i64 + across).map(move |column| (column, row)));
-            let places = cells.map(|(column, row)| lattice.centre(column, row)).filter(|place| {
-                (!mirrors.0 || place.x > 0.0)
-                    && (!mirrors.1 || place.y > 0.0)
-                    && place.length() > radius * (1.0 + 1e-9)
-                    && place.length() < radius + reach + lattice.spacing
-            });
-            let targets: Vec<(DVec2, DVec2, f64)> = places
-                .map(|place| {
-                    let depth = place.length() - radius;
-                    (place, place * ((radius - depth) / place.length()), depth)
-                })
-                .collect();
-            ghosts.fit(points, lattice, &targets, door, mirrors);
-        }
         let extent = lattice.spacing * DVec2::new(lattice.columns as f64, lattice.rows as f64);
         let sides: [(usize, DVec2, f64); 4] = [
             (0, DVec2::NEG_X, -lattice.corner.x),
@@ -165,52 +146,34 @@ impl Ghosts {
                     (place, place - 2.0 * depth * *normal, depth)
                 })
                 .collect();
-            self.fit(points, lattice, &targets, door, (false, false));
+            self.fit(points, lattice, &targets, door);
         }
     }
 
     /// Adds ghosts at `targets` (place, image, depth) with images fitted to nearby particles.
-    fn fit(
-        &mut self,
-        points: &[DVec2],
-        lattice: &Lattice,
-        targets: &[(DVec2, DVec2, f64)],
-        door: usize,
-        mirrors: (bool, bool),
-    ) {
-        // Particles near a mirror plane see their own images: the same particle at its mirrored place.
-        let mut places = points.to_vec();
-        let mut owner: Vec<u32> = (0..points.len() as u32).collect();
+    fn fit(&mut self, points: &[DVec2], lattice: &Lattice, targets: &[(DVec2, DVec2, f64)], door: usize) {
         let range = FIT_RANGE * lattice.spacing;
-        for (axis, mirrored) in [(DVec2::X, mirrors.0), (DVec2::Y, mirrors.1)] {
-            for k in 0..if mirrored { places.len() } else { 0 } {
-                if places[k].dot(axis) < range {
-                    places.push(places[k] - 2.0 * places[k].dot(axis) * axis);
-                    owner.push(owner[k]);
-                }
-            }
-        }
         let offset = targets.len();
         let mut all: Vec<DVec2> = targets.iter().map(|target| target.1).collect();
-        all.extend_from_slice(&places);
+        all.extend_from_slice(points);
         let near = Tree.neighbours(&all, offset, range, Period::NONE);
         for (k, (place, image, depth)) in targets.iter().enumerate() {
             let found: Vec<usize> =
                 near.of(k).iter().filter(|j| **j as usize >= offset).map(|j| *j as usize - offset).collect();
             let Some(first) = found.iter().copied().min_by(|a, b| {
-                (places[*a] - *image).length_squared().total_cmp(&(places[*b] - *image).length_squared())
+                (points[*a] - *image).length_squared().total_cmp(&(points[*b] - *image).length_squared())
             }) else {
                 continue;
             };
-            let neighbours: Vec<DVec2> = found.iter().map(|j| places[*j]).collect();
+            let neighbours: Vec<DVec2> = found.iter().map(|j| points[*j]).collect();
             let weights = moving_least_squares(*image, &neighbours, FIT_SCALE * lattice.spacing, lattice.dimension);
             let number = (points.len() + self.position.len()) as u32;
-            self.images.extend(found.iter().zip(weights).map(|(j, weight)| (owner[*j], weight)));
+            self.images.extend(found.iter().zip(weights).map(|(j, weight)| (*j as u32, weight)));
             self.position.push(*place);
             self.door.push(Some(door as u8));
             self.pays.push(Some(door as u8));
             self.depth.push(*depth);
-            self.model.push(owner[first]);
+            self.model.push(first as u32);
             self.identity.push(number);
             self.stream.push(0);
             self.starts.push(self.images.len() as u32);
@@ -245,8 +208,7 @@ impl Ghosts {
         self.position.is_empty()
     }
 
-    /// Largest addition that ghosts make to the row sum of a particle, given the weights to ghosts: for each
-    /// particle, `sum over ghosts of weight * share of the particle in the ghost`.
+    /// How strongly a fitted ghost falls when a particle rises, by the particle's share in the fit.
     pub fn own_share(&self, ghost: usize, particle: u32, faces: &[Face]) -> f64 {
         let stiffness = self.door[ghost].map_or(-1.0, |door| faces[door as usize].stiffness());
         let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];

@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
-use glam::DVec2;
 use rayon::ThreadPool;
 
-use crate::boundary::{Boundary, Face, Side, moving_least_squares};
+use crate::boundary::{Boundary, Face, Side};
 use crate::corner::{CornerPair, lattice_pairs};
-use crate::ghosts::{FIT_RANGE, FIT_SCALE};
+use crate::curved_wall::{Contacts, Neighbourhood};
 use crate::lattice::Lattice;
 use crate::ledger::Sum;
 use crate::method::Bound;
@@ -40,31 +39,21 @@ pub struct LatticeParts {
     pub pool: Option<Arc<ThreadPool>>,
 }
 
-/// Ghosts behind a curved wall.
+/// What lies behind a curved wall.
 #[derive(Debug, Clone, Default)]
 struct Exterior {
-    /// Value of each ghost at the current instant.
-    values: Vec<f64>,
-    /// Depth of each ghost behind the wall (m).
-    depths: Vec<f64>,
-    /// Start of each ghost's image weights, and their end.
-    starts: Vec<u32>,
-    /// Particles and weights of the images.
-    images: Vec<(u32, f64)>,
-    /// Ghosts of each padded row: column + reach, ghost.
-    rows: Vec<Vec<(u32, u32)>>,
-    /// Sum over particles of the weight with which each ghost acts.
-    ghost_weights: Vec<f64>,
-    /// Particles that reach ghosts, with the sum of those weights.
-    near_wall: Vec<(u32, f64)>,
-    /// Largest addition of ghosts to the row sum of a particle that they image.
-    stiffness: f64,
+    /// Cells behind the wall that pairs reach, by padded row: column + reach. They hold zero.
+    rows: Vec<Vec<u32>>,
+    /// Particles whose pairs the wall cuts.
+    contacts: Contacts,
+    /// What each of them gains at the current instant, and what the sweep takes from it for the cut pairs (W/m3).
+    gains: Vec<(f64, f64)>,
 }
 
-/// How the ghosts of walls with a film follow their images, by place along the wall and layer; empty for the other
-/// walls, whose ghosts all follow alike.
+/// How small changes meet the walls: the ghosts of straight walls with a film follow their images by place along the wall
+/// and layer (those of other straight walls all follow alike), the gains at a curved wall follow what is seen of it.
 #[derive(Debug, Clone, Default)]
-struct FilmSlopes {
+struct WallSlopes {
     by_side: [Vec<f64>; 4],
     curved: Vec<f64>,
 }
@@ -80,7 +69,7 @@ struct Around<L> {
     open: [bool; 4],
     faces: Vec<Face>,
     /// Instead of faces, where potentials are small changes.
-    slopes: Option<FilmSlopes>,
+    slopes: Option<WallSlopes>,
     exterior: Option<Exterior>,
     /// Weight with which all particles of a row together reach the ghosts of a column wall: by row offset and layer.
     door_weights: Vec<f64>,
@@ -154,8 +143,8 @@ impl<L: PotentialLaw> Around<L> {
     fn exterior_row(&self, row: i64, potentials: &mut [f64]) {
         if let Some(exterior) = &self.exterior {
             let row = (row + self.shape.reach_rows as i64) as usize;
-            for (column, ghost) in &exterior.rows[row] {
-                potentials[*column as usize] = exterior.values[*ghost as usize];
+            for column in &exterior.rows[row] {
+                potentials[*column as usize] = 0.0;
             }
         }
     }
@@ -259,6 +248,8 @@ pub struct LatticeOperator<L> {
     bound: Bound,
     /// The same operator for small changes of potentials, once it was asked for.
     tangent: Option<Box<LatticeOperator<Identity>>>,
+    /// Time (s) of the last linearisation.
+    linear_time: f64,
 }
 
 impl<L: PotentialLaw> LatticeOperator<L> {
@@ -321,6 +312,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             pool,
             bound,
             tangent: None,
+            linear_time: 0.0,
         }
     }
 
@@ -340,7 +332,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
                 sides: around.sides,
                 open: [false; 4],
                 faces: around.faces.iter().map(Face::homogeneous).collect(),
-                slopes: Some(FilmSlopes::default()),
+                slopes: Some(WallSlopes::default()),
                 exterior: around.exterior.clone(),
                 door_weights: around.door_weights.clone(),
                 door_own: around.door_own.clone(),
@@ -358,18 +350,19 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             pool: self.pool.clone(),
             bound: self.bound.clone(),
             tangent: None,
+            linear_time: 0.0,
         }
     }
 
-    /// How ghosts of walls with a film follow their images at a state.
-    fn film_slopes(&self, enthalpy: &[f64]) -> FilmSlopes {
+    /// How small changes around a state meet the walls.
+    fn wall_slopes(&self, enthalpy: &[f64]) -> WallSlopes {
         let around = &self.around;
         let Shape { reach, width, .. } = around.shape;
         let (columns, rows) = (around.lattice.columns, around.lattice.rows);
         let slope = |face: &Face, image: f64, depth: f64| {
             face.ghost_slope(image, depth, &around.thermal.curve, around.thermal.initial_potential)
         };
-        let mut slopes = FilmSlopes::default();
+        let mut slopes = WallSlopes::default();
         let mut row_buffer = vec![0.0; width];
         for side in 0..4 {
             let face = around.face(side);
@@ -397,10 +390,11 @@ impl<L: PotentialLaw> LatticeOperator<L> {
                 }
             }
         }
-        if let (Some(exterior), Some((door, _))) = (&around.exterior, self.boundary.curved)
-            && matches!(around.faces[door], Face::Film { .. })
-        {
-            slopes.curved = exterior.slopes(&around.law, enthalpy, &around.faces[door], &around.thermal);
+        if let (Some(exterior), Some((door, _))) = (&around.exterior, self.boundary.curved) {
+            let (face, thermal) = (&around.faces[door], &around.thermal);
+            let slope =
+                |particle: usize, depth: f64| face.flux_slope(around.law.potential(enthalpy[particle]), depth, thermal);
+            exterior.contacts.slopes(slope, &mut slopes.curved);
         }
         slopes
     }
@@ -417,7 +411,8 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             if sink.temperature.changes() {
                 *potential = thermal.potential_at(sink.temperature.at(time));
             }
-            *heat = sink.heat(|index| around.law.potential(enthalpy[index]), *potential);
+            let working = sink.works(time);
+            *heat = if working { sink.heat(|index| around.law.potential(enthalpy[index]), *potential) } else { 0.0 };
         }
         let around = &self.around;
         for (pair, rate) in self.corners.iter().zip(&mut self.corner_rates) {
@@ -504,6 +499,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         }
         self.sink(rate, 1.0);
         self.strengthen(rate, 1.0);
+        self.contact(rate, 1.0);
     }
 
     /// The sweep of the rates over several bands.
@@ -521,7 +517,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
     }
 
     /// Heat in through every door (W), from what the sweep and the preparation left.
-    fn book(&self, enthalpy_was: &[f64], doors: &mut [f64]) {
+    fn book(&self, doors: &mut [f64]) {
         let volume = self.around.lattice.volume();
         doors.fill(0.0);
         for side in (0..4).filter(|side| self.around.open[*side]) {
@@ -529,10 +525,8 @@ impl<L: PotentialLaw> LatticeOperator<L> {
                 doors[door] += volume * self.row_doors.iter().map(|rates| rates[side]).collect::<Sum>().value();
             }
         }
-        if let (Some(exterior), Some((door, _))) = (&self.around.exterior, self.boundary.curved)
-            && self.boundary.doors[door].lets_heat_through()
-        {
-            doors[door] = volume * exterior.heat(&self.around.law, enthalpy_was);
+        if let (Some(exterior), Some((door, _))) = (&self.around.exterior, self.boundary.curved) {
+            doors[door] = volume * exterior.heat();
         }
         let walls = self.boundary.doors.len();
         for (sink, heat) in self.sinks.iter().zip(&self.sink_heat) {
@@ -545,6 +539,13 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         for (pair, rate) in self.corners.iter().zip(&self.corner_rates) {
             rates[pair.first as usize] += scale * rate;
             rates[pair.second as usize] -= scale * rate;
+        }
+    }
+
+    /// Adds what a curved wall gives to `rates`, scaled.
+    fn contact(&self, rates: &mut [f64], scale: f64) {
+        if let Some(exterior) = &self.around.exterior {
+            exterior.add(rates, scale);
         }
     }
 
@@ -563,7 +564,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
 impl<L: PotentialLaw> Operator for LatticeOperator<L> {
     fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], doors: &mut [f64]) {
         self.rates(enthalpy, time, rate);
-        self.book(enthalpy, doors);
+        self.book(doors);
     }
 
     fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64, doors: &mut [f64]) {
@@ -576,8 +577,10 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         }
         self.sink(columns.oldest, stage.rate);
         self.strengthen(columns.oldest, stage.rate);
-        self.book(columns.newest, doors);
+        self.contact(columns.oldest, stage.rate);
+        self.book(doors);
     }
+
     fn linearise(&mut self, enthalpy: &[f64], time: f64, slopes: &mut [f64]) {
         let around = &mut self.around;
         let thermal = &around.thermal;
@@ -585,30 +588,32 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         for (slope, enthalpy) in slopes.iter_mut().zip(enthalpy) {
             *slope = around.law.slope(*enthalpy);
         }
-        let film_slopes = self.film_slopes(enthalpy);
+        self.linear_time = time;
+        let wall_slopes = self.wall_slopes(enthalpy);
         let mut tangent = self.tangent.take().unwrap_or_else(|| Box::new(self.tangent()));
         for (linear, face) in tangent.around.faces.iter_mut().zip(&self.around.faces) {
             *linear = face.homogeneous();
         }
-        tangent.around.slopes = Some(film_slopes);
+        tangent.around.slopes = Some(wall_slopes);
         self.tangent = Some(tangent);
     }
 
     fn act(&mut self, potentials: &[f64], rate: &mut [f64]) {
         match &mut self.tangent {
-            Some(tangent) => tangent.rates(potentials, 0.0, rate),
-            None => self.rates(potentials, 0.0, rate),
+            Some(tangent) => tangent.rates(potentials, self.linear_time, rate),
+            None => rate.fill(0.0),
         }
     }
 
     fn is_symmetric(&self) -> bool {
-        // Images at curved walls are fitted, and behind a film deeper ghosts follow less.
+        // Particles see a curved wall through others, and behind a film deeper ghosts follow less.
         let film = |side: usize| matches!(self.around.face(side), Face::Film { .. });
-        self.around.exterior.is_none() && (self.around.shape.reach == 1 || !(0..4).any(film))
+        let curved = self.boundary.curved.is_some_and(|(door, _)| self.around.faces[door].holds() > 0.0);
+        !curved && (self.around.shape.reach == 1 || !(0..4).any(film))
     }
 
     fn is_constant(&self) -> bool {
-        self.boundary.is_linear()
+        self.boundary.is_linear() && self.sinks.iter().all(|sink| sink.schedule.is_none())
     }
 
     fn bandwidth(&self) -> usize {
@@ -623,11 +628,6 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
 
     fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, doors: &mut [f64]) {
         self.prepare(enthalpy, time);
-        if self.around.exterior.is_some() {
-            // The curved wall's heat needs the state before the step.
-            self.book(enthalpy, doors);
-        }
-        let curved = self.boundary.curved.map(|(door, _)| (door, doors[door]));
         if let [_] = self.bands.as_slice() {
             self.sweep(&mut [InPlace { enthalpy, step }]);
         } else {
@@ -643,10 +643,8 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         }
         self.sink(enthalpy, step);
         self.strengthen(enthalpy, step);
-        match curved {
-            Some((door, heat)) => doors[door] = heat,
-            None => self.book(enthalpy, doors),
-        }
+        self.contact(enthalpy, step);
+        self.book(doors);
     }
 
     fn steepest(&self) -> Vec<f64> {
@@ -719,11 +717,13 @@ fn bound(
             .collect();
         cause = format!("pair exchange of the particles at wall `{}`", stiff.join("` and `"));
     }
-    if let Some(exterior) = exterior
-        && sum + exterior.stiffness > largest
-    {
-        largest = sum + exterior.stiffness;
-        cause = "pair exchange of the particles at the curved wall".to_string();
+    if let (Some(exterior), Some((door, _))) = (exterior, boundary.curved) {
+        let contacts = exterior.contacts.contacts.iter();
+        let added = contacts.map(|contact| faces[door].holds() * contact.stiffness - contact.cut).fold(0.0, f64::max);
+        if sum + added > largest {
+            largest = sum + added;
+            cause = "pair exchange of the particles at the curved wall".to_string();
+        }
     }
     for sink in sinks {
         for (index, row_sum) in sink.row_sums(lattice.spacing) {
@@ -749,24 +749,21 @@ impl Exterior {
                 if mirror(2) && row < 0 { -1 - row } else { row },
             )
         };
-        let mut exterior = Exterior {
-            rows: vec![Vec::new(); lattice.rows + 2 * shape.reach_rows],
-            starts: vec![0],
-            ..Exterior::default()
-        };
-        let mut numbers = std::collections::BTreeMap::new();
-        let mut reaches: Vec<(u32, u32, f64)> = Vec::new();
-        let reach = shape.reach as i64;
+        let (reach, reach_rows) = (shape.reach as i64, shape.reach_rows as i64);
+        let mut rows = vec![std::collections::BTreeSet::new(); lattice.rows + 2 * shape.reach_rows];
+        let mut contacts = Contacts::default();
+        let sum = stencil.sum();
+        let layers = boundary.curved.is_some_and(|(door, _)| boundary.doors[door].layers);
         for row in 0..lattice.rows {
             let (first, end) = lattice.span(row);
             for column in first as i64..end as i64 {
                 let row = row as i64;
-                let mut outside = 0.0;
-                // Deep inside every offset stays inside.
                 let depth = radius - lattice.centre(column, row).length();
+                // Deep inside every offset stays inside.
                 if depth > (reach as f64 + 1.5) * lattice.spacing * 1.5 {
                     continue;
                 }
+                let mut near = Neighbourhood::new(depth);
                 for (dx, dy, weight) in stencil.offsets() {
                     let (dx, dy) = (dx as i64, dy as i64);
                     for (sx, sy) in [(1, 1), (-1, 1), (1, -1), (-1, -1)] {
@@ -774,75 +771,23 @@ impl Exterior {
                             continue;
                         }
                         let cell = fold(column + sx * dx, row + sy * dy);
-                        if lattice.index(cell.0, cell.1).is_none() {
-                            outside += weight;
-                            let next = numbers.len();
-                            let number = *numbers.entry(cell).or_insert(next);
-                            if number == exterior.ghost_weights.len() {
-                                exterior.ghost_weights.push(0.0);
-                            }
-                            exterior.ghost_weights[number] += weight;
-                            if let Some(index) = lattice.index(column, row) {
-                                reaches.push((index as u32, number as u32, weight));
+                        let depth = radius - lattice.centre(cell.0, cell.1).length();
+                        match lattice.index(cell.0, cell.1) {
+                            Some(index) => near.pair(index as u32, weight, depth),
+                            None => {
+                                near.cut(weight, if layers { 0.0 } else { -depth });
+                                rows[(cell.1 + reach_rows) as usize].insert((cell.0 + reach) as u32);
                             }
                         }
                     }
                 }
-                if outside > 0.0
-                    && let Some(index) = lattice.index(column, row)
-                {
-                    exterior.near_wall.push((index as u32, outside));
+                if let Some(index) = lattice.index(column, row) {
+                    contacts.add(index as u32, &near, sum);
                 }
             }
         }
-        let mut cells: Vec<((i64, i64), usize)> = numbers.into_iter().collect();
-        cells.sort_unstable_by_key(|cell| cell.1);
-        for ((column, row), number) in cells {
-            let place = lattice.centre(column, row);
-            let depth = (place.length() - radius).max(0.0);
-            let image = place * ((radius - depth) / place.length());
-            exterior.depths.push(depth);
-            exterior.rows[(row + shape.reach_rows as i64) as usize].push(((column + reach) as u32, number as u32));
-            let near = lattice.to_cells(image).round();
-            let mut points: Vec<(usize, DVec2)> = Vec::new();
-            // The rounded image is at most half a cell off, so the box holds the disc of the fit.
-            let across = (FIT_RANGE + 0.5).ceil() as i64;
-            for dy in -across..=across {
-                for dx in -across..=across {
-                    let cell = (near.x as i64 + dx, near.y as i64 + dy);
-                    let folded = fold(cell.0, cell.1);
-                    let centre = lattice.centre(cell.0, cell.1);
-                    if let Some(index) = lattice.index(folded.0, folded.1)
-                        && (centre - image).length() <= FIT_RANGE * lattice.spacing
-                    {
-                        points.push((index, centre));
-                    }
-                }
-            }
-            let places: Vec<DVec2> = points.iter().map(|point| point.1).collect();
-            let weights = moving_least_squares(image, &places, FIT_SCALE * lattice.spacing, 2);
-            for ((index, _), weight) in points.iter().zip(weights) {
-                exterior.images.push((*index as u32, weight));
-            }
-            exterior.starts.push(exterior.images.len() as u32);
-        }
-        exterior.values = vec![0.0; exterior.depths.len()];
-        // What a particle finds of itself in the ghosts that it reaches, ghosts falling as their images rise.
-        let (mut last, mut own) = (u32::MAX, 0.0);
-        for (index, ghost, weight) in reaches {
-            own = if index == last { own } else { 0.0 };
-            last = index;
-            let images = exterior.starts[ghost as usize] as usize..exterior.starts[ghost as usize + 1] as usize;
-            let share = exterior.images[images].iter().filter(|image| image.0 == index).map(|image| image.1);
-            own += weight * share.sum::<f64>();
-            exterior.stiffness = exterior.stiffness.max(own);
-        }
-        exterior
-    }
-
-    fn image<L: PotentialLaw>(&self, ghost: usize, law: &L, enthalpy: &[f64]) -> f64 {
-        let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
-        images.iter().map(|(index, weight)| weight * law.potential(enthalpy[*index as usize])).sum()
+        let rows = rows.into_iter().map(|row| row.into_iter().collect()).collect();
+        Exterior { rows, gains: vec![(0.0, 0.0); contacts.contacts.len()], contacts }
     }
 
     fn update<L: PotentialLaw>(
@@ -851,32 +796,30 @@ impl Exterior {
         enthalpy: &[f64],
         face: &Face,
         thermal: &Thermal,
-        slopes: Option<&FilmSlopes>,
+        slopes: Option<&WallSlopes>,
     ) {
-        for ghost in 0..self.values.len() {
-            let image = self.image(ghost, law, enthalpy);
-            self.values[ghost] = match (slopes, face) {
-                (Some(slopes), Face::Film { .. }) => slopes.curved[ghost] * image,
-                _ => face.ghost(image, self.depths[ghost], &thermal.curve, thermal.initial_potential),
+        let potential = |particle: usize| law.potential(enthalpy[particle]);
+        for (contact, gain) in self.contacts.contacts.iter().zip(&mut self.gains) {
+            let given = match slopes {
+                Some(slopes) => self.contacts.change(contact, &slopes.curved, potential),
+                None => {
+                    let flux = |particle: usize, depth: f64| face.flux(potential(particle), depth, thermal);
+                    self.contacts.gain(contact, flux)
+                }
             };
+            *gain = (given, contact.cut * potential(contact.particle as usize));
         }
     }
 
-    /// How each ghost follows its image.
-    fn slopes<L: PotentialLaw>(&self, law: &L, enthalpy: &[f64], face: &Face, thermal: &Thermal) -> Vec<f64> {
-        (0..self.values.len())
-            .map(|ghost| {
-                let image = self.image(ghost, law, enthalpy);
-                face.ghost_slope(image, self.depths[ghost], &thermal.curve, thermal.initial_potential)
-            })
-            .collect()
+    /// Adds what the wall gives to `rates`, scaled, and gives back what the sweep took for the cut pairs.
+    fn add(&self, rates: &mut [f64], scale: f64) {
+        for (contact, (gain, taken)) in self.contacts.contacts.iter().zip(&self.gains) {
+            rates[contact.particle as usize] += scale * (gain + taken);
+        }
     }
 
     /// Heat rate in through the wall, by volume of a particle.
-    fn heat<L: PotentialLaw>(&self, law: &L, enthalpy: &[f64]) -> f64 {
-        let ghosts: Sum = self.values.iter().zip(&self.ghost_weights).map(|(value, weight)| value * weight).collect();
-        let inside: Sum =
-            self.near_wall.iter().map(|(index, weight)| weight * law.potential(enthalpy[*index as usize])).collect();
-        ghosts.value() - inside.value()
+    fn heat(&self) -> f64 {
+        self.gains.iter().map(|gain| gain.0).collect::<Sum>().value()
     }
 }

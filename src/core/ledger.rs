@@ -33,6 +33,46 @@ impl FromIterator<f64> for Sum {
     }
 }
 
+/// Weights of the cubic through the states at both ends of a step, and the changes that the rates there would make over
+/// the whole step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hermite {
+    /// Of the state at the start.
+    pub start: f64,
+    /// Of the state at the end.
+    pub end: f64,
+    /// Of the rate at the start, times the step.
+    pub first: f64,
+    /// Of the rate at the end, times the step.
+    pub last: f64,
+}
+
+impl Hermite {
+    /// The weights at a share of the step, 0 to 1.
+    pub fn at(share: f64) -> Self {
+        let rest = 1.0 - share;
+        let start = rest * rest * (1.0 + 2.0 * share);
+        Hermite { start, end: 1.0 - start, first: share * rest * rest, last: -share * share * rest }
+    }
+
+    /// Their derivatives by the share.
+    pub fn slope_at(share: f64) -> Self {
+        let rest = 1.0 - share;
+        let end = 6.0 * share * rest;
+        Hermite { start: -end, end, first: rest * (1.0 - 3.0 * share), last: share * (3.0 * share - 2.0) }
+    }
+
+    /// The column between two states.
+    pub fn fill(&self, out: &mut [f64], states: (&[f64], &[f64]), rates: (&[f64], &[f64]), step: f64) {
+        let (first, last) = (step * self.first, step * self.last);
+        let states = states.0.iter().zip(states.1);
+        let rates = rates.0.iter().zip(rates.1);
+        for (out, ((start, end), (at_start, at_end))) in out.iter_mut().zip(states.zip(rates)) {
+            *out = self.start * start + self.end * end + first * at_start + last * at_end;
+        }
+    }
+}
+
 /// Heat in through each door (J per metre of each missing dimension).
 #[derive(Debug, Clone, Default)]
 pub struct Ledger {
@@ -53,6 +93,22 @@ impl Ledger {
     pub fn book(&mut self, door: usize, heat: f64, step: f64) {
         self.heat[door].add(heat);
         self.rate[door] = heat / step;
+    }
+
+    /// The ledger at `share` of the last step, which brought `heat` (J) over `step` seconds at rates (W) that went from
+    /// `first` to `last`: the cubic through all of them.
+    pub fn between(&self, share: f64, step: f64, heat: &[f64], first: &[f64], last: &[f64]) -> Ledger {
+        let cubic = Hermite::at(share);
+        let slope = Hermite::slope_at(share);
+        let mut ledger = self.clone();
+        for door in 0..self.names.len() {
+            let (first, last) = (step * first[door], step * last[door]);
+            // Counted from the end of the step, to which the ledger has come.
+            let since = cubic.first * first + cubic.last * last - cubic.start * heat[door];
+            ledger.heat[door].add(since);
+            ledger.rate[door] = (slope.first * first + slope.last * last - slope.start * heat[door]) / step;
+        }
+        ledger
     }
 
     /// Names of the doors.

@@ -7,6 +7,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 
 use crate::boundary::{Boundary, Face};
+use crate::curved_wall::Contacts;
 use crate::ghosts::Ghosts;
 use crate::ledger::Sum;
 use crate::method::{Bound, Clock};
@@ -87,6 +88,8 @@ pub struct ListParts {
     pub ghosts: Ghosts,
     /// Walls.
     pub boundary: Boundary,
+    /// Contacts with the curved wall.
+    pub contacts: Contacts,
     /// Pipes.
     pub sinks: Vec<Sink>,
     /// Names of pipe rings.
@@ -180,18 +183,44 @@ impl<T: PairTerm> ListOperator<T> {
                 self.exchange(&|o, i, j| o.by_mean(i, j, |a, b| (a * b).sqrt()), rate, doors);
             }
         }
+        self.contact(rate, doors);
         let parts = &self.parts;
         let walls = parts.boundary.doors.len();
         for (sink, heat) in parts.sinks.iter().zip(&mut self.sink_heat) {
             let material = parts.materials.of(sink.sample.first().map_or(0, |entry| entry.0 as usize));
             let wall = material.potential_at(sink.temperature.at(clock.time));
-            *heat = sink.heat(|index| self.fields.potential[index], wall);
+            let working = sink.works(clock.time);
+            *heat = if working { sink.heat(|index| self.fields.potential[index], wall) } else { 0.0 };
             let taken = *heat * sink.share;
             for (index, weight) in &sink.sample {
                 rate[*index as usize] -= taken * weight / parts.volume;
             }
             doors[walls + sink.ring] -= taken;
         }
+    }
+
+    /// Adds what the curved wall gives.
+    fn contact(&self, rate: &mut [f64], doors: &mut [f64]) {
+        let Some((door, _)) = self.parts.boundary.curved else { return };
+        let (materials, fields) = (&self.parts.materials, &self.fields);
+        let by_potential = |particle: usize, depth: f64| {
+            let material = materials.index(particle);
+            self.faces[material][door].flux(fields.potential[particle], depth, &materials.thermals[material])
+        };
+        let by_temperature = |particle: usize, depth: f64| {
+            let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
+            self.faces[0][door].flux_by_temperature(temperature, conductivity, depth)
+        };
+        let mut sum = Sum::default();
+        for contact in &self.parts.contacts.contacts {
+            let gain = match self.parts.exchange {
+                Exchange::Potential => self.parts.contacts.gain(contact, by_potential),
+                Exchange::Mean(_) => self.parts.contacts.gain(contact, by_temperature),
+            };
+            rate[contact.particle as usize] += gain;
+            sum.add(gain);
+        }
+        doors[door] = sum.value() * self.parts.volume;
     }
 
     #[inline(always)]
@@ -292,6 +321,16 @@ impl<T: PairTerm> ListOperator<T> {
         for (i, (slope, enthalpy)) in slopes.iter_mut().zip(enthalpy).enumerate() {
             *slope = parts.materials.of(i).law.slope(*enthalpy);
         }
+        tangent.time = time;
+        if let Some((door, _)) = parts.boundary.curved {
+            let potential = &self.fields.potential;
+            let slope = |particle: usize, depth: f64| {
+                let material = parts.materials.index(particle);
+                let thermal = &parts.materials.thermals[material];
+                self.faces[material][door].flux_slope(potential[particle], depth, thermal)
+            };
+            parts.contacts.slopes(slope, &mut tangent.views);
+        }
         if parts.materials.mixed() {
             let pairs = &parts.pairs;
             tangent.shares.clear();
@@ -305,7 +344,7 @@ impl<T: PairTerm> ListOperator<T> {
     /// Rates (W/m3) that small changes of the potentials (W/m) of particles cause.
     pub fn act(&self, tangent: &mut Tangent, potentials: &[f64], rate: &mut [f64]) {
         let parts = &self.parts;
-        let Tangent { changes, ghosts, shares } = tangent;
+        let Tangent { changes, ghosts, shares, views, time } = tangent;
         changes[..potentials.len()].copy_from_slice(potentials);
         parts.ghosts.fill_changes(changes, ghosts);
         let changes = &*changes;
@@ -334,7 +373,10 @@ impl<T: PairTerm> ListOperator<T> {
             }
             _ => rate.chunks_mut(TASK).enumerate().for_each(task),
         }
-        for sink in &parts.sinks {
+        for contact in &parts.contacts.contacts {
+            rate[contact.particle as usize] += parts.contacts.change(contact, views, |particle| changes[particle]);
+        }
+        for sink in parts.sinks.iter().filter(|sink| sink.works(*time)) {
             let heat = sink.heat(|index| changes[index], 0.0) * sink.share;
             for (index, weight) in &sink.sample {
                 rate[*index as usize] -= heat * weight / parts.volume;
@@ -425,16 +467,20 @@ pub struct Tangent {
     ghosts: Vec<f64>,
     /// How the flux of each pair follows its own particle and its partner; empty for a single material.
     shares: Vec<(f64, f64)>,
+    /// How the gains at a curved wall follow what is seen of it.
+    views: Vec<f64>,
+    /// Time (s) of the linearisation.
+    time: f64,
 }
 
 impl Operator for EnthalpyList {
     fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], doors: &mut [f64]) {
-        let clock = Clock { time, step: 0.0, index: 0 };
+        let clock = Clock { time, step: 0.0, index: 0, turned: false };
         self.operator.rate_of(self.scheme.as_ref(), enthalpy, &clock, rate, doors);
     }
 
     fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, doors: &mut [f64]) {
-        let clock = Clock { time, step, index: 0 };
+        let clock = Clock { time, step, index: 0, turned: false };
         self.operator.rate_of(self.scheme.as_ref(), enthalpy, &clock, &mut self.rate, doors);
         for (h, rate) in enthalpy.iter_mut().zip(&self.rate) {
             *h += step * rate;
@@ -442,7 +488,7 @@ impl Operator for EnthalpyList {
     }
 
     fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64, doors: &mut [f64]) {
-        let clock = Clock { time, step: 0.0, index: 0 };
+        let clock = Clock { time, step: 0.0, index: 0, turned: false };
         self.operator.rate_of(self.scheme.as_ref(), columns.newest, &clock, &mut self.rate, doors);
         let states = columns.newest.iter().zip(columns.start);
         let rates = self.rate.iter().zip(columns.first);
@@ -464,12 +510,15 @@ impl Operator for EnthalpyList {
     }
 
     fn is_symmetric(&self) -> bool {
-        self.operator.parts.ghosts.all_mirrored() && self.is_constant()
+        let parts = &self.operator.parts;
+        let curved = parts.boundary.curved.is_some_and(|(door, _)| self.operator.faces[0][door].holds() > 0.0);
+        parts.ghosts.all_mirrored() && !parts.materials.mixed() && parts.boundary.is_linear() && !curved
     }
 
     fn is_constant(&self) -> bool {
         let parts = &self.operator.parts;
-        !parts.materials.mixed() && parts.boundary.is_linear()
+        let scheduled = parts.sinks.iter().any(|sink| sink.schedule.is_some());
+        !parts.materials.mixed() && parts.boundary.is_linear() && !scheduled
     }
 
     fn bandwidth(&self) -> usize {
@@ -491,7 +540,7 @@ impl Operator for EnthalpyList {
             numbers.clone().max().unwrap_or(0) - numbers.min().unwrap_or(0)
         };
         let by_pairs = (0..count).map(farthest).max().unwrap_or(0);
-        by_pairs.max(parts.sinks.iter().map(sampled).max().unwrap_or(0))
+        by_pairs.max(parts.contacts.bandwidth()).max(parts.sinks.iter().map(sampled).max().unwrap_or(0))
     }
 
     fn steepest(&self) -> Vec<f64> {
@@ -527,17 +576,29 @@ fn steepest(parts: &ListParts, particle: usize) -> f64 {
 
 fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
     let count = parts.positions.len();
+    let mirrored = parts.ghosts.mirrored(count, faces);
+    // How a ghost falls when the particle rises: through any number of mirrors, or by its share in a fit.
+    let falls = |ghost: usize, particle: u32| match mirrored[ghost] {
+        Some((own, factor)) if own == particle => -factor,
+        Some(_) => 0.0,
+        None => parts.ghosts.own_share(ghost, particle, faces),
+    };
     let mut sums: Vec<f64> = (0..count)
         .map(|i| {
             let range = parts.pairs.starts[i]..parts.pairs.starts[i + 1];
             let own: f64 = range.clone().map(|k| parts.pairs.weights[k]).sum();
             let mirrored: f64 = range
                 .filter_map(|k| (parts.pairs.partners[k] as usize).checked_sub(count).map(|ghost| (k, ghost)))
-                .map(|(k, ghost)| parts.pairs.weights[k] * parts.ghosts.own_share(ghost, i as u32, faces))
+                .map(|(k, ghost)| parts.pairs.weights[k] * falls(ghost, i as u32))
                 .sum();
             own + mirrored.max(0.0)
         })
         .collect();
+    if let Some((door, _)) = parts.boundary.curved {
+        for contact in &parts.contacts.contacts {
+            sums[contact.particle as usize] += faces[door].holds() * contact.stiffness;
+        }
+    }
     for sink in &parts.sinks {
         for (index, row_sum) in sink.row_sums(parts.spacing) {
             sums[index] += row_sum;

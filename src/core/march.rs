@@ -1,20 +1,25 @@
 //! The time loop: from a scene and a method to a [`RunResult`].
 
+mod guard;
+mod instants;
+
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use glam::DVec2;
-
+use crate::ledger::Ledger;
 use crate::measure::attach;
-use crate::method::{Bound, Clock};
+use crate::method::Clock;
 use crate::particles::Particles;
 use crate::plan::{Plan, build, settings_of};
 use crate::record::{Errors, Outcome, Record, RunResult};
 use crate::reference::Reference;
 use crate::scene::settings::MethodSettings;
-use crate::scene::{Condition, Scene, Series, Uptake};
+use crate::scene::{Scene, Uptake};
 use crate::watch::Watches;
+
+use guard::Guard;
+use instants::{next_turn, outputs, stops};
 
 /// How a run is to be made; nothing here changes a digit of its result, but the seed.
 #[derive(Clone, Copy)]
@@ -64,6 +69,9 @@ pub struct Refused {
 /// are looked at more closely: after the 1st, 2nd, 4th, 8th ...
 const GUARD_STEPS: u64 = 64;
 
+/// Looks into a step in which a gap between pipes closes, where states between steps are known.
+const LOOKS: u32 = 8;
+
 /// Runs a scene under one method. Errors are taken against `reference`, if there is one.
 pub fn run(
     scene: &Scene,
@@ -81,16 +89,26 @@ pub fn run(
     let solve = Stopwatch::start();
     let began = Instant::now();
     let mut last_progress = began;
-    let mut clock = Clock { time: 0.0, step: 0.0, index: 0 };
+    let mut clock = Clock { time: 0.0, step: 0.0, index: 0, turned: true };
     let mut longest: f64 = 0.0;
     let mut stop: Option<(Outcome, String)> = None;
     watches.look(&particles, 0.0);
-    let outputs = instants(scene);
-    'run: for instant in stops(scene, &outputs) {
+    let dense = method.is_dense();
+    let outputs = outputs(scene);
+    let mut pending = outputs.iter().copied().peekable();
+    let mut turn = f64::NEG_INFINITY;
+    let mut observation = Elapsed::default();
+    let mut between = vec![0.0; if dense { particles.len() } else { 0 }];
+    'run: for instant in stops(scene, &outputs, dense) {
         while clock.time < instant {
             let allowed = step.min(method.wanted_step());
-            let count = ((instant - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
-            clock.step = (instant - clock.time) / count;
+            clock.turned = clock.time >= turn || clock.index == 0;
+            if clock.turned {
+                turn = next_turn(scene, clock.time, dense);
+            }
+            let landing = instant.min(turn);
+            let count = ((landing - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
+            clock.step = (landing - clock.time) / count;
             let made = match method.advance(&mut particles, &clock) {
                 Ok(made) => made,
                 Err(error) => {
@@ -100,20 +118,40 @@ pub fn run(
             };
             longest = longest.max(made);
             clock.index += 1;
-            let now = if count == 1.0 && made == clock.step { instant } else { clock.time + made };
+            let before = clock.time;
+            let now = if count == 1.0 && made == clock.step { landing } else { before + made };
             clock.time = now;
+            if dense && (pending.peek().is_some_and(|time| *time < now) || watches.closes(&particles)) {
+                let seen = Stopwatch::start();
+                let mut at = |time: f64, particles: &mut Particles, see: &mut dyn FnMut(&Particles, &Ledger)| {
+                    let ledger = method.between(particles, (time - before) / made, &mut between);
+                    std::mem::swap(&mut particles.enthalpy, &mut between);
+                    see(particles, &ledger);
+                    std::mem::swap(&mut particles.enthalpy, &mut between);
+                };
+                while let Some(time) = pending.next_if(|time| *time < now) {
+                    at(time, &mut particles, &mut |particles, ledger| watches.output(scene, particles, ledger, time));
+                }
+                if watches.closes(&particles) {
+                    for part in 1..LOOKS {
+                        let time = before + made * part as f64 / LOOKS as f64;
+                        at(time, &mut particles, &mut |particles, _| watches.look(particles, time));
+                    }
+                }
+                observation.add(&seen);
+            }
             if watches.due(now) {
                 method.publish(&mut particles);
                 watches.look(&particles, now);
             }
-            if clock.index.is_multiple_of(GUARD_STEPS) || clock.index.is_power_of_two() {
+            if dense || clock.index.is_multiple_of(GUARD_STEPS) || clock.index.is_power_of_two() {
                 method.publish(&mut particles);
                 if let Err(cause) = guard.look(&particles, &clock, &bound) {
                     stop = Some((Outcome::Diverged, cause));
                     break 'run;
                 }
             }
-            if clock.index.is_multiple_of(16) {
+            if dense || clock.index.is_multiple_of(16) {
                 let elapsed = Instant::now();
                 if let Some(progress) = options.progress
                     && elapsed - last_progress > Duration::from_millis(100)
@@ -141,11 +179,15 @@ pub fn run(
             stop = Some((Outcome::Diverged, cause));
             break 'run;
         }
-        if outputs.binary_search_by(|output| output.total_cmp(&instant)).is_ok() {
+        if pending.next_if(|time| *time <= instant).is_some() {
+            let seen = Stopwatch::start();
             watches.output(scene, &particles, method.ledger(), instant);
+            observation.add(&seen);
         }
     }
-    let solve = solve.stop();
+    let mut solve = solve.stop();
+    solve.0 -= observation.wall;
+    solve.1 -= observation.cpu;
     let gaps = watches.gap_rows();
     let balance = watches.budget.iter().map(|row| row.balance_rel).fold(0.0, larger_magnitude);
     let noise = noise(scene, settings, &particles);
@@ -178,6 +220,8 @@ pub fn run(
         setup_cpu_s: setup.1,
         solve_wall_s: solve.0,
         solve_cpu_s: solve.1,
+        observation_wall_s: observation.wall,
+        observation_cpu_s: observation.cpu,
         peak_memory_bytes: peak_memory(),
         outcome,
         cause,
@@ -247,147 +291,13 @@ fn judge(
     }
     // Noise may push a front or a flow back for a moment.
     if let Some(setback) = setback.filter(|setback| *setback > 0.01 && noise == 0.0) {
-        let cause = format!("the front or the heat through a wall or pipe went back by {:.2} %", 100.0 * setback);
+        let cause = format!(
+            "the front, or the heat through the coldest or warmest pipes, went back by {:.2} %",
+            100.0 * setback
+        );
         return (Outcome::Oscillating, Some(cause));
     }
     (Outcome::Ok, None)
-}
-
-/// Output and profile instants in order, the end included.
-fn instants(scene: &Scene) -> Vec<f64> {
-    let outputs = scene.watch.outputs.max(1);
-    let mut instants: Vec<f64> = (1..=outputs)
-        .map(|k| if k == outputs { scene.duration } else { scene.duration * k as f64 / outputs as f64 })
-        .chain(scene.watch.profiles.iter().copied())
-        .filter(|instant| *instant > 0.0 && *instant <= scene.duration)
-        .collect();
-    instants.sort_by(f64::total_cmp);
-    // A profile wanted at an output is that output.
-    instants.dedup_by(|later, earlier| *later - *earlier <= 1e-9 * scene.duration);
-    if let Some(last) = instants.last_mut() {
-        *last = scene.duration;
-    }
-    instants
-}
-
-/// Instants on which steps must land: all outputs, and those at which a series of the scene bends.
-fn stops(scene: &Scene, outputs: &[f64]) -> Vec<f64> {
-    let mut stops = outputs.to_vec();
-    let mut bends = |series: &Series| {
-        if let Series::Table(rows) = series {
-            stops.extend(rows.iter().map(|row| row.0).filter(|time| *time > 0.0 && *time < scene.duration));
-        }
-    };
-    for wall in &scene.walls {
-        match &wall.condition {
-            Condition::Temperature(series) | Condition::Flux(series) => bends(series),
-            Condition::Convection { coefficient, ambient } => {
-                bends(coefficient);
-                bends(ambient);
-            }
-            Condition::Symmetry | Condition::Exact => {}
-        }
-    }
-    scene.rings.iter().for_each(|ring| bends(&ring.temperature));
-    stops.sort_by(f64::total_cmp);
-    stops.dedup();
-    stops
-}
-
-/// Watches over the range of temperatures.
-struct Guard {
-    range: (f64, f64),
-    /// Whether fluxes may drive temperatures beyond any data.
-    open: bool,
-    seen: (f64, f64),
-    /// Particles inside the sinks of pipes, which stand for the pipe and not for ground.
-    inside_pipes: Vec<u32>,
-}
-
-impl Guard {
-    fn new(scene: &Scene, particles: &Particles, pipes: &[(DVec2, f64)]) -> Self {
-        let lattice = &particles.lattice;
-        let mut inside_pipes = Vec::new();
-        for (centre, half_width) in pipes {
-            let cells = lattice.to_cells(*centre);
-            let reach = (half_width / lattice.spacing).ceil() as i64;
-            for row in cells.y as i64 - reach..=cells.y as i64 + reach {
-                for column in cells.x as i64 - reach..=cells.x as i64 + reach {
-                    inside_pipes.extend(lattice.index(column, row).map(|index| index as u32));
-                }
-            }
-        }
-        inside_pipes.sort_unstable();
-        inside_pipes.dedup();
-        let range = scene.temperature_range();
-        Guard { range, open: scene.has_flux(), seen: (f64::INFINITY, f64::NEG_INFINITY), inside_pipes }
-    }
-
-    /// Takes note of the extremes, and refuses what cannot be.
-    fn look(&mut self, particles: &Particles, clock: &Clock, bound: &Bound) -> Result<(), String> {
-        let mut skip = self.inside_pipes.iter().copied().peekable();
-        let mut extremes = [(f64::INFINITY, 0usize), (f64::NEG_INFINITY, 0usize)];
-        for (i, enthalpy) in particles.enthalpy.iter().enumerate() {
-            if !enthalpy.is_finite() {
-                return Err(describe(particles, i, clock, bound, "is not finite"));
-            }
-            if skip.peek() == Some(&(i as u32)) {
-                skip.next();
-                continue;
-            }
-            // Temperature rises with enthalpy: within one material the extremes are those of the enthalpy.
-            if particles.materials.mixed() {
-                let temperature = particles.temperature(i);
-                if temperature < extremes[0].0 {
-                    extremes[0] = (temperature, i);
-                }
-                if temperature > extremes[1].0 {
-                    extremes[1] = (temperature, i);
-                }
-            } else {
-                if *enthalpy < extremes[0].0 {
-                    extremes[0] = (*enthalpy, i);
-                }
-                if *enthalpy > extremes[1].0 {
-                    extremes[1] = (*enthalpy, i);
-                }
-            }
-        }
-        if extremes[0].0 > extremes[1].0 {
-            return Ok(());
-        }
-        let (low, high) = (particles.temperature(extremes[0].1), particles.temperature(extremes[1].1));
-        self.seen = (self.seen.0.min(low), self.seen.1.max(high));
-        let width = self.range.1 - self.range.0;
-        if !self.open && width > 0.0 {
-            for (temperature, index) in [(low, extremes[0].1), (high, extremes[1].1)] {
-                if temperature < self.range.0 - 10.0 * width || temperature > self.range.1 + 10.0 * width {
-                    let what = format!(
-                        "has the temperature {temperature}, ten times out of the range {} to {}",
-                        self.range.0, self.range.1
-                    );
-                    return Err(describe(particles, index, clock, bound, &what));
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// How far temperatures left the range of the data, over that range.
-    fn violation(&self) -> Option<f64> {
-        let width = self.range.1 - self.range.0;
-        let seen = self.seen.0 <= self.seen.1;
-        (!self.open && width > 0.0 && seen)
-            .then(|| (self.range.0 - self.seen.0).max(self.seen.1 - self.range.1).max(0.0) / width)
-    }
-}
-
-fn describe(particles: &Particles, index: usize, clock: &Clock, bound: &Bound, what: &str) -> String {
-    let place = particles.position(index);
-    format!(
-        "particle {index} at ({:.6}, {:.6}) m {what} by step {} of {:.6e} s (bound {:.6e} s, set by {})",
-        place.x, place.y, clock.index, clock.step, bound.step, bound.cause
-    )
 }
 
 /// Wall and CPU time together.
@@ -403,6 +313,21 @@ impl Stopwatch {
 
     fn stop(&self) -> (f64, f64) {
         (self.wall.elapsed().as_secs_f64(), self.cpu.elapsed().as_secs_f64())
+    }
+}
+
+/// Wall and CPU time of many stretches (s).
+#[derive(Default)]
+struct Elapsed {
+    wall: f64,
+    cpu: f64,
+}
+
+impl Elapsed {
+    fn add(&mut self, stretch: &Stopwatch) {
+        let (wall, cpu) = stretch.stop();
+        self.wall += wall;
+        self.cpu += cpu;
     }
 }
 

@@ -310,6 +310,7 @@ mod tests {
             first_angle: 0.0,
             pipe_radius: 0.05,
             temperature: Series::Constant(-20.0),
+            schedule: None,
         });
         scene
     }
@@ -339,6 +340,8 @@ mod tests {
                 setup_cpu_s: 0.0,
                 solve_wall_s: 0.0,
                 solve_cpu_s: 0.0,
+                observation_wall_s: 0.0,
+                observation_cpu_s: 0.0,
                 peak_memory_bytes: None,
                 outcome: Outcome::Ok,
                 cause: None,

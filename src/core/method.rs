@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::ledger::Ledger;
 use crate::plan::Assembly;
 use crate::record::Value;
 use crate::scene::{Numerics, Section, Setting};
@@ -83,6 +84,8 @@ pub struct Clock {
     pub step: f64,
     /// Number of steps made before this one.
     pub index: u64,
+    /// Whether walls or pipes may have jumped since the last step.
+    pub turned: bool,
 }
 
 /// The explicit limit of a step, and why.
@@ -115,12 +118,20 @@ pub trait Method: Send {
     /// Brings the shared columns up to date before they are observed, for methods that keep others.
     fn publish(&mut self, _particles: &mut crate::particles::Particles) {}
     /// Heat that has come in through each wall and pipe so far.
-    fn ledger(&self) -> &crate::ledger::Ledger;
+    fn ledger(&self) -> &Ledger;
     /// Pairs that one evaluation visits.
     fn pairs(&self) -> u64;
     /// Longest step (s) that the method would make now, where it chooses for itself.
     fn wanted_step(&self) -> f64 {
         f64::INFINITY
+    }
+    /// Whether states within the last step are known, so that steps need not land on outputs.
+    fn is_dense(&self) -> bool {
+        false
+    }
+    /// Enthalpies at `share` (0 to 1) of the last step, and the ledger there; only where [`Method::is_dense`] says so.
+    fn between(&self, _particles: &crate::particles::Particles, _share: f64, _enthalpy: &mut [f64]) -> Ledger {
+        self.ledger().clone()
     }
     /// What the steps so far have cost.
     fn work(&self) -> Work;

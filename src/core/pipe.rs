@@ -4,11 +4,13 @@
 //! effective radius belongs to the sink; the annulus from there to the pipe's wall is a resistance:
 //! `q = (U_sampled - U_pipe) / R`, `R = S - c - ln(r/dx) / 2 pi`, `S = sum a_i a_j g_ij` (lattice Green's function).
 
+use std::sync::Arc;
+
 use glam::DVec2;
 
 use crate::green::Green;
 use crate::lattice::Lattice;
-use crate::scene::{Pipe, Series};
+use crate::scene::{Pipe, Schedule, Series};
 
 /// Stretches of the delta that are tried, in order.
 const STRETCHES: [f64; 14] = [1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0];
@@ -29,6 +31,8 @@ pub struct Sink {
     pub resistance: f64,
     /// Temperature of the pipe's wall.
     pub temperature: Series,
+    /// When the pipe works; always if absent.
+    pub schedule: Option<Arc<Schedule>>,
     /// Where the delta is at work: centre (m) and half width (m).
     pub extent: (DVec2, f64),
 }
@@ -120,7 +124,8 @@ pub fn immerse(
         }
         sample.sort_unstable_by_key(|entry| entry.0);
         let extent = (centre, 2.0 * stretch * lattice.spacing);
-        return Ok(Some(Sink { ring, sample, share, resistance, temperature: pipe.temperature.clone(), extent }));
+        let (temperature, schedule) = (pipe.temperature.clone(), pipe.schedule.clone());
+        return Ok(Some(Sink { ring, sample, share, resistance, temperature, schedule, extent }));
     }
     Err(format!(
         "the pipe of radius {} m is too wide for a line sink on particles {} m apart; a spacing of at least {:.3} m is needed",
@@ -131,6 +136,12 @@ pub fn immerse(
 }
 
 impl Sink {
+    /// Whether heat crosses the pipe's wall in a step that begins at `time` (s). Steps land on switches.
+    #[inline]
+    pub fn works(&self, time: f64) -> bool {
+        self.schedule.as_ref().is_none_or(|schedule| schedule.works(time))
+    }
+
     /// Heat (W/m) that the whole pipe takes from the ground, from the potentials of its particles.
     #[inline]
     pub fn heat(&self, potential: impl Fn(usize) -> f64, pipe_potential: f64) -> f64 {

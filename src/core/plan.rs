@@ -9,6 +9,7 @@ use rayon::ThreadPool;
 
 use crate::boundary::{Boundary, Side};
 use crate::corner::strengthen;
+use crate::curved_wall::{Contacts, Neighbourhood, cells_behind};
 use crate::ghosts::Ghosts;
 use crate::green::Green;
 use crate::integrate::control::EnthalpyRange;
@@ -35,6 +36,12 @@ use crate::uptake::{Materials, scheme};
 
 /// Stages of one step by error: longer steps are rarely as exact as they are stable, and gain less and less.
 const MOST_STAGES: usize = 99;
+
+/// Times that a ring of pipes may be switched in one run.
+const MOST_SWITCHES: f64 = 1e7;
+
+/// Steps of one run: more and time, which is as good as 16 digits, would stand still.
+const MOST_STEPS: f64 = 1e15;
 
 /// Particles, neighbours and walls on a list, ready for a method's own step.
 pub struct Assembly {
@@ -196,7 +203,11 @@ pub fn build(
     let range = || EnthalpyRange::new(&materials, scene.temperature_range(), exempt, scene.has_flux());
     let largest_slope = materials.thermals.iter().map(|thermal| thermal.largest_slope).fold(0.0, f64::max);
     let pipe_extents = sinks.iter().map(|sink| sink.extent).collect();
-    let why_list = why_list(scene, numerics, discretisation, &stencil);
+    let narrow = stencil.reach > lattice.columns || (lattice.dimension == 2 && stencil.reach > lattice.rows);
+    if narrow && numerics.search == SearchChoice::Lattice {
+        return Err(refuse("search = \"lattice\" needs a body at least as wide as pairs reach: set \"auto\"".into()));
+    }
+    let why_list = why_list(scene, numerics, discretisation, &stencil, narrow);
     let mut used = vec![format!(
         "{} particles, {} m apart, {}",
         lattice.len(),
@@ -244,7 +255,8 @@ pub fn build(
             let fitted = numerics.walls == WallModel::MovingLeastSquares;
             let reach = discretisation.weight.reach();
             let ghosts = Ghosts::new(&positions, &lattice, &boundary, reach, fitted);
-            let mut pairs = pairs(&positions, &ghosts, &lattice, numerics, discretisation);
+            let (mut pairs, contacts) =
+                pairs(&positions, &ghosts, &lattice, &boundary, &materials, numerics, discretisation);
             let first = &materials.thermals[0];
             let faces = boundary.first_faces(&first.curve, first.initial_potential);
             strengthen(&mut pairs, &ghosts, positions.len(), &faces);
@@ -257,6 +269,7 @@ pub fn build(
                 pairs,
                 ghosts,
                 boundary,
+                contacts,
                 sinks,
                 rings,
                 exchange: numerics.exchange,
@@ -328,6 +341,7 @@ fn why_list(
     numerics: &Numerics,
     discretisation: &Discretisation,
     stencil: &Stencil,
+    narrow: bool,
 ) -> Option<&'static str> {
     let reasons = [
         (numerics.layout != Layout::Lattice, "particles stand unevenly"),
@@ -336,6 +350,7 @@ fn why_list(
         (!scene.regions.is_empty(), "there are several materials"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
         (matches!(discretisation.stepper, Stepper::Own(_)), "the method makes its own step"),
+        (narrow, "pairs reach farther than the body is wide"),
         (stencil.reach > WIDEST, "the reach is wider than any compiled stencil"),
         (
             !matches!(numerics.search, SearchChoice::Auto | SearchChoice::Lattice),
@@ -381,6 +396,13 @@ fn choose_step(numerics: &Numerics, bound: &Bound, scene: &Scene) -> Result<f64,
             step
         }
     };
+    let steps = scene.duration / step;
+    if steps.is_nan() || steps > MOST_STEPS {
+        return Err(refuse(format!(
+            "the run would take {steps:.1e} steps of {step:.1e} s, must be at most {MOST_STEPS:.0e}: the bound is set by {}",
+            bound.cause
+        )));
+    }
     Ok(step.min(scene.duration))
 }
 
@@ -437,14 +459,17 @@ fn place(scene: &Scene, numerics: &Numerics, lattice: &Lattice, seed: u64) -> Re
     })
 }
 
-/// Pairs with their weights: every partner within reach of every particle, ghosts included.
+/// Pairs with their weights: every partner within reach of every particle, ghosts included; and what became of those
+/// that a curved wall cuts.
 fn pairs(
     positions: &[DVec2],
     ghosts: &Ghosts,
     lattice: &Lattice,
+    boundary: &Boundary,
+    materials: &Materials,
     numerics: &Numerics,
     discretisation: &Discretisation,
-) -> PairList {
+) -> (PairList, Contacts) {
     let weight = discretisation.weight.as_ref();
     // On a lattice a radius that falls on a shell must not depend on rounding.
     let limit = weight.reach() * (1.0 + SHELL_TOLERANCE);
@@ -461,10 +486,15 @@ fn pairs(
     // Coincident points exchange nothing: their distance gives no direction.
     let distance = |i: usize, j: u32| (points[j as usize] - points[i]).length();
     let volume = lattice.volume();
+    let behind = |i: usize| {
+        let curved = boundary.curved.into_iter();
+        let cells = curved.flat_map(move |(_, radius)| cells_behind(positions[i], lattice, radius, limit));
+        cells.map(|(distance, depth)| (distance, depth, volume * weight.weight(distance)))
+    };
     let mut weights: Vec<f64> = Vec::with_capacity(list.partners.len());
     let mut scale = vec![1.0; points.len()];
     for i in 0..count {
-        let mut moment = 0.0;
+        let mut moment: f64 = behind(i).map(|(distance, _, pair)| pair * distance * distance).sum();
         for j in list.of(i) {
             let distance = distance(i, *j);
             let pair = if distance > 0.0 { volume * weight.weight(distance) } else { 0.0 };
@@ -485,7 +515,32 @@ fn pairs(
             place += 1;
         }
     }
-    PairList { starts: list.starts, partners: list.partners, weights }
+    let mut contacts = Contacts::default();
+    if let Some((door, radius)) = boundary.curved {
+        for i in 0..count {
+            let mut near = Neighbourhood::new(radius - positions[i].length());
+            let mut sum = 0.0;
+            for (_, depth, pair) in behind(i) {
+                near.cut(scale[i] * pair, if boundary.doors[door].layers { 0.0 } else { depth });
+                sum += scale[i] * pair;
+            }
+            if sum == 0.0 {
+                continue;
+            }
+            for k in list.starts[i]..list.starts[i + 1] {
+                // Beside a curved wall there are mirror planes alone, whose ghosts are their particles.
+                let partner = list.partners[k] as usize;
+                let particle = partner.checked_sub(count).map_or(partner as u32, |ghost| ghosts.model[ghost]);
+                sum += weights[k];
+                // A neighbour of another material pulls by the potential of the interface, not by its own.
+                if materials.index(particle as usize) == materials.index(i) {
+                    near.pair(particle, weights[k], radius - positions[particle as usize].length());
+                }
+            }
+            contacts.add(i as u32, &near, sum);
+        }
+    }
+    (PairList { starts: list.starts, partners: list.partners, weights }, contacts)
 }
 
 /// Sinks of all pipes in the sector, and the names of their rings.
@@ -506,6 +561,16 @@ fn pipes(
     let mut sinks = Vec::new();
     let mut rings = Vec::new();
     for (number, ring) in scene.rings.iter().enumerate() {
+        if let Some(schedule) = &ring.schedule
+            && schedule.switches(scene.duration) > MOST_SWITCHES
+        {
+            return Err(refuse(format!(
+                "the pipes of ring {} are switched {:.1e} times, must be at most {MOST_SWITCHES:.0e}: steps land on \
+                 every switch",
+                number + 1,
+                schedule.switches(scene.duration)
+            )));
+        }
         let green = Green::new(stencil, lattice.spacing, green_reach(ring.pipe_radius, lattice.spacing));
         for pipe in ring.pipes() {
             let sink = immerse(&pipe, number, lattice, mirrors, &green).map_err(refuse)?;

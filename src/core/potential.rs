@@ -346,7 +346,12 @@ impl Curve {
                 start.max(ambient),
             )
         };
-        coefficient * (ambient - wall)
+        // The smaller of the two differences of temperature would be lost in rounding.
+        if target > self.most_conductive() {
+            (self.potential(wall) - inside) / depth
+        } else {
+            coefficient * (ambient - wall)
+        }
     }
 
     /// How the flux of [`Curve::film_flux`] changes with the particle's potential (1/m).

@@ -147,6 +147,12 @@ pub struct Record {
     pub solve_wall_s: f64,
     /// CPU time of the same (s).
     pub solve_cpu_s: f64,
+    /// Wall time of what watches read off the particles meanwhile (s); not part of the solution.
+    #[serde(default)]
+    pub observation_wall_s: f64,
+    /// CPU time of it (s).
+    #[serde(default)]
+    pub observation_cpu_s: f64,
     /// Greatest resident memory of the process so far (bytes).
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub peak_memory_bytes: Option<u64>,
@@ -160,8 +166,8 @@ pub struct Record {
     /// How far temperatures left the range of the scene's data, over that range.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub bounds_violation_rel: Option<f64>,
-    /// How far the front went back, or heat flowed back through the coldest or warmest wall or pipe, over the greatest
-    /// before; absent where the data allow either way.
+    /// How far the front went back, or heat flowed back through the coldest or warmest pipes, over the greatest before;
+    /// absent where the data allow either way.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub setback_rel: Option<f64>,
     /// Errors against the reference.

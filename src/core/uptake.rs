@@ -36,6 +36,11 @@ impl Materials {
         }
     }
 
+    /// Index of a particle's material.
+    pub fn index(&self, particle: usize) -> usize {
+        self.of_particle.get(particle).map_or(0, |material| *material as usize)
+    }
+
     /// Whether there is more than one.
     pub fn mixed(&self) -> bool {
         !self.of_particle.is_empty()

@@ -159,7 +159,7 @@ impl Watches {
             keep_fields: keep_fields && scene.domain.dimension() == 2,
             field_radius: scene.rings.iter().map(|ring| 1.6 * ring.ring_radius).fold(0.0, f64::max),
             isothermal: matches!(scene.materials[0].law, FreezingLaw::Isothermal),
-            one_way: OneWay::new(scene),
+            one_way: OneWay::new(scene, particles.volume),
             front: Vec::new(),
             profiles: Vec::new(),
             probe_rows: Vec::new(),
@@ -175,24 +175,37 @@ impl Watches {
         !self.gaps.is_empty() && time >= self.next_look
     }
 
+    /// Whether a gap that was open at the last look is closed now.
+    pub fn closes(&self, particles: &Particles) -> bool {
+        self.gaps.iter().any(|gap| gap.closed.is_none() && self.openness(gap, particles) <= 0.0)
+    }
+
+    /// How far a gap is from being closed: positive while open.
+    fn openness(&self, gap: &Gap, particles: &Particles) -> f64 {
+        let openness = |sample: &Sample| {
+            if self.isothermal {
+                // Enthalpy above the frozen state, in units of the latent heat.
+                sample.of(|i| {
+                    let thermal = particles.materials.of(i);
+                    (particles.enthalpy[i] + thermal.initial_enthalpy) / thermal.curve.latent_heat() + 1.0
+                })
+            } else {
+                0.5 - sample.of(|i| particles.frozen_fraction(i))
+            }
+        };
+        gap.samples.iter().map(openness).fold(f64::INFINITY, f64::min)
+    }
+
     /// Looks at the gaps between pipes: closed once every point of the line between two pipes' neighbours, at some
     /// radius, is frozen with its latent heat released. The instant is interpolated between looks.
     pub fn look(&mut self, particles: &Particles, time: f64) {
         self.next_look = time + self.look_every;
-        let isothermal = self.isothermal;
-        for gap in self.gaps.iter_mut().filter(|gap| gap.closed.is_none()) {
-            let openness = |sample: &Sample| {
-                if isothermal {
-                    // Enthalpy above the frozen state, in units of the latent heat.
-                    sample.of(|i| {
-                        let thermal = particles.materials.of(i);
-                        (particles.enthalpy[i] + thermal.initial_enthalpy) / thermal.curve.latent_heat() + 1.0
-                    })
-                } else {
-                    0.5 - sample.of(|i| particles.frozen_fraction(i))
-                }
-            };
-            let now = gap.samples.iter().map(openness).fold(f64::INFINITY, f64::min);
+        for number in 0..self.gaps.len() {
+            if self.gaps[number].closed.is_some() {
+                continue;
+            }
+            let now = self.openness(&self.gaps[number], particles);
+            let gap = &mut self.gaps[number];
             if now <= 0.0 {
                 gap.closed = Some(match gap.last {
                     Some((before, open)) if open > 0.0 => before + (time - before) * open / (open - now),
@@ -207,7 +220,7 @@ impl Watches {
     pub fn output(&mut self, scene: &Scene, particles: &Particles, ledger: &Ledger, time: f64) {
         let frozen: Sum = (0..particles.len()).map(|i| particles.frozen_fraction(i)).collect();
         let frozen = frozen.value() * particles.volume;
-        self.one_way.look(frozen, ledger.names(), ledger.rate());
+        self.one_way.look(frozen, ledger.rate());
         if let Some(direction) = self.direction {
             self.front.push(FrontRow { time_s: time, front_m: frozen / direction.across, front_ref_m: None });
         }

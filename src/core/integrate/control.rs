@@ -22,6 +22,8 @@ pub struct Control {
     least: f64,
     next: f64,
     most_heat: f64,
+    /// Whether the step that is being made was too long at first.
+    shortened: bool,
 }
 
 /// What is to be done with a step.
@@ -36,7 +38,7 @@ pub enum Judgement {
 impl Control {
     /// A control that starts with steps of `least` seconds.
     pub fn new(tolerance: f64, order: f64, least: f64) -> Self {
-        Control { tolerance, order, least, next: least, most_heat: 0.0 }
+        Control { tolerance, order, least, next: least, most_heat: 0.0, shortened: false }
     }
 
     /// The step that should come next (s).
@@ -54,7 +56,8 @@ impl Control {
         if keep {
             self.most_heat = most_heat;
             // A step cut short by an output says nothing against a longer one.
-            let grown = step * factor.min(MOST_GROWTH);
+            let grown = step * factor.min(if self.shortened { 1.0 } else { MOST_GROWTH });
+            self.shortened = false;
             let kept = if relative <= self.tolerance { self.next.min(step * factor) } else { 0.0 };
             self.next = grown.max(kept).max(self.least);
             Judgement::Keep
@@ -65,6 +68,7 @@ impl Control {
 
     /// Makes a step again, shorter by a factor.
     pub fn again(&mut self, step: f64, factor: f64) -> Judgement {
+        self.shortened = true;
         self.next = (step * factor.min(SAFETY)).max(self.least);
         Judgement::Again(self.next)
     }
@@ -75,69 +79,79 @@ impl Control {
     }
 }
 
+/// Least share of the whole range of enthalpies that errors are measured by: below, the rounding of latent heat would be
+/// taken for an error.
+const LEAST_SCALE: f64 = 1e-4;
+
 /// The range of enthalpies that the data of a scene span, where nothing can drive particles beyond it.
 #[derive(Debug, Clone)]
 pub struct EnthalpyRange {
-    /// Least and greatest enthalpy by material, less the initial one (J/m3).
-    by_material: Vec<(f64, f64)>,
+    by_material: Vec<MaterialRange>,
     of_particle: Vec<u8>,
     /// Particles that stand for pipes and not for ground, in order.
     exempt: Vec<u32>,
     /// Whether fluxes can drive particles out of the range.
     open: bool,
-    /// Heat of one degree (J/m3K).
-    by_degree: f64,
+}
+
+/// Enthalpies of one material, less the initial one (J/m3).
+#[derive(Debug, Clone, Copy)]
+struct MaterialRange {
+    low: f64,
+    high: f64,
+    /// Sensible heat of the range of temperatures, or of one degree where there is no range: errors of enthalpy over it
+    /// are errors of temperature over its range.
+    scale: f64,
 }
 
 impl EnthalpyRange {
     /// The range between two temperatures.
     pub fn new(materials: &Materials, temperatures: (f64, f64), exempt: Vec<u32>, open: bool) -> Self {
+        let width = temperatures.1 - temperatures.0;
         let by_material = materials
             .thermals
             .iter()
             .map(|thermal| {
                 let low = thermal.curve.least_enthalpy(temperatures.0) - thermal.initial_enthalpy;
-                (low, thermal.enthalpy(temperatures.1))
+                let high = thermal.enthalpy(temperatures.1);
+                let sensible = thermal.curve.least_capacity() * if width > 0.0 { width } else { 1.0 };
+                MaterialRange { low, high, scale: sensible.max(LEAST_SCALE * (high - low)) }
             })
             .collect();
-        let by_degree = materials.thermals.iter().map(|thermal| thermal.curve.least_capacity()).fold(0.0, f64::max);
         // Where the data are one temperature, nothing moves, or only fluxes move it.
-        let open = open || temperatures.0 >= temperatures.1;
-        EnthalpyRange { by_material, of_particle: materials.of_particle.clone(), exempt, open, by_degree }
+        let open = open || width <= 0.0;
+        EnthalpyRange { by_material, of_particle: materials.of_particle.clone(), exempt, open }
     }
 
-    /// Least and greatest enthalpy of a particle (J/m3).
-    #[inline]
-    pub fn of(&self, particle: usize) -> (f64, f64) {
-        self.by_material[self.of_particle.get(particle).map_or(0, |material| *material as usize)]
+    #[inline(always)]
+    fn of(&self, particle: usize) -> &MaterialRange {
+        &self.by_material[self.of_particle.get(particle).map_or(0, |material| *material as usize)]
     }
 
-    /// The scale of enthalpies in a scene (J/m3): the width of the widest range, and at least one degree of sensible
-    /// heat.
-    pub fn scale(&self) -> f64 {
-        self.by_material.iter().map(|(low, high)| high - low).fold(self.by_degree, f64::max)
+    /// The enthalpy (J/m3) by which errors of a particle are measured.
+    #[inline(always)]
+    pub fn scale(&self, particle: usize) -> f64 {
+        self.of(particle).scale
     }
 
-    /// How far, over the width of its range, the worst particle has left it.
+    /// How far, over its scale, the worst particle has left its range.
     pub fn excess(&self, enthalpy: &[f64]) -> f64 {
         if self.open {
             return 0.0;
         }
-        let beyond = |h: f64, (low, high): (f64, f64)| (low - h).max(h - high) / (high - low);
         let mut exempt = self.exempt.iter().copied().peekable();
         let mut worst: f64 = 0.0;
         for (i, h) in enthalpy.iter().enumerate() {
-            if exempt.peek() == Some(&(i as u32)) {
-                exempt.next();
-                continue;
+            if exempt.next_if_eq(&(i as u32)).is_none() {
+                let MaterialRange { low, high, scale } = *self.of(i);
+                worst = worst.max((low - h).max(h - high) / scale);
             }
-            worst = worst.max(beyond(*h, self.of(i)));
         }
         worst
     }
 
     /// Largest share (0 to 1) of the way from `inside` to `beyond` that stays in the range, widened by `slack` of its
-    /// width.
+    /// scale.
     pub fn share(&self, inside: &[f64], beyond: &[f64], slack: f64) -> f64 {
         if self.open {
             return 1.0;
@@ -145,16 +159,13 @@ impl EnthalpyRange {
         let mut exempt = self.exempt.iter().copied().peekable();
         let mut share: f64 = 1.0;
         for (i, (from, to)) in inside.iter().zip(beyond).enumerate() {
-            if exempt.peek() == Some(&(i as u32)) {
-                exempt.next();
+            if exempt.next_if_eq(&(i as u32)).is_some() {
                 continue;
             }
-            let (low, high) = self.of(i);
-            let room = slack * (high - low);
-            if *to > high + room {
-                share = share.min(((high + room - from) / (to - from)).max(0.0));
-            } else if *to < low - room {
-                share = share.min(((low - room - from) / (to - from)).max(0.0));
+            let MaterialRange { low, high, scale } = *self.of(i);
+            let limit = if *to > high { high + slack * scale } else { low - slack * scale };
+            if *to > limit && *to > high || *to < limit && *to < low {
+                share = share.min(((limit - from) / (to - from)).max(0.0));
             }
         }
         share

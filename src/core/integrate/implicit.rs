@@ -2,8 +2,8 @@
 
 use super::control::{Control, EnthalpyRange, Judgement};
 use super::newton::{Newton, NotConverged, RESIDUAL, Stage};
-use super::sharp_step;
-use crate::ledger::Ledger;
+use super::{just_before, sharp_step};
+use crate::ledger::{Hermite, Ledger};
 use crate::method::{Bound, Clock, Method, StepError, Work};
 use crate::operator::Operator;
 use crate::particles::Particles;
@@ -14,7 +14,7 @@ const DIAGONAL: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
 /// Share of Euler's bound at which steps start: there the scheme keeps the maximum principle.
 const START: f64 = 0.9;
 
-/// Room (over the width of the range of the data) that steps are given beyond it: what the residual of the stages
+/// Room (over the scale of enthalpies) that steps are given beyond it: what the residual of the stages
 /// explains.
 const SLACK: f64 = 5.0 * RESIDUAL;
 
@@ -41,12 +41,22 @@ pub struct Implicit {
     stage: Vec<f64>,
     known: Vec<f64>,
     next: Vec<f64>,
-    /// Rates: at the end of the last step, of both stages, of the backward Euler step.
-    last_rate: Option<Vec<f64>>,
+    /// State at the start of the last step, and its length (s).
+    previous: Vec<f64>,
+    last_step: f64,
+    /// Rates: at the start of the step that is being made, at the start of the last one, of both stages, of the
+    /// backward Euler step.
+    rate: Vec<f64>,
+    previous_rate: Vec<f64>,
     rates: [Vec<f64>; 2],
     euler_rate: Vec<f64>,
-    /// Rates of doors: of both stages, of the backward Euler step.
+    /// Rates of doors: of both stages, of the backward Euler step; at the end of the last step and at its start; and
+    /// the heat that it brought (J).
     doors: [Vec<f64>; 3],
+    end_doors: Vec<f64>,
+    start_doors: Vec<f64>,
+    heat: Vec<f64>,
+    turns: u64,
     rejected: u64,
     limited: u64,
 }
@@ -61,7 +71,9 @@ impl Implicit {
         count: usize,
     ) -> Self {
         let ledger = Ledger::new(operator.doors());
-        let doors = std::array::from_fn(|_| vec![0.0; ledger.names().len()]);
+        let count_doors = ledger.names().len();
+        let door = || vec![0.0; count_doors];
+        let doors = std::array::from_fn(|_| door());
         let euler = operator.bound();
         let newton = Newton::new(operator.as_ref(), count, largest_slope);
         let column = || vec![0.0; count];
@@ -75,10 +87,17 @@ impl Implicit {
             stage: column(),
             known: column(),
             next: column(),
-            last_rate: None,
+            previous: column(),
+            last_step: 0.0,
+            rate: column(),
+            previous_rate: column(),
             rates: [column(), column()],
             euler_rate: Vec::new(),
             doors,
+            end_doors: door(),
+            start_doors: door(),
+            heat: door(),
+            turns: 0,
             rejected: 0,
             limited: 0,
         }
@@ -86,19 +105,15 @@ impl Implicit {
 
     /// Solves both stages from `start`, and leaves the new state in `next`.
     fn stages(&mut self, start: &[f64], time: f64, step: f64) -> Result<(), NotConverged> {
-        let scale = self.range.scale();
         let weight = DIAGONAL * step;
-        let Implicit { operator, newton, stage, known, next, rates: [first, second], doors, .. } = self;
+        let Implicit { operator, newton, range, stage, known, next, rates: [first, second], doors, .. } = self;
         let [first_doors, second_doors, _] = doors;
-        match &self.last_rate {
-            Some(rate) => extrapolate(stage, start, rate, weight),
-            None => stage.copy_from_slice(start),
-        }
-        let system = Stage { known: start, weight, time: time + weight, scale };
+        extrapolate(stage, start, &self.rate, weight);
+        let system = Stage { known: start, weight, time: time + weight, range };
         newton.solve(operator.as_mut(), &system, stage, first, first_doors)?;
         extrapolate(known, start, first, (1.0 - DIAGONAL) * step);
         extrapolate(stage, start, first, step);
-        let system = Stage { known, weight, time: time + step, scale };
+        let system = Stage { known, weight, time: just_before(time, step), range };
         newton.solve(operator.as_mut(), &system, stage, second, second_doors)?;
         extrapolate(next, known, second, weight);
         Ok(())
@@ -109,29 +124,47 @@ impl Implicit {
         if self.range.excess(&self.next) <= SLACK {
             return Ok(1.0);
         }
-        let scale = self.range.scale();
         self.euler_rate.resize(start.len(), 0.0);
-        let Implicit { operator, newton, stage, next, euler_rate, doors, .. } = self;
+        let Implicit { operator, newton, range, stage, next, euler_rate, doors, .. } = self;
         stage.copy_from_slice(start);
-        let system = Stage { known: start, weight: step, time: time + step, scale };
+        let system = Stage { known: start, weight: step, time: just_before(time, step), range };
         newton.solve(operator.as_mut(), &system, stage, euler_rate, &mut doors[2])?;
         extrapolate(stage, start, euler_rate, step);
-        let share = self.range.share(stage, next, SLACK);
+        let share = range.share(stage, next, SLACK);
         for (next, euler) in next.iter_mut().zip(stage.iter()) {
             *next = euler + share * (*next - euler);
         }
         Ok(share)
     }
 
+    /// Takes the step in `next`, of which `share` is of second order.
+    fn keep(&mut self, state: &mut [f64], step: f64, share: f64) {
+        std::mem::swap(&mut self.previous_rate, &mut self.rate);
+        std::mem::swap(&mut self.start_doors, &mut self.end_doors);
+        let [first, second, euler] = &self.doors;
+        for door in 0..first.len() {
+            let high = (1.0 - DIAGONAL) * first[door] + DIAGONAL * second[door];
+            let mix = |high: f64, low: &[f64]| if share < 1.0 { low[door] + share * (high - low[door]) } else { high };
+            self.heat[door] = step * mix(high, euler);
+            self.end_doors[door] = mix(second[door], euler);
+            self.ledger.book(door, self.heat[door], step);
+        }
+        std::mem::swap(&mut self.rate, &mut self.rates[1]);
+        if share < 1.0 {
+            for (rate, euler) in self.rate.iter_mut().zip(&self.euler_rate) {
+                *rate = euler + share * (*rate - euler);
+            }
+        }
+        self.previous.copy_from_slice(state);
+        state.copy_from_slice(&self.next);
+        self.last_step = step;
+    }
+
     /// Sum over particles of the estimated error of a step, and of the magnitude of its result. `share` belongs to the
     /// second-order step, the rest to backward Euler.
     fn error(&self, step: f64, share: f64) -> (f64, f64) {
         let weights = error_weights();
-        let Some(last) = &self.last_rate else {
-            let size = self.next.iter().map(|h| h.abs()).sum();
-            return (f64::INFINITY, size);
-        };
-        let [first, second] = &self.rates;
+        let (last, [first, second]) = (&self.rate, &self.rates);
         let mut sums = (0.0, 0.0);
         for i in 0..last.len() {
             let high = weights[0] * last[i] + weights[1] * first[i] + weights[2] * second[i];
@@ -161,6 +194,10 @@ impl Method for Implicit {
 
     fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
         let state = &mut particles.enthalpy;
+        if clock.turned {
+            self.turns += 1;
+            self.operator.rate(state, clock.time, &mut self.rate, &mut self.end_doors);
+        }
         let mut step = clock.step;
         loop {
             let solved = self.stages(state, clock.time, step).and_then(|()| self.limit(state, clock.time, step));
@@ -178,23 +215,7 @@ impl Method for Implicit {
             };
             match judgement {
                 (Judgement::Keep, share) => {
-                    state.copy_from_slice(&self.next);
-                    let [first, second, euler] = &self.doors;
-                    for door in 0..first.len() {
-                        let high = (1.0 - DIAGONAL) * first[door] + DIAGONAL * second[door];
-                        let rate = if share < 1.0 { euler[door] + share * (high - euler[door]) } else { high };
-                        self.ledger.book(door, step * rate, step);
-                    }
-                    let last = &mut self.rates[1];
-                    if share < 1.0 {
-                        for (last, euler) in last.iter_mut().zip(&self.euler_rate) {
-                            *last = euler + share * (*last - euler);
-                        }
-                    }
-                    match &mut self.last_rate {
-                        Some(kept) => std::mem::swap(kept, last),
-                        None => self.last_rate = Some(last.clone()),
-                    }
+                    self.keep(state, step, share);
                     return Ok(step);
                 }
                 (Judgement::Again(shorter), _) => {
@@ -217,10 +238,21 @@ impl Method for Implicit {
         self.control.next()
     }
 
+    fn is_dense(&self) -> bool {
+        true
+    }
+
+    fn between(&self, particles: &Particles, share: f64, enthalpy: &mut [f64]) -> Ledger {
+        let states = (&self.previous[..], &particles.enthalpy[..]);
+        let rates = (&self.previous_rate[..], &self.rate[..]);
+        Hermite::at(share).fill(enthalpy, states, rates, self.last_step);
+        self.ledger.between(share, self.last_step, &self.heat, &self.start_doors, &self.end_doors)
+    }
+
     fn work(&self) -> Work {
         let (newton_median, newton_most) = self.newton.median_and_most();
         Work {
-            evaluations: self.newton.evaluations,
+            evaluations: self.turns + self.newton.evaluations,
             rejected_steps: self.rejected,
             limited_steps: self.limited,
             newton_solves: self.newton.solves,

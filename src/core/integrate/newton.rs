@@ -6,12 +6,18 @@
 //! followed from c = 0, at which `H = R` holds.
 
 use super::band::Band;
+use super::control::EnthalpyRange;
 use super::krylov::Krylov;
 use crate::operator::Operator;
 
-/// Largest residual that is left, over the scale of enthalpies. It bounds how far a stage can leave the range of the
+/// Largest residual that is left, over the scale of a particle's enthalpy. It bounds how far a stage can leave the range of the
 /// data, of which a billionth is allowed; heat is conserved whatever it is.
 pub const RESIDUAL: f64 = 1e-10;
+
+/// Iterations without halving the residual after which it is taken for rounding, and how large that may be: where latent
+/// heat is a thousand times the sensible heat, residuals by the latter are a thousand roundings.
+const MOST_STALLED: u32 = 2;
+const ROUNDING: f64 = 1e-7;
 
 /// Newton iterations before the path is followed instead.
 const MOST_ITERATIONS: u32 = 40;
@@ -72,8 +78,8 @@ pub struct Stage<'a> {
     pub weight: f64,
     /// Time at which rates are taken (s).
     pub time: f64,
-    /// Scale of enthalpies (J/m3).
-    pub scale: f64,
+    /// What errors of enthalpies are measured by.
+    pub range: &'a EnthalpyRange,
 }
 
 /// The iteration did not come to its end.
@@ -185,20 +191,27 @@ impl Newton {
         doors: &mut [f64],
     ) -> Result<(), NotConverged> {
         let mut last = f64::INFINITY;
+        let (mut best, mut stalled) = (f64::INFINITY, 0);
         for _ in 0..MOST_ITERATIONS {
             operator.rate(state, stage.time, rate, doors);
             self.evaluations += 1;
             let mut worst: f64 = 0.0;
             for (i, residual) in self.residual.iter_mut().enumerate() {
                 *residual = stage.known[i] - state[i] + stage.weight * rate[i];
-                worst = if residual.is_nan() { f64::NAN } else { worst.max(residual.abs()) };
+                let relative = residual.abs() / stage.range.scale(i);
+                // A plain comparison would let NaN pass.
+                worst = if relative <= worst { worst } else { relative };
             }
-            let worst = worst / stage.scale;
             if worst <= RESIDUAL {
                 return Ok(());
             }
             if !worst.is_finite() {
                 return Err(NotConverged);
+            }
+            stalled = if worst > 0.5 * best { stalled + 1 } else { 0 };
+            best = best.min(worst);
+            if stalled == MOST_STALLED && worst <= ROUNDING {
+                return Ok(());
             }
             let fall = (worst / last).min(1.0);
             let relative = LOOSEST.min(fall * fall).max(0.1 * RESIDUAL / worst);

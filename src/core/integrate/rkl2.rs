@@ -1,8 +1,8 @@
 //! Runge-Kutta-Legendre of second order.
 
 use super::control::{Control, EnthalpyRange, Judgement};
-use super::sharp_step;
-use crate::ledger::Ledger;
+use super::{just_before, sharp_step};
+use crate::ledger::{Hermite, Ledger};
 use crate::method::{Bound, Clock, Method, StepError, Work};
 use crate::operator::{Operator, Stage, StageColumns};
 use crate::particles::Particles;
@@ -33,6 +33,7 @@ pub struct Rkl2 {
     first_holds_at: Option<f64>,
     /// Rate at the end of a controlled step.
     last_rate: Vec<f64>,
+    last_step: f64,
     doors: Doors,
     work: Work,
 }
@@ -91,6 +92,7 @@ impl Rkl2 {
             first_rate: column(),
             first_holds_at: None,
             last_rate,
+            last_step: 0.0,
             doors,
             work: Work::default(),
         }
@@ -197,6 +199,9 @@ impl Method for Rkl2 {
 
     fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
         let state = &mut particles.enthalpy;
+        if clock.turned {
+            self.first_holds_at = None;
+        }
         if let Pace::Fixed { stages, steps } = &mut self.pace {
             *steps = steps.saturating_add(1);
             let stages = *stages;
@@ -210,7 +215,7 @@ impl Method for Rkl2 {
             self.chain(state, clock.time, step, Self::stages_for(step / self.euler.step));
             self.first_holds_at = Some(clock.time);
             let end = clock.time + step;
-            self.operator.rate(&self.old, end, &mut self.last_rate, &mut self.doors.last);
+            self.operator.rate(&self.old, just_before(clock.time, step), &mut self.last_rate, &mut self.doors.last);
             self.work.evaluations += 1;
             let (error, size) = self.error(state, step);
             let Pace::Controlled { control, range, .. } = &mut self.pace else { return Ok(step) };
@@ -228,7 +233,10 @@ impl Method for Rkl2 {
             };
             match judgement {
                 Judgement::Keep => {
+                    // The state of two stages back is not needed any more: its column keeps the start of the step.
+                    self.older.copy_from_slice(state);
                     state.copy_from_slice(&self.old);
+                    self.last_step = step;
                     std::mem::swap(&mut self.first_rate, &mut self.last_rate);
                     std::mem::swap(&mut self.doors.first, &mut self.doors.last);
                     self.first_holds_at = Some(end);
@@ -256,6 +264,17 @@ impl Method for Rkl2 {
             Pace::Fixed { steps, .. } => self.euler.step * GROWTH.powi((*steps).min(1000)),
             Pace::Controlled { most, control, .. } => control.next().min(self.euler.step * Self::reach(*most)),
         }
+    }
+
+    fn is_dense(&self) -> bool {
+        matches!(self.pace, Pace::Controlled { .. })
+    }
+
+    fn between(&self, particles: &Particles, share: f64, enthalpy: &mut [f64]) -> Ledger {
+        // A kept step has exchanged the columns of rates: the first now belong to its end.
+        let (states, rates) = ((&self.older[..], &particles.enthalpy[..]), (&self.last_rate[..], &self.first_rate[..]));
+        Hermite::at(share).fill(enthalpy, states, rates, self.last_step);
+        self.ledger.between(share, self.last_step, &self.doors.old, &self.doors.last, &self.doors.first)
     }
 
     fn work(&self) -> Work {

@@ -132,7 +132,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     };
     let methods = numerics::methods(&mut root, &setup, kinds);
     let time = time?;
-    Some(Scene {
+    let scene = Scene {
         name: name.to_owned(),
         title: title?,
         source: source?,
@@ -149,5 +149,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         reference,
         methods,
         hash,
-    })
+    };
+    ground::latent_heats(&mut root, &scene.materials, scene.temperature_range());
+    Some(scene)
 }

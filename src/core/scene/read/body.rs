@@ -1,5 +1,7 @@
 //! The body and what surrounds it: domain, walls, pipes.
 
+use std::sync::Arc;
+
 use super::range::{Range, all_of, plain};
 use super::section::{Key, Section};
 use crate::material::Material;
@@ -177,12 +179,14 @@ fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
     let first_angle = section.number_or(("first_angle", "deg"), 0.0, Range::ANY);
     let pipe_radius = section.positive(("pipe_radius", "m"));
     let temperature = section.series(("temperature", "c"), Range::above(section.units().absolute_zero()));
+    let schedule = section.optional_schedule().map(Arc::new);
     Some(PipeRing {
         count: count?,
         ring_radius: ring_radius?,
         first_angle: first_angle.to_radians(),
         pipe_radius: pipe_radius?,
         temperature: temperature?,
+        schedule,
     })
 }
 

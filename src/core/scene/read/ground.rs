@@ -5,6 +5,29 @@ use super::section::Section;
 use crate::material::{FreezingLaw, Material, Mixing, Phase};
 use crate::scene::{Domain, Region, Sector};
 
+/// How far apart conductivities, and heats, of the two phases may be: of the sixteen digits of a number ten are left
+/// for the smaller.
+const MOST_APART: f64 = 1e6;
+
+/// Refuses latent heats beside which the heats of cooling by the temperatures of the scene would be lost in rounding.
+pub(super) fn latent_heats(root: &mut Section<'_>, materials: &[Material], temperatures: (f64, f64)) {
+    let range = temperatures.1 - temperatures.0;
+    for material in materials.iter().filter(|_| range > 0.0) {
+        let capacity = material.frozen.heat_capacity.min(material.unfrozen.heat_capacity);
+        let most = MOST_APART * capacity * range;
+        if material.latent_heat > most {
+            let message = format!(
+                "\"{}\" has a latent heat of {}, must have at most {}: {MOST_APART:.0e} times the heat of cooling from \
+                 the warmest to the coldest temperature of the scene",
+                material.name,
+                plain(material.latent_heat),
+                plain(most)
+            );
+            root.problem("materials", message);
+        }
+    }
+}
+
 /// Reads all materials; one that has a problem keeps its place, for its name.
 pub(super) fn materials(section: &mut Section<'_>) -> Vec<(String, Option<Material>)> {
     let found: Vec<_> = section
@@ -26,6 +49,18 @@ fn material(name: &str, section: &mut Section<'_>) -> Option<Material> {
     let frozen = section.section("frozen").and_then(phase);
     let unfrozen = section.section("unfrozen").and_then(phase);
     let freezing = section.section("freezing").and_then(freezing);
+    if let (Some(frozen), Some(unfrozen)) = (&frozen, &unfrozen) {
+        for (what, a, b) in [
+            ("conductivities", frozen.conductivity, unfrozen.conductivity),
+            ("heat capacities", frozen.heat_capacity, unfrozen.heat_capacity),
+        ] {
+            if a.max(b) > MOST_APART * a.min(b) {
+                let (a, b) = (plain(a), plain(b));
+                let message = format!("found {what} of {a} and {b}, must be within a factor of {MOST_APART:.0e}");
+                section.problem("frozen", message);
+            }
+        }
+    }
     let freezing = freezing?;
     Some(Material {
         name: name.to_owned(),
@@ -110,7 +145,14 @@ fn freezing(mut section: Section<'_>) -> Option<Freezing> {
         }
         Law::Weibull => {
             let residual = section.number_or("residual_fraction", 0.0, Range::from_to_below(0.0, 1.0));
-            FreezingLaw::Weibull { width: width?, residual }
+            let width = width?;
+            if let Some(point) = point
+                && point - width <= coldest
+            {
+                let message = format!("found {}, must end above absolute zero, {}", plain(width), plain(coldest));
+                section.problem(WIDTH, message);
+            }
+            FreezingLaw::Weibull { width, residual }
         }
     };
     Some(Freezing { point: point?, latent_heat: latent_heat?, law, mixing })

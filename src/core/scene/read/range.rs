@@ -78,6 +78,20 @@ impl fmt::Display for Range {
     }
 }
 
+/// Size of the largest number of a file, and of the inverse of the smallest: products of three of them with squares of
+/// lengths neither overflow nor vanish.
+const LARGEST: f64 = 1e30;
+
+/// What a number must be whatever its range, if it is not.
+pub(super) fn unfit(number: f64) -> Option<&'static str> {
+    if !number.is_finite() {
+        return Some("a finite number");
+    }
+    let size = number.abs();
+    let fits = size == 0.0 || (1.0 / LARGEST..=LARGEST).contains(&size);
+    (!fits).then_some("0 or of a size between 1e-30 and 1e30")
+}
+
 /// A number as people write it: at most nine digits, powers of ten only far from one.
 pub(super) fn plain(number: f64) -> String {
     if number == 0.0 {

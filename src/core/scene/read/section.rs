@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use std::ops::RangeInclusive;
 
 use super::problem::{Place, Problem};
-use super::range::{Range, all_of, one_of};
+use super::range::{Range, all_of, one_of, unfit};
 use super::tree::{Entry, Node};
 use crate::scene::Units;
 
@@ -387,14 +387,13 @@ impl<'a> Section<'a> {
 
     fn check_number(&mut self, key: &str, node: &Node, range: Range) -> Option<f64> {
         match node {
-            Node::Number(_, value, _) if range.contains(*value) => Some(*value),
-            Node::Number(_, value, _) if value.is_finite() => {
-                self.wrong(key, node, &range.to_string());
-                None
-            }
-            Node::Number(..) => {
-                self.wrong(key, node, "a finite number");
-                None
+            Node::Number(_, value, _) => {
+                let unfit = unfit(*value).map(str::to_owned);
+                let wrong = unfit.or((!range.contains(*value)).then(|| range.to_string()));
+                if let Some(allowed) = &wrong {
+                    self.wrong(key, node, allowed);
+                }
+                wrong.is_none().then_some(*value)
             }
             other => {
                 self.wrong(key, other, "a number");

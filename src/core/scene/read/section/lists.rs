@@ -1,9 +1,9 @@
 //! Values of a section that are more than one number: lists, points, times and tables in time.
 
-use super::super::range::{Range, plain};
+use super::super::range::{Range, plain, unfit};
 use super::super::tree::{Entry, Item, Node};
 use super::{Asked, Key, Section};
-use crate::scene::{Series, TimeUnit, Units};
+use crate::scene::{Schedule, Series, TimeUnit, Units};
 
 /// A time as it was given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -12,6 +12,16 @@ pub struct Duration {
     pub seconds: f64,
     /// The unit of its key.
     pub unit: TimeUnit,
+}
+
+/// What is wrong with a list of times that ends beyond its period.
+fn beyond_period(end: f64, period: &Duration) -> Option<String> {
+    let unit = period.unit;
+    // Times in hours and a period in days may round differently.
+    let within = end <= period.seconds * (1.0 + 1e-12);
+    let (end, most) = (plain(end / unit.seconds()), plain(period.seconds / unit.seconds()));
+    let message = format!("ends at {end} {}, must end within the period, {most} {}", unit.symbol(), unit.symbol());
+    (!within).then_some(message)
 }
 
 impl<'a> Section<'a> {
@@ -42,7 +52,8 @@ impl<'a> Section<'a> {
         Some(points)
     }
 
-    /// A required quantity that is constant or a table in time: `5` or `{ times_h = [0, 10], values = [5, -20] }`.
+    /// A required quantity that is constant or a table in time: `5` or `{ times_h = [0, 10], values = [5, -20] }`, which a
+    /// `period_h` repeats.
     pub fn series(&mut self, key: impl Into<Key>, range: Range) -> Option<Series> {
         let key = key.into();
         self.required(key, "a number or a table in time", |section| section.optional_series(key, range))
@@ -58,6 +69,7 @@ impl<'a> Section<'a> {
         let times = table.times("times");
         let values =
             table.required("values".into(), "a list of numbers", |table| table.optional_numbers("values", range));
+        let period = table.optional_duration("period", Range::POSITIVE);
         let (times, values) = (times?, values?);
         if times.len() != values.len() {
             let message = format!("found {} values for {} times, must be as many", values.len(), times.len());
@@ -68,7 +80,78 @@ impl<'a> Section<'a> {
             table.problem("values", "found an empty list, must have at least one row");
             return None;
         }
-        Some(Series::Table(times.into_iter().map(|time| time.seconds).zip(values).collect()))
+        let rows: Vec<(f64, f64)> = times.into_iter().map(|time| time.seconds).zip(values).collect();
+        let Some(period) = period else { return Some(Series::Table(rows)) };
+        if let Some(message) = beyond_period(rows.last().map_or(0.0, |row| row.0), &period) {
+            table.time_problem("times", message);
+            return None;
+        }
+        Some(Series::Repeated { rows, period: period.seconds })
+    }
+
+    /// When something works, as intervals of time that may repeat: `on_h = [[0, 8], [12, 20]]`, `on_period_h = 24`. An
+    /// interval of one instant begins there and never ends. Absent, it always works.
+    pub fn optional_schedule(&mut self) -> Option<Schedule> {
+        let found = self.ask_time("on");
+        if found.is_none() {
+            for (key, _) in self.time_keys("on_period") {
+                if self.find(&key).is_some() {
+                    self.note(&key, "has no effect, only intervals of work repeat");
+                }
+                self.refused.push(key);
+            }
+        }
+        let (entry, unit) = found?;
+        let period = self.optional_duration("on_period", Range::POSITIVE);
+        let Node::List(items) = &entry.node else {
+            self.wrong(&entry.key, &entry.node, "a list of intervals, as [[0, 8], [12, 20]]");
+            return None;
+        };
+        if items.is_empty() {
+            self.note(&entry.key, "found an empty list, must have at least one interval");
+            return None;
+        }
+        let mut on: Vec<(f64, f64)> = Vec::with_capacity(items.len());
+        for (index, item) in items.iter().enumerate() {
+            let path = format!("{}.{index}", entry.key);
+            let ends = self.check_numbers_of(&path, item, Range::NOT_NEGATIVE)?;
+            let open = ends.len() == 1 && index + 1 == items.len() && period.is_none();
+            let message = match ends.as_slice() {
+                [_] if open => None,
+                [from, to] if from < to => None,
+                [from, to] => Some(format!("found {} after {}, must be later", plain(*to), plain(*from))),
+                _ => Some(format!(
+                    "found {} instants, must be 2: when work begins and when it ends (or 1 in the last interval, for \
+                     work without end that does not repeat)",
+                    ends.len()
+                )),
+            };
+            if let Some(message) = message {
+                self.note_at(&item.place, &path, message);
+                return None;
+            }
+            let from = self.seconds(&path, ends[0], unit)?.seconds;
+            let to = match ends.get(1) {
+                Some(to) => self.seconds(&path, *to, unit)?.seconds,
+                None => f64::INFINITY,
+            };
+            if let Some((_, last)) = on.last()
+                && from < *last
+            {
+                let last = plain(last / unit.seconds());
+                let message = format!("found {}, must not begin before the last interval ends, {last}", plain(ends[0]));
+                self.note_at(&item.place, &path, message);
+                return None;
+            }
+            on.push((from, to));
+        }
+        if let (Some(period), Some((_, end))) = (&period, on.last())
+            && let Some(message) = beyond_period(*end, period)
+        {
+            self.note(&entry.key, message);
+            return None;
+        }
+        Some(Schedule { on, period: period.map(|period| period.seconds) })
     }
 
     /// A required time, given in seconds, hours or days (`duration_s`, `duration_h`, `duration_days`).
@@ -176,11 +259,10 @@ impl<'a> Section<'a> {
         let mut numbers = Vec::with_capacity(items.len());
         for (index, item) in items.iter().enumerate() {
             match &item.node {
-                Node::Number(_, value, _) if range.contains(*value) => numbers.push(*value),
+                Node::Number(_, value, _) if range.contains(*value) && unfit(*value).is_none() => numbers.push(*value),
                 other => {
                     let allowed = match other {
-                        Node::Number(_, value, _) if value.is_finite() => range.to_string(),
-                        Node::Number(..) => "a finite number".into(),
+                        Node::Number(_, value, _) => unfit(*value).map_or_else(|| range.to_string(), str::to_owned),
                         _ => "a number".into(),
                     };
                     let message = format!("found {}, must be {allowed}", other.found());

@@ -35,6 +35,13 @@ fn bad_input_ends_with_2_says_why_and_writes_nothing() {
         &["compare"],
         &["compare", "stefan-water", "--settings", "worst"],
         &["compare", "stefan-water", "--budget-s", "nan"],
+        &["stability"],
+        &["stability", "stefan-watre"],
+        &["stability", "stefan-water", "--axes", "peclet"],
+        &["stability", "stefan-water", "--methods", "fem"],
+        &["stability", "stefan-water", "--methods", "local", "--axes", "noise"],
+        &["stability", "stefan-water", "--steps", "0"],
+        &["stability", "stefan-water", "--values", "4"],
     ] {
         let output = frazil(folder.path(), arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

@@ -13,4 +13,5 @@ mod reductions;
 mod references;
 mod reproducibility;
 mod sketch;
+mod stability;
 mod steps_by_error;

@@ -294,7 +294,10 @@ fn judge(
     }
     // Noise may push a front or a flow back for a moment.
     if let Some(setback) = setback.filter(|setback| *setback > 0.01 && noise == 0.0) {
-        let cause = format!("the front or the heat through a wall or pipe went back by {:.2} %", 100.0 * setback);
+        let cause = format!(
+            "the front, or the heat through the coldest or warmest pipes, went back by {:.2} %",
+            100.0 * setback
+        );
         return (Outcome::Oscillating, Some(cause));
     }
     (Outcome::Ok, None)

@@ -1,6 +1,6 @@
 //! What the data of a scene allow in one direction only: a body that is cooled from all sides freezes and does not
-//! thaw, and the coldest wall of all takes heat and gives none. An unstable step breaks such rules where temperatures
-//! may still look innocent, as inside the smeared delta of a pipe.
+//! thaw, and the coldest pipes take heat and give none. An unstable step breaks such rules where temperatures tell
+//! nothing, as inside the smeared delta of a pipe.
 
 use crate::scene::{Condition, Scene, Series};
 
@@ -9,9 +9,9 @@ use crate::scene::{Condition, Scene, Series};
 pub struct OneWay {
     /// +1 where the frozen volume can only grow, -1 where it can only shrink.
     frozen: Option<f64>,
-    /// Names of walls that can only take heat (-1) or only give it (+1).
-    walls: Vec<(&'static str, f64)>,
-    /// The same for rings of pipes, in the order of the scene.
+    /// Volume of a particle: the front is not known any better.
+    grain: f64,
+    /// Rings of pipes that can only take heat (-1) or only give it (+1), in the order of the scene.
     rings: Vec<Option<f64>>,
     watches: bool,
     /// Extreme of the frozen volume so far, in its one direction, and its greatest value.
@@ -22,8 +22,8 @@ pub struct OneWay {
 }
 
 impl OneWay {
-    /// The rules that the data of a scene make.
-    pub fn new(scene: &Scene) -> Self {
+    /// The rules that the data of a scene make, for particles of this volume.
+    pub fn new(scene: &Scene, grain: f64) -> Self {
         let (low, high) = scene.temperature_range();
         let side = |series: &Series| match series.range() {
             (a, b) if low == high || a != b => None,
@@ -32,46 +32,34 @@ impl OneWay {
             _ => None,
         };
         let open = scene.has_flux();
-        let exact = scene.walls.iter().any(|wall| wall.condition == Condition::Exact);
-        let walls = scene.walls.iter().filter_map(|wall| match &wall.condition {
-            Condition::Temperature(series) => Some((wall.name, side(series)?)),
-            Condition::Convection { ambient, .. } => Some((wall.name, side(ambient)?)),
-            Condition::Symmetry | Condition::Flux(_) | Condition::Exact => None,
-        });
-        let walls: Vec<_> = if open { Vec::new() } else { walls.collect() };
         let rings: Vec<_> = scene.rings.iter().map(|ring| if open { None } else { side(&ring.temperature) }).collect();
-        let frozen = if open || exact || low == high { None } else { direction(scene) };
-        let watches = frozen.is_some() || !walls.is_empty() || rings.iter().any(Option::is_some);
-        OneWay { frozen, walls, rings, watches, furthest: None, strongest: 0.0, setback: 0.0 }
+        let frozen = if low == high { None } else { direction(scene) };
+        let watches = frozen.is_some() || rings.iter().any(Option::is_some);
+        OneWay { frozen, grain, rings, watches, furthest: None, strongest: 0.0, setback: 0.0 }
     }
 
-    /// Takes note of the frozen volume and of the flow into the body (W) through each door. `names` are the doors:
-    /// walls, then rings of pipes.
-    pub fn look(&mut self, frozen: f64, names: &[String], flows: &[f64]) {
+    /// Takes note of the frozen volume and of the flow into the body (W) through each door: walls, then rings of pipes.
+    pub fn look(&mut self, frozen: f64, flows: &[f64]) {
         if let Some(sign) = self.frozen {
             let (furthest, greatest) = self.furthest.unwrap_or((frozen, 0.0));
             let greatest = f64::max(greatest, frozen);
             if greatest > 0.0 {
-                self.setback = self.setback.max(sign * (furthest - frozen) / greatest);
+                self.setback = self.setback.max((sign * (furthest - frozen) - self.grain) / greatest);
             }
             let further = if sign > 0.0 { furthest.max(frozen) } else { furthest.min(frozen) };
             self.furthest = Some((further, greatest));
         }
         self.strongest = flows.iter().fold(self.strongest, |strongest, flow| strongest.max(flow.abs()));
-        let walls = names.len() - self.rings.len().min(names.len());
-        for (door, (name, flow)) in names.iter().zip(flows).enumerate() {
-            let sign = match door.checked_sub(walls) {
-                Some(ring) => self.rings.get(ring).copied().flatten(),
-                None => self.walls.iter().find(|wall| wall.0 == name).map(|wall| wall.1),
-            };
-            if let Some(sign) = sign.filter(|_| self.strongest > 0.0) {
+        let pipes = &flows[flows.len().saturating_sub(self.rings.len())..];
+        for (sign, flow) in self.rings.iter().zip(pipes).filter_map(|(sign, flow)| Some(((*sign)?, flow))) {
+            if self.strongest > 0.0 {
                 self.setback = self.setback.max(-sign * flow / self.strongest);
             }
         }
     }
 
-    /// The furthest way back: of the frozen volume over its greatest, of the flow through a wall or pipe over the
-    /// strongest through any. Absent where the data make no rule.
+    /// The furthest way back: of the frozen volume, but for one particle, over its greatest; of the flow through pipes
+    /// over the strongest through any door. Absent where the data make no rule.
     pub fn setback(&self) -> Option<f64> {
         self.watches.then_some(self.setback)
     }
@@ -84,11 +72,13 @@ fn direction(scene: &Scene) -> Option<f64> {
         let away = |value: f64| sign * (start - value) >= 0.0;
         match series {
             Series::Constant(value) => away(*value),
+            Series::Repeated { rows, .. } if !series.changes() => rows.iter().all(|row| away(row.1)),
+            // What comes back has let go before.
+            Series::Repeated { .. } => !series.changes() && away(series.range().0),
             Series::Table(rows) => {
                 rows.first().is_some_and(|row| away(row.1))
                     && rows.windows(2).all(|pair| sign * (pair[0].1 - pair[1].1) >= 0.0)
             }
-            Series::Repeated { .. } => !series.changes() && away(series.range().0),
         }
     };
     [1.0, -1.0].into_iter().find(|sign| {
@@ -99,7 +89,7 @@ fn direction(scene: &Scene) -> Option<f64> {
             Condition::Flux(_) | Condition::Exact => false,
         };
         scene.walls.iter().all(|own| wall(&own.condition))
-            // Pipes that are switched off let the body come back.
+            // A pipe that rests does not pull.
             && scene.rings.iter().all(|ring| ring.schedule.is_none() && pulls(&ring.temperature, *sign))
     })
 }
@@ -152,24 +142,29 @@ mod tests {
     }
 
     fn after(scene: &Scene, looks: &[(f64, &[f64])]) -> Option<f64> {
-        let walls = scene.walls.iter().map(|wall| wall.name.to_string());
-        let names: Vec<String> = walls.chain(scene.rings.iter().map(|_| "pipes".to_string())).collect();
-        let mut watch = OneWay::new(scene);
+        let mut watch = OneWay::new(scene, 0.0);
         for (frozen, flows) in looks {
-            watch.look(*frozen, &names, flows);
+            watch.look(*frozen, flows);
         }
         watch.setback()
     }
 
     #[test]
-    fn a_cooled_body_freezes_only_and_its_cold_wall_only_takes() {
+    fn a_cooled_body_only_freezes() {
         let cooled = scene(vec![("left", held(-20.0)), ("right", held(5.0))]);
         assert_eq!(after(&cooled, &[(0.0, &[-8.0, 0.0]), (2.0, &[-4.0, 1.0]), (2.0, &[-3.0, 0.0])]), Some(0.0));
         // A quarter of the frozen volume thaws again.
         assert_eq!(after(&cooled, &[(1.0, &[-8.0, 0.0]), (4.0, &[-4.0, 0.0]), (3.0, &[-3.0, 0.0])]), Some(0.25));
-        // Heat comes out of the cold wall; it goes into the warm one.
-        assert_eq!(after(&cooled, &[(1.0, &[-8.0, 0.0]), (2.0, &[2.0, 0.0])]), Some(0.25));
-        assert_eq!(after(&cooled, &[(1.0, &[-8.0, 0.0]), (2.0, &[-2.0, -4.0])]), Some(0.5));
+    }
+
+    #[test]
+    fn a_front_may_go_back_within_a_particle() {
+        let cooled = scene(vec![("left", held(-20.0))]);
+        let mut watch = OneWay::new(&cooled, 0.5);
+        for (frozen, setback) in [(4.0, 0.0), (3.5, 0.0), (4.0, 0.0), (3.25, 0.0625)] {
+            watch.look(frozen, &[-1.0]);
+            assert_eq!(watch.setback(), Some(setback));
+        }
     }
 
     #[test]
@@ -181,36 +176,41 @@ mod tests {
     }
 
     #[test]
-    fn pipes_are_doors_after_the_walls() {
-        let mut ring = scene(vec![("outer", held(5.0))]);
-        ring.rings.push(PipeRing {
-            schedule: None,
+    fn the_coldest_pipes_only_take_heat() {
+        let pipes = |temperature: f64| PipeRing {
             count: 4,
             ring_radius: 1.0,
             first_angle: 0.0,
             pipe_radius: 0.1,
-            temperature: Series::Constant(-20.0),
-        });
-        assert_eq!(after(&ring, &[(1.0, &[0.0, -8.0]), (2.0, &[0.0, 4.0])]), Some(0.5));
+            temperature: Series::Constant(temperature),
+            schedule: None,
+        };
+        let mut ring = scene(vec![("outer", held(5.0))]);
+        ring.rings = vec![pipes(-20.0), pipes(-10.0)];
+        // Walls come before pipes, and pipes that are not the coldest may do either.
+        assert_eq!(after(&ring, &[(1.0, &[0.0, -8.0, -2.0]), (2.0, &[-1.0, -4.0, 2.0])]), Some(0.0));
+        assert_eq!(after(&ring, &[(1.0, &[0.0, -8.0, -2.0]), (2.0, &[0.0, 4.0, 2.0])]), Some(0.5));
     }
 
     #[test]
     fn no_rule_is_made_where_data_allow_either_way() {
         let film = |times: Series| Condition::Convection { coefficient: times, ambient: Series::Constant(-20.0) };
+        let swinging = Series::Repeated { rows: vec![(0.0, 5.0), (1.0, -2.0)], period: 2.0 };
+        let swinging = Condition::Temperature(swinging);
         let growing = Series::Table(vec![(0.0, 1.0), (1.0, 2.0)]);
         let rising = Condition::Temperature(Series::Table(vec![(0.0, -5.0), (1.0, 2.0)]));
         let falling = Condition::Temperature(Series::Table(vec![(0.0, 5.0), (1.0, -2.0)]));
         let flux = Condition::Flux(Series::Constant(-1.0));
         // Thawing under each: allowed but where the wall only ever gets colder.
-        for (condition, rule) in [(rising, None), (flux, None), (falling, Some(0.75)), (held(5.0), None)] {
+        let cases = [(rising, None), (swinging, None), (flux, None), (falling, Some(0.75)), (held(5.0), None)];
+        for (condition, rule) in cases {
             assert_eq!(after(&scene(vec![("left", condition)]), &[(4.0, &[-1.0]), (1.0, &[-1.0])]), rule);
         }
-        // A film that changes may let the front go back, but the coldest surroundings still give no heat.
+        // A film that changes may let the front go back.
         let changing = scene(vec![("left", film(growing))]);
-        assert_eq!(after(&changing, &[(4.0, &[-2.0]), (1.0, &[-1.0])]), Some(0.0));
-        assert_eq!(after(&changing, &[(4.0, &[-2.0]), (1.0, &[1.0])]), Some(0.5));
+        assert_eq!(after(&changing, &[(4.0, &[-2.0]), (1.0, &[-1.0])]), None);
         // A warmer wall beside a colder one pulls the other way.
         let both = scene(vec![("left", held(-20.0)), ("right", held(9.0))]);
-        assert_eq!(after(&both, &[(4.0, &[-2.0, 0.0]), (1.0, &[-1.0, 0.0])]), Some(0.0));
+        assert_eq!(after(&both, &[(4.0, &[-2.0, 0.0]), (1.0, &[-1.0, 0.0])]), None);
     }
 }

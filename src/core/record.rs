@@ -166,8 +166,8 @@ pub struct Record {
     /// How far temperatures left the range of the scene's data, over that range.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub bounds_violation_rel: Option<f64>,
-    /// How far the front went back, or heat flowed back through the coldest or warmest wall or pipe, over the greatest
-    /// before; absent where the data allow either way.
+    /// How far the front went back, or heat flowed back through the coldest or warmest pipes, over the greatest before;
+    /// absent where the data allow either way.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub setback_rel: Option<f64>,
     /// Errors against the reference.

@@ -145,7 +145,7 @@ impl Watches {
             keep_fields: keep_fields && scene.domain.dimension() == 2,
             field_radius: scene.rings.iter().map(|ring| 1.6 * ring.ring_radius).fold(0.0, f64::max),
             isothermal: matches!(scene.materials[0].law, FreezingLaw::Isothermal),
-            one_way: OneWay::new(scene),
+            one_way: OneWay::new(scene, particles.volume),
             front: Vec::new(),
             profiles: Vec::new(),
             probe_rows: Vec::new(),
@@ -211,7 +211,7 @@ impl Watches {
         let frozen = frozen.value() * particles.volume;
         if landed {
             // The curve between two states may swing where steps do not.
-            self.one_way.look(frozen, ledger.names(), ledger.rate());
+            self.one_way.look(frozen, ledger.rate());
         }
         if let Some(direction) = self.direction {
             self.front.push(FrontRow { time_s: time, front_m: frozen / direction.across, front_ref_m: None });

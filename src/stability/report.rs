@@ -252,7 +252,7 @@ fn facts(request: &StabilityRequest) -> Vec<Fact> {
             "Exact",
             "to tolerance: temperatures within the range of the data to 1 % of it, the heat balance closed to 0.1 % of \
              the heat exchanged at every output, and what can only go one way (the front of a body that is cooled from \
-             all sides, the heat through its coldest wall or pipe) never back by more than 1 %",
+             all sides, the heat through its coldest pipes) never back by more than 1 %",
         ),
         Fact::new("Oscillating", "beyond these tolerances, but within ten ranges of the data"),
         Fact::new("Energy drift", "the heat balance is open by more than 0.1 %"),

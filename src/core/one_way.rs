@@ -74,7 +74,7 @@ fn direction(scene: &Scene) -> Option<f64> {
             Series::Constant(value) => away(*value),
             Series::Repeated { rows, .. } if !series.changes() => rows.iter().all(|row| away(row.1)),
             // What comes back has let go before.
-            Series::Repeated { .. } => !series.changes() && away(series.range().0),
+            Series::Repeated { .. } => false,
             Series::Table(rows) => {
                 rows.first().is_some_and(|row| away(row.1))
                     && rows.windows(2).all(|pair| sign * (pair[0].1 - pair[1].1) >= 0.0)

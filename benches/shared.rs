@@ -19,7 +19,6 @@ const SPACING: f64 = 0.002;
 /// A square of water, `side` particles along each side, with a cold wall. A third of its particles are frozen, a third
 /// freeze and a third are warm, in random order: no branch can be guessed.
 pub fn square(side: usize, method: &str, numerics: &str, threads: usize) -> Plan {
-    let kind = kind(method);
     let extent = side as f64 * SPACING;
     let text = format!(
         "title = \"square\"\nsource = \"a bench\"\n\
@@ -36,10 +35,7 @@ pub fn square(side: usize, method: &str, numerics: &str, threads: usize) -> Plan
          [walls.top]\ncondition = \"symmetry\"\n\
          [method.{method}]\nspacing_m = {SPACING}\n{numerics}\n"
     );
-    let scene =
-        Scene::read(&text, "square", "square", &[], &[kind]).unwrap_or_else(|problems| unreachable!("{problems}"));
-    let mut plan =
-        plan::build(&scene, &scene.methods[0], None, threads, 1).unwrap_or_else(|refused| unreachable!("{refused}"));
+    let mut plan = planned(&text, method, threads);
     let mut random = StdRng::seed_from_u64(1);
     let curve = plan.particles.materials.thermals[0].clone();
     let freezing = [curve.enthalpy(-1e-9), curve.enthalpy(1e-9)];
@@ -51,6 +47,13 @@ pub fn square(side: usize, method: &str, numerics: &str, threads: usize) -> Plan
         };
     }
     plan
+}
+
+/// The plan of a scene file.
+pub fn planned(text: &str, method: &str, threads: usize) -> Plan {
+    let scene =
+        Scene::read(text, "bench", "bench", &[], &[kind(method)]).unwrap_or_else(|problems| unreachable!("{problems}"));
+    plan::build(&scene, &scene.methods[0], None, threads, 1).unwrap_or_else(|refused| unreachable!("{refused}"))
 }
 
 /// A method of the registry.

@@ -445,14 +445,9 @@ impl<L: PotentialLaw> LatticeOperator<L> {
     /// Sweeps all bands; `targets` holds one target for each.
     fn sweep<T: Target + Send>(&mut self, targets: &mut [T]) {
         let around = &self.around;
-        let lattice = &around.lattice;
-        let span = |row: usize| {
-            let (first, end) = lattice.span(row);
-            (first, end, lattice.start(row))
-        };
         let frame = Frame {
             shape: around.shape,
-            span: &span,
+            lattice: &around.lattice,
             stencil: &around.stencil,
             sum: self.sum,
             law: &around.law,

@@ -227,6 +227,7 @@ pub fn build(
                 bound: settings.bound.clone(),
             };
             let operator: Box<dyn Operator> = match materials.thermals[0].law.clone() {
+                Law::Straight(law) => Box::new(LatticeOperator::new(parts, law)),
                 Law::Kinked(law) => Box::new(LatticeOperator::new(parts, law)),
                 Law::Curved(law) => Box::new(LatticeOperator::new(parts, law)),
             };

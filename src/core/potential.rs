@@ -498,6 +498,24 @@ impl PotentialLaw for Kinked {
     }
 }
 
+/// A law without any change: potential and enthalpy in proportion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Straight {
+    slope: f64,
+}
+
+impl PotentialLaw for Straight {
+    #[inline(always)]
+    fn potential(&self, enthalpy: f64) -> f64 {
+        self.slope * enthalpy
+    }
+
+    #[inline(always)]
+    fn slope(&self, _enthalpy: f64) -> f64 {
+        self.slope
+    }
+}
+
 /// A smooth law in two tables, each against the root of the distance to its end of the freezing interval: the
 /// curve bends sharply at both ends, and there the nodes lie close.
 #[derive(Debug, Clone)]
@@ -578,9 +596,11 @@ pub struct Thermal {
     pub largest_slope: f64,
 }
 
-/// The two kinds of inner-loop functions; a run decides once between them.
+/// The kinds of inner-loop functions; a run decides once between them.
 #[derive(Debug, Clone)]
 pub enum Law {
+    /// In proportion.
+    Straight(Straight),
     /// Piecewise linear.
     Kinked(Kinked),
     /// Tabulated.
@@ -591,6 +611,7 @@ impl Law {
     /// The potential, for places where speed does not matter.
     pub fn potential(&self, enthalpy: f64) -> f64 {
         match self {
+            Law::Straight(law) => law.potential(enthalpy),
             Law::Kinked(law) => law.potential(enthalpy),
             Law::Curved(law) => law.potential(enthalpy),
         }
@@ -599,6 +620,7 @@ impl Law {
     /// The slope dU/dH (m2/s), likewise.
     pub fn slope(&self, enthalpy: f64) -> f64 {
         match self {
+            Law::Straight(law) => law.slope(enthalpy),
             Law::Kinked(law) => law.slope(enthalpy),
             Law::Curved(law) => law.slope(enthalpy),
         }
@@ -614,7 +636,7 @@ impl Held for Curve {
 impl Held for Law {
     fn held(&self) -> usize {
         match self {
-            Law::Kinked(_) => 0,
+            Law::Straight(_) | Law::Kinked(_) => 0,
             Law::Curved(law) => shared(&law.warm) + shared(&law.cold),
         }
     }
@@ -636,7 +658,17 @@ impl Thermal {
                 frozen_rest: frozen_below.min(0.0),
                 unfrozen_rest: unfrozen_above.max(0.0),
             };
-            (Law::Kinked(law), law.frozen_slope.max(law.unfrozen_slope))
+            // Without latent heat and with one slope there is no kink.
+            let law = if curve.latent_heat == 0.0 && law.frozen_slope == law.unfrozen_slope {
+                Law::Straight(Straight { slope: law.frozen_slope })
+            } else {
+                Law::Kinked(law)
+            };
+            (
+                law,
+                (curve.frozen_conductivity / curve.frozen_capacity)
+                    .max(curve.unfrozen_conductivity / curve.unfrozen_capacity),
+            )
         } else {
             let law = Curved::new(&curve, initial_enthalpy);
             (Law::Curved(law), curve.largest_diffusivity())

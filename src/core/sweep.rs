@@ -6,6 +6,7 @@
 //! `v_k` from its left and right. Every particle sees the same operations in the same order whatever the width of
 //! the vectors or the number of bands, and no multiply is fused with an add: the bits are the same everywhere.
 
+use crate::lattice::Lattice;
 use crate::memory::Held;
 use crate::operator::{Stage, StageColumns};
 use crate::potential::PotentialLaw;
@@ -30,8 +31,10 @@ const PADDED: usize = BLOCK + 2 * WIDEST + MOST_LANES;
 pub trait Target {
     /// Enthalpies of a range of particles.
     fn enthalpy(&self, range: std::ops::Range<usize>) -> &[f64];
-    /// Takes the rates dH/dt (W/m3) of particles from `start` on.
-    fn put(&mut self, start: usize, rate: &[f64]);
+    /// Where the rates of a range of particles go.
+    fn slots(&mut self, range: std::ops::Range<usize>) -> &mut [f64];
+    /// Step (s) with which rates are added to what the slots hold; rates replace it if there is none.
+    fn step(&self) -> Option<f64>;
 }
 
 /// Adds `step` times the rate to the enthalpies themselves: explicit Euler.
@@ -49,10 +52,13 @@ impl Target for InPlace<'_> {
     }
 
     #[inline(always)]
-    fn put(&mut self, start: usize, rate: &[f64]) {
-        for (enthalpy, rate) in self.enthalpy[start..start + rate.len()].iter_mut().zip(rate) {
-            *enthalpy += self.step * rate;
-        }
+    fn slots(&mut self, range: std::ops::Range<usize>) -> &mut [f64] {
+        &mut self.enthalpy[range]
+    }
+
+    #[inline(always)]
+    fn step(&self) -> Option<f64> {
+        Some(self.step)
     }
 }
 
@@ -71,9 +77,23 @@ impl Target for Beside<'_> {
     }
 
     #[inline(always)]
-    fn put(&mut self, start: usize, rate: &[f64]) {
-        self.rate[start..start + rate.len()].copy_from_slice(rate);
+    fn slots(&mut self, range: std::ops::Range<usize>) -> &mut [f64] {
+        &mut self.rate[range]
     }
+
+    #[inline(always)]
+    fn step(&self) -> Option<f64> {
+        None
+    }
+}
+
+/// Takes a rate (W/m3) into its slot.
+#[inline(always)]
+fn settle(slot: &mut f64, rate: f64, step: Option<f64>) {
+    *slot = match step {
+        Some(step) => *slot + step * rate,
+        None => rate,
+    };
 }
 
 /// One stage of a Runge-Kutta chain, in place of the state two stages back.
@@ -90,16 +110,22 @@ impl Target for Chained<'_> {
         &self.columns.newest[range]
     }
 
+    /// All of the stage but its rate, which is added on top: the slots are asked for once.
     #[inline(always)]
-    fn put(&mut self, start: usize, rate: &[f64]) {
-        let range = start..start + rate.len();
-        let Stage { newest, oldest, start, rate: by_rate, first } = self.stage;
-        let columns = &mut self.columns;
-        let states = columns.newest[range.clone()].iter().zip(&columns.start[range.clone()]);
-        let rates = rate.iter().zip(&columns.first[range.clone()]);
-        for (out, ((new, old), (rate, first_rate))) in columns.oldest[range].iter_mut().zip(states.zip(rates)) {
-            *out = newest * new + oldest * *out + start * old + by_rate * rate + first * first_rate;
+    fn slots(&mut self, range: std::ops::Range<usize>) -> &mut [f64] {
+        let Stage { newest, oldest, start, first, .. } = self.stage;
+        let StageColumns { newest: new, oldest: slots, start: begun, first: first_rate } = &mut self.columns;
+        let states = new[range.clone()].iter().zip(&begun[range.clone()]);
+        let states = states.zip(&first_rate[range.clone()]);
+        for (out, ((new, begun), first_rate)) in slots[range.clone()].iter_mut().zip(states) {
+            *out = newest * new + oldest * *out + start * begun + first * first_rate;
         }
+        &mut slots[range]
+    }
+
+    #[inline(always)]
+    fn step(&self) -> Option<f64> {
+        Some(self.stage.rate)
     }
 }
 
@@ -183,8 +209,8 @@ impl Held for Band {
 pub struct Frame<'a, L, S> {
     /// Shape of rows.
     pub shape: Shape,
-    /// Columns of a row that hold particles, and the index of its first particle.
-    pub span: &'a (dyn Fn(usize) -> (usize, usize, usize) + Sync),
+    /// Rows and their particles.
+    pub lattice: &'a Lattice,
     /// Weights.
     pub stencil: &'a Stencil,
     /// Sum of all weights, the weight of the particle itself.
@@ -281,7 +307,7 @@ fn fill_slot<L: PotentialLaw, S: Surroundings, T: Target>(
 ) {
     let Shape { reach, width, .. } = frame.shape;
     let slot = &mut ring[(row % slots) * width..][..width];
-    let (first, end, start) = (frame.span)(row);
+    let ((first, end), start) = (frame.lattice.span(row), frame.lattice.start(row));
     fill_row(
         frame.law,
         target.enthalpy(start - base..start - base + end - first),
@@ -300,10 +326,17 @@ fn rows<L: PotentialLaw, S: Surroundings, T: Target, const LANES: usize, const R
     let Shape { reach, width, .. } = frame.shape;
     let (first_row, end_row) = band.rows;
     let slots = 2 * ROWS + 1;
-    let base = (frame.span)(first_row).2;
+    let base = frame.lattice.start(first_row);
     let Band { below, above, ring, ring_start, sums, rate, .. } = band;
     let ring = &mut ring[*ring_start..];
     let has_doors = frame.surroundings.has_doors();
+    let mut weights = [[0.0; 9]; 9];
+    for (k, by_row) in weights.iter_mut().enumerate().take(ROWS + 1) {
+        for (dy, weight) in by_row.iter_mut().enumerate().take(ROWS + 1) {
+            *weight = frame.stencil.at(k, dy);
+        }
+    }
+    let disc = frame.stencil.fits_disc();
     for row in first_row..end_row.min(first_row + ROWS) {
         fill_slot::<L, S, T>(frame, row, slots, base, ring, target);
     }
@@ -322,84 +355,97 @@ fn rows<L: PotentialLaw, S: Surroundings, T: Target, const LANES: usize, const R
                 &above[(position - ROWS - end_row) * width..][..width]
             }
         };
-        let near: [&[f64]; 17] = std::array::from_fn(|offset| if offset <= 2 * ROWS { at(offset) } else { &[][..] });
-        let (first, end, start) = (frame.span)(row);
+        let mut near: [&[f64]; 17] = [&[]; 17];
+        for (offset, near) in near.iter_mut().enumerate().take(slots) {
+            *near = at(offset);
+        }
+        let ((first, end), start) = (frame.lattice.span(row), frame.lattice.start(row));
         if has_doors {
             doors[row - first_row] = frame.surroundings.doors(row, &near[..slots]);
         }
         let mut column = first;
         while column < end {
             let count = (end - column).min(BLOCK);
-            block::<LANES, ROWS>(frame.stencil, frame.sum, reach, &near, column, count, sums, rate);
-            target.put(start - base + column - first, &rate[..count]);
+            let from = start - base + column - first;
+            if ROWS == 0 {
+                line(frame.stencil, frame.sum, reach, near[0], column, &mut rate[..count]);
+                let step = target.step();
+                let slots = target.slots(from..from + count);
+                slots.iter_mut().zip(&rate[..count]).for_each(|(slot, rate)| settle(slot, *rate, step));
+            } else {
+                let step = target.step();
+                let slots = target.slots(from..from + count);
+                block::<LANES, ROWS>((&weights, disc), frame.sum, reach, &near, column, sums, slots, step);
+            }
             column += count;
         }
     }
 }
 
-/// Rates of `count` particles of a row from column `column` on.
+/// Rates of particles on a line from column `column` on, where the column sums are the weighted potentials themselves.
+#[inline(always)]
+fn line(stencil: &Stencil, sum: f64, reach: usize, row: &[f64], column: usize, rate: &mut [f64]) {
+    let row = &row[column..column + rate.len() + 2 * reach];
+    for (rate, centre) in rate.iter_mut().zip(&row[reach..]) {
+        *rate = -(sum * centre);
+    }
+    for k in 1..=reach {
+        let weight = stencil.at(k, 0);
+        let pairs = row[reach - k..].iter().zip(&row[reach + k..]);
+        for (rate, (left, right)) in rate.iter_mut().zip(pairs) {
+            *rate += weight * (left + right);
+        }
+    }
+}
+
+/// Rates of the particles of a row from column `column` on, into their slots.
 #[inline(always)]
 #[allow(clippy::too_many_arguments)]
 fn block<const LANES: usize, const ROWS: usize>(
-    stencil: &Stencil,
+    (weights, disc): (&[[f64; 9]; 9], bool),
     sum: f64,
     reach: usize,
     near: &[&[f64]; 17],
     column: usize,
-    count: usize,
     sums: &mut [Sums],
-    rate: &mut [f64],
+    slots: &mut [f64],
+    step: Option<f64>,
 ) {
-    if ROWS == 0 {
-        // On a line the column sums are the weighted potentials themselves.
-        let row = &near[0][column..column + count + 2 * reach];
-        let rate = &mut rate[..count];
-        for (rate, centre) in rate.iter_mut().zip(&row[reach..]) {
-            *rate = -(sum * centre);
-        }
-        for k in 1..=reach {
-            let weight = stencil.at(k, 0);
-            let pairs = row[reach - k..].iter().zip(&row[reach + k..]);
-            for (rate, (left, right)) in rate.iter_mut().zip(pairs) {
-                *rate += weight * (left + right);
-            }
-        }
-        return;
-    }
     // Column sums of all columns that the block reaches.
-    let mut weights = [[0.0; 9]; 9];
-    for (k, by_row) in weights.iter_mut().enumerate().take(ROWS + 1) {
-        for (dy, weight) in by_row.iter_mut().enumerate().take(ROWS + 1) {
-            *weight = stencil.at(k, dy);
-        }
-    }
-    let disc = stencil.fits_disc();
-    let length = count + 2 * reach;
+    let length = slots.len() + 2 * reach;
     if disc {
-        column_sums::<LANES, ROWS, true>(&weights, sum, near, column, length, sums);
+        column_sums::<LANES, ROWS, true>(weights, sum, near, column, length, sums);
     } else {
-        column_sums::<LANES, ROWS, false>(&weights, sum, near, column, length, sums);
+        column_sums::<LANES, ROWS, false>(weights, sum, near, column, length, sums);
     }
     // Every particle adds the column sums from its left and right.
-    let groups = count.div_ceil(LANES);
-    let shifted = |k: usize, shift: usize| -> &[[f64; LANES]] {
-        if (1..=ROWS).contains(&k) { groups_of::<LANES>(&sums[k].0[shift..], groups) } else { &[][..] }
-    };
-    let left: [&[[f64; LANES]]; WIDEST + 1] = std::array::from_fn(|k| shifted(k, reach - k.min(ROWS)));
-    let right: [&[[f64; LANES]]; WIDEST + 1] = std::array::from_fn(|k| shifted(k, reach + k.min(ROWS)));
-    let own = groups_of::<LANES>(&sums[0].0[reach..], groups);
-    let rate = &mut rate[..groups * LANES].as_chunks_mut::<LANES>().0[..groups];
-    for group in 0..groups {
-        if ROWS < 3 && opaque() {
+    let (slots, rest) = slots.as_chunks_mut::<LANES>();
+    let groups = slots.len();
+    let (mut left, mut right) = ([&[][..]; WIDEST + 1], [&[][..]; WIDEST + 1]);
+    for k in 0..=ROWS {
+        left[k] = groups_of::<LANES>(&sums[k].0[reach - k..], groups);
+        right[k] = groups_of::<LANES>(&sums[k].0[reach + k..], groups);
+    }
+    for (group, slots) in slots.iter_mut().enumerate() {
+        if opaque() {
             break;
         }
-        let mut total = own[group];
+        let mut total = left[0][group];
         for k in 1..=ROWS {
             for lane in 0..LANES {
                 total[lane] += left[k][group][lane] + right[k][group][lane];
             }
         }
-        rate[group] = total;
+        for lane in 0..LANES {
+            settle(&mut slots[lane], total[lane], step);
+        }
+    }
+    for (place, slot) in (reach + groups * LANES..).zip(rest) {
+        let mut total = sums[0].0[place];
+        for (k, sums) in sums.iter().enumerate().take(ROWS + 1).skip(1) {
+            total += sums.0[place - k] + sums.0[place + k];
+        }
+        settle(slot, total, step);
     }
 }
 
@@ -432,9 +478,10 @@ fn column_sums<const LANES: usize, const ROWS: usize, const DISC: bool>(
     sums: &mut [Sums],
 ) {
     let groups = length.div_ceil(LANES);
-    let rows: [&[[f64; LANES]]; 2 * WIDEST + 1] = std::array::from_fn(|offset| {
-        if offset <= 2 * ROWS { groups_of::<LANES>(&near[offset][column..], groups) } else { &[][..] }
-    });
+    let mut rows = [&[][..]; 2 * WIDEST + 1];
+    for (row, near) in rows.iter_mut().zip(near).take(2 * ROWS + 1) {
+        *row = groups_of::<LANES>(&near[column..], groups);
+    }
     let sums = &mut sums[..ROWS + 1];
     for group in 0..groups {
         if ROWS < 3 && opaque() {

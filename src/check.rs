@@ -80,8 +80,13 @@ fn plan_text(forecast: &Forecast) -> String {
         summary.steps,
         time_text(forecast)
     );
-    for (title, lines) in [("uses", &summary.used), ("spared", &summary.spared), ("differences", &summary.differences)]
-    {
+    let lists = [
+        ("uses", &summary.used),
+        ("spared", &summary.spared),
+        ("relaxed by", &summary.relaxed_by),
+        ("differences", &summary.differences),
+    ];
+    for (title, lines) in lists {
         for (index, line) in lines.iter().enumerate() {
             text.push_str(&format!("  {:<12} {line}\n", if index == 0 { title } else { "" }));
         }

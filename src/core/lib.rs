@@ -36,5 +36,6 @@ pub mod scene;
 pub mod statistics;
 pub mod stencil;
 pub mod sweep;
+pub mod terms;
 pub mod uptake;
 pub mod watch;

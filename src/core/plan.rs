@@ -34,6 +34,7 @@ use crate::scene::{
 };
 use crate::stencil::{SHELL_TOLERANCE, Stencil};
 use crate::sweep::WIDEST;
+use crate::terms::Parts;
 use crate::uptake::{Materials, scheme};
 
 /// Stages of one step by error: longer steps are rarely as exact as they are stable, and gain less and less.
@@ -89,6 +90,8 @@ pub struct PlanSummary {
     pub used: Vec<String>,
     /// What it is spared, in words.
     pub spared: Vec<String>,
+    /// What would allow longer steps, in words.
+    pub relaxed_by: Vec<String>,
     /// How the method differs from the scene, in words.
     pub differences: Vec<String>,
 }
@@ -209,12 +212,19 @@ pub fn build(
             Layout::Random => "at random".to_string(),
         }
     )];
-    let mut spared = Vec::new();
     let count = cloud.as_ref().map_or(lattice.len(), |cloud| cloud.len());
+    let terms = Parts {
+        scene,
+        numerics,
+        discretisation,
+        materials: &materials,
+        boundary: &boundary,
+        pipes: sinks.len(),
+        list: why_list.is_some(),
+    };
+    let (terms, spared, relaxed_by) = (terms.used(), terms.spared(), terms.relaxed_by());
     let method: Box<dyn Method> = match why_list {
         None => {
-            spared.push("no neighbour list: a fixed lattice stencil".into());
-            spared.push("no positions, volumes or material column".into());
             used.push(format!("one fused sweep a step, {} neighbours a particle", stencil.neighbours()));
             let parts = LatticeParts {
                 lattice: lattice.clone(),
@@ -283,19 +293,6 @@ pub fn build(
             }
         }
     };
-    if matches!(discretisation.stepper, Stepper::Shared) {
-        spared.push("no random numbers".into());
-    }
-    spared.push("no motion: velocities, forces and lists with a skin".into());
-    if scene.rings.is_empty() {
-        spared.push("no pipes".into());
-    }
-    if lattice.dimension == 1 {
-        spared.push("one dimension: no rows".into());
-    }
-    if scene.materials.iter().all(|material| material.law == crate::material::FreezingLaw::None) {
-        spared.push("no phase change".into());
-    }
     let bound = method.bound();
     let step = choose_step(numerics, &bound, scene)?;
     let particles = Particles {
@@ -316,8 +313,9 @@ pub fn build(
             None => StepCount::Planned(planned_steps(scene, step, method.gentle_step())),
             Some(_) => StepCount::ByErrorControl { estimate: None, trial: 0 },
         },
-        used,
+        used: [used, terms].concat(),
         spared,
+        relaxed_by,
         differences: discretisation.differences.clone(),
     };
     Ok(Plan { particles, method, step, bound, summary, pipe_extents })

@@ -1,0 +1,134 @@
+//! What a scene uses under a method, and what it is spared, in words.
+
+use crate::boundary::Boundary;
+use crate::material::FreezingLaw;
+use crate::method::{Discretisation, Stepper};
+use crate::potential::Law;
+use crate::scene::{Exchange, IntegratorChoice, Numerics, Scene, StepChoice, Uptake};
+use crate::uptake::Materials;
+
+/// What the words are about.
+pub struct Parts<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its settings.
+    pub numerics: &'a Numerics,
+    /// The method's geometry.
+    pub discretisation: &'a Discretisation,
+    /// Materials of particles.
+    pub materials: &'a Materials,
+    /// Walls.
+    pub boundary: &'a Boundary,
+    /// Pipes in the simulated sector.
+    pub pipes: usize,
+    /// Whether pairs are on a list.
+    pub list: bool,
+}
+
+impl Parts<'_> {
+    fn is_explicit(&self) -> bool {
+        self.numerics.integrator == IntegratorChoice::Euler
+    }
+
+    fn has_shared_steps(&self) -> bool {
+        matches!(self.discretisation.stepper, Stepper::Shared)
+    }
+
+    fn freezes(&self) -> bool {
+        self.scene.materials.iter().any(|material| material.law != FreezingLaw::None)
+    }
+
+    fn open_walls(&self) -> Vec<&'static str> {
+        self.boundary.doors.iter().filter(|door| door.lets_heat_through()).map(|door| door.name).collect()
+    }
+
+    /// Numbers that every particle carries.
+    fn columns(&self) -> String {
+        let mut names = vec!["enthalpy"];
+        if self.list {
+            names.push("position");
+            let means = matches!(self.numerics.exchange, Exchange::Mean(_));
+            if !means || self.pipes > 0 {
+                names.push("potential");
+            }
+            if means {
+                names.extend(["temperature", "conductivity"]);
+            }
+            if !self.has_shared_steps() {
+                names.push("those of the method's own step");
+            }
+            names.push("rate");
+            match self.numerics.uptake {
+                Uptake::Flags => names.push("temperature and released heat of the scheme"),
+                Uptake::ApparentCapacity { .. } => names.push("temperature of the scheme"),
+                Uptake::Enthalpy if !self.numerics.mushy => names.push("last phase"),
+                Uptake::Enthalpy => {}
+            }
+        }
+        if self.materials.mixed() {
+            names.push("material");
+        }
+        if !self.is_explicit() {
+            names.push("those of the integrator");
+        }
+        format!("columns: {}", names.join(", "))
+    }
+
+    /// What the scene uses beside particles and pairs.
+    pub fn used(&self) -> Vec<String> {
+        let mut used = vec![self.columns()];
+        if self.freezes() {
+            let scheme = match self.numerics.uptake {
+                Uptake::Enthalpy => "enthalpy",
+                Uptake::Flags => "flags",
+                Uptake::ApparentCapacity { .. } => "apparent capacity",
+            };
+            used.push(format!("latent heat, by {scheme}"));
+        }
+        if self.materials.mixed() {
+            used.push(format!("{} materials, whose interfaces are solved for", self.scene.materials.len()));
+        }
+        let walls = self.open_walls();
+        if !walls.is_empty() {
+            used.push(format!("heat through {}, booked each step", walls.join(", ")));
+        }
+        if self.pipes > 0 {
+            used.push(format!("{} pipes in the simulated part", self.pipes));
+        }
+        used
+    }
+
+    /// What it does not need and does not pay for.
+    pub fn spared(&self) -> Vec<String> {
+        let thermals = &self.materials.thermals;
+        let straight = thermals.iter().all(|thermal| matches!(thermal.law, Law::Straight(_)));
+        let said = [
+            (!self.list, "no neighbour list: a fixed lattice stencil"),
+            (!self.list, "no positions, volumes or material column"),
+            (!self.list && self.is_explicit(), "no second pass: potentials, sums and update are one"),
+            (self.has_shared_steps(), "no random numbers"),
+            (true, "no motion: velocities, forces and lists with a skin"),
+            (self.pipes == 0, "no pipes"),
+            (self.open_walls().is_empty(), "no heat through walls"),
+            (self.scene.domain.dimension() == 1, "one dimension: no rows"),
+            (!self.freezes(), "no phase change"),
+            (straight, "no law: potential and enthalpy are in proportion"),
+        ];
+        said.into_iter().filter(|said| said.0).map(|said| said.1.to_string()).collect()
+    }
+
+    /// What would allow longer steps.
+    pub fn relaxed_by(&self) -> Vec<String> {
+        let mut found = vec!["a coarser lattice: the bound goes with the square of the spacing".to_string()];
+        if let StepChoice::Fraction(fraction) = self.numerics.step
+            && fraction < 1.0
+        {
+            found.push(format!("step_fraction, now {fraction} of the bound"));
+        }
+        let plain = self.numerics.uptake == Uptake::Enthalpy && self.numerics.mushy;
+        if self.is_explicit() && self.has_shared_steps() && plain {
+            found.push("integrator = \"rkl2\": s stages make a step of (s^2 + s - 2)/4 bounds".to_string());
+        }
+        found
+    }
+}

@@ -73,14 +73,14 @@ impl Axis {
         Axis::WORDS.iter().find(|(own, _)| *own == word).map(|(_, axis)| *axis)
     }
 
-    /// Name and symbol for figures.
+    /// Name for figures.
     pub fn label(self) -> &'static str {
         match self {
             Axis::Own => "the scene as it is",
             Axis::Stefan => "Stefan number, sensible over latent heat",
             Axis::Conductivity => "conductivity, frozen over unfrozen",
             Axis::Capacity => "heat capacity, frozen over unfrozen",
-            Axis::Reach => "reach of the weight (horizon, smoothing length, cut-off) over spacing",
+            Axis::Reach => "reach of the weight over spacing",
             Axis::Disorder => "largest shift of particles over spacing",
             Axis::Noise => "fluctuation of a particle's absolute temperature",
             Axis::Stages => "stages of RKL2",
@@ -315,6 +315,14 @@ mod tests {
         }
         assert_eq!(columns("stefan-water", "edpd", Axis::Stefan)[2].overrides[0].1, "false");
         assert_eq!(columns("stefan-water", "edpd", Axis::Noise)[3].overrides, []);
+    }
+
+    #[test]
+    fn labels_fit_below_a_panel() {
+        for (_, axis) in Axis::WORDS {
+            let width = frazil_plots::canvas::text_width(axis.label(), frazil_plots::style::LABEL, false);
+            assert!(width < 460.0, "{axis:?}: {width} px");
+        }
     }
 
     #[test]

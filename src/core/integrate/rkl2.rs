@@ -207,7 +207,7 @@ impl Method for Rkl2 {
             *steps = steps.saturating_add(1);
             let stages = *stages;
             self.chain(state, clock.time, clock.step, stages);
-            state.copy_from_slice(&self.old);
+            std::mem::swap(&mut self.old, state);
             self.book(clock.step);
             return Ok(clock.step);
         }
@@ -235,8 +235,8 @@ impl Method for Rkl2 {
             match judgement {
                 Judgement::Keep => {
                     // The state of two stages back is not needed any more: its column keeps the start of the step.
-                    self.older.copy_from_slice(state);
-                    state.copy_from_slice(&self.old);
+                    std::mem::swap(&mut self.older, state);
+                    std::mem::swap(&mut self.old, state);
                     self.last_step = step;
                     std::mem::swap(&mut self.first_rate, &mut self.last_rate);
                     std::mem::swap(&mut self.doors.first, &mut self.doors.last);

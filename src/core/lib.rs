@@ -35,6 +35,7 @@ pub mod reference;
 pub mod scene;
 pub mod statistics;
 pub mod stencil;
+pub mod sub_cell;
 pub mod sweep;
 pub mod terms;
 pub mod uptake;

@@ -29,10 +29,11 @@ use crate::predict::{StepCount, planned_steps};
 use crate::reference::Reference;
 use crate::scene::settings::MethodSettings;
 use crate::scene::{
-    Domain, Exchange, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, Sector, StepChoice, Units, Uptake,
-    WallModel,
+    Domain, Exchange, Front, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, Sector, StepChoice, Units,
+    Uptake, WallModel,
 };
 use crate::stencil::{SHELL_TOLERANCE, Stencil};
+use crate::sub_cell::SubCellFront;
 use crate::sweep::WIDEST;
 use crate::terms::Parts;
 use crate::uptake::{Materials, scheme};
@@ -201,6 +202,9 @@ pub fn build(
     if narrow && numerics.search == SearchChoice::Lattice {
         return Err(refuse("search = \"lattice\" needs a body at least as wide as pairs reach: set \"auto\"".into()));
     }
+    if narrow && numerics.front == Front::SubCell {
+        return Err(refuse("front = \"sub-cell\" needs a body at least as wide as pairs reach".into()));
+    }
     let why_list = why_list(scene, numerics, discretisation, &stencil, narrow);
     let mut used = vec![format!(
         "{} particles, {} m apart, {}",
@@ -226,8 +230,14 @@ pub fn build(
     let method: Box<dyn Method> = match why_list {
         None => {
             used.push(format!("one fused sweep a step, {} neighbours a particle", stencil.neighbours()));
+            let thermal = &materials.thermals[0];
+            let front = match numerics.front {
+                Front::Cell => None,
+                Front::SubCell => Some(SubCellFront::new(thermal, scene.temperature_range(), &lattice, &stencil)),
+            };
             let parts = LatticeParts {
                 lattice: lattice.clone(),
+                front,
                 stencil,
                 thermal: materials.thermals[0].clone(),
                 boundary,
@@ -299,6 +309,7 @@ pub fn build(
         enthalpy: vec![0.0; count],
         places: cloud.map_or(Places::Lattice, Places::Cloud),
         volume: lattice.volume(),
+        sub_cell: numerics.front == Front::SubCell,
         lattice,
         materials,
     };

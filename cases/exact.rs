@@ -73,6 +73,9 @@ impl HalfSpace {
         if scene.has_regional_starts() {
             return Err("a scene whose regions start at temperatures of their own has no exact solution".into());
         }
+        if !scene.cracks.is_empty() {
+            return Err("a scene with cracks has no exact solution".into());
+        }
         if !scene.is_uniform() {
             return Err("a scene with several materials has no exact solution".into());
         }

@@ -267,6 +267,9 @@ impl ShaftCase {
         if outer_radius < LEAST_OUTER_RADIUS {
             differences.push(format!("the outer radius is 15 there and {outer_radius} here"));
         }
+        if !scene.cracks.is_empty() {
+            differences.push("there are no cracks there".into());
+        }
         if scene.rings.iter().any(|ring| ring.schedule.is_some()) {
             differences.push("the pipes always work there".into());
         }

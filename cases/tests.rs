@@ -32,6 +32,7 @@ fn half_space(law: FreezingLaw) -> Scene {
         duration: 10.0 * HOUR,
         materials: vec![water(law)],
         regions: Vec::new(),
+        cracks: Vec::new(),
         initial_temperature: 8.0,
         walls: vec![wall("left", temperature(-20.0)), wall("right", Condition::Symmetry)],
         rings: Vec::new(),

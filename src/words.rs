@@ -1,6 +1,6 @@
 //! A scene in words, as pages say it.
 
-use frazil_core::scene::{Condition, Domain, Scene, Series, Shape, Units};
+use frazil_core::scene::{Condition, Domain, Growth, Scene, Series, Shape, Units};
 use frazil_plots::page::Fact;
 use frazil_plots::style::{length, number};
 
@@ -57,6 +57,19 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
         let start = region.temperature.map(|temperature| format!(", starts at {}", with(temperature, "°C")));
         let words = [Some(shape), material, start].into_iter().flatten().collect::<String>();
         facts.push(Fact::new(format!("Region {number}"), words));
+    }
+    for (number, crack) in scene.cracks.iter().enumerate() {
+        let seconds = |time: f64| if si { format!("{} s", number_words(time)) } else { number_words(time) };
+        let growth = match &crack.growth {
+            Growth::Whole { start } if *start == 0.0 => "from the start".to_owned(),
+            Growth::Whole { start } => format!("from {} on", seconds(*start)),
+            Growth::Steady { start, speed } => {
+                format!("grows from {} on at {}", seconds(*start), with(*speed, "m/s"))
+            }
+            Growth::Table(rows) => format!("grows by a table of {} instants", rows.len()),
+        };
+        let (from, to) = (with_point(crack.from.x, crack.from.y), with_point(crack.to.x, crack.to.y));
+        facts.push(Fact::new(format!("Crack {number}"), format!("{from} to {to}, {growth}")));
     }
     for wall in &scene.walls {
         let condition = match &wall.condition {

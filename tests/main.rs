@@ -4,6 +4,7 @@ mod bad_scenes;
 mod broken_scenes;
 mod bundled_scenes;
 mod command_line;
+mod cracks;
 mod documents;
 mod extreme;
 mod forecasts;

@@ -7,6 +7,7 @@
 
 pub mod boundary;
 pub mod corner;
+pub mod crack;
 pub mod curved_wall;
 pub mod ghosts;
 pub mod green;

@@ -9,6 +9,7 @@ use rayon::ThreadPool;
 
 use crate::boundary::{Boundary, Side};
 use crate::corner::strengthen;
+use crate::crack::{Barriers, Cuts};
 use crate::curved_wall::{Contacts, Neighbourhood, cells_behind};
 use crate::ghosts::Ghosts;
 use crate::green::Green;
@@ -32,6 +33,7 @@ use crate::scene::{
     Domain, Exchange, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, Sector, StepChoice, Units, Uptake,
     WallModel,
 };
+use crate::segment::meet;
 use crate::start;
 use crate::stencil::{SHELL_TOLERANCE, Stencil};
 use crate::sweep::WIDEST;
@@ -206,6 +208,11 @@ pub fn build(
     if narrow && numerics.search == SearchChoice::Lattice {
         return Err(refuse("search = \"lattice\" needs a body at least as wide as pairs reach: set \"auto\"".into()));
     }
+    if let Some(reason) =
+        cracks_out_of_place(scene, numerics, &boundary, &sinks, stencil.reach as f64 * lattice.spacing, narrow)
+    {
+        return Err(refuse(reason));
+    }
     let why_list = why_list(scene, numerics, discretisation, &stencil, narrow);
     let mut used = vec![format!(
         "{} particles, {} m apart, {}",
@@ -262,12 +269,19 @@ pub fn build(
             let first = &materials.thermals[0];
             let faces = boundary.first_faces(&first.curve, first.initial_potential);
             strengthen(&mut pairs, &ghosts, positions.len(), &faces);
+            let cuts = if scene.cracks.is_empty() {
+                Cuts::default()
+            } else {
+                let barriers = Barriers::new(&scene.cracks, &lattice, &boundary);
+                Cuts::new(&mut pairs, &positions, &ghosts, &barriers)
+            };
             let parts = ListParts {
                 positions,
                 volume: lattice.volume(),
                 spacing: lattice.spacing,
                 materials: materials.clone(),
                 pairs,
+                cuts,
                 ghosts,
                 boundary,
                 contacts,
@@ -342,6 +356,7 @@ fn why_list(
         (numerics.exchange != Exchange::Potential, "pairs exchange by a mean of conductivities"),
         (numerics.uptake != Uptake::Enthalpy || !numerics.mushy, "the latent-heat scheme keeps its own columns"),
         (scene.has_regional_materials(), "there are several materials"),
+        (!scene.cracks.is_empty(), "cracks cut pairs"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
         (matches!(discretisation.stepper, Stepper::Own(_)), "the method makes its own step"),
         (narrow, "pairs reach farther than the body is wide"),
@@ -352,6 +367,52 @@ fn why_list(
         ),
     ];
     reasons.into_iter().find(|reason| reason.0).map(|reason| reason.1)
+}
+
+/// Why cracks cannot be where they are: pairs alone know which way heat goes, and not the fits and sums that some walls and
+/// pipes are made of.
+fn cracks_out_of_place(
+    scene: &Scene,
+    numerics: &Numerics,
+    boundary: &Boundary,
+    sinks: &[Sink],
+    reach: f64,
+    narrow: bool,
+) -> Option<String> {
+    if scene.cracks.is_empty() {
+        return None;
+    }
+    if narrow {
+        return Some("cracks need a body at least as wide as pairs reach".into());
+    }
+    if numerics.walls == WallModel::MovingLeastSquares {
+        return Some("fits of wall_model = \"moving-least-squares\" know no cracks: set \"mirror\"".into());
+    }
+    for (number, crack) in scene.cracks.iter().enumerate() {
+        let farthest = crack.from.length().max(crack.to.length());
+        if let Some((_, radius)) = boundary.curved.filter(|(_, radius)| farthest > radius - reach) {
+            return Some(format!(
+                "crack {number} comes within {:.6} m of the curved wall, must stay away from it by the reach of pairs, \
+                 {reach:.6} m",
+                radius - farthest
+            ));
+        }
+        for sink in sinks {
+            let (centre, half) = sink.extent;
+            let corners =
+                [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| centre + half * DVec2::new(x, y));
+            let edge = |k: usize| (corners[k], corners[(k + 1) % 4]);
+            let inside = (crack.from - centre).abs().max_element() <= half;
+            if inside || (0..4).any(|k| meet((crack.from, crack.to), edge(k))) {
+                return Some(format!(
+                    "crack {number} cuts the particles that stand for the pipe at ({:.4}, {:.4}) m, must stay {half:.6} m \
+                     away from it",
+                    centre.x, centre.y
+                ));
+            }
+        }
+    }
+    None
 }
 
 fn integrator(

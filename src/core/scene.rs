@@ -10,6 +10,8 @@ pub mod settings;
 
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use crate::material::Material;
 
 pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
@@ -257,6 +259,36 @@ impl PipeRing {
     }
 }
 
+/// A segment that no heat crosses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crack {
+    /// Where it begins (m).
+    pub from: DVec2,
+    /// Where it ends at the latest (m).
+    pub to: DVec2,
+    /// How it comes to be.
+    pub growth: Growth,
+}
+
+/// How a crack comes to be.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Growth {
+    /// All at once.
+    Whole {
+        /// When (s).
+        start: f64,
+    },
+    /// From its beginning on, at one speed.
+    Steady {
+        /// When it begins (s).
+        start: f64,
+        /// Speed of its tip (m/s).
+        speed: f64,
+    },
+    /// By rows of time (s) and length (m), linear between them and constant beyond; neither decreases.
+    Table(Vec<(f64, f64)>),
+}
+
 /// What is observed, and when.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Watch {
@@ -319,6 +351,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Parts of other materials or other starts; later ones win.
     pub regions: Vec<Region>,
+    /// Segments that no heat crosses.
+    pub cracks: Vec<Crack>,
     /// Temperature at the start, where regions say nothing else.
     pub initial_temperature: f64,
     /// The walls of the domain that are not mirror planes of a sector.
@@ -392,7 +426,7 @@ impl Scene {
     }
 
     /// The first instant after `t` (s) at which the temperature, flux or film of a wall or the temperature of pipes bends
-    /// or jumps: long steps land on it.
+    /// or jumps, or a crack opens or begins to grow: long steps land on it.
     pub fn next_bend(&self, t: f64) -> Option<f64> {
         let walls = self.walls.iter().flat_map(|wall| match &wall.condition {
             Condition::Temperature(series) | Condition::Flux(series) => [Some(series), None],
@@ -400,7 +434,12 @@ impl Scene {
             Condition::Symmetry | Condition::Exact => [None, None],
         });
         let rings = self.rings.iter().map(|ring| Some(&ring.temperature));
-        walls.chain(rings).flatten().filter_map(|series| series.next_bend(t)).reduce(f64::min)
+        let bends = walls.chain(rings).flatten().filter_map(|series| series.next_bend(t));
+        let cracks = self.cracks.iter().flat_map(|crack| match &crack.growth {
+            Growth::Whole { start } | Growth::Steady { start, .. } => vec![*start],
+            Growth::Table(rows) => rows.iter().map(|row| row.0).collect(),
+        });
+        bends.chain(cracks.filter(|instant| *instant > t)).reduce(f64::min)
     }
 
     /// All pipes of all rings.

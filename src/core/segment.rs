@@ -9,12 +9,16 @@ use robust::{Coord, orient2d};
 /// A segment from one point to another (m).
 pub type Segment = (DVec2, DVec2);
 
-/// On which side of the line from `a` to `b` a point lies: greater on the left, equal on the line.
-pub fn side((a, b): Segment, point: DVec2) -> Ordering {
+/// Twice the area (m2) of the triangle that a point makes with the line from `a` to `b`: positive on the left.
+pub fn offset((a, b): Segment, point: DVec2) -> f64 {
     let coord = |point: DVec2| Coord { x: point.x, y: point.y };
-    let area = orient2d(coord(a), coord(b), coord(point));
+    orient2d(coord(a), coord(b), coord(point))
+}
+
+/// On which side of the line of a segment a point lies: greater on the left, equal on the line.
+pub fn side(segment: Segment, point: DVec2) -> Ordering {
     // Not by the total order, in which the two zeros differ.
-    area.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
+    offset(segment, point).partial_cmp(&0.0).unwrap_or(Ordering::Equal)
 }
 
 /// Whether a point on the line of a segment lies between its ends, or on one.

@@ -1,6 +1,7 @@
 //! Reading scene files: every check that needs no particles, and all problems of a file at once.
 
 mod body;
+mod cracks;
 mod ground;
 mod numerics;
 mod problem;
@@ -119,6 +120,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let mut wall_section = root.section("walls");
     let walls = wall_section.as_mut().map(|section| body::walls(section, domain.as_ref())).unwrap_or_default();
     let rings = body::pipes(&mut root, domain.as_ref());
+    let cracks = cracks::cracks(&mut root, domain.as_ref());
     let watch = watch::watch(&mut root, domain.as_ref(), time.as_ref());
     let reference = watch::reference(&mut root, domain.as_ref());
     if let (Some(section), Some(domain)) = (&mut wall_section, &domain) {
@@ -130,6 +132,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         // The checks of combinations would speak of the wrong materials if some were missing.
         materials: if complete { &materials } else { &[] },
         walls: &walls,
+        cracks: &cracks,
     };
     let methods = numerics::methods(&mut root, &setup, kinds);
     let time = time?;
@@ -143,6 +146,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         duration: time.duration.seconds,
         materials,
         regions,
+        cracks,
         initial_temperature: initial_temperature?,
         walls,
         rings,

@@ -29,6 +29,7 @@ pub fn all() -> &'static [BundledScene] {
         "soil-column-printed",
         "frozen-wall-sand",
         "frozen-wall-clay",
+        "cracked-plate",
     ];
     ALL
 }

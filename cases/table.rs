@@ -156,9 +156,9 @@ impl Soil {
         if scene.units != Units::Si {
             differences.push("units are si there".into());
         }
-        let own: Option<&Material> = match scene.regions.iter().any(|region| region.material != 0) {
-            true => None,
-            false => scene.materials.first(),
+        let own: Option<&Material> = match scene.is_uniform() {
+            true => scene.materials.first(),
+            false => None,
         };
         let mut number = |what: &str, read: fn(&Material) -> f64, expected: f64| {
             compare(&mut differences, what, own.map(read), expected);
@@ -266,6 +266,9 @@ impl ShaftCase {
         };
         if outer_radius < LEAST_OUTER_RADIUS {
             differences.push(format!("the outer radius is 15 there and {outer_radius} here"));
+        }
+        if !scene.cracks.is_empty() {
+            differences.push("there are no cracks there".into());
         }
         if scene.rings.iter().any(|ring| ring.schedule.is_some()) {
             differences.push("the pipes always work there".into());

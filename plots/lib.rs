@@ -13,6 +13,7 @@ pub mod map;
 pub mod page;
 pub mod rings;
 pub mod run;
+pub mod signed;
 pub mod stability;
 pub mod style;
 

@@ -8,6 +8,7 @@ use clap::{Args, Parser, Subcommand};
 use frazil_core::scene::Setting;
 
 use crate::compare::plan::Variant;
+use crate::compare::vary::{RATIOS, Vary};
 use crate::failure::{Failure, Verdict, exit_code};
 use crate::stability::axis::Axis;
 use crate::{check, compare, list, parallel, run, stability};
@@ -105,6 +106,13 @@ struct CompareArguments {
     /// Wall time for one scene, in seconds; 45 by default. Runs that would not fit are left out and listed.
     #[arg(long, value_name = "S", value_parser = positive_seconds)]
     budget_s: Option<f64>,
+    /// Varies the spacing and one key of the methods together, as in `spacing,horizon_ratio`, and gives errors with their
+    /// signs in place of times.
+    #[arg(long, value_name = "spacing,KEY", value_parser = varied)]
+    vary: Option<String>,
+    /// Values of the varied key; by default from two thirds of the scene's own to eight thirds.
+    #[arg(long, value_name = "VALUES", value_delimiter = ',', value_parser = positive, requires = "vary")]
+    ratios: Vec<f64>,
     /// Settings of the methods: best, paper or both.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = setting, default_value = "best")]
     settings: Vec<Setting>,
@@ -206,6 +214,7 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             seeds: arguments.seeds.map(Into::into),
             threads: arguments.threads.into(),
             budget_s: arguments.budget_s,
+            vary: arguments.vary.map(|key| Vary { key, ratios: arguments.ratios }),
             settings: arguments
                 .settings
                 .into_iter()
@@ -265,6 +274,13 @@ fn odd(text: &str) -> Result<u16, String> {
     match text.parse::<u16>() {
         Ok(number) if number % 2 == 1 && number < 100 => Ok(number),
         _ => Err("must be an odd number from 1 to 99".into()),
+    }
+}
+
+fn varied(text: &str) -> Result<String, String> {
+    match text.split_once(',') {
+        Some(("spacing", key)) if RATIOS.contains(&key) => Ok(key.to_owned()),
+        _ => Err(format!("must be \"spacing\" and, after a comma, one of {}", RATIOS.join(", "))),
     }
 }
 

@@ -29,6 +29,7 @@ pub mod report;
 pub mod tables;
 #[cfg(test)]
 mod tests;
+pub mod vary;
 
 /// Wall time that is spent on one scene unless told otherwise (s).
 const BUDGET: f64 = 45.0;
@@ -52,6 +53,8 @@ pub struct CompareRequest {
     pub threads: usize,
     /// Wall time for one scene (s).
     pub budget_s: Option<f64>,
+    /// What is varied beside the spacing, in place of times and settings.
+    pub vary: Option<vary::Vary>,
     /// Settings of the methods.
     pub settings: Vec<plan::Variant>,
     /// Whether smaller scenes that give the same answer are to be run instead.
@@ -100,7 +103,10 @@ pub fn compare(request: &CompareRequest) -> Result<Verdict, Failure> {
         methods: registry::methods(),
         interrupt: interrupt::watch(),
     };
-    compare_with(request, &parts)
+    match &request.vary {
+        Some(wanted) => vary::vary(request, wanted, &parts),
+        None => compare_with(request, &parts),
+    }
 }
 
 /// Compares with given parts.

@@ -18,6 +18,8 @@ pub struct Sketch {
     pub materials: Vec<(&'static str, String)>,
     /// Lines of one region each.
     pub regions: Vec<String>,
+    /// Lines of one crack each.
+    pub cracks: Vec<String>,
     pub initial_c: f64,
     /// Lines by wall; walls that are not named are symmetry planes.
     pub walls: Vec<(&'static str, String)>,
@@ -66,6 +68,7 @@ impl Sketch {
             outputs: 1,
             materials: vec![("water", water("law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 334000"))],
             regions: Vec::new(),
+            cracks: Vec::new(),
             initial_c: 3.0,
             walls: Vec::new(),
             pipes: Vec::new(),
@@ -119,6 +122,9 @@ impl Sketch {
         }
         for region in &self.regions {
             put(format_args!("[[regions]]\n{region}\n"));
+        }
+        for crack in &self.cracks {
+            put(format_args!("[[cracks]]\n{crack}\n"));
         }
         for name in names {
             let line = self.walls.iter().find(|wall| wall.0 == *name).map(|wall| wall.1.as_str());

@@ -72,17 +72,7 @@ pub fn scene(
         duration(request.budget())
     ));
     let finest = plan.iter().map(|one| one.spacing).fold(f64::INFINITY, f64::min);
-    let closed = (parts.reference_for)(&base).map_err(Stop::Scene)?;
-    let reference: Option<Arc<dyn Reference>> = match closed {
-        Some(reference) => Some(Arc::from(reference)),
-        None => match local_reference(parts, name, &base, finest, request.budget(), say) {
-            Ok(reference) => Some(Arc::new(reference)),
-            Err(reason) => {
-                say(&format!("{}: no reference: {reason}", base.name));
-                None
-            }
-        },
-    };
+    let reference = truth(request, parts, name, &base, finest, say)?;
     let info = reference.as_ref().map(|reference| reference.describe());
     let reference_words = info.as_ref().map_or("none: errors are not known".into(), |info| {
         format!("{}, {}; its own error is about {}", info.kind, info.source, percent(info.error_estimate_rel, 2))
@@ -101,6 +91,27 @@ pub fn scene(
     runs.spent = work.started.elapsed().as_secs_f64();
     written(&runs).map_err(Stop::Files)?;
     Ok(runs)
+}
+
+/// The reference of a scene: a closed form or a table or, where there is none, fine local runs.
+pub fn truth(
+    request: &CompareRequest,
+    parts: &Parts<'_>,
+    name: &str,
+    base: &Scene,
+    finest: f64,
+    say: &dyn Fn(&str),
+) -> Result<Option<Arc<dyn Reference>>, Stop> {
+    if let Some(closed) = (parts.reference_for)(base).map_err(Stop::Scene)? {
+        return Ok(Some(Arc::from(closed)));
+    }
+    Ok(match local_reference(parts, name, base, finest, request.budget(), say) {
+        Ok(reference) => Some(Arc::new(reference)),
+        Err(reason) => {
+            say(&format!("{}: no reference: {reason}", base.name));
+            None
+        }
+    })
 }
 
 struct Work<'a> {

@@ -138,6 +138,7 @@ fn a_comparison_leaves_all_its_files() -> Result<(), Failure> {
         repeats: Some(7),
         seeds: Some(10),
         threads: 1,
+        vary: None,
         budget_s: None,
         settings: [Setting::Best, Setting::Paper].map(plan::Variant::standard).to_vec(),
         reduce: false,

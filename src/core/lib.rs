@@ -7,6 +7,7 @@
 
 pub mod boundary;
 pub mod corner;
+pub mod crack;
 pub mod curved_wall;
 pub mod ghosts;
 pub mod green;
@@ -33,6 +34,8 @@ pub mod record;
 pub mod reduce;
 pub mod reference;
 pub mod scene;
+pub mod segment;
+pub mod start;
 pub mod statistics;
 pub mod stencil;
 pub mod sub_cell;

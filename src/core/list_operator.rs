@@ -7,6 +7,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 
 use crate::boundary::{Boundary, Face};
+use crate::crack::Cuts;
 use crate::curved_wall::Contacts;
 use crate::ghosts::Ghosts;
 use crate::ledger::Sum;
@@ -85,6 +86,8 @@ pub struct ListParts {
     pub materials: Materials,
     /// Pairs.
     pub pairs: PairList,
+    /// What cracks do to them.
+    pub cuts: Cuts,
     /// Ghosts.
     pub ghosts: Ghosts,
     /// Walls.
@@ -159,6 +162,7 @@ impl<T: PairTerm> ListOperator<T> {
         doors: &mut [f64],
     ) {
         self.term.begin(clock);
+        self.parts.cuts.bring_to(clock.time, &mut self.parts.pairs.weights);
         let parts = &self.parts;
         scheme.read(&parts.materials, enthalpy, &mut self.fields);
         for (faces, thermal) in self.faces.iter_mut().zip(parts.materials.thermals.iter()) {
@@ -312,6 +316,7 @@ impl<T: PairTerm> ListOperator<T> {
     ) {
         let total = self.parts.positions.len() + self.parts.ghosts.len();
         self.fields.potential.resize(total, 0.0);
+        self.parts.cuts.bring_to(time, &mut self.parts.pairs.weights);
         let parts = &self.parts;
         scheme.read(&parts.materials, enthalpy, &mut self.fields);
         for (faces, thermal) in self.faces.iter_mut().zip(parts.materials.thermals.iter()) {
@@ -521,7 +526,7 @@ impl Operator for EnthalpyList {
     fn is_constant(&self) -> bool {
         let parts = &self.operator.parts;
         let scheduled = parts.sinks.iter().any(|sink| sink.schedule.is_some());
-        !parts.materials.mixed() && parts.boundary.is_linear() && !scheduled
+        !parts.materials.mixed() && parts.boundary.is_linear() && !scheduled && parts.cuts.is_empty()
     }
 
     fn bandwidth(&self) -> usize {
@@ -578,6 +583,7 @@ impl<T> Held for ListOperator<T> {
         let copies = shared(&parts.positions) + parts.materials.of_particle.held();
         copies
             + pairs
+            + parts.cuts.held()
             + parts.ghosts.held()
             + fields
             + self.crossings.held()

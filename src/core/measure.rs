@@ -286,6 +286,7 @@ mod tests {
                 mixing: Mixing::Arithmetic,
             }],
             regions: Vec::new(),
+            cracks: Vec::new(),
             initial_temperature: 5.0,
             walls: vec![Wall { name: "left", condition: Condition::Temperature(Series::Constant(-20.0)) }],
             rings: Vec::new(),

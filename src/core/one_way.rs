@@ -67,6 +67,10 @@ impl OneWay {
 
 /// Which way the frozen volume goes, if all data pull one way from the uniform start and never let go.
 fn direction(scene: &Scene) -> Option<f64> {
+    // What a crack parts goes its own way.
+    if scene.has_regional_starts() || !scene.cracks.is_empty() {
+        return None;
+    }
     let start = scene.initial_temperature;
     let pulls = |series: &Series, sign: f64| {
         let away = |value: f64| sign * (start - value) >= 0.0;
@@ -121,6 +125,7 @@ mod tests {
                 mixing: Mixing::Arithmetic,
             }],
             regions: Vec::new(),
+            cracks: Vec::new(),
             initial_temperature: 5.0,
             walls: walls.into_iter().map(|(name, condition)| Wall { name, condition }).collect(),
             rings: Vec::new(),

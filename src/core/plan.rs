@@ -9,6 +9,7 @@ use rayon::ThreadPool;
 
 use crate::boundary::{Boundary, Side};
 use crate::corner::strengthen;
+use crate::crack::{Barriers, Cuts};
 use crate::curved_wall::{Contacts, Neighbourhood, cells_behind};
 use crate::ghosts::Ghosts;
 use crate::green::Green;
@@ -32,6 +33,8 @@ use crate::scene::{
     Domain, Exchange, Front, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, Sector, StepChoice, Units,
     Uptake, WallModel,
 };
+use crate::segment::meet;
+use crate::start;
 use crate::stencil::{SHELL_TOLERANCE, Stencil};
 use crate::sub_cell::SubCellFront;
 use crate::sweep::WIDEST;
@@ -51,6 +54,8 @@ const MOST_STEPS: f64 = 1e15;
 pub struct Assembly {
     /// The parts of a list operator.
     pub parts: ListParts,
+    /// Enthalpies at the start (see [`Particles::start`]).
+    pub start: Arc<[f64]>,
     /// Latent heat.
     pub uptake: Uptake,
     /// Conductivity inside the freezing interval.
@@ -65,7 +70,7 @@ impl Assembly {
     /// The shared explicit step with a term beside conduction.
     pub fn into_method<T: PairTerm>(self, term: T) -> Box<dyn Method> {
         let count = self.parts.positions.len();
-        let scheme = scheme(self.uptake, self.mushy, &self.parts.materials, count);
+        let scheme = scheme(self.uptake, self.mushy, &self.parts.materials, &self.start, count);
         Box::new(SchemeEuler::new(ListOperator::new(self.parts, term), scheme, count))
     }
 }
@@ -176,7 +181,7 @@ pub fn build(
         .collect();
     let pool = pool(threads)?;
     let cloud = place(scene, numerics, &lattice, seed)?;
-    let of_particle: Vec<u8> = if scene.regions.is_empty() {
+    let of_particle: Vec<u8> = if !scene.has_regional_materials() {
         Vec::new()
     } else {
         let material = |place: DVec2| scene.material_at(place.x, place.y) as u8;
@@ -186,6 +191,8 @@ pub fn build(
         }
     };
     let materials = Materials { thermals, of_particle };
+    let start = start::enthalpies(scene, &materials, &lattice, cloud.as_deref());
+    let differences = start::volume_errors(scene, &lattice, cloud.as_deref());
     let stencil = Stencil::new(discretisation, lattice.spacing, lattice.dimension);
     if !stencil.sum().is_finite() || stencil.sum() <= 0.0 {
         return Err(refuse("no pair of particles has a weight: the reach is shorter than the spacing".into()));
@@ -202,10 +209,15 @@ pub fn build(
     if narrow && numerics.search == SearchChoice::Lattice {
         return Err(refuse("search = \"lattice\" needs a body at least as wide as pairs reach: set \"auto\"".into()));
     }
-    if narrow && numerics.front == Front::SubCell {
-        return Err(refuse("front = \"sub-cell\" needs a body at least as wide as pairs reach".into()));
+    if let Some(reason) =
+        cracks_out_of_place(scene, numerics, &boundary, &sinks, stencil.reach as f64 * lattice.spacing, narrow)
+    {
+        return Err(refuse(reason));
     }
     let why_list = why_list(scene, numerics, discretisation, &stencil, narrow);
+    if let (Some(reason), Front::SubCell) = (why_list, numerics.front) {
+        return Err(refuse(format!("front = \"sub-cell\" needs a lattice without a neighbour list, but {reason}")));
+    }
     let mut used = vec![format!(
         "{} particles, {} m apart, {}",
         lattice.len(),
@@ -267,12 +279,19 @@ pub fn build(
             let first = &materials.thermals[0];
             let faces = boundary.first_faces(&first.curve, first.initial_potential);
             strengthen(&mut pairs, &ghosts, positions.len(), &faces);
+            let cuts = if scene.cracks.is_empty() {
+                Cuts::default()
+            } else {
+                let barriers = Barriers::new(&scene.cracks, &lattice, &boundary);
+                Cuts::new(&mut pairs, &positions, &ghosts, &barriers)
+            };
             let parts = ListParts {
                 positions,
                 volume: lattice.volume(),
                 spacing: lattice.spacing,
                 materials: materials.clone(),
                 pairs,
+                cuts,
                 ghosts,
                 boundary,
                 contacts,
@@ -282,31 +301,34 @@ pub fn build(
                 pool,
                 bound: settings.bound.clone(),
             };
+            let assembly = |parts: ListParts| Assembly {
+                parts,
+                start: start.clone(),
+                uptake: numerics.uptake,
+                mushy: numerics.mushy,
+                units: scene.units,
+                seed,
+            };
             match &discretisation.stepper {
-                Stepper::Own(step) => {
-                    step(Assembly { parts, uptake: numerics.uptake, mushy: numerics.mushy, units: scene.units, seed })
-                }
+                Stepper::Own(step) => step(assembly(parts)),
                 Stepper::Shared if numerics.uptake == Uptake::Enthalpy && numerics.mushy => {
                     let operator = EnthalpyList {
                         operator: ListOperator::new(parts, Off),
-                        scheme: scheme(Uptake::Enthalpy, true, &materials, count),
+                        scheme: scheme(Uptake::Enthalpy, true, &materials, &start, count),
                         rate: vec![0.0; count],
                         tangent: Tangent::default(),
                     };
                     integrator(numerics, Box::new(operator), range, largest_slope, count)
                 }
-                Stepper::Shared => {
-                    let assembly =
-                        Assembly { parts, uptake: numerics.uptake, mushy: numerics.mushy, units: scene.units, seed };
-                    assembly.into_method(Off)
-                }
+                Stepper::Shared => assembly(parts).into_method(Off),
             }
         }
     };
     let bound = method.bound();
     let step = choose_step(numerics, &bound, scene)?;
     let particles = Particles {
-        enthalpy: vec![0.0; count],
+        enthalpy: if start.is_empty() { vec![0.0; count] } else { start.to_vec() },
+        start,
         places: cloud.map_or(Places::Lattice, Places::Cloud),
         volume: lattice.volume(),
         sub_cell: numerics.front == Front::SubCell,
@@ -327,7 +349,7 @@ pub fn build(
         used: [used, terms].concat(),
         spared,
         relaxed_by,
-        differences: discretisation.differences.clone(),
+        differences: [discretisation.differences.clone(), differences].concat(),
     };
     Ok(Plan { particles, method, step, bound, summary, pipe_extents })
 }
@@ -344,7 +366,8 @@ fn why_list(
         (numerics.layout != Layout::Lattice, "particles stand unevenly"),
         (numerics.exchange != Exchange::Potential, "pairs exchange by a mean of conductivities"),
         (numerics.uptake != Uptake::Enthalpy || !numerics.mushy, "the latent-heat scheme keeps its own columns"),
-        (!scene.regions.is_empty(), "there are several materials"),
+        (scene.has_regional_materials(), "there are several materials"),
+        (!scene.cracks.is_empty(), "cracks cut pairs"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
         (matches!(discretisation.stepper, Stepper::Own(_)), "the method makes its own step"),
         (narrow, "pairs reach farther than the body is wide"),
@@ -355,6 +378,52 @@ fn why_list(
         ),
     ];
     reasons.into_iter().find(|reason| reason.0).map(|reason| reason.1)
+}
+
+/// Why cracks cannot be where they are: pairs alone know which way heat goes, and not the fits and sums that some walls and
+/// pipes are made of.
+fn cracks_out_of_place(
+    scene: &Scene,
+    numerics: &Numerics,
+    boundary: &Boundary,
+    sinks: &[Sink],
+    reach: f64,
+    narrow: bool,
+) -> Option<String> {
+    if scene.cracks.is_empty() {
+        return None;
+    }
+    if narrow {
+        return Some("cracks need a body at least as wide as pairs reach".into());
+    }
+    if numerics.walls == WallModel::MovingLeastSquares {
+        return Some("fits of wall_model = \"moving-least-squares\" know no cracks: set \"mirror\"".into());
+    }
+    for (number, crack) in scene.cracks.iter().enumerate() {
+        let farthest = crack.from.length().max(crack.to.length());
+        if let Some((_, radius)) = boundary.curved.filter(|(_, radius)| farthest > radius - reach) {
+            return Some(format!(
+                "crack {number} comes within {:.6} m of the curved wall, must stay away from it by the reach of pairs, \
+                 {reach:.6} m",
+                radius - farthest
+            ));
+        }
+        for sink in sinks {
+            let (centre, half) = sink.extent;
+            let corners =
+                [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| centre + half * DVec2::new(x, y));
+            let edge = |k: usize| (corners[k], corners[(k + 1) % 4]);
+            let inside = (crack.from - centre).abs().max_element() <= half;
+            if inside || (0..4).any(|k| meet((crack.from, crack.to), edge(k))) {
+                return Some(format!(
+                    "crack {number} cuts the particles that stand for the pipe at ({:.4}, {:.4}) m, must stay {half:.6} m \
+                     away from it",
+                    centre.x, centre.y
+                ));
+            }
+        }
+    }
+    None
 }
 
 fn integrator(

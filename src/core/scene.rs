@@ -4,14 +4,18 @@
 //! temperature elsewhere. [`Units::absolute_zero`] maps them to an absolute scale where a law needs one.
 
 pub mod read;
+pub mod region;
 mod series;
 pub mod settings;
 
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use crate::material::Material;
 
 pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
+pub use region::{Region, Shape};
 pub use series::{Schedule, Series};
 pub use settings::{
     Exchange, Front, IntegratorChoice, Layout, Mean, Numerics, SearchChoice, Setting, StepChoice, Uptake, WallModel,
@@ -255,19 +259,34 @@ impl PipeRing {
     }
 }
 
-/// A box of the domain that holds another material than the first one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Region {
-    /// Index into [`Scene::materials`].
-    pub material: usize,
-    /// Least x (m).
-    pub x_min: f64,
-    /// Greatest x (m).
-    pub x_max: f64,
-    /// Least y (m); minus infinity on a line.
-    pub y_min: f64,
-    /// Greatest y (m); infinity on a line.
-    pub y_max: f64,
+/// A segment that no heat crosses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crack {
+    /// Where it begins (m).
+    pub from: DVec2,
+    /// Where it ends at the latest (m).
+    pub to: DVec2,
+    /// How it comes to be.
+    pub growth: Growth,
+}
+
+/// How a crack comes to be.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Growth {
+    /// All at once.
+    Whole {
+        /// When (s).
+        start: f64,
+    },
+    /// From its beginning on, at one speed.
+    Steady {
+        /// When it begins (s).
+        start: f64,
+        /// Speed of its tip (m/s).
+        speed: f64,
+    },
+    /// By rows of time (s) and length (m), linear between them and constant beyond; neither decreases.
+    Table(Vec<(f64, f64)>),
 }
 
 /// What is observed, and when.
@@ -330,9 +349,11 @@ pub struct Scene {
     pub duration: f64,
     /// Materials; the first fills the domain.
     pub materials: Vec<Material>,
-    /// Boxes of other materials; later ones win.
+    /// Parts of other materials or other starts; later ones win.
     pub regions: Vec<Region>,
-    /// Temperature everywhere at the start.
+    /// Segments that no heat crosses.
+    pub cracks: Vec<Crack>,
+    /// Temperature at the start, where regions say nothing else.
     pub initial_temperature: f64,
     /// The walls of the domain that are not mirror planes of a sector.
     pub walls: Vec<Wall>,
@@ -352,6 +373,9 @@ impl Scene {
     /// Least and greatest temperature that data of the scene name: start, walls, pipes.
     pub fn temperature_range(&self) -> (f64, f64) {
         let mut range = (self.initial_temperature, self.initial_temperature);
+        for temperature in self.regions.iter().filter_map(|region| region.temperature) {
+            range = (range.0.min(temperature), range.1.max(temperature));
+        }
         let mut widen = |series: &Series| {
             let (lo, hi) = series.range();
             range = (range.0.min(lo), range.1.max(hi));
@@ -402,7 +426,7 @@ impl Scene {
     }
 
     /// The first instant after `t` (s) at which the temperature, flux or film of a wall or the temperature of pipes bends
-    /// or jumps: long steps land on it.
+    /// or jumps, or a crack opens or begins to grow: long steps land on it.
     pub fn next_bend(&self, t: f64) -> Option<f64> {
         let walls = self.walls.iter().flat_map(|wall| match &wall.condition {
             Condition::Temperature(series) | Condition::Flux(series) => [Some(series), None],
@@ -410,7 +434,12 @@ impl Scene {
             Condition::Symmetry | Condition::Exact => [None, None],
         });
         let rings = self.rings.iter().map(|ring| Some(&ring.temperature));
-        walls.chain(rings).flatten().filter_map(|series| series.next_bend(t)).reduce(f64::min)
+        let bends = walls.chain(rings).flatten().filter_map(|series| series.next_bend(t));
+        let cracks = self.cracks.iter().flat_map(|crack| match &crack.growth {
+            Growth::Whole { start } | Growth::Steady { start, .. } => vec![*start],
+            Growth::Table(rows) => rows.iter().map(|row| row.0).collect(),
+        });
+        bends.chain(cracks.filter(|instant| *instant > t)).reduce(f64::min)
     }
 
     /// All pipes of all rings.
@@ -426,14 +455,5 @@ impl Scene {
     /// The settings of a method, if the scene has them.
     pub fn method(&self, name: &str) -> Option<&settings::MethodSettings> {
         self.methods.iter().find(|method| method.method == name)
-    }
-
-    /// Index of the material at a point (m).
-    pub fn material_at(&self, x: f64, y: f64) -> usize {
-        self.regions
-            .iter()
-            .rev()
-            .find(|region| x >= region.x_min && x < region.x_max && y >= region.y_min && y < region.y_max)
-            .map_or(0, |region| region.material)
     }
 }

@@ -88,6 +88,9 @@ impl Parts<'_> {
         if self.materials.mixed() {
             used.push(format!("{} materials, whose interfaces are solved for", self.scene.materials.len()));
         }
+        if !self.scene.cracks.is_empty() {
+            used.push(format!("{} cracks, which cut pairs", self.scene.cracks.len()));
+        }
         let walls = self.open_walls();
         if !walls.is_empty() {
             used.push(format!("heat through {}, booked each step", walls.join(", ")));
@@ -109,6 +112,7 @@ impl Parts<'_> {
             (self.has_shared_steps(), "no random numbers"),
             (true, "no motion: velocities, forces and lists with a skin"),
             (self.pipes == 0, "no pipes"),
+            (self.scene.cracks.is_empty(), "no cracks"),
             (self.open_walls().is_empty(), "no heat through walls"),
             (self.scene.domain.dimension() == 1, "one dimension: no rows"),
             (!self.freezes(), "no phase change"),

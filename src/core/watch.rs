@@ -293,13 +293,25 @@ fn frozen_length(ray: &Ray, particles: &Particles) -> f64 {
 
 /// The heat balance at a time.
 fn balance(particles: &Particles, ledger: &Ledger, time: f64) -> BudgetRow {
-    let stored: Sum = particles.enthalpy.iter().copied().collect();
-    let stored_j = stored.value() * particles.volume;
+    let (stored, moved) = taken_up(particles);
+    let stored_j = stored * particles.volume;
     let in_j = ledger.heat();
     let total: Sum = in_j.iter().copied().collect();
     let exchanged = in_j.iter().map(|heat| heat.abs()).sum::<f64>().max(stored_j.abs());
+    // Where particles start from different temperatures, they exchange heat even if nothing comes in.
+    let exchanged = exchanged.max(0.5 * moved * particles.volume);
     let balance_rel = if exchanged > 0.0 { (stored_j - total.value()) / exchanged } else { 0.0 };
     BudgetRow { time_s: time, stored_j, in_j, balance_rel }
+}
+
+/// What all particles have taken up since the start (J/m3), and, where they started from different temperatures, how much
+/// each by its magnitude, summed.
+fn taken_up(particles: &Particles) -> (f64, f64) {
+    if particles.start.is_empty() {
+        return (particles.enthalpy.iter().copied().collect::<Sum>().value(), 0.0);
+    }
+    let changes = || particles.enthalpy.iter().zip(particles.start.iter()).map(|(now, start)| now - start);
+    (changes().collect::<Sum>().value(), changes().map(f64::abs).sum())
 }
 
 /// Means over layers one spacing thick across the freezing direction.

@@ -1,10 +1,12 @@
 //! Reading scene files: every check that needs no particles, and all problems of a file at once.
 
 mod body;
+mod cracks;
 mod ground;
 mod numerics;
 mod problem;
 mod range;
+mod regions;
 mod section;
 #[cfg(test)]
 mod tests;
@@ -102,7 +104,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let found = material_section.as_mut().map(ground::materials).unwrap_or_default();
     let names: Vec<String> = found.iter().map(|(name, _)| name.clone()).collect();
     let regions = match &mut material_section {
-        Some(section) => ground::regions(&mut root, section, domain.as_ref(), &names),
+        Some(section) => regions::regions(&mut root, section, domain.as_ref(), &names),
         None => {
             root.sections("regions").iter_mut().for_each(Section::abandon);
             Vec::new()
@@ -118,6 +120,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let mut wall_section = root.section("walls");
     let walls = wall_section.as_mut().map(|section| body::walls(section, domain.as_ref())).unwrap_or_default();
     let rings = body::pipes(&mut root, domain.as_ref());
+    let cracks = cracks::cracks(&mut root, domain.as_ref());
     let watch = watch::watch(&mut root, domain.as_ref(), time.as_ref());
     let reference = watch::reference(&mut root, domain.as_ref());
     if let (Some(section), Some(domain)) = (&mut wall_section, &domain) {
@@ -129,6 +132,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         // The checks of combinations would speak of the wrong materials if some were missing.
         materials: if complete { &materials } else { &[] },
         walls: &walls,
+        cracks: &cracks,
     };
     let methods = numerics::methods(&mut root, &setup, kinds);
     let time = time?;
@@ -142,6 +146,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         duration: time.duration.seconds,
         materials,
         regions,
+        cracks,
         initial_temperature: initial_temperature?,
         walls,
         rings,

@@ -10,7 +10,7 @@ use crate::scene::settings::{
     Exchange, Front, IntegratorChoice, Layout, Mean, MethodSettings, Numerics, SearchChoice, Setting, StepChoice,
     Uptake, WallModel,
 };
-use crate::scene::{Condition, Domain, Sector, Wall};
+use crate::scene::{Condition, Crack, Domain, Sector, Wall};
 
 /// Particles that one run may have.
 const MOST_PARTICLES: f64 = 1e8;
@@ -30,6 +30,7 @@ pub(super) struct Setup<'a> {
     pub(super) domain: Option<&'a Domain>,
     pub(super) materials: &'a [Material],
     pub(super) walls: &'a [Wall],
+    pub(super) cracks: &'a [Crack],
 }
 
 pub(super) fn methods(root: &mut Section<'_>, setup: &Setup<'_>, kinds: &[&'static MethodKind]) -> Vec<MethodSettings> {
@@ -290,6 +291,8 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
             Some(format!("scheme = \"enthalpy\" and not \"{scheme}\""))
         } else if setup.materials.len() > 1 {
             Some("a single material".to_owned())
+        } else if !setup.cracks.is_empty() {
+            Some("a body without cracks".to_owned())
         } else if kind.stochastic {
             Some(format!("a method of weights alone and not \"{}\"", kind.name))
         } else {

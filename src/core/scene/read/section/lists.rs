@@ -53,6 +53,36 @@ impl<'a> Section<'a> {
         Some(points)
     }
 
+    /// A required point of the plane.
+    pub fn point(&mut self, key: impl Into<Key>) -> Option<(f64, f64)> {
+        let key = key.into();
+        self.required(key, "a point, as [0.1, 0.2]", |section| {
+            let entry = section.ask(key)?;
+            let numbers = section.check_numbers(&entry.key, &entry.node, Range::ANY)?;
+            if let [x, y] = numbers.as_slice() {
+                return Some((*x, *y));
+            }
+            section.note(&entry.key, format!("found {} coordinates, must be 2", numbers.len()));
+            None
+        })
+    }
+
+    /// Refuses a time that has no effect here, with the reason.
+    pub fn refuse_time(&mut self, base: &'static str, reason: &str) {
+        for (key, _) in self.time_keys(base) {
+            if self.find(&key).is_some() {
+                self.note(&key, format!("has no effect, {reason}"));
+            }
+            self.refused.push(key);
+        }
+    }
+
+    /// A required list of points.
+    pub fn points(&mut self, key: impl Into<Key>, dimension: Option<usize>) -> Option<Vec<Vec<f64>>> {
+        let key = key.into();
+        self.required(key, "a list of points", |section| section.optional_points(key, dimension))
+    }
+
     /// A required quantity that is constant or a table in time: `5` or `{ times_h = [0, 10], values = [5, -20] }`, which a
     /// `period_h` repeats.
     pub fn series(&mut self, key: impl Into<Key>, range: Range) -> Option<Series> {
@@ -95,12 +125,7 @@ impl<'a> Section<'a> {
     pub fn optional_schedule(&mut self) -> Option<Schedule> {
         let found = self.ask_time("on");
         if found.is_none() {
-            for (key, _) in self.time_keys("on_period") {
-                if self.find(&key).is_some() {
-                    self.note(&key, "has no effect, only intervals of work repeat");
-                }
-                self.refused.push(key);
-            }
+            self.refuse_time("on_period", "only intervals of work repeat");
         }
         let (entry, unit) = found?;
         let period = self.optional_duration("on_period", Range::POSITIVE);

@@ -1,0 +1,425 @@
+//! Convergence in two parameters: the spacing, and how many spacings pairs reach.
+//!
+//! A nonlocal method converges with the spacing at a fixed ratio of reach to spacing (the reach shrinks along), and with
+//! the ratio at a fixed reach, to two different limits. Errors of either kind can have opposite signs, so that one of them
+//! passes through zero: a curve of magnitudes then falls steeply and rises again, and looks convergent where it is read at
+//! the right place. So errors keep their signs here, and changes of sign between neighbouring runs are told.
+
+mod report;
+mod tables;
+
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use frazil_core::march::Options;
+use frazil_core::method::MethodKind;
+use frazil_core::record::{Outcome, RunResult, Value};
+use frazil_core::reference::Reference;
+use frazil_core::scene::Scene;
+use frazil_plots::style::{duration, number};
+
+use super::execute::{Stop, truth};
+use super::plan::{Variant, overrides, spacings};
+use super::{CompareRequest, Parts};
+use crate::failure::{Failure, Verdict, complain};
+use crate::machine::Machine;
+use crate::output::Folder;
+
+/// The keys that can be varied beside the spacing, as methods list them: reach over spacing.
+pub const RATIOS: [&str; 3] = ["horizon_ratio", "smoothing_ratio", "cutoff_ratio"];
+
+/// Ratios that are run by default, over the scene's own: each has its half or its double beside it.
+const SPREAD: [f64; 5] = [2.0 / 3.0, 1.0, 4.0 / 3.0, 2.0, 8.0 / 3.0];
+
+/// Relative difference of horizons that are the same.
+const SAME: f64 = 1e-9;
+
+/// What is to be varied beside the spacing.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Vary {
+    /// The key.
+    pub key: String,
+    /// Its values; by default around the scene's own.
+    pub ratios: Vec<f64>,
+}
+
+/// Which error of a run is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Measure {
+    /// Of all temperatures of profiles, over the range of the scene's temperatures: their mean has a sign.
+    Temperature,
+    /// Of the front: at the end it has a sign.
+    Front,
+}
+
+impl Measure {
+    /// Both.
+    pub const ALL: [Measure; 2] = [Measure::Temperature, Measure::Front];
+
+    /// The word used in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Measure::Temperature => "temperature",
+            Measure::Front => "front",
+        }
+    }
+
+    /// The signed error of a run.
+    pub fn signed(self, run: &Run) -> Option<f64> {
+        match self {
+            Measure::Temperature => run.temperature,
+            Measure::Front => run.result.as_ref()?.record.errors.front_last_rel,
+        }
+    }
+
+    /// The rms error of a run.
+    pub fn rms(self, run: &Run) -> Option<f64> {
+        let errors = &run.result.as_ref()?.record.errors;
+        match self {
+            Measure::Temperature => errors.temperature_rms_rel,
+            Measure::Front => errors.front_rms_rel,
+        }
+    }
+}
+
+/// One method at one spacing and ratio.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// Method.
+    pub method: &'static str,
+    /// Number of the spacing, from coarse to fine.
+    pub level: usize,
+    /// Spacing (m).
+    pub spacing: f64,
+    /// Reach over spacing, as the key means it.
+    pub ratio: f64,
+    /// What came of it.
+    pub result: Option<RunResult>,
+    /// Mean error of temperatures over their range.
+    pub temperature: Option<f64>,
+    /// Why there is nothing, or nothing good.
+    pub note: Option<String>,
+}
+
+impl Run {
+    /// Ratio times spacing (m).
+    pub fn reach(&self) -> f64 {
+        self.ratio * self.spacing
+    }
+}
+
+/// All runs of one scene.
+pub struct Grid {
+    /// The scene as its file gives it.
+    pub scene: Scene,
+    /// The key that is varied.
+    pub key: String,
+    /// Runs, from coarse to fine.
+    pub runs: Vec<Run>,
+    /// What the reference is, in words.
+    pub reference: String,
+}
+
+/// Runs of a method along which one parameter alone changes, from coarse to fine.
+pub struct Line<'a> {
+    /// Method.
+    pub method: &'static str,
+    /// What is the same along it: the ratio, or the reach (m).
+    pub fixed: f64,
+    /// The runs.
+    pub runs: Vec<&'a Run>,
+}
+
+impl Grid {
+    /// The methods, in their order.
+    pub fn methods(&self) -> Vec<&'static str> {
+        let mut methods: Vec<&'static str> = self.runs.iter().map(|run| run.method).collect();
+        methods.dedup();
+        methods.sort_unstable();
+        methods.dedup();
+        methods
+    }
+
+    /// Lines of one value of something, by that value.
+    fn lines(&self, method: &'static str, value: impl Fn(&Run) -> f64) -> Vec<Line<'_>> {
+        let mut lines: Vec<Line<'_>> = Vec::new();
+        for run in self.runs.iter().filter(|run| run.method == method) {
+            let own = value(run);
+            match lines.iter_mut().find(|line| (line.fixed - own).abs() <= SAME * own) {
+                Some(line) => line.runs.push(run),
+                None => lines.push(Line { method, fixed: own, runs: vec![run] }),
+            }
+        }
+        lines.sort_by(|a, b| a.fixed.total_cmp(&b.fixed));
+        lines
+    }
+
+    /// Lines of one ratio: the reach shrinks with the spacing.
+    pub fn by_ratio(&self, method: &'static str) -> Vec<Line<'_>> {
+        self.lines(method, |run| run.ratio)
+    }
+
+    /// Lines of one reach with more than one run: the ratio grows as the spacing shrinks.
+    pub fn by_reach(&self, method: &'static str) -> Vec<Line<'_>> {
+        self.lines(method, Run::reach).into_iter().filter(|line| line.runs.len() > 1).collect()
+    }
+}
+
+impl Line<'_> {
+    /// Neighbouring runs between which a signed error changes its sign, as pairs of spacings.
+    pub fn crossings(&self, measure: Measure) -> Vec<(f64, f64)> {
+        let signed: Vec<(f64, f64)> =
+            self.runs.iter().filter_map(|run| Some((run.spacing, measure.signed(run)?))).collect();
+        let turns = |pair: &&[(f64, f64)]| pair[0].1 * pair[1].1 < 0.0;
+        signed.windows(2).filter(turns).map(|pair| (pair[0].0, pair[1].0)).collect()
+    }
+}
+
+/// A warning in words for each change of sign along any line.
+pub fn warnings(grid: &Grid) -> Vec<String> {
+    let mut found = Vec::new();
+    for method in grid.methods() {
+        let by_ratio =
+            grid.by_ratio(method).into_iter().map(|line| (format!("{} {}", grid.key, number(line.fixed, 4)), line));
+        let by_reach =
+            grid.by_reach(method).into_iter().map(|line| (format!("reach {} m", number(line.fixed, 4)), line));
+        for (fixed, line) in by_ratio.chain(by_reach) {
+            for measure in Measure::ALL {
+                for (coarse, fine) in line.crossings(measure) {
+                    found.push(format!(
+                        "{method}, {}, at fixed {fixed}: the error changes its sign between spacings of {} and {} m. Its \
+                         magnitude passes through zero there, and says nothing of convergence",
+                        measure.name(),
+                        number(coarse, 4),
+                        number(fine, 4)
+                    ));
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Varies scene after scene, and writes tables, figures and the page.
+pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<Verdict, Failure> {
+    let path = request.out.clone().unwrap_or_else(|| Path::new("out").join("compare"));
+    let mut jobs = Vec::new();
+    for name in &request.scenes {
+        let scene = (parts.scene_at)(name, &[]).map_err(Failure::Request)?;
+        let methods = methods(request, vary, parts, &scene)?;
+        jobs.push((name, scene, methods));
+    }
+    let folder = Folder::make(&path)?;
+    let machine = Machine::now();
+    let say = |text: &str| {
+        if !request.quiet {
+            complain(text);
+        }
+    };
+    let mut grids = Vec::new();
+    for (name, scene, methods) in jobs {
+        match runs(request, vary, parts, (name, scene), &methods, &say) {
+            Ok(grid) => grids.push(grid),
+            Err(Stop::Scene(reason)) => return Err(Failure::Request(format!("{name}: {reason}"))),
+            Err(Stop::Files(failure)) => return Err(failure),
+        }
+        tables::write(folder.path(), &grids)?;
+        report::write(request, &machine, folder.path(), &grids)?;
+        if parts.interrupt.load(Ordering::Relaxed) {
+            return Ok(Verdict::Broken);
+        }
+    }
+    for warning in grids.iter().flat_map(warnings) {
+        say(&format!("warning: {warning}"));
+    }
+    say(&format!("written: {}", path.join("report.html").display()));
+    Ok(Verdict::Done)
+}
+
+/// Methods of a scene that have the key. Noise would drown signs.
+fn methods(
+    request: &CompareRequest,
+    vary: &Vary,
+    parts: &Parts<'_>,
+    scene: &Scene,
+) -> Result<Vec<&'static MethodKind>, Failure> {
+    let wanted = |kind: &MethodKind| match request.methods.as_slice() {
+        [] => !kind.stochastic,
+        names => names.iter().any(|name| name == kind.name),
+    };
+    let has = |kind: &MethodKind| own_ratio(scene, kind.name, &vary.key).is_some();
+    let found: Vec<_> = parts.methods.iter().copied().filter(|kind| wanted(kind) && has(kind)).collect();
+    if found.is_empty() {
+        let message = format!("no method of scene `{}` that was asked for has the key \"{}\"", scene.name, vary.key);
+        return Err(Failure::Request(message));
+    }
+    Ok(found)
+}
+
+/// A number without the rounding of its last digits, as people would write it.
+fn plain(number: f64) -> f64 {
+    (1e9 * number).round() / 1e9
+}
+
+/// The scene's own value of a key of a method.
+fn own_ratio(scene: &Scene, method: &str, key: &str) -> Option<f64> {
+    let knobs = &scene.method(method)?.discretisation.knobs;
+    match knobs.iter().find(|knob| knob.0 == key)?.1 {
+        Value::Number(ratio) => Some(ratio),
+        _ => None,
+    }
+}
+
+fn runs(
+    request: &CompareRequest,
+    vary: &Vary,
+    parts: &Parts<'_>,
+    (name, scene): (&str, Scene),
+    methods: &[&'static MethodKind],
+    say: &dyn Fn(&str),
+) -> Result<Grid, Stop> {
+    let mut grid = Vec::new();
+    for level in 0..request.levels.max(1) {
+        for kind in methods {
+            let Some(settings) = scene.method(kind.name) else { continue };
+            let spacing = spacings(settings.numerics.spacing, request.levels)[level];
+            let own = own_ratio(&scene, kind.name, &vary.key).unwrap_or(1.0);
+            let ratios: Vec<f64> = if vary.ratios.is_empty() {
+                SPREAD.map(|share| plain(share * own)).to_vec()
+            } else {
+                vary.ratios.clone()
+            };
+            for ratio in ratios {
+                grid.push(Run {
+                    method: kind.name,
+                    level,
+                    spacing,
+                    ratio,
+                    result: None,
+                    temperature: None,
+                    note: None,
+                });
+            }
+        }
+    }
+    let finest = grid.iter().map(|run| run.spacing).fold(f64::INFINITY, f64::min);
+    let reference = truth(request, parts, name, &scene, finest, say)?;
+    let words = reference.as_ref().map_or("none: errors are not known".to_owned(), |reference| {
+        let info = reference.describe();
+        format!("{}, {}", info.kind, info.source)
+    });
+    let started = Instant::now();
+    let left = || request.budget() - started.elapsed().as_secs_f64();
+    let dimension = scene.domain.dimension() as i32;
+    let mut took: Vec<(usize, f64)> = vec![(0, 0.0); grid.len()];
+    for k in 0..grid.len() {
+        let (run, before) = (&grid[k], &grid[..k]);
+        // An explicit step makes half the spacing cost 2^(d + 2); a finer run of one that did not fit fits even less.
+        let coarser = before
+            .iter()
+            .position(|other| other.method == run.method && other.level + 1 == run.level && other.ratio == run.ratio);
+        let expected = coarser.map_or(0.0, |place| match grid[place].note.as_deref() {
+            Some(note) if note.starts_with("left out") => f64::INFINITY,
+            _ => took[place].1 * 2f64.powi(dimension + 2),
+        });
+        let label = format!(
+            "[{}/{}] {}, {} m, {} {}",
+            k + 1,
+            grid.len(),
+            run.method,
+            number(run.spacing, 4),
+            vary.key,
+            number(run.ratio, 4)
+        );
+        let note = if parts.interrupt.load(Ordering::Relaxed) {
+            Some("interrupted".to_owned())
+        } else if expected > left() {
+            Some(format!("left out: about {} expected, {} left", duration(expected), duration(left().max(0.0))))
+        } else {
+            let begin = Instant::now();
+            let made = one(request, vary, parts, (name, &scene), &grid[k], reference.as_ref(), left());
+            took[k] = (k, begin.elapsed().as_secs_f64());
+            match made {
+                Ok(result) => {
+                    let outcome = result.record.outcome;
+                    let run = &mut grid[k];
+                    run.temperature = mean_error(&scene, &result);
+                    let note = (outcome != Outcome::Ok).then(|| outcome.name().to_owned());
+                    run.result = Some(result).filter(|_| outcome == Outcome::Ok);
+                    run.temperature = run.temperature.filter(|_| outcome == Outcome::Ok);
+                    note
+                }
+                Err(reason) => Some(reason),
+            }
+        };
+        let signed = |measure: Measure| Some(format!("{} {:+.3} %", measure.name(), 100.0 * measure.signed(&grid[k])?));
+        let words: Vec<String> = Measure::ALL.into_iter().filter_map(signed).chain(note.clone()).collect();
+        say(&format!("{label}: {}", words.join(", ")));
+        grid[k].note = note;
+    }
+    Ok(Grid { scene, key: vary.key.clone(), runs: grid, reference: words })
+}
+
+/// Makes one run.
+fn one(
+    request: &CompareRequest,
+    vary: &Vary,
+    parts: &Parts<'_>,
+    (name, base): (&str, &Scene),
+    run: &Run,
+    reference: Option<&Arc<dyn Reference>>,
+    left: f64,
+) -> Result<RunResult, String> {
+    let setting =
+        request.settings.first().cloned().unwrap_or_else(|| Variant::standard(frazil_core::scene::Setting::Best));
+    let mut pairs = overrides(base.units, run.method, run.spacing, &setting);
+    pairs.push((format!("method.{}.{}", run.method, vary.key), format!("{}", run.ratio)));
+    let scene =
+        (parts.scene_at)(name, &pairs).map_err(|reason| reason.lines().next().unwrap_or_default().to_owned())?;
+    let options = Options {
+        threads: request.threads,
+        interrupt: Some(parts.interrupt),
+        time_limit_s: Some(left.max(1.0)),
+        ..Options::default()
+    };
+    (parts.run)(&scene, run.method, reference, &options).map_err(|refused| format!("refused: {refused}"))
+}
+
+/// Mean over all profile points of the error of temperature, over the range of the scene's temperatures.
+fn mean_error(scene: &Scene, result: &RunResult) -> Option<f64> {
+    let (low, high) = scene.temperature_range();
+    let errors: Vec<f64> =
+        result.profiles.iter().filter_map(|row| Some(row.temperature_c - row.temperature_ref_c?)).collect();
+    (!errors.is_empty() && high > low).then(|| errors.iter().sum::<f64>() / errors.len() as f64 / (high - low))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(spacing: f64, ratio: f64, error: f64) -> Run {
+        let level = 0;
+        Run { method: "pd", level, spacing, ratio, result: None, temperature: Some(error), note: None }
+    }
+
+    #[test]
+    fn lines_keep_one_parameter_and_tell_changes_of_sign() {
+        let scene = frazil_cases::scenes::find("stefan-unit").expect("bundled");
+        let scene = Scene::read(scene.text, "stefan-unit", "stefan-unit", &[], crate::registry::methods());
+        let errors = [(0.04, [-4.0, -1.0]), (0.02, [-1.0, 0.5]), (0.01, [-0.2, 0.1])];
+        let runs = errors.into_iter().flat_map(|(h, [two, four])| [run(h, 2.0, two), run(h, 4.0, four)]).collect();
+        let grid = Grid { scene: scene.expect("good"), key: "horizon_ratio".into(), runs, reference: String::new() };
+        let lines = grid.by_ratio("pd");
+        assert_eq!(lines.iter().map(|line| (line.fixed, line.runs.len())).collect::<Vec<_>>(), [(2.0, 3), (4.0, 3)]);
+        assert_eq!(lines[0].crossings(Measure::Temperature), []);
+        assert_eq!(lines[1].crossings(Measure::Temperature), [(0.04, 0.02)]);
+        // 0.04 x 2 = 0.02 x 4, 0.02 x 2 = 0.01 x 4.
+        let fixed = grid.by_reach("pd");
+        assert_eq!(fixed.iter().map(|line| line.runs.len()).collect::<Vec<_>>(), [2, 2]);
+        assert_eq!(fixed[1].crossings(Measure::Temperature), [(0.04, 0.02)]);
+        assert_eq!(fixed[0].crossings(Measure::Temperature), [(0.02, 0.01)]);
+        assert_eq!(warnings(&grid).len(), 3);
+    }
+}

@@ -29,6 +29,12 @@ pub fn all() -> &'static [BundledScene] {
         "soil-column-printed",
         "frozen-wall-sand",
         "frozen-wall-clay",
+        "thick-pipe-temperature",
+        "thick-pipe-flux",
+        "thick-pipe-convection",
+        "copper-sphere",
+        "freezing-annulus",
+        "heated-hollow-cylinder",
     ];
     ALL
 }

@@ -36,6 +36,7 @@ pub mod scene;
 pub mod statistics;
 pub mod stencil;
 pub mod sweep;
+pub mod symmetry;
 pub mod terms;
 pub mod uptake;
 pub mod watch;

@@ -5,6 +5,8 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::lattice::Lattice;
+use crate::ledger::Sum;
+use crate::symmetry::Volumes;
 use crate::uptake::Materials;
 
 /// Where particles stand.
@@ -25,8 +27,8 @@ pub struct Particles {
     pub places: Places,
     /// The lattice that they fill, or were placed from.
     pub lattice: Arc<Lattice>,
-    /// Volume of each particle (m^d).
-    pub volume: f64,
+    /// Volumes.
+    pub volumes: Volumes,
     /// Materials.
     pub materials: Materials,
 }
@@ -64,6 +66,12 @@ impl Particles {
                 }
             }
         }
+    }
+
+    /// Integral over the body of a value of each particle.
+    pub fn integral(&self, value: impl Fn(usize) -> f64) -> f64 {
+        let sum: Sum = (0..self.len()).map(|i| value(i) * self.volumes.share(i)).collect();
+        sum.value() * self.volumes.unit()
     }
 
     /// Temperature of a particle.

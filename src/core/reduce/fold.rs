@@ -43,7 +43,12 @@ impl Fold {
         let same = |a: &str, b: &str| scene.wall(a) == scene.wall(b);
         let closed = |name: &str| scene.wall(name).is_none_or(|condition| *condition == Condition::Symmetry);
         let mut found = Vec::new();
+        if !scene.wall_parts.is_empty() {
+            return found;
+        }
         match scene.domain {
+            // Shells are what symmetry leaves.
+            Domain::Radial { .. } | Domain::Axial { .. } => {}
             Domain::Line { length } => {
                 if same("left", "right") {
                     found.push(Fold::Half { along_y: false, length });

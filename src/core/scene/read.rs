@@ -6,6 +6,7 @@ mod numerics;
 mod problem;
 mod range;
 mod section;
+mod shells;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -116,7 +117,8 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         .section("initial")
         .and_then(|mut section| section.number(("temperature", "c"), range::temperatures(units.absolute_zero())));
     let mut wall_section = root.section("walls");
-    let walls = wall_section.as_mut().map(|section| body::walls(section, domain.as_ref())).unwrap_or_default();
+    let (walls, wall_parts) =
+        wall_section.as_mut().map(|section| body::walls(section, domain.as_ref())).unwrap_or_default();
     let rings = body::pipes(&mut root, domain.as_ref());
     let watch = watch::watch(&mut root, domain.as_ref(), time.as_ref());
     let reference = watch::reference(&mut root, domain.as_ref());
@@ -144,6 +146,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         regions,
         initial_temperature: initial_temperature?,
         walls,
+        wall_parts,
         rings,
         watch: watch?,
         reference,

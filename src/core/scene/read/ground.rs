@@ -202,6 +202,8 @@ fn extent(domain: &Domain) -> (Interval, Interval) {
     match *domain {
         Domain::Line { length } => ((0.0, length), (f64::NEG_INFINITY, f64::INFINITY)),
         Domain::Rectangle { width, height } => ((0.0, width), (0.0, height)),
+        Domain::Radial { inner, outer, .. } => ((inner, outer), (f64::NEG_INFINITY, f64::INFINITY)),
+        Domain::Axial { inner, outer, height } => ((inner, outer), (0.0, height)),
         Domain::Ring { outer_radius: r, sector } => match sector {
             Sector::Quarter => ((0.0, r), (0.0, r)),
             Sector::Half => ((-r, r), (0.0, r)),

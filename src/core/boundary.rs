@@ -176,6 +176,16 @@ impl Door {
         }
     }
 
+    /// Whether the wall is held at a temperature, however its heat flows.
+    pub fn is_held(&self) -> bool {
+        matches!(self.condition, Condition::Temperature(_) | Condition::Exact)
+    }
+
+    /// Whether no heat passes but what the condition itself brings.
+    pub fn is_closed(&self) -> bool {
+        matches!(self.condition, Condition::Symmetry | Condition::Flux(_))
+    }
+
     /// Whether heat may cross.
     pub fn lets_heat_through(&self) -> bool {
         self.condition != Condition::Symmetry
@@ -280,19 +290,16 @@ impl Boundary {
         part.map_or(door, |part| part.3)
     }
 
-    /// The doors of a wall between two places (m) along it, each with the measure of what it covers.
-    pub fn cover(&self, wall: &str, low: f64, high: f64, measure: impl Fn(f64, f64) -> f64) -> Vec<(usize, f64)> {
+    /// The stretches of a wall from one place (m) along it to another, each with its door.
+    pub fn stretches(&self, wall: &str, low: f64, high: f64) -> Vec<(f64, f64, usize)> {
         let Some(whole) = self.doors.iter().position(|door| door.name == wall) else { return Vec::new() };
         let mut places = vec![low, high];
         let ends = self.parts.iter().filter(|part| part.0 == wall).flat_map(|part| [part.1, part.2]);
-        // An end that meets the edge of a particle to rounding cuts nothing off.
-        let tolerance = 1e-9 * (high - low);
-        places.extend(ends.filter(|end| *end > low + tolerance && *end < high - tolerance));
+        places.extend(ends.filter(|end| *end > low && *end < high));
         places.sort_by(f64::total_cmp);
-        places
-            .windows(2)
-            .map(|ends| (self.door_at(whole, 0.5 * (ends[0] + ends[1])), measure(ends[0], ends[1])))
-            .collect()
+        places.dedup();
+        let door = |ends: &[f64]| self.door_at(whole, 0.5 * (ends[0] + ends[1]));
+        places.windows(2).map(|ends| (ends[0], ends[1], door(ends))).collect()
     }
 
     /// Whether ghosts follow their images in the same way at all states and times.

@@ -39,4 +39,5 @@ pub mod sweep;
 pub mod symmetry;
 pub mod terms;
 pub mod uptake;
+pub mod wall_ends;
 pub mod watch;

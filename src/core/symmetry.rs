@@ -25,6 +25,7 @@ use crate::list_operator::PairList;
 use crate::memory::{Held, shared};
 use crate::scene::Domain;
 use crate::stencil::Stencil;
+use crate::wall_ends::WallEnd;
 
 /// What a body does not vary along.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -201,7 +202,10 @@ pub fn shells(domain: &Domain, lattice: &Lattice, stencil: &Stencil, boundary: &
         ));
     }
     let volumes = Volumes::new(domain, lattice, false);
-    Ok(Shells { pairs: exchange.list(&volumes), touches: touches(domain, symmetry, lattice, boundary, &volumes) })
+    Ok(Shells {
+        pairs: exchange.list(&volumes),
+        touches: touches(domain, symmetry, lattice, boundary, stencil, &volumes),
+    })
 }
 
 /// How strongly shells exchange.
@@ -349,10 +353,13 @@ fn touches(
     symmetry: Symmetry,
     lattice: &Lattice,
     boundary: &Boundary,
+    stencil: &Stencil,
     volumes: &Volumes,
 ) -> Vec<Touch> {
     let (columns, rows, spacing) = (lattice.columns, lattice.rows, lattice.spacing);
     let plane = lattice.dimension == 2;
+    let end = if plane && boundary.has_parts() { Some(WallEnd::new(stencil, spacing)) } else { None };
+    let (inner, outer) = domain.radii();
     let mut found = Vec::new();
     let mut touch = |particle: usize, door: usize, depth: f64, area: f64| {
         if area > 0.0 && boundary.doors[door].lets_heat_through() {
@@ -360,25 +367,60 @@ fn touches(
             found.push(Touch { particle: particle as u32, door: door as u8, depth, area });
         }
     };
-    let (inner, outer) = domain.radii();
+    let top = if plane { rows as f64 * spacing } else { 1.0 };
     for (name, column, wall) in [("inner", 0, inner), ("outer", columns - 1, outer)] {
-        let radius = edge(lattice, column) + 0.5 * spacing;
+        let depth = symmetry.depth(wall, edge(lattice, column) + 0.5 * spacing);
+        let stretches = stretches(boundary, name, (0.0, top), spacing, end.as_ref());
         for row in 0..rows {
             let low = row as f64 * spacing;
-            let height = if plane { spacing } else { 1.0 };
-            for (door, share) in boundary.cover(name, low, low + spacing, |low, high| (high - low) / spacing) {
-                let area = symmetry.area(wall) * height * share;
-                touch(row * columns + column, door, symmetry.depth(wall, radius), area);
+            let high = if plane { low + spacing } else { 1.0 };
+            for (door, from, to) in covering(&stretches, low, high) {
+                touch(row * columns + column, door, depth, symmetry.area(wall) * (to - from));
             }
         }
     }
     for (name, row) in [("bottom", 0), ("top", rows - 1)] {
+        let stretches = stretches(boundary, name, (inner, outer), spacing, end.as_ref());
         for column in 0..columns {
-            let (low, high) = (edge(lattice, column), edge(lattice, column + 1));
-            for (door, area) in boundary.cover(name, low, high, |low, high| symmetry.volume(low, high)) {
-                touch(row * columns + column, door, 0.5 * spacing, area);
+            for (door, from, to) in covering(&stretches, edge(lattice, column), edge(lattice, column + 1)) {
+                touch(row * columns + column, door, 0.5 * spacing, symmetry.volume(from, to));
             }
         }
     }
     found
+}
+
+/// The stretches of a wall, with held ones made longer where they end beside closed ones ([`crate::wall_ends`]).
+fn stretches(
+    boundary: &Boundary,
+    wall: &str,
+    (first, last): (f64, f64),
+    spacing: f64,
+    end: Option<&WallEnd>,
+) -> Vec<(f64, f64, usize)> {
+    let mut found = boundary.stretches(wall, first, last);
+    let Some(end) = end else { return found };
+    for k in 1..found.len() {
+        let (before, after) = (&boundary.doors[found[k - 1].2], &boundary.doors[found[k].2]);
+        let place = (found[k].0 - first) / spacing;
+        // An edge that is met to rounding is met.
+        let whole = if (place - place.round()).abs() < 1e-9 { place.round() } else { place };
+        let longer = if before.is_held() && after.is_closed() {
+            whole.floor() + end.cover(whole - whole.floor())
+        } else if before.is_closed() && after.is_held() {
+            whole.ceil() - end.cover(whole.ceil() - whole)
+        } else {
+            continue;
+        };
+        let place = (first + longer * spacing).clamp(found[k - 1].0, found[k].1);
+        found[k - 1].1 = place;
+        found[k].0 = place;
+    }
+    found
+}
+
+/// What stretches cover between two places (m): door, from, to.
+fn covering(stretches: &[(f64, f64, usize)], low: f64, high: f64) -> impl Iterator<Item = (usize, f64, f64)> {
+    let cut = move |(from, to, door): &(f64, f64, usize)| (*door, from.max(low), to.min(high));
+    stretches.iter().map(cut).filter(|(_, from, to)| to > from)
 }

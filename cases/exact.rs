@@ -73,7 +73,10 @@ impl HalfSpace {
         if !scene.rings.is_empty() {
             return Err("a scene with freeze pipes has no exact solution".into());
         }
-        if scene.regions.iter().any(|region| region.material != 0) {
+        if scene.has_regional_starts() {
+            return Err("a scene whose regions start at temperatures of their own has no exact solution".into());
+        }
+        if !scene.is_uniform() {
             return Err("a scene with several materials has no exact solution".into());
         }
         let material = scene.materials.first().ok_or("the scene has no material")?;

@@ -35,6 +35,7 @@ pub fn all() -> &'static [BundledScene] {
         "copper-sphere",
         "freezing-annulus",
         "heated-hollow-cylinder",
+        "ice-in-glass",
     ];
     ALL
 }

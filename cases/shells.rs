@@ -3,6 +3,7 @@
 use frazil_core::material::{FreezingLaw, Material};
 use frazil_core::record::ReferenceInfo;
 use frazil_core::reference::{Cut, Reference};
+use frazil_core::scene::region::{Cell, Region, Shape};
 use frazil_core::scene::{Condition, Domain, Scene, Symmetry, Units};
 
 use crate::exact::constant;
@@ -44,6 +45,8 @@ struct Case {
     walls: &'static [(&'static str, Wall)],
     /// Parts of walls: wall, from, to.
     parts: &'static [(&'static str, f64, f64, Wall)],
+    /// Boxes that start at temperatures (C) of their own: least and greatest r, least and greatest z.
+    regions: &'static [([f64; 4], f64)],
     profiles: &'static str,
     /// Whether profiles are smooth, so that a cubic runs through them.
     smooth: bool,
@@ -64,6 +67,7 @@ const fn pipe(name: &'static str, walls: &'static [(&'static str, Wall)], profil
         initial: 226.85,
         walls,
         parts: &[],
+        regions: &[],
         profiles,
         smooth: true,
         series: None,
@@ -72,7 +76,7 @@ const fn pipe(name: &'static str, walls: &'static [(&'static str, Wall)], profil
     }
 }
 
-static CASES: [Case; 6] = [
+static CASES: [Case; 7] = [
     pipe(
         "thick-pipe-temperature",
         &[("inner", Wall::Held(26.85)), ("outer", Wall::Held(26.85))],
@@ -95,6 +99,7 @@ static CASES: [Case; 6] = [
         initial: 726.85,
         walls: &[("outer", Wall::Held(26.85))],
         parts: &[],
+        regions: &[],
         profiles: include_str!("tables/copper-sphere.csv"),
         smooth: true,
         series: None,
@@ -108,6 +113,7 @@ static CASES: [Case; 6] = [
         initial: 8.0,
         walls: &[("inner", Wall::Flux(-1000.0)), ("outer", Wall::Held(8.0))],
         parts: &[],
+        regions: &[],
         profiles: include_str!("tables/freezing-annulus.csv"),
         smooth: false,
         series: Some(("front_m", include_str!("tables/freezing-annulus-front.csv"))),
@@ -121,11 +127,26 @@ static CASES: [Case; 6] = [
         initial: -73.15,
         walls: &[("inner", Wall::Closed), ("outer", Wall::Closed), ("bottom", Wall::Closed), ("top", Wall::Closed)],
         parts: &[("outer", 0.3, 0.5, Wall::Held(226.85))],
+        regions: &[],
         profiles: include_str!("tables/heated-hollow-cylinder.csv"),
         smooth: true,
         series: None,
         source: "extrapolated finite volumes; temperature known to 0.15 K up to r = 0.95 m, to 0.6 K beyond",
         error_estimate_rel: 5e-4,
+    },
+    Case {
+        name: "ice-in-glass",
+        material: WATER,
+        domain: Domain::Axial { inner: 0.0, outer: 0.1, height: 0.1 },
+        initial: 100.0,
+        walls: &[("outer", Wall::Closed), ("bottom", Wall::Closed), ("top", Wall::Closed)],
+        parts: &[],
+        regions: &[([0.0, 0.04, 0.0, 0.04], -5.0)],
+        profiles: include_str!("tables/ice-in-glass.csv"),
+        smooth: false,
+        series: Some(("frozen_volume_m3", include_str!("tables/ice-in-glass-volume.csv"))),
+        source: "extrapolated enthalpy finite volumes; temperature known to 0.16 K, volume to 0.002 of the first",
+        error_estimate_rel: 2e-3,
     },
 ];
 
@@ -155,10 +176,8 @@ impl Case {
             differences.push("the body is another one there".into());
             return differences;
         }
-        let own: Option<&Material> = match scene.regions.iter().any(|region| region.material != 0) {
-            true => None,
-            false => scene.materials.first(),
-        };
+        let mixed = scene.regions.iter().any(|region| region.material.is_some_and(|material| material != 0));
+        let own: Option<&Material> = if mixed { None } else { scene.materials.first() };
         let mut number = |what: &str, own: Option<f64>, expected: f64| compare(&mut differences, what, own, expected);
         let material = &self.material;
         number("the density", own.map(|own| own.density), material.density);
@@ -182,6 +201,18 @@ impl Case {
             if !scene.wall(name).is_some_and(|condition| wall.is(condition)) {
                 differences.push(format!("the wall {name} has another condition there"));
             }
+        }
+        let colder = |(own, (extent, expected)): (&Region, &([f64; 4], f64))| {
+            let same = |Cell { low, high }: &Cell| {
+                let extents = [low.x, high.x, low.y, high.y].into_iter().zip(*extent);
+                extents.into_iter().all(|(own, expected)| close(own, expected))
+            };
+            own.temperature.is_some_and(|own| close(own, *expected))
+                && matches!(&own.shape, Shape::Box(own) if same(own))
+        };
+        let regions: Vec<&Region> = scene.regions.iter().filter(|region| region.temperature.is_some()).collect();
+        if regions.len() != self.regions.len() || !regions.into_iter().zip(self.regions).all(colder) {
+            differences.push("regions start at other temperatures there".into());
         }
         let parts = &scene.wall_parts;
         let same = |(own, expected): (&frazil_core::scene::WallPart, &(&str, f64, f64, Wall))| {

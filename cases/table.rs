@@ -165,9 +165,9 @@ impl Soil {
         if scene.units != Units::Si {
             differences.push("units are si there".into());
         }
-        let own: Option<&Material> = match scene.regions.iter().any(|region| region.material != 0) {
-            true => None,
-            false => scene.materials.first(),
+        let own: Option<&Material> = match scene.is_uniform() {
+            true => scene.materials.first(),
+            false => None,
         };
         let mut number = |what: &str, read: fn(&Material) -> f64, expected: f64| {
             compare(&mut differences, what, own.map(read), expected);

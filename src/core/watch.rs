@@ -310,7 +310,10 @@ fn frozen_length(ray: &Ray, particles: &Particles) -> f64 {
 
 /// The heat balance at a time.
 fn balance(particles: &Particles, ledger: &Ledger, time: f64) -> BudgetRow {
-    let stored_j = particles.integral(|i| particles.enthalpy[i]);
+    let stored_j = match &particles.start[..] {
+        [] => particles.integral(|i| particles.enthalpy[i]),
+        start => particles.integral(|i| particles.enthalpy[i] - start[i]),
+    };
     let in_j = ledger.heat();
     let total: Sum = in_j.iter().copied().collect();
     let exchanged = in_j.iter().map(|heat| heat.abs()).sum::<f64>().max(stored_j.abs());

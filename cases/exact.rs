@@ -67,6 +67,9 @@ impl HalfSpace {
     /// long as the half space itself changes by less than a thousandth of the range of temperatures there until
     /// the end of the run; or it may follow the exact solution.
     pub fn of_scene(scene: &Scene) -> Result<Self, String> {
+        if !scene.wall_parts.is_empty() {
+            return Err("a scene whose walls are in parts has no exact solution".into());
+        }
         if !scene.rings.is_empty() {
             return Err("a scene with freeze pipes has no exact solution".into());
         }
@@ -152,6 +155,7 @@ fn direction(scene: &Scene) -> Result<(&'static str, Option<&Condition>, f64), S
         Domain::Line { length } => &[("left", "right", length)],
         Domain::Rectangle { width, height } => &[("left", "right", width), ("bottom", "top", height)],
         Domain::Ring { .. } => return Err("a ring has no exact solution".into()),
+        Domain::Radial { .. } | Domain::Axial { .. } => return Err("a body of shells has no exact solution".into()),
     };
     let initial = scene.initial_temperature;
     let is_still = |name: &str| match scene.wall(name) {

@@ -2,6 +2,7 @@
 
 pub mod exact;
 pub mod scenes;
+pub mod shells;
 pub mod table;
 
 use frazil_core::reference::Reference;
@@ -18,7 +19,7 @@ pub fn reference_for(scene: &Scene) -> Result<Option<Box<dyn Reference>>, String
         ReferenceChoice::Local => Ok(None),
         ReferenceChoice::Auto => Ok(match exact::HalfSpace::of_scene(scene) {
             Ok(solution) => Some(Box::new(solution)),
-            Err(_) => table::NAMES.iter().find_map(|name| table::by_name(name, scene).ok()),
+            Err(_) => table::names().find_map(|name| table::by_name(name, scene).ok()),
         }),
     }
 }

@@ -30,6 +30,13 @@ pub fn all() -> &'static [BundledScene] {
         "frozen-wall-sand",
         "frozen-wall-clay",
         "cracked-plate",
+        "thick-pipe-temperature",
+        "thick-pipe-flux",
+        "thick-pipe-convection",
+        "copper-sphere",
+        "freezing-annulus",
+        "heated-hollow-cylinder",
+        "ice-in-glass",
     ];
     ALL
 }

@@ -6,13 +6,14 @@ use frazil_core::reference::{Plane, Reference};
 use frazil_core::scene::{Condition, Domain, Scene, Units};
 
 use crate::exact::constant;
+use crate::shells;
 
 const DAY: f64 = 86_400.0;
 
 /// Relative agreement of a scene's numbers with those of a table for the table to be about that scene.
 const SAME: f64 = 1e-3;
 
-/// Names of the tables, as a scene file asks for them.
+/// Names of the tables of columns and shafts, as a scene file asks for them.
 pub const NAMES: [&str; 5] = [
     "soil-column",
     "shaft-single-sand-54mm",
@@ -20,6 +21,11 @@ pub const NAMES: [&str; 5] = [
     "shaft-single-clay-54mm",
     "shaft-single-sand-6.38mm",
 ];
+
+/// Names of all tables, those of shells included.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    NAMES.into_iter().chain(shells::names())
+}
 
 /// The table of the given name, if it is about the physics of the scene; else the reason.
 pub fn by_name(name: &str, scene: &Scene) -> Result<Box<dyn Reference>, String> {
@@ -30,10 +36,13 @@ pub fn by_name(name: &str, scene: &Scene) -> Result<Box<dyn Reference>, String> 
             false => Err(not_about(name, &differences)),
         };
     }
-    let case = SHAFT_CASES
-        .iter()
-        .find(|case| case.name == name)
-        .ok_or_else(|| format!("there is no reference table '{name}'; the tables are {}", NAMES.join(", ")))?;
+    if let Some(found) = shells::by_name(name, scene) {
+        return found.map_err(|differences| not_about(name, &differences));
+    }
+    let case = SHAFT_CASES.iter().find(|case| case.name == name).ok_or_else(|| {
+        let all: Vec<&str> = names().collect();
+        format!("there is no reference table '{name}'; the tables are {}", all.join(", "))
+    })?;
     let differences = case.differences(scene);
     match differences.is_empty() {
         true => Ok(Box::new(ShaftTable::bundled(case)?)),
@@ -84,7 +93,7 @@ impl Table {
 }
 
 /// Piecewise linear interpolation; `None` outside the range of `x`, which must increase.
-fn interpolate(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
+pub(crate) fn interpolate(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
     let after = x.partition_point(|&node| node <= at);
     if after == 0 {
         return None;
@@ -142,7 +151,7 @@ const COLUMN: Soil = Soil {
 };
 
 /// Notes a number of the scene that is not the table's.
-fn compare(differences: &mut Vec<String>, what: &str, own: Option<f64>, expected: f64) {
+pub(crate) fn compare(differences: &mut Vec<String>, what: &str, own: Option<f64>, expected: f64) {
     let is_same = own.is_some_and(|own| (own - expected).abs() <= SAME * expected.abs().max(1e-9));
     if !is_same {
         let own = own.map_or("something else".into(), |own| own.to_string());
@@ -453,7 +462,7 @@ fn column_differences(scene: &Scene) -> Vec<String> {
     let ends: &[(&str, &str, f64)] = match scene.domain {
         Domain::Line { length } => &[("left", "right", length)],
         Domain::Rectangle { width, height } => &[("left", "right", width), ("bottom", "top", height)],
-        Domain::Ring { .. } => &[],
+        Domain::Ring { .. } | Domain::Radial { .. } | Domain::Axial { .. } => &[],
     };
     let both = |&(first, second, length): &(&'static str, &'static str, f64)| {
         [(first, second, length), (second, first, length)]

@@ -26,6 +26,15 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
         Domain::Ring { outer_radius, sector } => {
             format!("{} of a disc of radius {}", sector.name(), with(outer_radius, "m"))
         }
+        Domain::Radial { symmetry, inner, outer } => {
+            format!("{} shells from radius {} to {}", symmetry.name(), with(inner, "m"), with(outer, "m"))
+        }
+        Domain::Axial { inner, outer, height } => format!(
+            "around an axis from radius {} to {}, {} high",
+            with(inner, "m"),
+            with(outer, "m"),
+            with(height, "m")
+        ),
     };
     let mut facts = vec![
         Fact::new("Body", domain),

@@ -46,14 +46,7 @@ fn largest_difference(scene: &Scene, own: &RunResult, other: &RunResult) -> f64 
     // Where fluxes alone drive heat, what was seen is the range.
     let seen = own.profiles.iter().chain(&other.profiles).map(|row| row.temperature_c);
     let (least, greatest) = seen.fold((least, greatest), |(low, high), t| (low.min(t), high.max(t)));
-    let (range, length) = (
-        greatest - least,
-        match scene.domain {
-            Domain::Line { length } => length,
-            Domain::Rectangle { width, height } => width.max(height),
-            Domain::Ring { outer_radius, .. } => outer_radius,
-        },
-    );
+    let (range, length) = (greatest - least, scene.domain.extent());
     let of = |name: &str, scale: f64, read: &dyn Fn(&RunResult) -> Vec<f64>| {
         difference(name, &read(own), &read(other), scale)
     };

@@ -114,6 +114,16 @@ impl Sketch {
                 put(format_args!("[domain.ring]\nouter_radius_m = {outer_radius}\nsector = \"{sector}\"\n"));
                 &["outer"]
             }
+            Domain::Radial { symmetry, inner, outer } => {
+                let radii = format!("inner_radius_m = {inner}\nouter_radius_m = {outer}");
+                put(format_args!("[domain.radial]\nsymmetry = \"{}\"\n{radii}\n", symmetry.name()));
+                if inner > 0.0 { &["inner", "outer"] } else { &["outer"] }
+            }
+            Domain::Axial { inner, outer, height } => {
+                let radii = format!("inner_radius_m = {inner}\nouter_radius_m = {outer}");
+                put(format_args!("[domain.axial]\n{radii}\nheight_m = {height}\n"));
+                if inner > 0.0 { &["inner", "outer", "bottom", "top"] } else { &["outer", "bottom", "top"] }
+            }
         };
         put(format_args!("[time]\nduration_s = {}\noutputs = {}\n", self.duration_s, self.outputs));
         put(format_args!("[initial]\ntemperature_c = {}\n[materials]\n", self.initial_c));

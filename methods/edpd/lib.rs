@@ -103,11 +103,11 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
             return assembly.into_method(Off);
         }
         let parts = &assembly.parts;
-        let boltzmann = parts.materials.thermals[0].curve.unfrozen_capacity() * parts.volume / capacity;
+        let boltzmann = parts.materials.thermals[0].curve.unfrozen_capacity() * parts.volumes.of(0) / capacity;
         let term = RandomFlux {
             seed: assembly.seed,
             absolute_zero: assembly.units.absolute_zero(),
-            twice_boltzmann_per_volume: 2.0 * boltzmann / parts.volume,
+            twice_boltzmann_per_volume: 2.0 * boltzmann / parts.volumes.of(0),
             noise: StepNoise::new(assembly.seed, 0),
             strength: 0.0,
         };

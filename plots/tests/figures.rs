@@ -53,6 +53,7 @@ fn empty(title: &str, method: &str) -> RunResult {
     RunResult {
         record: record(title, method),
         front: Vec::new(),
+        frozen: Vec::new(),
         profiles: Vec::new(),
         probes: Vec::new(),
         budget_names: Vec::new(),

@@ -48,6 +48,7 @@ fn made_up(
     let mut result = RunResult {
         record,
         front: Vec::new(),
+        frozen: Vec::new(),
         profiles: Vec::new(),
         probes: Vec::new(),
         budget_names: Vec::new(),

@@ -15,8 +15,8 @@ use crate::scene::{Condition, Domain, Scene, Sector, WallModel};
 /// A wall that heat may cross.
 #[derive(Clone)]
 pub struct Door {
-    /// Name in the scene.
-    pub name: &'static str,
+    /// Name in the scene; of a part, the wall's and its number.
+    pub name: String,
     /// Condition.
     pub condition: Condition,
     /// Ghosts held at the wall's own value instead of mirrored (temperatures only).
@@ -176,6 +176,16 @@ impl Door {
         }
     }
 
+    /// Whether the wall is held at a temperature, however its heat flows.
+    pub fn is_held(&self) -> bool {
+        matches!(self.condition, Condition::Temperature(_) | Condition::Exact)
+    }
+
+    /// Whether no heat passes but what the condition itself brings.
+    pub fn is_closed(&self) -> bool {
+        matches!(self.condition, Condition::Symmetry | Condition::Flux(_))
+    }
+
     /// Whether heat may cross.
     pub fn lets_heat_through(&self) -> bool {
         self.condition != Condition::Symmetry
@@ -196,6 +206,8 @@ pub enum Side {
 /// The walls of a scene.
 #[derive(Clone)]
 pub struct Boundary {
+    /// Parts of walls: wall, from and to along it (m), and door. Later ones win.
+    parts: Vec<(&'static str, f64, f64, usize)>,
     /// All walls that the scene names.
     pub doors: Vec<Door>,
     /// Left, right, bottom, top.
@@ -205,27 +217,35 @@ pub struct Boundary {
 }
 
 impl Boundary {
-    /// The walls of a scene. `exact` is what walls that follow the exact solution ask.
-    pub fn new(scene: &Scene, model: WallModel, exact: Option<Arc<dyn Reference>>) -> Result<Self, String> {
+    /// The walls of a scene. `exact` is what walls that follow the exact solution ask. `mirrors` sets ghosts behind the
+    /// walls of a body of shells, which otherwise touch its outermost particles alone.
+    pub fn new(
+        scene: &Scene,
+        model: WallModel,
+        exact: Option<Arc<dyn Reference>>,
+        mirrors: bool,
+    ) -> Result<Self, String> {
         let (axis_length, cold_at_end) = scene.freezing_direction().map_or((0.0, false), |d| (d.length, d.from_end));
-        let doors: Vec<Door> = scene
-            .walls
-            .iter()
-            .map(|wall| {
-                let at_end = matches!(wall.name, "right" | "top");
+        let whole = scene.walls.iter().map(|wall| (wall.name, wall.name.to_string(), &wall.condition));
+        let parts = scene.wall_parts.iter().enumerate();
+        let parts = parts.map(|(k, part)| (part.wall, format!("{}_part_{}", part.wall, k + 1), &part.condition));
+        let doors: Vec<Door> = whole
+            .chain(parts)
+            .map(|(wall, name, condition)| {
+                let at_end = matches!(wall, "right" | "top");
                 let distance = if at_end == cold_at_end { 0.0 } else { axis_length };
                 Door {
-                    name: wall.name,
-                    condition: wall.condition.clone(),
+                    name,
+                    condition: condition.clone(),
                     layers: model == WallModel::Layers,
-                    changes: match &wall.condition {
+                    changes: match condition {
                         Condition::Symmetry => false,
                         Condition::Temperature(series) | Condition::Flux(series) => series.changes(),
                         Condition::Convection { coefficient, ambient } => coefficient.changes() || ambient.changes(),
                         Condition::Exact => true,
                     },
                     distance,
-                    exact: if wall.condition == Condition::Exact { exact.clone() } else { None },
+                    exact: if *condition == Condition::Exact { exact.clone() } else { None },
                 }
             })
             .collect();
@@ -246,8 +266,40 @@ impl Boundary {
                 let outer = doors.iter().position(|door| door.name == "outer");
                 ([left, Side::Curved, bottom, Side::Curved], outer.map(|door| (door, outer_radius)))
             }
+            Domain::Radial { inner, .. } | Domain::Axial { inner, .. } if mirrors => {
+                let left = if inner > 0.0 { named("inner") } else { Side::Curved };
+                ([left, named("outer"), named("bottom"), named("top")], None)
+            }
+            Domain::Radial { .. } | Domain::Axial { .. } => ([Side::Curved; 4], None),
         };
-        Ok(Boundary { doors, sides, curved })
+        let first = scene.walls.len();
+        let parts = scene.wall_parts.iter().enumerate();
+        let parts = parts.map(|(k, part)| (part.wall, part.from, part.to, first + k)).collect();
+        Ok(Boundary { parts, doors, sides, curved })
+    }
+
+    /// Whether walls are in parts.
+    pub fn has_parts(&self) -> bool {
+        !self.parts.is_empty()
+    }
+
+    /// The door at a place (m) along a wall, given by the door of the whole wall.
+    pub fn door_at(&self, door: usize, along: f64) -> usize {
+        let name = &self.doors[door].name;
+        let part = self.parts.iter().rev().find(|part| part.0 == name && along >= part.1 && along < part.2);
+        part.map_or(door, |part| part.3)
+    }
+
+    /// The stretches of a wall from one place (m) along it to another, each with its door.
+    pub fn stretches(&self, wall: &str, low: f64, high: f64) -> Vec<(f64, f64, usize)> {
+        let Some(whole) = self.doors.iter().position(|door| door.name == wall) else { return Vec::new() };
+        let mut places = vec![low, high];
+        let ends = self.parts.iter().filter(|part| part.0 == wall).flat_map(|part| [part.1, part.2]);
+        places.extend(ends.filter(|end| *end > low && *end < high));
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let door = |ends: &[f64]| self.door_at(whole, 0.5 * (ends[0] + ends[1]));
+        places.windows(2).map(|ends| (ends[0], ends[1], door(ends))).collect()
     }
 
     /// Whether ghosts follow their images in the same way at all states and times.

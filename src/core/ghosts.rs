@@ -81,7 +81,9 @@ impl Ghosts {
                             continue;
                         }
                         let door = match boundary.sides[*side] {
-                            Side::Wall(door) => Some(door as u8),
+                            Side::Wall(door) => {
+                                Some(boundary.door_at(door, if *side < 2 { place.y } else { place.x }) as u8)
+                            }
                             Side::Mirror | Side::Curved => None,
                         };
                         let open = door.filter(|door| boundary.doors[*door as usize].lets_heat_through());

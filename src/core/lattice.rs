@@ -45,6 +45,15 @@ impl Lattice {
                 let spans = vec![(0, cells(width) as u32); cells(height)];
                 Self::from_spans(width / cells(width) as f64, 2, DVec2::ZERO, spans)
             }
+            Domain::Radial { inner, outer, .. } => {
+                let (length, corner) = (outer - inner, DVec2::new(inner, 0.0));
+                Self::from_spans(length / cells(length) as f64, 1, corner, vec![(0, cells(length) as u32)])
+            }
+            Domain::Axial { inner, outer, height } => {
+                let width = outer - inner;
+                let spans = vec![(0, cells(width) as u32); cells(height)];
+                Self::from_spans(width / cells(width) as f64, 2, DVec2::new(inner, 0.0), spans)
+            }
             Domain::Ring { outer_radius, sector } => {
                 let across = (outer_radius / spacing - 1e-9).ceil() as usize;
                 let (below, left) = match sector {

@@ -795,7 +795,7 @@ fn bound(
         let stiff: Vec<&str> = (0..4)
             .filter(|side| stiffness(*side) > 0.0)
             .filter_map(|side| match boundary.sides[side] {
-                Side::Wall(door) => Some(boundary.doors[door].name),
+                Side::Wall(door) => Some(boundary.doors[door].name.as_str()),
                 Side::Mirror | Side::Curved => None,
             })
             .collect();

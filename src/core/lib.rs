@@ -40,6 +40,8 @@ pub mod statistics;
 pub mod stencil;
 pub mod sub_cell;
 pub mod sweep;
+pub mod symmetry;
 pub mod terms;
 pub mod uptake;
+pub mod wall_ends;
 pub mod watch;

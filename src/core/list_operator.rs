@@ -16,10 +16,14 @@ use crate::method::{Bound, Clock};
 use crate::operator::{Operator, Stage, StageColumns};
 use crate::pipe::Sink;
 use crate::scene::{Exchange, Mean};
+use crate::symmetry::{Touch, Volumes};
 use crate::uptake::{Fields, LatentScheme, Materials};
 
 /// Particles that one task handles; fixed, so that results do not depend on the number of threads.
 const TASK: usize = 2048;
+
+/// Walls and parts of walls that a body may have.
+pub const MOST_DOORS: usize = 24;
 
 /// Pairs of particles (and ghosts behind them) with their weights, in compressed rows.
 #[derive(Debug, Clone, Default)]
@@ -78,8 +82,8 @@ impl PairTerm for Off {
 pub struct ListParts {
     /// Positions of particles (m).
     pub positions: Arc<[DVec2]>,
-    /// Volume of each particle (m^d).
-    pub volume: f64,
+    /// Volumes of particles.
+    pub volumes: Volumes,
     /// Spacing (m).
     pub spacing: f64,
     /// Materials.
@@ -94,6 +98,8 @@ pub struct ListParts {
     pub boundary: Boundary,
     /// Contacts with the curved wall.
     pub contacts: Contacts,
+    /// Where walls touch a body of shells.
+    pub touches: Vec<Touch>,
     /// Pipes.
     pub sinks: Vec<Sink>,
     /// Names of pipe rings.
@@ -191,6 +197,7 @@ impl<T: PairTerm> ListOperator<T> {
             }
         }
         self.contact(rate, doors);
+        self.touch(rate, doors);
         let parts = &self.parts;
         let walls = parts.boundary.doors.len();
         for (sink, heat) in parts.sinks.iter().zip(&mut self.sink_heat) {
@@ -200,9 +207,31 @@ impl<T: PairTerm> ListOperator<T> {
             *heat = if working { sink.heat(|index| self.fields.potential[index], wall) } else { 0.0 };
             let taken = *heat * sink.share;
             for (index, weight) in &sink.sample {
-                rate[*index as usize] -= taken * weight / parts.volume;
+                rate[*index as usize] -= taken * weight / parts.volumes.of(*index as usize);
             }
             doors[walls + sink.ring] -= taken;
+        }
+    }
+
+    /// Adds what walls give that touch a body of shells.
+    fn touch(&self, rate: &mut [f64], doors: &mut [f64]) {
+        let (materials, fields) = (&self.parts.materials, &self.fields);
+        for touch in &self.parts.touches {
+            let (particle, door) = (touch.particle as usize, touch.door as usize);
+            let material = materials.index(particle);
+            let face = &self.faces[material][door];
+            let flux = match self.parts.exchange {
+                Exchange::Potential => {
+                    face.flux(fields.potential[particle], touch.depth, &materials.thermals[material])
+                }
+                Exchange::Mean(_) => {
+                    let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
+                    face.flux_by_temperature(temperature, conductivity, touch.depth)
+                }
+            };
+            let gain = touch.area * flux;
+            rate[particle] += gain;
+            doors[door] += gain * self.parts.volumes.of(particle);
         }
     }
 
@@ -227,7 +256,7 @@ impl<T: PairTerm> ListOperator<T> {
             rate[contact.particle as usize] += gain;
             sum.add(gain);
         }
-        doors[door] = sum.value() * self.parts.volume;
+        doors[door] = sum.value() * self.parts.volumes.unit();
     }
 
     #[inline(always)]
@@ -254,12 +283,13 @@ impl<T: PairTerm> ListOperator<T> {
             }
             _ => rate.chunks_mut(TASK).enumerate().for_each(task),
         }
-        let mut sums = [Sum::default(); 8];
+        let mut sums = [Sum::default(); MOST_DOORS];
         for (i, k, door) in &self.crossings {
-            sums[*door as usize].add(self.flux(conducted, *i as usize, *k));
+            let flux = self.flux(conducted, *i as usize, *k);
+            sums[*door as usize].add(flux * self.parts.volumes.share(*i as usize));
         }
         for (door, sum) in doors.iter_mut().zip(&sums).take(self.parts.boundary.doors.len()) {
-            *door = sum.value() * self.parts.volume;
+            *door = sum.value() * self.parts.volumes.unit();
         }
     }
 
@@ -339,6 +369,14 @@ impl<T: PairTerm> ListOperator<T> {
             };
             parts.contacts.slopes(slope, &mut tangent.views);
         }
+        tangent.touches.clear();
+        tangent.touches.extend(parts.touches.iter().map(|touch| {
+            let particle = touch.particle as usize;
+            let material = parts.materials.index(particle);
+            let face = &self.faces[material][touch.door as usize];
+            let potential = self.fields.potential[particle];
+            touch.area * face.flux_slope(potential, touch.depth, &parts.materials.thermals[material])
+        }));
         if parts.materials.mixed() {
             let pairs = &parts.pairs;
             tangent.shares.clear();
@@ -352,7 +390,7 @@ impl<T: PairTerm> ListOperator<T> {
     /// Rates (W/m3) that small changes of the potentials (W/m) of particles cause.
     pub fn act(&self, tangent: &mut Tangent, potentials: &[f64], rate: &mut [f64]) {
         let parts = &self.parts;
-        let Tangent { changes, ghosts, shares, views, time } = tangent;
+        let Tangent { changes, ghosts, shares, views, touches, time } = tangent;
         changes[..potentials.len()].copy_from_slice(potentials);
         parts.ghosts.fill_changes(changes, ghosts);
         let changes = &*changes;
@@ -384,10 +422,13 @@ impl<T: PairTerm> ListOperator<T> {
         for contact in &parts.contacts.contacts {
             rate[contact.particle as usize] += parts.contacts.change(contact, views, |particle| changes[particle]);
         }
+        for (touch, slope) in parts.touches.iter().zip(touches.iter()) {
+            rate[touch.particle as usize] += slope * changes[touch.particle as usize];
+        }
         for sink in parts.sinks.iter().filter(|sink| sink.works(*time)) {
             let heat = sink.heat(|index| changes[index], 0.0) * sink.share;
             for (index, weight) in &sink.sample {
-                rate[*index as usize] -= heat * weight / parts.volume;
+                rate[*index as usize] -= heat * weight / parts.volumes.of(*index as usize);
             }
         }
     }
@@ -477,6 +518,8 @@ pub struct Tangent {
     shares: Vec<(f64, f64)>,
     /// How the gains at a curved wall follow what is seen of it.
     views: Vec<f64>,
+    /// How the gains at touching walls follow the particles.
+    touches: Vec<f64>,
     /// Time (s) of the linearisation.
     time: f64,
 }
@@ -520,7 +563,8 @@ impl Operator for EnthalpyList {
     fn is_symmetric(&self) -> bool {
         let parts = &self.operator.parts;
         let curved = parts.boundary.curved.is_some_and(|(door, _)| self.operator.faces[0][door].holds() > 0.0);
-        parts.ghosts.all_mirrored() && !parts.materials.mixed() && parts.boundary.is_linear() && !curved
+        let even = parts.volumes.is_even();
+        even && parts.ghosts.all_mirrored() && !parts.materials.mixed() && parts.boundary.is_linear() && !curved
     }
 
     fn is_constant(&self) -> bool {
@@ -568,8 +612,8 @@ impl Operator for EnthalpyList {
     }
 
     fn held(&self) -> usize {
-        let Tangent { changes, ghosts, shares, views, .. } = &self.tangent;
-        let tangent = changes.held() + ghosts.held() + shares.held() + views.held();
+        let Tangent { changes, ghosts, shares, views, touches, .. } = &self.tangent;
+        let tangent = changes.held() + ghosts.held() + shares.held() + views.held() + touches.held();
         self.operator.held() + self.scheme.held() + self.rate.held() + tangent
     }
 }
@@ -588,6 +632,7 @@ impl<T> Held for ListOperator<T> {
             + fields
             + self.crossings.held()
             + parts.contacts.held()
+            + parts.touches.capacity() * size_of::<Touch>()
             + parts.sinks.held()
             + self.sink_heat.held()
     }
@@ -631,6 +676,9 @@ fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
         for contact in &parts.contacts.contacts {
             sums[contact.particle as usize] += faces[door].holds() * contact.stiffness;
         }
+    }
+    for touch in &parts.touches {
+        sums[touch.particle as usize] += faces[touch.door as usize].holds() * touch.area / touch.depth;
     }
     for sink in &parts.sinks {
         for (index, row_sum) in sink.row_sums(parts.spacing) {

@@ -240,6 +240,7 @@ pub fn run(
     let mut result = RunResult {
         record,
         front: watches.front,
+        frozen: watches.frozen,
         profiles: watches.profiles,
         probes: watches.probe_rows,
         budget_names: method.ledger().names().to_vec(),

@@ -5,8 +5,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::record::{Errors, FrontRow, GapRow, RunResult, WallRow};
-use crate::reference::{Plane, Reference};
+use crate::record::{Errors, FrontRow, FrozenRow, GapRow, RunResult, WallRow};
+use crate::reference::{Cut, Plane, Reference};
 use crate::scene::Scene;
 
 /// Temperatures on a plane count only farther than this many particle spacings from the wall of a pipe: an
@@ -31,6 +31,8 @@ const AT_THE_END: f64 = 1e-9;
 enum ProfilePlane {
     Line,
     Ring(Plane),
+    Radius,
+    Cut(Cut),
 }
 
 impl ProfilePlane {
@@ -39,13 +41,19 @@ impl ProfilePlane {
             "line" => Some(ProfilePlane::Line),
             "main" => Some(ProfilePlane::Ring(Plane::Main)),
             "interface" => Some(ProfilePlane::Ring(Plane::Interface)),
-            _ => None,
+            "radius" => Some(ProfilePlane::Radius),
+            _ => {
+                let (axis, at) = name.split_once('=')?;
+                let at = at.parse().ok()?;
+                Some(ProfilePlane::Cut(if axis == "z" { Cut::Z(at) } else { Cut::R(at) }))
+            }
         }
     }
 
     fn temperature(&self, reference: &dyn Reference, x: f64, t: f64) -> Option<f64> {
         match self {
-            ProfilePlane::Line => reference.temperature(x, t),
+            ProfilePlane::Line | ProfilePlane::Radius => reference.temperature(x, t),
+            ProfilePlane::Cut(cut) => reference.cut_temperature(*cut, x, t),
             ProfilePlane::Ring(plane) => reference.plane_temperature(*plane, x, t),
         }
     }
@@ -54,6 +62,7 @@ impl ProfilePlane {
     fn counts(&self, scene: &Scene, spacing: f64, x: f64) -> bool {
         match self {
             ProfilePlane::Line => scene.watch.profile_length.is_none_or(|length| x <= length),
+            ProfilePlane::Radius | ProfilePlane::Cut(_) => true,
             // With several rings the plane between two pipes of one may pass through a pipe of another.
             ProfilePlane::Ring(Plane::Interface) if scene.rings.len() < 2 => true,
             ProfilePlane::Ring(_) => scene
@@ -70,6 +79,9 @@ impl ProfilePlane {
 pub fn attach(scene: &Scene, spacing: f64, result: &mut RunResult, reference: &dyn Reference) {
     for row in &mut result.front {
         row.front_ref_m = reference.front(row.time_s);
+    }
+    for row in &mut result.frozen {
+        row.frozen_volume_ref = reference.frozen_volume(row.time_s);
     }
     for row in &mut result.profiles {
         row.temperature_ref_c =
@@ -100,9 +112,18 @@ pub fn profile_points(scene: &Scene, spacing: f64, result: &RunResult, reference
 
 /// Errors of a run against a reference. `spacing` is the particle spacing of the run (m).
 pub fn errors(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn Reference) -> Errors {
-    let (least, greatest) = scene.temperature_range();
     let points = profile_points(scene, spacing, result, reference);
+    let (mut least, mut greatest) = scene.temperature_range();
+    if scene.has_flux() {
+        // A flux drives temperatures beyond the data: the reference tells how far.
+        let expected = points.iter().map(|point| point.1);
+        (least, greatest) = expected.fold((least, greatest), |(low, high), t| (low.min(t), high.max(t)));
+    }
     let deviation = rms(points.iter().map(|(own, expected)| own - expected));
+    let mean = match points.len() {
+        0 => None,
+        count => finite(points.iter().map(|(own, expected)| own - expected).sum::<f64>() / count as f64),
+    };
     let largest = points.iter().map(|(own, expected)| (own - expected).abs()).reduce(f64::max);
     let scale = points.iter().map(|(_, expected)| expected.abs()).reduce(f64::max);
 
@@ -128,12 +149,14 @@ pub fn errors(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn R
     };
     Errors {
         temperature_rms_rel: over(deviation, Some(greatest - least)),
+        temperature_mean_rel: mean.and_then(|mean| finite(mean / positive(greatest - least)?)),
         temperature_rms_over_max_abs: over(deviation, scale),
         temperature_max_rel: over(largest, Some(greatest - least)),
         front_rms_rel: relative_rms(window.iter().map(|&(_, own, expected)| (own, expected))),
         front_last_rel: front_last(scene, &result.front, reference),
         front_constant_rel: front_constant(&window),
-        frozen_volume_rms_rel: wall_error(Some(volume_from), |row| row.frozen_area_m2, &|t| reference.frozen_volume(t)),
+        frozen_volume_rms_rel: wall_error(Some(volume_from), |row| row.frozen_area_m2, &|t| reference.frozen_volume(t))
+            .or_else(|| frozen_volume(scene, &result.frozen, reference)),
         thickness_main_rms_rel: wall_error(thickness_from, |row| row.thickness_main_m, &|t| {
             reference.thickness(Plane::Main, t)
         }),
@@ -169,6 +192,14 @@ fn relative_rms(pairs: impl Iterator<Item = (f64, f64)>) -> Option<f64> {
 
 fn over(value: Option<f64>, scale: Option<f64>) -> Option<f64> {
     finite(value? / positive(scale?)?)
+}
+
+/// Rms over the window of the error of the frozen volume of shells, over the greatest of the reference.
+fn frozen_volume(scene: &Scene, rows: &[FrozenRow], reference: &dyn Reference) -> Option<f64> {
+    let window = || rows.iter().filter(|row| row.time_s >= scene.watch.front_from);
+    let known = || window().filter_map(|row| Some((row.frozen_volume, reference.frozen_volume(row.time_s)?)));
+    let greatest = known().map(|(_, expected)| expected).reduce(f64::max);
+    over(rms(known().map(|(own, expected)| own - expected)), greatest)
 }
 
 /// Signed relative error of the front at the end of the scene; absent for a run that did not get there.
@@ -289,11 +320,14 @@ mod tests {
             cracks: Vec::new(),
             initial_temperature: 5.0,
             walls: vec![Wall { name: "left", condition: Condition::Temperature(Series::Constant(-20.0)) }],
+            wall_parts: Vec::new(),
             rings: Vec::new(),
             watch: Watch {
                 outputs: 10,
                 profiles: Vec::new(),
                 probes: Vec::new(),
+                cuts_z: Vec::new(),
+                cuts_r: Vec::new(),
                 profile_length: None,
                 front_from: 0.0,
             },
@@ -357,6 +391,7 @@ mod tests {
                 state_hash: String::new(),
             },
             front: Vec::new(),
+            frozen: Vec::new(),
             profiles: Vec::new(),
             probes: Vec::new(),
             budget_names: Vec::new(),

@@ -92,7 +92,7 @@ fn direction(scene: &Scene) -> Option<f64> {
             Condition::Convection { coefficient, ambient } => !coefficient.changes() && pulls(ambient, *sign),
             Condition::Flux(_) | Condition::Exact => false,
         };
-        scene.walls.iter().all(|own| wall(&own.condition))
+        scene.conditions().all(wall)
             // A pipe that rests does not pull.
             && scene.rings.iter().all(|ring| ring.schedule.is_none() && pulls(&ring.temperature, *sign))
     })
@@ -128,11 +128,14 @@ mod tests {
             cracks: Vec::new(),
             initial_temperature: 5.0,
             walls: walls.into_iter().map(|(name, condition)| Wall { name, condition }).collect(),
+            wall_parts: Vec::new(),
             rings: Vec::new(),
             watch: Watch {
                 outputs: 10,
                 profiles: Vec::new(),
                 probes: Vec::new(),
+                cuts_z: Vec::new(),
+                cuts_r: Vec::new(),
                 profile_length: None,
                 front_from: 0.0,
             },

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::lattice::Lattice;
+use crate::ledger::Sum;
 use crate::sub_cell::at_the_centre;
+use crate::symmetry::Volumes;
 use crate::uptake::Materials;
 
 /// Where particles stand.
@@ -28,8 +30,8 @@ pub struct Particles {
     pub places: Places,
     /// The lattice that they fill, or were placed from.
     pub lattice: Arc<Lattice>,
-    /// Volume of each particle (m^d).
-    pub volume: f64,
+    /// Volumes.
+    pub volumes: Volumes,
     /// Whether the front in a freezing particle is where its frozen fraction says.
     pub sub_cell: bool,
     /// Materials.
@@ -69,6 +71,12 @@ impl Particles {
                 }
             }
         }
+    }
+
+    /// Integral over the body of a value of each particle.
+    pub fn integral(&self, value: impl Fn(usize) -> f64) -> f64 {
+        let sum: Sum = (0..self.len()).map(|i| value(i) * self.volumes.share(i)).collect();
+        sum.value() * self.volumes.unit()
     }
 
     /// Temperature of a particle.

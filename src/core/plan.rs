@@ -17,7 +17,7 @@ use crate::integrate::control::EnthalpyRange;
 use crate::integrate::{Euler, Implicit, Rkl2, SchemeEuler};
 use crate::lattice::Lattice;
 use crate::lattice_operator::{LatticeOperator, LatticeParts};
-use crate::list_operator::{EnthalpyList, ListOperator, ListParts, Off, PairList, PairTerm, Tangent};
+use crate::list_operator::{EnthalpyList, ListOperator, ListParts, MOST_DOORS, Off, PairList, PairTerm, Tangent};
 use crate::march::Refused;
 use crate::memory::{Held, Memory};
 use crate::method::{Bound, Discretisation, Method, Normalisation, Stepper};
@@ -30,14 +30,15 @@ use crate::predict::{StepCount, planned_steps};
 use crate::reference::Reference;
 use crate::scene::settings::MethodSettings;
 use crate::scene::{
-    Domain, Exchange, Front, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, Sector, StepChoice, Units,
-    Uptake, WallModel,
+    Domain, Exchange, Front, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, Sector, StepChoice, Symmetry,
+    Units, Uptake, WallModel,
 };
 use crate::segment::meet;
 use crate::start;
 use crate::stencil::{SHELL_TOLERANCE, Stencil};
 use crate::sub_cell::SubCellFront;
 use crate::sweep::WIDEST;
+use crate::symmetry::{Volumes, shells};
 use crate::terms::Parts;
 use crate::uptake::{Materials, scheme};
 
@@ -166,7 +167,13 @@ pub fn build(
     if lattice.is_empty() {
         return Err(refuse(format!("a spacing of {} m leaves no particle in the domain", numerics.spacing)));
     }
-    let boundary = Boundary::new(scene, numerics.walls, reference.cloned()).map_err(refuse)?;
+    // The papers' shape factors and mirrors, in their own setting.
+    let printed = scene.domain.symmetry().is_some() && discretisation.normalisation == Normalisation::Nominal;
+    let boundary = Boundary::new(scene, numerics.walls, reference.cloned(), printed).map_err(refuse)?;
+    if boundary.doors.len() > MOST_DOORS {
+        return Err(refuse(format!("{} walls and parts of walls, must be at most {MOST_DOORS}", boundary.doors.len())));
+    }
+    let volumes = Volumes::new(&scene.domain, &lattice, printed);
     let thermals: Arc<[Thermal]> = scene
         .materials
         .iter()
@@ -205,6 +212,7 @@ pub fn build(
     let range = || EnthalpyRange::new(&materials, scene.temperature_range(), exempt, scene.has_flux());
     let largest_slope = materials.thermals.iter().map(|thermal| thermal.largest_slope).fold(0.0, f64::max);
     let pipe_extents = sinks.iter().map(|sink| sink.extent).collect();
+    let shelled = scene.domain.symmetry().is_some();
     let narrow = stencil.reach > lattice.columns || (lattice.dimension == 2 && stencil.reach > lattice.rows);
     if narrow && numerics.search == SearchChoice::Lattice {
         return Err(refuse("search = \"lattice\" needs a body at least as wide as pairs reach: set \"auto\"".into()));
@@ -274,11 +282,22 @@ pub fn build(
             let fitted = numerics.walls == WallModel::MovingLeastSquares;
             let reach = discretisation.weight.reach();
             let ghosts = Ghosts::new(&positions, &lattice, &boundary, reach, fitted);
-            let (mut pairs, contacts) =
-                pairs(&positions, &ghosts, &lattice, &boundary, &materials, numerics, discretisation);
-            let first = &materials.thermals[0];
-            let faces = boundary.first_faces(&first.curve, first.initial_potential);
-            strengthen(&mut pairs, &ghosts, positions.len(), &faces);
+            let (mut pairs, contacts, touches) = if shelled && !printed {
+                let shells = shells(&scene.domain, &lattice, &stencil, &boundary).map_err(refuse)?;
+                (shells.pairs, Contacts::default(), shells.touches)
+            } else {
+                let (mut pairs, contacts) =
+                    pairs(&positions, &ghosts, &lattice, &boundary, &materials, numerics, discretisation);
+                match scene.domain.symmetry() {
+                    Some(symmetry) => print_shapes(&mut pairs, symmetry, &positions, &ghosts)?,
+                    None => {
+                        let first = &materials.thermals[0];
+                        let faces = boundary.first_faces(&first.curve, first.initial_potential);
+                        strengthen(&mut pairs, &ghosts, positions.len(), &faces);
+                    }
+                }
+                (pairs, contacts, Vec::new())
+            };
             let cuts = if scene.cracks.is_empty() {
                 Cuts::default()
             } else {
@@ -287,7 +306,7 @@ pub fn build(
             };
             let parts = ListParts {
                 positions,
-                volume: lattice.volume(),
+                volumes: volumes.clone(),
                 spacing: lattice.spacing,
                 materials: materials.clone(),
                 pairs,
@@ -295,6 +314,7 @@ pub fn build(
                 ghosts,
                 boundary,
                 contacts,
+                touches,
                 sinks,
                 rings,
                 exchange: numerics.exchange,
@@ -330,7 +350,7 @@ pub fn build(
         enthalpy: if start.is_empty() { vec![0.0; count] } else { start.to_vec() },
         start,
         places: cloud.map_or(Places::Lattice, Places::Cloud),
-        volume: lattice.volume(),
+        volumes,
         sub_cell: numerics.front == Front::SubCell,
         lattice,
         materials,
@@ -368,6 +388,8 @@ fn why_list(
         (numerics.uptake != Uptake::Enthalpy || !numerics.mushy, "the latent-heat scheme keeps its own columns"),
         (scene.has_regional_materials(), "there are several materials"),
         (!scene.cracks.is_empty(), "cracks cut pairs"),
+        (scene.domain.symmetry().is_some(), "particles are shells"),
+        (!scene.wall_parts.is_empty(), "walls are in parts"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
         (matches!(discretisation.stepper, Stepper::Own(_)), "the method makes its own step"),
         (narrow, "pairs reach farther than the body is wide"),
@@ -497,6 +519,8 @@ fn place(scene: &Scene, numerics: &Numerics, lattice: &Lattice, seed: u64) -> Re
                 && (sector != Sector::Quarter || place.x > 0.0)
                 && (sector == Sector::Whole || place.y > 0.0)
         }
+        // Shells stand on their lattice.
+        Domain::Radial { .. } | Domain::Axial { .. } => true,
     };
     Ok(match numerics.layout {
         Layout::Lattice => None,
@@ -607,6 +631,25 @@ fn pairs(
         }
     }
     (PairList { starts: list.starts, partners: list.partners, weights }, contacts)
+}
+
+/// Multiplies pairs by the shape factors that the papers print.
+fn print_shapes(pairs: &mut PairList, symmetry: Symmetry, positions: &[DVec2], ghosts: &Ghosts) -> Result<(), Refused> {
+    let radius =
+        |j: usize| j.checked_sub(positions.len()).map_or_else(|| positions[j].x, |ghost| ghosts.position[ghost].x);
+    for i in 0..positions.len() {
+        for k in pairs.starts[i]..pairs.starts[i + 1] {
+            let other = radius(pairs.partners[k] as usize);
+            if other <= 0.0 {
+                return Err(refuse(format!(
+                    "the mirrored layers behind the wall \"inner\" reach across the axis, to r = {other:.6} m: in the \
+                     paper setting pairs must reach less than the inner radius"
+                )));
+            }
+            pairs.weights[k] *= symmetry.printed_factor(positions[i].x, other);
+        }
+    }
+    Ok(())
 }
 
 /// Sinks of all pipes in the sector, and the names of their rings.

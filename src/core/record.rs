@@ -56,9 +56,13 @@ impl Outcome {
 /// Errors against the reference; a measure that does not apply is absent.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Errors {
-    /// Rms of the temperature error at all profile points over the range of the scene's temperatures.
+    /// Rms of the temperature error at all profile points over the range of the scene's temperatures; where a flux drives
+    /// them, over that of the reference at these points as well.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub temperature_rms_rel: Option<f64>,
+    /// Signed mean of the temperature error at all profile points over the range of the scene's temperatures.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub temperature_mean_rel: Option<f64>,
     /// Rms of the temperature error over the greatest magnitude of the reference (depends on the zero of the scale).
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub temperature_rms_over_max_abs: Option<f64>,
@@ -74,7 +78,8 @@ pub struct Errors {
     /// Signed relative error of the front constant fitted over the window.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub front_constant_rel: Option<f64>,
-    /// Rms over the window of the relative error of the frozen volume.
+    /// Rms over the window of the relative error of the frozen volume; of shells, of its error over the greatest of the
+    /// reference.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub frozen_volume_rms_rel: Option<f64>,
     /// Rms relative error of the wall thickness on the plane through a pipe, once closed.
@@ -191,10 +196,22 @@ pub struct Record {
 pub struct FrontRow {
     /// Time (s).
     pub time_s: f64,
-    /// Integral of the frozen fraction along the freezing direction (m).
+    /// Integral of the frozen fraction along the freezing direction (m); of a radial body, the radius up to which, or
+    /// from which on, the frozen volume fills it.
     pub front_m: f64,
     /// The reference's.
     pub front_ref_m: Option<f64>,
+}
+
+/// One row of `frozen.csv`: a body of shells.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FrozenRow {
+    /// Time (s).
+    pub time_s: f64,
+    /// Integral of the frozen fraction over the body (m3; m2 by length of the axis where the body is a line).
+    pub frozen_volume: f64,
+    /// The reference's.
+    pub frozen_volume_ref: Option<f64>,
 }
 
 /// One row of `profiles.csv`.
@@ -202,7 +219,7 @@ pub struct FrontRow {
 pub struct ProfileRow {
     /// Time (s).
     pub time_s: f64,
-    /// Distance along the profile (m); in a ring, from its centre.
+    /// Distance along the profile (m); in a ring, from its centre; of shells, r or z.
     pub x_m: f64,
     /// Temperature.
     pub temperature_c: f64,
@@ -210,7 +227,8 @@ pub struct ProfileRow {
     pub temperature_ref_c: Option<f64>,
     /// Frozen fraction.
     pub frozen_fraction: f64,
-    /// `line`, or in a ring `main` (through a pipe) or `interface` (between two).
+    /// `line`, or in a ring `main` (through a pipe) or `interface` (between two), or of shells `radius`, `z=` or `r=`
+    /// with where the cut is.
     pub plane: String,
 }
 
@@ -304,6 +322,8 @@ pub struct RunResult {
     pub record: Record,
     /// Front over time; empty where no front is defined.
     pub front: Vec<FrontRow>,
+    /// Frozen volume of a body of shells over time; empty elsewhere.
+    pub frozen: Vec<FrozenRow>,
     /// Profiles.
     pub profiles: Vec<ProfileRow>,
     /// Probes.

@@ -211,6 +211,7 @@ impl Reduction {
             Domain::Line { .. } => "a line".to_string(),
             Domain::Rectangle { width, height } => format!("a rectangle of {width} m x {height} m"),
             Domain::Ring { sector, .. } => format!("a {} of the ring", sector.name()),
+            Domain::Radial { .. } | Domain::Axial { .. } => "a body of shells".to_string(),
         };
         format!("{kind} ({} particles)", self.particles.1)
     }

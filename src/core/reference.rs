@@ -11,12 +11,25 @@ pub enum Plane {
     Interface,
 }
 
+/// A line through a plane around an axis.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Cut {
+    /// Along r at a height (m).
+    Z(f64),
+    /// Along z at a radius (m).
+    R(f64),
+}
+
 /// A solution to compare with. What it does not know it answers with `None`.
 pub trait Reference: Send + Sync {
     /// Kind, source and estimated error.
     fn describe(&self) -> ReferenceInfo;
-    /// Temperature at a distance `x` (m) along the freezing direction, at time `t` (s).
+    /// Temperature at a distance `x` (m) along the freezing direction, at time `t` (s); of a radial body, at radius `x`.
     fn temperature(&self, _x: f64, _t: f64) -> Option<f64> {
+        None
+    }
+    /// Temperature on a cut through a plane around an axis, at the place `x` (m) along it and time `t` (s).
+    fn cut_temperature(&self, _cut: Cut, _x: f64, _t: f64) -> Option<f64> {
         None
     }
     /// Temperature on a plane of a ring at radius `r` (m) and time `t` (s).
@@ -27,7 +40,7 @@ pub trait Reference: Send + Sync {
     fn front(&self, _t: f64) -> Option<f64> {
         None
     }
-    /// Frozen volume (area in 2D, of the whole ring) at time `t` (s).
+    /// Frozen volume (area in 2D, of the whole ring; of shells, all around the axis or centre) at time `t` (s).
     fn frozen_volume(&self, _t: f64) -> Option<f64> {
         None
     }

@@ -13,6 +13,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::material::Material;
+pub use crate::symmetry::Symmetry;
 
 pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
 pub use region::{Region, Shape};
@@ -105,15 +106,68 @@ pub enum Domain {
         /// How much of the disc is simulated.
         sector: Sector,
     },
+    /// The radii `inner <= r <= outer` (m) of a body of axial or spherical symmetry; walls `inner`, unless its radius is
+    /// zero, and `outer`.
+    Radial {
+        /// What the body does not vary along.
+        symmetry: Symmetry,
+        /// Inner radius (m).
+        inner: f64,
+        /// Outer radius (m).
+        outer: f64,
+    },
+    /// The half plane (r, z) of a body around an axis, r as x and z as y: `inner <= r <= outer`, `0 <= z <= height` (m);
+    /// walls `inner`, unless its radius is zero, `outer`, `bottom`, `top`.
+    Axial {
+        /// Inner radius (m).
+        inner: f64,
+        /// Outer radius (m).
+        outer: f64,
+        /// Extent along the axis (m).
+        height: f64,
+    },
 }
 
 impl Domain {
     /// Number of space dimensions.
     pub fn dimension(&self) -> usize {
         match self {
-            Domain::Line { .. } => 1,
-            Domain::Rectangle { .. } | Domain::Ring { .. } => 2,
+            Domain::Line { .. } | Domain::Radial { .. } => 1,
+            Domain::Rectangle { .. } | Domain::Ring { .. } | Domain::Axial { .. } => 2,
         }
+    }
+
+    /// What the body does not vary along, if it is one of shells.
+    pub fn symmetry(&self) -> Option<Symmetry> {
+        match *self {
+            Domain::Radial { symmetry, .. } => Some(symmetry),
+            Domain::Axial { .. } => Some(Symmetry::Axial),
+            Domain::Line { .. } | Domain::Rectangle { .. } | Domain::Ring { .. } => None,
+        }
+    }
+
+    /// Inner and outer radius (m) of a body of shells; zeros of others.
+    pub fn radii(&self) -> (f64, f64) {
+        match *self {
+            Domain::Radial { inner, outer, .. } | Domain::Axial { inner, outer, .. } => (inner, outer),
+            Domain::Line { .. } | Domain::Rectangle { .. } | Domain::Ring { .. } => (0.0, 0.0),
+        }
+    }
+
+    /// The greatest extent in one direction (m).
+    pub fn extent(&self) -> f64 {
+        match *self {
+            Domain::Line { length } => length,
+            Domain::Rectangle { width, height } => width.max(height),
+            Domain::Ring { outer_radius, .. } => outer_radius,
+            Domain::Radial { outer, .. } => outer,
+            Domain::Axial { outer, height, .. } => outer.max(height),
+        }
+    }
+
+    /// Names of both directions, as people say them.
+    pub fn axes(&self) -> (&'static str, &'static str) {
+        if self.symmetry().is_some() { ("r", "z") } else { ("x", "y") }
     }
 }
 
@@ -193,8 +247,21 @@ pub enum Condition {
 /// One named wall of the domain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wall {
-    /// `left`, `right`, `bottom`, `top` or `outer`.
+    /// `left`, `right`, `bottom`, `top`, `inner` or `outer`.
     pub name: &'static str,
+    /// What happens there.
+    pub condition: Condition,
+}
+
+/// A part of a straight wall that has a condition of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WallPart {
+    /// The wall.
+    pub wall: &'static str,
+    /// Where it begins along the wall (m): y or z on the left, right, inner and outer wall, x or r on others.
+    pub from: f64,
+    /// Where it ends (m).
+    pub to: f64,
     /// What happens there.
     pub condition: Condition,
 }
@@ -298,6 +365,10 @@ pub struct Watch {
     pub profiles: Vec<f64>,
     /// Points (m) whose temperature is kept at every output.
     pub probes: Vec<(f64, f64)>,
+    /// Heights (m) at which profiles along r are kept, in a plane around an axis.
+    pub cuts_z: Vec<f64>,
+    /// Radii (m) at which profiles along z are kept, in a plane around an axis.
+    pub cuts_r: Vec<f64>,
     /// Profiles and their errors end at this distance (m) from the wall; the whole domain if absent.
     pub profile_length: Option<f64>,
     /// Start (s) of the window over which the front is judged.
@@ -357,6 +428,8 @@ pub struct Scene {
     pub initial_temperature: f64,
     /// The walls of the domain that are not mirror planes of a sector.
     pub walls: Vec<Wall>,
+    /// Parts of them with conditions of their own; later ones win.
+    pub wall_parts: Vec<WallPart>,
     /// Rings of freeze pipes.
     pub rings: Vec<PipeRing>,
     /// Observation.
@@ -370,6 +443,12 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// What happens at all walls and parts of them.
+    pub fn conditions(&self) -> impl Iterator<Item = &Condition> {
+        let parts = self.wall_parts.iter().map(|part| &part.condition);
+        self.walls.iter().map(|wall| &wall.condition).chain(parts)
+    }
+
     /// Least and greatest temperature that data of the scene name: start, walls, pipes.
     pub fn temperature_range(&self) -> (f64, f64) {
         let mut range = (self.initial_temperature, self.initial_temperature);
@@ -380,8 +459,8 @@ impl Scene {
             let (lo, hi) = series.range();
             range = (range.0.min(lo), range.1.max(hi));
         };
-        for wall in &self.walls {
-            match &wall.condition {
+        for condition in self.conditions() {
+            match condition {
                 Condition::Temperature(series) => widen(series),
                 Condition::Convection { ambient, .. } => widen(ambient),
                 Condition::Symmetry | Condition::Flux(_) | Condition::Exact => {}
@@ -398,6 +477,7 @@ impl Scene {
     pub fn freezing_direction(&self) -> Option<FreezingDirection> {
         let closed = |name: &str| self.wall(name).is_none_or(|condition| *condition == Condition::Symmetry);
         let (along_y, length, across) = match self.domain {
+            _ if !self.wall_parts.is_empty() => return None,
             Domain::Line { length } => (false, length, 1.0),
             Domain::Rectangle { width, height } if closed("bottom") && closed("top") => (false, width, height),
             Domain::Rectangle { width, height } if closed("left") && closed("right") => (true, height, width),
@@ -416,7 +496,7 @@ impl Scene {
 
     /// Whether a flux condition can drive temperatures beyond [`Scene::temperature_range`].
     pub fn has_flux(&self) -> bool {
-        self.walls.iter().any(|wall| matches!(wall.condition, Condition::Flux(_)))
+        self.conditions().any(|condition| matches!(condition, Condition::Flux(_)))
     }
 
     /// The first instant after `t` (s) at which pipes are switched: steps land on it.
@@ -428,7 +508,7 @@ impl Scene {
     /// The first instant after `t` (s) at which the temperature, flux or film of a wall or the temperature of pipes bends
     /// or jumps, or a crack opens or begins to grow: long steps land on it.
     pub fn next_bend(&self, t: f64) -> Option<f64> {
-        let walls = self.walls.iter().flat_map(|wall| match &wall.condition {
+        let walls = self.conditions().flat_map(|condition| match condition {
             Condition::Temperature(series) | Condition::Flux(series) => [Some(series), None],
             Condition::Convection { coefficient, ambient } => [Some(coefficient), Some(ambient)],
             Condition::Symmetry | Condition::Exact => [None, None],

@@ -38,8 +38,8 @@ impl Parts<'_> {
         self.scene.materials.iter().any(|material| material.law != FreezingLaw::None)
     }
 
-    fn open_walls(&self) -> Vec<&'static str> {
-        self.boundary.doors.iter().filter(|door| door.lets_heat_through()).map(|door| door.name).collect()
+    fn open_walls(&self) -> Vec<&str> {
+        self.boundary.doors.iter().filter(|door| door.lets_heat_through()).map(|door| door.name.as_str()).collect()
     }
 
     /// Numbers that every particle carries.

@@ -2,11 +2,13 @@
 
 mod field;
 mod held;
+mod shells;
 
 use std::f64::consts::PI;
 
 use field::field;
 use glam::DVec2;
+use shells::{Cut, RadialFront};
 
 use crate::boundary::moving_least_squares;
 use crate::lattice::Lattice;
@@ -16,7 +18,7 @@ use crate::material::FreezingLaw;
 use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
 use crate::one_way::OneWay;
 use crate::particles::{Particles, Places};
-use crate::record::{BudgetRow, Field, FrontRow, GapRow, ProbeRow, ProfileRow, WallRow};
+use crate::record::{BudgetRow, Field, FrontRow, FrozenRow, GapRow, ProbeRow, ProfileRow, WallRow};
 use crate::scene::{Domain, FreezingDirection, Scene, Sector};
 
 /// A point read as a weighted sum over particles.
@@ -53,6 +55,9 @@ struct Gap {
 /// All watches of a run and what they have seen.
 pub struct Watches {
     direction: Option<FreezingDirection>,
+    radial: Option<RadialFront>,
+    cuts: Vec<Cut>,
+    shelled: bool,
     profile_length: f64,
     main: Vec<Ray>,
     interface: Vec<Ray>,
@@ -70,6 +75,8 @@ pub struct Watches {
     pub one_way: OneWay,
     /// Front over time.
     pub front: Vec<FrontRow>,
+    /// Frozen volume over time.
+    pub frozen: Vec<FrozenRow>,
     /// Profiles.
     pub profiles: Vec<ProfileRow>,
     /// Probes.
@@ -92,7 +99,7 @@ impl Watches {
         let spacing = particles.lattice.spacing;
         let (sector, outer) = match scene.domain {
             Domain::Ring { outer_radius, sector } => (Some(sector), outer_radius),
-            Domain::Line { .. } | Domain::Rectangle { .. } => (None, 0.0),
+            _ => (None, 0.0),
         };
         let in_sector = |angle: f64| sector.is_some_and(|sector| sector.holds(angle));
         let multiplicity = |angle: f64| sector.map_or(1, |sector| sector.multiplicity(angle));
@@ -134,6 +141,9 @@ impl Watches {
         let mut watches = Watches {
             profile_length: scene.watch.profile_length.or(direction.map(|d| d.length)).unwrap_or(outer),
             direction,
+            radial: RadialFront::of(scene),
+            cuts: Cut::all(scene, particles, &sampler),
+            shelled: scene.domain.symmetry().is_some(),
             main,
             interface,
             gaps,
@@ -145,8 +155,9 @@ impl Watches {
             keep_fields: keep_fields && scene.domain.dimension() == 2,
             field_radius: scene.rings.iter().map(|ring| 1.6 * ring.ring_radius).fold(0.0, f64::max),
             isothermal: matches!(scene.materials[0].law, FreezingLaw::Isothermal),
-            one_way: OneWay::new(scene, particles.volume),
+            one_way: OneWay::new(scene, particles.volumes.largest()),
             front: Vec::new(),
+            frozen: Vec::new(),
             profiles: Vec::new(),
             probe_rows: Vec::new(),
             budget: Vec::new(),
@@ -207,14 +218,19 @@ impl Watches {
 
     /// Takes everything that is due at an output, on which a step has landed or over which it has passed.
     pub fn output(&mut self, scene: &Scene, particles: &Particles, ledger: &Ledger, time: f64, landed: bool) {
-        let frozen: Sum = (0..particles.len()).map(|i| particles.frozen_fraction(i)).collect();
-        let frozen = frozen.value() * particles.volume;
+        let frozen = particles.integral(|i| particles.frozen_fraction(i));
         if landed {
             // The curve between two states may swing where steps do not.
             self.one_way.look(frozen, ledger.rate());
         }
         if let Some(direction) = self.direction {
             self.front.push(FrontRow { time_s: time, front_m: frozen / direction.across, front_ref_m: None });
+        }
+        if let Some(radial) = self.radial {
+            self.front.push(FrontRow { time_s: time, front_m: radial.radius(frozen), front_ref_m: None });
+        }
+        if self.shelled {
+            self.frozen.push(FrozenRow { time_s: time, frozen_volume: frozen, frozen_volume_ref: None });
         }
         if !self.main.is_empty() {
             let length = |rays: &[Ray]| {
@@ -254,6 +270,7 @@ impl Watches {
         if let Some(direction) = self.direction {
             self.profiles.extend(layers(particles, &direction, self.profile_length, time));
         }
+        self.profiles.extend(self.cuts.iter().flat_map(|cut| cut.rows(particles, time)));
         for (rays, plane) in [(&self.main, "main"), (&self.interface, "interface")] {
             let Some(ray) = rays.first() else { continue };
             for (radius, sample) in ray.radii.iter().zip(&ray.samples) {
@@ -293,25 +310,26 @@ fn frozen_length(ray: &Ray, particles: &Particles) -> f64 {
 
 /// The heat balance at a time.
 fn balance(particles: &Particles, ledger: &Ledger, time: f64) -> BudgetRow {
-    let (stored, moved) = taken_up(particles);
-    let stored_j = stored * particles.volume;
+    let (stored_j, moved_j) = taken_up(particles);
     let in_j = ledger.heat();
     let total: Sum = in_j.iter().copied().collect();
     let exchanged = in_j.iter().map(|heat| heat.abs()).sum::<f64>().max(stored_j.abs());
     // Where particles start from different temperatures, they exchange heat even if nothing comes in.
-    let exchanged = exchanged.max(0.5 * moved * particles.volume);
+    let exchanged = exchanged.max(0.5 * moved_j);
     let balance_rel = if exchanged > 0.0 { (stored_j - total.value()) / exchanged } else { 0.0 };
     BudgetRow { time_s: time, stored_j, in_j, balance_rel }
 }
 
-/// What all particles have taken up since the start (J/m3), and, where they started from different temperatures, how much
-/// each by its magnitude, summed.
+/// What all particles have taken up since the start (J), and, where they started from different temperatures, how much each
+/// by its magnitude, summed.
 fn taken_up(particles: &Particles) -> (f64, f64) {
-    if particles.start.is_empty() {
-        return (particles.enthalpy.iter().copied().collect::<Sum>().value(), 0.0);
+    match &particles.start[..] {
+        [] => (particles.integral(|i| particles.enthalpy[i]), 0.0),
+        start => {
+            let change = |i: usize| particles.enthalpy[i] - start[i];
+            (particles.integral(change), particles.integral(|i| change(i).abs()))
+        }
     }
-    let changes = || particles.enthalpy.iter().zip(particles.start.iter()).map(|(now, start)| now - start);
-    (changes().collect::<Sum>().value(), changes().map(f64::abs).sum())
 }
 
 /// Means over layers one spacing thick across the freezing direction.
@@ -354,7 +372,7 @@ impl<'a> Sampler<'a> {
     fn new(scene: &Scene, particles: &'a Particles) -> Self {
         let mirrors = match scene.domain {
             Domain::Ring { sector, .. } => (sector == Sector::Quarter, sector != Sector::Whole),
-            Domain::Line { .. } | Domain::Rectangle { .. } => (false, false),
+            _ => (false, false),
         };
         let cloud = match &particles.places {
             Places::Lattice => None,

@@ -47,10 +47,12 @@ impl Fold {
         let closed = |name: &str| scene.wall(name).is_none_or(|condition| *condition == Condition::Symmetry);
         let mut found = Vec::new();
         // Where cracks are, ways differ that look alike.
-        if !scene.cracks.is_empty() {
+        if !scene.cracks.is_empty() || !scene.wall_parts.is_empty() {
             return found;
         }
         match scene.domain {
+            // Shells are what symmetry leaves.
+            Domain::Radial { .. } | Domain::Axial { .. } => {}
             Domain::Line { length } => {
                 if same("left", "right") {
                     found.push(Fold::Half { along_y: false, length });

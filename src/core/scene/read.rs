@@ -8,6 +8,7 @@ mod problem;
 mod range;
 mod regions;
 mod section;
+mod shells;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -118,7 +119,8 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         .section("initial")
         .and_then(|mut section| section.number(("temperature", "c"), range::temperatures(units.absolute_zero())));
     let mut wall_section = root.section("walls");
-    let walls = wall_section.as_mut().map(|section| body::walls(section, domain.as_ref())).unwrap_or_default();
+    let (walls, wall_parts) =
+        wall_section.as_mut().map(|section| body::walls(section, domain.as_ref())).unwrap_or_default();
     let rings = body::pipes(&mut root, domain.as_ref());
     let cracks = cracks::cracks(&mut root, domain.as_ref());
     let watch = watch::watch(&mut root, domain.as_ref(), time.as_ref());
@@ -149,6 +151,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         cracks,
         initial_temperature: initial_temperature?,
         walls,
+        wall_parts,
         rings,
         watch: watch?,
         reference,

@@ -6,7 +6,7 @@ use super::field::grid;
 use super::{Gap, Ray, Sample, Watches};
 use crate::memory::Held;
 use crate::particles::Particles;
-use crate::record::{BudgetRow, Field, FrontRow, ProbeRow, ProfileRow, WallRow};
+use crate::record::{BudgetRow, Field, FrontRow, FrozenRow, ProbeRow, ProfileRow, WallRow};
 
 impl Held for Sample {
     fn held(&self) -> usize {
@@ -47,10 +47,12 @@ impl Watches {
             count.min((self.profile_length / spacing + 0.5).floor()) as usize
         });
         let along = |rays: &[Ray]| rays.first().map_or(0, |ray| ray.radii.len());
-        let points = layers + along(&self.main) + along(&self.interface);
+        let cuts: usize = self.cuts.iter().map(|cut| cut.along.len()).sum();
+        let points = layers + cuts + along(&self.main) + along(&self.interface);
         self.rows = Rows { outputs, profiles, points };
         let only = |wanted: bool, count: usize| if wanted { count } else { 0 };
-        self.front.reserve_exact(only(self.direction.is_some(), outputs));
+        self.front.reserve_exact(only(self.direction.is_some() || self.radial.is_some(), outputs));
+        self.frozen.reserve_exact(only(self.shelled, outputs));
         self.walls.reserve_exact(only(!self.main.is_empty(), outputs));
         self.budget.reserve_exact(outputs);
         self.probe_rows.reserve_exact(self.probes.len() * outputs);
@@ -61,6 +63,7 @@ impl Watches {
     /// Forgets all rows and keeps their room.
     pub(crate) fn forget(&mut self) {
         self.front.clear();
+        self.frozen.clear();
         self.profiles.clear();
         self.probe_rows.clear();
         self.budget.clear();
@@ -70,11 +73,13 @@ impl Watches {
 
     /// Bytes that the watches will hold at the end of a run whose heat goes through `doors` doors.
     pub fn held_at_the_end(&self, particles: &Particles, doors: usize) -> usize {
-        let samples = self.main.held() + self.interface.held() + self.gaps.held();
+        let cuts = self.cuts.iter().map(|cut| cut.plane.held() + cut.along.held() + cut.samples.held()).sum::<usize>();
+        let samples = self.main.held() + self.interface.held() + self.gaps.held() + cuts;
         let probes = self.probes.capacity() * size_of::<(DVec2, Sample)>()
             + self.probes.iter().map(|probe| probe.1.held()).sum::<usize>();
         let Rows { outputs, profiles, points } = self.rows;
         let rows = self.front.capacity() * size_of::<FrontRow>()
+            + self.frozen.capacity() * size_of::<FrozenRow>()
             + self.walls.capacity() * size_of::<WallRow>()
             + self.probe_rows.capacity() * size_of::<ProbeRow>()
             + outputs * (size_of::<BudgetRow>() + doors * size_of::<f64>())

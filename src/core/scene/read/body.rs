@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use super::range::{Range, all_of, plain, temperatures};
 use super::section::{Key, Section};
+use super::shells;
 use crate::material::Material;
-use crate::scene::{Condition, Domain, PipeRing, ReferenceChoice, Region, Sector, Wall};
+use crate::scene::{Condition, Domain, PipeRing, ReferenceChoice, Region, Sector, Wall, WallPart};
 
 /// Pipes of one ring, and rings, that a scene may have; their distances are checked pair by pair.
 const MOST_PIPES: usize = 1000;
@@ -13,7 +14,8 @@ const MOST_RINGS: usize = 20;
 
 pub(super) fn domain(root: &mut Section<'_>) -> Option<Domain> {
     let mut section = root.section("domain")?;
-    match section.only_one(&["line".into(), "rectangle".into(), "ring".into()])? {
+    let kinds = ["line", "rectangle", "ring", "radial", "axial"].map(Key::from);
+    match section.only_one(&kinds)? {
         0 => {
             let mut line = section.section("line")?;
             Some(Domain::Line { length: line.positive(("length", "m"))? })
@@ -23,6 +25,8 @@ pub(super) fn domain(root: &mut Section<'_>) -> Option<Domain> {
             let (width, height) = (rectangle.positive(("width", "m")), rectangle.positive(("height", "m")));
             Some(Domain::Rectangle { width: width?, height: height? })
         }
+        3 => shells::radial(&mut section.section("radial")?),
+        4 => shells::axial(&mut section.section("axial")?),
         _ => {
             let mut ring = section.section("ring")?;
             let outer_radius = ring.positive(("outer_radius", "m"));
@@ -39,11 +43,16 @@ pub(super) fn wall_names(domain: &Domain) -> &'static [&'static str] {
         Domain::Line { .. } => &["left", "right"],
         Domain::Rectangle { .. } => &["left", "right", "bottom", "top"],
         Domain::Ring { .. } => &["outer"],
+        // At r = 0 is the axis or the centre, and no wall.
+        Domain::Radial { inner: 0.0, .. } => &["outer"],
+        Domain::Radial { .. } => &["inner", "outer"],
+        Domain::Axial { inner: 0.0, .. } => &["outer", "bottom", "top"],
+        Domain::Axial { .. } => &["inner", "outer", "bottom", "top"],
     }
 }
 
-pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Wall> {
-    let mut walls = Vec::new();
+pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> (Vec<Wall>, Vec<WallPart>) {
+    let (mut walls, mut parts) = (Vec::new(), Vec::new());
     let mut given = Vec::new();
     for (name, mut wall) in section.named_sections() {
         if let Some(domain) = domain {
@@ -53,17 +62,22 @@ pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<W
                     Domain::Line { .. } => "line",
                     Domain::Rectangle { .. } => "rectangle",
                     Domain::Ring { .. } => "ring",
+                    Domain::Radial { .. } => "radial one",
+                    Domain::Axial { .. } => "axial one",
                 };
+                let axis = if name == "inner" && domain.symmetry().is_some() { " from r = 0 on" } else { "" };
                 let names = all_of(names.iter().copied());
-                wall.section_problem(format!("the domain has no such wall, a {kind} has {names}"));
+                wall.section_problem(format!("the domain has no such wall, a {kind}{axis} has {names}"));
                 wall.abandon();
                 continue;
             };
+            parts.extend(shells::parts(&mut wall, known, domain));
             if let Some(condition) = condition(&mut wall) {
                 walls.push(Wall { name: known, condition });
             }
         } else {
             condition(&mut wall);
+            wall.sections("parts").iter_mut().for_each(Section::abandon);
         }
         given.push(name);
     }
@@ -74,10 +88,10 @@ pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<W
         }
         walls.sort_by_key(|wall| names.iter().position(|name| *name == wall.name));
     }
-    walls
+    (walls, parts)
 }
 
-fn condition(wall: &mut Section<'_>) -> Option<Condition> {
+pub(super) fn condition(wall: &mut Section<'_>) -> Option<Condition> {
     const TEMPERATURE: (&str, &str) = ("temperature", "c");
     const FLUX: (&str, &str) = ("flux", "W_per_m2");
     const COEFFICIENT: (&str, &str) = ("coefficient", "W_per_m2_K");
@@ -123,6 +137,8 @@ pub(super) fn exact_walls(
         let constant = |other: &Wall| matches!(&other.condition, Condition::Temperature(series) if series.range().0 == series.range().1);
         let reason = if matches!(domain, Domain::Ring { .. }) {
             Some("a ring has no exact solution".to_owned())
+        } else if domain.symmetry().is_some() {
+            Some("a body of shells has no exact solution".to_owned())
         } else if !walls.iter().any(|other| other.name == opposite && constant(other)) {
             Some(format!("the wall \"{opposite}\" must have a constant temperature"))
         } else if let Some(other) = walls
@@ -149,7 +165,8 @@ pub(super) fn pipes(root: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Pipe
     let mut rings: Vec<PipeRing> = Vec::new();
     let mut complete = true;
     let mut sections = root.sections("pipes");
-    if let (Some(first), Some(Domain::Line { .. } | Domain::Rectangle { .. })) = (sections.first_mut(), domain) {
+    let elsewhere = domain.is_some_and(|domain| !matches!(domain, Domain::Ring { .. }));
+    if let (Some(first), true) = (sections.first_mut(), elsewhere) {
         first.section_problem("a ring of pipes needs the domain \"ring\"");
         complete = false;
     }

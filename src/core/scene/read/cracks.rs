@@ -14,8 +14,13 @@ const SPEED: (&str, &str) = ("speed", "m_per_s");
 
 pub(super) fn cracks(root: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Crack> {
     let mut sections = root.sections("cracks");
-    if let (Some(first), Some(Domain::Line { .. })) = (sections.first_mut(), domain) {
-        first.section_problem("a crack needs a plane, the domain is a line");
+    let not_a_plane = match domain {
+        Some(Domain::Line { .. }) => Some("a line"),
+        Some(Domain::Radial { .. } | Domain::Axial { .. }) => Some("symmetric about an axis or a centre"),
+        _ => None,
+    };
+    if let (Some(first), Some(found)) = (sections.first_mut(), not_a_plane) {
+        first.section_problem(format!("a crack needs a plane, the domain is {found}"));
     }
     if sections.len() > MOST_CRACKS {
         root.problem("cracks", format!("found {} cracks, must be at most {MOST_CRACKS}", sections.len()));
@@ -90,7 +95,7 @@ fn wall_before(domain: &Domain, point: DVec2) -> Option<&'static str> {
         names.into_iter().zip(beyond).find(|side| side.1).map(|side| side.0)
     };
     match *domain {
-        Domain::Line { .. } => None,
+        Domain::Line { .. } | Domain::Radial { .. } | Domain::Axial { .. } => None,
         Domain::Rectangle { width, height } => sides(DVec2::ZERO, DVec2::new(width, height)),
         Domain::Ring { outer_radius, sector } => {
             let mirrored = (sector == Sector::Quarter && point.x < 0.0) || (sector != Sector::Whole && point.y < 0.0);

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::range::{Range, all_of, plain};
 use super::section::Section;
+use super::shells;
 use crate::material::{FreezingLaw, Material};
 use crate::method::MethodKind;
 use crate::scene::settings::{
@@ -87,6 +88,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     numerics.integrator = integrator(section, numerics.integrator);
     numerics.step = step(section, numerics.step, numerics.integrator.tolerance().is_some());
     combinations(section, &numerics, setup, kind);
+    shells::combinations(section, &numerics, setup, kind, setting);
 
     let fits = match (spacing, setup.domain) {
         (Some(spacing), Some(domain)) => divides(section, spacing, domain),
@@ -342,6 +344,8 @@ fn shortest(domain: &Domain) -> f64 {
         Domain::Line { length } => length,
         Domain::Rectangle { width, height } => width.min(height),
         Domain::Ring { outer_radius, .. } => outer_radius,
+        Domain::Radial { inner, outer, .. } => outer - inner,
+        Domain::Axial { inner, outer, height } => (outer - inner).min(height),
     }
 }
 
@@ -350,6 +354,8 @@ fn divides(section: &mut Section<'_>, spacing: f64, domain: &Domain) -> bool {
     let (extents, volume) = match *domain {
         Domain::Line { length } => (vec![length], length),
         Domain::Rectangle { width, height } => (vec![width, height], width * height),
+        Domain::Radial { inner, outer, .. } => (vec![outer - inner], outer - inner),
+        Domain::Axial { inner, outer, height } => (vec![outer - inner, height], (outer - inner) * height),
         Domain::Ring { outer_radius: r, sector } => {
             let part = match sector {
                 Sector::Quarter => 0.25,

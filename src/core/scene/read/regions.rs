@@ -150,6 +150,8 @@ fn extent(domain: &Domain) -> Cell {
     match *domain {
         Domain::Line { length } => cell((0.0, f64::NEG_INFINITY), (length, f64::INFINITY)),
         Domain::Rectangle { width, height } => cell((0.0, 0.0), (width, height)),
+        Domain::Radial { inner, outer, .. } => cell((inner, f64::NEG_INFINITY), (outer, f64::INFINITY)),
+        Domain::Axial { inner, outer, height } => cell((inner, 0.0), (outer, height)),
         Domain::Ring { outer_radius: r, sector } => match sector {
             Sector::Quarter => cell((0.0, 0.0), (r, r)),
             Sector::Half => cell((-r, 0.0), (r, r)),

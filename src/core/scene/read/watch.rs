@@ -39,8 +39,10 @@ fn within(section: &mut Section<'_>, base: &'static str, time: &Duration, durati
 
 pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Option<&Time>) -> Option<Watch> {
     const PROBES: (&str, &str) = ("probes", "m");
+    const CUTS: [(&str, &str); 2] = [("cuts_z", "m"), ("cuts_r", "m")];
     const PROFILE_LENGTH: (&str, &str) = ("profile_length", "m");
     let (mut probes, mut profile_length, mut front_from) = (Vec::new(), None, 0.0);
+    let mut cuts = [Vec::new(), Vec::new()];
     if let Some(mut section) = root.optional_section("watch") {
         let dimension = domain.map(Domain::dimension);
         let points = section.optional_points(PROBES, dimension).unwrap_or_default();
@@ -53,13 +55,23 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
             }
             probes.push((x, y));
         }
+        for (axis, key) in CUTS.into_iter().enumerate() {
+            let Some(Domain::Axial { inner, outer, height }) = domain else {
+                if domain.is_some() {
+                    section.refuse(key, "only the domain \"axial\" has cuts");
+                }
+                continue;
+            };
+            let (least, most) = if axis == 0 { (0.0, *height) } else { (*inner, *outer) };
+            cuts[axis] = section.optional_numbers(key, Range::ANY).unwrap_or_default();
+            if let Some(outside) = cuts[axis].iter().find(|at| !(least..=most).contains(*at)) {
+                let (found, least, most) = (plain(*outside), plain(least), plain(most));
+                section.problem(key, format!("found {found}, must lie between {least} and {most}"));
+            }
+        }
         profile_length = section.optional_number(PROFILE_LENGTH, Range::POSITIVE);
         if let (Some(length), Some(domain)) = (profile_length, domain) {
-            let longest = match *domain {
-                Domain::Line { length } => length,
-                Domain::Rectangle { width, height } => width.max(height),
-                Domain::Ring { outer_radius, .. } => outer_radius,
-            };
+            let longest = domain.extent();
             if length > longest {
                 let message =
                     format!("found {}, must be at most {}, the domain's extent", plain(length), plain(longest));
@@ -74,13 +86,17 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
         }
     }
     let time = time?;
-    Some(Watch { outputs: time.outputs, profiles: time.profiles.clone(), probes, profile_length, front_from })
+    let [cuts_z, cuts_r] = cuts;
+    let (outputs, profiles) = (time.outputs, time.profiles.clone());
+    Some(Watch { outputs, profiles, probes, cuts_z, cuts_r, profile_length, front_from })
 }
 
 fn inside(domain: &Domain, x: f64, y: f64) -> bool {
     match *domain {
         Domain::Line { length } => (0.0..=length).contains(&x),
         Domain::Rectangle { width, height } => (0.0..=width).contains(&x) && (0.0..=height).contains(&y),
+        Domain::Radial { inner, outer, .. } => (inner..=outer).contains(&x),
+        Domain::Axial { inner, outer, height } => (inner..=outer).contains(&x) && (0.0..=height).contains(&y),
         Domain::Ring { outer_radius, sector } => {
             x.hypot(y) <= outer_radius
                 && (sector == Sector::Whole || y >= 0.0)
@@ -103,6 +119,9 @@ pub(super) fn reference(root: &mut Section<'_>, domain: Option<&Domain>) -> Refe
     }
     if let (Some(0), Some(Domain::Ring { .. })) = (kind, domain) {
         section.problem("kind", "found \"exact\", but a ring has no exact solution");
+    }
+    if kind == Some(0) && domain.is_some_and(|domain| domain.symmetry().is_some()) {
+        section.problem("kind", "found \"exact\", but a body of shells has no exact solution");
     }
     match kind {
         Some(0) => ReferenceChoice::Exact,

@@ -1,0 +1,362 @@
+//! Reference tables of bodies of axial and spherical symmetry (Nikolaev et al. 2023, section 3).
+
+use frazil_core::material::{FreezingLaw, Material};
+use frazil_core::record::ReferenceInfo;
+use frazil_core::reference::{Cut, Reference};
+use frazil_core::scene::region::{Cell, Region, Shape};
+use frazil_core::scene::{Condition, Domain, Scene, Symmetry, Units};
+
+use crate::exact::constant;
+use crate::table::{Table, compare, interpolate};
+
+/// What happens at a wall.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Wall {
+    Closed,
+    /// Temperature (C).
+    Held(f64),
+    /// Flux into the body (W/m2).
+    Flux(f64),
+    /// Film coefficient (W/m2K) and temperature (C) of the surroundings.
+    Film(f64, f64),
+}
+
+/// A material: density, frozen and unfrozen conductivity and heat capacity, latent heat.
+struct Properties {
+    density: f64,
+    frozen: (f64, f64),
+    unfrozen: (f64, f64),
+    latent_heat: Option<f64>,
+}
+
+const STEEL: Properties =
+    Properties { density: 7850.0, frozen: (50.0, 420.0), unfrozen: (50.0, 420.0), latent_heat: None };
+const COPPER: Properties =
+    Properties { density: 8920.0, frozen: (400.0, 385.0), unfrozen: (400.0, 385.0), latent_heat: None };
+const WATER: Properties =
+    Properties { density: 1000.0, frozen: (2.14, 2060.0), unfrozen: (0.6, 4182.0), latent_heat: Some(333e3) };
+
+/// One body for which there is a table.
+struct Case {
+    name: &'static str,
+    material: Properties,
+    domain: Domain,
+    initial: f64,
+    walls: &'static [(&'static str, Wall)],
+    /// Parts of walls: wall, from, to.
+    parts: &'static [(&'static str, f64, f64, Wall)],
+    /// Boxes that start at temperatures (C) of their own: least and greatest r, least and greatest z.
+    regions: &'static [([f64; 4], f64)],
+    profiles: &'static str,
+    /// Whether profiles are smooth, so that a cubic runs through them.
+    smooth: bool,
+    /// Name of a column and the series that holds it over time.
+    series: Option<(&'static str, &'static str)>,
+    source: &'static str,
+    error_estimate_rel: f64,
+}
+
+const PIPE: Domain = Domain::Radial { symmetry: Symmetry::Axial, inner: 0.05, outer: 1.5 };
+const PIPE_SOURCE: &str = "extrapolated finite volumes, within 3e-6 K of Chebyshev collocation";
+
+const fn pipe(name: &'static str, walls: &'static [(&'static str, Wall)], profiles: &'static str) -> Case {
+    Case {
+        name,
+        material: STEEL,
+        domain: PIPE,
+        initial: 226.85,
+        walls,
+        parts: &[],
+        regions: &[],
+        profiles,
+        smooth: true,
+        series: None,
+        source: PIPE_SOURCE,
+        error_estimate_rel: 2e-8,
+    }
+}
+
+static CASES: [Case; 7] = [
+    pipe(
+        "thick-pipe-temperature",
+        &[("inner", Wall::Held(26.85)), ("outer", Wall::Held(26.85))],
+        include_str!("tables/thick-pipe-temperature.csv"),
+    ),
+    pipe(
+        "thick-pipe-flux",
+        &[("inner", Wall::Flux(-1e4)), ("outer", Wall::Flux(-1e4))],
+        include_str!("tables/thick-pipe-flux.csv"),
+    ),
+    pipe(
+        "thick-pipe-convection",
+        &[("inner", Wall::Film(500.0, 26.85)), ("outer", Wall::Film(500.0, 26.85))],
+        include_str!("tables/thick-pipe-convection.csv"),
+    ),
+    Case {
+        name: "copper-sphere",
+        material: COPPER,
+        domain: Domain::Radial { symmetry: Symmetry::Spherical, inner: 0.0, outer: 0.1 },
+        initial: 726.85,
+        walls: &[("outer", Wall::Held(26.85))],
+        parts: &[],
+        regions: &[],
+        profiles: include_str!("tables/copper-sphere.csv"),
+        smooth: true,
+        series: None,
+        source: "closed-form series",
+        error_estimate_rel: 1e-9,
+    },
+    Case {
+        name: "freezing-annulus",
+        material: WATER,
+        domain: Domain::Radial { symmetry: Symmetry::Axial, inner: 0.1, outer: 1.1 },
+        initial: 8.0,
+        walls: &[("inner", Wall::Flux(-1000.0)), ("outer", Wall::Held(8.0))],
+        parts: &[],
+        regions: &[],
+        profiles: include_str!("tables/freezing-annulus.csv"),
+        smooth: false,
+        series: Some(("front_m", include_str!("tables/freezing-annulus-front.csv"))),
+        source: "sharp front, each phase on its own moving grid; front known to 2e-5 m, temperature to 0.07 K",
+        error_estimate_rel: 1e-4,
+    },
+    Case {
+        name: "heated-hollow-cylinder",
+        material: STEEL,
+        domain: Domain::Axial { inner: 0.2, outer: 1.0, height: 0.8 },
+        initial: -73.15,
+        walls: &[("inner", Wall::Closed), ("outer", Wall::Closed), ("bottom", Wall::Closed), ("top", Wall::Closed)],
+        parts: &[("outer", 0.3, 0.5, Wall::Held(226.85))],
+        regions: &[],
+        profiles: include_str!("tables/heated-hollow-cylinder.csv"),
+        smooth: true,
+        series: None,
+        source: "extrapolated finite volumes; temperature known to 0.15 K up to r = 0.95 m, to 0.6 K beyond",
+        error_estimate_rel: 5e-4,
+    },
+    Case {
+        name: "ice-in-glass",
+        material: WATER,
+        domain: Domain::Axial { inner: 0.0, outer: 0.1, height: 0.1 },
+        initial: 100.0,
+        walls: &[("outer", Wall::Closed), ("bottom", Wall::Closed), ("top", Wall::Closed)],
+        parts: &[],
+        regions: &[([0.0, 0.04, 0.0, 0.04], -5.0)],
+        profiles: include_str!("tables/ice-in-glass.csv"),
+        smooth: false,
+        series: Some(("frozen_volume_m3", include_str!("tables/ice-in-glass-volume.csv"))),
+        source: "extrapolated enthalpy finite volumes; temperature known to 0.16 K, volume to 0.002 of the first",
+        error_estimate_rel: 2e-3,
+    },
+];
+
+/// Names of the tables.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    CASES.iter().map(|case| case.name)
+}
+
+/// The table of the given name, if there is one and it is about the physics of the scene; else the differences.
+pub fn by_name(name: &str, scene: &Scene) -> Option<Result<Box<dyn Reference>, Vec<String>>> {
+    let case = CASES.iter().find(|case| case.name == name)?;
+    let differences = case.differences(scene);
+    Some(match differences.is_empty() {
+        true => ShellTable::new(case).map(|table| Box::new(table) as Box<dyn Reference>).map_err(|error| vec![error]),
+        false => Err(differences),
+    })
+}
+
+impl Case {
+    /// What about a scene is not as in the table.
+    fn differences(&self, scene: &Scene) -> Vec<String> {
+        let mut differences = Vec::new();
+        if scene.units != Units::Si {
+            differences.push("units are si there".into());
+        }
+        if !same_body(&self.domain, &scene.domain) {
+            differences.push("the body is another one there".into());
+            return differences;
+        }
+        let mixed = scene.regions.iter().any(|region| region.material.is_some_and(|material| material != 0));
+        let own: Option<&Material> = if mixed { None } else { scene.materials.first() };
+        let mut number = |what: &str, own: Option<f64>, expected: f64| compare(&mut differences, what, own, expected);
+        let material = &self.material;
+        number("the density", own.map(|own| own.density), material.density);
+        number("the frozen conductivity", own.map(|own| own.frozen.conductivity), material.frozen.0);
+        number("the frozen heat capacity", own.map(|own| own.frozen.heat_capacity), material.frozen.1);
+        number("the unfrozen conductivity", own.map(|own| own.unfrozen.conductivity), material.unfrozen.0);
+        number("the unfrozen heat capacity", own.map(|own| own.unfrozen.heat_capacity), material.unfrozen.1);
+        number("the initial temperature", Some(scene.initial_temperature), self.initial);
+        let law = match material.latent_heat {
+            None => FreezingLaw::None,
+            Some(latent_heat) => {
+                number("the latent heat", own.map(|own| own.latent_heat), latent_heat);
+                number("the freezing point", own.map(|own| own.freezing_point), 0.0);
+                FreezingLaw::Isothermal
+            }
+        };
+        if own.is_some_and(|own| own.law != law) {
+            differences.push("the law of freezing is another one there".into());
+        }
+        for (name, wall) in self.walls {
+            if !scene.wall(name).is_some_and(|condition| wall.is(condition)) {
+                differences.push(format!("the wall {name} has another condition there"));
+            }
+        }
+        let colder = |(own, (extent, expected)): (&Region, &([f64; 4], f64))| {
+            let same = |Cell { low, high }: &Cell| {
+                let extents = [low.x, high.x, low.y, high.y].into_iter().zip(*extent);
+                extents.into_iter().all(|(own, expected)| close(own, expected))
+            };
+            own.temperature.is_some_and(|own| close(own, *expected))
+                && matches!(&own.shape, Shape::Box(own) if same(own))
+        };
+        let regions: Vec<&Region> = scene.regions.iter().filter(|region| region.temperature.is_some()).collect();
+        if regions.len() != self.regions.len() || !regions.into_iter().zip(self.regions).all(colder) {
+            differences.push("regions start at other temperatures there".into());
+        }
+        let parts = &scene.wall_parts;
+        let same = |(own, expected): (&frazil_core::scene::WallPart, &(&str, f64, f64, Wall))| {
+            own.wall == expected.0
+                && close(own.from, expected.1)
+                && close(own.to, expected.2)
+                && expected.3.is(&own.condition)
+        };
+        if parts.len() != self.parts.len() || !parts.iter().zip(self.parts).all(same) {
+            differences.push("walls have other parts there".into());
+        }
+        differences
+    }
+}
+
+impl Wall {
+    fn is(self, condition: &Condition) -> bool {
+        match (self, condition) {
+            (Wall::Closed, Condition::Symmetry) => true,
+            (Wall::Held(expected), Condition::Temperature(series))
+            | (Wall::Flux(expected), Condition::Flux(series)) => {
+                constant(series).is_some_and(|own| close(own, expected))
+            }
+            (Wall::Film(film, expected), Condition::Convection { coefficient, ambient }) => {
+                constant(coefficient).is_some_and(|own| close(own, film))
+                    && constant(ambient).is_some_and(|own| close(own, expected))
+            }
+            _ => false,
+        }
+    }
+}
+
+fn close(own: f64, expected: f64) -> bool {
+    (own - expected).abs() <= 1e-6 * expected.abs().max(1e-6)
+}
+
+fn same_body(a: &Domain, b: &Domain) -> bool {
+    match (*a, *b) {
+        (
+            Domain::Radial { symmetry, inner, outer },
+            Domain::Radial { symmetry: other, inner: b_inner, outer: b_outer },
+        ) => symmetry == other && close(b_inner, inner) && close(b_outer, outer),
+        (
+            Domain::Axial { inner, outer, height },
+            Domain::Axial { inner: b_inner, outer: b_outer, height: b_height },
+        ) => close(b_inner, inner) && close(b_outer, outer) && close(b_height, height),
+        _ => false,
+    }
+}
+
+/// Profiles at instants, and a front or a frozen volume over time.
+struct ShellTable {
+    source: String,
+    error_estimate_rel: f64,
+    smooth: bool,
+    places: Vec<f64>,
+    /// Cut (none along the radius), time (s) and temperatures of each profile.
+    profiles: Vec<(Option<Cut>, f64, Vec<f64>)>,
+    /// Times (s), and radii of the front (m) or volumes (m3).
+    series: Option<(&'static str, Vec<f64>, Vec<f64>)>,
+}
+
+impl ShellTable {
+    fn new(case: &Case) -> Result<Self, String> {
+        let table = Table::read(case.profiles)?;
+        let mut profiles = Vec::new();
+        for name in table.names().iter().skip(1) {
+            let wrong = || format!("column {name} names no cut and instant");
+            let (plane, time) = name.split_once('@').ok_or_else(wrong)?;
+            let cut = match plane.split_once('=') {
+                None => None,
+                Some((axis, at)) => {
+                    let at = at.parse().map_err(|_| wrong())?;
+                    Some(if axis == "z" { Cut::Z(at) } else { Cut::R(at) })
+                }
+            };
+            profiles.push((cut, time.parse().map_err(|_| wrong())?, table.column(name)?.to_vec()));
+        }
+        let series = match case.series {
+            None => None,
+            Some((column, text)) => {
+                let table = Table::read(text)?;
+                Some((column, table.column("time_s")?.to_vec(), table.column(column)?.to_vec()))
+            }
+        };
+        Ok(ShellTable {
+            source: format!("table {}: {}", case.name, case.source),
+            error_estimate_rel: case.error_estimate_rel,
+            smooth: case.smooth,
+            places: table.column("place_m")?.to_vec(),
+            profiles,
+            series,
+        })
+    }
+
+    /// Known at the instants of the profiles alone.
+    fn profile(&self, cut: Option<Cut>, x: f64, t: f64) -> Option<f64> {
+        let same = |own: &&(Option<Cut>, f64, Vec<f64>)| own.0 == cut && (own.1 - t).abs() < 1e-9 * t;
+        let values = &self.profiles.iter().find(same)?.2;
+        if self.smooth { cubic(&self.places, values, x) } else { interpolate(&self.places, values, x) }
+    }
+
+    fn over_time(&self, column: &str, t: f64) -> Option<f64> {
+        let (own, times, values) = self.series.as_ref()?;
+        if *own == column { interpolate(times, values, t) } else { None }
+    }
+}
+
+/// The cubic through the four nodes around a place; `None` outside the nodes.
+fn cubic(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
+    let count = x.len();
+    // A place that is a node to rounding is inside.
+    let slack = 1e-9 * (x[count - 1] - x[0]);
+    if count < 4 || at < x[0] - slack || at > x[count - 1] + slack {
+        return None;
+    }
+    let first = x.partition_point(|node| *node <= at).saturating_sub(2).min(count - 4);
+    let nodes = first..first + 4;
+    Some(
+        nodes
+            .clone()
+            .map(|k| y[k] * nodes.clone().filter(|l| *l != k).map(|l| (at - x[l]) / (x[k] - x[l])).product::<f64>())
+            .sum(),
+    )
+}
+
+impl Reference for ShellTable {
+    fn describe(&self) -> ReferenceInfo {
+        ReferenceInfo { kind: "table".into(), source: self.source.clone(), error_estimate_rel: self.error_estimate_rel }
+    }
+
+    fn temperature(&self, x: f64, t: f64) -> Option<f64> {
+        self.profile(None, x, t)
+    }
+
+    fn cut_temperature(&self, cut: Cut, x: f64, t: f64) -> Option<f64> {
+        self.profile(Some(cut), x, t)
+    }
+
+    fn front(&self, t: f64) -> Option<f64> {
+        self.over_time("front_m", t)
+    }
+
+    fn frozen_volume(&self, t: f64) -> Option<f64> {
+        self.over_time("frozen_volume_m3", t)
+    }
+}

@@ -1,0 +1,117 @@
+//! Bodies of axial and spherical symmetry, and walls in parts.
+
+use super::body::condition;
+use super::numerics::Setup;
+use super::range::{Range, plain};
+use super::section::Section;
+use crate::method::MethodKind;
+use crate::scene::settings::{Layout, Numerics, SearchChoice, Setting, WallModel};
+use crate::scene::{Condition, Domain, Symmetry, WallPart};
+
+const INNER: (&str, &str) = ("inner_radius", "m");
+const OUTER: (&str, &str) = ("outer_radius", "m");
+
+/// Reads `[domain.radial]`.
+pub(super) fn radial(section: &mut Section<'_>) -> Option<Domain> {
+    let choices = [("axial", Symmetry::Axial), ("spherical", Symmetry::Spherical)];
+    let symmetry = section.choice("symmetry", &choices);
+    let (inner, outer) = radii(section)?;
+    Some(Domain::Radial { symmetry: symmetry?, inner, outer })
+}
+
+/// Reads `[domain.axial]`.
+pub(super) fn axial(section: &mut Section<'_>) -> Option<Domain> {
+    let height = section.positive(("height", "m"));
+    let (inner, outer) = radii(section)?;
+    Some(Domain::Axial { inner, outer, height: height? })
+}
+
+fn radii(section: &mut Section<'_>) -> Option<(f64, f64)> {
+    let inner = section.number(INNER, Range::NOT_NEGATIVE);
+    let outer = section.positive(OUTER);
+    let (inner, outer) = (inner?, outer?);
+    if inner >= outer {
+        let message = format!("found {}, must be less than the outer radius {}", plain(inner), plain(outer));
+        section.problem(INNER, message);
+        return None;
+    }
+    Some((inner, outer))
+}
+
+/// Extent of a wall along itself (m), if it has any.
+fn along(domain: &Domain, wall: &str) -> Option<(f64, f64)> {
+    match (*domain, wall) {
+        (Domain::Rectangle { height, .. }, "left" | "right") | (Domain::Axial { height, .. }, "inner" | "outer") => {
+            Some((0.0, height))
+        }
+        (Domain::Rectangle { width, .. }, _) => Some((0.0, width)),
+        (Domain::Axial { inner, outer, .. }, _) => Some((inner, outer)),
+        _ => None,
+    }
+}
+
+/// Reads the parts of a wall that have conditions of their own.
+pub(super) fn parts(section: &mut Section<'_>, wall: &'static str, domain: &Domain) -> Vec<WallPart> {
+    const FROM: (&str, &str) = ("from", "m");
+    const TO: (&str, &str) = ("to", "m");
+    let mut found = Vec::new();
+    for mut part in section.sections("parts") {
+        let Some((first, last)) = along(domain, wall) else {
+            part.section_problem("only walls of a rectangle and of the domain \"axial\" have parts");
+            part.abandon();
+            continue;
+        };
+        let (from, to) = (part.number(FROM, Range::ANY), part.number(TO, Range::ANY));
+        let own = condition(&mut part);
+        if own == Some(Condition::Exact) {
+            part.problem("condition", "found \"exact\", but a part of a wall has no exact solution");
+        }
+        let (Some(from), Some(to)) = (from, to) else { continue };
+        let mut inside = true;
+        for (key, place) in [(FROM, from), (TO, to)] {
+            if !(first..=last).contains(&place) {
+                let (first, last) = (plain(first), plain(last));
+                part.problem(key, format!("found {}, the wall reaches from {first} to {last}", plain(place)));
+                inside = false;
+            }
+        }
+        if inside && from >= to {
+            part.problem(FROM, format!("found {}, must be less than the end of the part, {}", plain(from), plain(to)));
+        } else if let (true, Some(condition)) = (inside, own) {
+            found.push(WallPart { wall, from, to, condition });
+        }
+    }
+    found
+}
+
+/// Settings that a body of shells excludes.
+pub(super) fn combinations(
+    section: &mut Section<'_>,
+    numerics: &Numerics,
+    setup: &Setup<'_>,
+    kind: &MethodKind,
+    setting: Setting,
+) {
+    if setup.domain.is_none_or(|domain| domain.symmetry().is_none()) {
+        return;
+    }
+    if kind.stochastic {
+        let message = format!("the method \"{}\" has particles of one volume and no shells", kind.name);
+        section.section_problem(message);
+    }
+    if numerics.layout != Layout::Lattice {
+        section.problem("layout", "must be \"lattice\": shells stand evenly along the radius");
+    }
+    if numerics.search == SearchChoice::Lattice {
+        section.problem("search", "found \"lattice\", which needs particles of one volume and no shells");
+    }
+    let word = match numerics.walls {
+        WallModel::Mirror => return,
+        WallModel::MovingLeastSquares => "moving-least-squares",
+        WallModel::Layers if setting == Setting::Paper => return,
+        WallModel::Layers => "layers",
+    };
+    let only = if word == "layers" { ", and has layers only in the setting \"paper\"" } else { "" };
+    let message = format!("found \"{word}\", but a body of shells knows its walls by the steady profile{only}");
+    section.problem("wall_model", message);
+}

@@ -52,7 +52,7 @@ fn particles_hold_the_heat_of_the_shape() {
                 let mut sketch = sketch(kind, shape, "");
                 sketch.spacing_m = spacing;
                 let particles = sketch.plan(kind).particles;
-                let held = particles.enthalpy.iter().sum::<f64>() * particles.volume;
+                let held = particles.enthalpy.iter().sum::<f64>() * particles.volumes.of(0);
                 let each = particles.materials.of(0).enthalpy(-7.0);
                 // Shares below 1e-9 of some hundred cells count as none.
                 assert!((held / (each * area) - 1.0).abs() < 1e-8, "{} {shape}: {}", kind.name, held / (each * area));
@@ -210,7 +210,7 @@ fn a_region_of_a_ring_is_felt_in_every_sector_alike() {
             let mut sketch = Sketch::new(Domain::Ring { outer_radius: 1.0, sector }, 0.05);
             sketch.regions = vec!["temperature_c = -7\ncircle = { x_m = 0, y_m = 0, radius_m = 0.52 }".to_owned()];
             let particles = sketch.plan(kind).particles;
-            particles.enthalpy.iter().sum::<f64>() * particles.volume / particles.materials.of(0).enthalpy(-7.0)
+            particles.enthalpy.iter().sum::<f64>() * particles.volumes.of(0) / particles.materials.of(0).enthalpy(-7.0)
         };
         for (sector, parts) in [(Sector::Quarter, 4.0), (Sector::Half, 2.0), (Sector::Whole, 1.0)] {
             let area = held(sector) * parts;

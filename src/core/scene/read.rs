@@ -132,6 +132,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         // The checks of combinations would speak of the wrong materials if some were missing.
         materials: if complete { &materials } else { &[] },
         walls: &walls,
+        surfaces: watch.as_ref().is_some_and(|watch| !watch.surfaces.is_empty()),
     };
     let methods = numerics::methods(&mut root, &setup, kinds);
     let time = time?;

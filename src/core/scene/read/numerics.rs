@@ -31,6 +31,8 @@ pub(super) struct Setup<'a> {
     pub(super) domain: Option<&'a Domain>,
     pub(super) materials: &'a [Material],
     pub(super) walls: &'a [Wall],
+    /// Whether heat through surfaces is counted.
+    pub(super) surfaces: bool,
 }
 
 pub(super) fn methods(root: &mut Section<'_>, setup: &Setup<'_>, kinds: &[&'static MethodKind]) -> Vec<MethodSettings> {
@@ -299,6 +301,11 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
         if let Some(reason) = reason {
             section.problem("search", format!("found \"lattice\", which needs {reason}"));
         }
+    }
+    if setup.surfaces && kind.stochastic {
+        let message =
+            format!("the random heat of the method \"{}\" is not counted through \"watch.surfaces\"", kind.name);
+        section.section_problem(message);
     }
     if numerics.walls == WallModel::Layers
         && let Some(wall) =

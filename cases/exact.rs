@@ -1,6 +1,7 @@
 //! Solutions in a half space, from material properties alone and independent of the engine's own curves.
 
 mod functions;
+pub mod line_sink;
 pub mod neumann;
 pub mod similarity;
 

@@ -7,6 +7,7 @@ use frazil_core::scene::region::{Cell, Region, Shape};
 use frazil_core::scene::{Condition, Domain, Scene, Symmetry, Units};
 
 use crate::exact::constant;
+use crate::exact::line_sink::LineSink;
 use crate::table::{Table, compare, interpolate};
 
 /// What happens at a wall.
@@ -160,7 +161,9 @@ pub fn by_name(name: &str, scene: &Scene) -> Option<Result<Box<dyn Reference>, V
     let case = CASES.iter().find(|case| case.name == name)?;
     let differences = case.differences(scene);
     Some(match differences.is_empty() {
-        true => ShellTable::new(case).map(|table| Box::new(table) as Box<dyn Reference>).map_err(|error| vec![error]),
+        true => {
+            ShellTable::new(case, scene).map(|table| Box::new(table) as Box<dyn Reference>).map_err(|error| vec![error])
+        }
         false => Err(differences),
     })
 }
@@ -271,12 +274,14 @@ struct ShellTable {
     places: Vec<f64>,
     /// Cut (none along the radius), time (s) and temperatures of each profile.
     profiles: Vec<(Option<Cut>, f64, Vec<f64>)>,
+    /// A line sink of the same power as a wall that takes a flux.
+    beside: Option<LineSink>,
     /// Times (s), and radii of the front (m) or volumes (m3).
     series: Option<(&'static str, Vec<f64>, Vec<f64>)>,
 }
 
 impl ShellTable {
-    fn new(case: &Case) -> Result<Self, String> {
+    fn new(case: &Case, scene: &Scene) -> Result<Self, String> {
         let table = Table::read(case.profiles)?;
         let mut profiles = Vec::new();
         for name in table.names().iter().skip(1) {
@@ -298,7 +303,16 @@ impl ShellTable {
                 Some((column, table.column("time_s")?.to_vec(), table.column(column)?.to_vec()))
             }
         };
+        let beside = match (case.domain, case.walls.first()) {
+            (Domain::Radial { symmetry: Symmetry::Axial, inner, .. }, Some((_, Wall::Flux(flux)))) => scene
+                .materials
+                .first()
+                .filter(|material| material.law == FreezingLaw::Isothermal)
+                .map(|material| LineSink::new(material, case.initial, -flux * Symmetry::Axial.area(inner))),
+            _ => None,
+        };
         Ok(ShellTable {
+            beside,
             source: format!("table {}: {}", case.name, case.source),
             error_estimate_rel: case.error_estimate_rel,
             smooth: case.smooth,
@@ -354,6 +368,10 @@ impl Reference for ShellTable {
 
     fn front(&self, t: f64) -> Option<f64> {
         self.over_time("front_m", t)
+    }
+
+    fn beside(&self, t: f64) -> Option<(&'static str, f64)> {
+        Some(("a line sink of the same power", self.beside?.front(t)))
     }
 
     fn frozen_volume(&self, t: f64) -> Option<f64> {

@@ -41,6 +41,7 @@ fn half_space(law: FreezingLaw) -> Scene {
             outputs: 10,
             profiles: Vec::new(),
             probes: Vec::new(),
+            surfaces: Vec::new(),
             cuts_z: Vec::new(),
             cuts_r: Vec::new(),
             profile_length: None,
@@ -224,4 +225,15 @@ fn a_table_is_found_for_its_own_scene_alone() {
 fn a_local_run_is_made_elsewhere() {
     let scene = Scene { reference: ReferenceChoice::Local, ..half_space(FreezingLaw::Isothermal) };
     assert_eq!(kind(&scene), None);
+}
+
+/// The line sink of the freezing annulus: its constant to eight digits and fronts to five, by an independent solution.
+#[test]
+fn the_line_sink_has_the_known_front() {
+    let water = Material { latent_heat: 333e3, ..water(FreezingLaw::Isothermal) };
+    let sink = crate::exact::line_sink::LineSink::new(&water, 8.0, std::f64::consts::TAU * 0.1 * 1000.0);
+    assert!((sink.constant - 0.331_015_33).abs() < 1e-8, "{}", sink.constant);
+    for (day, front) in [(1.0, 0.19834), (2.0, 0.28049), (3.0, 0.34353)] {
+        assert!((sink.front(day * 86_400.0) - front).abs() < 1e-5, "{day}");
+    }
 }

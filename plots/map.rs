@@ -29,8 +29,8 @@ pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
         top: 60.0,
         right: 90.0 + frame_width,
         bottom: 60.0 + frame_height,
-        x: Axis::between(format!("x ({unit})"), x0, x0 + width),
-        y: Axis::between(format!("y ({unit})"), y0, y0 + height),
+        x: Axis::between(format!("{} ({unit})", words.axes.0), x0, x0 + width),
+        y: Axis::between(format!("{} ({unit})", words.axes.1), y0, y0 + height),
     };
     frame.draw(&mut canvas);
     let grid = Grid::thinned(field);

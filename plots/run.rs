@@ -64,6 +64,8 @@ pub(crate) struct Words {
     pub(crate) time_label: String,
     pub(crate) temperature_label: String,
     pub(crate) degree: &'static str,
+    /// Names of both directions.
+    pub(crate) axes: (&'static str, &'static str),
     pub(crate) length_unit: Option<(f64, &'static str)>,
     pub(crate) freezing_point: f64,
 }
@@ -82,6 +84,8 @@ impl Words {
             time_label: if si { format!("time ({})", unit.symbol()) } else { "time (dimensionless)".into() },
             temperature_label: if si { "temperature (°C)".into() } else { "temperature (dimensionless)".into() },
             degree: if si { " °C" } else { "" },
+            // Only bodies of shells keep a frozen volume.
+            axes: if result.frozen.is_empty() { ("x", "y") } else { ("r", "z") },
             length_unit: si.then_some(if reach > 0.0 && reach < 0.2 { (1e3, "mm") } else { (1.0, "m") }),
             freezing_point: options.freezing_point,
         }
@@ -138,10 +142,16 @@ fn front(result: &RunResult, words: &Words) -> Canvas {
     if referred {
         entries.push(reference_entry());
     }
+    let beside = Stroke { colour: INK, width: 1.6, dash: &[7.0, 4.0] };
+    if let Some(row) = result.beside.first() {
+        entries.push(Entry { text: row.solution.clone(), stroke: Some(beside), marker: None });
+    }
     let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 6.0;
     let times = || result.front.iter().map(|row| words.time(row.time_s)).chain([0.0]);
     let heights = result.front.iter().flat_map(|row| [Some(row.front_m), row.front_ref_m]).flatten();
-    let y = Axis::linear(words.length_label("front"), heights.map(|height| words.length(height)));
+    let heights = heights.chain(result.beside.iter().map(|row| row.front_m));
+    let what = if words.axes.0 == "r" { "radius of the front" } else { "front" };
+    let y = Axis::linear(words.length_label(what), heights.map(|height| words.length(height)));
     let split = if referred { 445.0 } else { 720.0 };
     let mut below = referred.then(|| {
         let errors: Vec<f64> = result.front.iter().filter_map(relative_error).collect();
@@ -164,6 +174,8 @@ fn front(result: &RunResult, words: &Words) -> Canvas {
         let rows = result.front.iter().filter_map(|row| Some((row.time_s, row.front_ref_m?)));
         above.curve(&mut canvas, rows.map(|(t, s)| (words.time(t), words.length(s))), reference_stroke());
     }
+    let rows = result.beside.iter().map(|row| (words.time(row.time_s), words.length(row.front_m)));
+    above.curve(&mut canvas, rows, beside);
     let rows = result.front.iter().map(|row| (words.time(row.time_s), words.length(row.front_m)));
     above.curve(&mut canvas, rows, stroke);
     if let Some(below) = below {
@@ -226,7 +238,15 @@ fn profiles(result: &RunResult, words: &Words) -> Canvas {
         let x_label = match plane {
             "main" => format!("distance from the centre, through a pipe ({symbol})"),
             "interface" => format!("distance from the centre, between two pipes ({symbol})"),
-            _ => format!("distance ({symbol})"),
+            "radius" => format!("r ({symbol})"),
+            _ => match plane.split_once('=') {
+                Some((axis, at)) => {
+                    let along = if axis == "z" { "r" } else { "z" };
+                    let unit = if words.length_unit.is_some() { " m" } else { "" };
+                    format!("{along} at {axis} = {at}{unit} ({symbol})")
+                }
+                None => format!("distance ({symbol})"),
+            },
         };
         let x = Axis::linear(x_label, rows.iter().map(|row| scale * row.x_m));
         let values = rows.iter().flat_map(|row| [Some(row.temperature_c), row.temperature_ref_c]).flatten();

@@ -85,7 +85,9 @@ pub fn write_run(folder: &Path, result: &RunResult) -> Result<(), Failure> {
     let record = folder.join("record.json");
     remove(&record)?;
     rows_or_nothing(&folder.join("front.csv"), &result.front)?;
+    rows_or_nothing(&folder.join("front_beside.csv"), &result.beside)?;
     rows_or_nothing(&folder.join("frozen.csv"), &result.frozen)?;
+    rows_or_nothing(&folder.join("surfaces.csv"), &result.surfaces)?;
     rows_or_nothing(&folder.join("profiles.csv"), &result.profiles)?;
     rows_or_nothing(&folder.join("probes.csv"), &result.probes)?;
     rows_or_nothing(&folder.join("wall.csv"), &result.walls)?;
@@ -170,9 +172,11 @@ mod tests {
         let result = RunResult {
             record: serde_json::from_value(record).expect("a record"),
             front: vec![FrontRow { time_s: 1.0, front_m: 0.5, front_ref_m: Some(0.25) }],
+            beside: Vec::new(),
             frozen: Vec::new(),
             profiles: Vec::new(),
             probes: Vec::new(),
+            surfaces: Vec::new(),
             budget_names: Vec::new(),
             budget: Vec::new(),
             walls: Vec::new(),

@@ -14,6 +14,7 @@ mod reductions;
 mod references;
 mod regions;
 mod reproducibility;
+mod shells;
 mod sketch;
 mod stability;
 mod steps_by_error;

@@ -53,9 +53,11 @@ fn empty(title: &str, method: &str) -> RunResult {
     RunResult {
         record: record(title, method),
         front: Vec::new(),
+        beside: Vec::new(),
         frozen: Vec::new(),
         profiles: Vec::new(),
         probes: Vec::new(),
+        surfaces: Vec::new(),
         budget_names: Vec::new(),
         budget: Vec::new(),
         walls: Vec::new(),

@@ -48,9 +48,11 @@ fn made_up(
     let mut result = RunResult {
         record,
         front: Vec::new(),
+        beside: Vec::new(),
         frozen: Vec::new(),
         profiles: Vec::new(),
         probes: Vec::new(),
+        surfaces: Vec::new(),
         budget_names: Vec::new(),
         budget: Vec::new(),
         walls: Vec::new(),

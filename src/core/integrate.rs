@@ -77,6 +77,10 @@ impl Method for Euler {
         &self.ledger
     }
 
+    fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
+        self.operator.across(enthalpy, time)
+    }
+
     fn pairs(&self) -> u64 {
         self.operator.pairs()
     }
@@ -140,6 +144,10 @@ impl<T: PairTerm> Method for SchemeEuler<T> {
 
     fn ledger(&self) -> &Ledger {
         &self.ledger
+    }
+
+    fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
+        self.operator.across(self.scheme.as_ref(), enthalpy, time, &mut self.rate, &mut self.doors)
     }
 
     fn pairs(&self) -> u64 {

@@ -15,7 +15,7 @@ use crate::memory::{Held, shared};
 use crate::method::{Bound, Clock};
 use crate::operator::{Operator, Stage, StageColumns};
 use crate::pipe::Sink;
-use crate::scene::{Exchange, Mean};
+use crate::scene::{Exchange, Mean, Surface};
 use crate::symmetry::{Touch, Volumes};
 use crate::uptake::{Fields, LatentScheme, Materials};
 
@@ -104,6 +104,8 @@ pub struct ListParts {
     pub sinks: Vec<Sink>,
     /// Names of pipe rings.
     pub rings: Vec<String>,
+    /// Surfaces through which heat is counted.
+    pub surfaces: Vec<Surface>,
     /// How pairs exchange heat.
     pub exchange: Exchange,
     /// Threads, if more than one.
@@ -121,6 +123,9 @@ pub struct ListOperator<T> {
     sink_heat: Vec<f64>,
     /// Pairs across open doors: particle, position in the list, door.
     crossings: Vec<(u32, usize, u8)>,
+    /// Pairs across each surface: particle, position in the list, and its volume, negative where heat to it comes from
+    /// greater coordinates.
+    across: Vec<Vec<(u32, usize, f64)>>,
     bound: Bound,
 }
 
@@ -153,9 +158,10 @@ impl<T: PairTerm> ListOperator<T> {
                 }
             }
         }
+        let across = parts.surfaces.iter().map(|surface| pairs_across(&parts, surface)).collect();
         let bound = parts.bound.clone().unwrap_or_else(|| bound(&parts, &faces[0]));
         let sink_heat = vec![0.0; parts.sinks.len()];
-        ListOperator { parts, term, fields, faces, sink_heat, crossings, bound }
+        ListOperator { parts, term, fields, faces, sink_heat, crossings, across, bound }
     }
 
     /// Rates from the state of a scheme. `clock` feeds the term.
@@ -213,25 +219,29 @@ impl<T: PairTerm> ListOperator<T> {
         }
     }
 
+    /// Heat rate (W/m3) that a particle gains from a wall that touches it.
+    fn touched(&self, touch: &Touch) -> f64 {
+        let (materials, fields) = (&self.parts.materials, &self.fields);
+        let (particle, door) = (touch.particle as usize, touch.door as usize);
+        let material = materials.index(particle);
+        let face = &self.faces[material][door];
+        let flux = match self.parts.exchange {
+            Exchange::Potential => face.flux(fields.potential[particle], touch.depth, &materials.thermals[material]),
+            Exchange::Mean(_) => {
+                let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
+                face.flux_by_temperature(temperature, conductivity, touch.depth)
+            }
+        };
+        touch.area * flux
+    }
+
     /// Adds what walls give that touch a body of shells.
     fn touch(&self, rate: &mut [f64], doors: &mut [f64]) {
-        let (materials, fields) = (&self.parts.materials, &self.fields);
         for touch in &self.parts.touches {
-            let (particle, door) = (touch.particle as usize, touch.door as usize);
-            let material = materials.index(particle);
-            let face = &self.faces[material][door];
-            let flux = match self.parts.exchange {
-                Exchange::Potential => {
-                    face.flux(fields.potential[particle], touch.depth, &materials.thermals[material])
-                }
-                Exchange::Mean(_) => {
-                    let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
-                    face.flux_by_temperature(temperature, conductivity, touch.depth)
-                }
-            };
-            let gain = touch.area * flux;
+            let particle = touch.particle as usize;
+            let gain = self.touched(touch);
             rate[particle] += gain;
-            doors[door] += gain * self.parts.volumes.of(particle);
+            doors[touch.door as usize] += gain * self.parts.volumes.of(particle);
         }
     }
 
@@ -308,6 +318,48 @@ impl<T: PairTerm> ListOperator<T> {
         let view =
             PairView { names: (i as u32, name), stream, weight, conducted, indices: (i, j), fields: &self.fields };
         weight * conducted + self.term.add(&view)
+    }
+
+    /// Heat (W) through each surface, towards greater coordinates; `rate` and `doors` are used up.
+    pub fn across(
+        &mut self,
+        scheme: &dyn LatentScheme,
+        enthalpy: &[f64],
+        time: f64,
+        rate: &mut [f64],
+        doors: &mut [f64],
+    ) -> Vec<f64> {
+        if self.across.is_empty() {
+            return Vec::new();
+        }
+        let clock = Clock { time, step: 0.0, index: 0, turned: false };
+        self.rate_of(scheme, enthalpy, &clock, rate, doors);
+        let conducted = |i: usize, j: usize| match (self.parts.exchange, self.parts.materials.mixed()) {
+            (Exchange::Potential, false) => self.potential_difference(i, j),
+            (Exchange::Potential, true) => self.across_materials(i, j),
+            (Exchange::Mean(Mean::Harmonic), _) => self.by_mean(i, j, |a, b| 2.0 * a * b / (a + b)),
+            (Exchange::Mean(Mean::Arithmetic), _) => self.by_mean(i, j, |a, b| 0.5 * (a + b)),
+            (Exchange::Mean(Mean::Geometric), _) => self.by_mean(i, j, |a, b| (a * b).sqrt()),
+        };
+        let pairs = &self.parts.pairs;
+        let heat = |(i, k, volume): &(u32, usize, f64)| {
+            volume * pairs.weights[*k] * conducted(*i as usize, pairs.partners[*k] as usize)
+        };
+        // A wall touches the outermost particles from beyond surfaces that lie nearer to it.
+        let walls = |surface: &Surface| {
+            let near = self.parts.touches.iter().filter(|touch| {
+                let place = self.parts.positions[touch.particle as usize];
+                let beyond = (if surface.across_y { place.y } else { place.x }) >= surface.at;
+                touch.across_y == surface.across_y && touch.at_end != beyond
+            });
+            near.map(|touch| {
+                let heat = self.touched(touch) * self.parts.volumes.of(touch.particle as usize);
+                if touch.at_end { -heat } else { heat }
+            })
+            .sum::<f64>()
+        };
+        let pairs = self.across.iter().map(|pairs| pairs.iter().map(heat).collect::<Sum>().value());
+        pairs.zip(&self.parts.surfaces).map(|(pairs, surface)| pairs + walls(surface)).collect()
     }
 
     #[inline(always)]
@@ -603,6 +655,11 @@ impl Operator for EnthalpyList {
         self.operator.step_bound()
     }
 
+    fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
+        let mut doors = vec![0.0; self.operator.door_names().len()];
+        self.operator.across(self.scheme.as_ref(), enthalpy, time, &mut self.rate, &mut doors)
+    }
+
     fn doors(&self) -> Vec<String> {
         self.operator.door_names()
     }
@@ -631,6 +688,7 @@ impl<T> Held for ListOperator<T> {
             + parts.ghosts.held()
             + fields
             + self.crossings.held()
+            + self.across.iter().map(Held::held).sum::<usize>()
             + parts.contacts.held()
             + parts.touches.capacity() * size_of::<Touch>()
             + parts.sinks.held()
@@ -650,6 +708,27 @@ fn steepest(parts: &ListParts, particle: usize) -> f64 {
             most / thermal.curve.least_capacity()
         }
     }
+}
+
+/// Pairs across a surface, each once. A pair with a ghost is known to its particle alone.
+fn pairs_across(parts: &ListParts, surface: &Surface) -> Vec<(u32, usize, f64)> {
+    let count = parts.positions.len();
+    let beyond = |j: usize| {
+        let place = j.checked_sub(count).map_or_else(|| parts.positions[j], |ghost| parts.ghosts.position[ghost]);
+        (if surface.across_y { place.y } else { place.x }) >= surface.at
+    };
+    let mut found = Vec::new();
+    for i in 0..count {
+        for k in parts.pairs.starts[i]..parts.pairs.starts[i + 1] {
+            let j = parts.pairs.partners[k] as usize;
+            match (beyond(i), beyond(j)) {
+                (false, true) => found.push((i as u32, k, -parts.volumes.of(i))),
+                (true, false) if j >= count => found.push((i as u32, k, parts.volumes.of(i))),
+                _ => {}
+            }
+        }
+    }
+    found
 }
 
 fn bound(parts: &ListParts, faces: &[Face]) -> Bound {

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use crate::ledger::Ledger;
 use crate::measure::attach;
-use crate::method::Clock;
+use crate::method::{Clock, Method};
 use crate::particles::Particles;
 use crate::plan::{Plan, build, settings_of};
 use crate::record::{Errors, Outcome, Record, RunResult};
@@ -123,21 +123,23 @@ pub fn run(
             clock.time = now;
             if dense && (pending.peek().is_some_and(|time| *time < now) || watches.closes(&particles)) {
                 let seen = Stopwatch::start();
-                let mut at = |time: f64, particles: &mut Particles, see: &mut dyn FnMut(&Particles, &Ledger)| {
+                type See<'a> = &'a mut dyn FnMut(&mut dyn Method, &Particles, &Ledger);
+                let mut at = |method: &mut dyn Method, time: f64, particles: &mut Particles, see: See<'_>| {
                     let ledger = method.between(particles, (time - before) / made, &mut between);
                     std::mem::swap(&mut particles.enthalpy, &mut between);
-                    see(particles, &ledger);
+                    see(method, particles, &ledger);
                     std::mem::swap(&mut particles.enthalpy, &mut between);
                 };
                 while let Some(time) = pending.next_if(|time| *time < now) {
-                    at(time, &mut particles, &mut |particles, ledger| {
+                    at(method.as_mut(), time, &mut particles, &mut |method, particles, ledger| {
                         watches.output(scene, particles, ledger, time, false);
+                        watches.surfaces(scene, &method.across(&particles.enthalpy, time), time);
                     });
                 }
                 if watches.closes(&particles) {
                     for part in 1..LOOKS {
                         let time = before + made * part as f64 / LOOKS as f64;
-                        at(time, &mut particles, &mut |particles, _| watches.look(particles, time));
+                        at(method.as_mut(), time, &mut particles, &mut |_, particles, _| watches.look(particles, time));
                     }
                 }
                 observation.add(&seen);
@@ -184,6 +186,7 @@ pub fn run(
         if pending.next_if(|time| *time <= instant).is_some() {
             let seen = Stopwatch::start();
             watches.output(scene, &particles, method.ledger(), instant, true);
+            watches.surfaces(scene, &method.across(&particles.enthalpy, instant), instant);
             observation.add(&seen);
         }
     }
@@ -240,7 +243,9 @@ pub fn run(
     let mut result = RunResult {
         record,
         front: watches.front,
+        beside: Vec::new(),
         frozen: watches.frozen,
+        surfaces: watches.surfaces,
         profiles: watches.profiles,
         probes: watches.probe_rows,
         budget_names: method.ledger().names().to_vec(),

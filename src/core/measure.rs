@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::record::{Errors, FrontRow, FrozenRow, GapRow, RunResult, WallRow};
+use crate::record::{BesideRow, Errors, FrontRow, FrozenRow, GapRow, RunResult, WallRow};
 use crate::reference::{Cut, Plane, Reference};
 use crate::scene::Scene;
 
@@ -80,6 +80,11 @@ pub fn attach(scene: &Scene, spacing: f64, result: &mut RunResult, reference: &d
     for row in &mut result.front {
         row.front_ref_m = reference.front(row.time_s);
     }
+    let beside = |row: &FrontRow| {
+        let (solution, front_m) = reference.beside(row.time_s)?;
+        Some(BesideRow { time_s: row.time_s, front_m, solution: solution.to_string() })
+    };
+    result.beside = result.front.iter().filter_map(beside).collect();
     for row in &mut result.frozen {
         row.frozen_volume_ref = reference.frozen_volume(row.time_s);
     }
@@ -326,6 +331,7 @@ mod tests {
                 outputs: 10,
                 profiles: Vec::new(),
                 probes: Vec::new(),
+                surfaces: Vec::new(),
                 cuts_z: Vec::new(),
                 cuts_r: Vec::new(),
                 profile_length: None,
@@ -391,9 +397,11 @@ mod tests {
                 state_hash: String::new(),
             },
             front: Vec::new(),
+            beside: Vec::new(),
             frozen: Vec::new(),
             profiles: Vec::new(),
             probes: Vec::new(),
+            surfaces: Vec::new(),
             budget_names: Vec::new(),
             budget: Vec::new(),
             walls: Vec::new(),

@@ -119,6 +119,10 @@ pub trait Method: Send {
     fn publish(&mut self, _particles: &mut crate::particles::Particles) {}
     /// Heat that has come in through each wall and pipe so far.
     fn ledger(&self) -> &Ledger;
+    /// Heat (W) through the surfaces that the scene names at a state and time (s), towards greater coordinates.
+    fn across(&mut self, _enthalpy: &[f64], _time: f64) -> Vec<f64> {
+        Vec::new()
+    }
     /// Pairs that one evaluation visits.
     fn pairs(&self) -> u64;
     /// Bytes that the method holds on the heap; what particles hold is theirs.

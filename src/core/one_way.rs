@@ -134,6 +134,7 @@ mod tests {
                 outputs: 10,
                 profiles: Vec::new(),
                 probes: Vec::new(),
+                surfaces: Vec::new(),
                 cuts_z: Vec::new(),
                 cuts_r: Vec::new(),
                 profile_length: None,

@@ -53,6 +53,10 @@ pub trait Operator: Send {
     fn steepest(&self) -> Vec<f64>;
     /// Longest explicit step that keeps the maximum principle, by the row sums of the actual pairs.
     fn bound(&self) -> Bound;
+    /// Heat (W) through the surfaces that the scene names, towards greater coordinates. Only lists know surfaces.
+    fn across(&mut self, _enthalpy: &[f64], _time: f64) -> Vec<f64> {
+        Vec::new()
+    }
     /// Names of the doors: walls, then pipe rings.
     fn doors(&self) -> Vec<String>;
     /// Pairs that one evaluation visits.

@@ -203,6 +203,17 @@ pub struct FrontRow {
     pub front_ref_m: Option<f64>,
 }
 
+/// One row of `front_beside.csv`: the front of another solution, which is drawn beside the reference and not judged by.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BesideRow {
+    /// Time (s).
+    pub time_s: f64,
+    /// Its front (m).
+    pub front_m: f64,
+    /// What it solves.
+    pub solution: String,
+}
+
 /// One row of `frozen.csv`: a body of shells.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FrozenRow {
@@ -256,6 +267,19 @@ pub struct BudgetRow {
     pub in_j: Vec<f64>,
     /// (stored - in) / exchanged.
     pub balance_rel: f64,
+}
+
+/// One row of `surfaces.csv`: heat through a surface at an output, the sum of what all pairs across it exchange.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceRow {
+    /// Time (s).
+    pub time_s: f64,
+    /// The surface, as `r=0.3`.
+    pub surface: String,
+    /// Heat towards greater coordinates (W; by metre of each missing dimension).
+    pub heat_w: f64,
+    /// The same by area (W/m2).
+    pub flux_w_per_m2: f64,
 }
 
 /// One row of `wall.csv`: the frozen wall of a ring.
@@ -322,12 +346,16 @@ pub struct RunResult {
     pub record: Record,
     /// Front over time; empty where no front is defined.
     pub front: Vec<FrontRow>,
+    /// The front of a solution that is shown beside the reference; mostly empty.
+    pub beside: Vec<BesideRow>,
     /// Frozen volume of a body of shells over time; empty elsewhere.
     pub frozen: Vec<FrozenRow>,
     /// Profiles.
     pub profiles: Vec<ProfileRow>,
     /// Probes.
     pub probes: Vec<ProbeRow>,
+    /// Heat through surfaces; empty where the scene names none.
+    pub surfaces: Vec<SurfaceRow>,
     /// Names of walls and pipe rings in the heat balance.
     pub budget_names: Vec<String>,
     /// Heat balance.

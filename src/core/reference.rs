@@ -40,6 +40,10 @@ pub trait Reference: Send + Sync {
     fn front(&self, _t: f64) -> Option<f64> {
         None
     }
+    /// What another solution than this one solves, and its front (m) at time `t` (s): drawn beside, not judged by.
+    fn beside(&self, _t: f64) -> Option<(&'static str, f64)> {
+        None
+    }
     /// Frozen volume (area in 2D, of the whole ring; of shells, all around the axis or centre) at time `t` (s).
     fn frozen_volume(&self, _t: f64) -> Option<f64> {
         None

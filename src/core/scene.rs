@@ -356,6 +356,40 @@ pub enum Growth {
     Table(Vec<(f64, f64)>),
 }
 
+/// A plane, cylinder or sphere across the body through which heat is counted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Surface {
+    /// Whether it lies across y or z instead of x or r.
+    pub across_y: bool,
+    /// Where it lies (m).
+    pub at: f64,
+}
+
+impl Surface {
+    /// Name in the series, as `r=0.3`.
+    pub fn name(&self, domain: &Domain) -> String {
+        let (x, y) = domain.axes();
+        format!("{}={}", if self.across_y { y } else { x }, self.at)
+    }
+
+    /// Area (m2; by length of each missing dimension).
+    pub fn area(&self, domain: &Domain) -> f64 {
+        match *domain {
+            Domain::Line { .. } | Domain::Ring { .. } => 1.0,
+            Domain::Rectangle { width, height } => {
+                if self.across_y {
+                    width
+                } else {
+                    height
+                }
+            }
+            Domain::Radial { symmetry, .. } => symmetry.area(self.at),
+            Domain::Axial { inner, outer, .. } if self.across_y => Symmetry::Axial.volume(inner, outer),
+            Domain::Axial { height, .. } => Symmetry::Axial.area(self.at) * height,
+        }
+    }
+}
+
 /// What is observed, and when.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Watch {
@@ -365,6 +399,8 @@ pub struct Watch {
     pub profiles: Vec<f64>,
     /// Points (m) whose temperature is kept at every output.
     pub probes: Vec<(f64, f64)>,
+    /// Surfaces through which heat is counted at every output.
+    pub surfaces: Vec<Surface>,
     /// Heights (m) at which profiles along r are kept, in a plane around an axis.
     pub cuts_z: Vec<f64>,
     /// Radii (m) at which profiles along z are kept, in a plane around an axis.

@@ -18,7 +18,7 @@ use crate::material::FreezingLaw;
 use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
 use crate::one_way::OneWay;
 use crate::particles::{Particles, Places};
-use crate::record::{BudgetRow, Field, FrontRow, FrozenRow, GapRow, ProbeRow, ProfileRow, WallRow};
+use crate::record::{BudgetRow, Field, FrontRow, FrozenRow, GapRow, ProbeRow, ProfileRow, SurfaceRow, WallRow};
 use crate::scene::{Domain, FreezingDirection, Scene, Sector};
 
 /// A point read as a weighted sum over particles.
@@ -58,6 +58,8 @@ pub struct Watches {
     radial: Option<RadialFront>,
     cuts: Vec<Cut>,
     shelled: bool,
+    /// Rows of surfaces at one output, and from the start on in all.
+    surface_rows: usize,
     profile_length: f64,
     main: Vec<Ray>,
     interface: Vec<Ray>,
@@ -83,6 +85,8 @@ pub struct Watches {
     pub probe_rows: Vec<ProbeRow>,
     /// Heat balance.
     pub budget: Vec<BudgetRow>,
+    /// Heat through surfaces.
+    pub surfaces: Vec<SurfaceRow>,
     /// Frozen wall.
     pub walls: Vec<WallRow>,
     /// Temperature fields.
@@ -144,6 +148,7 @@ impl Watches {
             radial: RadialFront::of(scene),
             cuts: Cut::all(scene, particles, &sampler),
             shelled: scene.domain.symmetry().is_some(),
+            surface_rows: scene.watch.surfaces.len(),
             main,
             interface,
             gaps,
@@ -161,6 +166,7 @@ impl Watches {
             profiles: Vec::new(),
             probe_rows: Vec::new(),
             budget: Vec::new(),
+            surfaces: Vec::new(),
             walls: Vec::new(),
             fields: Vec::new(),
             rows: held::Rows::default(),
@@ -213,6 +219,15 @@ impl Watches {
                 });
             }
             gap.last = Some((time, now));
+        }
+    }
+
+    /// Takes the heat (W) through the surfaces of a scene, in their order.
+    pub fn surfaces(&mut self, scene: &Scene, heat: &[f64], time: f64) {
+        for (surface, heat_w) in scene.watch.surfaces.iter().zip(heat) {
+            let flux_w_per_m2 = heat_w / surface.area(&scene.domain);
+            let (time_s, surface) = (time, surface.name(&scene.domain));
+            self.surfaces.push(SurfaceRow { time_s, surface, heat_w: *heat_w, flux_w_per_m2 });
         }
     }
 

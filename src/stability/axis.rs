@@ -132,7 +132,10 @@ impl Axis {
                 let overrides = if factor == 1.0 { Vec::new() } else { vec![method_key(settings, knob, value)] };
                 Some(Column { value: Some(value), overrides })
             }),
-            Axis::Disorder if kind.lattice_only || !scene.rings.is_empty() => Vec::new(),
+            // Shells and rows around pipes stand evenly.
+            Axis::Disorder if kind.lattice_only || !scene.rings.is_empty() || scene.domain.symmetry().is_some() => {
+                Vec::new()
+            }
             Axis::Disorder => (0..count)
                 .map(|k| rounded(DISORDER * k as f64 / (count - 1).max(1) as f64))
                 .filter_map(|shift| disordered(settings, shift))

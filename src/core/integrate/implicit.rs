@@ -161,17 +161,17 @@ impl Implicit {
         self.last_step = step;
     }
 
-    /// Sum over particles of the estimated error of a step, and of the magnitude of its result. `share` belongs to the
+    /// Sum over particles, by their volumes, of the estimated error of a step, and of the magnitude of its result. `share` belongs to the
     /// second-order step, the rest to backward Euler.
-    fn error(&self, step: f64, share: f64) -> (f64, f64) {
+    fn error(&self, step: f64, share: f64, volume: impl Fn(usize) -> f64) -> (f64, f64) {
         let weights = error_weights();
         let (last, [first, second]) = (&self.rate, &self.rates);
         let mut sums = (0.0, 0.0);
         for i in 0..last.len() {
             let high = weights[0] * last[i] + weights[1] * first[i] + weights[2] * second[i];
             let low = if share < 1.0 { 0.5 * (self.euler_rate[i] - last[i]) } else { 0.0 };
-            sums.0 += (step * (share * high + (1.0 - share) * low)).abs();
-            sums.1 += self.next[i].abs();
+            sums.0 += volume(i) * (step * (share * high + (1.0 - share) * low)).abs();
+            sums.1 += volume(i) * self.next[i].abs();
         }
         sums
     }
@@ -194,7 +194,7 @@ impl Method for Implicit {
     }
 
     fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
-        let state = &mut particles.enthalpy;
+        let (state, volumes) = (&mut particles.enthalpy, &particles.volumes);
         if clock.turned {
             self.turns += 1;
             self.operator.rate(state, clock.time, &mut self.rate, &mut self.end_doors);
@@ -205,7 +205,10 @@ impl Method for Implicit {
             let judgement = match solved {
                 Ok(share) => {
                     self.limited += u64::from(share < 1.0);
-                    let (error, size) = self.error(step, share);
+                    let (error, size) = match volumes.is_even() {
+                        true => self.error(step, share, |_| 1.0),
+                        false => self.error(step, share, |i| volumes.share(i)),
+                    };
                     let size = taken_up(&self.next, &particles.start, size);
                     (self.control.judge(step, error, size), share)
                 }
@@ -230,6 +233,10 @@ impl Method for Implicit {
 
     fn ledger(&self) -> &Ledger {
         &self.ledger
+    }
+
+    fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
+        self.operator.across(enthalpy, time)
     }
 
     fn pairs(&self) -> u64 {

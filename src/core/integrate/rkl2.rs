@@ -164,15 +164,15 @@ impl Rkl2 {
         self.work.evaluations += stages as u64 - 1;
     }
 
-    /// Sum over particles of the estimated error of a step from `start` to `old` (Sommeijer, Shampine and Verwer 1998:
+    /// Sum over particles, by their volumes, of the estimated error of a step from `start` to `old` (Sommeijer, Shampine and Verwer 1998:
     /// the distance to the Hermite interpolant), and of the magnitude of the new state.
-    fn error(&self, start: &[f64], step: f64) -> (f64, f64) {
+    fn error(&self, start: &[f64], step: f64, volume: impl Fn(usize) -> f64) -> (f64, f64) {
         let states = start.iter().zip(&self.old);
         let rates = self.first_rate.iter().zip(&self.last_rate);
         let mut sums = (0.0, 0.0);
-        for ((start, end), (first, last)) in states.zip(rates) {
-            sums.0 += (0.8 * (start - end) + 0.4 * step * (first + last)).abs();
-            sums.1 += end.abs();
+        for (i, ((start, end), (first, last))) in states.zip(rates).enumerate() {
+            sums.0 += volume(i) * (0.8 * (start - end) + 0.4 * step * (first + last)).abs();
+            sums.1 += volume(i) * end.abs();
         }
         sums
     }
@@ -199,7 +199,7 @@ impl Method for Rkl2 {
     }
 
     fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
-        let state = &mut particles.enthalpy;
+        let (state, volumes) = (&mut particles.enthalpy, &particles.volumes);
         if clock.turned {
             self.first_holds_at = None;
         }
@@ -218,7 +218,10 @@ impl Method for Rkl2 {
             let end = clock.time + step;
             self.operator.rate(&self.old, just_before(clock.time, step), &mut self.last_rate, &mut self.doors.last);
             self.work.evaluations += 1;
-            let (error, size) = self.error(state, step);
+            let (error, size) = match volumes.is_even() {
+                true => self.error(state, step, |_| 1.0),
+                false => self.error(state, step, |i| volumes.share(i)),
+            };
             let size = taken_up(&self.old, &particles.start, size);
             let Pace::Controlled { control, range, .. } = &mut self.pace else { return Ok(step) };
             let judgement = if !error.is_finite() {
@@ -255,6 +258,10 @@ impl Method for Rkl2 {
 
     fn ledger(&self) -> &Ledger {
         &self.ledger
+    }
+
+    fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
+        self.operator.across(enthalpy, time)
     }
 
     fn pairs(&self) -> u64 {

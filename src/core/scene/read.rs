@@ -135,6 +135,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         materials: if complete { &materials } else { &[] },
         walls: &walls,
         cracks: &cracks,
+        surfaces: watch.as_ref().is_some_and(|watch| !watch.surfaces.is_empty()),
     };
     let methods = numerics::methods(&mut root, &setup, kinds);
     let time = time?;

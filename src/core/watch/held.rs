@@ -6,7 +6,7 @@ use super::field::grid;
 use super::{Gap, Ray, Sample, Watches};
 use crate::memory::Held;
 use crate::particles::Particles;
-use crate::record::{BudgetRow, Field, FrontRow, FrozenRow, ProbeRow, ProfileRow, WallRow};
+use crate::record::{BudgetRow, Field, FrontRow, FrozenRow, ProbeRow, ProfileRow, SurfaceRow, WallRow};
 
 impl Held for Sample {
     fn held(&self) -> usize {
@@ -49,12 +49,14 @@ impl Watches {
         let along = |rays: &[Ray]| rays.first().map_or(0, |ray| ray.radii.len());
         let cuts: usize = self.cuts.iter().map(|cut| cut.along.len()).sum();
         let points = layers + cuts + along(&self.main) + along(&self.interface);
+        self.surface_rows *= outputs;
         self.rows = Rows { outputs, profiles, points };
         let only = |wanted: bool, count: usize| if wanted { count } else { 0 };
         self.front.reserve_exact(only(self.direction.is_some() || self.radial.is_some(), outputs));
         self.frozen.reserve_exact(only(self.shelled, outputs));
         self.walls.reserve_exact(only(!self.main.is_empty(), outputs));
         self.budget.reserve_exact(outputs);
+        self.surfaces.reserve_exact(self.surface_rows);
         self.probe_rows.reserve_exact(self.probes.len() * outputs);
         self.profiles.reserve_exact(points * profiles);
         self.fields.reserve_exact(only(self.keep_fields, profiles));
@@ -63,6 +65,7 @@ impl Watches {
     /// Forgets all rows and keeps their room.
     pub(crate) fn forget(&mut self) {
         self.front.clear();
+        self.surfaces.clear();
         self.frozen.clear();
         self.profiles.clear();
         self.probe_rows.clear();
@@ -79,6 +82,7 @@ impl Watches {
             + self.probes.iter().map(|probe| probe.1.held()).sum::<usize>();
         let Rows { outputs, profiles, points } = self.rows;
         let rows = self.front.capacity() * size_of::<FrontRow>()
+            + self.surface_rows * (size_of::<SurfaceRow>() + "r=0.001".len())
             + self.frozen.capacity() * size_of::<FrozenRow>()
             + self.walls.capacity() * size_of::<WallRow>()
             + self.probe_rows.capacity() * size_of::<ProbeRow>()

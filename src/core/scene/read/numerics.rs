@@ -32,6 +32,8 @@ pub(super) struct Setup<'a> {
     pub(super) materials: &'a [Material],
     pub(super) walls: &'a [Wall],
     pub(super) cracks: &'a [Crack],
+    /// Whether heat through surfaces is counted.
+    pub(super) surfaces: bool,
 }
 
 pub(super) fn methods(root: &mut Section<'_>, setup: &Setup<'_>, kinds: &[&'static MethodKind]) -> Vec<MethodSettings> {
@@ -328,6 +330,11 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
         if let Some(reason) = reason {
             section.problem("front", format!("found \"sub-cell\", which needs {reason}"));
         }
+    }
+    if setup.surfaces && kind.stochastic {
+        let message =
+            format!("the random heat of the method \"{}\" is not counted through \"watch.surfaces\"", kind.name);
+        section.section_problem(message);
     }
     if numerics.walls == WallModel::Layers
         && let Some(wall) =

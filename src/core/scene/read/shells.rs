@@ -3,10 +3,10 @@
 use super::body::condition;
 use super::numerics::Setup;
 use super::range::{Range, plain};
-use super::section::Section;
+use super::section::{Key, Section};
 use crate::method::MethodKind;
 use crate::scene::settings::{Layout, Numerics, SearchChoice, Setting, WallModel};
-use crate::scene::{Condition, Domain, Symmetry, WallPart};
+use crate::scene::{Condition, Domain, Surface, Symmetry, WallPart};
 
 const INNER: (&str, &str) = ("inner_radius", "m");
 const OUTER: (&str, &str) = ("outer_radius", "m");
@@ -114,4 +114,44 @@ pub(super) fn combinations(
     let only = if word == "layers" { ", and has layers only in the setting \"paper\"" } else { "" };
     let message = format!("found \"{word}\", but a body of shells knows its walls by the steady profile{only}");
     section.problem("wall_model", message);
+}
+
+/// Reads the surfaces through which heat is counted.
+pub(super) fn surfaces(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Surface> {
+    let mut found = Vec::new();
+    for mut surface in section.sections("surfaces") {
+        let Some(domain) = domain else {
+            surface.abandon();
+            continue;
+        };
+        let round = domain.symmetry().is_some();
+        let keys: [(&str, &str); 2] = if round { [("r", "m"), ("z", "m")] } else { [("x", "m"), ("y", "m")] };
+        let (across_x, across_y) = match *domain {
+            Domain::Line { length } => ((0.0, length), None),
+            Domain::Rectangle { width, height } => ((0.0, width), Some((0.0, height))),
+            Domain::Radial { inner, outer, .. } => ((inner, outer), None),
+            Domain::Axial { inner, outer, height } => ((inner, outer), Some((0.0, height))),
+            Domain::Ring { .. } => {
+                surface
+                    .section_problem("the domain \"ring\" has no surfaces: pipes and the outer wall tell their heat");
+                surface.abandon();
+                continue;
+            }
+        };
+        let across_y = if across_y.is_some() {
+            surface.only_one(&keys.map(Key::from)).map(|key| if key == 0 { None } else { across_y })
+        } else {
+            Some(None)
+        };
+        let Some(across_y) = across_y else { continue };
+        let (key, (least, most)) = across_y.map_or((keys[0], across_x), |extent| (keys[1], extent));
+        let Some(at) = surface.number(key, Range::ANY) else { continue };
+        if at > least && at < most {
+            found.push(Surface { across_y: across_y.is_some(), at });
+        } else {
+            let message = format!("found {}, must lie between {} and {}", plain(at), plain(least), plain(most));
+            surface.problem(key, message);
+        }
+    }
+    found
 }

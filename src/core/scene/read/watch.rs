@@ -2,6 +2,7 @@
 
 use super::range::{Range, plain};
 use super::section::{Duration, Section};
+use super::shells;
 use crate::scene::{Domain, ReferenceChoice, Sector, Watch};
 
 /// End of the run and the instants of the observations.
@@ -43,6 +44,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
     const PROFILE_LENGTH: (&str, &str) = ("profile_length", "m");
     let (mut probes, mut profile_length, mut front_from) = (Vec::new(), None, 0.0);
     let mut cuts = [Vec::new(), Vec::new()];
+    let mut surfaces = Vec::new();
     if let Some(mut section) = root.optional_section("watch") {
         let dimension = domain.map(Domain::dimension);
         let points = section.optional_points(PROBES, dimension).unwrap_or_default();
@@ -69,6 +71,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
                 section.problem(key, format!("found {found}, must lie between {least} and {most}"));
             }
         }
+        surfaces = shells::surfaces(&mut section, domain);
         profile_length = section.optional_number(PROFILE_LENGTH, Range::POSITIVE);
         if let (Some(length), Some(domain)) = (profile_length, domain) {
             let longest = domain.extent();
@@ -88,7 +91,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
     let time = time?;
     let [cuts_z, cuts_r] = cuts;
     let (outputs, profiles) = (time.outputs, time.profiles.clone());
-    Some(Watch { outputs, profiles, probes, cuts_z, cuts_r, profile_length, front_from })
+    Some(Watch { outputs, profiles, probes, surfaces, cuts_z, cuts_r, profile_length, front_from })
 }
 
 fn inside(domain: &Domain, x: f64, y: f64) -> bool {

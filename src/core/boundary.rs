@@ -208,6 +208,8 @@ pub enum Side {
 pub struct Boundary {
     /// Parts of walls: wall, from and to along it (m), and door. Later ones win.
     parts: Vec<(&'static str, f64, f64, usize)>,
+    /// Whether heat through closed walls is booked: mirrored shells leak, by the papers' shape factors.
+    pub books_all: bool,
     /// All walls that the scene names.
     pub doors: Vec<Door>,
     /// Left, right, bottom, top.
@@ -275,7 +277,8 @@ impl Boundary {
         let first = scene.walls.len();
         let parts = scene.wall_parts.iter().enumerate();
         let parts = parts.map(|(k, part)| (part.wall, part.from, part.to, first + k)).collect();
-        Ok(Boundary { parts, doors, sides, curved })
+        let books_all = mirrors && scene.domain.symmetry().is_some();
+        Ok(Boundary { parts, books_all, doors, sides, curved })
     }
 
     /// Whether walls are in parts.

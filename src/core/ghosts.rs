@@ -86,7 +86,8 @@ impl Ghosts {
                             }
                             Side::Mirror | Side::Curved => None,
                         };
-                        let open = door.filter(|door| boundary.doors[*door as usize].lets_heat_through());
+                        let open = door
+                            .filter(|door| boundary.books_all || boundary.doors[*door as usize].lets_heat_through());
                         let number = (points.len() + ghosts.position.len()) as u32;
                         ghosts.mirror(points.len(), index, place + 2.0 * depth * *normal, door, open, depth, *side);
                         next.push((number, *side));

@@ -710,20 +710,28 @@ fn steepest(parts: &ListParts, particle: usize) -> f64 {
     }
 }
 
-/// Pairs across a surface, each once. A pair with a ghost is known to its particle alone.
+/// Pairs across a surface, each once: those of particles beyond it with partners before it. A ghost is a partner like any
+/// other where it mirrors through closed walls. What an open wall brings passes the surface where the wall faces it, from
+/// whichever side the ghost's own particle is on, and does not where the wall meets it.
 fn pairs_across(parts: &ListParts, surface: &Surface) -> Vec<(u32, usize, f64)> {
     let count = parts.positions.len();
     let beyond = |j: usize| {
         let place = j.checked_sub(count).map_or_else(|| parts.positions[j], |ghost| parts.ghosts.position[ghost]);
         (if surface.across_y { place.y } else { place.x }) >= surface.at
     };
+    let faces = |door: u8| {
+        let name = &parts.boundary.doors[door as usize].name;
+        (name.starts_with("bottom") || name.starts_with("top")) == surface.across_y
+    };
     let mut found = Vec::new();
     for i in 0..count {
         for k in parts.pairs.starts[i]..parts.pairs.starts[i + 1] {
             let j = parts.pairs.partners[k] as usize;
+            let door = j.checked_sub(count).and_then(|ghost| parts.ghosts.pays[ghost]);
+            let counts = door.is_none_or(faces);
             match (beyond(i), beyond(j)) {
-                (false, true) => found.push((i as u32, k, -parts.volumes.of(i))),
-                (true, false) if j >= count => found.push((i as u32, k, parts.volumes.of(i))),
+                (true, false) if counts => found.push((i as u32, k, parts.volumes.of(i))),
+                (false, true) if counts && door.is_some() => found.push((i as u32, k, -parts.volumes.of(i))),
                 _ => {}
             }
         }

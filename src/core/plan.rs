@@ -390,7 +390,6 @@ fn why_list(
         (scene.has_regional_materials(), "there are several materials"),
         (!scene.cracks.is_empty(), "cracks cut pairs"),
         (scene.domain.symmetry().is_some(), "particles are shells"),
-        (!scene.wall_parts.is_empty(), "walls are in parts"),
         (!scene.watch.surfaces.is_empty(), "heat through surfaces is watched"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
         (matches!(discretisation.stepper, Stepper::Own(_)), "the method makes its own step"),

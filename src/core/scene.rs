@@ -253,12 +253,12 @@ pub struct Wall {
     pub condition: Condition,
 }
 
-/// A part of a straight wall that has a condition of its own.
+/// A part of a wall of a plane around an axis that has a condition of its own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WallPart {
     /// The wall.
     pub wall: &'static str,
-    /// Where it begins along the wall (m): y or z on the left, right, inner and outer wall, x or r on others.
+    /// Where it begins along the wall (m): in z on the inner and outer wall, in r on others.
     pub from: f64,
     /// Where it ends (m).
     pub to: f64,
@@ -513,7 +513,6 @@ impl Scene {
     pub fn freezing_direction(&self) -> Option<FreezingDirection> {
         let closed = |name: &str| self.wall(name).is_none_or(|condition| *condition == Condition::Symmetry);
         let (along_y, length, across) = match self.domain {
-            _ if !self.wall_parts.is_empty() => return None,
             Domain::Line { length } => (false, length, 1.0),
             Domain::Rectangle { width, height } if closed("bottom") && closed("top") => (false, width, height),
             Domain::Rectangle { width, height } if closed("left") && closed("right") => (true, height, width),

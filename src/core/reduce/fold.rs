@@ -47,7 +47,7 @@ impl Fold {
         let closed = |name: &str| scene.wall(name).is_none_or(|condition| *condition == Condition::Symmetry);
         let mut found = Vec::new();
         // Where cracks are, ways differ that look alike.
-        if !scene.cracks.is_empty() || !scene.wall_parts.is_empty() {
+        if !scene.cracks.is_empty() {
             return found;
         }
         match scene.domain {

@@ -41,10 +41,7 @@ fn radii(section: &mut Section<'_>) -> Option<(f64, f64)> {
 /// Extent of a wall along itself (m), if it has any.
 fn along(domain: &Domain, wall: &str) -> Option<(f64, f64)> {
     match (*domain, wall) {
-        (Domain::Rectangle { height, .. }, "left" | "right") | (Domain::Axial { height, .. }, "inner" | "outer") => {
-            Some((0.0, height))
-        }
-        (Domain::Rectangle { width, .. }, _) => Some((0.0, width)),
+        (Domain::Axial { height, .. }, "inner" | "outer") => Some((0.0, height)),
         (Domain::Axial { inner, outer, .. }, _) => Some((inner, outer)),
         _ => None,
     }
@@ -57,7 +54,7 @@ pub(super) fn parts(section: &mut Section<'_>, wall: &'static str, domain: &Doma
     let mut found = Vec::new();
     for mut part in section.sections("parts") {
         let Some((first, last)) = along(domain, wall) else {
-            part.section_problem("only walls of a rectangle and of the domain \"axial\" have parts");
+            part.section_problem("only walls of the domain \"axial\" have parts");
             part.abandon();
             continue;
         };

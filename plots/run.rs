@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use frazil_core::record::{ProfileRow, RunResult};
+use frazil_core::record::{Field, ProfileRow, RunResult};
 use frazil_core::scene::TimeUnit;
 
 use crate::PlotError;
@@ -55,6 +55,16 @@ pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Can
     all
 }
 
+/// One frame of an animation of a scene (title, method, units), with colours between given temperatures.
+pub fn frame(
+    field: &Field,
+    (heading, method, units): (&str, &str, &str),
+    options: &FigureOptions,
+    range: (f64, f64),
+) -> Canvas {
+    map::frame_map(field, &Words::new((heading, method, units), 0.0, options), range)
+}
+
 /// How a run speaks of its units.
 pub(crate) struct Words {
     pub(crate) heading: String,
@@ -71,12 +81,17 @@ pub(crate) struct Words {
 impl Words {
     pub(crate) fn of(result: &RunResult, options: &FigureOptions) -> Words {
         let record = &result.record;
-        let si = record.units == "si";
-        let unit = options.time_unit;
         let reach = result.front.iter().map(|row| row.front_m).fold(0.0, f64::max);
+        Words::new((&record.title, &record.method, &record.units), reach, options)
+    }
+
+    /// `reach` is how far fronts go (m).
+    fn new((heading, method, units): (&str, &str, &str), reach: f64, options: &FigureOptions) -> Words {
+        let si = units == "si";
+        let unit = options.time_unit;
         Words {
-            heading: format!("{} — {}", record.title, method_title(&record.method)),
-            method: record.method.clone(),
+            heading: format!("{heading} — {}", method_title(method)),
+            method: method.to_owned(),
             time_symbol: if si { unit.symbol() } else { "" },
             seconds: if si { unit.seconds() } else { 1.0 },
             time_label: if si { format!("time ({})", unit.symbol()) } else { "time (dimensionless)".into() },

@@ -139,6 +139,7 @@ fn ring_run() -> RunResult {
         // Soft over some tenths of a kelvin, as in ground that freezes in an interval.
         frozen_fraction: temperature_c.iter().map(|value| (-0.2 - value).clamp(0.0, 0.6) / 0.6).collect(),
         temperature_c,
+        temperature_ref_c: Vec::new(),
     });
     run
 }

@@ -156,7 +156,7 @@ fn stencil(kind: &'static frazil_core::method::MethodKind) -> Stencil {
 
 /// From the same random start, some steps of both give the same enthalpies, to the last bit.
 fn check_agreement<const REACH: usize, const WALL: bool>(method: &str, side: usize, hand: &mut ByHand<REACH, WALL>) {
-    let mut plan = conduction(WALL).plan_of(side, method, "");
+    let plan = conduction(WALL).plan_of(side, method, "");
     hand.state.copy_from_slice(&plan.particles.enthalpy);
     let mut case = Case::new(method, plan, 19);
     case.round();

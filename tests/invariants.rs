@@ -84,6 +84,20 @@ fn variants(kind: &'static MethodKind, domain: Domain) -> Vec<Variant> {
                             let height = if domain.dimension() == 2 { "\ny_min_m = 0.2\ny_max_m = 0.6" } else { "" };
                             sketch.regions = vec![format!("material = \"sand\"\nx_min_m = 0.3\nx_max_m = 0.6{height}")];
                         }
+                        let followed = law.contains("isothermal")
+                            && scheme == "enthalpy"
+                            && exchange.contains("potential")
+                            && !(kind.stochastic || jittered || two_materials || domain == NARROW);
+                        if followed {
+                            let sketch = sketch.clone().with("front = \"sub-cell\"");
+                            found.push(Variant {
+                                name: format!("{} in {domain:?}: {sketch:?}", kind.name),
+                                sketch,
+                                potential: true,
+                                scheme,
+                                curved: false,
+                            });
+                        }
                         found.push(Variant {
                             name: format!("{} in {domain:?}: {sketch:?}", kind.name),
                             sketch,

@@ -16,6 +16,7 @@ use crate::pipe::Sink;
 use crate::potential::{Identity, PotentialLaw, Thermal};
 use crate::scene::Series;
 use crate::stencil::Stencil;
+use crate::sub_cell::SubCellFront;
 use crate::sweep::{Band, Beside, Chained, Frame, InPlace, Shape, Surroundings, Target, fill_row, sweep};
 
 /// Particles that each further thread must have to itself: a step of fewer is over before a thread is woken.
@@ -28,6 +29,8 @@ pub struct LatticeParts {
     pub lattice: Arc<Lattice>,
     /// The weights.
     pub stencil: Stencil,
+    /// Fronts inside particles, if they are to be followed.
+    pub front: Option<SubCellFront>,
     /// The one material.
     pub thermal: Thermal,
     /// The walls.
@@ -295,6 +298,7 @@ pub struct LatticeOperator<L> {
     sink_heat: Vec<f64>,
     corners: Vec<CornerPair>,
     corner_rates: Vec<f64>,
+    front: Option<SubCellFront>,
     bands: Vec<Band>,
     row_doors: Vec<[f64; 4]>,
     pool: Option<Arc<ThreadPool>>,
@@ -308,7 +312,7 @@ pub struct LatticeOperator<L> {
 impl<L: PotentialLaw> LatticeOperator<L> {
     /// An operator on the given parts, with the law of their material.
     pub fn new(parts: LatticeParts, law: L) -> Self {
-        let LatticeParts { lattice, stencil, thermal, boundary, sinks, rings, pool, bound: known } = parts;
+        let LatticeParts { lattice, stencil, front, thermal, boundary, sinks, rings, pool, bound: known } = parts;
         let reach = stencil.reach;
         let shape = Shape::new(lattice.columns, reach, lattice.dimension == 1);
         let faces = boundary.first_faces(&thermal.curve, thermal.initial_potential);
@@ -325,7 +329,14 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         });
         let corners = lattice_pairs(&lattice, &stencil, stiffness);
         let corner_rates = vec![0.0; corners.len()];
-        let derived = bound(&lattice, &stencil, sum, &thermal, &boundary, &faces, exterior.as_ref(), &sinks, &corners);
+        let beside_fronts = front.as_ref().map_or(0.0, SubCellFront::row_sum);
+        let most = sum + beside_fronts;
+        let mut derived =
+            bound(&lattice, &stencil, most, &thermal, &boundary, &faces, exterior.as_ref(), &sinks, &corners);
+        let front_rate = front.as_ref().map_or(0.0, SubCellFront::own_rate);
+        if front_rate * derived.step > 1.0 {
+            derived = Bound { step: 1.0 / front_rate, cause: "the front inside a particle".to_string() };
+        }
         let bound = known.unwrap_or(derived);
         let threads = pool.as_ref().map_or(1, |pool| pool.current_num_threads());
         let most = (lattice.len() / PARTICLES_PER_THREAD).min(lattice.rows / (4 * shape.reach_rows).max(1));
@@ -361,6 +372,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             sink_heat,
             corners,
             corner_rates,
+            front,
             bands,
             row_doors,
             pool,
@@ -399,6 +411,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             sink_heat: vec![0.0; self.sinks.len()],
             corners: self.corners.clone(),
             corner_rates: vec![0.0; self.corners.len()],
+            front: None,
             bands: self.bands.clone(),
             row_doors: self.row_doors.clone(),
             pool: self.pool.clone(),
@@ -472,6 +485,9 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         for (pair, rate) in self.corners.iter().zip(&mut self.corner_rates) {
             let potential = |index: u32| around.law.potential(enthalpy[index as usize]);
             *rate = pair.weight * (potential(pair.second) - potential(pair.first));
+        }
+        if let Some(front) = &mut self.front {
+            front.update(&around.lattice, enthalpy, |enthalpy| around.law.potential(enthalpy));
         }
         let Shape { reach_rows, width, .. } = around.shape;
         let fill = |band: &mut Band| {
@@ -549,6 +565,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         self.sink(rate, 1.0);
         self.strengthen(rate, 1.0);
         self.contact(rate, 1.0);
+        self.fronts(rate, 1.0);
     }
 
     /// The sweep of the rates over several bands.
@@ -598,6 +615,13 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         }
     }
 
+    /// Adds what fronts exchange to `rates`, scaled.
+    fn fronts(&self, rates: &mut [f64], scale: f64) {
+        if let Some(front) = &self.front {
+            front.add(rates, scale);
+        }
+    }
+
     /// Takes the heat of the pipes from `rates`, scaled.
     fn sink(&self, rates: &mut [f64], scale: f64) {
         let volume = self.around.lattice.volume();
@@ -627,6 +651,7 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         self.sink(columns.oldest, stage.rate);
         self.strengthen(columns.oldest, stage.rate);
         self.contact(columns.oldest, stage.rate);
+        self.fronts(columns.oldest, stage.rate);
         self.book(doors);
     }
 
@@ -693,6 +718,7 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         self.sink(enthalpy, step);
         self.strengthen(enthalpy, step);
         self.contact(enthalpy, step);
+        self.fronts(enthalpy, step);
         self.book(doors);
     }
 
@@ -716,7 +742,7 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         let around = &self.around;
         let walls = around.exterior.held() + around.door_weights.held() + around.door_own.held();
         let pipes = self.sinks.held() + self.sink_potentials.held() + self.sink_heat.held();
-        let corners = self.corners.capacity() * size_of::<CornerPair>() + self.corner_rates.held();
+        let corners = self.corners.capacity() * size_of::<CornerPair>() + self.corner_rates.held() + self.front.held();
         let tangent = self.tangent.as_ref().map_or(0, |tangent| tangent.held());
         around.stencil.held() + walls + pipes + corners + self.bands.held() + self.row_doors.held() + tangent
     }

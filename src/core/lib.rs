@@ -38,6 +38,7 @@ pub mod segment;
 pub mod start;
 pub mod statistics;
 pub mod stencil;
+pub mod sub_cell;
 pub mod sweep;
 pub mod terms;
 pub mod uptake;

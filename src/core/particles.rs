@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::lattice::Lattice;
+use crate::sub_cell::at_the_centre;
 use crate::uptake::Materials;
 
 /// Where particles stand.
@@ -29,6 +30,8 @@ pub struct Particles {
     pub lattice: Arc<Lattice>,
     /// Volume of each particle (m^d).
     pub volume: f64,
+    /// Whether the front in a freezing particle is where its frozen fraction says.
+    pub sub_cell: bool,
     /// Materials.
     pub materials: Materials,
 }
@@ -71,6 +74,19 @@ impl Particles {
     /// Temperature of a particle.
     pub fn temperature(&self, index: usize) -> f64 {
         self.materials.of(index).temperature(self.enthalpy[index])
+    }
+
+    /// Temperature at the place of a particle: its own, or, where the front in its cell is known, that beside the front.
+    pub fn reading(&self, index: usize) -> f64 {
+        if !self.sub_cell {
+            return self.temperature(index);
+        }
+        let fraction = self.frozen_fraction(index);
+        if fraction <= 0.0 || fraction >= 1.0 {
+            return self.temperature(index);
+        }
+        let freezing = self.materials.of(index).curve.freezing_point();
+        freezing + at_the_centre(&self.lattice, index, fraction, |other| self.temperature(other) - freezing)
     }
 
     /// Frozen fraction of a particle.

@@ -30,12 +30,13 @@ use crate::predict::{StepCount, planned_steps};
 use crate::reference::Reference;
 use crate::scene::settings::MethodSettings;
 use crate::scene::{
-    Domain, Exchange, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, Sector, StepChoice, Units, Uptake,
-    WallModel,
+    Domain, Exchange, Front, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, Sector, StepChoice, Units,
+    Uptake, WallModel,
 };
 use crate::segment::meet;
 use crate::start;
 use crate::stencil::{SHELL_TOLERANCE, Stencil};
+use crate::sub_cell::SubCellFront;
 use crate::sweep::WIDEST;
 use crate::terms::Parts;
 use crate::uptake::{Materials, scheme};
@@ -214,6 +215,9 @@ pub fn build(
         return Err(refuse(reason));
     }
     let why_list = why_list(scene, numerics, discretisation, &stencil, narrow);
+    if let (Some(reason), Front::SubCell) = (why_list, numerics.front) {
+        return Err(refuse(format!("front = \"sub-cell\" needs a lattice without a neighbour list, but {reason}")));
+    }
     let mut used = vec![format!(
         "{} particles, {} m apart, {}",
         lattice.len(),
@@ -238,8 +242,14 @@ pub fn build(
     let method: Box<dyn Method> = match why_list {
         None => {
             used.push(format!("one fused sweep a step, {} neighbours a particle", stencil.neighbours()));
+            let thermal = &materials.thermals[0];
+            let front = match numerics.front {
+                Front::Cell => None,
+                Front::SubCell => Some(SubCellFront::new(thermal, scene.temperature_range(), &lattice, &stencil)),
+            };
             let parts = LatticeParts {
                 lattice: lattice.clone(),
+                front,
                 stencil,
                 thermal: materials.thermals[0].clone(),
                 boundary,
@@ -321,6 +331,7 @@ pub fn build(
         start,
         places: cloud.map_or(Places::Lattice, Places::Cloud),
         volume: lattice.volume(),
+        sub_cell: numerics.front == Front::SubCell,
         lattice,
         materials,
     };

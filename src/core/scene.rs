@@ -18,7 +18,7 @@ pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
 pub use region::{Region, Shape};
 pub use series::{Schedule, Series};
 pub use settings::{
-    Exchange, IntegratorChoice, Layout, Mean, Numerics, SearchChoice, Setting, StepChoice, Uptake, WallModel,
+    Exchange, Front, IntegratorChoice, Layout, Mean, Numerics, SearchChoice, Setting, StepChoice, Uptake, WallModel,
 };
 
 /// Units of a scene file.

@@ -247,7 +247,7 @@ impl Watches {
             });
         }
         for (place, sample) in &self.probes {
-            let temperature_c = sample.of(|i| particles.temperature(i));
+            let temperature_c = sample.of(|i| particles.reading(i));
             self.probe_rows.push(ProbeRow { time_s: time, x_m: place.x, y_m: place.y, temperature_c });
         }
         self.budget.push(balance(particles, ledger, time));
@@ -270,7 +270,7 @@ impl Watches {
                 self.profiles.push(ProfileRow {
                     time_s: time,
                     x_m: *radius,
-                    temperature_c: sample.of(|i| particles.temperature(i)),
+                    temperature_c: sample.of(|i| particles.reading(i)),
                     temperature_ref_c: None,
                     frozen_fraction: sample.of(|i| particles.frozen_fraction(i)),
                     plane: plane.to_string(),
@@ -334,7 +334,7 @@ fn layers(particles: &Particles, direction: &FreezingDirection, length: f64, tim
         let along = if direction.from_end { direction.length - along } else { along };
         let layer = ((along / spacing) as usize).min(count - 1);
         let sum = &mut sums[layer];
-        *sum = (sum.0 + along, sum.1 + particles.temperature(i), sum.2 + particles.frozen_fraction(i), sum.3 + 1);
+        *sum = (sum.0 + along, sum.1 + particles.reading(i), sum.2 + particles.frozen_fraction(i), sum.3 + 1);
     });
     sums.into_iter()
         .filter(|sum| sum.3 > 0)

@@ -77,6 +77,15 @@ pub enum WallModel {
     Layers,
 }
 
+/// Where in a freezing particle its front is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Front {
+    /// At its centre, wherever it really is.
+    Cell,
+    /// Where the frozen fraction says ([`crate::sub_cell`]).
+    SubCell,
+}
+
 /// How neighbours are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SearchChoice {
@@ -149,6 +158,8 @@ pub struct Numerics {
     /// Whether a particle inside the freezing interval conducts by its frozen fraction (true) or as the phase
     /// that it last was (false). Only pair means read it: the potential is flat there.
     pub mushy: bool,
+    /// Sharp fronts.
+    pub front: Front,
     /// Walls.
     pub walls: WallModel,
     /// Neighbour search.
@@ -210,6 +221,9 @@ impl MethodSettings {
         if numerics.exchange != Exchange::Potential {
             put("mushy", Value::Flag(numerics.mushy));
         }
+        if numerics.front == Front::SubCell {
+            put("front", text("sub-cell"));
+        }
         let walls = match numerics.walls {
             WallModel::Mirror => "mirror",
             WallModel::MovingLeastSquares => "moving-least-squares",
@@ -262,6 +276,7 @@ impl Default for Numerics {
             exchange: Exchange::Potential,
             uptake: Uptake::Enthalpy,
             mushy: true,
+            front: Front::Cell,
             walls: WallModel::Mirror,
             search: SearchChoice::Auto,
             integrator: IntegratorChoice::Euler,

@@ -41,7 +41,7 @@ pub(super) fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
         let cell = ((place - least) / spacing).floor();
         if cell.x >= 0.0 && cell.y >= 0.0 && (cell.x as usize) < nx && (cell.y as usize) < ny {
             let sum = &mut sums[cell.y as usize * nx + cell.x as usize];
-            *sum = (sum.0 + particles.temperature(i), sum.1 + particles.frozen_fraction(i), sum.2 + 1);
+            *sum = (sum.0 + particles.reading(i), sum.1 + particles.frozen_fraction(i), sum.2 + 1);
         }
     });
     let mean = |sum: f64, count: usize| if count > 0 { sum / count as f64 } else { f64::NAN };

@@ -7,8 +7,8 @@ use super::section::Section;
 use crate::material::{FreezingLaw, Material};
 use crate::method::MethodKind;
 use crate::scene::settings::{
-    Exchange, IntegratorChoice, Layout, Mean, MethodSettings, Numerics, SearchChoice, Setting, StepChoice, Uptake,
-    WallModel,
+    Exchange, Front, IntegratorChoice, Layout, Mean, MethodSettings, Numerics, SearchChoice, Setting, StepChoice,
+    Uptake, WallModel,
 };
 use crate::scene::{Condition, Crack, Domain, Sector, Wall};
 
@@ -69,6 +69,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
         }
         numerics.mushy = mushy;
     }
+    numerics.front = section.choice_or("front", &[("cell", Front::Cell), ("sub-cell", Front::SubCell)], numerics.front);
     let models = [
         ("mirror", WallModel::Mirror),
         ("moving-least-squares", WallModel::MovingLeastSquares),
@@ -299,6 +300,31 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
         };
         if let Some(reason) = reason {
             section.problem("search", format!("found \"lattice\", which needs {reason}"));
+        }
+    }
+    if numerics.front == Front::SubCell {
+        let sharp = |material: &Material| material.law == FreezingLaw::Isothermal;
+        let reason = if kind.stochastic {
+            Some("a method without noise".to_owned())
+        } else if numerics.layout != Layout::Lattice {
+            Some("layout = \"lattice\"".to_owned())
+        } else if numerics.exchange != Exchange::Potential {
+            Some("exchange = \"potential\" and no mean".to_owned())
+        } else if numerics.uptake != Uptake::Enthalpy {
+            Some(format!("scheme = \"enthalpy\" and not \"{scheme}\""))
+        } else if integrator == Some("implicit") {
+            Some("an explicit integrator".to_owned())
+        } else if numerics.walls != WallModel::Mirror {
+            Some("wall_model = \"mirror\"".to_owned())
+        } else if !matches!(numerics.search, SearchChoice::Auto | SearchChoice::Lattice) {
+            Some("search = \"lattice\"".to_owned())
+        } else if setup.materials.len() > 1 || !setup.materials.iter().all(sharp) {
+            Some("a single material that freezes at one temperature".to_owned())
+        } else {
+            None
+        };
+        if let Some(reason) = reason {
+            section.problem("front", format!("found \"sub-cell\", which needs {reason}"));
         }
     }
     if numerics.walls == WallModel::Layers

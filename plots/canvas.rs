@@ -79,6 +79,20 @@ pub(crate) enum Item {
     Text(Text),
 }
 
+impl Item {
+    /// The same, moved to the right (px).
+    fn moved(self, by: f64) -> Item {
+        let spot = |(x, y): Spot| (x + by, y);
+        match self {
+            Item::Line { points, stroke } => Item::Line { points: points.into_iter().map(spot).collect(), stroke },
+            Item::Area { ring, fill } => Item::Area { ring: ring.into_iter().map(spot).collect(), fill },
+            Item::Disc { at, radius, fill } => Item::Disc { at: spot(at), radius, fill },
+            Item::Circle { at, radius, stroke } => Item::Circle { at: spot(at), radius, stroke },
+            Item::Text(text) => Item::Text(Text { at: spot(text.at), ..text }),
+        }
+    }
+}
+
 /// A drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Canvas {
@@ -95,6 +109,18 @@ impl Canvas {
     /// An empty white drawing.
     pub fn new(width: f64, height: f64, title: &str) -> Canvas {
         Canvas { width, height, title: title.into(), items: Vec::new() }
+    }
+
+    /// Drawings in a row.
+    pub fn beside(panels: &[Canvas]) -> Canvas {
+        let height = panels.iter().map(|panel| panel.height).fold(0.0, f64::max);
+        let mut whole = Canvas::new(0.0, height, panels.first().map_or("", |panel| &panel.title));
+        for panel in panels {
+            let by = whole.width;
+            whole.items.extend(panel.items.iter().cloned().map(|item| item.moved(by)));
+            whole.width += panel.width;
+        }
+        whole
     }
 
     /// A line through points.

@@ -17,7 +17,7 @@ pub mod signed;
 pub mod stability;
 pub mod style;
 
-pub use run::{FigureOptions, run_figures};
+pub use run::{FigureOptions, frame, run_figures};
 
 /// A figure or page that could not be made.
 #[derive(Debug, thiserror::Error)]

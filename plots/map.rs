@@ -14,14 +14,77 @@ const GRID: usize = 240;
 /// Width of the line of the front (px).
 const FRONT_WIDTH: f64 = 3.2;
 
+/// What a map shows beside its field.
+struct Look {
+    heading: String,
+    /// Name and unit of the values.
+    label: String,
+    /// Ends of the colours; those of the field if absent.
+    range: Option<(f64, f64)>,
+    /// Where the colours turn.
+    zero: f64,
+}
+
+/// The map of a run and, where the reference has one, beside it the reference and the difference.
 pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
     let heading = format!("{}, {}", words.heading, words.instant(field.time_s));
+    if field.temperature_ref_c.is_empty() {
+        return draw(field, words, &Look::temperatures(heading, words, None));
+    }
+    // What only one of both knows is not compared.
+    let known = |pair: (&f64, &f64), value: f64| if (pair.0 + pair.1).is_finite() { value } else { f64::NAN };
+    let pairs = || field.temperature_c.iter().zip(&field.temperature_ref_c);
+    let range = extremes(field.temperature_c.iter().chain(&field.temperature_ref_c));
+    let reference =
+        Field { temperature_c: field.temperature_ref_c.clone(), frozen_fraction: Vec::new(), ..field.clone() };
+    let difference =
+        Field { temperature_c: pairs().map(|pair| known(pair, pair.0 - pair.1)).collect(), ..field.clone() };
+    let (low, high) = extremes(&difference.temperature_c);
+    // A difference of rounding is none.
+    let most = low.abs().max(high.abs()).max(1e-9 * (range.1 - range.0));
+    let named = |name: &str| format!("{name}, {}", words.instant(field.time_s));
+    let panels = [
+        draw(field, words, &Look::temperatures(heading, words, Some(range))),
+        draw(&reference, words, &Look::temperatures(named("Reference"), words, Some(range))),
+        draw(
+            &difference,
+            words,
+            &Look {
+                heading: named("Difference"),
+                label: words.temperature_label.replace("temperature", "difference"),
+                range: Some((-most, most)),
+                zero: 0.0,
+            },
+        ),
+    ];
+    Canvas::beside(&panels)
+}
+
+/// One frame of an animation: colours between the same ends in all frames.
+pub(crate) fn frame_map(field: &Field, words: &Words, range: (f64, f64)) -> Canvas {
+    let heading = format!("{}, {}", words.heading, words.instant(field.time_s));
+    draw(field, words, &Look::temperatures(heading, words, Some(range)))
+}
+
+impl Look {
+    fn temperatures(heading: String, words: &Words, range: Option<(f64, f64)>) -> Look {
+        Look { heading, label: words.temperature_label.clone(), range, zero: words.freezing_point }
+    }
+}
+
+fn extremes<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
+    let present = values.into_iter().filter(|value| value.is_finite());
+    present.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
+}
+
+fn draw(field: &Field, words: &Words, look: &Look) -> Canvas {
+    let heading = &look.heading;
     let (width, height) = (field.nx as f64 * field.spacing_m, field.ny as f64 * field.spacing_m);
     let side = (840.0 / width).min(700.0 / height);
     let (frame_width, frame_height) = (width * side, height * side);
     let canvas_width = (frame_width + 250.0).max(620.0);
     let mut canvas = Canvas::new(canvas_width, frame_height + 132.0, &format!("Temperature map: {heading}"));
-    title(&mut canvas, &heading);
+    title(&mut canvas, heading);
     let (x0, y0) = (field.x0_m - 0.5 * field.spacing_m, field.y0_m - 0.5 * field.spacing_m);
     let unit = if words.length_unit.is_some() { "m" } else { "dimensionless" };
     let frame = Frame {
@@ -34,17 +97,16 @@ pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
     };
     frame.draw(&mut canvas);
     let grid = Grid::thinned(field);
-    let present = || field.temperature_c.iter().copied().filter(|value| value.is_finite());
-    let (low, high) = present().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), t| (lo.min(t), hi.max(t)));
+    let (low, high) = look.range.unwrap_or_else(|| extremes(&field.temperature_c));
     if low.is_finite() {
         let step = band_step(high - low);
-        let colours = Ramp { low, high, zero: words.freezing_point };
+        let colours = Ramp { low, high, zero: look.zero };
         let first = (low / step).floor() as i64;
         let last = ((high / step).ceil() as i64).max(first + 1);
         let mut edges: Vec<f64> = (first..=last).map(|k| k as f64 * step).collect();
-        if words.freezing_point > edges[0] && words.freezing_point < edges[edges.len() - 1] {
+        if look.zero > edges[0] && look.zero < edges[edges.len() - 1] {
             // The colour turns exactly where the ground freezes.
-            edges.push(words.freezing_point);
+            edges.push(look.zero);
             edges.sort_by(f64::total_cmp);
             edges.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * step);
         }
@@ -53,20 +115,23 @@ pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
         let isotherm = isotherm_step(high - low);
         for k in (low / isotherm).ceil() as i64..=(high / isotherm).floor() as i64 {
             let level = k as f64 * isotherm;
-            if (level - words.freezing_point).abs() > 0.2 * isotherm {
+            if (level - look.zero).abs() > 0.2 * isotherm {
                 grid.draw_level(&mut canvas, &frame, &grid.values, level, Stroke::whole(INK, 0.9));
             }
         }
         let front = Stroke::whole(INK, FRONT_WIDTH);
         let frozen = crosses(&grid.frozen);
+        let is_isotherm = !frozen && look.zero == words.freezing_point && look.label == words.temperature_label;
         if frozen {
             grid.draw_level(&mut canvas, &frame, &grid.frozen, 0.5, front);
-        } else {
-            grid.draw_level(&mut canvas, &frame, &grid.values, words.freezing_point, front);
+        } else if is_isotherm {
+            grid.draw_level(&mut canvas, &frame, &grid.values, look.zero, front);
         }
         grid.cover_outside(&mut canvas, &frame);
-        colour_bar(&mut canvas, &frame, &edges, &colours, isotherm, frozen, words);
-        front_note(&mut canvas, &frame, frozen, words);
+        colour_bar(&mut canvas, &frame, &edges, &colours, isotherm, is_isotherm, look);
+        if frozen || is_isotherm {
+            front_note(&mut canvas, &frame, frozen, words);
+        }
     }
     let rim = [
         (frame.left, frame.top),
@@ -119,8 +184,8 @@ fn colour_bar(
     edges: &[f64],
     colours: &Ramp,
     isotherm: f64,
-    frozen: bool,
-    words: &Words,
+    is_isotherm: bool,
+    look: &Look,
 ) {
     let (left, right) = (frame.right + 30.0, frame.right + 56.0);
     let (low, high) = (edges[0], edges[edges.len() - 1]);
@@ -138,13 +203,13 @@ fn colour_bar(
         canvas.text((right + 8.0, py + 0.36 * TICK), number(level, 4), TICK, Align::Start);
     }
     // The heavy line belongs to a temperature only where it is an isotherm.
-    if !frozen && words.freezing_point > low && words.freezing_point < high {
-        let py = height(words.freezing_point);
+    if is_isotherm && look.zero > low && look.zero < high {
+        let py = height(look.zero);
         canvas.line(vec![(left - 4.0, py), (right + 4.0, py)], Stroke::whole(INK, FRONT_WIDTH));
     }
     canvas.place(Text {
         at: (right + 8.0 + 3.4 * TICK, 0.5 * (frame.top + frame.bottom)),
-        text: words.temperature_label.clone(),
+        text: look.label.clone(),
         size: LABEL,
         align: Align::Middle,
         bold: false,

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use frazil_core::record::{ProfileRow, RunResult};
-use frazil_core::scene::TimeUnit;
+use frazil_core::record::{Field, ProfileRow, RunResult};
+use frazil_core::scene::{Scene, TimeUnit};
 
 use crate::PlotError;
 use crate::axes::{Axis, Entry, Frame, legend};
@@ -19,6 +19,19 @@ pub struct FigureOptions {
     pub time_unit: TimeUnit,
     /// Temperature of the isotherm that is drawn heavy: where the ground freezes.
     pub freezing_point: f64,
+    /// Names of both directions.
+    pub axes: (&'static str, &'static str),
+}
+
+impl FigureOptions {
+    /// What a scene asks of its figures.
+    pub fn of(scene: &Scene) -> FigureOptions {
+        FigureOptions {
+            time_unit: scene.time_unit,
+            freezing_point: scene.materials.first().map_or(0.0, |material| material.freezing_point),
+            axes: scene.domain.axes(),
+        }
+    }
 }
 
 /// Draws every figure that a run has rows for and returns the files.
@@ -55,6 +68,16 @@ pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Can
     all
 }
 
+/// One frame of an animation of a scene (title, method, units), with colours between given temperatures.
+pub fn frame(
+    field: &Field,
+    (heading, method, units): (&str, &str, &str),
+    options: &FigureOptions,
+    range: (f64, f64),
+) -> Canvas {
+    map::frame_map(field, &Words::new((heading, method, units), 0.0, options), range)
+}
+
 /// How a run speaks of its units.
 pub(crate) struct Words {
     pub(crate) heading: String,
@@ -73,19 +96,23 @@ pub(crate) struct Words {
 impl Words {
     pub(crate) fn of(result: &RunResult, options: &FigureOptions) -> Words {
         let record = &result.record;
-        let si = record.units == "si";
-        let unit = options.time_unit;
         let reach = result.front.iter().map(|row| row.front_m).fold(0.0, f64::max);
+        Words::new((&record.title, &record.method, &record.units), reach, options)
+    }
+
+    /// `reach` is how far fronts go (m).
+    fn new((heading, method, units): (&str, &str, &str), reach: f64, options: &FigureOptions) -> Words {
+        let si = units == "si";
+        let unit = options.time_unit;
         Words {
-            heading: format!("{} — {}", record.title, method_title(&record.method)),
-            method: record.method.clone(),
+            heading: format!("{heading} — {}", method_title(method)),
+            method: method.to_owned(),
             time_symbol: if si { unit.symbol() } else { "" },
             seconds: if si { unit.seconds() } else { 1.0 },
             time_label: if si { format!("time ({})", unit.symbol()) } else { "time (dimensionless)".into() },
             temperature_label: if si { "temperature (°C)".into() } else { "temperature (dimensionless)".into() },
             degree: if si { " °C" } else { "" },
-            // Only bodies of shells keep a frozen volume.
-            axes: if result.frozen.is_empty() { ("x", "y") } else { ("r", "z") },
+            axes: options.axes,
             length_unit: si.then_some(if reach > 0.0 && reach < 0.2 { (1e3, "mm") } else { (1.0, "m") }),
             freezing_point: options.freezing_point,
         }

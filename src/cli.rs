@@ -55,8 +55,14 @@ struct RunArguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Runs the smaller scene that gives the same answer, if there is one.
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["fields", "frames"])]
     reduce: bool,
+    /// Writes the state of all particles at every output, for ParaView: fields.pvd and fields/*.vtu.
+    #[arg(long)]
+    fields: bool,
+    /// Draws a temperature map at every output, for an animation: frames/*.png. Needs a plane.
+    #[arg(long)]
+    frames: bool,
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -203,6 +209,8 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             seed: arguments.seed,
             out: arguments.out,
             reduce: arguments.reduce,
+            fields: arguments.fields,
+            frames: arguments.frames,
             quiet: arguments.quiet,
         }),
         Command::Compare(arguments) => compare::compare(&compare::CompareRequest {

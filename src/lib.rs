@@ -4,6 +4,7 @@ pub mod check;
 pub mod cli;
 pub mod compare;
 pub mod failure;
+pub mod fields;
 pub mod interrupt;
 pub mod list;
 pub mod load;

@@ -9,6 +9,7 @@ use serde::Serialize;
 use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
+use crate::fields;
 
 /// Writes a file beside its place and moves it there when it is whole.
 pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
@@ -82,8 +83,26 @@ impl Folder {
 /// Writes the series of a run that have rows, and last its record: where that is, everything is. Files of an
 /// earlier run that this one does not replace are removed, so that a folder never mixes two runs.
 pub fn write_run(folder: &Path, result: &RunResult) -> Result<(), Failure> {
+    write_run_and(folder, result, || Ok(()))
+}
+
+/// The same, with more files before the record.
+pub fn write_run_and(
+    folder: &Path,
+    result: &RunResult,
+    more: impl FnOnce() -> Result<(), Failure>,
+) -> Result<(), Failure> {
     let record = folder.join("record.json");
     remove(&record)?;
+    for name in fields::NAMES {
+        let path = folder.join(name);
+        if path.is_dir() {
+            fs::remove_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be removed", error))?;
+        } else {
+            remove(&path)?;
+        }
+    }
+    more()?;
     rows_or_nothing(&folder.join("front.csv"), &result.front)?;
     rows_or_nothing(&folder.join("front_beside.csv"), &result.beside)?;
     rows_or_nothing(&folder.join("frozen.csv"), &result.frozen)?;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use frazil_core::march::{self, Options, Progress, Refused};
+use frazil_core::particles::Particles;
 use frazil_core::record::{Errors, Outcome, RunResult};
 use frazil_core::reduce::{self, Finding};
 use frazil_core::reference::Reference;
@@ -11,6 +12,7 @@ use frazil_core::scene::Scene;
 use frazil_plots::{FigureOptions, run_figures};
 
 use crate::failure::{Failure, Verdict, answer, complain};
+use crate::fields::Snapshots;
 use crate::output::{self, Folder};
 use crate::progress::{Reporter, clock};
 use crate::{interrupt, load};
@@ -32,6 +34,10 @@ pub struct RunRequest {
     pub out: Option<PathBuf>,
     /// Whether a smaller scene that gives the same answer is to be run instead.
     pub reduce: bool,
+    /// Whether to write whole states at outputs.
+    pub fields: bool,
+    /// Whether to draw a map at each output.
+    pub frames: bool,
     /// Whether to say nothing but errors.
     pub quiet: bool,
 }
@@ -43,6 +49,23 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let reference = reference(&scene)?;
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&scene.name));
     let folder = Folder::make(&path)?;
+    let wanted = (request.fields, request.frames);
+    let snapshots = if request.fields || request.frames {
+        match Snapshots::new(&scene, method, wanted, folder.path()) {
+            Ok(snapshots) => Some(snapshots),
+            Err(failure) => {
+                folder.take_back();
+                return Err(failure);
+            }
+        }
+    } else {
+        None
+    };
+    let see = |particles: &Particles, time: f64| {
+        if let Some(snapshots) = &snapshots {
+            snapshots.see(particles, time);
+        }
+    };
     let reporter = Reporter::new(request.quiet);
     let show = |progress: &Progress| reporter.show(progress);
     let options = Options {
@@ -52,6 +75,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
         progress: Some(&show),
         time_limit_s: None,
         fields: true,
+        each_output: snapshots.is_some().then_some(&see),
     };
     let result = if request.reduce {
         reduced(&scene, method, reference.as_ref(), &options)
@@ -62,12 +86,14 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let result = match result {
         Ok(result) => result,
         Err(refused) => {
+            drop(snapshots);
             folder.take_back();
             return Err(refused.into());
         }
     };
-    output::write_run(folder.path(), &result)?;
-    let options = FigureOptions { time_unit: scene.time_unit, freezing_point: scene.materials[0].freezing_point };
+    let also = || snapshots.map_or(Ok(()), |snapshots| snapshots.finish(folder.path()));
+    output::write_run_and(folder.path(), &result, also)?;
+    let options = FigureOptions::of(&scene);
     if let Err(error) = run_figures(&result, folder.path(), &options) {
         // The numbers are safe: a figure that cannot be drawn does not undo them.
         complain(&format!("figures: {error}"));

@@ -7,6 +7,7 @@ mod command_line;
 mod cracks;
 mod documents;
 mod extreme;
+mod fields;
 mod forecasts;
 mod invariants;
 mod order;

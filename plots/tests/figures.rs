@@ -6,6 +6,7 @@ use frazil_core::record::{Errors, Field, FrontRow, GapRow, Outcome, ProfileRow, 
 use frazil_core::scene::TimeUnit;
 use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint, work_precision};
 use frazil_plots::convergence::{OrderCurve, convergence};
+use frazil_plots::run::drawings;
 use frazil_plots::{FigureOptions, run_figures};
 
 fn record(title: &str, method: &str) -> Record {
@@ -142,6 +143,7 @@ fn ring_run() -> RunResult {
         // Soft over some tenths of a kelvin, as in ground that freezes in an interval.
         frozen_fraction: temperature_c.iter().map(|value| (-0.2 - value).clamp(0.0, 0.6) / 0.6).collect(),
         temperature_c,
+        temperature_ref_c: Vec::new(),
     });
     run
 }
@@ -195,9 +197,16 @@ fn comparison() -> WorkFigure {
 fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn std::error::Error>> {
     let temporary = tempfile::tempdir()?;
     let folder = std::env::var_os("FRAZIL_FIGURES").map_or(temporary.path().to_path_buf(), Into::into);
-    let mut files =
-        run_figures(&line_run(), &folder, &FigureOptions { time_unit: TimeUnit::Hour, freezing_point: 0.0 })?;
-    files.extend(run_figures(&ring_run(), &folder, &FigureOptions { time_unit: TimeUnit::Day, freezing_point: -0.5 })?);
+    let mut files = run_figures(
+        &line_run(),
+        &folder,
+        &FigureOptions { time_unit: TimeUnit::Hour, freezing_point: 0.0, axes: ("x", "y") },
+    )?;
+    files.extend(run_figures(
+        &ring_run(),
+        &folder,
+        &FigureOptions { time_unit: TimeUnit::Day, freezing_point: -0.5, axes: ("x", "y") },
+    )?);
     let figure = comparison();
     files.extend(work_precision(&figure).write(&folder, "work_precision")?);
     let orders: Vec<OrderCurve> = figure
@@ -233,7 +242,31 @@ fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn s
 #[test]
 fn a_run_without_rows_has_no_figures() -> Result<(), Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
-    let options = FigureOptions { time_unit: TimeUnit::Second, freezing_point: 0.0 };
+    let options = FigureOptions { time_unit: TimeUnit::Second, freezing_point: 0.0, axes: ("x", "y") };
     assert!(run_figures(&empty("nothing", "pd"), folder.path(), &options)?.is_empty());
     Ok(())
+}
+
+/// Where the reference has a map, it stands beside that of the run, and the difference beside both.
+#[test]
+fn maps_stand_beside_those_of_the_reference() {
+    let options = FigureOptions { time_unit: TimeUnit::Day, freezing_point: -0.5, axes: ("x", "y") };
+    let map = |run: &RunResult| {
+        let maps = drawings(run, &options).into_iter().find(|(name, _)| name.starts_with("map_"));
+        maps.map(|(_, canvas)| canvas)
+    };
+    let mut run = ring_run();
+    let alone = map(&run).map(|canvas| canvas.width);
+    for field in &mut run.fields {
+        field.temperature_ref_c = field.temperature_c.iter().map(|value| 0.9 * value).collect();
+    }
+    let beside = map(&run);
+    assert_eq!(beside.as_ref().map(|canvas| canvas.width), alone.map(|width| 3.0 * width));
+    let svg = beside.map(|canvas| canvas.svg()).unwrap_or_default();
+    assert!(svg.contains("Reference, 40 d") && svg.contains("Difference, 40 d"));
+    // The same field as its own reference differs nowhere, and is drawn.
+    for field in &mut run.fields {
+        field.temperature_ref_c = field.temperature_c.clone();
+    }
+    assert!(map(&run).is_some_and(|canvas| canvas.svg().len() > 2000));
 }

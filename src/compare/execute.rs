@@ -134,7 +134,7 @@ impl Work<'_> {
 
     fn options(&self, seed: u64, threads: usize, fields: bool) -> Options<'_> {
         let time_limit_s = Some(self.left().max(1.0));
-        Options { threads, seed, interrupt: Some(self.parts.interrupt), progress: None, time_limit_s, fields }
+        Options { threads, seed, interrupt: Some(self.parts.interrupt), time_limit_s, fields, ..Options::default() }
     }
 
     /// One run of each configuration, from coarse to fine: it warms up, gives the error and tells the time.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use frazil_core::march::Options;
 use frazil_core::measure;
-use frazil_core::record::{Outcome, ReferenceInfo, RunResult};
+use frazil_core::record::{Field, Outcome, ReferenceInfo, RunResult};
 use frazil_core::reference::{Plane, Reference};
 use frazil_core::scene::{Scene, Setting};
 use frazil_plots::style::{duration, percent};
@@ -63,6 +63,19 @@ fn between(rows: &[(f64, f64)], at: f64) -> Option<f64> {
     Some(before.1 + (next.1 - before.1) * (at - before.0) / (next.0 - before.0))
 }
 
+/// Temperature between the cells of a field; that of the nearest beyond the last centres, none without a cell.
+fn bilinear(field: &Field, x: f64, y: f64) -> Option<f64> {
+    let place = |at: f64, first: f64, count: usize| {
+        let cells = ((at - first) / field.spacing_m).clamp(0.0, (count - 1) as f64);
+        let low = (cells as usize).min(count.saturating_sub(2));
+        (low, (low + 1).min(count - 1), cells - low as f64)
+    };
+    let ((left, right, u), (below, above, v)) = (place(x, field.x0_m, field.nx), place(y, field.y0_m, field.ny));
+    let value = |column: usize, row: usize| field.temperature_c[row * field.nx + column];
+    let along = |row: usize| (1.0 - u) * value(left, row) + u * value(right, row);
+    Some((1.0 - v) * along(below) + v * along(above)).filter(|value| value.is_finite())
+}
+
 impl Reference for LocalReference {
     fn describe(&self) -> ReferenceInfo {
         self.info.clone()
@@ -70,6 +83,11 @@ impl Reference for LocalReference {
 
     fn temperature(&self, x: f64, t: f64) -> Option<f64> {
         self.profile("line", x, t)
+    }
+
+    fn point_temperature(&self, x: f64, y: f64, t: f64) -> Option<f64> {
+        let same = |field: &&Field| (field.time_s - t).abs() <= SAME_INSTANT * t.abs().max(1.0);
+        bilinear(self.run.fields.iter().find(same)?, x, y)
     }
 
     fn plane_temperature(&self, plane: Plane, r: f64, t: f64) -> Option<f64> {
@@ -135,8 +153,12 @@ pub fn local_reference(
         };
         say(&format!("{}: local run at {} for a reference", base.name, length_words(base.units, spacing)));
         let begun = Instant::now();
-        let options =
-            Options { interrupt: Some(parts.interrupt), time_limit_s: Some(2.0 * seconds), ..Options::default() };
+        let options = Options {
+            interrupt: Some(parts.interrupt),
+            time_limit_s: Some(2.0 * seconds),
+            fields: true,
+            ..Options::default()
+        };
         let result = (parts.run)(&scene, "local", None, &options).map_err(|refused| refused.to_string())?;
         if result.record.outcome != Outcome::Ok {
             break;

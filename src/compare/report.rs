@@ -5,7 +5,6 @@ mod words;
 
 use std::path::Path;
 
-use frazil_core::material::Material;
 use frazil_plots::FigureOptions;
 use frazil_plots::comparison::work_precision_panels;
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection};
@@ -121,10 +120,7 @@ fn caption(study: &Study, cost: Cost) -> String {
 
 fn finest_runs(folder: &Path, study: &Study) -> Result<Vec<Block>, Failure> {
     let scene = &study.runs.scene;
-    let options = FigureOptions {
-        time_unit: scene.time_unit,
-        freezing_point: scene.materials.first().map_or(0.0, |material: &Material| material.freezing_point),
-    };
+    let options = FigureOptions::of(scene);
     let mut blocks = Vec::new();
     for same in analysis::group(&study.runs.measured) {
         let Some((one, result)) =

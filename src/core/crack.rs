@@ -8,7 +8,7 @@ use crate::lattice::Lattice;
 use crate::list_operator::PairList;
 use crate::memory::Held;
 use crate::scene::{Crack, Growth};
-use crate::segment::{Segment, offset, side};
+use crate::segment::{Segment, offset};
 
 impl Crack {
     /// Length of the whole crack (m).
@@ -32,11 +32,17 @@ impl Crack {
     }
 }
 
+/// Distance over the spacing up to which a place is on a crack.
+const ON_IT: f64 = 1e-9;
+
 /// A crack, or its image behind walls, as pairs meet it.
 struct Barrier<'a> {
     segment: Segment,
     /// Images turn left into right.
     turned: bool,
+    /// Distance (m) up to which a particle is on the crack, and a way through its end: rounding of positions decides
+    /// neither.
+    slack: f64,
     crack: &'a Crack,
 }
 
@@ -47,17 +53,18 @@ impl Barrier<'_> {
     /// like any other.
     fn cuts(&self, p: DVec2, q: DVec2) -> Option<f64> {
         let (from, to) = self.segment;
-        if p.min(q).cmpgt(from.max(to)).any() || p.max(q).cmplt(from.min(to)).any() {
+        let slack = DVec2::splat(self.slack);
+        if p.min(q).cmpgt(from.max(to) + slack).any() || p.max(q).cmplt(from.min(to) - slack).any() {
             return None;
         }
-        let left = |point: DVec2| {
-            if self.turned { side(self.segment, point).is_gt() } else { side(self.segment, point).is_ge() }
-        };
+        let on_line = self.slack * (to - from).length();
+        let left = |point: DVec2| offset(self.segment, point) > if self.turned { on_line } else { -on_line };
         if left(p) == left(q) {
             return None;
         }
         let (a, b) = (offset((p, q), from), offset((p, q), to));
-        if (a > 0.0 && b > 0.0) || (a < 0.0 && b < 0.0) {
+        let at_end = self.slack * (q - p).length();
+        if (a > at_end && b > at_end) || (a < -at_end && b < -at_end) {
             return None;
         }
         let share = if a == b { 0.0 } else { (a / (a - b)).clamp(0.0, 1.0) };
@@ -82,13 +89,14 @@ impl<'a> Barriers<'a> {
             let walls = (0..2).filter(move |end| boundary.sides[2 * axis + end] != Side::Curved);
             [None].into_iter().chain(walls.map(move |end| Some(mirrors[axis][end])))
         };
+        let slack = ON_IT * lattice.spacing;
         let mut all = Vec::new();
         for crack in cracks {
             for x in of(0) {
                 for y in of(1) {
                     let image = |point: DVec2| mirrored(point, (x, y));
                     let turned = x.is_some() != y.is_some();
-                    all.push(Barrier { segment: (image(crack.from), image(crack.to)), turned, crack });
+                    all.push(Barrier { segment: (image(crack.from), image(crack.to)), turned, slack, crack });
                 }
             }
         }
@@ -202,7 +210,7 @@ mod tests {
     }
 
     fn cut(crack: &Crack, turned: bool, p: (f64, f64), q: (f64, f64)) -> Option<f64> {
-        let barrier = Barrier { segment: (crack.from, crack.to), turned, crack };
+        let barrier = Barrier { segment: (crack.from, crack.to), turned, slack: 1e-12, crack };
         let both = [barrier.cuts(p.into(), q.into()), barrier.cuts(q.into(), p.into())];
         assert_eq!(both[0].is_some(), both[1].is_some());
         both[0]

@@ -36,11 +36,21 @@ pub struct Options<'a> {
     pub time_limit_s: Option<f64>,
     /// Whether temperature fields are kept at the profile instants.
     pub fields: bool,
+    /// Called with the state at the start and at every output, and its time (s).
+    pub each_output: Option<&'a (dyn Fn(&Particles, f64) + Sync)>,
 }
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Options { threads: 1, seed: 1, interrupt: None, progress: None, time_limit_s: None, fields: false }
+        Options {
+            threads: 1,
+            seed: 1,
+            interrupt: None,
+            progress: None,
+            time_limit_s: None,
+            fields: false,
+            each_output: None,
+        }
     }
 }
 
@@ -93,6 +103,12 @@ pub fn run(
     let mut longest: f64 = 0.0;
     let mut stop: Option<(Outcome, String)> = None;
     watches.look(&particles, 0.0);
+    let show = |particles: &Particles, time: f64| {
+        if let Some(see) = options.each_output {
+            see(particles, time);
+        }
+    };
+    show(&particles, 0.0);
     let dense = method.is_dense();
     let outputs = outputs(scene);
     let mut pending = outputs.iter().copied().peekable();
@@ -134,6 +150,7 @@ pub fn run(
                     at(method.as_mut(), time, &mut particles, &mut |method, particles, ledger| {
                         watches.output(scene, particles, ledger, time, false);
                         watches.surfaces(scene, &method.across(&particles.enthalpy, time), time);
+                        show(particles, time);
                     });
                 }
                 if watches.closes(&particles) {
@@ -187,6 +204,7 @@ pub fn run(
             let seen = Stopwatch::start();
             watches.output(scene, &particles, method.ledger(), instant, true);
             watches.surfaces(scene, &method.across(&particles.enthalpy, instant), instant);
+            show(&particles, instant);
             observation.add(&seen);
         }
     }

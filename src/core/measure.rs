@@ -100,6 +100,20 @@ pub fn attach(scene: &Scene, spacing: f64, result: &mut RunResult, reference: &d
     for row in &mut result.gaps {
         row.closure_ref_s = reference.event("closure_day");
     }
+    for field in &mut result.fields {
+        let at = |k: usize| {
+            let (x, y) = ((k % field.nx) as f64, (k / field.nx) as f64);
+            reference.point_temperature(
+                field.x0_m + x * field.spacing_m,
+                field.y0_m + y * field.spacing_m,
+                field.time_s,
+            )
+        };
+        let count = field.nx * field.ny;
+        if (0..count).any(|k| at(k).is_some()) {
+            field.temperature_ref_c = (0..count).map(|k| at(k).unwrap_or(f64::NAN)).collect();
+        }
+    }
     result.record.errors = errors(scene, spacing, result, reference);
     result.record.reference = Some(reference.describe());
 }

@@ -337,6 +337,8 @@ pub struct Field {
     pub temperature_c: Vec<f64>,
     /// Frozen fractions in the same order: their level 1/2 is the front, where the temperature is flat.
     pub frozen_fraction: Vec<f64>,
+    /// Temperatures of the reference in the same order; empty where it knows none.
+    pub temperature_ref_c: Vec<f64>,
 }
 
 /// Everything one run leaves.

@@ -32,6 +32,10 @@ pub trait Reference: Send + Sync {
     fn cut_temperature(&self, _cut: Cut, _x: f64, _t: f64) -> Option<f64> {
         None
     }
+    /// Temperature at a point of a plane (m) and time `t` (s).
+    fn point_temperature(&self, _x: f64, _y: f64, _t: f64) -> Option<f64> {
+        None
+    }
     /// Temperature on a plane of a ring at radius `r` (m) and time `t` (s).
     fn plane_temperature(&self, _plane: Plane, _r: f64, _t: f64) -> Option<f64> {
         None

@@ -21,6 +21,16 @@ use crate::particles::{Particles, Places};
 use crate::record::{BudgetRow, Field, FrontRow, FrozenRow, GapRow, ProbeRow, ProfileRow, SurfaceRow, WallRow};
 use crate::scene::{Domain, FreezingDirection, Scene, Sector};
 
+/// The map of a state of a scene, as fields are kept.
+pub fn map(scene: &Scene, particles: &Particles, time: f64) -> Field {
+    field(particles, time, field_radius(scene))
+}
+
+/// Radius (m) around the origin within which maps are kept; zero for all of the body.
+fn field_radius(scene: &Scene) -> f64 {
+    scene.rings.iter().map(|ring| 1.6 * ring.ring_radius).fold(0.0, f64::max)
+}
+
 /// A point read as a weighted sum over particles.
 #[derive(Debug, Clone, Default)]
 struct Sample(Vec<(u32, f64)>);
@@ -158,7 +168,7 @@ impl Watches {
             pipe_count: scene.rings.iter().map(|ring| ring.count).sum(),
             probes,
             keep_fields: keep_fields && scene.domain.dimension() == 2,
-            field_radius: scene.rings.iter().map(|ring| 1.6 * ring.ring_radius).fold(0.0, f64::max),
+            field_radius: field_radius(scene),
             isothermal: matches!(scene.materials[0].law, FreezingLaw::Isothermal),
             one_way: OneWay::new(scene, particles.volumes.largest()),
             front: Vec::new(),

@@ -145,6 +145,7 @@ fn unfold(field: &Field, in_y: bool, plane: f64) -> Field {
         y0_m: if in_y { start } else { field.y0_m },
         temperature_c: spread(&field.temperature_c),
         frozen_fraction: spread(&field.frozen_fraction),
+        temperature_ref_c: Vec::new(),
         ..field.clone()
     }
 }

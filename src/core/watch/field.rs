@@ -54,5 +54,6 @@ pub(super) fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
         spacing_m: spacing,
         temperature_c: sums.iter().map(|sum| mean(sum.0, sum.2)).collect(),
         frozen_fraction: sums.iter().map(|sum| mean(sum.1, sum.2)).collect(),
+        temperature_ref_c: Vec::new(),
     }
 }

@@ -1,0 +1,160 @@
+//! Whole states at outputs, on request: files that ParaView opens, and frames of an animation.
+//!
+//! Files are made while a run goes on, in a folder that nobody sees; it is moved to its place when all are there.
+
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use frazil_core::particles::Particles;
+use frazil_core::scene::Scene;
+use frazil_core::watch;
+use frazil_plots::{FigureOptions, frame};
+use tempfile::TempDir;
+use vtkio::model::{
+    Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, IOBuffer, UnstructuredGridPiece, Version,
+    VertexNumbers, Vtk,
+};
+
+use crate::failure::Failure;
+use crate::output::write_whole;
+
+/// Folder of states, the file that lists them with their times, and folder of frames.
+pub const NAMES: [&str; 3] = ["fields", "fields.pvd", "frames"];
+
+/// What a run leaves at each output beside its series.
+pub struct Snapshots<'a> {
+    scene: &'a Scene,
+    method: &'a str,
+    fields: bool,
+    frames: bool,
+    hidden: TempDir,
+    seen: Mutex<Seen>,
+}
+
+#[derive(Default)]
+struct Seen {
+    times: Vec<f64>,
+    failure: Option<Failure>,
+}
+
+impl<'a> Snapshots<'a> {
+    /// Snapshots of a scene under a method, made beside the place where they will be.
+    pub fn new(
+        scene: &'a Scene,
+        method: &'a str,
+        (fields, frames): (bool, bool),
+        folder: &Path,
+    ) -> Result<Self, Failure> {
+        if frames && scene.domain.dimension() == 1 {
+            return Err(Failure::Request(format!(
+                "--frames draws planes, but the domain of `{}` is a line",
+                scene.name
+            )));
+        }
+        let hidden = TempDir::with_prefix_in(".fields-", folder)
+            .map_err(|error| Failure::file(folder, "cannot hold a folder", error))?;
+        let made = Snapshots { scene, method, fields, frames, hidden, seen: Mutex::default() };
+        for name in [NAMES[0], NAMES[2]] {
+            let path = made.hidden.path().join(name);
+            std::fs::create_dir(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
+        }
+        Ok(made)
+    }
+
+    /// Takes the state at an output. After a failure nothing more is tried: the run itself goes on.
+    pub fn see(&self, particles: &Particles, time: f64) {
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        if seen.failure.is_some() {
+            return;
+        }
+        let number = seen.times.len();
+        match self.write(particles, time, number) {
+            Ok(()) => seen.times.push(time),
+            Err(failure) => seen.failure = Some(failure),
+        }
+    }
+
+    fn write(&self, particles: &Particles, time: f64, number: usize) -> Result<(), Failure> {
+        let place = |folder: &str, file: String| self.hidden.path().join(folder).join(file);
+        if self.fields {
+            let path = place(NAMES[0], vtu_name(number));
+            let failed = |error: std::io::Error| Failure::file(&path, "cannot be written", error);
+            let file = std::fs::File::create(&path).map_err(failed)?;
+            let state = state(self.scene, particles);
+            state.write_xml(BufWriter::new(file)).map_err(|error| failed(std::io::Error::other(error.to_string())))?;
+        }
+        if self.frames {
+            let options = FigureOptions::of(self.scene);
+            let field = watch::map(self.scene, particles, time);
+            let names = (self.scene.title.as_str(), self.method, self.scene.units.name());
+            let png = frame(&field, names, &options, self.scene.temperature_range()).png()?;
+            let path = place(NAMES[2], format!("{number:05}.png"));
+            std::fs::write(&path, png).map_err(|error| Failure::file(&path, "cannot be written", error))?;
+        }
+        Ok(())
+    }
+
+    /// Moves everything to its place, or says what failed.
+    pub fn finish(self, folder: &Path) -> Result<(), Failure> {
+        let Seen { times, failure } = self.seen.into_inner().unwrap_or_else(PoisonError::into_inner);
+        if let Some(failure) = failure {
+            return Err(failure);
+        }
+        for (name, wanted) in [(NAMES[0], self.fields), (NAMES[2], self.frames)] {
+            let place: PathBuf = folder.join(name);
+            if wanted {
+                let moved = std::fs::rename(self.hidden.path().join(name), &place);
+                moved.map_err(|error| Failure::file(&place, "cannot be moved to its place", error))?;
+            }
+        }
+        if self.fields { write_whole(&folder.join(NAMES[1]), |writer| collection(&times, writer)) } else { Ok(()) }
+    }
+}
+
+fn vtu_name(number: usize) -> String {
+    format!("{number:05}.vtu")
+}
+
+/// The list of states with their times (s): a format of five lines, which the library does not know.
+fn collection(times: &[f64], writer: &mut dyn std::io::Write) -> std::io::Result<()> {
+    writeln!(
+        writer,
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">"
+    )?;
+    writeln!(writer, "  <Collection>")?;
+    for (number, time) in times.iter().enumerate() {
+        writeln!(writer, "    <DataSet timestep=\"{time}\" part=\"0\" file=\"{}/{}\"/>", NAMES[0], vtu_name(number))?;
+    }
+    writeln!(writer, "  </Collection>\n</VTKFile>")
+}
+
+/// All particles as points with their state. Enthalpies count from the unfrozen freezing point, as in the theory.
+fn state(scene: &Scene, particles: &Particles) -> Vtk {
+    let count = particles.len();
+    let mut points = Vec::with_capacity(3 * count);
+    particles.visit(|_, place| points.extend([place.x, place.y, 0.0]));
+    let scalars = |name: &str, data: IOBuffer| Attribute::DataArray(DataArray::scalars(name, 1).with_data(data));
+    let column =
+        |name: &str, value: &dyn Fn(usize) -> f64| scalars(name, (0..count).map(value).collect::<Vec<f64>>().into());
+    let enthalpy = |i: usize| particles.enthalpy[i] + particles.materials.of(i).initial_enthalpy;
+    let materials: Vec<i32> = (0..count).map(|i| particles.materials.index(i) as i32).collect();
+    let point = vec![
+        column("temperature_c", &|i| particles.temperature(i)),
+        column("frozen_fraction", &|i| particles.frozen_fraction(i)),
+        column("enthalpy_J_per_m3", &enthalpy),
+        column("volume", &|i| particles.volumes.of(i)),
+        scalars("material", materials.into()),
+    ];
+    let vertices =
+        VertexNumbers::XML { connectivity: (0..count as u64).collect(), offsets: (1..=count as u64).collect() };
+    let cells = Cells { cell_verts: vertices, types: vec![CellType::Vertex; count] };
+    let piece = UnstructuredGridPiece { points: points.into(), cells, data: Attributes { point, cell: Vec::new() } };
+    Vtk {
+        version: Version::XML { major: 1, minor: 0 },
+        title: scene.title.clone(),
+        byte_order: ByteOrder::LittleEndian,
+        data: DataSet::inline(piece),
+        file_path: None,
+    }
+}

@@ -544,6 +544,7 @@ mod tests {
             latent_heat: COLUMN.latent_heat,
             law: FreezingLaw::Isothermal,
             mixing: Mixing::Arithmetic,
+            pores: None,
         };
         let exact = Neumann::new(&material, -5.0, 1.0).expect("front");
         let table = ColumnTable::bundled().expect("table");

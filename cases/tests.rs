@@ -35,6 +35,7 @@ fn half_space(law: FreezingLaw) -> Scene {
         initial_temperature: 8.0,
         walls: vec![wall("left", temperature(-20.0)), wall("right", Condition::Symmetry)],
         rings: Vec::new(),
+        flow: None,
         watch: Watch { outputs: 10, profiles: Vec::new(), probes: Vec::new(), profile_length: None, front_from: 0.0 },
         reference: ReferenceChoice::Exact,
         methods: Vec::new(),
@@ -52,6 +53,7 @@ fn soil(name: &str, density: f64, frozen: (f64, f64), unfrozen: (f64, f64), poin
         latent_heat,
         law: FreezingLaw::Isothermal,
         mixing: Mixing::Arithmetic,
+        pores: None,
     }
 }
 

@@ -284,11 +284,13 @@ mod tests {
                 latent_heat: 1.0,
                 law: FreezingLaw::Isothermal,
                 mixing: Mixing::Arithmetic,
+                pores: None,
             }],
             regions: Vec::new(),
             initial_temperature: 5.0,
             walls: vec![Wall { name: "left", condition: Condition::Temperature(Series::Constant(-20.0)) }],
             rings: Vec::new(),
+            flow: None,
             watch: Watch {
                 outputs: 10,
                 profiles: Vec::new(),

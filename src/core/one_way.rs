@@ -33,7 +33,7 @@ impl OneWay {
         };
         let open = scene.has_flux();
         let rings: Vec<_> = scene.rings.iter().map(|ring| if open { None } else { side(&ring.temperature) }).collect();
-        let frozen = if low == high { None } else { direction(scene) };
+        let frozen = if low == high || scene.flow.is_some() { None } else { direction(scene) };
         let watches = frozen.is_some() || rings.iter().any(Option::is_some);
         OneWay { frozen, grain, rings, watches, furthest: None, strongest: 0.0, setback: 0.0 }
     }
@@ -119,11 +119,13 @@ mod tests {
                 latent_heat: 1.0,
                 law: FreezingLaw::Isothermal,
                 mixing: Mixing::Arithmetic,
+                pores: None,
             }],
             regions: Vec::new(),
             initial_temperature: 5.0,
             walls: walls.into_iter().map(|(name, condition)| Wall { name, condition }).collect(),
             rings: Vec::new(),
+            flow: None,
             watch: Watch {
                 outputs: 10,
                 profiles: Vec::new(),

@@ -10,6 +10,7 @@ use rayon::ThreadPool;
 use crate::boundary::{Boundary, Side};
 use crate::corner::strengthen;
 use crate::curved_wall::{Contacts, Neighbourhood, cells_behind};
+use crate::flow::FlowMethod;
 use crate::ghosts::Ghosts;
 use crate::green::Green;
 use crate::integrate::control::EnthalpyRange;
@@ -272,11 +273,17 @@ pub fn build(
                 pool,
                 bound: settings.bound.clone(),
             };
-            match &discretisation.stepper {
-                Stepper::Own(step) => {
+            let flows = scene.flow.as_ref().zip(numerics.flow);
+            match (&discretisation.stepper, flows) {
+                (Stepper::Shared, Some((flow, own))) => {
+                    let enthalpy = vec![0.0; count];
+                    let method = FlowMethod::new(parts, scene, flow, (own, numerics.step), &enthalpy);
+                    Box::new(method.map_err(refuse)?)
+                }
+                (Stepper::Own(step), _) => {
                     step(Assembly { parts, uptake: numerics.uptake, mushy: numerics.mushy, units: scene.units, seed })
                 }
-                Stepper::Shared if numerics.uptake == Uptake::Enthalpy && numerics.mushy => {
+                (Stepper::Shared, None) if numerics.uptake == Uptake::Enthalpy && numerics.mushy => {
                     let operator = EnthalpyList {
                         operator: ListOperator::new(parts, Off),
                         scheme: scheme(Uptake::Enthalpy, true, &materials, count),
@@ -285,7 +292,7 @@ pub fn build(
                     };
                     integrator(numerics, Box::new(operator), range, largest_slope, count)
                 }
-                Stepper::Shared => {
+                (Stepper::Shared, None) => {
                     let assembly =
                         Assembly { parts, uptake: numerics.uptake, mushy: numerics.mushy, units: scene.units, seed };
                     assembly.into_method(Off)
@@ -334,6 +341,7 @@ fn why_list(
         (numerics.exchange != Exchange::Potential, "pairs exchange by a mean of conductivities"),
         (numerics.uptake != Uptake::Enthalpy || !numerics.mushy, "the latent-heat scheme keeps its own columns"),
         (!scene.regions.is_empty(), "there are several materials"),
+        (scene.flow.is_some(), "water flows along the pairs"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
         (matches!(discretisation.stepper, Stepper::Own(_)), "the method makes its own step"),
         (narrow, "pairs reach farther than the body is wide"),

@@ -3,6 +3,7 @@
 //! Temperatures are stored on the file's scale: degrees Celsius in SI scenes, the DPD or dimensionless
 //! temperature elsewhere. [`Units::absolute_zero`] maps them to an absolute scale where a law needs one.
 
+mod flow;
 pub mod read;
 mod series;
 pub mod settings;
@@ -11,10 +12,11 @@ use std::sync::Arc;
 
 use crate::material::Material;
 
+pub use flow::{Flow, PressureWall, RelativePermeability};
 pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
 pub use series::{Schedule, Series};
 pub use settings::{
-    Exchange, IntegratorChoice, Layout, Mean, Numerics, SearchChoice, Setting, StepChoice, Uptake, WallModel,
+    Advection, Exchange, FlowNumerics, IntegratorChoice, Layout, Mean, Numerics, SearchChoice, Setting, StepChoice, Uptake, WallModel,
 };
 
 /// Units of a scene file.
@@ -338,6 +340,8 @@ pub struct Scene {
     pub walls: Vec<Wall>,
     /// Rings of freeze pipes.
     pub rings: Vec<PipeRing>,
+    /// Groundwater, where it flows.
+    pub flow: Option<Flow>,
     /// Observation.
     pub watch: Watch,
     /// Where the truth comes from.

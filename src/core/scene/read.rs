@@ -1,8 +1,10 @@
 //! Reading scene files: every check that needs no particles, and all problems of a file at once.
 
 mod body;
+mod flow;
 mod ground;
 mod numerics;
+mod porous;
 mod problem;
 mod range;
 mod section;
@@ -118,6 +120,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let mut wall_section = root.section("walls");
     let walls = wall_section.as_mut().map(|section| body::walls(section, domain.as_ref())).unwrap_or_default();
     let rings = body::pipes(&mut root, domain.as_ref());
+    let flow = flow::flow(&mut root, domain.as_ref(), if complete { &materials } else { &[] });
     let watch = watch::watch(&mut root, domain.as_ref(), time.as_ref());
     let reference = watch::reference(&mut root, domain.as_ref());
     if let (Some(section), Some(domain)) = (&mut wall_section, &domain) {
@@ -129,6 +132,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         // The checks of combinations would speak of the wrong materials if some were missing.
         materials: if complete { &materials } else { &[] },
         walls: &walls,
+        flow: flow.is_some(),
     };
     let methods = numerics::methods(&mut root, &setup, kinds);
     let time = time?;
@@ -145,6 +149,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         initial_temperature: initial_temperature?,
         walls,
         rings,
+        flow,
         watch: watch?,
         reference,
         methods,

@@ -11,6 +11,7 @@
 pub mod carrier;
 pub mod network;
 pub mod pressure;
+pub mod series;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -164,6 +165,7 @@ pub struct FlowMethod {
     start: Vec<f64>,
     doors: [Vec<f64>; 2],
     beside: Vec<(u32, f64)>,
+    opening_temperatures: Vec<Option<f64>>,
     own_bound: Bound,
     bound: Bound,
     steps: u64,
@@ -172,7 +174,13 @@ pub struct FlowMethod {
 
 impl FlowMethod {
     /// Water through the assembled particles, neighbours and walls of a scene, from these enthalpies (J/m3) on.
-    pub fn new(parts: ListParts, scene: &Scene, flow: &Flow, numerics: (FlowNumerics, StepChoice), enthalpy: &[f64]) -> Result<Self, String> {
+    pub fn new(
+        parts: ListParts,
+        scene: &Scene,
+        flow: &Flow,
+        numerics: (FlowNumerics, StepChoice),
+        enthalpy: &[f64],
+    ) -> Result<Self, String> {
         let (materials, boundary) = (parts.materials.clone(), parts.boundary.clone());
         let first = &materials.thermals[0];
         let faces = boundary.first_faces(&first.curve, first.initial_potential);
@@ -184,7 +192,8 @@ impl FlowMethod {
             .zip(materials.thermals.iter())
             .map(|(material, thermal)| {
                 let pores = material.pores.ok_or_else(|| format!("\"{}\" has no pores", material.name))?;
-                let permeability = pores.permeability.ok_or_else(|| format!("\"{}\" has no permeability", material.name))?;
+                let permeability =
+                    pores.permeability.ok_or_else(|| format!("\"{}\" has no permeability", material.name))?;
                 Ok(Aquifer {
                     warmth: Warmth::new(thermal),
                     thermal: thermal.clone(),
@@ -236,6 +245,7 @@ impl FlowMethod {
             start: vec![0.0; count],
             doors: [doors.clone(), doors],
             beside: Vec::new(),
+            opening_temperatures: Vec::new(),
             bound: own_bound.clone(),
             own_bound,
             steps: 0,
@@ -322,7 +332,8 @@ impl FlowMethod {
 
     /// The step that conduction and water allow together.
     fn bind(&mut self) {
-        let least = self.aquifers.iter().map(|aquifer| aquifer.thermal.curve.least_capacity()).fold(f64::INFINITY, f64::min);
+        let least =
+            self.aquifers.iter().map(|aquifer| aquifer.thermal.curve.least_capacity()).fold(f64::INFINITY, f64::min);
         let carried = self.carrier.greatest.0 / least;
         let step = 1.0 / (1.0 / self.own_bound.step + carried);
         let cause = format!(
@@ -357,6 +368,11 @@ impl FlowMethod {
             Face::Film { ambient, .. } => Some(ambient),
             Face::Even | Face::Flux(_) => None,
         };
+        self.opening_temperatures.clear();
+        let wall_temperatures: [Option<f64>; network::MOST_WALLS] =
+            std::array::from_fn(|wall| if wall < self.walls.len() { self.wall_temperature(wall) } else { None });
+        let of_opening = |opening: &network::Opening| wall_temperatures[opening.wall as usize];
+        self.opening_temperatures.extend(self.network.openings.iter().map(of_opening));
         self.beside.extend(self.network.beside.iter().filter_map(|(i, door)| Some((*i, held(*door)?))));
         // Heat in water counts from the freezing point.
         let zero = first.curve.freezing_point();
@@ -380,6 +396,7 @@ impl FlowMethod {
             mixed: materials.mixed(),
             enthalpy_at: &enthalpy_at,
             beside: &self.beside,
+            openings: &self.opening_temperatures,
             pool: self.pool.as_ref(),
         };
         self.carrier.carry(&self.network, &state, &mut self.rate);

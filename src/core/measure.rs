@@ -353,6 +353,7 @@ mod tests {
                 errors: Errors::default(),
                 reference: None,
                 reduced_from: None,
+                water: None,
                 spared: Vec::new(),
                 differences: Vec::new(),
                 state_hash: String::new(),
@@ -365,6 +366,7 @@ mod tests {
             walls: Vec::new(),
             gaps: Vec::new(),
             fields: Vec::new(),
+            water: None,
         }
     }
 

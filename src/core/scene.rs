@@ -16,7 +16,8 @@ pub use flow::{Flow, PressureWall, RelativePermeability};
 pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
 pub use series::{Schedule, Series};
 pub use settings::{
-    Advection, Exchange, FlowNumerics, IntegratorChoice, Layout, Mean, Numerics, SearchChoice, Setting, StepChoice, Uptake, WallModel,
+    Advection, Exchange, FlowNumerics, IntegratorChoice, Layout, Mean, Numerics, SearchChoice, Setting, StepChoice,
+    Uptake, WallModel,
 };
 
 /// Units of a scene file.

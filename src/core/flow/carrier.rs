@@ -5,12 +5,17 @@
 //! what they take, and the heat of the water that i itself keeps or gives as ice; an even temperature stays even
 //! whatever water does. With the mean of both ends for `T_ij` this is `-C sum_j q_ij (T_j - T_i) / 2`.
 //!
+//! A long path sees more of the bend of a profile than a short one: the third derivative that the mean of both ends
+//! leaves is taken out with the gradients `g` there, `T_ij = (T_i + T_j)/2 - x_ij.(g_j - g_i)/6`, wherever water is not
+//! much slower than conduction.
+//!
 //! The factor of `T_j - T_i` is negative where water outruns conduction. An exchange beside it mends that, at the price
 //! of smeared fronts; limited, most of it is taken back again: as much as leaves every particle within the enthalpies
 //! around it (Zalesak 1979).
 
 use std::sync::Arc;
 
+use glam::DVec2;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
@@ -21,6 +26,9 @@ use crate::scene::Advection;
 
 /// Particles that one task handles; fixed, so that results do not depend on the number of threads.
 const TASK: usize = 2048;
+
+/// Heat that water carries along a path over what the path conducts, from which the bend of profiles counts.
+const FAST: f64 = 1.0;
 
 /// Water of one particle through one wall of given pressure (1/s by volume).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,6 +59,11 @@ pub struct Carrier {
     /// Greatest sum of factors of one particle (W/m3K), and the particle.
     pub greatest: (f64, usize),
     limits_now: bool,
+    /// Whether gradients are used, and the gradients.
+    bends: bool,
+    gradients: Vec<DVec2>,
+    /// A sixth of the heat capacity of water (J/m3K).
+    sixth: f64,
     mouth_of: Vec<u32>,
     rows: Vec<Row>,
     marked: Vec<bool>,
@@ -120,13 +133,7 @@ impl Carrier {
     }
 
     /// Takes the water of a solution for the pressure.
-    pub fn take(
-        &mut self,
-        network: &Network,
-        pressure: &Pressure,
-        ground: &Ground<'_>,
-        advection: Advection,
-    ) {
+    pub fn take(&mut self, network: &Network, pressure: &Pressure, ground: &Ground<'_>, advection: Advection) {
         self.follow(network, pressure, advection);
         for mouth in &mut self.mouths {
             (mouth.inflow, mouth.outflow) = (0.0, 0.0);
@@ -150,7 +157,10 @@ impl Carrier {
             // what leaves that of the particles; the mean of a pair differs from that by an exchange of the two.
             let enters_warm = water < 0.0 && ground.warm[opening.wall as usize];
             let leaves_free = water > 0.0 && !ground.warm[opening.wall as usize];
-            if opening.path != NONE && opening.sign < 0.0 && advection != Advection::Upwind && (enters_warm || leaves_free)
+            if opening.path != NONE
+                && opening.sign < 0.0
+                && advection != Advection::Upwind
+                && (enters_warm || leaves_free)
             {
                 self.factors[opening.path as usize] -= 0.5 * ground.capacity * water.abs();
             }
@@ -181,6 +191,9 @@ impl Carrier {
     /// Adds the exchange that keeps factors and conduction together from being negative, and finds the greatest sum.
     fn bound(&mut self, network: &Network, ground: &Ground<'_>, advection: Advection) {
         let limited = advection == Advection::Limited;
+        self.sixth = ground.capacity / 6.0;
+        self.bends = false;
+        let may_bend = matches!(advection, Advection::Central | Advection::Limited);
         for i in 0..network.len() {
             let own = (ground.least_conductivity)(i);
             for k in network.starts[i]..network.starts[i + 1] {
@@ -192,6 +205,7 @@ impl Carrier {
                 let carried = 0.5 * ground.capacity * self.water[k];
                 let beside = self.factors[k] + carried;
                 let conducted = network.heat_weights[k] * own.min((ground.least_conductivity)(j));
+                self.bends |= may_bend && 2.0 * carried.abs() > FAST * conducted.abs();
                 let exchange = match advection {
                     Advection::Central | Advection::Paper => 0.0,
                     Advection::Upwind => carried.abs() - beside,
@@ -205,7 +219,8 @@ impl Carrier {
                 }
             }
         }
-        self.limits_now = self.exchange.iter().any(|exchange| *exchange > 0.0);
+        self.limits_now = limited && (self.bends || self.exchange.iter().any(|exchange| *exchange > 0.0));
+        self.gradients.resize(if self.bends { network.len() } else { 0 }, DVec2::ZERO);
         let central = matches!(advection, Advection::Central | Advection::Paper);
         let mut sums: Vec<f64> = (0..network.len())
             .map(|i| {
@@ -216,13 +231,27 @@ impl Carrier {
         for mouth in &self.mouths {
             sums[mouth.particle as usize] += ground.capacity * mouth.inflow;
         }
-        self.greatest = sums.iter().enumerate().fold((0.0, 0), |most, (i, sum)| if *sum > most.0 { (*sum, i) } else { most });
+        self.greatest =
+            sums.iter().enumerate().fold((0.0, 0), |most, (i, sum)| if *sum > most.0 { (*sum, i) } else { most });
     }
 
     /// Adds what paths carry to the rates (W/m3), from temperatures and enthalpies (J/m3) at the start of a step (s);
     /// `beside` are particles next to walls with the enthalpies that those hold.
     pub fn carry(&mut self, network: &Network, state: &State<'_>, rate: &mut [f64]) {
         let temperature = state.temperature;
+        if self.bends {
+            self.slope(network, state);
+        }
+        if !self.limits_now && self.bends {
+            let (factors, this) = (&self.factors, &*self);
+            each(state.pool, rate, |i, rate| {
+                for k in network.starts[i]..network.starts[i + 1] {
+                    let j = network.partners[k] as usize;
+                    *rate += factors[k] * (temperature[j] - temperature[i]) + this.bend(network, i, k);
+                }
+            });
+            return;
+        }
         if !self.limits_now {
             let factors = &self.factors;
             each(state.pool, rate, |i, rate| {
@@ -235,18 +264,17 @@ impl Carrier {
         }
         self.gather(network, state);
         self.limit(network, state, rate);
-        let (rows, limits, marked, exchange) = (&self.rows, &self.limits, &self.marked, &self.exchange);
+        let (rows, limits, marked, this) = (&self.rows, &self.limits, &self.marked, &*self);
         each(state.pool, rate, |i, rate| {
             let row = rows[i];
             let back = if marked[i] {
                 let (own, (up, down)) = (temperature[i], limits[i]);
                 let range = network.starts[i]..network.starts[i + 1];
-                let partners = network.partners[range.clone()].iter().zip(&exchange[range]);
                 let share = |j: usize, back: f64| if back > 0.0 { up.min(limits[j].1) } else { down.min(limits[j].0) };
-                partners
-                    .map(|(j, exchange)| {
-                        let j = *j as usize;
-                        let back = exchange * (own - temperature[j]);
+                range
+                    .map(|k| {
+                        let j = network.partners[k] as usize;
+                        let back = this.exchange[k] * (own - temperature[j]) + this.bend(network, i, k);
                         back * share(j, back)
                     })
                     .sum::<f64>()
@@ -257,10 +285,37 @@ impl Carrier {
         });
     }
 
+    /// What the bend of the profile takes from what a path carries (W/m3).
+    #[inline(always)]
+    fn bend(&self, network: &Network, i: usize, k: usize) -> f64 {
+        if !self.bends {
+            return 0.0;
+        }
+        let rise = self.gradients[network.partners[k] as usize] - self.gradients[i];
+        self.sixth * self.water[k] * network.arms[k].dot(rise)
+    }
+
+    /// Gradients of the temperature: half of the sum, as the second moment of weights is twice the unit matrix.
+    fn slope(&mut self, network: &Network, state: &State<'_>) {
+        each(state.pool, &mut self.gradients, |i, gradient| {
+            let own = state.temperature[i];
+            let paths = network.starts[i]..network.starts[i + 1];
+            let rise = |k: usize| state.temperature[network.partners[k] as usize] - own;
+            *gradient = paths.map(|k| 0.5 * network.weights[k] * rise(k) * network.arms[k]).sum();
+        });
+        for (opening, wall) in network.openings.iter().zip(state.openings) {
+            let (own, image) = (opening.particle as usize, opening.image as usize);
+            let image = state.temperature[image];
+            let ghost = wall.map_or(image, |wall| 2.0 * wall - image);
+            self.gradients[own] += 0.5 * opening.weight * (ghost - state.temperature[own]) * opening.arm;
+        }
+    }
+
     /// What each particle gains with the whole exchange, and what lies around it.
     fn gather(&mut self, network: &Network, state: &State<'_>) {
-        let (factors, exchange) = (&self.factors, &self.exchange);
-        each(state.pool, &mut self.rows, |i, row| {
+        let mut rows = std::mem::take(&mut self.rows);
+        let (factors, exchange, this) = (&self.factors, &self.exchange, &*self);
+        each(state.pool, &mut rows, |i, row| {
             let (own, enthalpy) = (state.temperature[i], state.enthalpy[i]);
             *row = Row { least: enthalpy, most: enthalpy, ..Row::default() };
             let mut warmest = (own, i);
@@ -269,7 +324,7 @@ impl Carrier {
                 let j = network.partners[k] as usize;
                 let rise = state.temperature[j] - own;
                 row.gain += factors[k] * rise;
-                let back = -exchange[k] * rise;
+                let back = this.bend(network, i, k) - exchange[k] * rise;
                 if back > 0.0 {
                     row.up += back;
                 } else {
@@ -289,6 +344,7 @@ impl Carrier {
                 row.least = row.least.min((state.enthalpy_at)(i, coldest.0));
             }
         });
+        self.rows = rows;
         for (i, temperature) in state.beside {
             let wall = (state.enthalpy_at)(*i as usize, *temperature);
             let row = &mut self.rows[*i as usize];
@@ -328,6 +384,8 @@ pub struct State<'a> {
     pub mixed: bool,
     /// Enthalpy (J/m3) of a particle at a temperature.
     pub enthalpy_at: &'a (dyn Fn(usize, f64) -> f64 + Sync),
+    /// Temperatures that pressure walls hold, by opening.
+    pub openings: &'a [Option<f64>],
     /// Particles next to walls, with the temperatures that those hold.
     pub beside: &'a [(u32, f64)],
     /// Threads, if more than one.
@@ -350,10 +408,10 @@ fn each<T: Send>(pool: Option<&Arc<ThreadPool>>, rows: &mut [T], one: impl Fn(us
 }
 
 /// Darcy velocities (m/s) of all particles, from the water of their paths and openings.
-pub fn velocities(network: &Network, pressure: &Pressure) -> Vec<glam::DVec2> {
+pub fn velocities(network: &Network, pressure: &Pressure) -> Vec<DVec2> {
     // The second moment of weights is twice the unit matrix: half of the sum is the velocity.
     let values = &pressure.pressure;
-    let mut found: Vec<glam::DVec2> = (0..network.len())
+    let mut found: Vec<DVec2> = (0..network.len())
         .map(|i| {
             let paths = network.starts[i]..network.starts[i + 1];
             let water = |k: usize| pressure.conductances[k] * (values[i] - values[network.partners[k] as usize]);

@@ -91,11 +91,8 @@ impl Pressure {
         self.assemble(network, conductivity, walls, taken);
         self.coarse.assemble(network, &self.diagonal, &self.rest);
         let norm = |column: &[f64]| dot(column, column).sqrt();
-        let limit = if self.solutions == 0 {
-            FIRST_TOLERANCE * norm(&self.right)
-        } else {
-            TOLERANCE * self.passing(network)
-        };
+        let limit =
+            if self.solutions == 0 { FIRST_TOLERANCE * norm(&self.right) } else { TOLERANCE * self.passing(network) };
         // The balance of each block first.
         self.multiply(network, Column::Pressure);
         for ((residual, right), image) in self.residual.iter_mut().zip(&self.right).zip(&self.image) {
@@ -187,7 +184,8 @@ impl Pressure {
         for i in 0..network.len() {
             let range = network.starts[i]..network.starts[i + 1];
             let rest = network.partners[range.clone()].iter().zip(&self.rest[range]);
-            self.image[i] = self.diagonal[i] * values[i] + rest.map(|(j, rest)| rest * values[*j as usize]).sum::<f64>();
+            self.image[i] =
+                self.diagonal[i] * values[i] + rest.map(|(j, rest)| rest * values[*j as usize]).sum::<f64>();
         }
     }
 

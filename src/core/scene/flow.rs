@@ -15,6 +15,8 @@ pub struct Flow {
     pub least_relative_permeability: f64,
     /// Whether water that freezes pushes other water aside, by the difference of densities (Nikolaev et al. 2021, eq 6).
     pub density_change: bool,
+    /// Height (m) of the cut along x that is kept beside profiles.
+    pub cut: Option<f64>,
 }
 
 /// A wall through which water enters or leaves.

@@ -13,7 +13,10 @@ pub(super) fn flow(root: &mut Section<'_>, domain: Option<&Domain>, materials: &
     if !root.has("flow") {
         for material in materials {
             if material.pores.is_some_and(|pores| pores.permeability.is_some()) {
-                let message = format!("has no effect, the scene has no section \"flow\" that moves water through \"{}\"", material.name);
+                let message = format!(
+                    "has no effect, the scene has no section \"flow\" that moves water through \"{}\"",
+                    material.name
+                );
                 root.problem("materials", message);
             }
         }
@@ -47,7 +50,15 @@ pub(super) fn flow(root: &mut Section<'_>, domain: Option<&Domain>, materials: &
     if density_change && !freezes && !materials.is_empty() {
         section.problem("density_change", "has no effect, no material freezes");
     }
+    let cut = match domain {
+        Some(Domain::Rectangle { height, .. }) => section.optional_number(("cut_y", "m"), Range::between(0.0, *height)),
+        _ => {
+            section.refuse(("cut_y", "m"), "a line has no y");
+            None
+        }
+    };
     Some(Flow {
+        cut,
         viscosity: viscosity?,
         walls,
         relative_permeability: law?,

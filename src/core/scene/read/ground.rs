@@ -47,8 +47,9 @@ pub(super) fn materials(section: &mut Section<'_>) -> Vec<(String, Option<Materi
 
 fn material(name: &str, section: &mut Section<'_>) -> Option<Material> {
     if is_porous(section) {
-        let porous = porous::porous(section);
         let freezing = section.section("freezing").and_then(freezing);
+        let freezes = freezing.as_ref().is_none_or(|freezing| freezing.law != FreezingLaw::None);
+        let porous = porous::porous(section, freezes);
         let (porous, freezing) = (porous?, freezing?);
         let whole = porous.whole(freezing.mixing);
         return Some(Material {

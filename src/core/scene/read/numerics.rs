@@ -7,8 +7,8 @@ use super::section::Section;
 use crate::material::{FreezingLaw, Material};
 use crate::method::MethodKind;
 use crate::scene::settings::{
-    Advection, Exchange, FlowNumerics, IntegratorChoice, Layout, Mean, MethodSettings, Numerics, SearchChoice, Setting, StepChoice, Uptake,
-    WallModel,
+    Advection, Exchange, FlowNumerics, IntegratorChoice, Layout, Mean, MethodSettings, Numerics, SearchChoice, Setting,
+    StepChoice, Uptake, WallModel,
 };
 use crate::scene::{Condition, Domain, Sector, Wall};
 
@@ -297,7 +297,10 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
     if numerics.flow.is_some() {
         // Water is carried beside conduction of the shared operator, in steps of its own.
         if kind.stochastic {
-            section.section_problem(format!("the method \"{}\" moves no water: leave it out of a scene with \"flow\"", kind.name));
+            section.section_problem(format!(
+                "the method \"{}\" moves no water: leave it out of a scene with \"flow\"",
+                kind.name
+            ));
         }
         if let Some(word) = integrator {
             section.problem("integrator", format!("found \"{word}\", must be \"euler\" in a scene with \"flow\""));
@@ -310,7 +313,10 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
             section.problem("mushy", "found false, must be true in a scene with \"flow\"");
         }
         if numerics.walls == WallModel::MovingLeastSquares {
-            section.problem("wall_model", "found \"moving-least-squares\", must be \"mirror\" or \"layers\" in a scene with \"flow\"");
+            section.problem(
+                "wall_model",
+                "found \"moving-least-squares\", must be \"mirror\" or \"layers\" in a scene with \"flow\"",
+            );
         }
         if numerics.search == SearchChoice::Lattice {
             section.problem("search", "found \"lattice\", but water needs a neighbour list");

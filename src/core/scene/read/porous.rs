@@ -36,14 +36,20 @@ pub(super) fn is_porous(section: &Section<'_>) -> bool {
     ["porosity", "solid", "ice", "water"].iter().any(|key| section.has(*key))
 }
 
-pub(super) fn porous(section: &mut Section<'_>) -> Option<Porous> {
+/// Reads the phases. Where nothing freezes, ice is left out and stands for water.
+pub(super) fn porous(section: &mut Section<'_>, freezes: bool) -> Option<Porous> {
     let reason = "a porous material has it from solid, ice and water";
     section.refuse(("density", "kg_per_m3"), reason);
     section.refuse("frozen", reason);
     section.refuse("unfrozen", reason);
     let porosity = section.number("porosity", Range::above_to(0.0, 1.0));
     let water = section.section("water").and_then(part);
-    let ice = section.section("ice").and_then(part);
+    let ice = if freezes {
+        section.section("ice").and_then(part)
+    } else {
+        section.refuse("ice", "law \"none\" has no ice");
+        water
+    };
     let solid = if porosity == Some(1.0) {
         section.refuse("solid", "pores of porosity 1 are all there is");
         None
@@ -85,8 +91,8 @@ impl Porous {
         };
         let density = porosity * self.water.density + (1.0 - porosity) * solid.density;
         let phase = |full: &Part| {
-            let capacity = porosity * full.density * full.heat_capacity
-                + (1.0 - porosity) * solid.density * solid.heat_capacity;
+            let capacity =
+                porosity * full.density * full.heat_capacity + (1.0 - porosity) * solid.density * solid.heat_capacity;
             Phase { conductivity: mixed(full), heat_capacity: capacity / density }
         };
         let ice_share = porosity * self.ice.density / density;

@@ -1,5 +1,5 @@
 //! Conduction and nothing else, written by hand: explicit steps of one linear material on a plane of even rows, the
-//! left wall at a temperature, the others symmetry planes.
+//! left wall at a temperature or a symmetry plane, the others symmetry planes.
 //!
 //! The shape is that of the sweep of the program: rows of old values in a ring, sums folded by symmetry, blocks that stay
 //! in the first cache, the same instructions in the same order, so that both give the same bits. What conduction does not
@@ -11,8 +11,9 @@ use frazil_core::stencil::Stencil;
 const LANES: usize = 8;
 const BLOCK: usize = 256;
 
-/// The body. `REACH` is that of the stencil, whose weights lie in a disc.
-pub struct ByHand<const REACH: usize> {
+/// The body. `REACH` is that of the stencil, whose weights lie in a disc; `WALL` tells whether the left wall has a
+/// temperature.
+pub struct ByHand<const REACH: usize, const WALL: bool> {
     columns: usize,
     rows: usize,
     /// Enthalpies (J/m3) less those at the start, row by row.
@@ -34,7 +35,7 @@ pub struct ByHand<const REACH: usize> {
 #[repr(align(64))]
 struct Sums([f64; BLOCK + 32]);
 
-impl<const REACH: usize> ByHand<REACH> {
+impl<const REACH: usize, const WALL: bool> ByHand<REACH, WALL> {
     /// A body at rest.
     pub fn new(side: usize, stencil: &Stencil, diffusivity: f64, wall: f64, step: f64) -> Self {
         let (columns, rows) = (side, side);
@@ -98,7 +99,8 @@ impl<const REACH: usize> ByHand<REACH> {
             *slot = self.diffusivity * own;
         }
         for layer in 0..REACH {
-            slot[REACH - 1 - layer] = 2.0 * self.wall - slot[REACH + layer];
+            let image = slot[REACH + layer];
+            slot[REACH - 1 - layer] = if WALL { 2.0 * self.wall - image } else { image };
             slot[REACH + self.columns + layer] = slot[REACH + self.columns - 1 - layer];
         }
     }

@@ -87,6 +87,11 @@ impl Body {
     }
 }
 
+/// Conduction alone, in a closed body or with one cold wall.
+fn conduction(wall: bool) -> Body {
+    square([if wall { COLD } else { CLOSED }, CLOSED, CLOSED, CLOSED], NO_CHANGE)
+}
+
 fn square(walls: [&'static str; 4], law: &'static str) -> Body {
     Body { walls, law, rest: String::new(), ring: false }
 }
@@ -95,18 +100,17 @@ fn square(walls: [&'static str; 4], law: &'static str) -> Body {
 const PLACES: usize = 6;
 
 /// The program's case and the loop by hand, in turns, each at several places in memory.
-fn against_by_hand<const REACH: usize>(method: &str, side: usize, steps: u64) {
+fn against_by_hand<const REACH: usize, const WALL: bool>(method: &str, side: usize, steps: u64) {
     let mut random = StdRng::seed_from_u64(1);
     let mut between = Vec::new();
-    let mut pairs: Vec<(Case, ByHand<REACH>)> = (0..PLACES)
+    let mut pairs: Vec<(Case, ByHand<REACH, WALL>)> = (0..PLACES)
         .map(|place| {
             between.push(vec![0u8; 5000 * place + 1]);
-            let case =
-                Case::new(method, square([COLD, CLOSED, CLOSED, CLOSED], NO_CHANGE).plan_of(side, method, ""), steps);
+            let case = Case::new(method, conduction(WALL).plan_of(side, method, ""), steps);
             let thermal = &case.plan.particles.materials.thermals[0];
             let wall = thermal.potential_at(TEMPERATURES.1);
             let stencil = stencil(shared::kind(method));
-            let mut hand = ByHand::<REACH>::new(side, &stencil, thermal.largest_slope, wall, case.plan.step);
+            let mut hand = ByHand::<REACH, WALL>::new(side, &stencil, thermal.largest_slope, wall, case.plan.step);
             // Both solve the same problem, or the comparison says nothing.
             check_agreement(method, side, &mut hand);
             // Numbers of ordinary size everywhere, as in the program's case.
@@ -131,7 +135,8 @@ fn against_by_hand<const REACH: usize>(method: &str, side: usize, steps: u64) {
     let [low, middle, high] = quartiles(&ratios).unwrap_or([f64::NAN; 3]);
     let rate = |times: &[f64]| 1e-6 / median(times).unwrap_or(f64::NAN);
     println!(
-        "{method:<6} {side:>5} squared: program {:>8.1} M particle-steps/s, by hand {:>8.1}; time over by hand {middle:.3} ({low:.3} to {high:.3})",
+        "{method:<6} {side:>5} squared, {}: program {:>8.1} M particle-steps/s, by hand {:>8.1}; time over by hand {middle:.3} ({low:.3} to {high:.3})",
+        if WALL { "one wall, its heat booked" } else { "closed" },
         rate(&program),
         rate(&by_hand)
     );
@@ -149,10 +154,10 @@ fn stencil(kind: &'static frazil_core::method::MethodKind) -> Stencil {
     Stencil::new(&discretisation.unwrap_or_else(|problems| unreachable!("{problems}")), SPACING, 2)
 }
 
-/// From rest, some steps of both give the same enthalpies, to the last bit.
-fn check_agreement<const REACH: usize>(method: &str, side: usize, hand: &mut ByHand<REACH>) {
-    let mut plan = square([COLD, CLOSED, CLOSED, CLOSED], NO_CHANGE).plan_of(side, method, "");
-    plan.particles.enthalpy.fill(0.0);
+/// From the same random start, some steps of both give the same enthalpies, to the last bit.
+fn check_agreement<const REACH: usize, const WALL: bool>(method: &str, side: usize, hand: &mut ByHand<REACH, WALL>) {
+    let mut plan = conduction(WALL).plan_of(side, method, "");
+    hand.state.copy_from_slice(&plan.particles.enthalpy);
     let mut case = Case::new(method, plan, 19);
     case.round();
     (0..20).for_each(|_| hand.step());
@@ -163,8 +168,10 @@ fn main() {
     println!("Conduction alone, one thread, 3 x {ROUNDS} turns at {PLACES} places each, median and quartiles");
     for side in [SIDE, 2 * SIDE] {
         let steps = if side == SIDE { 8 } else { 2 };
-        against_by_hand::<3>("pd", side, steps);
-        against_by_hand::<1>("local", side, 2 * steps);
+        against_by_hand::<3, false>("pd", side, steps);
+        against_by_hand::<1, false>("local", side, 2 * steps);
+        against_by_hand::<3, true>("pd", side, steps);
+        against_by_hand::<1, true>("local", side, 2 * steps);
     }
 
     let closed = square([CLOSED; 4], NO_CHANGE);

@@ -6,6 +6,7 @@ use frazil_core::reference::{Plane, Reference};
 use frazil_core::scene::{Condition, Domain, Scene, Units};
 
 use crate::exact::constant;
+use crate::seepage;
 
 const DAY: f64 = 86_400.0;
 
@@ -13,7 +14,8 @@ const DAY: f64 = 86_400.0;
 const SAME: f64 = 1e-3;
 
 /// Names of the tables, as a scene file asks for them.
-pub const NAMES: [&str; 5] = [
+pub const NAMES: [&str; 6] = [
+    seepage::NAME,
     "soil-column",
     "shaft-single-sand-54mm",
     "shaft-single-clay10-54mm",
@@ -23,6 +25,9 @@ pub const NAMES: [&str; 5] = [
 
 /// The table of the given name, if it is about the physics of the scene; else the reason.
 pub fn by_name(name: &str, scene: &Scene) -> Result<Box<dyn Reference>, String> {
+    if name == seepage::NAME {
+        return Ok(Box::new(seepage::Inclusion::of_scene(scene)?));
+    }
     if name == "soil-column" {
         let differences = column_differences(scene);
         return match differences.is_empty() {
@@ -84,7 +89,7 @@ impl Table {
 }
 
 /// Piecewise linear interpolation; `None` outside the range of `x`, which must increase.
-fn interpolate(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
+pub(crate) fn interpolate(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
     let after = x.partition_point(|&node| node <= at);
     if after == 0 {
         return None;
@@ -156,9 +161,9 @@ impl Soil {
         if scene.units != Units::Si {
             differences.push("units are si there".into());
         }
-        let own: Option<&Material> = match scene.regions.iter().any(|region| region.material != 0) {
-            true => None,
-            false => scene.materials.first(),
+        let own: Option<&Material> = match scene.is_uniform() {
+            true => scene.materials.first(),
+            false => None,
         };
         let mut number = |what: &str, read: fn(&Material) -> f64, expected: f64| {
             compare(&mut differences, what, own.map(read), expected);

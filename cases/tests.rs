@@ -3,7 +3,7 @@
 use frazil_core::material::{FreezingLaw, Material, Mixing, Phase};
 use frazil_core::reference::Plane;
 use frazil_core::scene::{
-    Condition, Domain, PipeRing, ReferenceChoice, Region, Scene, Sector, Series, TimeUnit, Units, Wall, Watch,
+    Condition, Domain, PipeRing, ReferenceChoice, Region, Scene, Sector, Series, Shape, TimeUnit, Units, Wall, Watch,
 };
 
 use crate::exact::similarity::tests::water;
@@ -172,7 +172,7 @@ fn other_scenes_are_refused_with_the_reason() {
     assert!(rising.contains("left wall has no constant temperature"), "{rising}");
     let inclusion = with(&|scene| {
         scene.materials.push(scene.materials[0].clone());
-        scene.regions.push(Region { material: 1, x_min: 0.1, x_max: 0.2, y_min: f64::MIN, y_max: f64::MAX });
+        scene.regions.push(Region { material: Some(1), temperature: None, shape: Shape::Polygon(Vec::new()) });
     });
     assert!(inclusion.contains("several materials"), "{inclusion}");
     let side = with(&|scene| {

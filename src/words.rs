@@ -1,6 +1,6 @@
 //! A scene in words, as pages say it.
 
-use frazil_core::scene::{Condition, Domain, Scene, Series, Units};
+use frazil_core::scene::{Condition, Domain, Scene, Series, Shape, Units};
 use frazil_plots::page::Fact;
 use frazil_plots::style::{length, number};
 
@@ -13,6 +13,8 @@ pub fn length_words(units: Units, value: f64) -> String {
 pub fn parameters(scene: &Scene) -> Vec<Fact> {
     let si = scene.units == Units::Si;
     let with = |value: f64, unit: &str| if si { format!("{} {unit}", number(value, 4)) } else { number(value, 4) };
+    let number_words = |value: f64| number(value, 4);
+    let with_point = |x: f64, y: f64| format!("({}, {}){}", number(x, 4), number(y, 4), if si { " m" } else { "" });
     let series = |series: &Series, unit: &str| match series {
         Series::Constant(value) => with(*value, unit),
         Series::Table(rows) => format!("a table of {} instants", rows.len()),
@@ -37,6 +39,25 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
         ),
         Fact::new("Temperature at the start", with(scene.initial_temperature, "°C")),
     ];
+    for (number, region) in scene.regions.iter().enumerate() {
+        let shape = match &region.shape {
+            Shape::Box(cell) if cell.low.y.is_finite() => format!(
+                "box from ({}, {}) to {}",
+                number_words(cell.low.x),
+                number_words(cell.low.y),
+                with_point(cell.high.x, cell.high.y)
+            ),
+            Shape::Box(cell) => format!("from {} to {}", number_words(cell.low.x), with(cell.high.x, "m")),
+            Shape::Circle { centre, radius } => {
+                format!("circle of radius {} around {}", with(*radius, "m"), with_point(centre.x, centre.y))
+            }
+            Shape::Polygon(corners) => format!("polygon of {} corners", corners.len()),
+        };
+        let material = region.material.map(|index| format!(", of {}", scene.materials[index].name));
+        let start = region.temperature.map(|temperature| format!(", starts at {}", with(temperature, "°C")));
+        let words = [Some(shape), material, start].into_iter().flatten().collect::<String>();
+        facts.push(Fact::new(format!("Region {number}"), words));
+    }
     for wall in &scene.walls {
         let condition = match &wall.condition {
             Condition::Symmetry => "mirror plane, no heat crosses".into(),

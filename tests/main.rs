@@ -11,6 +11,7 @@ mod invariants;
 mod order;
 mod reductions;
 mod references;
+mod regions;
 mod reproducibility;
 mod sketch;
 mod stability;

@@ -213,7 +213,7 @@ impl FlowMethod {
         let expands = flow.density_change && aquifers.iter().any(|aquifer| aquifer.expansion() != 0.0);
         let own_bound = operator.step_bound();
         let mut method = FlowMethod {
-            scheme: scheme(Uptake::Enthalpy, true, &materials, count),
+            scheme: scheme(Uptake::Enthalpy, true, &materials, enthalpy, count),
             pressure,
             carrier,
             aquifers,

@@ -80,7 +80,8 @@ struct Around<L> {
     /// Instead of faces, where potentials are small changes.
     slopes: Option<WallSlopes>,
     exterior: Option<Exterior>,
-    /// Weight with which all particles of a row together reach the ghosts of a column wall: by row offset and layer.
+    /// Weight with which all particles of a row together reach the ghosts of a column wall: by row offset and layer, and
+    /// last the sums over rows.
     door_weights: Vec<f64>,
     /// Weight with which a particle of a row reaches all ghosts of a column wall: by its distance from the wall.
     door_own: Vec<f64>,
@@ -101,6 +102,8 @@ fn door_weights(stencil: &Stencil, shape: Shape, columns: usize) -> (Vec<f64>, V
             }
         }
     }
+    let all: Vec<f64> = (0..reach).map(|layer| weights.iter().skip(layer).step_by(reach).sum()).collect();
+    weights.extend(all);
     (weights, own)
 }
 
@@ -164,7 +167,17 @@ impl<L: PotentialLaw> Around<L> {
         let (reach, columns) = (self.shape.reach, self.lattice.columns);
         let (left, right) = (self.face(0), self.face(1));
         let (has_left, has_right) = (self.sides[0] != Side::Curved, self.sides[1] != Side::Curved);
-        // From the wall outward, both sides in turn: in a body narrower than the reach, images are ghosts themselves.
+        // The two commonest walls without asking again at each layer. In a body narrower than the reach, images are ghosts
+        // themselves: there both sides take turns.
+        if columns >= reach && has_left && has_right {
+            let (near_left, rest) = potentials.split_at_mut(reach);
+            let (inside, near_right) = rest.split_at_mut(columns);
+            let images = near_left.iter_mut().rev().zip(inside.iter());
+            self.mirror(0, &left, images, row);
+            self.mirror(1, &right, near_right[..reach].iter_mut().zip(inside.iter().rev()), row);
+            return;
+        }
+        // From the wall outward.
         for layer in 0..reach {
             if has_left {
                 potentials[reach - 1 - layer] = self.ghost(0, &left, potentials[reach + layer], row, layer);
@@ -172,6 +185,20 @@ impl<L: PotentialLaw> Around<L> {
             if has_right {
                 potentials[reach + columns + layer] =
                     self.ghost(1, &right, potentials[reach + columns - 1 - layer], row, layer);
+            }
+        }
+    }
+
+    /// Ghosts of one side from their images, both from the wall outward.
+    #[inline(always)]
+    fn mirror<'a>(&self, side: usize, face: &Face, pairs: impl Iterator<Item = (&'a mut f64, &'a f64)>, row: usize) {
+        match *face {
+            Face::Even => pairs.for_each(|(ghost, image)| *ghost = *image),
+            Face::Odd { wall, .. } => pairs.for_each(|(ghost, image)| *ghost = 2.0 * wall - image),
+            _ => {
+                for (layer, (ghost, image)) in pairs.enumerate() {
+                    *ghost = self.ghost(side, face, *image, row, layer);
+                }
             }
         }
     }
@@ -195,11 +222,28 @@ impl<L: PotentialLaw> Surroundings for Around<L> {
             if !self.open[side] {
                 continue;
             }
+            // Only the sum over all rows is asked for: a row of ghosts is booked at once for all rows that see it, the ghosts
+            // of ghost rows with the first and the last row.
+            let ghosts = |near: &[f64], weights: &[f64]| -> f64 {
+                let ghost =
+                    |layer: usize| if side == 0 { near[reach - 1 - layer] } else { near[reach + columns + layer] };
+                weights.iter().enumerate().map(|(layer, weight)| weight * ghost(layer)).sum()
+            };
             let mut rate = 0.0;
-            for (near, weights) in rows.iter().zip(self.door_weights.chunks_exact(reach)) {
-                for (layer, weight) in weights.iter().enumerate() {
-                    let ghost = if side == 0 { near[reach - 1 - layer] } else { near[reach + columns + layer] };
-                    rate += weight * ghost;
+            let ends = if row >= reach_rows && row + reach_rows < self.lattice.rows {
+                rate += ghosts(own, &self.door_weights[(2 * reach_rows + 1) * reach..]);
+                0..0
+            } else {
+                let from = if row == 0 { 0 } else { reach_rows };
+                from..if row + 1 == self.lattice.rows { rows.len() } else { reach_rows + 1 }
+            };
+            for offset in ends {
+                let seen_by = |distance: usize| {
+                    let seeing = (row + offset + distance).checked_sub(2 * reach_rows);
+                    seeing.is_some_and(|seeing| seeing < self.lattice.rows)
+                };
+                for distance in (0..rows.len()).filter(|distance| seen_by(*distance)) {
+                    rate += ghosts(rows[offset], &self.door_weights[distance * reach..][..reach]);
                 }
             }
             for (cell, weight) in self.door_own.iter().enumerate() {

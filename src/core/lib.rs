@@ -34,6 +34,8 @@ pub mod record;
 pub mod reduce;
 pub mod reference;
 pub mod scene;
+pub mod segment;
+pub mod start;
 pub mod statistics;
 pub mod stencil;
 pub mod sweep;

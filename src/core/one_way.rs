@@ -67,6 +67,9 @@ impl OneWay {
 
 /// Which way the frozen volume goes, if all data pull one way from the uniform start and never let go.
 fn direction(scene: &Scene) -> Option<f64> {
+    if scene.has_regional_starts() {
+        return None;
+    }
     let start = scene.initial_temperature;
     let pulls = |series: &Series, sign: f64| {
         let away = |value: f64| sign * (start - value) >= 0.0;

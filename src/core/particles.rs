@@ -21,6 +21,8 @@ pub enum Places {
 pub struct Particles {
     /// Enthalpy by volume (J/m3), relative to each particle's initial state.
     pub enthalpy: Vec<f64>,
+    /// What it was at the start; empty if all particles started from their initial state.
+    pub start: Arc<[f64]>,
     /// Where they stand.
     pub places: Places,
     /// The lattice that they fill, or were placed from.

@@ -33,6 +33,7 @@ use crate::scene::{
     Domain, Exchange, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, Sector, StepChoice, Units, Uptake,
     WallModel,
 };
+use crate::start;
 use crate::stencil::{SHELL_TOLERANCE, Stencil};
 use crate::sweep::WIDEST;
 use crate::terms::Parts;
@@ -51,6 +52,8 @@ const MOST_STEPS: f64 = 1e15;
 pub struct Assembly {
     /// The parts of a list operator.
     pub parts: ListParts,
+    /// Enthalpies at the start (see [`Particles::start`]).
+    pub start: Arc<[f64]>,
     /// Latent heat.
     pub uptake: Uptake,
     /// Conductivity inside the freezing interval.
@@ -65,7 +68,7 @@ impl Assembly {
     /// The shared explicit step with a term beside conduction.
     pub fn into_method<T: PairTerm>(self, term: T) -> Box<dyn Method> {
         let count = self.parts.positions.len();
-        let scheme = scheme(self.uptake, self.mushy, &self.parts.materials, count);
+        let scheme = scheme(self.uptake, self.mushy, &self.parts.materials, &self.start, count);
         Box::new(SchemeEuler::new(ListOperator::new(self.parts, term), scheme, count))
     }
 }
@@ -176,7 +179,7 @@ pub fn build(
         .collect();
     let pool = pool(threads)?;
     let cloud = place(scene, numerics, &lattice, seed)?;
-    let of_particle: Vec<u8> = if scene.regions.is_empty() {
+    let of_particle: Vec<u8> = if !scene.has_regional_materials() {
         Vec::new()
     } else {
         let material = |place: DVec2| scene.material_at(place.x, place.y) as u8;
@@ -186,6 +189,8 @@ pub fn build(
         }
     };
     let materials = Materials { thermals, of_particle };
+    let start = start::enthalpies(scene, &materials, &lattice, cloud.as_deref());
+    let differences = start::volume_errors(scene, &lattice, cloud.as_deref());
     let stencil = Stencil::new(discretisation, lattice.spacing, lattice.dimension);
     if !stencil.sum().is_finite() || stencil.sum() <= 0.0 {
         return Err(refuse("no pair of particles has a weight: the reach is shorter than the spacing".into()));
@@ -273,37 +278,40 @@ pub fn build(
                 pool,
                 bound: settings.bound.clone(),
             };
+            let assembly = |parts: ListParts| Assembly {
+                parts,
+                start: start.clone(),
+                uptake: numerics.uptake,
+                mushy: numerics.mushy,
+                units: scene.units,
+                seed,
+            };
             let flows = scene.flow.as_ref().zip(numerics.flow);
             match (&discretisation.stepper, flows) {
                 (Stepper::Shared, Some((flow, own))) => {
-                    let enthalpy = vec![0.0; count];
+                    let enthalpy = if start.is_empty() { vec![0.0; count] } else { start.to_vec() };
                     let method = FlowMethod::new(parts, scene, flow, (own, numerics.step), &enthalpy);
                     Box::new(method.map_err(refuse)?)
                 }
-                (Stepper::Own(step), _) => {
-                    step(Assembly { parts, uptake: numerics.uptake, mushy: numerics.mushy, units: scene.units, seed })
-                }
+                (Stepper::Own(step), _) => step(assembly(parts)),
                 (Stepper::Shared, None) if numerics.uptake == Uptake::Enthalpy && numerics.mushy => {
                     let operator = EnthalpyList {
                         operator: ListOperator::new(parts, Off),
-                        scheme: scheme(Uptake::Enthalpy, true, &materials, count),
+                        scheme: scheme(Uptake::Enthalpy, true, &materials, &start, count),
                         rate: vec![0.0; count],
                         tangent: Tangent::default(),
                     };
                     integrator(numerics, Box::new(operator), range, largest_slope, count)
                 }
-                (Stepper::Shared, None) => {
-                    let assembly =
-                        Assembly { parts, uptake: numerics.uptake, mushy: numerics.mushy, units: scene.units, seed };
-                    assembly.into_method(Off)
-                }
+                (Stepper::Shared, None) => assembly(parts).into_method(Off),
             }
         }
     };
     let bound = method.bound();
     let step = choose_step(numerics, &bound, scene)?;
     let particles = Particles {
-        enthalpy: vec![0.0; count],
+        enthalpy: if start.is_empty() { vec![0.0; count] } else { start.to_vec() },
+        start,
         places: cloud.map_or(Places::Lattice, Places::Cloud),
         volume: lattice.volume(),
         lattice,
@@ -323,7 +331,7 @@ pub fn build(
         used: [used, terms].concat(),
         spared,
         relaxed_by,
-        differences: discretisation.differences.clone(),
+        differences: [discretisation.differences.clone(), differences].concat(),
     };
     Ok(Plan { particles, method, step, bound, summary, pipe_extents })
 }
@@ -340,7 +348,7 @@ fn why_list(
         (numerics.layout != Layout::Lattice, "particles stand unevenly"),
         (numerics.exchange != Exchange::Potential, "pairs exchange by a mean of conductivities"),
         (numerics.uptake != Uptake::Enthalpy || !numerics.mushy, "the latent-heat scheme keeps its own columns"),
-        (!scene.regions.is_empty(), "there are several materials"),
+        (scene.has_regional_materials(), "there are several materials"),
         (scene.flow.is_some(), "water flows along the pairs"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
         (matches!(discretisation.stepper, Stepper::Own(_)), "the method makes its own step"),

@@ -62,7 +62,7 @@ pub fn find(scene: &Scene, method: &str, reference: Option<&Arc<dyn Reference>>)
     loop {
         let found = Fold::candidates(&smaller).into_iter().find_map(|fold| {
             let folded = fold.shrink(&smaller);
-            if !fold.keeps_materials(&smaller, &folded, spacing) {
+            if !fold.keeps_ground(&smaller, &folded, spacing) {
                 return None;
             }
             let obstacle = obstacle(scene, settings).or_else(|| fold.obstacle(&smaller, spacing, reach));

@@ -5,6 +5,7 @@
 
 mod flow;
 pub mod read;
+pub mod region;
 mod series;
 pub mod settings;
 
@@ -14,6 +15,7 @@ use crate::material::Material;
 
 pub use flow::{Flow, PressureWall, RelativePermeability};
 pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
+pub use region::{Region, Shape};
 pub use series::{Schedule, Series};
 pub use settings::{
     Advection, Exchange, FlowNumerics, IntegratorChoice, Layout, Mean, Numerics, SearchChoice, Setting, StepChoice,
@@ -258,21 +260,6 @@ impl PipeRing {
     }
 }
 
-/// A box of the domain that holds another material than the first one.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Region {
-    /// Index into [`Scene::materials`].
-    pub material: usize,
-    /// Least x (m).
-    pub x_min: f64,
-    /// Greatest x (m).
-    pub x_max: f64,
-    /// Least y (m); minus infinity on a line.
-    pub y_min: f64,
-    /// Greatest y (m); infinity on a line.
-    pub y_max: f64,
-}
-
 /// What is observed, and when.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Watch {
@@ -333,9 +320,9 @@ pub struct Scene {
     pub duration: f64,
     /// Materials; the first fills the domain.
     pub materials: Vec<Material>,
-    /// Boxes of other materials; later ones win.
+    /// Parts of other materials or other starts; later ones win.
     pub regions: Vec<Region>,
-    /// Temperature everywhere at the start.
+    /// Temperature at the start, where regions say nothing else.
     pub initial_temperature: f64,
     /// The walls of the domain that are not mirror planes of a sector.
     pub walls: Vec<Wall>,
@@ -357,6 +344,9 @@ impl Scene {
     /// Least and greatest temperature that data of the scene name: start, walls, pipes.
     pub fn temperature_range(&self) -> (f64, f64) {
         let mut range = (self.initial_temperature, self.initial_temperature);
+        for temperature in self.regions.iter().filter_map(|region| region.temperature) {
+            range = (range.0.min(temperature), range.1.max(temperature));
+        }
         let mut widen = |series: &Series| {
             let (lo, hi) = series.range();
             range = (range.0.min(lo), range.1.max(hi));
@@ -431,14 +421,5 @@ impl Scene {
     /// The settings of a method, if the scene has them.
     pub fn method(&self, name: &str) -> Option<&settings::MethodSettings> {
         self.methods.iter().find(|method| method.method == name)
-    }
-
-    /// Index of the material at a point (m).
-    pub fn material_at(&self, x: f64, y: f64) -> usize {
-        self.regions
-            .iter()
-            .rev()
-            .find(|region| x >= region.x_min && x < region.x_max && y >= region.y_min && y < region.y_max)
-            .map_or(0, |region| region.material)
     }
 }

@@ -58,25 +58,27 @@ pub trait LatentScheme: Send + Held {
     fn publish(&self, materials: &Materials, enthalpy: &mut [f64]);
 }
 
-/// The scheme of a choice, for `count` particles at their initial temperatures. Without `mushy`, a particle in the
-/// freezing interval conducts as the phase that it last was.
-pub fn scheme(choice: Uptake, mushy: bool, materials: &Materials, count: usize) -> Box<dyn LatentScheme> {
-    let initial = |i: usize| materials.of(i).initial_temperature;
+/// The scheme of a choice, for `count` particles that carry the enthalpies of `start`, or none if that is empty. Without
+/// `mushy`, a particle in the freezing interval conducts as the phase that it last was.
+pub fn scheme(
+    choice: Uptake,
+    mushy: bool,
+    materials: &Materials,
+    start: &[f64],
+    count: usize,
+) -> Box<dyn LatentScheme> {
+    let carried = |i: usize| start.get(i).copied().unwrap_or(0.0);
+    let frozen = |i: usize| materials.of(i).frozen_fraction(carried(i));
+    let temperature = || (0..count).map(|i| materials.of(i).temperature(carried(i))).collect();
     match choice {
         Uptake::Enthalpy if mushy => Box::new(Enthalpy),
-        Uptake::Enthalpy => {
-            Box::new(LastPhase { frozen: (0..count).map(|i| materials.of(i).frozen_fraction(0.0) >= 1.0).collect() })
-        }
+        Uptake::Enthalpy => Box::new(LastPhase { frozen: (0..count).map(|i| frozen(i) >= 1.0).collect() }),
         Uptake::Flags => Box::new(Flags {
-            temperature: (0..count).map(initial).collect(),
-            released: (0..count)
-                .map(|i| materials.of(i).frozen_fraction(0.0) * materials.of(i).curve.latent_heat())
-                .collect(),
+            temperature: temperature(),
+            released: (0..count).map(|i| frozen(i) * materials.of(i).curve.latent_heat()).collect(),
             mushy,
         }),
-        Uptake::ApparentCapacity { .. } => {
-            Box::new(ApparentCapacity { temperature: (0..count).map(initial).collect() })
-        }
+        Uptake::ApparentCapacity { .. } => Box::new(ApparentCapacity { temperature: temperature() }),
     }
 }
 
@@ -285,7 +287,7 @@ mod tests {
         fn flags_store_every_joule(heats in prop::collection::vec(-6e8..6e8f64, 1..60), initial in -30.0..30.0f64) {
             prop_assume!(initial.abs() > 1e-3);
             let materials = materials(FreezingLaw::Isothermal, initial);
-            let mut scheme = scheme(Uptake::Flags, true, &materials, 1);
+            let mut scheme = scheme(Uptake::Flags, true, &materials, &[], 1);
             let (mut enthalpy, mut sum) = ([0.0], 0.0);
             for heat in heats {
                 scheme.add(&materials, &mut [], &[heat], 1.0);
@@ -305,7 +307,7 @@ mod tests {
         let materials = materials(FreezingLaw::Isothermal, 2.0);
         for choice in [Uptake::Enthalpy, Uptake::Flags, Uptake::ApparentCapacity { interval: 1.0 }] {
             for mushy in [true, false] {
-                let scheme = scheme(choice, mushy, &materials, 2);
+                let scheme = scheme(choice, mushy, &materials, &[], 2);
                 let column = || vec![-7.0; 3];
                 let mut fields = Fields { potential: column(), temperature: column(), conductivity: column() };
                 scheme.read(&materials, &[0.0; 2], &mut fields);
@@ -318,7 +320,7 @@ mod tests {
     #[test]
     fn apparent_capacity_loses_latent_heat_in_a_long_step() {
         let materials = materials(FreezingLaw::Linear { width: 1.0 }, 0.5);
-        let mut scheme = scheme(Uptake::ApparentCapacity { interval: 1.0 }, true, &materials, 1);
+        let mut scheme = scheme(Uptake::ApparentCapacity { interval: 1.0 }, true, &materials, &[], 1);
         let mut enthalpy = [0.0];
         scheme.add(&materials, &mut [], &[-1e7], 1.0);
         scheme.publish(&materials, &mut enthalpy);

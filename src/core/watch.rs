@@ -293,7 +293,11 @@ fn frozen_length(ray: &Ray, particles: &Particles) -> f64 {
 
 /// The heat balance at a time.
 fn balance(particles: &Particles, ledger: &Ledger, time: f64) -> BudgetRow {
-    let stored: Sum = particles.enthalpy.iter().copied().collect();
+    let stored: Sum = if particles.start.is_empty() {
+        particles.enthalpy.iter().copied().collect()
+    } else {
+        particles.enthalpy.iter().zip(particles.start.iter()).map(|(now, start)| now - start).collect()
+    };
     let stored_j = stored.value() * particles.volume;
     let in_j = ledger.heat();
     let total: Sum = in_j.iter().copied().collect();

@@ -79,6 +79,15 @@ impl Control {
     }
 }
 
+/// Sum of magnitudes of the enthalpies (J/m3) that particles have taken up since the start. `by_state` is the sum of those of
+/// the state itself, which are the same where all started from zero.
+pub fn taken_up(state: &[f64], start: &[f64], by_state: f64) -> f64 {
+    if start.is_empty() {
+        return by_state;
+    }
+    state.iter().zip(start).map(|(now, start)| (now - start).abs()).sum()
+}
+
 /// Least share of the whole range of enthalpies that errors are measured by: below, the rounding of latent heat would be
 /// taken for an error.
 const LEAST_SCALE: f64 = 1e-4;

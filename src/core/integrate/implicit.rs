@@ -1,6 +1,6 @@
 //! Implicit steps: singly diagonally implicit Runge-Kutta of second order, with steps by error.
 
-use super::control::{Control, EnthalpyRange, Judgement};
+use super::control::{Control, EnthalpyRange, Judgement, taken_up};
 use super::newton::{Newton, NotConverged, RESIDUAL, Stage};
 use super::{just_before, sharp_step};
 use crate::ledger::{Hermite, Ledger};
@@ -206,6 +206,7 @@ impl Method for Implicit {
                 Ok(share) => {
                     self.limited += u64::from(share < 1.0);
                     let (error, size) = self.error(step, share);
+                    let size = taken_up(&self.next, &particles.start, size);
                     (self.control.judge(step, error, size), share)
                 }
                 Err(NotConverged) if self.control.is_least(step) => {

@@ -1,6 +1,6 @@
 //! Runge-Kutta-Legendre of second order.
 
-use super::control::{Control, EnthalpyRange, Judgement};
+use super::control::{Control, EnthalpyRange, Judgement, taken_up};
 use super::{just_before, sharp_step};
 use crate::ledger::{Hermite, Ledger};
 use crate::memory::Held;
@@ -219,6 +219,7 @@ impl Method for Rkl2 {
             self.operator.rate(&self.old, just_before(clock.time, step), &mut self.last_rate, &mut self.doors.last);
             self.work.evaluations += 1;
             let (error, size) = self.error(state, step);
+            let size = taken_up(&self.old, &particles.start, size);
             let Pace::Controlled { control, range, .. } = &mut self.pace else { return Ok(step) };
             let judgement = if !error.is_finite() {
                 if control.is_least(step) {

@@ -2,8 +2,11 @@
 
 use std::f64::consts::PI;
 
+use glam::DVec2;
+
 use crate::lattice::Lattice;
-use crate::scene::{Condition, Domain, Pipe, PipeRing, Region, Scene, Sector, Wall};
+use crate::scene::region::Cell;
+use crate::scene::{Condition, Domain, Pipe, PipeRing, Region, Scene, Sector, Shape, Wall};
 
 /// Distance (m per m of the body's extent) up to which pipes and angles are in the same place.
 const SAME_PLACE: f64 = 1e-9;
@@ -135,19 +138,20 @@ impl Fold {
         smaller
     }
 
-    /// Whether every particle holds the material of its image.
-    pub(super) fn keeps_materials(&self, larger: &Scene, smaller: &Scene, spacing: f64) -> bool {
-        if larger.regions.is_empty() {
+    /// Whether every particle holds the material of its image and starts as warm.
+    pub(super) fn keeps_ground(&self, larger: &Scene, smaller: &Scene, spacing: f64) -> bool {
+        let (materials, starts) = (larger.has_regional_materials(), larger.has_regional_starts());
+        if !materials && !starts {
             return true;
         }
         let (lattice, folded) = (Lattice::new(&larger.domain, spacing), Lattice::new(&smaller.domain, spacing));
-        let material = |scene: &Scene, lattice: &Lattice, (column, row): (i64, i64)| {
-            let place = lattice.centre(column, row);
-            scene.material_at(place.x, place.y)
-        };
+        let material = |scene: &Scene, place: DVec2| scene.material_at(place.x, place.y);
+        let parts = |scene: &Scene, place: DVec2| scene.starts_in(&Cell::around(place, spacing));
         (0..lattice.len()).map(|index| lattice.cell(index)).all(|cell| {
             let image = self.image(&lattice, &folded, cell);
-            material(larger, &lattice, cell) == material(smaller, &folded, image)
+            let (own, image) = (lattice.centre(cell.0, cell.1), folded.centre(image.0, image.1));
+            (!materials || material(larger, own) == material(smaller, image))
+                && (!starts || same_parts(&parts(larger, own), &parts(smaller, image)))
         })
     }
 
@@ -208,21 +212,19 @@ impl Fold {
     }
 }
 
+/// Whether two cells start at the same temperatures in the same shares, to rounding of the shapes.
+fn same_parts(a: &[(f64, f64)], b: &[(f64, f64)]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.0 == b.0 && (a.1 - b.1).abs() <= SAME_PLACE)
+}
+
 /// A region of a plane on a line along x, or along y, if the line at the edge of the body meets it.
 fn on_line(region: &Region, along_y: bool) -> Option<Region> {
-    // Nothing varies across, so a region that matters reaches from edge to edge.
-    let (least, greatest, across) = match along_y {
-        true => (region.y_min, region.y_max, region.x_min),
-        false => (region.x_min, region.x_max, region.y_min),
-    };
-    let everywhere = (f64::NEG_INFINITY, f64::INFINITY);
-    (across <= 0.0).then_some(Region {
-        material: region.material,
-        x_min: least,
-        x_max: greatest,
-        y_min: everywhere.0,
-        y_max: everywhere.1,
-    })
+    // Nothing varies across, so a region that matters is a box that reaches from edge to edge.
+    let Shape::Box(Cell { low, high }) = region.shape else { return None };
+    let (least, greatest, across) = if along_y { (low.y, high.y, low.x) } else { (low.x, high.x, low.y) };
+    let low = DVec2::new(least, f64::NEG_INFINITY);
+    let high = DVec2::new(greatest, f64::INFINITY);
+    (across <= 0.0).then_some(Region { shape: Shape::Box(Cell { low, high }), ..region.clone() })
 }
 
 /// Whether each pipe of a ring has an image of its own kind behind the y axis (`in_x`) or the x axis.

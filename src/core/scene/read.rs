@@ -7,6 +7,7 @@ mod numerics;
 mod porous;
 mod problem;
 mod range;
+mod regions;
 mod section;
 #[cfg(test)]
 mod tests;
@@ -104,7 +105,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let found = material_section.as_mut().map(ground::materials).unwrap_or_default();
     let names: Vec<String> = found.iter().map(|(name, _)| name.clone()).collect();
     let regions = match &mut material_section {
-        Some(section) => ground::regions(&mut root, section, domain.as_ref(), &names),
+        Some(section) => regions::regions(&mut root, section, domain.as_ref(), &names),
         None => {
             root.sections("regions").iter_mut().for_each(Section::abandon);
             Vec::new()

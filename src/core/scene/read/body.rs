@@ -130,6 +130,8 @@ pub(super) fn exact_walls(
             .find(|other| other.name != wall.name && other.name != opposite && other.condition != Condition::Symmetry)
         {
             Some(format!("the wall \"{}\" must be a symmetry plane", other.name))
+        } else if regions.iter().any(|region| region.temperature.is_some()) {
+            Some("the body must start at one temperature".to_owned())
         } else if !regions.is_empty() || materials.len() > 1 {
             Some("the body must be of one material".to_owned())
         } else if matches!(reference, ReferenceChoice::Table(_) | ReferenceChoice::Local) {

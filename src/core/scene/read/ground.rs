@@ -1,10 +1,9 @@
-//! Materials and the boxes that they fill.
+//! Materials.
 
 use super::porous::{self, is_porous};
-use super::range::{Range, one_of, plain, temperatures};
+use super::range::{Range, plain, temperatures};
 use super::section::Section;
 use crate::material::{FreezingLaw, Material, Mixing, Phase};
-use crate::scene::{Domain, Region, Sector};
 
 /// How far apart conductivities, and heats, of the two phases may be: of the sixteen digits of a number ten are left
 /// for the smaller.
@@ -168,82 +167,4 @@ fn freezing(mut section: Section<'_>) -> Option<Freezing> {
         }
     };
     Some(Freezing { point: point?, latent_heat: latent_heat?, law, mixing })
-}
-
-/// Reads the regions and checks that every material has a place.
-pub(super) fn regions(
-    root: &mut Section<'_>,
-    materials_section: &mut Section<'_>,
-    domain: Option<&Domain>,
-    names: &[String],
-) -> Vec<Region> {
-    let mut used = vec![false; names.len()];
-    if let Some(first) = used.first_mut() {
-        *first = true;
-    }
-    let mut regions = Vec::new();
-    for mut section in root.sections("regions") {
-        let material = section.text("material").and_then(|name| {
-            let index = names.iter().position(|known| *known == name);
-            if index.is_none() {
-                let allowed = one_of(names.iter().map(String::as_str));
-                section.problem("material", format!("found \"{}\", must be {allowed}", name.escape_debug()));
-            }
-            index
-        });
-        if let Some(index) = material {
-            used[index] = true;
-        }
-        let Some(domain) = domain else {
-            section.abandon();
-            continue;
-        };
-        let (x_extent, y_extent) = extent(domain);
-        let x = side(&mut section, ("x_min", "m"), ("x_max", "m"), x_extent);
-        let y = if domain.dimension() == 2 {
-            side(&mut section, ("y_min", "m"), ("y_max", "m"), y_extent)
-        } else {
-            section.refuse(("y_min", "m"), "a line has no y");
-            section.refuse(("y_max", "m"), "a line has no y");
-            Some((f64::NEG_INFINITY, f64::INFINITY))
-        };
-        if let (Some(material), Some((x_min, x_max)), Some((y_min, y_max))) = (material, x, y) {
-            regions.push(Region { material, x_min, x_max, y_min, y_max });
-        }
-    }
-    for (name, _) in names.iter().zip(&used).filter(|(_, used)| !**used) {
-        materials_section.note(name, "is used nowhere: the first material fills the body, regions name the others");
-    }
-    regions
-}
-
-type Interval = (f64, f64);
-
-/// The box around the simulated body.
-fn extent(domain: &Domain) -> (Interval, Interval) {
-    match *domain {
-        Domain::Line { length } => ((0.0, length), (f64::NEG_INFINITY, f64::INFINITY)),
-        Domain::Rectangle { width, height } => ((0.0, width), (0.0, height)),
-        Domain::Ring { outer_radius: r, sector } => match sector {
-            Sector::Quarter => ((0.0, r), (0.0, r)),
-            Sector::Half => ((-r, r), (0.0, r)),
-            Sector::Whole => ((-r, r), (-r, r)),
-        },
-    }
-}
-
-fn side(
-    section: &mut Section<'_>,
-    low: (&'static str, &'static str),
-    high: (&'static str, &'static str),
-    extent: Interval,
-) -> Option<Interval> {
-    let allowed = Range::between(extent.0, extent.1);
-    let (from, to) = (section.number(low, allowed), section.number(high, allowed));
-    let (from, to) = (from?, to?);
-    if from >= to {
-        section.problem(high, format!("found {}, must be greater than {}", plain(to), plain(from)));
-        return None;
-    }
-    Some((from, to))
 }

@@ -53,6 +53,12 @@ impl<'a> Section<'a> {
         Some(points)
     }
 
+    /// A required list of points.
+    pub fn points(&mut self, key: impl Into<Key>, dimension: Option<usize>) -> Option<Vec<Vec<f64>>> {
+        let key = key.into();
+        self.required(key, "a list of points", |section| section.optional_points(key, dimension))
+    }
+
     /// A required quantity that is constant or a table in time: `5` or `{ times_h = [0, 10], values = [5, -20] }`, which a
     /// `period_h` repeats.
     pub fn series(&mut self, key: impl Into<Key>, range: Range) -> Option<Series> {

@@ -1,0 +1,304 @@
+//! Parts of the body with a material or a start of their own: boxes, circles and polygons.
+
+use glam::DVec2;
+
+use super::Scene;
+
+/// Rounding of positions, over the size of a shape or of a particle: what lies that near an edge lies on it.
+const ON_EDGE: f64 = 1e-9;
+
+/// A part of the domain that holds another material than the first one, starts at another temperature than the rest, or
+/// both.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Region {
+    /// Index into [`Scene::materials`], where the region has a material of its own.
+    pub material: Option<usize>,
+    /// Temperature at the start, where it has one of its own.
+    pub temperature: Option<f64>,
+    /// Where it is.
+    pub shape: Shape,
+}
+
+/// The shape of a region.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// A box along the axes; in y without end on a line.
+    Box(Cell),
+    /// A circle.
+    Circle {
+        /// Centre (m).
+        centre: DVec2,
+        /// Radius (m).
+        radius: f64,
+    },
+    /// A polygon that does not cross itself, by its corners (m) in either sense.
+    Polygon(Vec<DVec2>),
+}
+
+/// A box along the axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cell {
+    /// Lower left corner (m).
+    pub low: DVec2,
+    /// Upper right corner (m).
+    pub high: DVec2,
+}
+
+impl Cell {
+    /// The cell of a particle that stands at `centre` (m).
+    pub fn around(centre: DVec2, spacing: f64) -> Self {
+        let half = DVec2::splat(0.5 * spacing);
+        Cell { low: centre - half, high: centre + half }
+    }
+}
+
+impl Shape {
+    /// Whether a point lies in the shape. Of two boxes that share an edge, a point on it belongs to the right or upper one.
+    pub fn contains(&self, point: DVec2) -> bool {
+        match self {
+            Shape::Box(Cell { low, high }) => {
+                // Edges are moved down and left by more than rounding, so that the same particles lie in wherever it falls.
+                let inside = |value: f64, low: f64, high: f64| {
+                    let slack = if (high - low).is_finite() { ON_EDGE * (high - low) } else { 0.0 };
+                    value >= low - slack && value < high - slack
+                };
+                inside(point.x, low.x, high.x) && inside(point.y, low.y, high.y)
+            }
+            Shape::Circle { centre, radius } => (point - *centre).length() <= radius * (1.0 + ON_EDGE),
+            Shape::Polygon(corners) => {
+                let crosses = |(a, b): &(DVec2, DVec2)| {
+                    (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
+                };
+                edges(corners).filter(crosses).count() % 2 == 1
+            }
+        }
+    }
+
+    /// The box around the shape.
+    pub fn extent(&self) -> Cell {
+        match self {
+            Shape::Box(cell) => *cell,
+            Shape::Circle { centre, radius } => {
+                Cell { low: *centre - DVec2::splat(*radius), high: *centre + DVec2::splat(*radius) }
+            }
+            Shape::Polygon(corners) => Cell {
+                low: corners.iter().copied().fold(DVec2::INFINITY, DVec2::min),
+                high: corners.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max),
+            },
+        }
+    }
+
+    /// Share of a cell that the shape covers, to rounding.
+    pub fn share_of(&self, cell: &Cell) -> f64 {
+        let extent = self.extent();
+        let (low, high) = (cell.low.max(extent.low), cell.high.min(extent.high));
+        if low.cmpge(high).any() {
+            return 0.0;
+        }
+        // Lengths over the cell's own, so that areas neither vanish nor lose digits far from the origin.
+        let size = cell.high - cell.low;
+        let middle = 0.5 * (cell.low + cell.high);
+        let share = match self {
+            Shape::Box(_) => ((high - low) / size).element_product(),
+            Shape::Circle { centre, radius } => {
+                let (low, high) = (cell.low - *centre, cell.high - *centre);
+                circle_in_box(*radius, low, high) / size.element_product()
+            }
+            Shape::Polygon(corners) => {
+                let corners = corners.iter().map(|corner| (*corner - middle) / size).collect();
+                area(&clipped(corners)).abs()
+            }
+        };
+        // Rounding of an edge that lies between particles is no cut.
+        if share < ON_EDGE {
+            0.0
+        } else if share > 1.0 - ON_EDGE {
+            1.0
+        } else {
+            share
+        }
+    }
+}
+
+/// Edges of a polygon from corner to corner.
+pub(super) fn edges(corners: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> {
+    corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
+}
+
+/// Area inside corners that run counter-clockwise; negative clockwise.
+pub(super) fn area(corners: &[DVec2]) -> f64 {
+    0.5 * edges(corners).map(|(a, b)| a.perp_dot(b)).sum::<f64>()
+}
+
+/// The part of a polygon in the unit cell around the origin, by one half plane after the other (Sutherland and Hodgman
+/// 1974). Parts of a polygon that falls apart stay joined along the cell's sides, which encloses no area.
+fn clipped(mut corners: Vec<DVec2>) -> Vec<DVec2> {
+    for normal in [DVec2::X, DVec2::NEG_X, DVec2::Y, DVec2::NEG_Y] {
+        let beyond = |point: DVec2| point.dot(normal) - 0.5;
+        let mut kept = Vec::with_capacity(corners.len() + 4);
+        for (a, b) in edges(&corners) {
+            let (from, to) = (beyond(a), beyond(b));
+            if from <= 0.0 {
+                kept.push(a);
+            }
+            if (from < 0.0 && to > 0.0) || (from > 0.0 && to < 0.0) {
+                kept.push(a + (b - a) * (from / (from - to)));
+            }
+        }
+        corners = kept;
+    }
+    corners
+}
+
+/// Area of the part of a circle around the origin that lies in a box.
+fn circle_in_box(radius: f64, low: DVec2, high: DVec2) -> f64 {
+    let chord = |y: f64| (radius * radius - y * y).max(0.0).sqrt();
+    let (from, to) = (low.x.max(-radius), high.x.min(radius));
+    // Between these places both bounds of y are one function each: a side of the box or the circle.
+    let mut places = vec![from, to];
+    for y in [low.y, high.y] {
+        places.extend([-chord(y), chord(y)].into_iter().filter(|x| *x > from && *x < to));
+    }
+    places.sort_unstable_by(f64::total_cmp);
+    let under_circle = |x: f64| 0.5 * (x * chord(x) + radius * radius * (x / radius).clamp(-1.0, 1.0).asin());
+    let mut sum = 0.0;
+    for pair in places.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let arc = chord(0.5 * (a + b));
+        let below = |side: f64| if arc < side { under_circle(b) - under_circle(a) } else { side * (b - a) };
+        if arc > low.y && -arc < high.y {
+            // From the lower bound, max(low, -circle), to the upper one, min(high, circle).
+            sum += below(high.y) + below(-low.y);
+        }
+    }
+    sum.max(0.0)
+}
+
+impl Scene {
+    /// Index of the material at a point (m): later regions win.
+    pub fn material_at(&self, x: f64, y: f64) -> usize {
+        let own = |region: &Region| region.material.filter(|_| region.shape.contains(DVec2::new(x, y)));
+        self.regions.iter().rev().find_map(own).unwrap_or(0)
+    }
+
+    /// Whether regions have materials.
+    pub fn has_regional_materials(&self) -> bool {
+        self.regions.iter().any(|region| region.material.is_some())
+    }
+
+    /// Whether regions start at temperatures of their own.
+    pub fn has_regional_starts(&self) -> bool {
+        self.regions.iter().any(|region| region.temperature.is_some())
+    }
+
+    /// Whether the body is of one material and starts at one temperature.
+    pub fn is_uniform(&self) -> bool {
+        !self.has_regional_starts() && self.regions.iter().all(|region| region.material.is_none_or(|index| index == 0))
+    }
+
+    /// Temperatures at which a cell starts, with the share of it that each has. Where regions overlap, the later one takes
+    /// its share of what was there before: exact unless edges of both cut the same cell.
+    pub fn starts_in(&self, cell: &Cell) -> Vec<(f64, f64)> {
+        let mut found = vec![(self.initial_temperature, 1.0)];
+        for region in &self.regions {
+            let Some(temperature) = region.temperature else { continue };
+            let share = region.shape.share_of(cell);
+            if share > 0.0 {
+                found.iter_mut().for_each(|part| part.1 *= 1.0 - share);
+                found.push((temperature, share));
+                found.retain(|part| part.1 > 0.0);
+            }
+        }
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::f64::consts::PI;
+
+    fn square(x: f64, y: f64, size: f64) -> Vec<DVec2> {
+        [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(u, v)| DVec2::new(x + u * size, y + v * size)).to_vec()
+    }
+
+    /// Sum of a shape's shares of the cells of a lattice that covers [-4, 4]^2, times their size.
+    fn covered(shape: &Shape, spacing: f64) -> f64 {
+        let cells = (8.0 / spacing).round() as i32;
+        let centre = |k: i32| -4.0 + (k as f64 + 0.5) * spacing;
+        let share = |x: i32, y: i32| shape.share_of(&Cell::around(DVec2::new(centre(x), centre(y)), spacing));
+        (0..cells).flat_map(|x| (0..cells).map(move |y| (x, y))).map(|(x, y)| share(x, y)).sum::<f64>()
+            * spacing
+            * spacing
+    }
+
+    proptest! {
+        /// Cells share out the whole of a shape, wherever their edges fall: to the rounding that counts as none
+        /// ([`ON_EDGE`] of each of some thousand cells).
+        #[test]
+        fn cells_share_out_a_shape(x in -1.5..1.5f64, y in -1.5..1.5f64, r in 0.05..2.0f64, n in 3usize..9,
+                                   spacing in prop::sample::select(vec![0.1, 0.25, 0.8, 2.0])) {
+            let centre = DVec2::new(x, y);
+            let circle = Shape::Circle { centre, radius: r };
+            prop_assert!((covered(&circle, spacing) - PI * r * r).abs() < 1e-5);
+            // A star of n points, whose area is that of its triangles.
+            let corner = |k: usize| {
+                let radius = if k.is_multiple_of(2) { r } else { 0.4 * r };
+                centre + radius * DVec2::from_angle(PI * k as f64 / n as f64)
+            };
+            let star = Shape::Polygon((0..2 * n).map(corner).collect());
+            let exact = n as f64 * 0.4 * r * r * (PI / n as f64).sin();
+            prop_assert!((covered(&star, spacing) - exact).abs() < 1e-5, "{} {exact}", covered(&star, spacing));
+            let cell = Cell { low: centre - DVec2::splat(r), high: centre + DVec2::new(r, 0.3 * r) };
+            prop_assert!((covered(&Shape::Box(cell), spacing) - 2.6 * r * r).abs() < 1e-5);
+        }
+
+        /// A box is the same as the polygon of its corners.
+        #[test]
+        fn a_box_is_a_polygon(x in -2.0..2.0f64, y in -2.0..2.0f64, size in 0.01..3.0f64, cell in 0.1..2.0f64) {
+            let corner = DVec2::new(x, y);
+            let shape = Shape::Box(Cell { low: corner, high: corner + DVec2::splat(size) });
+            let cell = Cell::around(DVec2::new(0.3, -0.2), cell);
+            let polygon = Shape::Polygon(square(x, y, size));
+            prop_assert!((shape.share_of(&cell) - polygon.share_of(&cell)).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_share_of_a_cell_far_from_the_origin_keeps_its_digits() {
+        let corner = DVec2::splat(1e6);
+        let cell = Cell { low: corner, high: corner + DVec2::splat(0.5) };
+        let triangle = Shape::Polygon(vec![corner, corner + DVec2::X, corner + DVec2::Y]);
+        // Positions of a million metres are known to 1e-10 m.
+        assert!((triangle.share_of(&cell) - 1.0).abs() < 1e-8);
+        let cell = Cell { low: corner, high: corner + DVec2::ONE };
+        assert!((triangle.share_of(&cell) - 0.5).abs() < 1e-8);
+    }
+
+    #[test]
+    fn a_centre_on_an_edge_belongs_to_one_of_two_boxes() {
+        let cell = |low: f64, high: f64| Shape::Box(Cell { low: DVec2::splat(low), high: DVec2::splat(high) });
+        // 0.1 + 0.2 rounds up, and belongs to the right box like 0.3.
+        for point in [0.3, 0.1 + 0.2] {
+            let point = DVec2::splat(point);
+            assert!(!cell(0.0, 0.3).contains(point) && cell(0.3, 0.6).contains(point));
+        }
+        let unbounded = Cell { low: DVec2::new(0.0, f64::NEG_INFINITY), high: DVec2::new(1.0, f64::INFINITY) };
+        assert!(Shape::Box(unbounded).contains(DVec2::new(0.5, 0.0)));
+        assert_eq!(Shape::Box(unbounded).share_of(&Cell::around(DVec2::ZERO, 1.0)), 0.5);
+    }
+
+    #[test]
+    fn points_of_a_hollow_polygon_are_told_apart() {
+        // A U, open to the top.
+        let corners = [(0.0, 0.0), (3.0, 0.0), (3.0, 3.0), (2.0, 3.0), (2.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)];
+        let shape = Shape::Polygon(corners.map(DVec2::from).to_vec());
+        for (point, inside) in [((0.5, 2.0), true), ((1.5, 2.0), false), ((2.5, 2.0), true), ((1.5, 0.5), true)] {
+            assert_eq!(shape.contains(DVec2::from(point)), inside, "{point:?}");
+        }
+        // Its arms in one cell fall apart: 2 of 3 units of the upper part.
+        let upper = Cell { low: DVec2::new(0.0, 2.0), high: DVec2::new(3.0, 3.0) };
+        assert!((shape.share_of(&upper) - 2.0 / 3.0).abs() < 1e-12);
+    }
+}

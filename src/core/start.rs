@@ -1,0 +1,63 @@
+//! The state from which particles start, and what their size makes of the shapes of regions.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use crate::lattice::Lattice;
+use crate::scene::Scene;
+use crate::scene::region::Cell;
+use crate::uptake::Materials;
+
+/// Part of a region's volume by which its particles may differ from it without a word.
+const TOLD: f64 = 0.01;
+
+/// Enthalpies (J/m3, relative to the initial state of the scene) with which particles start; empty if no region has a
+/// temperature of its own. A particle that the edge of a region cuts starts with the heat of its parts, so that no heat is
+/// lost or made wherever edges fall. Off the lattice, particles are taken as squares around their positions.
+pub fn enthalpies(scene: &Scene, materials: &Materials, lattice: &Lattice, cloud: Option<&[DVec2]>) -> Arc<[f64]> {
+    if !scene.has_regional_starts() {
+        return Arc::new([]);
+    }
+    let enthalpy = |(i, place): (usize, DVec2)| {
+        let parts = scene.starts_in(&Cell::around(place, lattice.spacing));
+        let carried = |temperature: f64| {
+            // Exactly at rest where nothing else is said.
+            if temperature == scene.initial_temperature { 0.0 } else { materials.of(i).enthalpy(temperature) }
+        };
+        parts.into_iter().map(|(temperature, share)| share * carried(temperature)).sum::<f64>()
+    };
+    match cloud {
+        Some(places) => places.iter().copied().enumerate().map(enthalpy).collect(),
+        None => lattice.positions().into_iter().enumerate().map(enthalpy).collect(),
+    }
+}
+
+/// Regions whose particles of their material, which belong to them by their centres, fill another volume than the region, in
+/// words.
+pub fn volume_errors(scene: &Scene, lattice: &Lattice, cloud: Option<&[DVec2]>) -> Vec<String> {
+    let regions = scene.regions.iter().enumerate().filter(|(_, region)| region.material.is_some());
+    let told = regions.filter_map(|(number, region)| {
+        let (mut covered, mut assigned) = (0.0, 0.0);
+        let mut see = |place: DVec2| {
+            covered += region.shape.share_of(&Cell::around(place, lattice.spacing));
+            assigned += f64::from(u8::from(region.shape.contains(place)));
+        };
+        match cloud {
+            Some(places) => places.iter().copied().for_each(&mut see),
+            None => lattice.positions().into_iter().for_each(&mut see),
+        }
+        let error = assigned / covered - 1.0;
+        (error.is_nan() || error.abs() > TOLD).then(|| {
+            if assigned == 0.0 {
+                return format!("region {number} holds no centre of a particle: its material is nowhere");
+            }
+            format!(
+                "the material of region {number} fills {:.1} % {} than the region: particles belong to it by their centres",
+                100.0 * error.abs(),
+                if error > 0.0 { "more" } else { "less" }
+            )
+        })
+    });
+    told.collect()
+}

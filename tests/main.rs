@@ -13,6 +13,7 @@ mod reductions;
 mod references;
 mod regions;
 mod reproducibility;
+mod seepage;
 mod sketch;
 mod stability;
 mod steps_by_error;

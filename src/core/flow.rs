@@ -1,8 +1,7 @@
 //! Groundwater that flows through freezing ground, and the heat that it carries.
 //!
 //! The pairs that conduct heat conduct water: particle i sends `q_ij = w_ij K_ij (p_i - p_j)` to j (1/s by volume), with
-//! the pair's weight, the harmonic mean of the hydraulic conductivities of both and the difference of pressures, which
-//! follow from `sum_j q_ij = -n (1 - rho_i/rho_w) dS_w/dt` (Nikolaev et al. 2021, eqs 3 and 6). Water carries heat along
+//! the pair's weight, a mean of the hydraulic conductivities of both and the difference of pressures, which follow from `sum_j q_ij = -n (1 - rho_i/rho_w) dS_w/dt` (Nikolaev et al. 2021, eqs 3 and 6). Water carries heat along
 //! the same pairs ([`carrier`]). Both are beside the conduction of the shared operator.
 //!
 //! A step is Heun's, of two explicit Euler steps: second order, and a mean of two states that each keep the range of
@@ -319,7 +318,7 @@ impl FlowMethod {
         }
         self.last_solution = time;
         let asking = (!self.asking.is_empty()).then_some(&self.asking[..]);
-        self.pressure.solve(&self.network, &self.conductivity, &self.walls, asking)?;
+        self.pressure.solve(&self.network, &self.conductivity, &self.walls, asking, self.numerics.mean)?;
         self.solved.clone_from(&self.permeability);
         let warm: Vec<bool> = (0..self.walls.len()).map(|wall| self.wall_temperature(wall).is_some()).collect();
         let least = |particle: usize| self.aquifers[self.materials.index(particle)].least_conductivity;

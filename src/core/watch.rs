@@ -293,15 +293,16 @@ fn frozen_length(ray: &Ray, particles: &Particles) -> f64 {
 
 /// The heat balance at a time.
 fn balance(particles: &Particles, ledger: &Ledger, time: f64) -> BudgetRow {
-    let stored: Sum = if particles.start.is_empty() {
-        particles.enthalpy.iter().copied().collect()
-    } else {
-        particles.enthalpy.iter().zip(particles.start.iter()).map(|(now, start)| now - start).collect()
-    };
+    let (mut stored, mut moved) = (Sum::default(), 0.0);
+    for (i, now) in particles.enthalpy.iter().enumerate() {
+        let change = now - particles.start.get(i).copied().unwrap_or(0.0);
+        stored.add(change);
+        moved += change.abs();
+    }
     let stored_j = stored.value() * particles.volume;
     let in_j = ledger.heat();
     let total: Sum = in_j.iter().copied().collect();
-    let exchanged = in_j.iter().map(|heat| heat.abs()).sum::<f64>().max(stored_j.abs());
+    let exchanged = in_j.iter().map(|heat| heat.abs()).sum::<f64>().max(moved * particles.volume);
     let balance_rel = if exchanged > 0.0 { (stored_j - total.value()) / exchanged } else { 0.0 };
     BudgetRow { time_s: time, stored_j, in_j, balance_rel }
 }

@@ -12,6 +12,7 @@ use glam::DVec2;
 use self::coarse::Coarse;
 use super::network::{NONE, Network, Opening};
 use crate::memory::Held;
+use crate::scene::Mean;
 
 /// What remains of a particle's balance over the water that passes through it, in the root of the mean of squares.
 const TOLERANCE: f64 = 1e-8;
@@ -85,10 +86,15 @@ impl Pressure {
         conductivity: &[f64],
         walls: &[f64],
         taken: Option<&[f64]>,
+        mean: Mean,
     ) -> Result<(), String> {
         self.walls.clear();
         self.walls.extend_from_slice(walls);
-        self.assemble(network, conductivity, walls, taken);
+        match mean {
+            Mean::Harmonic => self.assemble(network, conductivity, walls, taken, |a, b| 2.0 * a * b / (a + b)),
+            Mean::Arithmetic => self.assemble(network, conductivity, walls, taken, |a, b| 0.5 * (a + b)),
+            Mean::Geometric => self.assemble(network, conductivity, walls, taken, |a, b| (a * b).sqrt()),
+        }
         self.coarse.assemble(network, &self.diagonal, &self.rest);
         let norm = |column: &[f64]| dot(column, column).sqrt();
         let limit =
@@ -135,13 +141,19 @@ impl Pressure {
         opening.wall_part(&self.walls)
     }
 
-    fn assemble(&mut self, network: &Network, conductivity: &[f64], walls: &[f64], taken: Option<&[f64]>) {
-        let harmonic = |a: f64, b: f64| 2.0 * a * b / (a + b);
+    fn assemble(
+        &mut self,
+        network: &Network,
+        conductivity: &[f64],
+        walls: &[f64],
+        taken: Option<&[f64]>,
+        mean: impl Fn(f64, f64) -> f64,
+    ) {
         for i in 0..network.len() {
             let own = conductivity[i];
             let mut sum = 0.0;
             for k in network.starts[i]..network.starts[i + 1] {
-                let conductance = network.weights[k] * harmonic(own, conductivity[network.partners[k] as usize]);
+                let conductance = network.weights[k] * mean(own, conductivity[network.partners[k] as usize]);
                 self.conductances[k] = conductance;
                 self.rest[k] = -conductance;
                 sum += conductance;
@@ -151,7 +163,7 @@ impl Pressure {
         }
         for (opening, mouth) in network.openings.iter().zip(&mut self.mouths) {
             let (i, j) = (opening.particle as usize, opening.image as usize);
-            *mouth = opening.weight * harmonic(conductivity[i], conductivity[j]);
+            *mouth = opening.weight * mean(conductivity[i], conductivity[j]);
             self.diagonal[i] += *mouth;
             if opening.path == NONE {
                 self.diagonal[i] -= opening.sign * *mouth;

@@ -162,6 +162,8 @@ impl Advection {
 pub struct FlowNumerics {
     /// Which temperature water carries.
     pub advection: Advection,
+    /// Permeability of a pair by those of its ends.
+    pub mean: Mean,
     /// Change of relative permeabilities, summed over particles and over their number across the body, from which the
     /// pressure is solved for again.
     pub pressure_change: f64,
@@ -282,6 +284,12 @@ impl MethodSettings {
         };
         if let Some(flow) = numerics.flow {
             put("advection", text(flow.advection.name()));
+            let mean = match flow.mean {
+                Mean::Harmonic => "harmonic",
+                Mean::Arithmetic => "arithmetic",
+                Mean::Geometric => "geometric",
+            };
+            put("permeability_mean", text(mean));
             put("pressure_change", Value::Number(flow.pressure_change));
             if flow.pressure_interval.is_finite() {
                 put("pressure_interval", Value::Number(flow.pressure_interval));

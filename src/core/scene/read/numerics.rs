@@ -234,20 +234,23 @@ fn integrator(section: &mut Section<'_>, preset: IntegratorChoice) -> Integrator
 
 fn flow(section: &mut Section<'_>, flows: bool, setting: Setting) -> Option<FlowNumerics> {
     if !flows {
-        for key in ["advection", "pressure_change"] {
+        for key in ["advection", "permeability_mean", "pressure_change"] {
             section.refuse(key, "the scene has no section \"flow\"");
         }
-        if section.optional_duration("pressure_interval", Range::POSITIVE).is_some() {
-            section.time_problem("pressure_interval", "has no effect, the scene has no section \"flow\"");
+        for unit in ["s", "h", "days"] {
+            section.refuse(("pressure_interval", unit), "the scene has no section \"flow\"");
         }
         return None;
     }
     let usual = if setting == Setting::Paper { Advection::Paper } else { Advection::Limited };
     let advection = section.choice_or("advection", &Advection::WORDS, usual);
+    let means = [("harmonic", Mean::Harmonic), ("arithmetic", Mean::Arithmetic), ("geometric", Mean::Geometric)];
+    let usual = if setting == Setting::Paper { Mean::Harmonic } else { Mean::Arithmetic };
+    let mean = section.choice_or("permeability_mean", &means, usual);
     let pressure_change = section.number_or("pressure_change", PRESSURE_CHANGE, Range::above_to(0.0, 1.0));
     let interval = section.optional_duration("pressure_interval", Range::POSITIVE);
     let pressure_interval = interval.map_or(f64::INFINITY, |interval| interval.seconds);
-    Some(FlowNumerics { advection, pressure_change, pressure_interval })
+    Some(FlowNumerics { advection, mean, pressure_change, pressure_interval })
 }
 
 fn step(section: &mut Section<'_>, preset: StepChoice, by_error: bool) -> StepChoice {

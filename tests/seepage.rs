@@ -168,11 +168,11 @@ fn a_column_along_which_cold_water_flows() {
                 .temperature_rms_rel
                 .expect("an error")
         };
-        let (coarse, fine) = (error(0.005), error(0.0025));
-        eprintln!("advective-column {}: {coarse:.6} {fine:.6}", kind.name);
-        assert!(coarse <= 0.005, "{}: {coarse}", kind.name);
-        // Second order quarters the error.
-        assert!(fine < 0.35 * coarse, "{}: {coarse}, {fine}", kind.name);
+        let (paper, coarse, fine) = (error(0.005), error(0.00125), error(0.000625));
+        eprintln!("advective-column {}: {paper:.6} {coarse:.6} {fine:.6}", kind.name);
+        assert!(paper <= 0.005, "{}: {paper}", kind.name);
+        // Second order quarters the error, here where no path is fast enough for the correction by gradients.
+        assert!(fine < 0.3 * coarse, "{}: {coarse}, {fine}", kind.name);
     }
 }
 

@@ -177,7 +177,7 @@ impl Carrier {
             for k in network.starts[i]..network.starts[i + 1] {
                 let j = network.partners[k] as usize;
                 let water = if advection == Advection::Paper {
-                    0.5 * network.weights[k] * network.arms[k].dot(velocity[i] + velocity[j])
+                    0.5 * network.weights[k] * network.spans[k].dot(velocity[i] + velocity[j])
                 } else {
                     pressure.conductances[k] * (values[i] - values[j])
                 };
@@ -292,7 +292,7 @@ impl Carrier {
             return 0.0;
         }
         let rise = self.gradients[network.partners[k] as usize] - self.gradients[i];
-        self.sixth * self.water[k] * network.arms[k].dot(rise)
+        self.sixth * self.water[k] * network.spans[k].dot(rise)
     }
 
     /// Gradients of the temperature: half of the sum, as the second moment of weights is twice the unit matrix.

@@ -52,8 +52,10 @@ pub struct Network {
     pub weights: Vec<f64>,
     /// Weight by volume (m^-2) with which it conducts heat; odd images behind walls of given temperature count against.
     pub heat_weights: Vec<f64>,
-    /// Mean vector of the path (m), by weight.
+    /// Mean vector of the path (m), by weight; a way over a closed wall counts as it is seen from this end.
     pub arms: Vec<DVec2>,
+    /// The part of it that both ends see alike, with opposite signs.
+    pub spans: Vec<DVec2>,
     /// Pairs across walls of given pressure, by particle.
     pub openings: Vec<Opening>,
     /// Door of the boundary of each pressure wall.
@@ -67,7 +69,13 @@ impl Held for Network {
         let rows = self.starts.held() + self.partners.held() + self.twins.held();
         let openings = self.openings.capacity() * size_of::<Opening>();
         let beside = self.beside.capacity() * size_of::<(u32, u8)>();
-        rows + self.weights.held() + self.heat_weights.held() + self.arms.held() + openings + self.doors.held() + beside
+        rows + self.weights.held()
+            + self.heat_weights.held()
+            + self.arms.held()
+            + self.spans.held()
+            + openings
+            + self.doors.held()
+            + beside
     }
 }
 
@@ -170,10 +178,11 @@ impl Network {
                 if j > i {
                     self.weights[twin] = self.weights[k];
                     self.heat_weights[twin] = self.heat_weights[k];
-                    self.arms[twin] = -self.arms[k];
                 }
             }
         }
+        self.spans =
+            self.arms.iter().zip(&self.twins).map(|(arm, twin)| 0.5 * (*arm - self.arms[*twin as usize])).collect();
         Ok(())
     }
 

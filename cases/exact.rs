@@ -1,5 +1,6 @@
 //! Solutions in a half space, from material properties alone and independent of the engine's own curves.
 
+pub mod advection;
 mod functions;
 pub mod line_sink;
 pub mod neumann;
@@ -10,6 +11,7 @@ use frazil_core::record::ReferenceInfo;
 use frazil_core::reference::Reference;
 use frazil_core::scene::{Condition, Domain, Scene, Series};
 
+pub use advection::Advection;
 pub use neumann::Neumann;
 pub use similarity::Similarity;
 
@@ -68,6 +70,9 @@ impl HalfSpace {
     /// long as the half space itself changes by less than a thousandth of the range of temperatures there until
     /// the end of the run; or it may follow the exact solution.
     pub fn of_scene(scene: &Scene) -> Result<Self, String> {
+        if scene.flow.is_some() {
+            return Err("a freezing half space with flowing water has no exact solution".into());
+        }
         if !scene.rings.is_empty() {
             return Err("a scene with freeze pipes has no exact solution".into());
         }

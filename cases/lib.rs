@@ -2,6 +2,7 @@
 
 pub mod exact;
 pub mod scenes;
+pub mod seepage;
 pub mod shells;
 pub mod table;
 
@@ -14,12 +15,14 @@ use frazil_core::scene::{ReferenceChoice, Scene};
 /// open and nothing fits. An error says why what the scene asks for is not to be had.
 pub fn reference_for(scene: &Scene) -> Result<Option<Box<dyn Reference>>, String> {
     match &scene.reference {
+        ReferenceChoice::Exact if scene.flow.is_some() => Ok(Some(Box::new(exact::Advection::of_scene(scene)?))),
         ReferenceChoice::Exact => Ok(Some(Box::new(exact::HalfSpace::of_scene(scene)?))),
         ReferenceChoice::Table(name) => table::by_name(name, scene).map(Some),
         ReferenceChoice::Local => Ok(None),
-        ReferenceChoice::Auto => Ok(match exact::HalfSpace::of_scene(scene) {
-            Ok(solution) => Some(Box::new(solution)),
-            Err(_) => table::names().find_map(|name| table::by_name(name, scene).ok()),
+        ReferenceChoice::Auto => Ok(match (exact::HalfSpace::of_scene(scene), exact::Advection::of_scene(scene)) {
+            (Ok(solution), _) => Some(Box::new(solution)),
+            (_, Ok(solution)) => Some(Box::new(solution)),
+            (Err(_), Err(_)) => table::names().find_map(|name| table::by_name(name, scene).ok()),
         }),
     }
 }

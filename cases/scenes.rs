@@ -37,6 +37,17 @@ pub fn all() -> &'static [BundledScene] {
         "freezing-annulus",
         "heated-hollow-cylinder",
         "ice-in-glass",
+        "advective-column",
+        "thawing-inclusion",
+        "frozen-crack",
+        "interfrost-th2-0",
+        "interfrost-th2-3",
+        "interfrost-th2-9",
+        "interfrost-th2-15",
+        "interfrost-th3-3",
+        "interfrost-th3-6",
+        "interfrost-th3-9",
+        "interfrost-th3-15",
     ];
     ALL
 }

@@ -6,15 +6,16 @@ use frazil_core::reference::{Plane, Reference};
 use frazil_core::scene::{Condition, Domain, Scene, Units};
 
 use crate::exact::constant;
-use crate::shells;
+use crate::{seepage, shells};
 
 const DAY: f64 = 86_400.0;
 
 /// Relative agreement of a scene's numbers with those of a table for the table to be about that scene.
 const SAME: f64 = 1e-3;
 
-/// Names of the tables of columns and shafts, as a scene file asks for them.
-pub const NAMES: [&str; 5] = [
+/// Names of the tables of inclusions, columns and shafts, as a scene file asks for them.
+pub const NAMES: [&str; 6] = [
+    seepage::NAME,
     "soil-column",
     "shaft-single-sand-54mm",
     "shaft-single-clay10-54mm",
@@ -29,6 +30,9 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 
 /// The table of the given name, if it is about the physics of the scene; else the reason.
 pub fn by_name(name: &str, scene: &Scene) -> Result<Box<dyn Reference>, String> {
+    if name == seepage::NAME {
+        return Ok(Box::new(seepage::Inclusion::of_scene(scene)?));
+    }
     if name == "soil-column" {
         let differences = column_differences(scene);
         return match differences.is_empty() {
@@ -556,6 +560,7 @@ mod tests {
             latent_heat: COLUMN.latent_heat,
             law: FreezingLaw::Isothermal,
             mixing: Mixing::Arithmetic,
+            pores: None,
         };
         let exact = Neumann::new(&material, -5.0, 1.0).expect("front");
         let table = ColumnTable::bundled().expect("table");

@@ -37,6 +37,7 @@ fn half_space(law: FreezingLaw) -> Scene {
         walls: vec![wall("left", temperature(-20.0)), wall("right", Condition::Symmetry)],
         wall_parts: Vec::new(),
         rings: Vec::new(),
+        flow: None,
         watch: Watch {
             outputs: 10,
             profiles: Vec::new(),
@@ -63,6 +64,7 @@ fn soil(name: &str, density: f64, frozen: (f64, f64), unfrozen: (f64, f64), poin
         latent_heat,
         law: FreezingLaw::Isothermal,
         mixing: Mixing::Arithmetic,
+        pores: None,
     }
 }
 

@@ -4,6 +4,7 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+use frazil_core::flow::series::WaterSeries;
 use frazil_core::record::{BudgetRow, RunResult};
 use serde::Serialize;
 use tempfile::NamedTempFile;
@@ -111,6 +112,7 @@ pub fn write_run_and(
     rows_or_nothing(&folder.join("probes.csv"), &result.probes)?;
     rows_or_nothing(&folder.join("wall.csv"), &result.walls)?;
     rows_or_nothing(&folder.join("gaps.csv"), &result.gaps)?;
+    write_water(folder, result.water.as_ref())?;
     let budget = folder.join("budget.csv");
     if result.budget.is_empty() {
         remove(&budget)?;
@@ -118,6 +120,15 @@ pub fn write_run_and(
         write_budget(&budget, &result.budget_names, &result.budget)?;
     }
     write_json(&record, &result.record)
+}
+
+/// Writes what a run with water leaves: over time, along the cut, and of all particles.
+fn write_water(folder: &Path, water: Option<&WaterSeries>) -> Result<(), Failure> {
+    let none = WaterSeries::default();
+    let water = water.unwrap_or(&none);
+    rows_or_nothing(&folder.join("water.csv"), &water.rows)?;
+    rows_or_nothing(&folder.join("cut.csv"), &water.cut)?;
+    rows_or_nothing(&folder.join("flow.csv"), &water.maps)
 }
 
 fn rows_or_nothing<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), Failure> {
@@ -201,6 +212,7 @@ mod tests {
             walls: Vec::new(),
             gaps: Vec::new(),
             fields: Vec::new(),
+            water: None,
         };
         write_run(folder.path(), &result).expect("written");
         let mut names: Vec<_> = fs::read_dir(folder.path())

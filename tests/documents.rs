@@ -167,8 +167,18 @@ fn every_key_that_the_reader_asks_for_is_in_the_guide() {
         .collect();
     let folder = root().join("src/core/scene/read");
     let methods = frazil::registry::methods().iter().map(|kind| root().join("methods").join(kind.name).join("lib.rs"));
-    let files = ["body.rs", "cracks.rs", "ground.rs", "numerics.rs", "regions.rs", "shells.rs", "watch.rs"]
-        .map(|name| folder.join(name));
+    let files = [
+        "body.rs",
+        "cracks.rs",
+        "flow.rs",
+        "ground.rs",
+        "numerics.rs",
+        "porous.rs",
+        "regions.rs",
+        "shells.rs",
+        "watch.rs",
+    ]
+    .map(|name| folder.join(name));
     let mut count = 0;
     for file in files.into_iter().chain(methods) {
         let text = read(&file);

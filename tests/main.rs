@@ -15,6 +15,7 @@ mod reductions;
 mod references;
 mod regions;
 mod reproducibility;
+mod seepage;
 mod shells;
 mod sketch;
 mod stability;

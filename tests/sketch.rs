@@ -25,6 +25,8 @@ pub struct Sketch {
     pub walls: Vec<(&'static str, String)>,
     /// Lines of one ring of pipes each.
     pub pipes: Vec<String>,
+    /// Lines of the section `flow`; no water flows if empty.
+    pub flow: String,
     /// Lines of the section `watch`.
     pub watch: String,
     pub spacing_m: f64,
@@ -72,6 +74,7 @@ impl Sketch {
             initial_c: 3.0,
             walls: Vec::new(),
             pipes: Vec::new(),
+            flow: String::new(),
             watch: String::new(),
             spacing_m,
             numerics: String::new(),
@@ -142,6 +145,9 @@ impl Sketch {
         }
         for ring in &self.pipes {
             put(format_args!("[[pipes]]\n{ring}\n"));
+        }
+        if !self.flow.is_empty() {
+            put(format_args!("[flow]\n{}\n", self.flow));
         }
         if !self.watch.is_empty() {
             put(format_args!("[watch]\n{}\n", self.watch));

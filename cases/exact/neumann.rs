@@ -166,6 +166,7 @@ mod tests {
             latent_heat,
             law: FreezingLaw::Isothermal,
             mixing: Mixing::Arithmetic,
+            pores: None,
         }
     }
 
@@ -236,6 +237,7 @@ mod tests {
             latent_heat: 1.0,
             law: FreezingLaw::Isothermal,
             mixing: Mixing::Arithmetic,
+            pores: None,
         };
         let solution = Neumann::new(&material, 0.190_602_422_788_870_63, 1.2).expect("front");
         assert!((solution.lambda().expect("front") - 0.5).abs() < LAST_DIGITS);

@@ -515,6 +515,7 @@ pub(crate) mod tests {
             latent_heat: 334_000.0,
             law,
             mixing: Mixing::Geometric,
+            pores: None,
         }
     }
 
@@ -534,6 +535,7 @@ pub(crate) mod tests {
             latent_heat: 50_000.0,
             law: FreezingLaw::Linear { width: 1.0 },
             mixing: Mixing::Arithmetic,
+            pores: None,
         };
         let residual = FreezingLaw::Weibull { width: 0.8, residual: 0.2 };
         vec![

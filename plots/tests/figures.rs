@@ -44,6 +44,7 @@ fn record(title: &str, method: &str) -> Record {
         errors: Errors::default(),
         reference: None,
         reduced_from: None,
+        water: None,
         spared: Vec::new(),
         differences: Vec::new(),
         state_hash: "0123456789abcdef".into(),
@@ -64,6 +65,7 @@ fn empty(title: &str, method: &str) -> RunResult {
         walls: Vec::new(),
         gaps: Vec::new(),
         fields: Vec::new(),
+        water: None,
     }
 }
 

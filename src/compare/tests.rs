@@ -58,6 +58,7 @@ fn made_up(
         walls: Vec::new(),
         gaps: Vec::new(),
         fields: Vec::new(),
+        water: None,
     };
     if method == "pd" && level < 0.6 && settings.setting == Setting::Paper {
         result.record.outcome = Outcome::Diverged;
@@ -121,6 +122,7 @@ fn blank(scene: &Scene, method: &str) -> Record {
         errors: Errors::default(),
         reference: None,
         reduced_from: None,
+        water: None,
         spared: Vec::new(),
         differences: Vec::new(),
         state_hash: "0123456789abcdef".into(),

@@ -209,6 +209,14 @@ impl Ghosts {
         mirrored
     }
 
+    /// What a ghost mirrors, a particle or an earlier ghost (counted after `count` particles), if it mirrors one alone.
+    pub fn original(&self, ghost: usize) -> Option<u32> {
+        match &self.images[self.images_of(ghost)] {
+            [(original, 1.0)] => Some(*original),
+            _ => None,
+        }
+    }
+
     /// Number of ghosts.
     pub fn len(&self) -> usize {
         self.position.len()

@@ -34,7 +34,7 @@ fn sharp_step(operator: &mut dyn Operator) -> f64 {
 const BEFORE_THE_END: f64 = 1e-6;
 
 /// The time (s) at which a step from `time` on takes its last rates.
-fn just_before(time: f64, step: f64) -> f64 {
+pub(crate) fn just_before(time: f64, step: f64) -> f64 {
     time + step * (1.0 - BEFORE_THE_END)
 }
 

@@ -9,6 +9,7 @@ pub mod boundary;
 pub mod corner;
 pub mod crack;
 pub mod curved_wall;
+pub mod flow;
 pub mod ghosts;
 pub mod green;
 pub mod integrate;

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::flow::series::WaterSeries;
 use crate::ledger::Ledger;
 use crate::measure::attach;
 use crate::method::{Clock, Method};
@@ -93,6 +94,7 @@ pub fn run(
     let settings = settings_of(scene, method)?;
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
     let mut watches = Watches::new(scene, &plan.particles, options.fields);
+    let mut water = WaterSeries::new(scene, &plan.particles, plan.method.as_ref(), options.fields);
     let setup = setup.stop();
     let Plan { mut particles, mut method, step, bound, summary, pipe_extents } = plan;
     let mut guard = Guard::new(scene, &particles, &pipe_extents);
@@ -205,6 +207,9 @@ pub fn run(
             watches.output(scene, &particles, method.ledger(), instant, true);
             watches.surfaces(scene, &method.across(&particles.enthalpy, instant), instant);
             show(&particles, instant);
+            if let Some(water) = &mut water {
+                water.output(scene, &particles, method.as_ref(), instant, options.fields);
+            }
             observation.add(&seen);
         }
     }
@@ -254,6 +259,7 @@ pub fn run(
         errors: Errors::default(),
         reference: None,
         reduced_from: None,
+        water: water.as_mut().map(|water| water.judge(scene, reference.map(|reference| reference.as_ref()))),
         spared: summary.spared,
         differences: summary.differences,
         state_hash: particles.state_hash(),
@@ -271,6 +277,7 @@ pub fn run(
         walls: watches.walls,
         gaps,
         fields: watches.fields,
+        water,
     };
     if let Some(reference) = reference {
         attach(scene, particles.lattice.spacing, &mut result, reference.as_ref());

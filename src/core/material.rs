@@ -39,6 +39,22 @@ pub enum Mixing {
     Geometric,
 }
 
+/// What water finds in a saturated porous material. Heat needs none of it: the phases of the material hold all three
+/// of solid, ice and water.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pores {
+    /// Volume of pores by volume, greater than 0 to 1.
+    pub porosity: f64,
+    /// Density of water (kg/m3).
+    pub water_density: f64,
+    /// Density of ice (kg/m3).
+    pub ice_density: f64,
+    /// Heat capacity of water by mass (J/kgK).
+    pub water_heat_capacity: f64,
+    /// Intrinsic permeability (m2), if water flows.
+    pub permeability: Option<f64>,
+}
+
 /// A material with constant density.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
@@ -58,6 +74,8 @@ pub struct Material {
     pub law: FreezingLaw,
     /// Conductivity of partly frozen material.
     pub mixing: Mixing,
+    /// Its pores, where the scene gives it as solid, water and ice.
+    pub pores: Option<Pores>,
 }
 
 impl Material {

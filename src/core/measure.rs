@@ -334,6 +334,7 @@ mod tests {
                 latent_heat: 1.0,
                 law: FreezingLaw::Isothermal,
                 mixing: Mixing::Arithmetic,
+                pores: None,
             }],
             regions: Vec::new(),
             cracks: Vec::new(),
@@ -341,6 +342,7 @@ mod tests {
             walls: vec![Wall { name: "left", condition: Condition::Temperature(Series::Constant(-20.0)) }],
             wall_parts: Vec::new(),
             rings: Vec::new(),
+            flow: None,
             watch: Watch {
                 outputs: 10,
                 profiles: Vec::new(),
@@ -406,6 +408,7 @@ mod tests {
                 errors: Errors::default(),
                 reference: None,
                 reduced_from: None,
+                water: None,
                 spared: Vec::new(),
                 differences: Vec::new(),
                 state_hash: String::new(),
@@ -421,6 +424,7 @@ mod tests {
             walls: Vec::new(),
             gaps: Vec::new(),
             fields: Vec::new(),
+            water: None,
         }
     }
 

@@ -143,6 +143,14 @@ pub trait Method: Send {
     fn between(&self, _particles: &crate::particles::Particles, _share: f64, _enthalpy: &mut [f64]) -> Ledger {
         self.ledger().clone()
     }
+    /// Where water stands, for methods that move it.
+    fn water(&self, _particles: &crate::particles::Particles) -> Option<crate::flow::Water> {
+        None
+    }
+    /// Pressures (Pa) and Darcy velocities (m/s) of all particles, for methods that move water.
+    fn water_fields(&self) -> Option<(Vec<f64>, Vec<glam::DVec2>)> {
+        None
+    }
     /// What the steps so far have cost.
     fn work(&self) -> Work;
 }

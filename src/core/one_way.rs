@@ -33,7 +33,7 @@ impl OneWay {
         };
         let open = scene.has_flux();
         let rings: Vec<_> = scene.rings.iter().map(|ring| if open { None } else { side(&ring.temperature) }).collect();
-        let frozen = if low == high { None } else { direction(scene) };
+        let frozen = if low == high || scene.flow.is_some() { None } else { direction(scene) };
         let watches = frozen.is_some() || rings.iter().any(Option::is_some);
         OneWay { frozen, grain, rings, watches, furthest: None, strongest: 0.0, setback: 0.0 }
     }
@@ -123,6 +123,7 @@ mod tests {
                 latent_heat: 1.0,
                 law: FreezingLaw::Isothermal,
                 mixing: Mixing::Arithmetic,
+                pores: None,
             }],
             regions: Vec::new(),
             cracks: Vec::new(),
@@ -130,6 +131,7 @@ mod tests {
             walls: walls.into_iter().map(|(name, condition)| Wall { name, condition }).collect(),
             wall_parts: Vec::new(),
             rings: Vec::new(),
+            flow: None,
             watch: Watch {
                 outputs: 10,
                 profiles: Vec::new(),

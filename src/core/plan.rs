@@ -11,6 +11,7 @@ use crate::boundary::{Boundary, Side};
 use crate::corner::strengthen;
 use crate::crack::{Barriers, Cuts};
 use crate::curved_wall::{Contacts, Neighbourhood, cells_behind};
+use crate::flow::FlowMethod;
 use crate::ghosts::Ghosts;
 use crate::green::Green;
 use crate::integrate::control::EnthalpyRange;
@@ -330,9 +331,15 @@ pub fn build(
                 units: scene.units,
                 seed,
             };
-            match &discretisation.stepper {
-                Stepper::Own(step) => step(assembly(parts)),
-                Stepper::Shared if numerics.uptake == Uptake::Enthalpy && numerics.mushy => {
+            let flows = scene.flow.as_ref().zip(numerics.flow);
+            match (&discretisation.stepper, flows) {
+                (Stepper::Shared, Some((flow, own))) => {
+                    let enthalpy = if start.is_empty() { vec![0.0; count] } else { start.to_vec() };
+                    let method = FlowMethod::new(parts, scene, flow, (own, numerics.step), &enthalpy);
+                    Box::new(method.map_err(refuse)?)
+                }
+                (Stepper::Own(step), _) => step(assembly(parts)),
+                (Stepper::Shared, None) if numerics.uptake == Uptake::Enthalpy && numerics.mushy => {
                     let operator = EnthalpyList {
                         operator: ListOperator::new(parts, Off),
                         scheme: scheme(Uptake::Enthalpy, true, &materials, &start, count),
@@ -341,7 +348,7 @@ pub fn build(
                     };
                     integrator(numerics, Box::new(operator), range, largest_slope, count)
                 }
-                Stepper::Shared => assembly(parts).into_method(Off),
+                (Stepper::Shared, None) => assembly(parts).into_method(Off),
             }
         }
     };
@@ -391,6 +398,7 @@ fn why_list(
         (!scene.cracks.is_empty(), "cracks cut pairs"),
         (scene.domain.symmetry().is_some(), "particles are shells"),
         (!scene.watch.surfaces.is_empty(), "heat through surfaces is watched"),
+        (scene.flow.is_some(), "water flows along the pairs"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
         (matches!(discretisation.stepper, Stepper::Own(_)), "the method makes its own step"),
         (narrow, "pairs reach farther than the body is wide"),

@@ -124,8 +124,13 @@ impl Curve {
         self.mixed_conductivity(self.residual())
     }
 
+    /// Least conductivity of either phase (W/mK).
+    pub fn least_conductive(&self) -> f64 {
+        self.frozen_conductivity.min(self.unfrozen_conductivity)
+    }
+
     /// Whether potential and enthalpy are piecewise linear in each other.
-    fn is_kinked(&self) -> bool {
+    pub fn is_kinked(&self) -> bool {
         matches!(self.law, FreezingLaw::None | FreezingLaw::Isothermal)
     }
 
@@ -633,11 +638,17 @@ impl Held for Curve {
     }
 }
 
+impl Held for Curved {
+    fn held(&self) -> usize {
+        shared(&self.warm) + shared(&self.cold)
+    }
+}
+
 impl Held for Law {
     fn held(&self) -> usize {
         match self {
             Law::Straight(_) | Law::Kinked(_) => 0,
-            Law::Curved(law) => shared(&law.warm) + shared(&law.cold),
+            Law::Curved(law) => law.held(),
         }
     }
 }
@@ -702,21 +713,32 @@ impl Thermal {
 }
 
 impl Curved {
+    /// Conduction potential.
     fn new(curve: &Curve, initial_enthalpy: f64) -> Self {
+        Self::integral(curve, initial_enthalpy, |temperature| curve.conductivity(temperature))
+    }
+
+    /// Temperature above the freezing point, by the same tables.
+    pub fn of_temperature(curve: &Curve) -> Self {
+        Self::integral(curve, 0.0, |_| 1.0)
+    }
+
+    /// The integral of a function of the temperature from the freezing point.
+    fn integral(curve: &Curve, initial_enthalpy: f64, of: impl Fn(f64) -> f64) -> Self {
         let coldest_temperature = curve.freezing_point + curve.coldest_change();
         let coldest_enthalpy = curve.enthalpy(coldest_temperature);
         let interval = (-0.5 * coldest_enthalpy).sqrt() / TABLE_INTERVALS as f64;
-        let warm = Self::nodes(curve, interval, curve.freezing_point, 0.0, |root| -root * root);
+        let warm = Self::nodes(curve, &of, interval, curve.freezing_point, |root| -root * root);
         let bottom = warm[TABLE_INTERVALS].0;
-        let mut cold = Self::nodes(curve, interval, coldest_temperature, 0.0, |root| coldest_enthalpy + root * root);
+        let mut cold = Self::nodes(curve, &of, interval, coldest_temperature, |root| coldest_enthalpy + root * root);
         let shift = bottom - cold[TABLE_INTERVALS].0;
         for node in &mut cold {
             node.0 += shift;
         }
         let mut law = Curved {
             initial: (initial_enthalpy, 0.0),
-            unfrozen_slope: curve.unfrozen_conductivity / curve.unfrozen_capacity,
-            frozen_slope: curve.coldest_conductivity() / curve.coldest_capacity(),
+            unfrozen_slope: of(curve.freezing_point + 1.0) / curve.unfrozen_capacity,
+            frozen_slope: of(coldest_temperature - 1.0) / curve.coldest_capacity(),
             coldest: (coldest_enthalpy, cold[0].0),
             middle: 0.5 * coldest_enthalpy,
             per_interval: 1.0 / interval,
@@ -731,20 +753,20 @@ impl Curved {
     /// Nodes of one table, from one end of the freezing interval to the middle.
     fn nodes(
         curve: &Curve,
+        of: &impl Fn(f64) -> f64,
         interval: f64,
         end_temperature: f64,
-        end_potential: f64,
         enthalpy: impl Fn(f64) -> f64,
     ) -> Vec<(f64, f64)> {
         let mut nodes = Vec::with_capacity(TABLE_INTERVALS + 1);
-        let (mut last, mut potential) = (end_temperature, end_potential);
+        let (mut last, mut potential) = (end_temperature, 0.0);
         for k in 0..=TABLE_INTERVALS {
             let root = k as f64 * interval;
             let temperature = if k == 0 { end_temperature } else { curve.temperature(enthalpy(root)) };
             // Potential by running quadrature between nodes: exact to rounding, and one pass.
-            potential += simpson(|t| curve.conductivity(t), last, temperature);
+            potential += simpson(of, last, temperature);
             last = temperature;
-            let slope = curve.conductivity(temperature) / curve.apparent_capacity(temperature);
+            let slope = of(temperature) / curve.apparent_capacity(temperature);
             let falling = enthalpy(interval) < enthalpy(0.0);
             nodes.push((potential, if falling { -2.0 } else { 2.0 } * root * slope * interval));
         }
@@ -776,6 +798,7 @@ mod tests {
             latent_heat: 334_000.0,
             law,
             mixing,
+            pores: None,
         })
     }
 

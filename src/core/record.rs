@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::flow::series::{WaterRecord, WaterSeries};
 use crate::method::Work;
 
 /// A setting as it stands in a record.
@@ -183,6 +184,9 @@ pub struct Record {
     /// The body that the scene describes and why a smaller one was run for it; absent if it was run itself.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub reduced_from: Option<String>,
+    /// Water, where it flows.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub water: Option<WaterRecord>,
     /// What the scene did not need and was spared.
     pub spared: Vec<String>,
     /// How the method differs from the scene, in words.
@@ -368,4 +372,6 @@ pub struct RunResult {
     pub gaps: Vec<GapRow>,
     /// Temperature fields at the profile instants; empty on a line.
     pub fields: Vec<Field>,
+    /// Water over time, where it flows.
+    pub water: Option<WaterSeries>,
 }

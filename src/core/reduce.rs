@@ -99,6 +99,8 @@ fn obstacle(scene: &Scene, settings: &MethodSettings) -> Option<String> {
     if let Stepper::Own(_) = settings.discretisation.stepper {
         let method = settings.method;
         Some(format!("the method {method} makes its own steps: each particle has noise of its own"))
+    } else if scene.flow.is_some() {
+        Some("water flows".into())
     } else if numerics.layout != Layout::Lattice {
         Some("particles stand unevenly".into())
     } else if straight && numerics.walls == WallModel::MovingLeastSquares {

@@ -56,6 +56,14 @@ pub trait Reference: Send + Sync {
     fn thickness(&self, _plane: Plane, _t: f64) -> Option<f64> {
         None
     }
+    /// Temperature and pressure (Pa) at `x` (m) on the cut of a scene with water, at time `t` (s).
+    fn cut(&self, _x: f64, _t: f64) -> Option<(f64, Option<f64>)> {
+        None
+    }
+    /// Ice over the ice at the start, in a scene with water, at time `t` (s).
+    fn ice(&self, _t: f64) -> Option<f64> {
+        None
+    }
     /// Time (s) of a named event.
     fn event(&self, _name: &str) -> Option<f64> {
         None

@@ -3,6 +3,7 @@
 //! Temperatures are stored on the file's scale: degrees Celsius in SI scenes, the DPD or dimensionless
 //! temperature elsewhere. [`Units::absolute_zero`] maps them to an absolute scale where a law needs one.
 
+mod flow;
 pub mod read;
 pub mod region;
 mod series;
@@ -15,11 +16,13 @@ use glam::DVec2;
 use crate::material::Material;
 pub use crate::symmetry::Symmetry;
 
+pub use flow::{Flow, PressureWall, RelativePermeability};
 pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
 pub use region::{Region, Shape};
 pub use series::{Schedule, Series};
 pub use settings::{
-    Exchange, Front, IntegratorChoice, Layout, Mean, Numerics, SearchChoice, Setting, StepChoice, Uptake, WallModel,
+    Advection, Exchange, FlowNumerics, Front, IntegratorChoice, Layout, Mean, Numerics, SearchChoice, Setting,
+    StepChoice, Uptake, WallModel,
 };
 
 /// Units of a scene file.
@@ -468,6 +471,8 @@ pub struct Scene {
     pub wall_parts: Vec<WallPart>,
     /// Rings of freeze pipes.
     pub rings: Vec<PipeRing>,
+    /// Groundwater, where it flows.
+    pub flow: Option<Flow>,
     /// Observation.
     pub watch: Watch,
     /// Where the truth comes from.

@@ -276,6 +276,7 @@ mod tests {
             latent_heat: 334_000.0,
             law,
             mixing: Mixing::Arithmetic,
+            pores: None,
         });
         Materials { thermals: vec![Thermal::new(curve, initial)].into(), of_particle: Vec::new() }
     }

@@ -90,8 +90,9 @@ impl Axis {
     /// The columns of a map for one method on a scene; none where the axis means nothing there. `count` is odd: the
     /// middle column is the scene's own value, but for disorder and noise, which begin at zero.
     pub fn columns(self, scene: &Scene, kind: &MethodKind, settings: &MethodSettings, count: usize) -> Vec<Column> {
-        let freezes: Vec<&Material> =
-            scene.materials.iter().filter(|material| material.law != FreezingLaw::None).collect();
+        // Porous ground has no keys of its own for its two states: they follow from its phases.
+        let has_keys = |material: &&Material| material.law != FreezingLaw::None && material.pores.is_none();
+        let freezes: Vec<&Material> = scene.materials.iter().filter(has_keys).collect();
         let quiet = self.without_noise(settings);
         let scaled = |span: f64, column: &dyn Fn(f64) -> Option<Column>| -> Vec<Column> {
             factors(span, count).into_iter().filter_map(column).collect()
@@ -141,7 +142,7 @@ impl Axis {
                 .filter_map(|shift| disordered(settings, shift))
                 .collect(),
             Axis::Noise => noise_levels(settings, count),
-            Axis::Stages if kind.stochastic => Vec::new(),
+            Axis::Stages if kind.stochastic || scene.flow.is_some() => Vec::new(),
             Axis::Stages => STAGES
                 .map(|stages| Column {
                     value: Some(stages as f64),

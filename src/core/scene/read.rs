@@ -2,8 +2,10 @@
 
 mod body;
 mod cracks;
+mod flow;
 mod ground;
 mod numerics;
+mod porous;
 mod problem;
 mod range;
 mod regions;
@@ -124,6 +126,9 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let rings = body::pipes(&mut root, domain.as_ref());
     let cracks = cracks::cracks(&mut root, domain.as_ref());
     let watch = watch::watch(&mut root, domain.as_ref(), time.as_ref());
+    let surfaces = watch.as_ref().is_some_and(|watch| !watch.surfaces.is_empty());
+    let beside = (!cracks.is_empty(), surfaces);
+    let flow = flow::flow(&mut root, domain.as_ref(), if complete { &materials } else { &[] }, beside);
     let reference = watch::reference(&mut root, domain.as_ref());
     if let (Some(section), Some(domain)) = (&mut wall_section, &domain) {
         body::exact_walls(section, domain, &walls, (&materials, &regions), &reference);
@@ -135,7 +140,8 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         materials: if complete { &materials } else { &[] },
         walls: &walls,
         cracks: &cracks,
-        surfaces: watch.as_ref().is_some_and(|watch| !watch.surfaces.is_empty()),
+        surfaces,
+        flow: flow.is_some(),
     };
     let methods = numerics::methods(&mut root, &setup, kinds);
     let time = time?;
@@ -154,6 +160,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         walls,
         wall_parts,
         rings,
+        flow,
         watch: watch?,
         reference,
         methods,

@@ -135,6 +135,51 @@ impl IntegratorChoice {
     }
 }
 
+/// Which temperature the water of a pair carries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Advection {
+    /// The mean of both ends, as exact as conduction; it overshoots where water outruns conduction.
+    Central,
+    /// That of the end that it comes from: keeps the range of the data and smears fronts.
+    Upwind,
+    /// The mean, with as much exchange beside it as the range of the data needs and conduction does not give.
+    Blended,
+    /// As blended, with the exchange taken back wherever temperatures stay within those around (Zalesak 1979).
+    Limited,
+    /// The mean, with the water of a pair from the Darcy velocities of both ends (Nikolaev et al. 2021, eqs 37, 45).
+    Paper,
+}
+
+impl Advection {
+    /// All of them with the words of the file.
+    pub const WORDS: [(&str, Advection); 5] = [
+        ("central", Advection::Central),
+        ("upwind", Advection::Upwind),
+        ("blended", Advection::Blended),
+        ("limited", Advection::Limited),
+        ("paper", Advection::Paper),
+    ];
+
+    /// The word of the file.
+    pub fn name(self) -> &'static str {
+        Advection::WORDS.iter().find(|word| word.1 == self).map_or("", |word| word.0)
+    }
+}
+
+/// How flowing water is computed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlowNumerics {
+    /// Which temperature water carries.
+    pub advection: Advection,
+    /// Permeability of a pair by those of its ends.
+    pub mean: Mean,
+    /// Change of relative permeabilities, summed over particles and over their number across the body, from which the
+    /// pressure is solved for again.
+    pub pressure_change: f64,
+    /// Longest time (s) between two solutions for the pressure.
+    pub pressure_interval: f64,
+}
+
 /// How long a step is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum StepChoice {
@@ -168,6 +213,8 @@ pub struct Numerics {
     pub integrator: IntegratorChoice,
     /// Step.
     pub step: StepChoice,
+    /// Flowing water, where the scene has it.
+    pub flow: Option<FlowNumerics>,
 }
 
 /// Everything a scene says about one method.
@@ -249,6 +296,19 @@ impl MethodSettings {
             StepChoice::Fraction(fraction) => put("step_fraction", Value::Number(fraction)),
             StepChoice::Fixed(step) => put("step", Value::Number(step)),
         };
+        if let Some(flow) = numerics.flow {
+            put("advection", text(flow.advection.name()));
+            let mean = match flow.mean {
+                Mean::Harmonic => "harmonic",
+                Mean::Arithmetic => "arithmetic",
+                Mean::Geometric => "geometric",
+            };
+            put("permeability_mean", text(mean));
+            put("pressure_change", Value::Number(flow.pressure_change));
+            if flow.pressure_interval.is_finite() {
+                put("pressure_interval", Value::Number(flow.pressure_interval));
+            }
+        }
         for (key, value) in &self.discretisation.knobs {
             put(key, value.clone());
         }
@@ -281,6 +341,7 @@ impl Default for Numerics {
             search: SearchChoice::Auto,
             integrator: IntegratorChoice::Euler,
             step: StepChoice::Fraction(0.9),
+            flow: None,
         }
     }
 }

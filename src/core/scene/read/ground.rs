@@ -1,5 +1,6 @@
 //! Materials.
 
+use super::porous::{self, is_porous};
 use super::range::{Range, plain, temperatures};
 use super::section::Section;
 use crate::material::{FreezingLaw, Material, Mixing, Phase};
@@ -44,6 +45,26 @@ pub(super) fn materials(section: &mut Section<'_>) -> Vec<(String, Option<Materi
 }
 
 fn material(name: &str, section: &mut Section<'_>) -> Option<Material> {
+    if is_porous(section) {
+        let freezing = section.section("freezing").and_then(freezing);
+        let freezes = freezing.as_ref().is_none_or(|freezing| freezing.law != FreezingLaw::None);
+        let porous = porous::porous(section, freezes);
+        let (porous, freezing) = (porous?, freezing?);
+        let whole = porous.whole(freezing.mixing);
+        return Some(Material {
+            name: name.to_owned(),
+            density: whole.density,
+            frozen: whole.frozen,
+            unfrozen: whole.unfrozen,
+            freezing_point: freezing.point,
+            // A scene says how much a kilogram of ice takes; here it counts by mass of the whole.
+            latent_heat: freezing.latent_heat * whole.ice_share,
+            law: freezing.law,
+            mixing: freezing.mixing,
+            pores: Some(porous.pores()),
+        });
+    }
+    section.refuse(("permeability", "m2"), "only a material given by porosity, solid, ice and water has pores");
     let density = section.positive(("density", "kg_per_m3"));
     let frozen = section.section("frozen").and_then(phase);
     let unfrozen = section.section("unfrozen").and_then(phase);
@@ -70,6 +91,7 @@ fn material(name: &str, section: &mut Section<'_>) -> Option<Material> {
         latent_heat: freezing.latent_heat,
         law: freezing.law,
         mixing: freezing.mixing,
+        pores: None,
     })
 }
 

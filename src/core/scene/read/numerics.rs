@@ -8,8 +8,8 @@ use super::shells;
 use crate::material::{FreezingLaw, Material};
 use crate::method::MethodKind;
 use crate::scene::settings::{
-    Exchange, Front, IntegratorChoice, Layout, Mean, MethodSettings, Numerics, SearchChoice, Setting, StepChoice,
-    Uptake, WallModel,
+    Advection, Exchange, FlowNumerics, Front, IntegratorChoice, Layout, Mean, MethodSettings, Numerics, SearchChoice,
+    Setting, StepChoice, Uptake, WallModel,
 };
 use crate::scene::{Condition, Crack, Domain, Sector, Wall};
 
@@ -23,6 +23,10 @@ const WHOLE: f64 = 1e-6;
 const RKL2_TOLERANCE: f64 = 1e-2;
 const IMPLICIT_TOLERANCE: f64 = 1e-3;
 
+/// Change of permeabilities from which the pressure is solved for again, where a scene does not say: a fiftieth of the
+/// particles across the body.
+const PRESSURE_CHANGE: f64 = 0.02;
+
 const SPACING: (&str, &str) = ("spacing", "m");
 const INTERVAL: (&str, &str) = ("interval", "K");
 
@@ -34,6 +38,7 @@ pub(super) struct Setup<'a> {
     pub(super) cracks: &'a [Crack],
     /// Whether heat through surfaces is counted.
     pub(super) surfaces: bool,
+    pub(super) flow: bool,
 }
 
 pub(super) fn methods(root: &mut Section<'_>, setup: &Setup<'_>, kinds: &[&'static MethodKind]) -> Vec<MethodSettings> {
@@ -88,6 +93,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     ];
     numerics.search = section.choice_or("search", &searches, numerics.search);
     numerics.integrator = integrator(section, numerics.integrator);
+    numerics.flow = flow(section, setup.flow, setting);
     numerics.step = step(section, numerics.step, numerics.integrator.tolerance().is_some());
     combinations(section, &numerics, setup, kind);
     shells::combinations(section, &numerics, setup, kind, setting);
@@ -232,6 +238,27 @@ fn integrator(section: &mut Section<'_>, preset: IntegratorChoice) -> Integrator
     }
 }
 
+fn flow(section: &mut Section<'_>, flows: bool, setting: Setting) -> Option<FlowNumerics> {
+    if !flows {
+        for key in ["advection", "permeability_mean", "pressure_change"] {
+            section.refuse(key, "the scene has no section \"flow\"");
+        }
+        for unit in ["s", "h", "days"] {
+            section.refuse(("pressure_interval", unit), "the scene has no section \"flow\"");
+        }
+        return None;
+    }
+    let usual = if setting == Setting::Paper { Advection::Paper } else { Advection::Limited };
+    let advection = section.choice_or("advection", &Advection::WORDS, usual);
+    let means = [("harmonic", Mean::Harmonic), ("arithmetic", Mean::Arithmetic), ("geometric", Mean::Geometric)];
+    let usual = if setting == Setting::Paper { Mean::Harmonic } else { Mean::Arithmetic };
+    let mean = section.choice_or("permeability_mean", &means, usual);
+    let pressure_change = section.number_or("pressure_change", PRESSURE_CHANGE, Range::above_to(0.0, 1.0));
+    let interval = section.optional_duration("pressure_interval", Range::POSITIVE);
+    let pressure_interval = interval.map_or(f64::INFINITY, |interval| interval.seconds);
+    Some(FlowNumerics { advection, mean, pressure_change, pressure_interval })
+}
+
 fn step(section: &mut Section<'_>, preset: StepChoice, by_error: bool) -> StepChoice {
     let fixed = section.optional_duration("step", Range::POSITIVE);
     if by_error {
@@ -274,6 +301,34 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
             section.problem("integrator", format!("found \"{word}\", which needs mushy = true"));
         } else if word == "implicit" && numerics.exchange != Exchange::Potential {
             section.problem("integrator", "found \"implicit\", which needs exchange = \"potential\" and no mean");
+        }
+    }
+    if numerics.flow.is_some() {
+        // Water is carried beside conduction of the shared operator, in steps of its own.
+        if kind.stochastic {
+            section.section_problem(format!(
+                "the method \"{}\" moves no water: leave it out of a scene with \"flow\"",
+                kind.name
+            ));
+        }
+        if let Some(word) = integrator {
+            section.problem("integrator", format!("found \"{word}\", must be \"euler\" in a scene with \"flow\""));
+        }
+        if numerics.uptake != Uptake::Enthalpy {
+            let message = format!("found \"{scheme}\", must be \"enthalpy\" in a scene with \"flow\"");
+            section.problem("scheme", message);
+        }
+        if !numerics.mushy {
+            section.problem("mushy", "found false, must be true in a scene with \"flow\"");
+        }
+        if numerics.walls == WallModel::MovingLeastSquares {
+            section.problem(
+                "wall_model",
+                "found \"moving-least-squares\", must be \"mirror\" or \"layers\" in a scene with \"flow\"",
+            );
+        }
+        if numerics.search == SearchChoice::Lattice {
+            section.problem("search", "found \"lattice\", but water needs a neighbour list");
         }
     }
     if numerics.uptake == Uptake::Flags

@@ -1,0 +1,529 @@
+//! Groundwater that flows through freezing ground, and the heat that it carries.
+//!
+//! The pairs that conduct heat conduct water: particle i sends `q_ij = w_ij K_ij (p_i - p_j)` to j (1/s by volume), with
+//! the pair's weight, a mean of the hydraulic conductivities of both and the difference of pressures, which follow from `sum_j q_ij = -n (1 - rho_i/rho_w) dS_w/dt` (Nikolaev et al. 2021, eqs 3 and 6). Water carries heat along
+//! the same pairs ([`carrier`]). Both are beside the conduction of the shared operator.
+//!
+//! A step is Heun's, of two explicit Euler steps: second order, and a mean of two states that each keep the range of
+//! the data, so it keeps it too (Shu and Osher 1988).
+
+pub mod carrier;
+pub mod network;
+pub mod pressure;
+pub mod series;
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use glam::DVec2;
+use rayon::ThreadPool;
+
+use crate::boundary::{Boundary, Face};
+use crate::integrate::just_before;
+use crate::integrate::sharp::stable_step;
+use crate::ledger::{Ledger, Sum};
+use crate::list_operator::{ListOperator, ListParts, Off, Tangent};
+use crate::material::Pores;
+use crate::memory::Held;
+use crate::method::{Bound, Clock, Method, StepError, Work};
+use crate::particles::Particles;
+use crate::potential::{Curved, PotentialLaw, Thermal};
+use crate::scene::{Flow, FlowNumerics, Scene, StepChoice, Uptake};
+use crate::uptake::{LatentScheme, Materials, scheme};
+
+use carrier::{Carrier, Ground, State, velocities};
+use network::Network;
+use pressure::Pressure;
+
+/// Intervals between solutions for the pressure grow at most by this factor: the water that ice has taken or given
+/// meanwhile is made up for over the next interval.
+const GROWTH: f64 = 2.0;
+
+/// Temperature of a particle by its enthalpy, fast.
+#[derive(Debug, Clone)]
+enum Warmth {
+    /// Straight pieces.
+    Exact(Thermal),
+    /// A table of the temperature above the freezing point, by the enthalpy from there.
+    Table { table: Curved, freezing_point: f64, initial_enthalpy: f64 },
+}
+
+impl Warmth {
+    fn new(thermal: &Thermal) -> Self {
+        if thermal.curve.is_kinked() {
+            return Warmth::Exact(thermal.clone());
+        }
+        let (freezing_point, initial_enthalpy) = (thermal.curve.freezing_point(), thermal.initial_enthalpy);
+        Warmth::Table { table: Curved::of_temperature(&thermal.curve), freezing_point, initial_enthalpy }
+    }
+
+    #[inline]
+    fn at(&self, enthalpy: f64) -> f64 {
+        match self {
+            Warmth::Exact(thermal) => thermal.curve.temperature(enthalpy + thermal.initial_enthalpy),
+            Warmth::Table { table, freezing_point, initial_enthalpy } => {
+                freezing_point + table.potential(enthalpy + initial_enthalpy)
+            }
+        }
+    }
+}
+
+/// One material as water sees it.
+#[derive(Debug, Clone)]
+struct Aquifer {
+    warmth: Warmth,
+    thermal: Thermal,
+    pores: Pores,
+    /// Hydraulic conductivity of thawed ground (m2/(Pa s)).
+    open: f64,
+    least_conductivity: f64,
+}
+
+impl Aquifer {
+    fn unfrozen(&self, temperature: f64) -> f64 {
+        self.thermal.curve.unfrozen_fraction(temperature)
+    }
+
+    /// Water that freezing of all pores would push aside (by volume).
+    fn expansion(&self) -> f64 {
+        self.pores.porosity * (1.0 - self.pores.ice_density / self.pores.water_density)
+    }
+}
+
+/// Water so far, by volume of the body (m^d).
+#[derive(Debug, Clone, Default)]
+struct WaterLedger {
+    /// In through each pressure wall.
+    walls: Vec<Sum>,
+    /// In and out, whatever the wall.
+    exchanged: Sum,
+    /// What the pressures were solved for.
+    asked: Sum,
+}
+
+/// Where water stands.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Water {
+    /// Names of the walls that it crosses.
+    pub walls: Vec<&'static str>,
+    /// Inflow through each (m^d/s), negative where more leaves.
+    pub inflow: Vec<f64>,
+    /// All that enters (m^d/s).
+    pub entering: f64,
+    /// All that leaves (m^d/s).
+    pub leaving: f64,
+    /// (in - asked for by freezing and thawing) / exchanged, so far.
+    pub balance: f64,
+    /// (taken up by thawing - asked for) / exchanged, so far: what the next intervals have yet to bring.
+    pub owed: f64,
+    /// Ice (m^d).
+    pub ice: f64,
+    /// Liquid water (m^d).
+    pub liquid: f64,
+    /// Solutions for the pressure.
+    pub solutions: u64,
+    /// Iterations of all solutions.
+    pub iterations: u64,
+    /// Wall time of all solutions (s).
+    pub seconds: f64,
+}
+
+/// Flowing water beside conduction: the method of scenes with water.
+pub struct FlowMethod {
+    operator: ListOperator<Off>,
+    scheme: Box<dyn LatentScheme>,
+    network: Network,
+    pressure: Pressure,
+    carrier: Carrier,
+    aquifers: Vec<Aquifer>,
+    materials: Materials,
+    boundary: Boundary,
+    faces: Vec<Face>,
+    flow: Flow,
+    numerics: FlowNumerics,
+    fraction: f64,
+    volume: f64,
+    across: f64,
+    capacity: f64,
+    pool: Option<Arc<ThreadPool>>,
+    temperature: Vec<f64>,
+    permeability: Vec<f64>,
+    solved: Vec<f64>,
+    conductivity: Vec<f64>,
+    walls: Vec<f64>,
+    /// Unfrozen fractions at the start, water asked for by volume so far, and what is asked for now (1/s): empty where
+    /// ice is as dense as water.
+    started: Vec<f64>,
+    asked: Vec<f64>,
+    asking: Vec<f64>,
+    last_solution: f64,
+    interval: f64,
+    ledger: Ledger,
+    water: WaterLedger,
+    rate: Vec<f64>,
+    start: Vec<f64>,
+    doors: [Vec<f64>; 2],
+    beside: Vec<(u32, f64)>,
+    opening_temperatures: Vec<Option<f64>>,
+    own_bound: Bound,
+    bound: Bound,
+    steps: u64,
+    seconds: f64,
+}
+
+impl FlowMethod {
+    /// Water through the assembled particles, neighbours and walls of a scene, from these enthalpies (J/m3) on.
+    pub fn new(
+        parts: ListParts,
+        scene: &Scene,
+        flow: &Flow,
+        numerics: (FlowNumerics, StepChoice),
+        enthalpy: &[f64],
+    ) -> Result<Self, String> {
+        let (materials, boundary) = (parts.materials.clone(), parts.boundary.clone());
+        let first = &materials.thermals[0];
+        let faces = boundary.first_faces(&first.curve, first.initial_potential);
+        let network = Network::new(&parts.positions, &parts.pairs, &parts.ghosts, &boundary, &faces, flow)?;
+        let count = network.len();
+        let aquifers: Vec<Aquifer> = scene
+            .materials
+            .iter()
+            .zip(materials.thermals.iter())
+            .map(|(material, thermal)| {
+                let pores = material.pores.ok_or_else(|| format!("\"{}\" has no pores", material.name))?;
+                let permeability =
+                    pores.permeability.ok_or_else(|| format!("\"{}\" has no permeability", material.name))?;
+                Ok(Aquifer {
+                    warmth: Warmth::new(thermal),
+                    thermal: thermal.clone(),
+                    pores,
+                    open: permeability / flow.viscosity,
+                    least_conductivity: thermal.curve.least_conductive(),
+                })
+            })
+            .collect::<Result<_, String>>()?;
+        let water = aquifers[0].pores;
+        let pressure = Pressure::new(&network, &parts.positions);
+        let carrier = Carrier::new(&network, numerics.0.advection);
+        let (volume, pool) = (parts.volumes.unit(), parts.pool.clone());
+        let operator = ListOperator::new(parts, Off);
+        let names: Vec<String> = operator.door_names().into_iter().chain(["ice".to_owned()]).collect();
+        let doors = vec![0.0; names.len()];
+        let expands = flow.density_change && aquifers.iter().any(|aquifer| aquifer.expansion() != 0.0);
+        let own_bound = operator.step_bound();
+        let mut method = FlowMethod {
+            scheme: scheme(Uptake::Enthalpy, true, &materials, enthalpy, count),
+            pressure,
+            carrier,
+            aquifers,
+            boundary,
+            faces,
+            flow: flow.clone(),
+            numerics: numerics.0,
+            fraction: match numerics.1 {
+                StepChoice::Fraction(fraction) => fraction,
+                StepChoice::Fixed(_) => 1.0,
+            },
+            volume,
+            across: if scene.domain.dimension() == 1 { 1.0 } else { (count as f64).sqrt() },
+            capacity: water.water_density * water.water_heat_capacity,
+            pool,
+            temperature: vec![0.0; count],
+            permeability: vec![1.0; count],
+            solved: Vec::new(),
+            conductivity: vec![0.0; count],
+            walls: vec![0.0; flow.walls.len()],
+            started: Vec::new(),
+            asked: if expands { vec![0.0; count] } else { Vec::new() },
+            asking: if expands { vec![0.0; count] } else { Vec::new() },
+            last_solution: 0.0,
+            interval: 0.0,
+            ledger: Ledger::new(names),
+            water: WaterLedger { walls: vec![Sum::default(); flow.walls.len()], ..WaterLedger::default() },
+            rate: vec![0.0; count],
+            start: vec![0.0; count],
+            doors: [doors.clone(), doors],
+            beside: Vec::new(),
+            opening_temperatures: Vec::new(),
+            bound: own_bound.clone(),
+            own_bound,
+            steps: 0,
+            seconds: 0.0,
+            materials,
+            network,
+            operator,
+        };
+        method.warm(enthalpy);
+        if expands {
+            method.started = (0..count).map(|i| method.aquifer(i).unfrozen(method.temperature[i])).collect();
+        }
+        method.permeate(enthalpy);
+        method.solve(0.0)?;
+        Ok(method)
+    }
+
+    fn aquifer(&self, particle: usize) -> &Aquifer {
+        &self.aquifers[self.materials.index(particle)]
+    }
+
+    /// Fills the temperatures.
+    fn warm(&mut self, enthalpy: &[f64]) {
+        for (i, (temperature, enthalpy)) in self.temperature.iter_mut().zip(enthalpy).enumerate() {
+            *temperature = self.aquifers[self.materials.index(i)].warmth.at(*enthalpy);
+        }
+    }
+
+    /// Fills the relative permeabilities.
+    fn permeate(&mut self, enthalpy: &[f64]) {
+        let (law, least) = (self.flow.relative_permeability, self.flow.least_relative_permeability);
+        for i in 0..enthalpy.len() {
+            let aquifer = &self.aquifers[self.materials.index(i)];
+            self.permeability[i] = if enthalpy[i] + aquifer.thermal.initial_enthalpy >= 0.0 {
+                1.0
+            } else {
+                law.at(aquifer.unfrozen(self.temperature[i]), aquifer.pores.porosity).max(least)
+            };
+        }
+    }
+
+    /// Whether permeabilities, walls or ice have changed enough for another solution by this time (s).
+    fn is_due(&self, time: f64) -> bool {
+        let since = time - self.last_solution;
+        if since >= self.numerics.pressure_interval || (!self.asked.is_empty() && since >= GROWTH * self.interval) {
+            return true;
+        }
+        if self.flow.walls.iter().zip(&self.walls).any(|(wall, pressure)| wall.pressure.at(time) != *pressure) {
+            return true;
+        }
+        let changed: f64 = self.permeability.iter().zip(&self.solved).map(|(now, then)| (now - then).abs()).sum();
+        changed > self.numerics.pressure_change * self.across
+    }
+
+    /// Solves for the pressure at a time (s), for what the state is now.
+    fn solve(&mut self, time: f64) -> Result<(), String> {
+        let began = Instant::now();
+        for i in 0..self.conductivity.len() {
+            self.conductivity[i] = self.aquifer(i).open * self.permeability[i];
+        }
+        for (wall, pressure) in self.flow.walls.iter().zip(&mut self.walls) {
+            *pressure = wall.pressure.at(time);
+        }
+        self.interval = time - self.last_solution;
+        if !self.asked.is_empty() && self.interval > 0.0 {
+            for i in 0..self.asking.len() {
+                let aquifer = self.aquifer(i);
+                let taken = aquifer.expansion() * (aquifer.unfrozen(self.temperature[i]) - self.started[i]);
+                self.asking[i] = (taken - self.asked[i]) / (GROWTH * self.interval);
+            }
+        }
+        self.last_solution = time;
+        let asking = (!self.asking.is_empty()).then_some(&self.asking[..]);
+        self.pressure.solve(&self.network, &self.conductivity, &self.walls, asking, self.numerics.mean)?;
+        self.solved.clone_from(&self.permeability);
+        let warm: Vec<bool> = (0..self.walls.len()).map(|wall| self.wall_temperature(wall).is_some()).collect();
+        let least = |particle: usize| self.aquifers[self.materials.index(particle)].least_conductivity;
+        let ground = Ground { least_conductivity: &least, capacity: self.capacity, warm: &warm };
+        self.carrier.take(&self.network, &self.pressure, &ground, self.numerics.advection);
+        self.seconds += began.elapsed().as_secs_f64();
+        self.bind();
+        Ok(())
+    }
+
+    /// The step that conduction and water allow together.
+    fn bind(&mut self) {
+        let least =
+            self.aquifers.iter().map(|aquifer| aquifer.thermal.curve.least_capacity()).fold(f64::INFINITY, f64::min);
+        let carried = self.carrier.greatest.0 / least;
+        let step = 1.0 / (1.0 / self.own_bound.step + carried);
+        let cause = format!(
+            "conduction ({:.3e} s alone) and advection ({:.3e} s alone, at particle {}); latent heat only lengthens it: {}",
+            self.own_bound.step,
+            1.0 / carried,
+            self.carrier.greatest.1,
+            self.own_bound.cause
+        );
+        self.bound = Bound { step, cause };
+    }
+
+    /// The temperature that a pressure wall holds, as its door was seen last.
+    fn wall_temperature(&self, wall: usize) -> Option<f64> {
+        match self.faces[self.network.doors[wall]] {
+            Face::Odd { temperature, .. } | Face::Held { temperature, .. } => Some(temperature),
+            Face::Even | Face::Flux(_) | Face::Film { .. } => None,
+        }
+    }
+
+    /// Rates at a state and time, for a step of this length; `doors` takes the heat that comes in (W).
+    fn rates(&mut self, enthalpy: &[f64], clock: &Clock, stage: usize) {
+        let mut doors = std::mem::take(&mut self.doors[stage]);
+        let walls = doors.len() - 1;
+        self.operator.rate_of(self.scheme.as_ref(), enthalpy, clock, &mut self.rate, &mut doors[..walls]);
+        self.warm(enthalpy);
+        let first = &self.materials.thermals[0];
+        self.boundary.update_faces(&mut self.faces, clock.time, &first.curve, first.initial_potential);
+        self.beside.clear();
+        let held = |door: u8| match self.faces[door as usize] {
+            Face::Odd { temperature, .. } | Face::Held { temperature, .. } => Some(temperature),
+            Face::Film { ambient, .. } => Some(ambient),
+            Face::Even | Face::Flux(_) => None,
+        };
+        self.opening_temperatures.clear();
+        let wall_temperatures: [Option<f64>; network::MOST_WALLS] =
+            std::array::from_fn(|wall| if wall < self.walls.len() { self.wall_temperature(wall) } else { None });
+        let of_opening = |opening: &network::Opening| wall_temperatures[opening.wall as usize];
+        self.opening_temperatures.extend(self.network.openings.iter().map(of_opening));
+        self.beside.extend(self.network.beside.iter().filter_map(|(i, door)| Some((*i, held(*door)?))));
+        // Heat in water counts from the freezing point.
+        let zero = first.curve.freezing_point();
+        for mouth in &self.carrier.mouths {
+            let i = mouth.particle as usize;
+            let own = self.temperature[i];
+            let wall = self.wall_temperature(mouth.wall as usize);
+            let entering = wall.unwrap_or(own);
+            self.rate[i] += self.capacity * mouth.inflow * (entering - own);
+            let carried = mouth.inflow * (entering - zero) - mouth.outflow * (own - zero);
+            doors[self.network.doors[mouth.wall as usize]] += self.volume * self.capacity * carried;
+        }
+        let kept: Sum = self.carrier.kept.iter().zip(&self.temperature).map(|(kept, t)| kept * (t - zero)).collect();
+        doors[walls] = -self.volume * self.capacity * kept.value();
+        let materials = &self.materials;
+        let enthalpy_at = |particle: usize, temperature: f64| materials.of(particle).enthalpy(temperature);
+        let state = State {
+            temperature: &self.temperature,
+            enthalpy,
+            step: clock.step,
+            mixed: materials.mixed(),
+            enthalpy_at: &enthalpy_at,
+            beside: &self.beside,
+            openings: &self.opening_temperatures,
+            pool: self.pool.as_ref(),
+        };
+        self.carrier.carry(&self.network, &state, &mut self.rate);
+        self.doors[stage] = doors;
+    }
+
+    fn book(&mut self, step: f64) {
+        for door in 0..self.doors[0].len() {
+            self.ledger.book(door, 0.5 * step * (self.doors[0][door] + self.doors[1][door]), step);
+        }
+        let volume = self.volume * step;
+        for mouth in &self.carrier.mouths {
+            self.water.walls[mouth.wall as usize].add(volume * (mouth.inflow - mouth.outflow));
+            self.water.exchanged.add(volume * (mouth.inflow + mouth.outflow));
+        }
+        for (asked, asking) in self.asked.iter_mut().zip(&self.asking) {
+            *asked += step * asking;
+            self.water.asked.add(volume * asking);
+        }
+    }
+}
+
+impl Method for FlowMethod {
+    fn bound(&self) -> Bound {
+        self.bound.clone()
+    }
+
+    fn sharp_step(&mut self) -> f64 {
+        let slopes = self.operator.steepest();
+        let mut tangent = Tangent::default();
+        let state = vec![0.0; slopes.len()];
+        self.operator.linearise(self.scheme.as_ref(), &state, 0.0, &mut slopes.clone(), &mut tangent);
+        stable_step(&slopes, |potentials, rate| self.operator.act(&mut tangent, potentials, rate))
+    }
+
+    fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
+        let enthalpy = &mut particles.enthalpy;
+        if self.steps > 0 {
+            // Temperatures are those of the second stage.
+            self.warm(enthalpy);
+            self.permeate(enthalpy);
+            if self.is_due(clock.time) {
+                self.solve(clock.time).map_err(|reason| StepError { reason })?;
+            }
+        }
+        // What flows faster than it did when the step was chosen shortens it.
+        let step = clock.step.min(self.bound.step);
+        self.start.copy_from_slice(enthalpy);
+        self.rates(enthalpy, &Clock { step, ..*clock }, 0);
+        for (h, rate) in enthalpy.iter_mut().zip(&self.rate) {
+            *h += step * rate;
+        }
+        self.rates(enthalpy, &Clock { step, time: just_before(clock.time, step), ..*clock }, 1);
+        for ((h, start), rate) in enthalpy.iter_mut().zip(&self.start).zip(&self.rate) {
+            *h = 0.5 * (start + (*h + step * rate));
+        }
+        self.book(step);
+        self.steps += 1;
+        Ok(step)
+    }
+
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    fn pairs(&self) -> u64 {
+        self.operator.pair_count()
+    }
+
+    fn held(&self) -> usize {
+        let columns = [&self.temperature, &self.permeability, &self.solved, &self.conductivity, &self.started];
+        let more = [&self.asked, &self.asking, &self.rate, &self.start];
+        let columns: usize = columns.iter().chain(&more).map(|column| column.held()).sum();
+        let parts = self.network.held() + self.pressure.held() + self.carrier.held();
+        let tables = self.aquifers.iter().map(|aquifer| match &aquifer.warmth {
+            Warmth::Exact(_) => 0,
+            Warmth::Table { table, .. } => table.held(),
+        });
+        let copies = self.materials.of_particle.held() + self.beside.capacity() * size_of::<(u32, f64)>();
+        self.operator.held() + columns + parts + tables.sum::<usize>() + copies
+    }
+
+    fn wanted_step(&self) -> f64 {
+        self.fraction * self.bound.step
+    }
+
+    fn work(&self) -> Work {
+        Work { evaluations: 2 * self.steps, linear_iterations: self.pressure.iterations, ..Work::default() }
+    }
+
+    fn water(&self, particles: &Particles) -> Option<Water> {
+        let mut inflow = vec![0.0; self.walls.len()];
+        let (mut entering, mut leaving) = (0.0, 0.0);
+        for mouth in &self.carrier.mouths {
+            inflow[mouth.wall as usize] += self.volume * (mouth.inflow - mouth.outflow);
+            entering += self.volume * mouth.inflow;
+            leaving += self.volume * mouth.outflow;
+        }
+        let (mut ice, mut liquid, mut taken) = (Sum::default(), Sum::default(), Sum::default());
+        for i in 0..particles.len() {
+            let aquifer = self.aquifer(i);
+            let unfrozen = 1.0 - particles.frozen_fraction(i);
+            ice.add(self.volume * aquifer.pores.porosity * (1.0 - unfrozen));
+            liquid.add(self.volume * aquifer.pores.porosity * unfrozen);
+            if let Some(started) = self.started.get(i) {
+                taken.add(self.volume * aquifer.expansion() * (unfrozen - started));
+            }
+        }
+        let exchanged = self.water.exchanged.value();
+        let over = |amount: f64| if exchanged > 0.0 { amount / exchanged } else { 0.0 };
+        let came: f64 = self.water.walls.iter().map(Sum::value).sum();
+        let asked = self.water.asked.value();
+        Some(Water {
+            walls: self.flow.walls.iter().map(|wall| wall.name).collect(),
+            inflow,
+            entering,
+            leaving,
+            balance: over(came - asked),
+            owed: over(taken.value() - asked),
+            ice: ice.value(),
+            liquid: liquid.value(),
+            solutions: self.pressure.solutions,
+            iterations: self.pressure.iterations,
+            seconds: self.seconds,
+        })
+    }
+
+    fn water_fields(&self) -> Option<(Vec<f64>, Vec<DVec2>)> {
+        Some((self.pressure.pressure.clone(), velocities(&self.network, &self.pressure)))
+    }
+}

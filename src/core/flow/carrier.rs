@@ -1,0 +1,427 @@
+//! Heat that water carries along its paths.
+//!
+//! Particle i gains `-C sum_j q_ij (T_ij - T_i)` from the water `q_ij` (1/s by volume) that it sends to j, with the heat
+//! capacity C of water and the temperature `T_ij` that the path carries. What i gains so is what the paths bring less
+//! what they take, and the heat of the water that i itself keeps or gives as ice; an even temperature stays even
+//! whatever water does. With the mean of both ends for `T_ij` this is `-C sum_j q_ij (T_j - T_i) / 2`.
+//!
+//! A long path sees more of the bend of a profile than a short one: the third derivative that the mean of both ends
+//! leaves is taken out with the gradients `g` there, `T_ij = (T_i + T_j)/2 - x_ij.(g_j - g_i)/6`, wherever water is not
+//! much slower than conduction.
+//!
+//! The factor of `T_j - T_i` is negative where water outruns conduction. An exchange beside it mends that, at the price
+//! of smeared fronts; limited, most of it is taken back again: as much as leaves every particle within the enthalpies
+//! around it (Zalesak 1979).
+
+use std::sync::Arc;
+
+use glam::DVec2;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+
+use super::network::{NONE, Network};
+use super::pressure::Pressure;
+use crate::memory::Held;
+use crate::scene::Advection;
+
+/// Particles that one task handles; fixed, so that results do not depend on the number of threads.
+const TASK: usize = 2048;
+
+/// Heat that water carries along a path over what the path conducts, from which the bend of profiles counts.
+const FAST: f64 = 1.0;
+
+/// Water of one particle through one wall of given pressure (1/s by volume).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mouth {
+    /// The particle.
+    pub particle: u32,
+    /// The pressure wall.
+    pub wall: u8,
+    /// What enters.
+    pub inflow: f64,
+    /// What leaves.
+    pub outflow: f64,
+}
+
+/// Water of all paths at one solution for the pressure, as heat meets it.
+#[derive(Debug, Clone, Default)]
+pub struct Carrier {
+    /// Factor of `T_j - T_i` for each path (W/m3K).
+    factors: Vec<f64>,
+    /// Exchange beside it that is limited (W/m3K); empty where there is none.
+    exchange: Vec<f64>,
+    /// Water that leaves along each path (1/s by volume).
+    pub water: Vec<f64>,
+    /// Water through walls.
+    pub mouths: Vec<Mouth>,
+    /// Water that each particle keeps (1/s by volume).
+    pub kept: Vec<f64>,
+    /// Greatest sum of factors of one particle (W/m3K), and the particle.
+    pub greatest: (f64, usize),
+    limits_now: bool,
+    /// Whether gradients are used, and the gradients.
+    bends: bool,
+    gradients: Vec<DVec2>,
+    /// A sixth of the heat capacity of water (J/m3K).
+    sixth: f64,
+    mouth_of: Vec<u32>,
+    rows: Vec<Row>,
+    marked: Vec<bool>,
+    limits: Vec<(f64, f64)>,
+}
+
+/// What the exchange would do to a particle, and what it may.
+#[derive(Debug, Clone, Copy, Default)]
+struct Row {
+    /// Gain with all of the exchange (W/m3).
+    gain: f64,
+    /// What taking the exchange back would add and take (W/m3).
+    up: f64,
+    down: f64,
+    /// Least and greatest enthalpy around (J/m3).
+    least: f64,
+    most: f64,
+}
+
+impl Held for Carrier {
+    fn held(&self) -> usize {
+        let rows = self.rows.capacity() * size_of::<Row>() + self.mouths.capacity() * size_of::<Mouth>();
+        let paths = self.factors.held() + self.exchange.held() + self.water.held();
+        rows + paths + self.kept.held() + self.mouth_of.held() + self.marked.capacity() + self.limits.held()
+    }
+}
+
+/// What the carrier must know of the ground.
+pub struct Ground<'a> {
+    /// Least conductivity of each particle (W/mK).
+    pub least_conductivity: &'a dyn Fn(usize) -> f64,
+    /// Heat capacity of water (J/m3K).
+    pub capacity: f64,
+    /// Whether each pressure wall has a temperature of its own.
+    pub warm: &'a [bool],
+}
+
+impl Carrier {
+    /// Room for a network.
+    pub fn new(network: &Network, advection: Advection) -> Self {
+        let (count, paths) = (network.len(), network.partners.len());
+        let mut carrier = Carrier {
+            factors: vec![0.0; paths],
+            water: vec![0.0; paths],
+            kept: vec![0.0; count],
+            mouth_of: Vec::with_capacity(network.openings.len()),
+            ..Carrier::default()
+        };
+        for opening in &network.openings {
+            let same = |mouth: &Mouth| (mouth.particle, mouth.wall) == (opening.particle, opening.wall);
+            let mouth = Mouth { particle: opening.particle, wall: opening.wall, inflow: 0.0, outflow: 0.0 };
+            // Openings of one particle stand together.
+            let near = carrier.mouths.len().saturating_sub(super::network::MOST_WALLS);
+            let place = carrier.mouths[near..].iter().position(same).map_or(carrier.mouths.len(), |place| near + place);
+            if place == carrier.mouths.len() {
+                carrier.mouths.push(mouth);
+            }
+            carrier.mouth_of.push(place as u32);
+        }
+        if advection == Advection::Limited {
+            carrier.exchange = vec![0.0; paths];
+            carrier.rows = vec![Row::default(); count];
+            carrier.marked = vec![false; count];
+            carrier.limits = vec![(1.0, 1.0); count];
+        }
+        carrier
+    }
+
+    /// Takes the water of a solution for the pressure.
+    pub fn take(&mut self, network: &Network, pressure: &Pressure, ground: &Ground<'_>, advection: Advection) {
+        self.follow(network, pressure, advection);
+        for mouth in &mut self.mouths {
+            (mouth.inflow, mouth.outflow) = (0.0, 0.0);
+        }
+        // Water along a path carries half of each end's temperature.
+        for (factor, water) in self.factors.iter_mut().zip(&self.water) {
+            *factor = -0.5 * ground.capacity * water;
+        }
+        let values = &pressure.pressure;
+        for ((opening, conductance), mouth) in network.openings.iter().zip(&pressure.mouths).zip(&self.mouth_of) {
+            let (own, image) = (values[opening.particle as usize], values[opening.image as usize]);
+            let water = conductance * (own - opening.sign * image - pressure.wall_parts(opening));
+            self.kept[opening.particle as usize] -= water;
+            let mouth = &mut self.mouths[*mouth as usize];
+            if water < 0.0 {
+                mouth.inflow -= water;
+            } else {
+                mouth.outflow += water;
+            }
+            // Two particles and their images exchange water twice across the wall. What enters has its temperature, and
+            // what leaves that of the particles; the mean of a pair differs from that by an exchange of the two.
+            let enters_warm = water < 0.0 && ground.warm[opening.wall as usize];
+            let leaves_free = water > 0.0 && !ground.warm[opening.wall as usize];
+            if opening.path != NONE
+                && opening.sign < 0.0
+                && advection != Advection::Upwind
+                && (enters_warm || leaves_free)
+            {
+                self.factors[opening.path as usize] -= 0.5 * ground.capacity * water.abs();
+            }
+        }
+        self.bound(network, ground, advection);
+    }
+
+    /// The water of paths, and what particles keep of it.
+    fn follow(&mut self, network: &Network, pressure: &Pressure, advection: Advection) {
+        let values = &pressure.pressure;
+        let velocity = if advection == Advection::Paper { velocities(network, pressure) } else { Vec::new() };
+        for i in 0..network.len() {
+            let mut lost = 0.0;
+            for k in network.starts[i]..network.starts[i + 1] {
+                let j = network.partners[k] as usize;
+                let water = if advection == Advection::Paper {
+                    0.5 * network.weights[k] * network.spans[k].dot(velocity[i] + velocity[j])
+                } else {
+                    pressure.conductances[k] * (values[i] - values[j])
+                };
+                self.water[k] = water;
+                lost += water;
+            }
+            self.kept[i] = -lost;
+        }
+    }
+
+    /// Adds the exchange that keeps factors and conduction together from being negative, and finds the greatest sum.
+    fn bound(&mut self, network: &Network, ground: &Ground<'_>, advection: Advection) {
+        let limited = advection == Advection::Limited;
+        self.sixth = ground.capacity / 6.0;
+        self.bends = false;
+        let may_bend = matches!(advection, Advection::Central | Advection::Limited);
+        for i in 0..network.len() {
+            let own = (ground.least_conductivity)(i);
+            for k in network.starts[i]..network.starts[i + 1] {
+                let j = network.partners[k] as usize;
+                if j < i {
+                    continue;
+                }
+                let twin = network.twins[k] as usize;
+                let carried = 0.5 * ground.capacity * self.water[k];
+                let beside = self.factors[k] + carried;
+                let conducted = network.heat_weights[k] * own.min((ground.least_conductivity)(j));
+                self.bends |= may_bend && 2.0 * carried.abs() > FAST * conducted.abs();
+                let exchange = match advection {
+                    Advection::Central | Advection::Paper => 0.0,
+                    Advection::Upwind => carried.abs() - beside,
+                    Advection::Blended | Advection::Limited => (carried.abs() - beside - conducted).max(0.0),
+                };
+                // Both ways the same to the last bit, so that no heat is lost.
+                let (forth, back) = (beside - carried, beside + carried);
+                (self.factors[k], self.factors[twin]) = (forth + exchange, back + exchange);
+                if limited {
+                    (self.exchange[k], self.exchange[twin]) = (exchange, exchange);
+                }
+            }
+        }
+        self.limits_now = limited && (self.bends || self.exchange.iter().any(|exchange| *exchange > 0.0));
+        self.gradients.resize(if self.bends { network.len() } else { 0 }, DVec2::ZERO);
+        let central = matches!(advection, Advection::Central | Advection::Paper);
+        let mut sums: Vec<f64> = (0..network.len())
+            .map(|i| {
+                let factors = &self.factors[network.starts[i]..network.starts[i + 1]];
+                factors.iter().map(|factor| if central { factor.abs() } else { factor.max(0.0) }).sum()
+            })
+            .collect();
+        for mouth in &self.mouths {
+            sums[mouth.particle as usize] += ground.capacity * mouth.inflow;
+        }
+        self.greatest =
+            sums.iter().enumerate().fold((0.0, 0), |most, (i, sum)| if *sum > most.0 { (*sum, i) } else { most });
+    }
+
+    /// Adds what paths carry to the rates (W/m3), from temperatures and enthalpies (J/m3) at the start of a step (s);
+    /// `beside` are particles next to walls with the enthalpies that those hold.
+    pub fn carry(&mut self, network: &Network, state: &State<'_>, rate: &mut [f64]) {
+        let temperature = state.temperature;
+        if self.bends {
+            self.slope(network, state);
+        }
+        if !self.limits_now && self.bends {
+            let (factors, this) = (&self.factors, &*self);
+            each(state.pool, rate, |i, rate| {
+                for k in network.starts[i]..network.starts[i + 1] {
+                    let j = network.partners[k] as usize;
+                    *rate += factors[k] * (temperature[j] - temperature[i]) + this.bend(network, i, k);
+                }
+            });
+            return;
+        }
+        if !self.limits_now {
+            let factors = &self.factors;
+            each(state.pool, rate, |i, rate| {
+                let own = temperature[i];
+                let range = network.starts[i]..network.starts[i + 1];
+                let partners = network.partners[range.clone()].iter().zip(&factors[range]);
+                *rate += partners.map(|(j, factor)| factor * (temperature[*j as usize] - own)).sum::<f64>();
+            });
+            return;
+        }
+        self.gather(network, state);
+        self.limit(network, state, rate);
+        let (rows, limits, marked, this) = (&self.rows, &self.limits, &self.marked, &*self);
+        each(state.pool, rate, |i, rate| {
+            let row = rows[i];
+            let back = if marked[i] {
+                let (own, (up, down)) = (temperature[i], limits[i]);
+                let range = network.starts[i]..network.starts[i + 1];
+                let share = |j: usize, back: f64| if back > 0.0 { up.min(limits[j].1) } else { down.min(limits[j].0) };
+                range
+                    .map(|k| {
+                        let j = network.partners[k] as usize;
+                        let back = this.exchange[k] * (own - temperature[j]) + this.bend(network, i, k);
+                        back * share(j, back)
+                    })
+                    .sum::<f64>()
+            } else {
+                row.up + row.down
+            };
+            *rate += row.gain + back;
+        });
+    }
+
+    /// What the bend of the profile takes from what a path carries (W/m3).
+    #[inline(always)]
+    fn bend(&self, network: &Network, i: usize, k: usize) -> f64 {
+        if !self.bends {
+            return 0.0;
+        }
+        let rise = self.gradients[network.partners[k] as usize] - self.gradients[i];
+        self.sixth * self.water[k] * network.spans[k].dot(rise)
+    }
+
+    /// Gradients of the temperature: half of the sum, as the second moment of weights is twice the unit matrix.
+    fn slope(&mut self, network: &Network, state: &State<'_>) {
+        each(state.pool, &mut self.gradients, |i, gradient| {
+            let own = state.temperature[i];
+            let paths = network.starts[i]..network.starts[i + 1];
+            let rise = |k: usize| state.temperature[network.partners[k] as usize] - own;
+            *gradient = paths.map(|k| 0.5 * network.weights[k] * rise(k) * network.arms[k]).sum();
+        });
+        for (opening, wall) in network.openings.iter().zip(state.openings) {
+            let (own, image) = (opening.particle as usize, opening.image as usize);
+            let image = state.temperature[image];
+            let ghost = wall.map_or(image, |wall| 2.0 * wall - image);
+            self.gradients[own] += 0.5 * opening.weight * (ghost - state.temperature[own]) * opening.arm;
+        }
+    }
+
+    /// What each particle gains with the whole exchange, and what lies around it.
+    fn gather(&mut self, network: &Network, state: &State<'_>) {
+        let mut rows = std::mem::take(&mut self.rows);
+        let (factors, exchange, this) = (&self.factors, &self.exchange, &*self);
+        each(state.pool, &mut rows, |i, row| {
+            let (own, enthalpy) = (state.temperature[i], state.enthalpy[i]);
+            *row = Row { least: enthalpy, most: enthalpy, ..Row::default() };
+            let mut warmest = (own, i);
+            let mut coldest = (own, i);
+            for k in network.starts[i]..network.starts[i + 1] {
+                let j = network.partners[k] as usize;
+                let rise = state.temperature[j] - own;
+                row.gain += factors[k] * rise;
+                let back = this.bend(network, i, k) - exchange[k] * rise;
+                if back > 0.0 {
+                    row.up += back;
+                } else {
+                    row.down += back;
+                }
+                let other = state.enthalpy[j];
+                if !state.mixed {
+                    row.least = if other < row.least { other } else { row.least };
+                    row.most = if other > row.most { other } else { row.most };
+                } else {
+                    warmest = if state.temperature[j] > warmest.0 { (state.temperature[j], j) } else { warmest };
+                    coldest = if state.temperature[j] < coldest.0 { (state.temperature[j], j) } else { coldest };
+                }
+            }
+            if state.mixed {
+                row.most = row.most.max((state.enthalpy_at)(i, warmest.0));
+                row.least = row.least.min((state.enthalpy_at)(i, coldest.0));
+            }
+        });
+        self.rows = rows;
+        for (i, temperature) in state.beside {
+            let wall = (state.enthalpy_at)(*i as usize, *temperature);
+            let row = &mut self.rows[*i as usize];
+            (row.least, row.most) = (row.least.min(wall), row.most.max(wall));
+        }
+    }
+
+    /// How much of the exchange may be taken back at each particle; marks those where it is not all.
+    fn limit(&mut self, network: &Network, state: &State<'_>, rate: &[f64]) {
+        self.marked.fill(false);
+        for i in 0..network.len() {
+            let row = &self.rows[i];
+            let low = state.enthalpy[i] + state.step * (rate[i] + row.gain);
+            let share = |room: f64, wanted: f64| if wanted > room { (room / wanted).max(0.0) } else { 1.0 };
+            let up = share(row.most - low, state.step * row.up);
+            let down = share(low - row.least, -state.step * row.down);
+            self.limits[i] = (up, down);
+            if up < 1.0 || down < 1.0 {
+                self.marked[i] = true;
+                for j in &network.partners[network.starts[i]..network.starts[i + 1]] {
+                    self.marked[*j as usize] = true;
+                }
+            }
+        }
+    }
+}
+
+/// The state from which heat is carried.
+pub struct State<'a> {
+    /// Temperatures.
+    pub temperature: &'a [f64],
+    /// Enthalpies (J/m3), relative to each particle's own zero.
+    pub enthalpy: &'a [f64],
+    /// The step that the rates are for (s).
+    pub step: f64,
+    /// Whether there are several materials.
+    pub mixed: bool,
+    /// Enthalpy (J/m3) of a particle at a temperature.
+    pub enthalpy_at: &'a (dyn Fn(usize, f64) -> f64 + Sync),
+    /// Temperatures that pressure walls hold, by opening.
+    pub openings: &'a [Option<f64>],
+    /// Particles next to walls, with the temperatures that those hold.
+    pub beside: &'a [(u32, f64)],
+    /// Threads, if more than one.
+    pub pool: Option<&'a Arc<ThreadPool>>,
+}
+
+/// Does something to each row, in tasks of fixed size.
+fn each<T: Send>(pool: Option<&Arc<ThreadPool>>, rows: &mut [T], one: impl Fn(usize, &mut T) + Sync) {
+    let task = |(number, rows): (usize, &mut [T])| {
+        for (offset, row) in rows.iter_mut().enumerate() {
+            one(number * TASK + offset, row);
+        }
+    };
+    match pool {
+        Some(pool) if rows.len() > 2 * TASK => {
+            pool.install(|| rows.par_chunks_mut(TASK).enumerate().for_each(task));
+        }
+        _ => rows.chunks_mut(TASK).enumerate().for_each(task),
+    }
+}
+
+/// Darcy velocities (m/s) of all particles, from the water of their paths and openings.
+pub fn velocities(network: &Network, pressure: &Pressure) -> Vec<DVec2> {
+    // The second moment of weights is twice the unit matrix: half of the sum is the velocity.
+    let values = &pressure.pressure;
+    let mut found: Vec<DVec2> = (0..network.len())
+        .map(|i| {
+            let paths = network.starts[i]..network.starts[i + 1];
+            let water = |k: usize| pressure.conductances[k] * (values[i] - values[network.partners[k] as usize]);
+            paths.map(|k| 0.5 * water(k) * network.arms[k]).sum()
+        })
+        .collect();
+    for (opening, conductance) in network.openings.iter().zip(&pressure.mouths) {
+        let (own, image) = (values[opening.particle as usize], values[opening.image as usize]);
+        let water = conductance * (own - opening.sign * image - pressure.wall_parts(opening));
+        found[opening.particle as usize] += 0.5 * water * opening.arm;
+    }
+    found
+}

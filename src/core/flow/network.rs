@@ -1,0 +1,246 @@
+//! The paths of water: the pairs that conduct heat, with ghosts folded into the particles that they mirror.
+//!
+//! A ghost behind a closed wall holds the pressure of its image: the pair with it is one more path to the image. A ghost
+//! behind a wall of given pressure holds twice that pressure less its image's: the pair with it is an opening, through
+//! which water enters or leaves.
+
+use glam::DVec2;
+
+use crate::boundary::{Boundary, Face};
+use crate::ghosts::Ghosts;
+use crate::list_operator::PairList;
+use crate::memory::Held;
+use crate::scene::Flow;
+
+/// Walls that a body can have.
+pub const MOST_WALLS: usize = 4;
+
+/// No path: an opening whose image is its own particle.
+pub const NONE: u32 = u32::MAX;
+
+/// A pair across a wall of given pressure. The ghost holds `sign p_image + sum of multiples p_wall`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Opening {
+    /// The particle.
+    pub particle: u32,
+    /// What the ghost mirrors.
+    pub image: u32,
+    /// The path from particle to image, or [`NONE`].
+    pub path: u32,
+    /// The wall: index into the scene's pressure walls.
+    pub wall: u8,
+    /// Weight by volume (m^-2).
+    pub weight: f64,
+    /// Sign with which the ghost follows its image.
+    pub sign: f64,
+    /// How often each wall's pressure counts.
+    pub multiples: [f64; MOST_WALLS],
+    /// From particle to ghost (m).
+    pub arm: DVec2,
+}
+
+/// Paths in compressed rows, in both directions, with partners in order.
+#[derive(Debug, Clone, Default)]
+pub struct Network {
+    /// Start of each particle's paths, and the end of the last.
+    pub starts: Vec<usize>,
+    /// The particle at the other end.
+    pub partners: Vec<u32>,
+    /// The same path the other way.
+    pub twins: Vec<u32>,
+    /// Weight by volume (m^-2) with which the path conducts water.
+    pub weights: Vec<f64>,
+    /// Weight by volume (m^-2) with which it conducts heat; odd images behind walls of given temperature count against.
+    pub heat_weights: Vec<f64>,
+    /// Mean vector of the path (m), by weight; a way over a closed wall counts as it is seen from this end.
+    pub arms: Vec<DVec2>,
+    /// The part of it that both ends see alike, with opposite signs.
+    pub spans: Vec<DVec2>,
+    /// Pairs across walls of given pressure, by particle.
+    pub openings: Vec<Opening>,
+    /// Door of the boundary of each pressure wall.
+    pub doors: Vec<usize>,
+    /// Particles that conduct heat across each door: particle and door.
+    pub beside: Vec<(u32, u8)>,
+}
+
+impl Held for Network {
+    fn held(&self) -> usize {
+        let rows = self.starts.held() + self.partners.held() + self.twins.held();
+        let openings = self.openings.capacity() * size_of::<Opening>();
+        let beside = self.beside.capacity() * size_of::<(u32, u8)>();
+        rows + self.weights.held()
+            + self.heat_weights.held()
+            + self.arms.held()
+            + self.spans.held()
+            + openings
+            + self.doors.held()
+            + beside
+    }
+}
+
+/// One contribution to a path while rows are gathered.
+#[derive(Clone, Copy)]
+struct Part {
+    partner: u32,
+    water: f64,
+    heat: f64,
+    arm: DVec2,
+}
+
+impl Network {
+    /// The paths of a list of pairs. `faces` are the walls of the boundary at the start.
+    pub fn new(
+        positions: &[DVec2],
+        pairs: &PairList,
+        ghosts: &Ghosts,
+        boundary: &Boundary,
+        faces: &[Face],
+        flow: &Flow,
+    ) -> Result<Self, String> {
+        let count = positions.len();
+        let wall_of = |door: usize| flow.walls.iter().position(|wall| wall.name == boundary.doors[door].name);
+        let mut network = Network { starts: vec![0], ..Network::default() };
+        for wall in &flow.walls {
+            let door = boundary.doors.iter().position(|door| door.name == wall.name);
+            network.doors.push(door.ok_or_else(|| format!("the body has no wall \"{}\" for water", wall.name))?);
+        }
+        let mut row: Vec<Part> = Vec::new();
+        for i in 0..count {
+            row.clear();
+            let first_opening = network.openings.len();
+            for k in pairs.starts[i]..pairs.starts[i + 1] {
+                let (partner, weight) = (pairs.partners[k], pairs.weights[k]);
+                let Some(ghost) = (partner as usize).checked_sub(count) else {
+                    let arm = positions[partner as usize] - positions[i];
+                    row.push(Part { partner, water: weight, heat: weight, arm });
+                    continue;
+                };
+                let chain = Chain::of(ghost, count, ghosts, faces, wall_of)?;
+                let arm = ghosts.position[ghost] - positions[i];
+                let water = if chain.wall.is_some() { 0.0 } else { weight };
+                row.push(Part { partner: chain.image, water, heat: chain.heat * weight, arm });
+                if let Some(wall) = chain.wall {
+                    network.openings.push(Opening {
+                        particle: i as u32,
+                        image: chain.image,
+                        path: NONE,
+                        wall: wall as u8,
+                        weight,
+                        sign: chain.sign,
+                        multiples: chain.multiples,
+                        arm,
+                    });
+                }
+                if let Some(door) = ghosts.pays[ghost] {
+                    network.beside.push((i as u32, door));
+                }
+            }
+            row.sort_by_key(|part| part.partner);
+            for group in row.chunk_by(|a, b| a.partner == b.partner) {
+                let partner = group[0].partner;
+                if partner as usize == i {
+                    continue;
+                }
+                let water: f64 = group.iter().map(|part| part.water).sum();
+                let arm: DVec2 = group.iter().map(|part| part.water * part.arm).sum();
+                network.partners.push(partner);
+                network.weights.push(water);
+                network.heat_weights.push(group.iter().map(|part| part.heat).sum());
+                network.arms.push(if water > 0.0 { arm / water } else { DVec2::ZERO });
+            }
+            let start = network.starts[i];
+            for opening in &mut network.openings[first_opening..] {
+                if let Ok(place) = network.partners[start..].binary_search(&opening.image) {
+                    opening.path = (start + place) as u32;
+                }
+            }
+            network.starts.push(network.partners.len());
+        }
+        network.beside.sort_unstable();
+        network.beside.dedup();
+        network.pair_up()?;
+        Ok(network)
+    }
+
+    /// Finds the way back of each path, and makes both ways the same to the last bit.
+    fn pair_up(&mut self) -> Result<(), String> {
+        self.twins = vec![NONE; self.partners.len()];
+        for i in 0..self.starts.len() - 1 {
+            for k in self.starts[i]..self.starts[i + 1] {
+                let j = self.partners[k] as usize;
+                let back = &self.partners[self.starts[j]..self.starts[j + 1]];
+                let twin = match back.binary_search(&(i as u32)) {
+                    Ok(place) => self.starts[j] + place,
+                    Err(_) => return Err("water would flow through a pair in one direction only".into()),
+                };
+                self.twins[k] = twin as u32;
+                if j > i {
+                    self.weights[twin] = self.weights[k];
+                    self.heat_weights[twin] = self.heat_weights[k];
+                }
+            }
+        }
+        self.spans =
+            self.arms.iter().zip(&self.twins).map(|(arm, twin)| 0.5 * (*arm - self.arms[*twin as usize])).collect();
+        Ok(())
+    }
+
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// What a ghost holds, through all its mirrors.
+struct Chain {
+    image: u32,
+    wall: Option<usize>,
+    sign: f64,
+    multiples: [f64; MOST_WALLS],
+    heat: f64,
+}
+
+impl Chain {
+    fn of(
+        ghost: usize,
+        count: usize,
+        ghosts: &Ghosts,
+        faces: &[Face],
+        wall_of: impl Fn(usize) -> Option<usize>,
+    ) -> Result<Self, String> {
+        let mut chain = Chain { image: 0, wall: None, sign: 1.0, multiples: [0.0; MOST_WALLS], heat: 1.0 };
+        let mut ghost = ghost;
+        loop {
+            if let Some(door) = ghosts.door[ghost] {
+                chain.heat *= -faces[door as usize].stiffness();
+                if let Some(wall) = wall_of(door as usize) {
+                    chain.wall = chain.wall.or(Some(wall));
+                    chain.multiples[wall] += 2.0 * chain.sign;
+                    chain.sign = -chain.sign;
+                }
+            }
+            let original = ghosts.original(ghost).ok_or("water needs walls that mirror particles one by one")?;
+            match (original as usize).checked_sub(count) {
+                Some(parent) => ghost = parent,
+                None => {
+                    chain.image = original;
+                    return Ok(chain);
+                }
+            }
+        }
+    }
+}
+
+impl Opening {
+    /// The part of the ghost's pressure (Pa) that walls hold.
+    #[inline]
+    pub fn wall_part(&self, walls: &[f64]) -> f64 {
+        self.multiples.iter().zip(walls).map(|(multiple, pressure)| multiple * pressure).sum()
+    }
+}

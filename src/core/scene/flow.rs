@@ -1,0 +1,48 @@
+//! Groundwater of a scene: what drives it and how ice holds it up.
+
+use super::Series;
+
+/// Groundwater that flows through all of the body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Flow {
+    /// Dynamic viscosity of water (Pa s).
+    pub viscosity: f64,
+    /// Walls of given pressure; no water crosses the others.
+    pub walls: Vec<PressureWall>,
+    /// How ice holds water up.
+    pub relative_permeability: RelativePermeability,
+    /// Relative permeability that the coldest ground keeps.
+    pub least_relative_permeability: f64,
+    /// Whether water that freezes pushes other water aside, by the difference of densities (Nikolaev et al. 2021, eq 6).
+    pub density_change: bool,
+    /// Height (m) of the cut along x that is kept beside profiles.
+    pub cut: Option<f64>,
+}
+
+/// A wall through which water enters or leaves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PressureWall {
+    /// `left`, `right`, `bottom` or `top`.
+    pub name: &'static str,
+    /// Pressure along it (Pa).
+    pub pressure: Series,
+}
+
+/// Relative permeability by the unfrozen fraction `S` of the water in the pores.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum RelativePermeability {
+    /// `10^(-n impedance (1 - S))`, with the porosity n (Nikolaev et al. 2021, eq 5).
+    Impedance(f64),
+    /// `S^exponent`.
+    Power(f64),
+}
+
+impl RelativePermeability {
+    /// The relative permeability where `unfrozen` of the water in pores of this porosity is unfrozen.
+    pub fn at(&self, unfrozen: f64, porosity: f64) -> f64 {
+        match *self {
+            RelativePermeability::Impedance(impedance) => 10f64.powf(-porosity * impedance * (1.0 - unfrozen)),
+            RelativePermeability::Power(exponent) => unfrozen.powf(exponent),
+        }
+    }
+}

@@ -85,7 +85,7 @@ fn states_and_frames_are_whole_and_gone_when_not_asked_for() {
         let last = budget.lines().last().expect("a row").split(',').nth(1).expect("a column");
         let stored: f64 = last.parse().expect("a number");
         assert!((heat(3) - heat(0) - stored).abs() < 1e-9 * stored.abs(), "{} {stored}", heat(3) - heat(0));
-        assert!(columns_of(0)[0].1.iter().any(|temperature| *temperature == 3.0));
+        assert!(columns_of(0)[0].1.contains(&3.0));
     }
     run(&request(&scene, &out, false, false)).expect("a run");
     let left = names(&out);

@@ -22,6 +22,9 @@ use crate::watch::Watches;
 use guard::Guard;
 use instants::{next_turn, outputs, stops};
 
+/// What is told the state at an output and its time (s).
+pub type EachOutput = dyn Fn(&Particles, f64) + Sync;
+
 /// How a run is to be made; nothing here changes a digit of its result, but the seed.
 #[derive(Clone, Copy)]
 pub struct Options<'a> {
@@ -38,7 +41,7 @@ pub struct Options<'a> {
     /// Whether temperature fields are kept at the profile instants.
     pub fields: bool,
     /// Called with the state at the start and at every output, and its time (s).
-    pub each_output: Option<&'a (dyn Fn(&Particles, f64) + Sync)>,
+    pub each_output: Option<&'a EachOutput>,
 }
 
 impl Default for Options<'_> {

@@ -23,7 +23,7 @@ use guard::Guard;
 use instants::{next_turn, outputs, stops};
 
 /// What is told the state at an output and its time (s).
-pub type EachOutput = dyn Fn(&Particles, f64) + Sync;
+pub type EachOutput<'a> = dyn Fn(&Particles, f64) + Sync + 'a;
 
 /// How a run is to be made; nothing here changes a digit of its result, but the seed.
 #[derive(Clone, Copy)]
@@ -41,7 +41,7 @@ pub struct Options<'a> {
     /// Whether temperature fields are kept at the profile instants.
     pub fields: bool,
     /// Called with the state at the start and at every output, and its time (s).
-    pub each_output: Option<&'a EachOutput>,
+    pub each_output: Option<&'a EachOutput<'a>>,
 }
 
 impl Default for Options<'_> {

@@ -13,9 +13,8 @@ const DAY: f64 = 86_400.0;
 /// Relative agreement of a scene's numbers with those of a table for the table to be about that scene.
 const SAME: f64 = 1e-3;
 
-/// Names of the tables of inclusions, columns and shafts, as a scene file asks for them.
-pub const NAMES: [&str; 6] = [
-    seepage::NAME,
+/// Names of the tables of columns and shafts, as a scene file asks for them.
+pub const NAMES: [&str; 5] = [
     "soil-column",
     "shaft-single-sand-54mm",
     "shaft-single-clay10-54mm",
@@ -23,9 +22,9 @@ pub const NAMES: [&str; 6] = [
     "shaft-single-sand-6.38mm",
 ];
 
-/// Names of all tables, those of shells included.
+/// Names of all tables, those of shells and of seepage included.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    NAMES.into_iter().chain(shells::names())
+    NAMES.into_iter().chain(shells::names()).chain([seepage::NAME])
 }
 
 /// The table of the given name, if it is about the physics of the scene; else the reason.

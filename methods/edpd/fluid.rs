@@ -204,7 +204,7 @@ impl<const D: usize> Fluid<D> {
         let exponent = &self.parameters.exponent;
         let share = self.gained / self.moving;
         self.given_back += self.gained;
-        let first = |((particles, origins), work): ((&mut [Particle<D>], &[[f64; D]]), &mut [f64; 2])| {
+        let first = |((particles, origins), work): Task<'_, D>| {
             let (mut most, mut gained) = (0.0, 0.0);
             for (particle, origin) in particles.iter_mut().zip(origins) {
                 let half = 0.5 * step * particle.mobility;
@@ -359,6 +359,9 @@ fn kick<const D: usize>(particle: &mut Particle<D>, time: f64) -> f64 {
     }
     if particle.mobility > 0.0 { work / particle.mobility } else { 0.0 }
 }
+
+/// Particles that are kicked and moved together, their places at the last sorting, and what is told of them.
+type Task<'a, const D: usize> = ((&'a mut [Particle<D>], &'a [[f64; D]]), &'a mut [f64; 2]);
 
 /// Pairs of slabs of one parity: `slabs` come in twos, whose first ones act, at once with all others.
 fn twos<const D: usize>(

@@ -125,12 +125,9 @@ impl Parameters {
                 return Some(format!("{key}: found {value}, must be at least 0"));
             }
         }
-        if let Exponent::Table(rows) = &self.exponent {
-            if rows.is_empty()
-                || rows.windows(2).any(|pair| pair[1].0.partial_cmp(&pair[0].0) != Some(std::cmp::Ordering::Greater))
-            {
-                return Some("exponent: the rows must have growing temperatures, and there must be one".into());
-            }
+        let grows = |pair: &[(f64, f64)]| pair[1].0 > pair[0].0;
+        if matches!(&self.exponent, Exponent::Table(rows) if rows.is_empty() || !rows.windows(2).all(grows)) {
+            return Some("exponent: the rows must have growing temperatures, and there must be one".into());
         }
         let least = self.exponent.least();
         if !(least >= 0.0 && least.is_finite()) {

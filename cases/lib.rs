@@ -1,6 +1,7 @@
 //! Scenes by name, exact solutions and reference tables.
 
 pub mod exact;
+pub mod paper;
 pub mod scenes;
 pub mod seepage;
 pub mod shells;

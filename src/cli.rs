@@ -11,7 +11,7 @@ use crate::compare::plan::Variant;
 use crate::compare::vary::{RATIOS, Vary};
 use crate::failure::{Failure, Verdict, exit_code};
 use crate::stability::axis::Axis;
-use crate::{check, compare, list, parallel, run, stability};
+use crate::{check, compare, list, load, parallel, run, stability};
 
 /// Freezing by particles: peridynamics, SPH, eDPD and a local baseline on the same scenes.
 #[derive(Debug, Parser)]
@@ -45,6 +45,9 @@ struct RunArguments {
     /// Overrides a key of the file, as in `method.pd.horizon_ratio=4`; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     set: Vec<(String, String)>,
+    /// Takes the discretisation that the scene's paper prints, where one is bundled; `--set` goes over it.
+    #[arg(long)]
+    paper: bool,
     /// Threads; by default one for each core. The result does not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -78,6 +81,9 @@ struct CheckArguments {
     /// Overrides a key of the file; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     set: Vec<(String, String)>,
+    /// Takes the discretisation that the scene's paper prints, where one is bundled; `--set` goes over it.
+    #[arg(long)]
+    paper: bool,
     /// Threads of the run; by default one for each core.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -201,10 +207,16 @@ pub fn understood<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Result<()
 
 fn dispatch(command: Command) -> Result<Verdict, Failure> {
     match command {
-        Command::Run(arguments) => run::run(&run::RunRequest {
+        Command::Run(mut arguments) => run::run(&run::RunRequest {
+            overrides: if arguments.paper {
+                let (method, overrides) = load::paper(&arguments.scene, arguments.method.as_slice(), arguments.set)?;
+                arguments.method = Some(method);
+                overrides
+            } else {
+                arguments.set
+            },
             scene: arguments.scene,
             method: arguments.method,
-            overrides: arguments.set,
             threads: arguments.threads.map_or_else(parallel::cores, usize::from),
             seed: arguments.seed,
             out: arguments.out,
@@ -233,10 +245,16 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             quiet: arguments.quiet,
             command_line: std::env::args().collect::<Vec<_>>().join(" "),
         }),
-        Command::Check(arguments) => check::check(&check::CheckRequest {
+        Command::Check(mut arguments) => check::check(&check::CheckRequest {
+            overrides: if arguments.paper {
+                let (method, overrides) = load::paper(&arguments.scene, &arguments.method, arguments.set)?;
+                arguments.method = vec![method];
+                overrides
+            } else {
+                arguments.set
+            },
             scene: arguments.scene,
             methods: arguments.method,
-            overrides: arguments.set,
             threads: arguments.threads.map_or_else(parallel::cores, usize::from),
             reduce: arguments.reduce,
         }),

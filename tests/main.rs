@@ -20,3 +20,4 @@ mod shells;
 mod sketch;
 mod stability;
 mod steps_by_error;
+mod wall_models;

@@ -22,9 +22,9 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 
 pub use parameters::{Exponent, Parameters};
-pub use particle::Particle;
+pub use particle::{Look, Particle};
 
-use pairs::{AT_ONCE, Desk, Frame, act};
+use pairs::{AT_ONCE, Desk, Frame, Part, act};
 use sorting::{Grid, SlabPairs};
 
 /// Width around the reach of pairs up to which they are listed, over the reach: fewer lists against more pairs in vain.
@@ -76,6 +76,8 @@ pub struct Fluid<const D: usize> {
     grid: Grid<D>,
     particles: Vec<Particle<D>>,
     sorted: Vec<Particle<D>>,
+    /// What pairs read of them.
+    looks: Vec<Look<D>>,
     starts: Vec<u32>,
     slabs: Vec<SlabPairs>,
     desks: Vec<Desk<D>>,
@@ -127,6 +129,7 @@ impl<const D: usize> Fluid<D> {
             pool,
             grid,
             sorted: particles.clone(),
+            looks: Vec::with_capacity(particles.len()),
             particles,
             starts: Vec::new(),
             slabs: vec![SlabPairs::default(); slabs],
@@ -141,7 +144,6 @@ impl<const D: usize> Fluid<D> {
             lists: 0,
             parameters,
         };
-        fluid.warm();
         fluid.sort()?;
         // Forces at the start, without friction, noise and heat: a frame of no time.
         fluid.meet(0.0);
@@ -173,7 +175,6 @@ impl<const D: usize> Fluid<D> {
     pub fn change(&mut self, change: impl Fn(&mut Particle<D>)) {
         self.particles.iter_mut().for_each(change);
         self.moving = self.particles.iter().map(|particle| particle.mobility).sum::<f64>().max(1.0);
-        self.warm();
     }
 
     /// Pairs within reach at the last step.
@@ -200,8 +201,7 @@ impl<const D: usize> Fluid<D> {
     }
 
     fn step(&mut self, drive: &impl Drive<D>) -> Result<(), String> {
-        let (step, capacity, reference) = (self.parameters.step, self.parameters.heat_capacity, self.reference);
-        let exponent = &self.parameters.exponent;
+        let step = self.parameters.step;
         let share = self.gained / self.moving;
         self.given_back += self.gained;
         let first = |((particles, origins), work): Task<'_, D>| {
@@ -218,8 +218,6 @@ impl<const D: usize> Fluid<D> {
                 }
                 particle.force = [0.0; D];
                 particle.heat -= share * particle.mobility;
-                particle.temperature = reference + particle.heat / capacity;
-                particle.exponent = exponent.at(particle.temperature);
                 // A place that is no number is farther than any.
                 most = if moved <= most { most } else { moved };
             }
@@ -267,14 +265,6 @@ impl<const D: usize> Fluid<D> {
         Ok(())
     }
 
-    /// Temperatures and what follows from them.
-    fn warm(&mut self) {
-        for particle in &mut self.particles {
-            particle.temperature = self.reference + particle.heat / self.parameters.heat_capacity;
-            particle.exponent = self.parameters.exponent.at(particle.temperature);
-        }
-    }
-
     fn sort(&mut self) -> Result<(), String> {
         let Fluid { grid, particles, sorted, starts, slabs, .. } = self;
         grid.list(particles, sorted, starts, slabs, AT_ONCE)?;
@@ -286,9 +276,26 @@ impl<const D: usize> Fluid<D> {
 
     /// Lets all pairs act for a time.
     fn meet(&mut self, time: f64) {
-        let parameters = &self.parameters;
+        let (parameters, reference) = (&self.parameters, self.reference);
         let capacity = parameters.heat_capacity;
+        let look = |particle: &Particle<D>| {
+            let temperature = reference + particle.heat / capacity;
+            Look {
+                position: particle.position,
+                temperature,
+                exponent: parameters.exponent.at(temperature),
+                mobility: particle.mobility,
+                name: particle.name,
+            }
+        };
+        if self.pool.is_some() {
+            self.particles.par_iter().with_min_len(TASK).map(look).collect_into_vec(&mut self.looks);
+        } else {
+            self.looks.clear();
+            self.looks.extend(self.particles.iter().map(look));
+        }
         let frame = Frame {
+            looks: &self.looks,
             lengths: self.grid.lengths,
             reach: parameters.reach().powi(2),
             inverse_cutoffs: [
@@ -303,16 +310,17 @@ impl<const D: usize> Fluid<D> {
         };
         let parallel = self.pool.is_some();
         let (slabs, desks, particles) = (&self.slabs[..], &mut self.desks[..], &mut self.particles[..]);
-        twos(&frame, parallel, slabs, desks, particles);
+        twos(&frame, parallel, slabs, desks, (0, particles));
         // Those of odd number; the last one's next is the first.
         let count = slabs.len();
         let (first, rest) = particles.split_at_mut(slabs[0].count);
         let (middle, last) = rest.split_at_mut(rest.len() - slabs[count - 1].count);
         let (middle_desks, last_desks) = desks[1..].split_at_mut(count - 2);
-        let wrapped = || act(&frame, &slabs[count - 1], &mut last_desks[0], last, first);
+        let begins = (first.len(), first.len() + middle.len());
+        let wrapped = || act(&frame, &slabs[count - 1], &mut last_desks[0], (begins.1, last), (0, first));
         let inside = || {
             if count > 2 {
-                twos(&frame, parallel, &slabs[1..count - 1], middle_desks, middle);
+                twos(&frame, parallel, &slabs[1..count - 1], middle_desks, (begins.0, middle));
             }
         };
         both(parallel, wrapped, inside);
@@ -365,24 +373,25 @@ type Task<'a, const D: usize> = ((&'a mut [Particle<D>], &'a [[f64; D]]), &'a mu
 
 /// Pairs of slabs of one parity: `slabs` come in twos, whose first ones act, at once with all others.
 fn twos<const D: usize>(
-    frame: &Frame<D>,
+    frame: &Frame<'_, D>,
     parallel: bool,
     slabs: &[SlabPairs],
     desks: &mut [Desk<D>],
-    particles: &mut [Particle<D>],
+    (begin, particles): Part<'_, D>,
 ) {
     if let [slab, _] = slabs {
         let (own, next) = particles.split_at_mut(slab.count);
-        return act(frame, slab, &mut desks[0], own, next);
+        return act(frame, slab, &mut desks[0], (begin, own), (begin + slab.count, next));
     }
     let half = slabs.len() / 4 * 2;
     let (slabs, other_slabs) = slabs.split_at(half.max(2));
     let (desks, other_desks) = desks.split_at_mut(half.max(2));
     let (particles, other_particles) = particles.split_at_mut(slabs.iter().map(|slab| slab.count).sum());
+    let other_begin = begin + particles.len();
     both(
         parallel,
-        || twos(frame, parallel, slabs, desks, particles),
-        || twos(frame, parallel, other_slabs, other_desks, other_particles),
+        || twos(frame, parallel, slabs, desks, (begin, particles)),
+        || twos(frame, parallel, other_slabs, other_desks, (other_begin, other_particles)),
     );
 }
 
@@ -420,8 +429,6 @@ fn placed<const D: usize>(lengths: &[f64; D], count: usize, temperature: f64, se
             velocity,
             force: [0.0; D],
             heat: 0.0,
-            temperature,
-            exponent: 0.0,
             mobility: 1.0,
             turns: [0; D],
             name: name as u32,

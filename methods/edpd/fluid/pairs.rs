@@ -12,16 +12,21 @@
 
 use frazil_core::noise::StepNoise;
 
-use super::particle::Particle;
+use super::particle::{Look, Particle};
 use super::power::{power, round};
 use super::sorting::SlabPairs;
 
 /// Pairs that are worked on at once, and the most partners that a particle may have.
 pub const AT_ONCE: usize = 256;
 
+/// Places on the desk: one more, for a partner that may be out of reach.
+const PLACES: usize = AT_ONCE + 1;
+
 /// The constants of a step.
 #[derive(Debug, Clone, Copy)]
-pub struct Frame<const D: usize> {
+pub struct Frame<'a, const D: usize> {
+    /// All particles as pairs see them.
+    pub looks: &'a [Look<D>],
     /// Lengths of the box.
     pub lengths: [f64; D],
     /// Square of the largest cut-off radius.
@@ -48,21 +53,24 @@ struct Row {
     last: usize,
 }
 
+/// Particles of a slab, and the number of the first of them.
+pub type Part<'a, const D: usize> = (usize, &'a mut [Particle<D>]);
+
 /// Work space of a slab.
 #[derive(Debug, Clone)]
 pub struct Desk<const D: usize> {
-    ways: [[f64; AT_ONCE]; D],
-    squares: [f64; AT_ONCE],
-    exponents: [f64; AT_ONCE],
-    temperatures: [[f64; AT_ONCE]; 2],
-    mobilities: [f64; AT_ONCE],
-    words: [u64; AT_ONCE],
-    signs: [f64; AT_ONCE],
-    partners: [u32; AT_ONCE],
-    kept: [f64; AT_ONCE],
-    pushed: [f64; AT_ONCE],
-    forces: [f64; AT_ONCE],
-    heats: [f64; AT_ONCE],
+    ways: [[f64; PLACES]; D],
+    squares: [f64; PLACES],
+    exponents: [f64; PLACES],
+    temperatures: [[f64; PLACES]; 2],
+    mobilities: [f64; PLACES],
+    words: [u64; PLACES],
+    signs: [f64; PLACES],
+    partners: [u32; PLACES],
+    kept: [f64; PLACES],
+    pushed: [f64; PLACES],
+    forces: [f64; PLACES],
+    heats: [f64; PLACES],
     rows: [Row; AT_ONCE],
     /// Potential of all pairs.
     pub potential: f64,
@@ -73,18 +81,18 @@ pub struct Desk<const D: usize> {
 impl<const D: usize> Default for Desk<D> {
     fn default() -> Self {
         Desk {
-            ways: [[0.0; AT_ONCE]; D],
-            squares: [1.0; AT_ONCE],
-            exponents: [0.0; AT_ONCE],
-            temperatures: [[1.0; AT_ONCE]; 2],
-            mobilities: [0.0; AT_ONCE],
-            words: [0; AT_ONCE],
-            signs: [0.0; AT_ONCE],
-            partners: [0; AT_ONCE],
-            kept: [0.0; AT_ONCE],
-            pushed: [0.0; AT_ONCE],
-            forces: [0.0; AT_ONCE],
-            heats: [0.0; AT_ONCE],
+            ways: [[0.0; PLACES]; D],
+            squares: [1.0; PLACES],
+            exponents: [0.0; PLACES],
+            temperatures: [[1.0; PLACES]; 2],
+            mobilities: [0.0; PLACES],
+            words: [0; PLACES],
+            signs: [0.0; PLACES],
+            partners: [0; PLACES],
+            kept: [0.0; PLACES],
+            pushed: [0.0; PLACES],
+            forces: [0.0; PLACES],
+            heats: [0.0; PLACES],
             rows: [Row::default(); AT_ONCE],
             potential: 0.0,
             met: 0,
@@ -94,11 +102,11 @@ impl<const D: usize> Default for Desk<D> {
 
 /// Lets all pairs of a slab act. `own` are its particles, `next` those of the next slab.
 pub fn act<const D: usize>(
-    frame: &Frame<D>,
+    frame: &Frame<'_, D>,
     pairs: &SlabPairs,
     desk: &mut Desk<D>,
-    own: &mut [Particle<D>],
-    next: &mut [Particle<D>],
+    own: Part<'_, D>,
+    next: Part<'_, D>,
 ) {
     #[cfg(target_arch = "x86_64")]
     {
@@ -120,11 +128,11 @@ pub fn act<const D: usize>(
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
 fn act_avx512<const D: usize>(
-    frame: &Frame<D>,
+    frame: &Frame<'_, D>,
     pairs: &SlabPairs,
     desk: &mut Desk<D>,
-    own: &mut [Particle<D>],
-    next: &mut [Particle<D>],
+    own: Part<'_, D>,
+    next: Part<'_, D>,
 ) {
     act_plainly(frame, pairs, desk, own, next);
 }
@@ -132,27 +140,28 @@ fn act_avx512<const D: usize>(
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn act_avx2<const D: usize>(
-    frame: &Frame<D>,
+    frame: &Frame<'_, D>,
     pairs: &SlabPairs,
     desk: &mut Desk<D>,
-    own: &mut [Particle<D>],
-    next: &mut [Particle<D>],
+    own: Part<'_, D>,
+    next: Part<'_, D>,
 ) {
     act_plainly(frame, pairs, desk, own, next);
 }
 
 #[inline(always)]
 fn act_plainly<const D: usize>(
-    frame: &Frame<D>,
+    frame: &Frame<'_, D>,
     pairs: &SlabPairs,
     desk: &mut Desk<D>,
-    own: &mut [Particle<D>],
-    next: &mut [Particle<D>],
+    (begin, own): Part<'_, D>,
+    (begin_next, next): Part<'_, D>,
 ) {
     desk.potential = 0.0;
     desk.met = 0;
+    let (looks, next_looks) = (&frame.looks[begin..][..own.len()], &frame.looks[begin_next..][..next.len()]);
     let (mut filled, mut rows) = (0, 0);
-    for i in 0..pairs.count {
+    for (i, me) in looks.iter().enumerate() {
         let ([from, middle], to) = (pairs.starts[i], pairs.starts[i + 1][0]);
         if filled + (to - from) as usize > AT_ONCE || rows == AT_ONCE {
             work(frame, desk, filled);
@@ -160,13 +169,9 @@ fn act_plainly<const D: usize>(
             (filled, rows) = (0, 0);
         }
         let first = filled;
-        for &j in &pairs.partners[from as usize..middle as usize] {
-            filled += usize::from(gather(frame, desk, filled, &own[i], &own[j as usize], j));
-        }
+        filled = gather(frame, desk, filled, me, looks, &pairs.partners[from as usize..middle as usize]);
         let beyond = filled;
-        for &j in &pairs.partners[middle as usize..to as usize] {
-            filled += usize::from(gather(frame, desk, filled, &own[i], &next[j as usize], j));
-        }
+        filled = gather(frame, desk, filled, me, next_looks, &pairs.partners[middle as usize..to as usize]);
         if filled > first {
             desk.rows[rows] = Row { particle: i, first, next: beyond, last: filled };
             rows += 1;
@@ -176,42 +181,48 @@ fn act_plainly<const D: usize>(
     change(desk, rows, own, next);
 }
 
-/// Puts a pair down at a place of the desk; returns whether it is within reach, else the place is free for the next.
+/// Puts those of a particle's partners that are within reach down on the desk; returns how many pairs lie there then.
 #[inline(always)]
 fn gather<const D: usize>(
-    frame: &Frame<D>,
+    frame: &Frame<'_, D>,
     desk: &mut Desk<D>,
-    at: usize,
-    me: &Particle<D>,
-    other: &Particle<D>,
-    j: u32,
-) -> bool {
-    let at = at % AT_ONCE;
-    let mut square = 0.0;
-    for axis in 0..D {
-        let way = me.position[axis] - other.position[axis];
-        let way = way - frame.lengths[axis] * round(way * (1.0 / frame.lengths[axis]));
-        desk.ways[axis][at] = way;
-        square += way * way;
+    filled: usize,
+    me: &Look<D>,
+    looks: &[Look<D>],
+    partners: &[u32],
+) -> usize {
+    let inverses = frame.lengths.map(|length| 1.0 / length);
+    let mut at = filled;
+    // Whether a partner is within reach cannot be guessed: each is put down, and the next one over it if it is not.
+    for &j in partners {
+        let other = &looks[j as usize];
+        let mut square = 0.0;
+        for axis in 0..D {
+            let way = me.position[axis] - other.position[axis];
+            let way = way - frame.lengths[axis] * round(way * inverses[axis]);
+            desk.ways[axis][at] = way;
+            square += way * way;
+        }
+        desk.squares[at] = square;
+        desk.partners[at] = j;
+        at += usize::from(square < frame.reach);
     }
-    desk.squares[at] = square;
-    if square >= frame.reach {
-        return false;
+    for k in filled..at {
+        let other = &looks[desk.partners[k] as usize];
+        desk.exponents[k] = 0.5 * (me.exponent + other.exponent);
+        desk.temperatures[0][k] = me.temperature;
+        desk.temperatures[1][k] = other.temperature;
+        desk.mobilities[k] = me.mobility + other.mobility;
+        let (low, high) = (me.name.min(other.name), me.name.max(other.name));
+        desk.words[k] = (u64::from(high) << 32) | u64::from(low);
+        desk.signs[k] = if me.name < other.name { 1.0 } else { -1.0 };
     }
-    desk.exponents[at] = 0.5 * (me.exponent + other.exponent);
-    desk.temperatures[0][at] = me.temperature;
-    desk.temperatures[1][at] = other.temperature;
-    desk.mobilities[at] = me.mobility + other.mobility;
-    let (low, high) = if me.name < other.name { (me.name, other.name) } else { (other.name, me.name) };
-    desk.words[at] = (u64::from(high) << 32) | u64::from(low);
-    desk.signs[at] = if me.name < other.name { 1.0 } else { -1.0 };
-    desk.partners[at] = j;
-    true
+    at
 }
 
 /// All that depends on places and temperatures alone.
 #[inline(always)]
-fn work<const D: usize>(frame: &Frame<D>, desk: &mut Desk<D>, count: usize) {
+fn work<const D: usize>(frame: &Frame<'_, D>, desk: &mut Desk<D>, count: usize) {
     let count = count.min(AT_ONCE);
     let [conservative, dissipative, thermal] = frame.inverse_cutoffs;
     let mut potential = 0.0;

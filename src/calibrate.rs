@@ -74,7 +74,7 @@ fn unreachable_by(request: &CalibrateRequest, row: &Row) -> Option<String> {
     let constants = &request.constants;
     let temperature = row.temperature / request.reference_temperature;
     let Some(cutoff) = constants.critical_cutoff(row.schmidt, temperature) else {
-        return Some(format!("found a Schmidt number of {:.6}, must be greater than 0.5", row.schmidt));
+        return Some(format!("found a Schmidt number of {}, must be greater than 0.5", row.schmidt));
     };
     let exponent = constants.exponent(row.schmidt, temperature)?;
     // A cut-off given as the critical one may round to either side of it.

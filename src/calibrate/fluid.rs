@@ -159,7 +159,17 @@ fn toml_rows(root: &mut Section<'_>, judge: Judge<'_>) -> Vec<Row> {
         root.problem("rows", "found none, must be a list of at least one row");
     }
     for mut section in sections {
-        let cells = COLUMNS.map(|key| section.optional_number(key, range(key)));
+        let mut cells = COLUMNS.map(|key| section.optional_number(key, range(key)));
+        let mut whole = true;
+        for [one, other] in [[0, 1], [2, 3]] {
+            match section.only_one(&[COLUMNS[one].into(), COLUMNS[other].into()]) {
+                Some(found) => cells[if found == 0 { other } else { one }] = None,
+                None => whole = false,
+            }
+        }
+        if !whole {
+            continue;
+        }
         // What is there and was refused is not missing as well.
         if COLUMNS.iter().zip(&cells).any(|(key, cell)| cell.is_none() && section.has(*key)) {
             continue;
@@ -205,53 +215,48 @@ fn from_csv(text: &str, name: &str, file: &str, judge: Judge<'_>) -> Result<Flui
     Ok(Fluid { name: name.to_owned(), title: name.to_owned(), source: None, rows, material: None, freezing: None })
 }
 
-/// Reads rows of comma-separated numbers; empty cells are absent ones.
+/// Reads rows of comma-separated numbers under a line of names; empty cells are absent ones, and lines that begin with `#` are
+/// comments.
 fn csv_rows(text: &str, judge: Judge<'_>, refuse: &mut dyn FnMut(Option<usize>, &str, String)) -> Vec<Row> {
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
-    let line = |position: Option<&csv::Position>| position.map(|position| position.line() as usize);
-    let mut places = Vec::new();
-    match reader.headers() {
-        Ok(names) => {
-            let at = line(names.position());
-            for name in names {
-                let place = COLUMNS.iter().position(|column| *column == name);
-                match place {
-                    None => refuse(at, name, format!("unknown column, known are {}", COLUMNS.join(", "))),
-                    Some(_) if places.contains(&place) => refuse(at, name, "found twice, must be there once".into()),
-                    Some(_) => {}
-                }
-                places.push(place);
-            }
+    let mut lines = text
+        .trim_start_matches('\u{feff}')
+        .lines()
+        .enumerate()
+        .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'))
+        .map(|(index, line)| {
+            let cells = line.split(',').map(|cell| cell.trim().trim_matches('"')).collect::<Vec<&str>>();
+            (Some(index + 1), cells)
+        });
+    let Some((at, names)) = lines.next() else { return Vec::new() };
+    let mut places = Vec::with_capacity(names.len());
+    for (k, name) in names.iter().enumerate() {
+        match COLUMNS.iter().position(|column| column == name) {
+            None => refuse(at, name, format!("unknown column, known are {}", COLUMNS.join(", "))),
+            Some(_) if names[..k].contains(name) => refuse(at, name, "found twice, must be there once".into()),
+            Some(place) => places.push(place),
         }
-        Err(error) => refuse(line(error.position()), "", format!("not valid CSV: {error}")),
+    }
+    // Without all names the cells mean nothing.
+    if places.len() < names.len() {
+        return Vec::new();
     }
     let mut rows: Vec<Row> = Vec::new();
-    for record in reader.records() {
-        let record = match record {
-            Ok(record) => record,
-            Err(error) => {
-                let message = match error.kind() {
-                    csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
-                        format!("found {len} cells, must be {expected_len} as in the line of names")
-                    }
-                    _ => format!("not valid CSV: {error}"),
-                };
-                refuse(line(error.position()), "", message);
-                continue;
-            }
-        };
-        let at = line(record.position());
+    for (at, texts) in lines {
+        if texts.len() != places.len() {
+            let message = format!("found {} cells, must be {} as in the line of names", texts.len(), places.len());
+            refuse(at, "", message);
+            continue;
+        }
         let mut cells: Cells = Default::default();
         let mut good = true;
-        for (cell, place) in record.iter().zip(&places).filter(|(cell, _)| !cell.is_empty()) {
-            let Some(place) = *place else { continue };
-            let column = COLUMNS[place];
+        for (cell, place) in texts.iter().zip(&places).filter(|(cell, _)| !cell.is_empty()) {
+            let column = COLUMNS[*place];
             match cell.parse::<f64>() {
-                Ok(number) if range(column).contains(number) => cells[place] = Some(number),
+                Ok(number) if range(column).contains(number) => cells[*place] = Some(number),
                 Ok(_) => refuse(at, column, format!("found {cell}, must be {}", range(column))),
                 Err(_) => refuse(at, column, format!("found \"{cell}\", must be a number")),
             }
-            good &= cells[place].is_some();
+            good &= cells[*place].is_some();
         }
         if !good {
             continue;

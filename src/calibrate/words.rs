@@ -34,7 +34,7 @@ pub fn report(calibrated: &Calibrated<'_>, folder: &Path) -> String {
     text.push_str(&rows(calibrated));
     text.push('\n');
     text.push_str(&limits(calibrated));
-    text.push_str(&fits(&calibrated.table.fits));
+    text.push_str(&fits(&calibrated.table.fits, calibrated.table.rows.len()));
     text.push_str(&scales(calibrated));
     text.push_str(&format!("\n  results       {}\n", folder.display()));
     text
@@ -109,7 +109,7 @@ fn limits(calibrated: &Calibrated<'_>) -> String {
     text
 }
 
-fn fits(fits: &[Fit]) -> String {
+fn fits(fits: &[Fit], rows: usize) -> String {
     let mut text = String::new();
     for fit in fits {
         let ((apart, at), (off, there)) = (fit.exponent_error, fit.schmidt_error);
@@ -119,7 +119,7 @@ fn fits(fits: &[Fit]) -> String {
             polynomial(&fit.polynomial),
             fit.determination,
             if off.is_finite() { format!("{:+.2} %", 100.0 * off) } else { "infinite".into() },
-            if fit.negative > 0 { format!("; negative at {} rows", fit.negative) } else { String::new() }
+            if fit.negative > 0 { format!("; negative at {} of {rows} rows", fit.negative) } else { String::new() }
         ));
     }
     text

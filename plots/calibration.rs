@@ -10,7 +10,7 @@ use crate::style::{INK, Marker, REFERENCE};
 pub struct FitCurve {
     /// Words of the legend.
     pub label: String,
-    /// Temperature, exponent, Schmidt number that it gives.
+    /// Temperature, exponent, Schmidt number that it gives; infinite where there is none.
     pub samples: Vec<(f64, f64, f64)>,
     /// Temperature and relative error of the Schmidt number, at the rows.
     pub errors: Vec<(f64, f64)>,
@@ -49,7 +49,8 @@ pub fn calibration(figure: &CalibrationFigure) -> Canvas {
     let x = |last: bool| Axis::linear(if last { label } else { "" }, figure.points.iter().map(|point| point.0));
     let samples = || figure.fits.iter().flat_map(|fit| &fit.samples);
     let exponents = figure.points.iter().map(|point| point.1).chain(samples().map(|sample| sample.1));
-    let numbers = figure.points.iter().map(|point| point.2).chain(samples().map(|sample| sample.2));
+    // Fits that leave the targets far behind leave the frame, too.
+    let numbers = figure.points.iter().map(|point| point.2);
     let mut axes = vec![Axis::linear("exponent s", exponents), Axis::log("Schmidt number", numbers)];
     if !figure.fits.is_empty() {
         let errors = figure.fits.iter().flat_map(|fit| &fit.errors).map(|error| 100.0 * error.1);

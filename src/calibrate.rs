@@ -100,15 +100,14 @@ fn figure(calibrated: &Calibrated<'_>) -> CalibrationFigure {
         samples: (0..=200)
             .map(|k| ends.0 + (ends.1 - ends.0) * f64::from(k) / 200.0)
             .map(|at| (at, fit.polynomial.at(at)))
-            .filter(|(_, exponent)| *exponent > -1.0)
-            .map(|(at, exponent)| (at, exponent, constants.schmidt(exponent, at)))
+            .map(|(at, exponent)| (at, exponent, table::schmidt(constants, exponent, at)))
             .collect(),
         errors: table
             .rows
             .iter()
-            .filter_map(|row| {
+            .map(|row| {
                 let number = if fit.name == "cubic" { row.schmidt_cubic } else { row.schmidt_quadratic };
-                Some((row.temperature, number? / row.schmidt - 1.0))
+                (row.temperature, number.unwrap_or(f64::INFINITY) / row.schmidt - 1.0)
             })
             .collect(),
     };

@@ -77,8 +77,8 @@ pub struct Calibration {
     pub fits: Vec<Fit>,
 }
 
-/// Schmidt number of an exponent, which a fit may put where there is none.
-fn schmidt(constants: &Constants, exponent: f64, temperature: f64) -> f64 {
+/// Schmidt number of an exponent, which a fit may put where there is none: infinite there.
+pub fn schmidt(constants: &Constants, exponent: f64, temperature: f64) -> f64 {
     if exponent > -1.0 { constants.schmidt(exponent, temperature) } else { f64::INFINITY }
 }
 

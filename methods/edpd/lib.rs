@@ -7,6 +7,7 @@
 //! through the same step.
 
 pub mod calibration;
+pub mod fluid;
 
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -6,6 +6,7 @@ use std::process::{Command, Output};
 
 use frazil_core::scene::{Range, Scene, Units, read_section};
 use frazil_edpd::calibration::Constants;
+use frazil_edpd::fluid::{Exponent, Parameters};
 
 /// Runs `frazil calibrate` in a folder, with results in `out`.
 fn calibrate(folder: &Path, arguments: &[&str]) -> Output {
@@ -155,6 +156,25 @@ fn all_that_is_written_belongs_together() {
     assert!(own.of("thermal_diffusivity").iter().all(|diffusivity| *diffusivity == 1.1));
     // Five digits, as in section 4.1.
     assert!(own.of("heat_friction").iter().all(|friction| (friction - 7.1177e-6).abs() < 5e-11));
+}
+
+/// Particles that move have the friction and the diffusivity that they are calibrated to.
+#[test]
+fn fluids_that_move_agree() {
+    for dimension in [2, 3] {
+        let constants = Constants { dimension, dissipative_cutoff: 1.7, thermal_cutoff: 1.3, ..Constants::paper() };
+        let parameters = Parameters {
+            exponent: Exponent::Table(vec![(0.9, 0.5), (1.1, 1.5)]),
+            dissipative_cutoff: 1.7,
+            thermal_cutoff: 1.3,
+            heat_friction: constants.heat_friction(1.1),
+            ..Parameters::water()
+        };
+        // Rounding.
+        assert!((parameters.thermal_diffusivity(dimension) / 1.1 - 1.0).abs() < 1e-14);
+        let rate = constants.friction_rate(0.75);
+        assert!((parameters.friction_rate(dimension, 0.95) / rate - 1.0).abs() < 1e-14);
+    }
 }
 
 /// The same fluid as TOML, as CSV, and as diffusivities in place of their ratios.

@@ -3,6 +3,7 @@
 mod bad_scenes;
 mod broken_scenes;
 mod bundled_scenes;
+mod calibration;
 mod command_line;
 mod cracks;
 mod documents;

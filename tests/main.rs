@@ -11,6 +11,7 @@ mod fields;
 mod forecasts;
 mod invariants;
 mod order;
+mod printed;
 mod reductions;
 mod references;
 mod regions;

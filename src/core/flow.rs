@@ -28,6 +28,7 @@ use crate::memory::Held;
 use crate::method::{Bound, Clock, Method, StepError, Work};
 use crate::particles::Particles;
 use crate::potential::{Curved, PotentialLaw, Thermal};
+use crate::scene::settings::Mushy;
 use crate::scene::{Flow, FlowNumerics, Scene, StepChoice, Uptake};
 use crate::uptake::{LatentScheme, Materials, scheme};
 
@@ -212,7 +213,7 @@ impl FlowMethod {
         let expands = flow.density_change && aquifers.iter().any(|aquifer| aquifer.expansion() != 0.0);
         let own_bound = operator.step_bound();
         let mut method = FlowMethod {
-            scheme: scheme(Uptake::Enthalpy, true, &materials, enthalpy, count),
+            scheme: scheme(Uptake::Enthalpy, Mushy::Fraction, &materials, enthalpy, count),
             pressure,
             carrier,
             aquifers,

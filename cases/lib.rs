@@ -1,6 +1,8 @@
-//! Scenes by name, exact solutions and reference tables.
+//! Scenes and fluids by name, exact solutions and reference tables.
 
 pub mod exact;
+pub mod fluids;
+pub mod paper;
 pub mod scenes;
 pub mod seepage;
 pub mod shells;

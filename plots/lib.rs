@@ -5,6 +5,7 @@
 use std::path::PathBuf;
 
 pub mod axes;
+pub mod calibration;
 pub mod canvas;
 pub mod comparison;
 pub mod convergence;

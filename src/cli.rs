@@ -6,12 +6,14 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use frazil_core::scene::Setting;
+use frazil_edpd::calibration::Constants;
 
+use crate::calibrate::{CalibrateRequest, Conduction, calibrate};
 use crate::compare::plan::Variant;
 use crate::compare::vary::{RATIOS, Vary};
 use crate::failure::{Failure, Verdict, exit_code};
 use crate::stability::axis::Axis;
-use crate::{check, compare, list, parallel, run, stability};
+use crate::{check, compare, list, load, parallel, run, stability};
 
 /// Freezing by particles: peridynamics, SPH, eDPD and a local baseline on the same scenes.
 #[derive(Debug, Parser)]
@@ -31,6 +33,8 @@ enum Command {
     Stability(StabilityArguments),
     /// Checks a scene and prints what a run of it would do.
     Check(CheckArguments),
+    /// Finds the constants of an eDPD fluid from the Schmidt and Prandtl numbers of a real one.
+    Calibrate(CalibrateArguments),
     /// Lists the bundled scenes and the methods.
     List,
 }
@@ -45,6 +49,9 @@ struct RunArguments {
     /// Overrides a key of the file, as in `method.pd.horizon_ratio=4`; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     set: Vec<(String, String)>,
+    /// Takes the discretisation that the scene's paper prints, where one is bundled; `--set` goes over it.
+    #[arg(long)]
+    paper: bool,
     /// Threads; by default one for each core. The result does not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -78,6 +85,9 @@ struct CheckArguments {
     /// Overrides a key of the file; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     set: Vec<(String, String)>,
+    /// Takes the discretisation that the scene's paper prints, where one is bundled; `--set` goes over it.
+    #[arg(long)]
+    paper: bool,
     /// Threads of the run; by default one for each core.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -178,6 +188,55 @@ struct StabilityArguments {
     quiet: bool,
 }
 
+#[derive(Debug, Args)]
+struct CalibrateArguments {
+    /// A bundled fluid (water), or a TOML or CSV file.
+    #[arg(default_value = "water")]
+    fluid: String,
+    /// Dimensions of space, 2 or 3.
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(2..=3))]
+    dimension: u8,
+    /// Particles by volume, in DPD units as all that has no unit in its name.
+    #[arg(long, value_name = "N", default_value = "4", value_parser = sized)]
+    number_density: f64,
+    /// Friction of a pair, gamma.
+    #[arg(long, value_name = "X", default_value = "8", value_parser = sized)]
+    gamma: f64,
+    /// Cut-off radius of all forces and of the exchange of heat.
+    #[arg(long, value_name = "R", default_value = "1.96", value_parser = sized)]
+    cutoff: f64,
+    /// Cut-off radius of the conservative force alone.
+    #[arg(long, value_name = "R", value_parser = sized)]
+    conservative_cutoff: Option<f64>,
+    /// Cut-off radius of friction and random force alone.
+    #[arg(long, value_name = "R", value_parser = sized)]
+    dissipative_cutoff: Option<f64>,
+    /// Cut-off radius of the exchange of heat alone.
+    #[arg(long, value_name = "R", value_parser = sized)]
+    thermal_cutoff: Option<f64>,
+    /// Heat capacity of a particle in k_B.
+    #[arg(long, value_name = "X", default_value = "1e5", value_parser = sized)]
+    heat_capacity: f64,
+    /// Temperature that is 1 in DPD units, in K.
+    #[arg(long, value_name = "K", default_value = "300", value_parser = sized)]
+    reference_temperature_k: f64,
+    /// One Prandtl number in place of those of the fluid.
+    #[arg(long, value_name = "X", value_parser = sized, conflicts_with = "diffusivity")]
+    prandtl: Option<f64>,
+    /// One thermal diffusivity in place of Prandtl numbers.
+    #[arg(long, value_name = "X", value_parser = sized)]
+    diffusivity: Option<f64>,
+    /// Leaves out rows that are colder, in K.
+    #[arg(long, value_name = "K", value_parser = positive)]
+    from_k: Option<f64>,
+    /// Leaves out rows that are warmer, in K.
+    #[arg(long, value_name = "K", value_parser = positive)]
+    to_k: Option<f64>,
+    /// Folder for the results; by default out/calibrate.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
 /// Runs the program on its arguments, the first of which is its own name.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     match Cli::try_parse_from(arguments) {
@@ -201,10 +260,16 @@ pub fn understood<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Result<()
 
 fn dispatch(command: Command) -> Result<Verdict, Failure> {
     match command {
-        Command::Run(arguments) => run::run(&run::RunRequest {
+        Command::Run(mut arguments) => run::run(&run::RunRequest {
+            overrides: if arguments.paper {
+                let (method, overrides) = load::paper(&arguments.scene, arguments.method.as_slice(), arguments.set)?;
+                arguments.method = Some(method);
+                overrides
+            } else {
+                arguments.set
+            },
             scene: arguments.scene,
             method: arguments.method,
-            overrides: arguments.set,
             threads: arguments.threads.map_or_else(parallel::cores, usize::from),
             seed: arguments.seed,
             out: arguments.out,
@@ -233,10 +298,16 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             quiet: arguments.quiet,
             command_line: std::env::args().collect::<Vec<_>>().join(" "),
         }),
-        Command::Check(arguments) => check::check(&check::CheckRequest {
+        Command::Check(mut arguments) => check::check(&check::CheckRequest {
+            overrides: if arguments.paper {
+                let (method, overrides) = load::paper(&arguments.scene, &arguments.method, arguments.set)?;
+                arguments.method = vec![method];
+                overrides
+            } else {
+                arguments.set
+            },
             scene: arguments.scene,
             methods: arguments.method,
-            overrides: arguments.set,
             threads: arguments.threads.map_or_else(parallel::cores, usize::from),
             reduce: arguments.reduce,
         }),
@@ -255,6 +326,27 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             out: arguments.out,
             quiet: arguments.quiet,
             command_line: std::env::args().collect::<Vec<_>>().join(" "),
+        }),
+        Command::Calibrate(arguments) => calibrate(&CalibrateRequest {
+            fluid: arguments.fluid,
+            constants: Constants {
+                dimension: arguments.dimension.into(),
+                density: arguments.number_density,
+                friction: arguments.gamma,
+                conservative_cutoff: arguments.conservative_cutoff.unwrap_or(arguments.cutoff),
+                dissipative_cutoff: arguments.dissipative_cutoff.unwrap_or(arguments.cutoff),
+                thermal_cutoff: arguments.thermal_cutoff.unwrap_or(arguments.cutoff),
+                heat_capacity: arguments.heat_capacity,
+            },
+            reference_temperature: arguments.reference_temperature_k,
+            conduction: match (arguments.prandtl, arguments.diffusivity) {
+                (Some(prandtl), _) => Conduction::Prandtl(prandtl),
+                (None, Some(diffusivity)) => Conduction::Diffusivity(diffusivity),
+                (None, None) => Conduction::Fluid,
+            },
+            from: arguments.from_k,
+            to: arguments.to_k,
+            out: arguments.out,
         }),
         Command::List => list::list(),
     }
@@ -275,6 +367,14 @@ fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
         _ => Err("must be a number greater than 0".into()),
+    }
+}
+
+/// A constant of a fluid: products of several of them must stay numbers.
+fn sized(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if (1e-12..=1e12).contains(&number) => Ok(number),
+        _ => Err("must be a number between 1e-12 and 1e12".into()),
     }
 }
 

@@ -23,6 +23,27 @@ pub fn scene(argument: &str, overrides: &[(String, String)]) -> Result<Scene, Fa
     Ok(Scene::read(&text, &name, argument, overrides, registry::methods())?)
 }
 
+/// Pairs of key path and value that override a scene.
+pub type Overrides = Vec<(String, String)>;
+
+/// What `--paper` stands for on a bundled scene: the method whose discretisation its paper prints, and overrides, with those
+/// that were asked for behind them.
+pub fn paper(scene: &str, asked: &[String], overrides: Overrides) -> Result<(String, Overrides), Failure> {
+    let Some((method, printed)) = frazil_cases::paper::method(scene).zip(frazil_cases::paper::overrides(scene)) else {
+        let names: Vec<&str> = frazil_cases::paper::all().iter().map(|(name, _)| *name).collect();
+        return Err(Failure::Request(format!(
+            "--paper: no printed discretisation is bundled for \"{scene}\", there are those of {}",
+            names.join(", ")
+        )));
+    };
+    if let Some(other) = asked.iter().find(|other| **other != method) {
+        return Err(Failure::Request(format!(
+            "--paper: found --method {other}, but the paper of \"{scene}\" prints a discretisation of {method}"
+        )));
+    }
+    Ok((method, [printed, overrides].concat()))
+}
+
 /// The method to run: the one named, else the first that the scene has.
 pub fn method(scene: &Scene, asked: Option<&str>) -> Result<&'static str, Failure> {
     let names: Vec<&'static str> = scene.methods.iter().map(|settings| settings.method).collect();

@@ -42,6 +42,13 @@ fn bad_input_ends_with_2_says_why_and_writes_nothing() {
         &["stability", "stefan-water", "--methods", "local", "--axes", "noise"],
         &["stability", "stefan-water", "--steps", "0"],
         &["stability", "stefan-water", "--values", "4"],
+        &["calibrate", "wine"],
+        &["calibrate", "missing.csv"],
+        &["calibrate", "--gamma", "0"],
+        &["calibrate", "--dimension", "1"],
+        &["calibrate", "--cutoff", "1.5"],
+        &["calibrate", "--from-k", "400"],
+        &["calibrate", "--prandtl", "7", "--diffusivity", "1.1"],
     ] {
         let output = frazil(folder.path(), arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");

@@ -3,6 +3,7 @@
 mod bad_scenes;
 mod broken_scenes;
 mod bundled_scenes;
+mod calibration;
 mod command_line;
 mod cracks;
 mod documents;
@@ -20,3 +21,4 @@ mod shells;
 mod sketch;
 mod stability;
 mod steps_by_error;
+mod wall_models;

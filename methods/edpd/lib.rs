@@ -6,6 +6,9 @@
 //! Boltzmann constant of the coarse particles, and with it the noise, in any units. Motion and its forces enter
 //! through the same step.
 
+pub mod calibration;
+pub mod fluid;
+
 use std::f64::consts::PI;
 use std::sync::Arc;
 

@@ -19,7 +19,7 @@ pub struct Door {
     pub name: String,
     /// Condition.
     pub condition: Condition,
-    /// Ghosts held at the wall's own value instead of mirrored (temperatures only).
+    /// Ghosts hold the wall's own value instead of being mirrored ([`crate::wall_layers`]).
     pub layers: bool,
     /// Whether the condition changes in time.
     changes: bool,
@@ -56,6 +56,9 @@ pub enum Face {
         coefficient: f64,
         /// Temperature of the surroundings.
         ambient: f64,
+        /// Depths of a ghost that heat is conducted through behind the film: one to a mirror, and all of two to a layer
+        /// of one value.
+        through: f64,
     },
 }
 
@@ -68,8 +71,8 @@ impl Face {
             Face::Odd { wall, .. } => 2.0 * wall - image,
             Face::Held { wall, .. } => wall,
             Face::Flux(flux) => image + 2.0 * depth * flux,
-            Face::Film { coefficient, ambient } => {
-                image + 2.0 * depth * curve.film_flux(image + initial_potential, depth, coefficient, ambient)
+            Face::Film { coefficient, ambient, through } => {
+                image + 2.0 * depth * curve.film_flux(image + initial_potential, through * depth, coefficient, ambient)
             }
         }
     }
@@ -90,8 +93,8 @@ impl Face {
             Face::Even | Face::Flux(_) => 1.0,
             Face::Odd { .. } => -1.0,
             Face::Held { .. } => 0.0,
-            Face::Film { coefficient, ambient } => {
-                1.0 + 2.0 * depth * curve.film_slope(image + initial_potential, depth, coefficient, ambient)
+            Face::Film { coefficient, ambient, through } => {
+                1.0 + 2.0 * depth * curve.film_slope(image + initial_potential, through * depth, coefficient, ambient)
             }
         }
     }
@@ -104,7 +107,7 @@ impl Face {
             Face::Even => 0.0,
             Face::Odd { wall, .. } | Face::Held { wall, .. } => (wall - potential) / depth,
             Face::Flux(flux) => flux,
-            Face::Film { coefficient, ambient } => {
+            Face::Film { coefficient, ambient, .. } => {
                 thermal.curve.film_flux(potential + thermal.initial_potential, depth, coefficient, ambient)
             }
         }
@@ -115,7 +118,7 @@ impl Face {
         match *self {
             Face::Even | Face::Flux(_) => 0.0,
             Face::Odd { .. } | Face::Held { .. } => -1.0 / depth,
-            Face::Film { coefficient, ambient } => {
+            Face::Film { coefficient, ambient, .. } => {
                 thermal.curve.film_slope(potential + thermal.initial_potential, depth, coefficient, ambient)
             }
         }
@@ -130,7 +133,7 @@ impl Face {
                 conductivity * (temperature - inside) / depth
             }
             Face::Flux(flux) => flux,
-            Face::Film { coefficient, ambient } => {
+            Face::Film { coefficient, ambient, .. } => {
                 coefficient / (1.0 + coefficient * depth / conductivity) * (ambient - inside)
             }
         }
@@ -150,6 +153,8 @@ impl Face {
             Face::Even => -1.0,
             Face::Flux(_) => -1.0,
             Face::Held { .. } => 0.0,
+            // Behind a layer the flux never reverses a rise of its images.
+            Face::Film { through, .. } if *through > 1.0 => 0.0,
             Face::Odd { .. } | Face::Film { .. } => 1.0,
         }
     }
@@ -167,7 +172,8 @@ impl Door {
             Condition::Temperature(series) => at(series.at(time)),
             Condition::Flux(series) => Face::Flux(series.at(time)),
             Condition::Convection { coefficient, ambient } => {
-                Face::Film { coefficient: coefficient.at(time), ambient: ambient.at(time) }
+                let through = if self.layers { 2.0 } else { 1.0 };
+                Face::Film { coefficient: coefficient.at(time), ambient: ambient.at(time), through }
             }
             Condition::Exact => match self.exact.as_ref().and_then(|exact| exact.temperature(self.distance, time)) {
                 Some(temperature) => at(temperature),
@@ -239,7 +245,7 @@ impl Boundary {
                 Door {
                     name,
                     condition: condition.clone(),
-                    layers: model == WallModel::Layers,
+                    layers: matches!(model, WallModel::Naive | WallModel::InnerLayers),
                     changes: match condition {
                         Condition::Symmetry => false,
                         Condition::Temperature(series) | Condition::Flux(series) => series.changes(),

@@ -35,6 +35,20 @@ pub struct Ghosts {
     images: Vec<(u32, f64)>,
 }
 
+/// What a ghost becomes in a layer of one value.
+pub struct Levelled {
+    /// Wall by whose condition it follows its images, or none where it is as they are.
+    pub door: Option<u8>,
+    /// Door through which heat to it goes.
+    pub pays: u8,
+    /// Particles, or an earlier ghost, with their shares.
+    pub images: Vec<(u32, f64)>,
+    /// Half of the distance over which it follows them (m).
+    pub depth: f64,
+    /// The particle whose material it has.
+    pub model: u32,
+}
+
 impl Held for Ghosts {
     fn held(&self) -> usize {
         // Doors are a byte and whether there is one.
@@ -45,10 +59,15 @@ impl Held for Ghosts {
 }
 
 impl Ghosts {
+    /// No ghosts.
+    pub fn none() -> Self {
+        Ghosts { starts: vec![0], ..Ghosts::default() }
+    }
+
     /// Ghosts within `reach` (m) outside the walls. `fitted` takes images at straight walls from moving least
     /// squares as well, with ghosts on their own lattice.
     pub fn new(points: &[DVec2], lattice: &Lattice, boundary: &Boundary, reach: f64, fitted: bool) -> Self {
-        let mut ghosts = Ghosts { starts: vec![0], ..Ghosts::default() };
+        let mut ghosts = Ghosts::none();
         let reach = reach * (1.0 + 1e-9);
         let extent = lattice.spacing * DVec2::new(lattice.columns as f64, lattice.rows as f64);
         let sides: [(usize, DVec2, f64); 4] = [
@@ -163,6 +182,40 @@ impl Ghosts {
                 .collect();
             self.fit(points, lattice, &targets, door);
         }
+    }
+
+    /// Gives ghosts other images, where there are any.
+    pub fn level(&mut self, levelled: Vec<Option<Levelled>>) {
+        let mut images = Vec::with_capacity(self.images.len());
+        let mut starts = vec![0];
+        for (ghost, new) in levelled.into_iter().enumerate() {
+            match new {
+                None => images.extend_from_slice(&self.images[self.images_of(ghost)]),
+                Some(new) => {
+                    images.extend(new.images);
+                    self.door[ghost] = new.door;
+                    self.pays[ghost] = Some(new.pays);
+                    self.depth[ghost] = new.depth;
+                    self.model[ghost] = new.model;
+                }
+            }
+            starts.push(images.len() as u32);
+        }
+        (self.images, self.starts) = (images, starts);
+    }
+
+    /// Adds a ghost at a place behind a door that holds the wall's own value, in place of the particle `model` of `count`.
+    pub fn hold(&mut self, count: usize, model: u32, place: DVec2, door: u8) {
+        let number = (count + self.position.len()) as u32;
+        self.position.push(place);
+        self.door.push(Some(door));
+        self.pays.push(Some(door));
+        self.depth.push(0.0);
+        self.model.push(model);
+        self.identity.push(number);
+        self.stream.push(0);
+        self.images.push((model, 1.0));
+        self.starts.push(self.images.len() as u32);
     }
 
     /// Adds ghosts at `targets` (place, image, depth) with images fitted to nearby particles.
@@ -322,9 +375,9 @@ impl Ghosts {
                 }
                 Some(Face::Held { temperature, .. }) => (temperature, curve.conductivity(temperature)),
                 Some(Face::Flux(flux)) => (image + 2.0 * self.depth[ghost] * flux / carried, carried),
-                Some(Face::Film { coefficient, ambient }) => {
+                Some(Face::Film { coefficient, ambient, through }) => {
                     let film = coefficient * self.depth[ghost] / carried;
-                    (image + 2.0 * film / (1.0 + film) * (ambient - image), carried)
+                    (image + 2.0 * film / (1.0 + through * film) * (ambient - image), carried)
                 }
             };
             temperatures[count + ghost] = temperature;

@@ -45,4 +45,5 @@ pub mod symmetry;
 pub mod terms;
 pub mod uptake;
 pub mod wall_ends;
+pub mod wall_layers;
 pub mod watch;

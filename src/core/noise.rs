@@ -20,13 +20,30 @@ impl StepNoise {
         StepNoise { key: mix(mix(seed.wrapping_add(0x9e37_79b9_7f4a_7c15)) ^ step.wrapping_mul(0xd1b5_4a32_d192_ed03)) }
     }
 
+    /// Sixty-four random bits, the same for (i, j) and (j, i).
+    #[inline(always)]
+    pub fn word(&self, i: u32, j: u32, stream: u32) -> u64 {
+        let (low, high) = if i < j { (i, j) } else { (j, i) };
+        let pair = (u64::from(high) << 32) | u64::from(low);
+        mix(mix(pair ^ self.key).wrapping_add(self.key.rotate_left(17) ^ u64::from(stream)))
+    }
+
+    /// Two independent numbers of zero mean and unit variance, uniform in [-sqrt 3, sqrt 3], of a pair whose names are the
+    /// two halves of a word: of 32 bits each, in a form that a compiler turns into vectors.
+    #[inline(always)]
+    pub fn two(&self, pair: u64) -> (f64, f64) {
+        let word = mix(mix(pair ^ self.key).wrapping_add(self.key.rotate_left(17)));
+        // The bits as the mantissa of a number near 2^52, which is then taken away.
+        let unit = |bits: u64| f64::from_bits(bits | 0x4330_0000_0000_0000) - 4_503_599_627_370_496.0 - 2_147_483_647.5;
+        let scale = 3.464_101_615_137_754_6 / 4_294_967_296.0;
+        (unit(word >> 32) * scale, unit(word & 0xffff_ffff) * scale)
+    }
+
     /// A number of zero mean and unit variance, uniform in [-sqrt 3, sqrt 3], the same for (i, j) and (j, i).
     /// Uniform numbers serve schemes of first weak order as well as normal ones (Groot and Warren 1997).
     #[inline(always)]
     pub fn symmetric(&self, i: u32, j: u32, stream: u32) -> f64 {
-        let (low, high) = if i < j { (i, j) } else { (j, i) };
-        let pair = (u64::from(high) << 32) | u64::from(low);
-        let word = mix(mix(pair ^ self.key).wrapping_add(self.key.rotate_left(17) ^ u64::from(stream)));
+        let word = self.word(i, j, stream);
         // 53 bits, centred: an odd multiple of 2^-54 in (0, 1).
         let unit = ((word >> 11) as f64 + 0.5) * (1.0 / (1u64 << 53) as f64);
         (unit - 0.5) * 3.464_101_615_137_754_6

@@ -39,9 +39,10 @@ use crate::start;
 use crate::stencil::{SHELL_TOLERANCE, Stencil};
 use crate::sub_cell::SubCellFront;
 use crate::sweep::WIDEST;
-use crate::symmetry::{Volumes, shells};
+use crate::symmetry::{Volumes, naive_shells, shells};
 use crate::terms::Parts;
 use crate::uptake::{Materials, scheme};
+use crate::wall_layers::{Body, inner, level};
 
 /// Stages of one step by error: longer steps are rarely as exact as they are stable, and gain less and less.
 const MOST_STAGES: usize = 99;
@@ -282,9 +283,16 @@ pub fn build(
             };
             let fitted = numerics.walls == WallModel::MovingLeastSquares;
             let reach = discretisation.weight.reach();
-            let ghosts = Ghosts::new(&positions, &lattice, &boundary, reach, fitted);
-            let (mut pairs, contacts, touches) = if shelled && !printed {
-                let shells = shells(&scene.domain, &lattice, &stencil, &boundary).map_err(refuse)?;
+            let mut ghosts = Ghosts::new(&positions, &lattice, &boundary, reach, fitted);
+            let naive = numerics.walls == WallModel::Naive;
+            let (mut pairs, contacts, mut touches) = if shelled && !printed {
+                let shells = if naive {
+                    naive_shells(&scene.domain, &lattice, &stencil, &boundary)
+                } else {
+                    shells(&scene.domain, &lattice, &stencil, &boundary)
+                };
+                let shells = shells.map_err(refuse)?;
+                ghosts = shells.ghosts;
                 (shells.pairs, Contacts::default(), shells.touches)
             } else {
                 let (mut pairs, contacts) =
@@ -299,6 +307,20 @@ pub fn build(
                 }
                 (pairs, contacts, Vec::new())
             };
+            let body = Body {
+                positions: &positions,
+                lattice: &lattice,
+                boundary: &boundary,
+                volumes: &volumes,
+                materials: &materials,
+                symmetry: scene.domain.symmetry(),
+            };
+            if naive && (scene.brings_heat() || (shelled && !printed)) {
+                level(&mut ghosts, &pairs, &body, !printed && shelled);
+            }
+            if numerics.walls == WallModel::InnerLayers {
+                touches = inner(&mut pairs, &mut ghosts, &body, stencil.reach).map_err(refuse)?;
+            }
             let cuts = if scene.cracks.is_empty() {
                 Cuts::default()
             } else {
@@ -400,6 +422,8 @@ fn why_list(
         (!scene.watch.surfaces.is_empty(), "heat through surfaces is watched"),
         (scene.flow.is_some(), "water flows along the pairs"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
+        (numerics.walls == WallModel::InnerLayers, "the outermost particles are the walls"),
+        (numerics.walls == WallModel::Naive && scene.brings_heat(), "naive layers at a flux or film follow particles"),
         (matches!(discretisation.stepper, Stepper::Own(_)), "the method makes its own step"),
         (narrow, "pairs reach farther than the body is wide"),
         (stencil.reach > WIDEST, "the reach is wider than any compiled stencil"),

@@ -105,6 +105,10 @@ fn obstacle(scene: &Scene, settings: &MethodSettings) -> Option<String> {
         Some("particles stand unevenly".into())
     } else if straight && numerics.walls == WallModel::MovingLeastSquares {
         Some("fits of wall_model = \"moving-least-squares\" know no mirror planes".into())
+    } else if numerics.walls == WallModel::InnerLayers {
+        Some("inner layers hold particles of the body itself".into())
+    } else if numerics.walls == WallModel::Naive && scene.brings_heat() {
+        Some("naive layers at a flux or film follow the particles of the whole body".into())
     } else {
         None
     }

@@ -539,6 +539,11 @@ impl Scene {
         self.conditions().any(|condition| matches!(condition, Condition::Flux(_)))
     }
 
+    /// Whether a wall or a part of one has a flux or a film.
+    pub fn brings_heat(&self) -> bool {
+        self.conditions().any(|condition| matches!(condition, Condition::Flux(_) | Condition::Convection { .. }))
+    }
+
     /// The first instant after `t` (s) at which pipes are switched: steps land on it.
     pub fn next_switch(&self, t: f64) -> Option<f64> {
         let schedules = self.rings.iter().filter_map(|ring| ring.schedule.as_ref());

@@ -22,12 +22,17 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use crate::boundary::Boundary;
+use crate::ghosts::Ghosts;
 use crate::lattice::Lattice;
 use crate::list_operator::PairList;
 use crate::memory::{Held, shared};
 use crate::scene::Domain;
 use crate::stencil::Stencil;
 use crate::wall_ends::WallEnd;
+
+mod naive;
+
+pub use naive::naive_shells;
 
 /// What a body does not vary along.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -201,22 +206,19 @@ pub struct Shells {
     pub pairs: PairList,
     /// Walls.
     pub touches: Vec<Touch>,
+    /// Layers behind naive walls.
+    pub ghosts: Ghosts,
 }
 
 /// Pairs of the shells of a domain under a stencil, or why they have none that keep the maximum principle.
 pub fn shells(domain: &Domain, lattice: &Lattice, stencil: &Stencil, boundary: &Boundary) -> Result<Shells, String> {
     let Some(symmetry) = domain.symmetry() else { return Err("the body has no symmetry".into()) };
-    let exchange = Exchange::new(symmetry, lattice, stencil);
-    if let Some(weakest) = exchange.weakest() {
-        return Err(format!(
-            "the weights of the method cannot be made positive near the axis or a wall: a pair has {weakest:.1e} of \
-             what it should; choose a shorter reach"
-        ));
-    }
+    let exchange = Exchange::positive(symmetry, lattice, stencil)?;
     let volumes = Volumes::new(domain, lattice, false);
     Ok(Shells {
         pairs: exchange.list(&volumes),
         touches: touches(domain, symmetry, lattice, boundary, stencil, &volumes),
+        ghosts: Ghosts::none(),
     })
 }
 
@@ -237,6 +239,18 @@ impl<'a> Exchange<'a> {
         exchange.across = (0..lattice.rows).flat_map(|row| exchange.missing_across(row)).collect();
         exchange.along = (1..lattice.rows).flat_map(|face| exchange.missing_along(face)).collect();
         exchange
+    }
+
+    /// The exchange, or why it has pairs that break the maximum principle.
+    fn positive(symmetry: Symmetry, lattice: &'a Lattice, stencil: &'a Stencil) -> Result<Self, String> {
+        let exchange = Exchange::new(symmetry, lattice, stencil);
+        match exchange.weakest() {
+            None => Ok(exchange),
+            Some(weakest) => Err(format!(
+                "the weights of the method cannot be made positive near the axis or a wall: a pair has {weakest:.1e} of \
+                 what it should; choose a shorter reach"
+            )),
+        }
     }
 
     fn radius(&self, column: usize) -> f64 {
@@ -331,24 +345,32 @@ impl<'a> Exchange<'a> {
         (weakest < -ROUNDING).then_some(weakest)
     }
 
-    fn list(&self, volumes: &Volumes) -> PairList {
+    /// Shows all partners of a particle by column and row, and the strength of each pair.
+    fn with_partners(&self, (column, row): (usize, usize), mut show: impl FnMut((usize, usize), f64)) {
         let (columns, rows, reach) = (self.lattice.columns, self.lattice.rows, self.stencil.reach);
+        for above in row.saturating_sub(reach)..rows.min(row + reach + 1) {
+            for other in column.saturating_sub(reach)..columns.min(column + reach + 1) {
+                let strength = match (other, above) == (column, row) {
+                    true => 0.0,
+                    false => self.strength((column, row), (other, above)),
+                };
+                if strength > 0.0 {
+                    show((other, above), strength);
+                }
+            }
+        }
+    }
+
+    fn list(&self, volumes: &Volumes) -> PairList {
+        let (columns, rows) = (self.lattice.columns, self.lattice.rows);
         let mut pairs = PairList { starts: vec![0], ..PairList::default() };
         for row in 0..rows {
             for column in 0..columns {
                 let volume = volumes.of(row * columns + column);
-                for above in row.saturating_sub(reach)..rows.min(row + reach + 1) {
-                    for other in column.saturating_sub(reach)..columns.min(column + reach + 1) {
-                        let strength = match (other, above) == (column, row) {
-                            true => 0.0,
-                            false => self.strength((column, row), (other, above)),
-                        };
-                        if strength > 0.0 {
-                            pairs.partners.push((above * columns + other) as u32);
-                            pairs.weights.push(strength / volume);
-                        }
-                    }
-                }
+                self.with_partners((column, row), |(other, above), strength| {
+                    pairs.partners.push((above * columns + other) as u32);
+                    pairs.weights.push(strength / volume);
+                });
                 pairs.starts.push(pairs.partners.len());
             }
         }

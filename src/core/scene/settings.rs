@@ -69,12 +69,14 @@ pub enum Layout {
 /// How walls act on particles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WallModel {
-    /// Ghosts mirrored about the wall; moving least squares where no particle mirrors.
+    /// Ghosts mirrored about the wall.
     Mirror,
     /// Ghosts from moving least squares everywhere.
     MovingLeastSquares,
-    /// Layers of ghosts held at the wall's own value: the papers' simplest way.
-    Layers,
+    /// Layers of ghosts that hold one value: the papers' simplest way.
+    Naive,
+    /// The outermost particles of the body as the wall.
+    InnerLayers,
 }
 
 /// Where in a freezing particle its front is.
@@ -290,7 +292,8 @@ impl MethodSettings {
         let walls = match numerics.walls {
             WallModel::Mirror => "mirror",
             WallModel::MovingLeastSquares => "moving-least-squares",
-            WallModel::Layers => "layers",
+            WallModel::Naive => "naive",
+            WallModel::InnerLayers => "inner-layers",
         };
         put("wall_model", text(walls));
         let integrator = match numerics.integrator {

@@ -81,7 +81,8 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     let models = [
         ("mirror", WallModel::Mirror),
         ("moving-least-squares", WallModel::MovingLeastSquares),
-        ("layers", WallModel::Layers),
+        ("naive", WallModel::Naive),
+        ("inner-layers", WallModel::InnerLayers),
     ];
     numerics.walls = section.choice_or("wall_model", &models, numerics.walls);
     let searches = [
@@ -97,7 +98,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     numerics.conduction = conduction(section, &numerics);
     numerics.step = step(section, numerics.step, numerics.integrator.tolerance().is_some());
     combinations(section, &numerics, setup, kind);
-    shells::combinations(section, &numerics, setup, kind, setting);
+    shells::combinations(section, &numerics, setup, kind);
 
     let fits = match (spacing, setup.domain) {
         (Some(spacing), Some(domain)) => divides(section, spacing, domain),
@@ -338,11 +339,13 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
         if !numerics.mushy {
             section.problem("mushy", "found false, must be true in a scene with \"flow\"");
         }
-        if numerics.walls == WallModel::MovingLeastSquares {
-            section.problem(
-                "wall_model",
-                "found \"moving-least-squares\", must be \"mirror\" or \"layers\" in a scene with \"flow\"",
-            );
+        if let Some(word) = match numerics.walls {
+            WallModel::Mirror | WallModel::Naive => None,
+            WallModel::MovingLeastSquares => Some("moving-least-squares"),
+            WallModel::InnerLayers => Some("inner-layers"),
+        } {
+            let message = format!("found \"{word}\", must be \"mirror\" or \"naive\" in a scene with \"flow\"");
+            section.problem("wall_model", message);
         }
         if numerics.search == SearchChoice::Lattice {
             section.problem("search", "found \"lattice\", but water needs a neighbour list");
@@ -408,14 +411,41 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
             format!("the random heat of the method \"{}\" is not counted through \"watch.surfaces\"", kind.name);
         section.section_problem(message);
     }
-    if numerics.walls == WallModel::Layers
-        && let Some(wall) =
-            setup.walls.iter().find(|wall| matches!(wall.condition, Condition::Flux(_) | Condition::Convection { .. }))
-    {
-        let message =
-            format!("found \"layers\", which needs walls of known temperature, but \"{}\" is none", wall.name);
-        section.problem("wall_model", message);
+    if let Some(reason) = out_of_layers(numerics, setup, kind) {
+        section.problem("wall_model", reason);
     }
+}
+
+/// Why walls cannot be the layers of particles that the settings ask for.
+fn out_of_layers(numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind) -> Option<String> {
+    let flows = |wall: &&Wall| matches!(wall.condition, Condition::Flux(_) | Condition::Convection { .. });
+    let (word, flowing) = match numerics.walls {
+        WallModel::Mirror | WallModel::MovingLeastSquares => return None,
+        WallModel::Naive => ("naive", setup.walls.iter().find(flows)),
+        WallModel::InnerLayers => ("inner-layers", None),
+    };
+    let inner = numerics.walls == WallModel::InnerLayers;
+    let ring = matches!(setup.domain, Some(Domain::Ring { .. }));
+    // With known temperatures alone, naive ghosts need nothing but the wall.
+    let which = match flowing {
+        Some(wall) => format!(" at the wall \"{}\"", wall.name),
+        None if inner => String::new(),
+        None => return None,
+    };
+    let reason = if ring {
+        "must be \"mirror\" in a ring, whose curved wall has no layers along it".to_owned()
+    } else if kind.stochastic {
+        format!("but the noise of the method \"{}\" crosses mirrored walls only", kind.name)
+    } else if !setup.cracks.is_empty() {
+        "but its layers know no cracks: set \"mirror\"".to_owned()
+    } else if setup.flow && flowing.is_some() {
+        "must be \"mirror\" in a scene with \"flow\"".to_owned()
+    } else if numerics.search == SearchChoice::Lattice {
+        "which needs a neighbour list and not search = \"lattice\"".to_owned()
+    } else {
+        return None;
+    };
+    Some(format!("found \"{word}\"{which}, {reason}"))
 }
 
 fn shortest(domain: &Domain) -> f64 {

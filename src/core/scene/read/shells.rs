@@ -5,7 +5,7 @@ use super::numerics::Setup;
 use super::range::{Range, plain};
 use super::section::{Key, Section};
 use crate::method::MethodKind;
-use crate::scene::settings::{Layout, Numerics, SearchChoice, Setting, WallModel};
+use crate::scene::settings::{Layout, Numerics, SearchChoice, WallModel};
 use crate::scene::{Condition, Domain, Surface, Symmetry, WallPart};
 
 const INNER: (&str, &str) = ("inner_radius", "m");
@@ -82,13 +82,7 @@ pub(super) fn parts(section: &mut Section<'_>, wall: &'static str, domain: &Doma
 }
 
 /// Settings that a body of shells excludes.
-pub(super) fn combinations(
-    section: &mut Section<'_>,
-    numerics: &Numerics,
-    setup: &Setup<'_>,
-    kind: &MethodKind,
-    setting: Setting,
-) {
+pub(super) fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind) {
     if setup.domain.is_none_or(|domain| domain.symmetry().is_none()) {
         return;
     }
@@ -102,15 +96,10 @@ pub(super) fn combinations(
     if numerics.search == SearchChoice::Lattice {
         section.problem("search", "found \"lattice\", which needs particles of one volume and no shells");
     }
-    let word = match numerics.walls {
-        WallModel::Mirror => return,
-        WallModel::MovingLeastSquares => "moving-least-squares",
-        WallModel::Layers if setting == Setting::Paper => return,
-        WallModel::Layers => "layers",
-    };
-    let only = if word == "layers" { ", and has layers only in the setting \"paper\"" } else { "" };
-    let message = format!("found \"{word}\", but a body of shells knows its walls by the steady profile{only}");
-    section.problem("wall_model", message);
+    if numerics.walls == WallModel::MovingLeastSquares {
+        let message = "found \"moving-least-squares\", but a body of shells knows its walls by the steady profile";
+        section.problem("wall_model", message);
+    }
 }
 
 /// Reads the surfaces through which heat is counted.

@@ -1,0 +1,447 @@
+//! Fluids of eDPD particles that move: conservative, dissipative and random forces, and heat, between pairs.
+//!
+//! A step is half a kick by the conservative forces, a drift, one pass over all pairs in reach, which gives the new forces
+//! and lets friction, noise and heat act pair by pair ([`pairs`]), and the other half of the kick. Friction meets velocities
+//! that lack half a kick, so kicks and drifts gain energy, by the second order in the step; what they gain is taken back
+//! from the heat of all moving particles in the next step, and told ([`Fluid::given_back`]). So energy and momentum are
+//! kept to rounding; and the same start, constants and seed give the same bits on any number of threads. Rejected: a second
+//! pass for friction, after the kick, which gains less and costs half a step more.
+
+pub mod pairs;
+pub mod parameters;
+pub mod particle;
+pub mod power;
+pub mod sorting;
+
+use std::sync::Arc;
+
+use frazil_core::noise::StepNoise;
+use rand::{SeedableRng, rngs::StdRng};
+use rand_distr::{Distribution, StandardNormal};
+use rayon::ThreadPool;
+use rayon::prelude::*;
+
+pub use parameters::{Exponent, Parameters};
+pub use particle::{Look, Particle};
+
+use pairs::{AT_ONCE, Desk, Frame, Part, act};
+use sorting::{Grid, SlabPairs};
+
+/// Width around the reach of pairs up to which they are listed, over the reach: fewer lists against more pairs in vain.
+const SKIN: f64 = 0.3;
+
+/// Particles that a task kicks and moves.
+const TASK: usize = 2048;
+
+/// What acts on particles from outside.
+pub trait Drive<const D: usize>: Sync {
+    /// Acts for a time on a particle: before it drifts.
+    fn act(&self, particle: &mut Particle<D>, time: f64);
+}
+
+/// Nothing acts.
+#[derive(Debug, Clone, Copy)]
+pub struct Undriven;
+
+impl<const D: usize> Drive<D> for Undriven {
+    #[inline(always)]
+    fn act(&self, _particle: &mut Particle<D>, _time: f64) {}
+}
+
+/// Sums over all particles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Totals<const D: usize> {
+    /// Kinetic energy.
+    pub kinetic: f64,
+    /// Internal energy above that at the reference temperature.
+    pub heat: f64,
+    /// Potential of the conservative forces.
+    pub potential: f64,
+    /// Momentum.
+    pub momentum: [f64; D],
+    /// Kinetic temperature, against the mean velocity.
+    pub kinetic_temperature: f64,
+    /// Harmonic mean of the internal temperatures: what the kinetic one tends to.
+    pub internal_temperature: f64,
+}
+
+/// A fluid in a periodic box.
+#[derive(Debug)]
+pub struct Fluid<const D: usize> {
+    parameters: Parameters,
+    /// Temperature at which heat is zero.
+    reference: f64,
+    seed: u64,
+    pool: Option<Arc<ThreadPool>>,
+    grid: Grid<D>,
+    particles: Vec<Particle<D>>,
+    sorted: Vec<Particle<D>>,
+    /// What pairs read of them.
+    looks: Vec<Look<D>>,
+    starts: Vec<u32>,
+    slabs: Vec<SlabPairs>,
+    desks: Vec<Desk<D>>,
+    /// Places at the last sorting.
+    origins: Vec<[f64; D]>,
+    /// Potential at the last step.
+    potential: f64,
+    /// Energy that the last step gained by kicks and drifts, to be given back.
+    gained: f64,
+    /// All such energy so far.
+    pub given_back: f64,
+    /// Particles that move, at least 1.
+    moving: f64,
+    /// Kinetic energy that kicks bring and the farthest way gone, squared, by task.
+    work: Vec<[f64; 2]>,
+    /// Steps made.
+    pub steps: u64,
+    /// Lists made.
+    pub lists: u64,
+}
+
+impl<const D: usize> Fluid<D> {
+    /// A fluid of even density in a box, at a temperature: particles near the points of a lattice, with the velocities of
+    /// that temperature and no momentum together.
+    ///
+    /// # Errors
+    /// Constants that mean nothing, and a box smaller than three times the reach of pairs.
+    pub fn new(
+        parameters: Parameters,
+        lengths: [f64; D],
+        temperature: f64,
+        seed: u64,
+        pool: Option<Arc<ThreadPool>>,
+    ) -> Result<Self, String> {
+        if let Some(problem) = parameters.problem() {
+            return Err(problem);
+        }
+        if !(temperature > 0.0 && temperature.is_finite()) {
+            return Err(format!("temperature: found {temperature}, must be above 0"));
+        }
+        let grid = Grid::new(lengths, parameters.reach() * (1.0 + SKIN))?;
+        let volume: f64 = lengths.iter().product();
+        let count = (parameters.density * volume).round() as usize;
+        let particles = placed(&lengths, count, temperature, seed);
+        let slabs = grid.slabs();
+        let mut fluid = Fluid {
+            reference: temperature,
+            seed,
+            pool,
+            grid,
+            sorted: particles.clone(),
+            looks: Vec::with_capacity(particles.len()),
+            particles,
+            starts: Vec::new(),
+            slabs: vec![SlabPairs::default(); slabs],
+            desks: vec![Desk::default(); slabs],
+            origins: Vec::new(),
+            potential: 0.0,
+            gained: 0.0,
+            given_back: 0.0,
+            moving: count as f64,
+            work: vec![[0.0; 2]; count.div_ceil(TASK)],
+            steps: 0,
+            lists: 0,
+            parameters,
+        };
+        fluid.sort()?;
+        // Forces at the start, without friction, noise and heat: a frame of no time.
+        fluid.meet(0.0);
+        fluid.potential = fluid.desks.iter().map(|desk| desk.potential).sum();
+        Ok(fluid)
+    }
+
+    /// The constants.
+    pub fn parameters(&self) -> &Parameters {
+        &self.parameters
+    }
+
+    /// All particles, in the order of the last sorting.
+    pub fn particles(&self) -> &[Particle<D>] {
+        &self.particles
+    }
+
+    /// Lengths of the box.
+    pub fn lengths(&self) -> &[f64; D] {
+        &self.grid.lengths
+    }
+
+    /// Temperature of a particle.
+    pub fn temperature(&self, particle: &Particle<D>) -> f64 {
+        self.reference + particle.heat / self.parameters.heat_capacity
+    }
+
+    /// Lets a change come over all particles; they stay where they are.
+    pub fn change(&mut self, change: impl Fn(&mut Particle<D>)) {
+        self.particles.iter_mut().for_each(change);
+        self.moving = self.particles.iter().map(|particle| particle.mobility).sum::<f64>().max(1.0);
+    }
+
+    /// Pairs within reach at the last step.
+    pub fn pairs(&self) -> u64 {
+        self.desks.iter().map(|desk| desk.met).sum()
+    }
+
+    /// Makes steps.
+    ///
+    /// # Errors
+    /// Particles that crowd together or leave the numbers: the step was too long.
+    pub fn advance(&mut self, steps: u64, drive: &impl Drive<D>) -> Result<(), String> {
+        match self.pool.clone() {
+            Some(pool) => pool.install(|| self.advance_here(steps, drive)),
+            None => self.advance_here(steps, drive),
+        }
+    }
+
+    fn advance_here(&mut self, steps: u64, drive: &impl Drive<D>) -> Result<(), String> {
+        for _ in 0..steps {
+            self.step(drive)?;
+        }
+        Ok(())
+    }
+
+    fn step(&mut self, drive: &impl Drive<D>) -> Result<(), String> {
+        let step = self.parameters.step;
+        let share = self.gained / self.moving;
+        self.given_back += self.gained;
+        let first = |((particles, origins), work): Task<'_, D>| {
+            let (mut most, mut gained) = (0.0, 0.0);
+            for (particle, origin) in particles.iter_mut().zip(origins) {
+                let half = 0.5 * step * particle.mobility;
+                let mut moved = 0.0;
+                gained += kick(particle, half);
+                drive.act(particle, step);
+                for axis in 0..D {
+                    particle.position[axis] += step * particle.velocity[axis];
+                    let way = particle.position[axis] - origin[axis];
+                    moved += way * way;
+                }
+                particle.force = [0.0; D];
+                particle.heat -= share * particle.mobility;
+                // A place that is no number is farther than any.
+                most = if moved <= most { most } else { moved };
+            }
+            *work = [gained, most];
+        };
+        if self.pool.is_some() {
+            let tasks = self.particles.par_chunks_mut(TASK).zip(self.origins.par_chunks(TASK)).zip(&mut self.work);
+            tasks.for_each(first);
+        } else {
+            self.particles.chunks_mut(TASK).zip(self.origins.chunks(TASK)).zip(&mut self.work).for_each(first);
+        }
+        let most = self.work.iter().fold(0.0, |most, work| if work[1] <= most { most } else { work[1] });
+        let mut gained: f64 = self.work.iter().map(|work| work[0]).sum();
+        let skin = SKIN * self.parameters.reach();
+        if most > (0.5 * skin).powi(2) || most.is_nan() {
+            if !most.is_finite() || most > self.parameters.reach().powi(2) {
+                return Err(format!(
+                    "step {}: a particle moved by {:.3} within a few steps, farther than pairs reach: the time step {} is \
+                     too long",
+                    self.steps,
+                    most.sqrt(),
+                    self.parameters.step
+                ));
+            }
+            self.sort()?;
+        }
+        self.meet(step);
+        let last = |(particles, work): (&mut [Particle<D>], &mut [f64; 2])| {
+            let mut gained = 0.0;
+            for particle in particles {
+                gained += kick(particle, 0.5 * step * particle.mobility);
+            }
+            work[0] = gained;
+        };
+        if self.pool.is_some() {
+            self.particles.par_chunks_mut(TASK).zip(&mut self.work).for_each(last);
+        } else {
+            self.particles.chunks_mut(TASK).zip(&mut self.work).for_each(last);
+        }
+        gained += self.work.iter().map(|work| work[0]).sum::<f64>();
+        let potential: f64 = self.desks.iter().map(|desk| desk.potential).sum();
+        self.gained = gained + potential - self.potential;
+        self.potential = potential;
+        self.steps += 1;
+        Ok(())
+    }
+
+    fn sort(&mut self) -> Result<(), String> {
+        let Fluid { grid, particles, sorted, starts, slabs, .. } = self;
+        grid.list(particles, sorted, starts, slabs, AT_ONCE)?;
+        self.origins.clear();
+        self.origins.extend(self.particles.iter().map(|particle| particle.position));
+        self.lists += 1;
+        Ok(())
+    }
+
+    /// Lets all pairs act for a time.
+    fn meet(&mut self, time: f64) {
+        let (parameters, reference) = (&self.parameters, self.reference);
+        let capacity = parameters.heat_capacity;
+        let look = |particle: &Particle<D>| {
+            let temperature = reference + particle.heat / capacity;
+            Look {
+                position: particle.position,
+                temperature,
+                exponent: parameters.exponent.at(temperature),
+                mobility: particle.mobility,
+                name: particle.name,
+            }
+        };
+        if self.pool.is_some() {
+            self.particles.par_iter().with_min_len(TASK).map(look).collect_into_vec(&mut self.looks);
+        } else {
+            self.looks.clear();
+            self.looks.extend(self.particles.iter().map(look));
+        }
+        let frame = Frame {
+            looks: &self.looks,
+            lengths: self.grid.lengths,
+            reach: parameters.reach().powi(2),
+            inverse_cutoffs: [
+                1.0 / parameters.conservative_cutoff,
+                1.0 / parameters.dissipative_cutoff,
+                1.0 / parameters.thermal_cutoff,
+            ],
+            repulsion: parameters.repulsion,
+            friction: parameters.friction * time,
+            conductance: capacity * capacity * parameters.heat_friction * time,
+            noise: StepNoise::new(self.seed, self.steps),
+        };
+        let parallel = self.pool.is_some();
+        let (slabs, desks, particles) = (&self.slabs[..], &mut self.desks[..], &mut self.particles[..]);
+        twos(&frame, parallel, slabs, desks, (0, particles));
+        // Those of odd number; the last one's next is the first.
+        let count = slabs.len();
+        let (first, rest) = particles.split_at_mut(slabs[0].count);
+        let (middle, last) = rest.split_at_mut(rest.len() - slabs[count - 1].count);
+        let (middle_desks, last_desks) = desks[1..].split_at_mut(count - 2);
+        let begins = (first.len(), first.len() + middle.len());
+        let wrapped = || act(&frame, &slabs[count - 1], &mut last_desks[0], (begins.1, last), (0, first));
+        let inside = || {
+            if count > 2 {
+                twos(&frame, parallel, &slabs[1..count - 1], middle_desks, (begins.0, middle));
+            }
+        };
+        both(parallel, wrapped, inside);
+    }
+
+    /// Sums over all particles.
+    pub fn totals(&self) -> Totals<D> {
+        let count = self.particles.len() as f64;
+        let mut momentum = [0.0; D];
+        let (mut kinetic, mut heat, mut inverse, mut moving) = (0.0, 0.0, 0.0, 0.0);
+        for particle in &self.particles {
+            kinetic += particle.kinetic();
+            heat += particle.heat;
+            inverse += 1.0 / self.temperature(particle);
+            if particle.mobility > 0.0 {
+                moving += 1.0;
+                for axis in 0..D {
+                    momentum[axis] += particle.velocity[axis] / particle.mobility;
+                }
+            }
+        }
+        let drift: f64 = momentum.iter().map(|p| p * p).sum::<f64>() / f64::max(moving, 1.0);
+        Totals {
+            kinetic,
+            // What is still to be given back is no heat.
+            heat: heat - self.gained,
+            potential: self.potential,
+            momentum,
+            // One degree of freedom in each direction is the mean velocity's.
+            kinetic_temperature: (2.0 * kinetic - drift) / (D as f64 * f64::max(moving - 1.0, 1.0)),
+            internal_temperature: count / inverse,
+        }
+    }
+}
+
+/// Changes the velocity of a particle by its force, for a time over its mass; returns the kinetic energy that this brings.
+#[inline(always)]
+fn kick<const D: usize>(particle: &mut Particle<D>, time: f64) -> f64 {
+    let mut work = 0.0;
+    for axis in 0..D {
+        let change = time * particle.force[axis];
+        work += change * (particle.velocity[axis] + 0.5 * change);
+        particle.velocity[axis] += change;
+    }
+    if particle.mobility > 0.0 { work / particle.mobility } else { 0.0 }
+}
+
+/// Particles that are kicked and moved together, their places at the last sorting, and what is told of them.
+type Task<'a, const D: usize> = ((&'a mut [Particle<D>], &'a [[f64; D]]), &'a mut [f64; 2]);
+
+/// Pairs of slabs of one parity: `slabs` come in twos, whose first ones act, at once with all others.
+fn twos<const D: usize>(
+    frame: &Frame<'_, D>,
+    parallel: bool,
+    slabs: &[SlabPairs],
+    desks: &mut [Desk<D>],
+    (begin, particles): Part<'_, D>,
+) {
+    if let [slab, _] = slabs {
+        let (own, next) = particles.split_at_mut(slab.count);
+        return act(frame, slab, &mut desks[0], (begin, own), (begin + slab.count, next));
+    }
+    let half = slabs.len() / 4 * 2;
+    let (slabs, other_slabs) = slabs.split_at(half.max(2));
+    let (desks, other_desks) = desks.split_at_mut(half.max(2));
+    let (particles, other_particles) = particles.split_at_mut(slabs.iter().map(|slab| slab.count).sum());
+    let other_begin = begin + particles.len();
+    both(
+        parallel,
+        || twos(frame, parallel, slabs, desks, (begin, particles)),
+        || twos(frame, parallel, other_slabs, other_desks, (other_begin, other_particles)),
+    );
+}
+
+fn both(parallel: bool, a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
+    if parallel {
+        rayon::join(a, b);
+    } else {
+        a();
+        b();
+    }
+}
+
+/// Particles near the points of a lattice that fits the box.
+fn placed<const D: usize>(lengths: &[f64; D], count: usize, temperature: f64, seed: u64) -> Vec<Particle<D>> {
+    let mut random = StdRng::seed_from_u64(seed);
+    let volume: f64 = lengths.iter().product();
+    let spacing = (volume / count.max(1) as f64).powf(1.0 / D as f64);
+    let along = lengths.map(|length| (length / spacing).ceil().max(1.0) as usize);
+    let points: usize = along.iter().product();
+    let mut normal = || -> f64 { StandardNormal.sample(&mut random) };
+    let mut particles = Vec::with_capacity(count);
+    for name in 0..count {
+        // Of more points than particles some stay empty, evenly.
+        let mut rest = name * points / count;
+        let mut position = [0.0; D];
+        let mut velocity = [0.0; D];
+        for axis in 0..D {
+            let cell = lengths[axis] / along[axis] as f64;
+            position[axis] = ((rest % along[axis]) as f64 + 0.5 + 0.05 * normal()) * cell;
+            rest /= along[axis];
+            velocity[axis] = temperature.sqrt() * normal();
+        }
+        particles.push(Particle {
+            position,
+            velocity,
+            force: [0.0; D],
+            heat: 0.0,
+            mobility: 1.0,
+            turns: [0; D],
+            name: name as u32,
+        });
+    }
+    for axis in 0..D {
+        let mean = particles.iter().map(|particle| particle.velocity[axis]).sum::<f64>() / count.max(1) as f64;
+        for particle in &mut particles {
+            particle.velocity[axis] -= mean;
+        }
+    }
+    particles
+}
+
+#[cfg(test)]
+mod tests;

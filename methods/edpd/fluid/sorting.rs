@@ -1,0 +1,213 @@
+//! Particles in the order of cells, slabs of cells, and the pairs of each slab.
+//!
+//! The box is cut into slabs of whole rows of cells. A pair belongs to the slab of that end from which the other lies in
+//! the same row or a later one, so pairs of a slab touch particles of this slab and of the next alone: all slabs of even
+//! number can be worked on at once, then all of odd number. Slabs follow from the box and the reach of pairs, never from
+//! the number of threads, and neither does the order in which pairs of a slab are met.
+
+use super::particle::Particle;
+use super::power::round;
+
+/// Most slabs: beyond this there is nothing to gain from smaller ones.
+const MOST_SLABS: usize = 64;
+
+/// Cells of a periodic box.
+#[derive(Debug, Clone)]
+pub struct Grid<const D: usize> {
+    /// Lengths of the box.
+    pub lengths: [f64; D],
+    cells: [usize; D],
+    /// Square of the distance up to which pairs are listed.
+    listed: f64,
+    /// First row of each slab along the last direction, and their number.
+    rows: Vec<usize>,
+}
+
+/// Pairs of a slab.
+#[derive(Debug, Clone, Default)]
+pub struct SlabPairs {
+    /// Number of particles of the slab.
+    pub count: usize,
+    /// For each particle, where its partners in the slab and those in the next one begin; then their number.
+    pub starts: Vec<[u32; 2]>,
+    /// Partners, by number within their slab.
+    pub partners: Vec<u32>,
+}
+
+impl<const D: usize> Grid<D> {
+    /// Cells at least as wide as the distance (reach and skin) up to which pairs are listed.
+    ///
+    /// # Errors
+    /// A box that is narrower than three cells.
+    pub fn new(lengths: [f64; D], distance: f64) -> Result<Self, String> {
+        let mut cells = [0; D];
+        for axis in 0..D {
+            cells[axis] = (lengths[axis] / distance) as usize;
+            if cells[axis] < 3 {
+                return Err(format!(
+                    "a periodic box of length {} is too small: it must be at least {} long, three times the cut-off radius \
+                     and the skin around it",
+                    lengths[axis],
+                    3.0 * distance
+                ));
+            }
+        }
+        let last = cells[D - 1];
+        let slabs = (last - last % 2).min(MOST_SLABS);
+        let rows = (0..=slabs).map(|slab| slab * last / slabs).collect();
+        Ok(Grid { lengths, cells, listed: distance * distance, rows })
+    }
+
+    /// Number of slabs: even.
+    pub fn slabs(&self) -> usize {
+        self.rows.len() - 1
+    }
+
+    /// Puts every particle back into the box and sorts them by cell. `sorted` is filled and exchanged; returns the number
+    /// of particles before each cell.
+    fn sort(&self, particles: &mut Vec<Particle<D>>, sorted: &mut Vec<Particle<D>>, starts: &mut Vec<u32>) {
+        starts.clear();
+        starts.resize(self.cells.iter().product::<usize>() + 1, 0);
+        for particle in particles.iter_mut() {
+            for axis in 0..D {
+                let turns = (particle.position[axis] / self.lengths[axis]).floor();
+                particle.position[axis] -= turns * self.lengths[axis];
+                particle.turns[axis] += turns as i32;
+            }
+            starts[self.cell(&particle.position) + 1] += 1;
+        }
+        for cell in 1..starts.len() {
+            starts[cell] += starts[cell - 1];
+        }
+        sorted.clone_from(particles);
+        for particle in particles.iter() {
+            let place = &mut starts[self.cell(&particle.position)];
+            sorted[*place as usize] = *particle;
+            *place += 1;
+        }
+        // Every start has moved to that of the next cell.
+        starts.rotate_right(1);
+        starts[0] = 0;
+        std::mem::swap(particles, sorted);
+    }
+
+    #[inline]
+    fn cell(&self, position: &[f64; D]) -> usize {
+        let mut number = 0;
+        for axis in (0..D).rev() {
+            let along = (position[axis] / self.lengths[axis] * self.cells[axis] as f64) as usize;
+            number = number * self.cells[axis] + along.min(self.cells[axis] - 1);
+        }
+        number
+    }
+
+    /// Sorts particles and lists the pairs of each slab.
+    ///
+    /// # Errors
+    /// A particle with more partners than `most`.
+    pub fn list(
+        &self,
+        particles: &mut Vec<Particle<D>>,
+        sorted: &mut Vec<Particle<D>>,
+        starts: &mut Vec<u32>,
+        slabs: &mut [SlabPairs],
+        most: usize,
+    ) -> Result<(), String> {
+        self.sort(particles, sorted, starts);
+        let (particles, starts) = (&particles[..], &starts[..]);
+        let crowded = slabs.iter_mut().enumerate().map(|(number, slab)| self.pairs_of(number, slab, particles, starts));
+        match crowded.max().unwrap_or(0) {
+            found if found > most => {
+                Err(format!("a particle has {found} partners within reach, must be at most {most}"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Lists the pairs of a slab, and returns the most that one particle has.
+    fn pairs_of(&self, number: usize, slab: &mut SlabPairs, particles: &[Particle<D>], starts: &[u32]) -> usize {
+        let row: usize = self.cells[..D - 1].iter().product();
+        let (first, last) = (self.rows[number] * row, self.rows[number + 1] * row);
+        let next = (last % (row * self.cells[D - 1]), number + 1);
+        let begin = starts[first] as usize;
+        let begin_next = starts[next.0] as usize;
+        slab.count = starts[last] as usize - begin;
+        slab.starts.clear();
+        slab.partners.clear();
+        let mut most = 0;
+        let mut ways = Vec::with_capacity(14);
+        for cell in first..last {
+            self.forward(cell, &mut ways);
+            for i in starts[cell]..starts[cell + 1] {
+                let me = &particles[i as usize];
+                let from = slab.partners.len();
+                let mut add = |range: std::ops::Range<u32>, base: usize| {
+                    for j in range {
+                        if self.square(&me.position, &particles[j as usize].position) < self.listed {
+                            slab.partners.push((j as usize - base) as u32);
+                        }
+                    }
+                };
+                add(i + 1..starts[cell + 1], begin);
+                for &way in ways.iter().filter(|way| (first..last).contains(*way)) {
+                    add(starts[way]..starts[way + 1], begin);
+                }
+                let middle = slab.partners.len();
+                let mut add = |range: std::ops::Range<u32>| {
+                    for j in range {
+                        if self.square(&me.position, &particles[j as usize].position) < self.listed {
+                            slab.partners.push((j as usize - begin_next) as u32);
+                        }
+                    }
+                };
+                for &way in ways.iter().filter(|way| !(first..last).contains(*way)) {
+                    add(starts[way]..starts[way + 1]);
+                }
+                slab.starts.push([from as u32, middle as u32]);
+                most = most.max(slab.partners.len() - from);
+            }
+        }
+        slab.starts.push([slab.partners.len() as u32; 2]);
+        most
+    }
+
+    /// The half of a cell's neighbours that come after it: later along the last direction at which they differ.
+    fn forward(&self, cell: usize, ways: &mut Vec<usize>) {
+        let mut at = [0; D];
+        let mut rest = cell;
+        for axis in 0..D {
+            at[axis] = rest % self.cells[axis];
+            rest /= self.cells[axis];
+        }
+        ways.clear();
+        for code in 0..3usize.pow(D as u32) {
+            let mut rest = code;
+            let mut offset = [0i64; D];
+            for axis in 0..D {
+                offset[axis] = (rest % 3) as i64 - 1;
+                rest /= 3;
+            }
+            let after = offset.iter().rev().find(|way| **way != 0).is_some_and(|way| *way > 0);
+            if after {
+                let mut number = 0;
+                for axis in (0..D).rev() {
+                    let count = self.cells[axis] as i64;
+                    number = number * self.cells[axis] + (at[axis] as i64 + offset[axis]).rem_euclid(count) as usize;
+                }
+                ways.push(number);
+            }
+        }
+    }
+
+    /// Square of the distance between two places, by the nearest images.
+    #[inline(always)]
+    fn square(&self, a: &[f64; D], b: &[f64; D]) -> f64 {
+        let mut sum = 0.0;
+        for axis in 0..D {
+            let way = a[axis] - b[axis];
+            let way = way - self.lengths[axis] * round(way / self.lengths[axis]);
+            sum += way * way;
+        }
+        sum
+    }
+}

@@ -15,14 +15,16 @@ const GRID: usize = 240;
 const FRONT_WIDTH: f64 = 3.2;
 
 /// What a map shows beside its field.
-struct Look {
-    heading: String,
+pub(crate) struct Look {
+    pub heading: String,
+    /// What it is a map of.
+    pub kind: &'static str,
     /// Name and unit of the values.
-    label: String,
+    pub label: String,
     /// Ends of the colours; those of the field if absent.
-    range: Option<(f64, f64)>,
+    pub range: Option<(f64, f64)>,
     /// Where the colours turn.
-    zero: f64,
+    pub zero: f64,
 }
 
 /// The map of a run and, where the reference has one, beside it the reference and the difference.
@@ -51,6 +53,7 @@ pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
             words,
             &Look {
                 heading: named("Difference"),
+                kind: "Temperature",
                 label: words.temperature_label.replace("temperature", "difference"),
                 range: Some((-most, most)),
                 zero: 0.0,
@@ -68,7 +71,7 @@ pub(crate) fn frame_map(field: &Field, words: &Words, range: (f64, f64)) -> Canv
 
 impl Look {
     fn temperatures(heading: String, words: &Words, range: Option<(f64, f64)>) -> Look {
-        Look { heading, label: words.temperature_label.clone(), range, zero: words.freezing_point }
+        Look { heading, kind: "Temperature", label: words.temperature_label.clone(), range, zero: words.freezing_point }
     }
 }
 
@@ -78,12 +81,17 @@ fn extremes<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
 }
 
 fn draw(field: &Field, words: &Words, look: &Look) -> Canvas {
+    draw_in(field, words, look).0
+}
+
+/// A map, and the frame that it is in.
+pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Frame) {
     let heading = &look.heading;
     let (width, height) = (field.nx as f64 * field.spacing_m, field.ny as f64 * field.spacing_m);
     let side = (840.0 / width).min(700.0 / height);
     let (frame_width, frame_height) = (width * side, height * side);
     let canvas_width = (frame_width + 250.0).max(620.0);
-    let mut canvas = Canvas::new(canvas_width, frame_height + 132.0, &format!("Temperature map: {heading}"));
+    let mut canvas = Canvas::new(canvas_width, frame_height + 132.0, &format!("{} map: {heading}", look.kind));
     title(&mut canvas, heading);
     let (x0, y0) = (field.x0_m - 0.5 * field.spacing_m, field.y0_m - 0.5 * field.spacing_m);
     let unit = if words.length_unit.is_some() { "m" } else { "dimensionless" };
@@ -115,7 +123,9 @@ fn draw(field: &Field, words: &Words, look: &Look) -> Canvas {
         let isotherm = isotherm_step(high - low);
         for k in (low / isotherm).ceil() as i64..=(high / isotherm).floor() as i64 {
             let level = k as f64 * isotherm;
-            if (level - look.zero).abs() > 0.2 * isotherm {
+            // At the ends of the range a line would follow the rounding of what is even.
+            let inside = (level - low).min(high - level) > 1e-6 * (high - low);
+            if inside && (level - look.zero).abs() > 0.2 * isotherm {
                 grid.draw_level(&mut canvas, &frame, &grid.values, level, Stroke::whole(INK, 0.9));
             }
         }
@@ -141,7 +151,7 @@ fn draw(field: &Field, words: &Words, look: &Look) -> Canvas {
         (frame.left, frame.top),
     ];
     canvas.line(rim.to_vec(), Stroke::whole(INK, 1.3));
-    canvas
+    (canvas, frame)
 }
 
 fn band_step(span: f64) -> f64 {

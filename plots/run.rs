@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use frazil_core::flow::series::CutRow;
 use frazil_core::record::{Field, ProfileRow, RunResult};
 use frazil_core::scene::{Scene, TimeUnit};
 
@@ -10,7 +11,7 @@ use crate::PlotError;
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas, Colour, Stroke, Text};
 use crate::style::{INK, LABEL, REFERENCE, TITLE, method_style, method_title, number};
-use crate::{map, rings};
+use crate::{flow_map, map, rings};
 
 /// What figures of a run need beyond the run itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +22,10 @@ pub struct FigureOptions {
     pub freezing_point: f64,
     /// Names of both directions.
     pub axes: (&'static str, &'static str),
+    /// Least and greatest pressure of walls (Pa); equal where no water flows.
+    pub pressures: (f64, f64),
+    /// Height of the cut through flowing water (m).
+    pub cut: f64,
 }
 
 impl FigureOptions {
@@ -30,6 +35,8 @@ impl FigureOptions {
             time_unit: scene.time_unit,
             freezing_point: scene.materials.first().map_or(0.0, |material| material.freezing_point),
             axes: scene.domain.axes(),
+            pressures: scene.flow.as_ref().map_or((0.0, 0.0), |flow| flow.pressures()),
+            cut: scene.flow.as_ref().and_then(|flow| flow.cut).unwrap_or(0.0),
         }
     }
 }
@@ -51,7 +58,16 @@ pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Can
         all.push(("front".into(), front(result, &words)));
     }
     if !result.profiles.is_empty() {
-        all.push(("profiles".into(), profiles(result, &words)));
+        all.push(("profiles".into(), profiles(&result.profiles, &words)));
+    }
+    if let Some(water) = &result.water {
+        if water.rows.iter().any(|row| row.ice_fraction > 0.0) {
+            all.push(("ice".into(), flow_map::ice(&water.rows, &words)));
+        }
+        let rows: Vec<ProfileRow> = water.cut.iter().map(|row| cut_row(row, options.cut)).collect();
+        if !rows.is_empty() {
+            all.push(("cut".into(), profiles(&rows, &words)));
+        }
     }
     if !result.walls.is_empty() {
         all.push(("wall".into(), rings::wall(result, &words)));
@@ -62,8 +78,12 @@ pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Can
     }
     for field in &result.fields {
         let time = number(words.time(field.time_s), 4).replace([' ', '·'], "").replace('−', "-");
-        let name = format!("map_{time}{}", words.time_symbol);
-        all.push((name, map::temperature_map(field, &words)));
+        all.push((format!("map_{time}{}", words.time_symbol), map::temperature_map(field, &words)));
+        let mut points = result.water.iter().flat_map(|water| water.maps.chunk_by(|a, b| a.time_s == b.time_s));
+        if let Some(points) = points.find(|points| points[0].time_s == field.time_s) {
+            let drawn = flow_map::pressure_map(field, points, options.pressures, &words);
+            all.extend(drawn.map(|canvas| (format!("pressure_{time}{}", words.time_symbol), canvas)));
+        }
     }
     all
 }
@@ -219,16 +239,28 @@ fn relative_error(row: &frazil_core::record::FrontRow) -> Option<f64> {
     row.front_ref_m.filter(|reference| *reference > 0.0).map(|reference| row.front_m / reference - 1.0)
 }
 
-fn profiles(result: &RunResult, words: &Words) -> Canvas {
+/// A point of the cut through flowing water as one of a profile.
+fn cut_row(row: &CutRow, y: f64) -> ProfileRow {
+    ProfileRow {
+        plane: format!("y={}", number(y, 4)),
+        time_s: row.time_s,
+        x_m: row.x_m,
+        temperature_c: row.temperature_c,
+        temperature_ref_c: row.temperature_ref_c,
+        frozen_fraction: row.frozen_fraction,
+    }
+}
+
+fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
     let mut planes: BTreeMap<&str, Vec<&ProfileRow>> = BTreeMap::new();
-    for row in &result.profiles {
+    for row in profiles {
         planes.entry(row.plane.as_str()).or_default().push(row);
     }
     let single = planes.len() == 1;
     let height = if single { 640.0 } else { 110.0 + 400.0 * planes.len() as f64 };
     let mut canvas = Canvas::new(1000.0, height, &format!("Temperature profiles: {}", words.heading));
     title(&mut canvas, &words.heading);
-    let mut instants: Vec<f64> = result.profiles.iter().map(|row| row.time_s).collect();
+    let mut instants: Vec<f64> = profiles.iter().map(|row| row.time_s).collect();
     instants.sort_by(f64::total_cmp);
     instants.dedup();
     let base = method_style(&words.method);
@@ -244,7 +276,7 @@ fn profiles(result: &RunResult, words: &Words) -> Canvas {
         .map(|(k, time)| Entry { text: words.instant(*time), stroke: Some(stroke_at(k)), marker: None })
         .collect();
     let thin = Stroke { colour: INK, width: 1.6, dash: &[2.5, 4.5] };
-    if result.profiles.iter().any(|row| row.temperature_ref_c.is_some()) {
+    if profiles.iter().any(|row| row.temperature_ref_c.is_some()) {
         entries.push(Entry { text: "reference".into(), stroke: Some(thin), marker: None });
     }
     let isotherm = Stroke { colour: REFERENCE, width: 1.6, dash: &[] };
@@ -253,7 +285,7 @@ fn profiles(result: &RunResult, words: &Words) -> Canvas {
     let mut top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 10.0;
     const GAP: f64 = 0.9 * LABEL;
     let each = (height - top - GAP * (planes.len() - 1) as f64) / planes.len() as f64;
-    let reach = result.profiles.iter().map(|row| row.x_m).fold(0.0, f64::max);
+    let reach = profiles.iter().map(|row| row.x_m).fold(0.0, f64::max);
     let (scale, symbol) = if words.length_unit.is_none() {
         (1.0, "dimensionless")
     } else if reach < 0.2 {
@@ -268,7 +300,11 @@ fn profiles(result: &RunResult, words: &Words) -> Canvas {
             "radius" => format!("r ({symbol})"),
             _ => match plane.split_once('=') {
                 Some((axis, at)) => {
-                    let along = if axis == "z" { "r" } else { "z" };
+                    let along = match axis {
+                        "z" => "r",
+                        "y" => "x",
+                        _ => "z",
+                    };
                     let unit = if words.length_unit.is_some() { " m" } else { "" };
                     format!("{along} at {axis} = {at}{unit} ({symbol})")
                 }

@@ -79,6 +79,62 @@ fn even_flow_is_darcys() {
     }
 }
 
+/// Water at rest under its own weight, whether a side or top and bottom hold the pressures; and Darcy's flow where
+/// they hold twice as much.
+#[test]
+fn water_rests_under_its_weight() {
+    let weight = 1000.0 * 9.81;
+    let bottom = |times: f64| {
+        format!("walls.bottom = {{ pressure_Pa = {} }}\nwalls.top = {{ pressure_Pa = 0 }}", times * weight * 0.2)
+    };
+    let side = format!("walls.left = {{ pressure_Pa = {} }}", weight * 0.2);
+    for kind in flowing() {
+        for (walls, times) in [(side.clone(), 1.0), (bottom(1.0), 1.0), (bottom(2.0), 2.0)] {
+            let mut sketch = seeping("law = \"none\", temperature_c = 0", 0.0);
+            sketch.flow = format!("viscosity_Pa_s = 1.793e-3\ngravity_m_per_s2 = 9.81\n{walls}");
+            let plan = sketch.plan(kind);
+            let (pressure, velocity) = plan.method.water_fields().expect("water flows");
+            plan.particles.visit(|i, place| {
+                // To 1e-11 of what walls drive, some hundred paths away, as above.
+                let exact = times * weight * (0.2 - place.y);
+                assert!((pressure[i] - exact).abs() < 1e-7 * weight, "{} at {place}: {}", kind.name, pressure[i]);
+                let rise = velocity[i].y / (OPEN * weight) - (times - 1.0);
+                let across = velocity[i].x / (OPEN * weight);
+                assert!(rise.abs() < 1e-7 && across.abs() < 1e-7, "{} at {place}: {}", kind.name, velocity[i]);
+            });
+        }
+    }
+}
+
+/// A wave along x decays too slowly by the fourth moment of weights along x over 24 times its wave number squared.
+/// What is taken out is the part of it that is alike in all directions: all but 1.2 % on the stencil of peridynamics, three
+/// quarters on that of five points.
+#[test]
+fn bends_are_taken_out_of_conduction() {
+    for kind in flowing() {
+        let error = |conduction: &str| {
+            let sketch = seeping("law = \"none\", temperature_c = 0", 0.0);
+            let mut plan = sketch.with(&format!("conduction = \"{conduction}\"\nstep_fraction = 0.01")).plan(kind);
+            let wave = std::f64::consts::PI / 0.3;
+            let mut start = Vec::new();
+            plan.particles.visit(|i, place| start.push((i, (wave * place.x).cos())));
+            for (i, value) in &start {
+                plan.particles.enthalpy[*i] = 1e6 * value;
+            }
+            advance(&mut plan, 10);
+            let time = 10.0 * plan.step;
+            let (i, value) = start[start.len() / 2 + 3];
+            let diffusivity = (0.3 * 0.6 + 0.7 * 9.0) / (0.3 * 1000.0 * 4182.0 + 0.7 * 2650.0 * 835.0);
+            let rate = (1e6 * value / plan.particles.enthalpy[i]).ln() / time;
+            1.0 - rate / (diffusivity * wave * wave)
+        };
+        let (plain, corrected) = (error("plain"), error("corrected"));
+        eprintln!("bends {}: {plain:e} {corrected:e}", kind.name);
+        let left = if kind.name == "pd" { 0.03 } else { 0.3 };
+        assert!(plain > 1e-4 && corrected.abs() < left * plain, "{}: {plain} {corrected}", kind.name);
+    }
+}
+
 #[test]
 fn an_even_temperature_stays_even() {
     for kind in flowing() {
@@ -176,8 +232,8 @@ fn a_column_along_which_cold_water_flows() {
     }
 }
 
-/// The paper's problem at its spacing, against the table of each law. Bounds of the errors of temperatures, pressures,
-/// ice and its end; those of ice under peridynamics are wider by what its horizon smears (measured: 0.019 and 0.022).
+/// The paper's problem at its spacing, against the table of each law: the errors of temperatures, pressures, ice and its
+/// end.
 #[test]
 fn a_frozen_inclusion_thaws() {
     for kind in flowing() {
@@ -189,12 +245,11 @@ fn a_frozen_inclusion_thaws() {
             let result = march::run(&scene, kind.name, reference.as_ref(), &Options::default()).expect("a run");
             let water = water(&result);
             eprintln!("thawing-inclusion {} {mixing}: {:?}", kind.name, water.errors);
-            let smeared = kind.name == "pd";
             let bounds = [
                 ("cut_temperature_rms_rel", 0.01),
                 ("cut_pressure_rms_rel", 0.02),
-                ("ice_fraction_max", if smeared { 0.025 } else { 0.01 }),
-                ("thawed", if smeared { 0.025 } else { 0.02 }),
+                ("ice_fraction_max", 0.01),
+                ("thawed", 0.02),
             ];
             for (what, bound) in bounds {
                 let found = water.errors.get(what).unwrap_or_else(|| unreachable!("{what} was not measured"));

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use frazil_core::method::{Discretisation, MethodKind, Normalisation, PairWeight, Stepper};
 use frazil_core::record::Value;
-use frazil_core::scene::{Exchange, Mean, Numerics, Range, Section, Setting};
+use frazil_core::scene::{Conduction, Exchange, Mean, Numerics, Range, Section, Setting};
 
 /// The method as the registry lists it.
 pub static METHOD: MethodKind = MethodKind {
@@ -82,7 +82,7 @@ impl PairWeight for Bond {
 
 fn defaults(setting: Setting) -> Numerics {
     match setting {
-        Setting::Best => Numerics::default(),
+        Setting::Best => Numerics { conduction: Conduction::Corrected, ..Numerics::default() },
         Setting::Paper => Numerics { exchange: Exchange::Mean(Mean::Arithmetic), ..Numerics::default() },
     }
 }

@@ -202,12 +202,24 @@ fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn s
     let mut files = run_figures(
         &line_run(),
         &folder,
-        &FigureOptions { time_unit: TimeUnit::Hour, freezing_point: 0.0, axes: ("x", "y") },
+        &FigureOptions {
+            time_unit: TimeUnit::Hour,
+            freezing_point: 0.0,
+            axes: ("x", "y"),
+            pressures: (0.0, 0.0),
+            cut: 0.0,
+        },
     )?;
     files.extend(run_figures(
         &ring_run(),
         &folder,
-        &FigureOptions { time_unit: TimeUnit::Day, freezing_point: -0.5, axes: ("x", "y") },
+        &FigureOptions {
+            time_unit: TimeUnit::Day,
+            freezing_point: -0.5,
+            axes: ("x", "y"),
+            pressures: (0.0, 0.0),
+            cut: 0.0,
+        },
     )?);
     let figure = comparison();
     files.extend(work_precision(&figure).write(&folder, "work_precision")?);
@@ -244,7 +256,13 @@ fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn s
 #[test]
 fn a_run_without_rows_has_no_figures() -> Result<(), Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
-    let options = FigureOptions { time_unit: TimeUnit::Second, freezing_point: 0.0, axes: ("x", "y") };
+    let options = FigureOptions {
+        time_unit: TimeUnit::Second,
+        freezing_point: 0.0,
+        axes: ("x", "y"),
+        pressures: (0.0, 0.0),
+        cut: 0.0,
+    };
     assert!(run_figures(&empty("nothing", "pd"), folder.path(), &options)?.is_empty());
     Ok(())
 }
@@ -252,7 +270,13 @@ fn a_run_without_rows_has_no_figures() -> Result<(), Box<dyn std::error::Error>>
 /// Where the reference has a map, it stands beside that of the run, and the difference beside both.
 #[test]
 fn maps_stand_beside_those_of_the_reference() {
-    let options = FigureOptions { time_unit: TimeUnit::Day, freezing_point: -0.5, axes: ("x", "y") };
+    let options = FigureOptions {
+        time_unit: TimeUnit::Day,
+        freezing_point: -0.5,
+        axes: ("x", "y"),
+        pressures: (0.0, 0.0),
+        cut: 0.0,
+    };
     let map = |run: &RunResult| {
         let maps = drawings(run, &options).into_iter().find(|(name, _)| name.starts_with("map_"));
         maps.map(|(_, canvas)| canvas)

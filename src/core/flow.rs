@@ -7,6 +7,7 @@
 //! A step is Heun's, of two explicit Euler steps: second order, and a mean of two states that each keep the range of
 //! the data, so it keeps it too (Shu and Osher 1988).
 
+pub mod bend;
 pub mod carrier;
 pub mod network;
 pub mod pressure;
@@ -29,9 +30,10 @@ use crate::method::{Bound, Clock, Method, StepError, Work};
 use crate::particles::Particles;
 use crate::potential::{Curved, PotentialLaw, Thermal};
 use crate::scene::settings::Mushy;
-use crate::scene::{Flow, FlowNumerics, Scene, StepChoice, Uptake};
+use crate::scene::{Conduction, Domain, Flow, FlowNumerics, Numerics, PressureWall, Scene, StepChoice, Uptake};
 use crate::uptake::{LatentScheme, Materials, scheme};
 
+use bend::Bend;
 use carrier::{Carrier, Ground, State, velocities};
 use network::Network;
 use pressure::Pressure;
@@ -136,6 +138,7 @@ pub struct FlowMethod {
     network: Network,
     pressure: Pressure,
     carrier: Carrier,
+    bend: Option<Bend>,
     aquifers: Vec<Aquifer>,
     materials: Materials,
     boundary: Boundary,
@@ -145,6 +148,9 @@ pub struct FlowMethod {
     fraction: f64,
     volume: f64,
     across: f64,
+    /// What gravity adds to the pressure of each wall, and to that of each particle (Pa); none without gravity.
+    lifts: Vec<f64>,
+    heights: Vec<f64>,
     capacity: f64,
     pool: Option<Arc<ThreadPool>>,
     temperature: Vec<f64>,
@@ -178,13 +184,15 @@ impl FlowMethod {
         parts: ListParts,
         scene: &Scene,
         flow: &Flow,
-        numerics: (FlowNumerics, StepChoice),
+        numerics: &Numerics,
+        own: FlowNumerics,
         enthalpy: &[f64],
     ) -> Result<Self, String> {
         let (materials, boundary) = (parts.materials.clone(), parts.boundary.clone());
         let first = &materials.thermals[0];
         let faces = boundary.first_faces(&first.curve, first.initial_potential);
-        let network = Network::new(&parts.positions, &parts.pairs, &parts.ghosts, &boundary, &faces, flow)?;
+        let network =
+            Network::new(&parts.positions, &parts.pairs, &parts.ghosts, &boundary, &faces, flow, numerics.conduction)?;
         let count = network.len();
         let aquifers: Vec<Aquifer> = scene
             .materials
@@ -205,28 +213,47 @@ impl FlowMethod {
             .collect::<Result<_, String>>()?;
         let water = aquifers[0].pores;
         let pressure = Pressure::new(&network, &parts.positions);
-        let carrier = Carrier::new(&network, numerics.0.advection);
+        let carrier = Carrier::new(&network, own.advection);
         let (volume, pool) = (parts.volumes.unit(), parts.pool.clone());
+        let bend = (numerics.conduction == Conduction::Corrected)
+            .then(|| Bend::new(&parts.positions, &parts.ghosts.position, &parts.pairs, numerics.spacing));
+        // Water of one density: with its weight, p + rho g y takes the place of the pressure.
+        let weight = water.water_density * flow.gravity;
+        let height = if let Domain::Rectangle { height, .. } = scene.domain { height } else { 0.0 };
+        let lift = |wall: &PressureWall| if wall.name == "top" { weight * height } else { 0.0 };
+        let lifts = flow.walls.iter().map(lift).collect();
+        let heights =
+            if weight > 0.0 { parts.positions.iter().map(|place| weight * place.y).collect() } else { vec![] };
         let operator = ListOperator::new(parts, Off);
         let names: Vec<String> = operator.door_names().into_iter().chain(["ice".to_owned()]).collect();
         let doors = vec![0.0; names.len()];
         let expands = flow.density_change && aquifers.iter().any(|aquifer| aquifer.expansion() != 0.0);
-        let own_bound = operator.step_bound();
+        let mut own_bound = operator.step_bound();
+        if let Some(bend) = bend {
+            let steepest = operator.steepest().into_iter().fold(0.0, f64::max);
+            let linear = 2.0 / (bend.rate * steepest);
+            if linear < own_bound.step {
+                own_bound = Bound { step: linear, cause: "linear limit of conduction without its bends".into() };
+            }
+        }
         let mut method = FlowMethod {
             scheme: scheme(Uptake::Enthalpy, Mushy::Fraction, &materials, enthalpy, count),
             pressure,
             carrier,
+            bend,
             aquifers,
             boundary,
             faces,
             flow: flow.clone(),
-            numerics: numerics.0,
-            fraction: match numerics.1 {
+            numerics: own,
+            fraction: match numerics.step {
                 StepChoice::Fraction(fraction) => fraction,
                 StepChoice::Fixed(_) => 1.0,
             },
             volume,
             across: if scene.domain.dimension() == 1 { 1.0 } else { (count as f64).sqrt() },
+            lifts,
+            heights,
             capacity: water.water_density * water.water_heat_capacity,
             pool,
             temperature: vec![0.0; count],
@@ -293,11 +320,16 @@ impl FlowMethod {
         if since >= self.numerics.pressure_interval || (!self.asked.is_empty() && since >= GROWTH * self.interval) {
             return true;
         }
-        if self.flow.walls.iter().zip(&self.walls).any(|(wall, pressure)| wall.pressure.at(time) != *pressure) {
+        if (0..self.walls.len()).any(|wall| self.wall_pressure(wall, time) != self.walls[wall]) {
             return true;
         }
         let changed: f64 = self.permeability.iter().zip(&self.solved).map(|(now, then)| (now - then).abs()).sum();
         changed > self.numerics.pressure_change * self.across
+    }
+
+    /// The pressure of a wall (Pa), at y = 0.
+    fn wall_pressure(&self, wall: usize, time: f64) -> f64 {
+        self.flow.walls[wall].pressure.at(time) + self.lifts[wall]
     }
 
     /// Solves for the pressure at a time (s), for what the state is now.
@@ -306,8 +338,8 @@ impl FlowMethod {
         for i in 0..self.conductivity.len() {
             self.conductivity[i] = self.aquifer(i).open * self.permeability[i];
         }
-        for (wall, pressure) in self.flow.walls.iter().zip(&mut self.walls) {
-            *pressure = wall.pressure.at(time);
+        for wall in 0..self.walls.len() {
+            self.walls[wall] = self.wall_pressure(wall, time);
         }
         self.interval = time - self.last_solution;
         if !self.asked.is_empty() && self.interval > 0.0 {
@@ -359,6 +391,9 @@ impl FlowMethod {
         let mut doors = std::mem::take(&mut self.doors[stage]);
         let walls = doors.len() - 1;
         self.operator.rate_of(self.scheme.as_ref(), enthalpy, clock, &mut self.rate, &mut doors[..walls]);
+        if let Some(bend) = &self.bend {
+            self.carrier.conducted(&self.rate, bend.kappa);
+        }
         self.warm(enthalpy);
         let first = &self.materials.thermals[0];
         self.boundary.update_faces(&mut self.faces, clock.time, &first.curve, first.initial_potential);
@@ -467,7 +502,8 @@ impl Method for FlowMethod {
     }
 
     fn held(&self) -> usize {
-        let columns = [&self.temperature, &self.permeability, &self.solved, &self.conductivity, &self.started];
+        let columns =
+            [&self.temperature, &self.permeability, &self.solved, &self.conductivity, &self.started, &self.heights];
         let more = [&self.asked, &self.asking, &self.rate, &self.start];
         let columns: usize = columns.iter().chain(&more).map(|column| column.held()).sum();
         let parts = self.network.held() + self.pressure.held() + self.carrier.held();
@@ -525,6 +561,10 @@ impl Method for FlowMethod {
     }
 
     fn water_fields(&self) -> Option<(Vec<f64>, Vec<DVec2>)> {
-        Some((self.pressure.pressure.clone(), velocities(&self.network, &self.pressure)))
+        let mut pressure = self.pressure.pressure.clone();
+        for (pressure, height) in pressure.iter_mut().zip(&self.heights) {
+            *pressure -= height;
+        }
+        Some((pressure, velocities(&self.network, &self.pressure)))
     }
 }

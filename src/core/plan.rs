@@ -357,7 +357,7 @@ pub fn build(
             match (&discretisation.stepper, flows) {
                 (Stepper::Shared, Some((flow, own))) => {
                     let enthalpy = if start.is_empty() { vec![0.0; count] } else { start.to_vec() };
-                    let method = FlowMethod::new(parts, scene, flow, (own, numerics.step), &enthalpy);
+                    let method = FlowMethod::new(parts, scene, flow, numerics, own, &enthalpy);
                     Box::new(method.map_err(refuse)?)
                 }
                 (Stepper::Own(step), _) => step(assembly(parts)),

@@ -21,8 +21,8 @@ pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
 pub use region::{Region, Shape};
 pub use series::{Schedule, Series};
 pub use settings::{
-    Advection, Exchange, FlowNumerics, Front, IntegratorChoice, Layout, Mean, Numerics, SearchChoice, Setting,
-    StepChoice, Uptake, WallModel,
+    Advection, Conduction, Exchange, FlowNumerics, Front, IntegratorChoice, Layout, Mean, Numerics, SearchChoice,
+    Setting, StepChoice, Uptake, WallModel,
 };
 
 /// Units of a scene file.

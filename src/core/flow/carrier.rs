@@ -62,6 +62,8 @@ pub struct Carrier {
     /// Whether gradients are used, and the gradients.
     bends: bool,
     gradients: Vec<DVec2>,
+    /// What conduction does to each particle, times what a bend is worth (W/m); empty where it is not corrected.
+    conducted: Vec<f64>,
     /// A sixth of the heat capacity of water (J/m3K).
     sixth: f64,
     mouth_of: Vec<u32>,
@@ -87,7 +89,12 @@ impl Held for Carrier {
     fn held(&self) -> usize {
         let rows = self.rows.capacity() * size_of::<Row>() + self.mouths.capacity() * size_of::<Mouth>();
         let paths = self.factors.held() + self.exchange.held() + self.water.held();
-        rows + paths + self.kept.held() + self.mouth_of.held() + self.marked.capacity() + self.limits.held()
+        rows + paths
+            + self.conducted.held()
+            + self.kept.held()
+            + self.mouth_of.held()
+            + self.marked.capacity()
+            + self.limits.held()
     }
 }
 
@@ -130,6 +137,12 @@ impl Carrier {
             carrier.limits = vec![(1.0, 1.0); count];
         }
         carrier
+    }
+
+    /// Takes the rates of conduction (W/m3), whose bends are to be taken out, and what those are worth (m2).
+    pub fn conducted(&mut self, rates: &[f64], kappa: f64) {
+        self.conducted.clear();
+        self.conducted.extend(rates.iter().map(|rate| kappa * rate));
     }
 
     /// Takes the water of a solution for the pressure.
@@ -242,7 +255,8 @@ impl Carrier {
         if self.bends {
             self.slope(network, state);
         }
-        if !self.limits_now && self.bends {
+        let limits_now = self.limits_now || !self.conducted.is_empty();
+        if !limits_now && self.bends {
             let (factors, this) = (&self.factors, &*self);
             each(state.pool, rate, |i, rate| {
                 for k in network.starts[i]..network.starts[i + 1] {
@@ -252,7 +266,7 @@ impl Carrier {
             });
             return;
         }
-        if !self.limits_now {
+        if !limits_now {
             let factors = &self.factors;
             each(state.pool, rate, |i, rate| {
                 let own = temperature[i];
@@ -285,14 +299,20 @@ impl Carrier {
         });
     }
 
-    /// What the bend of the profile takes from what a path carries (W/m3).
+    /// What the bend of the profile takes from what a path carries and conducts (W/m3).
     #[inline(always)]
     fn bend(&self, network: &Network, i: usize, k: usize) -> f64 {
+        let j = network.partners[k] as usize;
+        let conducted = if self.conducted.is_empty() {
+            0.0
+        } else {
+            network.even_weights[k] * (self.conducted[i] - self.conducted[j])
+        };
         if !self.bends {
-            return 0.0;
+            return conducted;
         }
-        let rise = self.gradients[network.partners[k] as usize] - self.gradients[i];
-        self.sixth * self.water[k] * network.spans[k].dot(rise)
+        let rise = self.gradients[j] - self.gradients[i];
+        conducted + self.sixth * self.water[k] * network.spans[k].dot(rise)
     }
 
     /// Gradients of the temperature: half of the sum, as the second moment of weights is twice the unit matrix.

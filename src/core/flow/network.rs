@@ -10,7 +10,7 @@ use crate::boundary::{Boundary, Face};
 use crate::ghosts::Ghosts;
 use crate::list_operator::PairList;
 use crate::memory::Held;
-use crate::scene::Flow;
+use crate::scene::{Conduction, Flow};
 
 /// Walls that a body can have.
 pub const MOST_WALLS: usize = 4;
@@ -52,6 +52,8 @@ pub struct Network {
     pub weights: Vec<f64>,
     /// Weight by volume (m^-2) with which it conducts heat; odd images behind walls of given temperature count against.
     pub heat_weights: Vec<f64>,
+    /// Weight (m^-2) of the images alone that follow their particles; empty where conduction is not corrected.
+    pub even_weights: Vec<f64>,
     /// Mean vector of the path (m), by weight; a way over a closed wall counts as it is seen from this end.
     pub arms: Vec<DVec2>,
     /// The part of it that both ends see alike, with opposite signs.
@@ -71,6 +73,7 @@ impl Held for Network {
         let beside = self.beside.capacity() * size_of::<(u32, u8)>();
         rows + self.weights.held()
             + self.heat_weights.held()
+            + self.even_weights.held()
             + self.arms.held()
             + self.spans.held()
             + openings
@@ -97,6 +100,7 @@ impl Network {
         boundary: &Boundary,
         faces: &[Face],
         flow: &Flow,
+        conduction: Conduction,
     ) -> Result<Self, String> {
         let count = positions.len();
         let wall_of = |door: usize| flow.walls.iter().position(|wall| wall.name == boundary.doors[door].name);
@@ -147,6 +151,9 @@ impl Network {
                 network.partners.push(partner);
                 network.weights.push(water);
                 network.heat_weights.push(group.iter().map(|part| part.heat).sum());
+                if conduction == Conduction::Corrected {
+                    network.even_weights.push(group.iter().map(|part| part.heat.max(0.0)).sum());
+                }
                 network.arms.push(if water > 0.0 { arm / water } else { DVec2::ZERO });
             }
             let start = network.starts[i];
@@ -178,6 +185,9 @@ impl Network {
                 if j > i {
                     self.weights[twin] = self.weights[k];
                     self.heat_weights[twin] = self.heat_weights[k];
+                    if !self.even_weights.is_empty() {
+                        self.even_weights[twin] = self.even_weights[k];
+                    }
                 }
             }
         }

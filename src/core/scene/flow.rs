@@ -15,6 +15,8 @@ pub struct Flow {
     pub least_relative_permeability: f64,
     /// Whether water that freezes pushes other water aside, by the difference of densities (Nikolaev et al. 2021, eq 6).
     pub density_change: bool,
+    /// Acceleration down y (m/s2); 0 where pressures are those of one level.
+    pub gravity: f64,
     /// Height (m) of the cut along x that is kept beside profiles.
     pub cut: Option<f64>,
 }
@@ -44,5 +46,13 @@ impl RelativePermeability {
             RelativePermeability::Impedance(impedance) => 10f64.powf(-porosity * impedance * (1.0 - unfrozen)),
             RelativePermeability::Power(exponent) => unfrozen.powf(exponent),
         }
+    }
+}
+
+impl Flow {
+    /// Least and greatest pressure that walls hold at any time (Pa).
+    pub fn pressures(&self) -> (f64, f64) {
+        let ranges = self.walls.iter().map(|wall| wall.pressure.range());
+        ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, one| (all.0.min(one.0), all.1.max(one.1)))
     }
 }

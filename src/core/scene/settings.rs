@@ -179,6 +179,20 @@ impl Advection {
     }
 }
 
+/// Conduction beside flowing water.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Conduction {
+    /// What pairs exchange.
+    Plain,
+    /// The same without what long pairs make of the bend of profiles, within the range of the data.
+    Corrected,
+}
+
+impl Conduction {
+    /// Both with the words of the file.
+    pub const WORDS: [(&str, Conduction); 2] = [("plain", Conduction::Plain), ("corrected", Conduction::Corrected)];
+}
+
 /// How flowing water is computed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FlowNumerics {
@@ -225,6 +239,8 @@ pub struct Numerics {
     pub integrator: IntegratorChoice,
     /// Step.
     pub step: StepChoice,
+    /// Conduction where water flows.
+    pub conduction: Conduction,
     /// Flowing water, where the scene has it.
     pub flow: Option<FlowNumerics>,
 }
@@ -316,6 +332,8 @@ impl MethodSettings {
         };
         if let Some(flow) = numerics.flow {
             put("advection", text(flow.advection.name()));
+            let conduction = Conduction::WORDS.iter().find(|word| word.1 == numerics.conduction);
+            put("conduction", text(conduction.map_or("", |word| word.0)));
             let mean = match flow.mean {
                 Mean::Harmonic => "harmonic",
                 Mean::Arithmetic => "arithmetic",
@@ -359,6 +377,7 @@ impl Default for Numerics {
             search: SearchChoice::Auto,
             integrator: IntegratorChoice::Euler,
             step: StepChoice::Fraction(0.9),
+            conduction: Conduction::Plain,
             flow: None,
         }
     }

@@ -65,6 +65,13 @@ pub(super) fn flow(
     if density_change && !freezes && !materials.is_empty() {
         section.problem("density_change", "has no effect, no material freezes");
     }
+    let gravity = match domain {
+        Some(Domain::Rectangle { .. }) => section.number_or(("gravity", "m_per_s2"), 0.0, Range::NOT_NEGATIVE),
+        _ => {
+            section.refuse(("gravity", "m_per_s2"), "a line lies level");
+            0.0
+        }
+    };
     let cut = match domain {
         Some(Domain::Rectangle { height, .. }) => section.optional_number(("cut_y", "m"), Range::between(0.0, *height)),
         _ => {
@@ -79,6 +86,7 @@ pub(super) fn flow(
         relative_permeability: law?,
         least_relative_permeability: least,
         density_change,
+        gravity,
     })
 }
 

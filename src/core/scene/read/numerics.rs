@@ -8,8 +8,8 @@ use super::shells;
 use crate::material::{FreezingLaw, Material};
 use crate::method::MethodKind;
 use crate::scene::settings::{
-    Advection, Exchange, FlowNumerics, Front, IntegratorChoice, Layout, Mean, MethodSettings, Mushy, Numerics,
-    SearchChoice, Setting, StepChoice, Uptake, WallModel,
+    Advection, Conduction, Exchange, FlowNumerics, Front, IntegratorChoice, Layout, Mean, MethodSettings, Mushy,
+    Numerics, SearchChoice, Setting, StepChoice, Uptake, WallModel,
 };
 use crate::scene::{Condition, Crack, Domain, Sector, Wall};
 
@@ -96,6 +96,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     numerics.search = section.choice_or("search", &searches, numerics.search);
     numerics.integrator = integrator(section, numerics.integrator);
     numerics.flow = flow(section, setup.flow, setting);
+    numerics.conduction = conduction(section, &numerics);
     numerics.step = step(section, numerics.step, numerics.integrator.tolerance().is_some());
     combinations(section, &numerics, setup, kind);
     shells::combinations(section, &numerics, setup, kind);
@@ -242,7 +243,7 @@ fn integrator(section: &mut Section<'_>, preset: IntegratorChoice) -> Integrator
 
 fn flow(section: &mut Section<'_>, flows: bool, setting: Setting) -> Option<FlowNumerics> {
     if !flows {
-        for key in ["advection", "permeability_mean", "pressure_change"] {
+        for key in ["advection", "conduction", "permeability_mean", "pressure_change"] {
             section.refuse(key, "the scene has no section \"flow\"");
         }
         for unit in ["s", "h", "days"] {
@@ -259,6 +260,22 @@ fn flow(section: &mut Section<'_>, flows: bool, setting: Setting) -> Option<Flow
     let interval = section.optional_duration("pressure_interval", Range::POSITIVE);
     let pressure_interval = interval.map_or(f64::INFINITY, |interval| interval.seconds);
     Some(FlowNumerics { advection, mean, pressure_change, pressure_interval })
+}
+
+fn conduction(section: &mut Section<'_>, numerics: &Numerics) -> Conduction {
+    let Some(flow) = numerics.flow else { return Conduction::Plain };
+    // The correction is limited together with the heat that water carries.
+    let reason = if flow.advection != Advection::Limited {
+        Some("advection = \"limited\"")
+    } else {
+        (numerics.layout != Layout::Lattice).then_some("layout = \"lattice\"")
+    };
+    let preset = if reason.is_some() { Conduction::Plain } else { numerics.conduction };
+    let found = section.choice_or("conduction", &Conduction::WORDS, preset);
+    if let (Conduction::Corrected, Some(reason)) = (found, reason) {
+        section.problem("conduction", format!("found \"corrected\", which needs {reason}"));
+    }
+    found
 }
 
 fn step(section: &mut Section<'_>, preset: StepChoice, by_error: bool) -> StepChoice {

@@ -126,7 +126,9 @@ pub fn profile_points(scene: &Scene, spacing: f64, result: &RunResult, reference
         let expected = plane.temperature(reference, row.x_m, row.time_s)?;
         plane.counts(scene, spacing, row.x_m).then_some((row.temperature_c, expected))
     });
-    rows.collect()
+    // Where water flows, those of its cut, after the start.
+    let cut = result.water.iter().flat_map(|water| &water.cut).filter(|row| row.time_s > 0.0);
+    rows.chain(cut.filter_map(|row| Some((row.temperature_c, reference.cut(row.x_m, row.time_s)?.0)))).collect()
 }
 
 /// Errors of a run against a reference. `spacing` is the particle spacing of the run (m).

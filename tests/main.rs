@@ -12,6 +12,7 @@ mod fields;
 mod forecasts;
 mod invariants;
 mod order;
+mod printed;
 mod reductions;
 mod references;
 mod regions;

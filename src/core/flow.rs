@@ -29,6 +29,7 @@ use crate::memory::Held;
 use crate::method::{Bound, Clock, Method, StepError, Work};
 use crate::particles::Particles;
 use crate::potential::{Curved, PotentialLaw, Thermal};
+use crate::scene::settings::Mushy;
 use crate::scene::{Conduction, Domain, Flow, FlowNumerics, Numerics, PressureWall, Scene, StepChoice, Uptake};
 use crate::uptake::{LatentScheme, Materials, scheme};
 
@@ -236,7 +237,7 @@ impl FlowMethod {
             }
         }
         let mut method = FlowMethod {
-            scheme: scheme(Uptake::Enthalpy, true, &materials, enthalpy, count),
+            scheme: scheme(Uptake::Enthalpy, Mushy::Fraction, &materials, enthalpy, count),
             pressure,
             carrier,
             bend,

@@ -29,7 +29,7 @@ use crate::pipe::{Sink, green_reach, immerse};
 use crate::potential::{Curve, Law, Thermal};
 use crate::predict::{StepCount, planned_steps};
 use crate::reference::Reference;
-use crate::scene::settings::MethodSettings;
+use crate::scene::settings::{MethodSettings, Mushy};
 use crate::scene::{
     Domain, Exchange, Front, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, Sector, StepChoice, Symmetry,
     Units, Uptake, WallModel,
@@ -62,7 +62,7 @@ pub struct Assembly {
     /// Latent heat.
     pub uptake: Uptake,
     /// Conductivity inside the freezing interval.
-    pub mushy: bool,
+    pub mushy: Mushy,
     /// Units of the scene.
     pub units: Units,
     /// Seed of the noise.
@@ -361,10 +361,10 @@ pub fn build(
                     Box::new(method.map_err(refuse)?)
                 }
                 (Stepper::Own(step), _) => step(assembly(parts)),
-                (Stepper::Shared, None) if numerics.uptake == Uptake::Enthalpy && numerics.mushy => {
+                (Stepper::Shared, None) if numerics.uptake == Uptake::Enthalpy && numerics.mushy == Mushy::Fraction => {
                     let operator = EnthalpyList {
                         operator: ListOperator::new(parts, Off),
-                        scheme: scheme(Uptake::Enthalpy, true, &materials, &start, count),
+                        scheme: scheme(Uptake::Enthalpy, Mushy::Fraction, &materials, &start, count),
                         rate: vec![0.0; count],
                         tangent: Tangent::default(),
                     };
@@ -415,7 +415,10 @@ fn why_list(
     let reasons = [
         (numerics.layout != Layout::Lattice, "particles stand unevenly"),
         (numerics.exchange != Exchange::Potential, "pairs exchange by a mean of conductivities"),
-        (numerics.uptake != Uptake::Enthalpy || !numerics.mushy, "the latent-heat scheme keeps its own columns"),
+        (
+            numerics.uptake != Uptake::Enthalpy || numerics.mushy != Mushy::Fraction,
+            "the latent-heat scheme keeps its own columns",
+        ),
         (scene.has_regional_materials(), "there are several materials"),
         (!scene.cracks.is_empty(), "cracks cut pairs"),
         (scene.domain.symmetry().is_some(), "particles are shells"),

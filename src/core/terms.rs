@@ -4,6 +4,7 @@ use crate::boundary::Boundary;
 use crate::material::FreezingLaw;
 use crate::method::{Discretisation, Stepper};
 use crate::potential::Law;
+use crate::scene::settings::Mushy;
 use crate::scene::{Exchange, IntegratorChoice, Numerics, Scene, StepChoice, Uptake};
 use crate::uptake::Materials;
 
@@ -61,7 +62,7 @@ impl Parts<'_> {
             match self.numerics.uptake {
                 Uptake::Flags => names.push("temperature and released heat of the scheme"),
                 Uptake::ApparentCapacity { .. } => names.push("temperature of the scheme"),
-                Uptake::Enthalpy if !self.numerics.mushy => names.push("last phase"),
+                Uptake::Enthalpy if self.numerics.mushy == Mushy::LastPhase => names.push("last phase"),
                 Uptake::Enthalpy => {}
             }
         }
@@ -129,7 +130,7 @@ impl Parts<'_> {
         {
             found.push(format!("step_fraction, now {fraction} of the bound"));
         }
-        let plain = self.numerics.uptake == Uptake::Enthalpy && self.numerics.mushy;
+        let plain = self.numerics.uptake == Uptake::Enthalpy && self.numerics.mushy == Mushy::Fraction;
         if self.is_explicit() && self.has_shared_steps() && plain {
             found.push("integrator = \"rkl2\": s stages make a step of (s^2 + s - 2)/4 bounds".to_string());
         }

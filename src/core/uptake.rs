@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::memory::Held;
 use crate::potential::Thermal;
 use crate::scene::Uptake;
+use crate::scene::settings::Mushy;
 
 /// What pairs read from particles; columns that nothing reads stay empty.
 #[derive(Debug, Clone, Default)]
@@ -58,11 +59,10 @@ pub trait LatentScheme: Send + Held {
     fn publish(&self, materials: &Materials, enthalpy: &mut [f64]);
 }
 
-/// The scheme of a choice, for `count` particles that carry the enthalpies of `start`, or none if that is empty. Without
-/// `mushy`, a particle in the freezing interval conducts as the phase that it last was.
+/// The scheme of a choice, for `count` particles that carry the enthalpies of `start`, or none if that is empty.
 pub fn scheme(
     choice: Uptake,
-    mushy: bool,
+    mushy: Mushy,
     materials: &Materials,
     start: &[f64],
     count: usize,
@@ -71,7 +71,8 @@ pub fn scheme(
     let frozen = |i: usize| materials.of(i).frozen_fraction(carried(i));
     let temperature = || (0..count).map(|i| materials.of(i).temperature(carried(i))).collect();
     match choice {
-        Uptake::Enthalpy if mushy => Box::new(Enthalpy),
+        Uptake::Enthalpy if mushy == Mushy::Fraction => Box::new(Enthalpy),
+        Uptake::Enthalpy if mushy == Mushy::Mean => Box::new(HalfFrozen),
         Uptake::Enthalpy => Box::new(LastPhase { frozen: (0..count).map(|i| frozen(i) >= 1.0).collect() }),
         Uptake::Flags => Box::new(Flags {
             temperature: temperature(),
@@ -145,13 +146,43 @@ impl LatentScheme for LastPhase {
     fn publish(&self, _materials: &Materials, _enthalpy: &mut [f64]) {}
 }
 
+/// A frozen fraction as Nikolaev et al. 2023 see it in eq 1: none, half or all.
+fn half(frozen: f64) -> f64 {
+    if frozen > 0.0 && frozen < 1.0 { 0.5 } else { frozen }
+}
+
+/// Enthalpy, with the mean conductivity of both phases throughout the freezing interval.
+struct HalfFrozen;
+
+impl Held for HalfFrozen {
+    fn held(&self) -> usize {
+        0
+    }
+}
+
+impl LatentScheme for HalfFrozen {
+    fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields) {
+        Enthalpy.read(materials, enthalpy, fields);
+        for (i, (conductivity, h)) in fields.conductivity.iter_mut().zip(enthalpy).enumerate() {
+            let thermal = materials.of(i);
+            *conductivity = thermal.curve.mixed_conductivity(1.0 - half(thermal.frozen_fraction(*h)));
+        }
+    }
+
+    fn add(&mut self, materials: &Materials, enthalpy: &mut [f64], rate: &[f64], step: f64) {
+        Enthalpy.add(materials, enthalpy, rate, step);
+    }
+
+    fn publish(&self, _materials: &Materials, _enthalpy: &mut [f64]) {}
+}
+
 /// Temperature and an accumulator of released latent heat (Chen and Bai 2016, section 1.3). The flag is the
 /// accumulator itself: empty is unfrozen, full is frozen, between them the temperature stands still. What a step
 /// overshoots at either end is credited to the other side, so no heat is lost.
 struct Flags {
     temperature: Vec<f64>,
     released: Vec<f64>,
-    mushy: bool,
+    mushy: Mushy,
 }
 
 impl Held for Flags {
@@ -176,7 +207,12 @@ impl LatentScheme for Flags {
             } else {
                 f64::from(u8::from(*t < curve.freezing_point()))
             };
-            *conductivity = curve.mixed_conductivity(1.0 - if self.mushy { frozen } else { frozen.floor() });
+            let frozen = match self.mushy {
+                Mushy::Fraction => frozen,
+                Mushy::LastPhase => frozen.floor(),
+                Mushy::Mean => half(frozen),
+            };
+            *conductivity = curve.mixed_conductivity(1.0 - frozen);
         }
     }
 
@@ -287,7 +323,7 @@ mod tests {
         fn flags_store_every_joule(heats in prop::collection::vec(-6e8..6e8f64, 1..60), initial in -30.0..30.0f64) {
             prop_assume!(initial.abs() > 1e-3);
             let materials = materials(FreezingLaw::Isothermal, initial);
-            let mut scheme = scheme(Uptake::Flags, true, &materials, &[], 1);
+            let mut scheme = scheme(Uptake::Flags, Mushy::Fraction, &materials, &[], 1);
             let (mut enthalpy, mut sum) = ([0.0], 0.0);
             for heat in heats {
                 scheme.add(&materials, &mut [], &[heat], 1.0);
@@ -306,7 +342,7 @@ mod tests {
     fn every_scheme_leaves_the_places_of_ghosts_alone() {
         let materials = materials(FreezingLaw::Isothermal, 2.0);
         for choice in [Uptake::Enthalpy, Uptake::Flags, Uptake::ApparentCapacity { interval: 1.0 }] {
-            for mushy in [true, false] {
+            for mushy in [Mushy::Fraction, Mushy::LastPhase, Mushy::Mean] {
                 let scheme = scheme(choice, mushy, &materials, &[], 2);
                 let column = || vec![-7.0; 3];
                 let mut fields = Fields { potential: column(), temperature: column(), conductivity: column() };
@@ -320,7 +356,7 @@ mod tests {
     #[test]
     fn apparent_capacity_loses_latent_heat_in_a_long_step() {
         let materials = materials(FreezingLaw::Linear { width: 1.0 }, 0.5);
-        let mut scheme = scheme(Uptake::ApparentCapacity { interval: 1.0 }, true, &materials, &[], 1);
+        let mut scheme = scheme(Uptake::ApparentCapacity { interval: 1.0 }, Mushy::Fraction, &materials, &[], 1);
         let mut enthalpy = [0.0];
         scheme.add(&materials, &mut [], &[-1e7], 1.0);
         scheme.publish(&materials, &mut enthalpy);

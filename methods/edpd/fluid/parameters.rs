@@ -61,7 +61,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// Water in the plane as Ng et al. 2017 set it up, at the reference temperature: cut-off 1.96, friction 8, density 4.
+    /// Water in the plane as Ng et al. 2017 set it up, at 25 degC: cut-off 1.96, friction 8, density 4.
     pub fn water() -> Self {
         Parameters {
             density: 4.0,

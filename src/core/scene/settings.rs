@@ -52,6 +52,17 @@ pub enum Uptake {
     },
 }
 
+/// How a particle inside the freezing interval conducts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mushy {
+    /// By its frozen fraction (Ng et al. 2017, section 4.1).
+    Fraction,
+    /// As the phase that it last was.
+    LastPhase,
+    /// As half of it were frozen, however much is (Nikolaev et al. 2023, eq 1).
+    Mean,
+}
+
 /// Where particles stand at the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Layout {
@@ -216,9 +227,8 @@ pub struct Numerics {
     pub exchange: Exchange,
     /// Latent heat.
     pub uptake: Uptake,
-    /// Whether a particle inside the freezing interval conducts by its frozen fraction (true) or as the phase
-    /// that it last was (false). Only pair means read it: the potential is flat there.
-    pub mushy: bool,
+    /// How a particle inside the freezing interval conducts. Only pair means read it: the potential is flat there.
+    pub mushy: Mushy,
     /// Sharp fronts.
     pub front: Front,
     /// Walls.
@@ -284,7 +294,12 @@ impl MethodSettings {
             }
         };
         if numerics.exchange != Exchange::Potential {
-            put("mushy", Value::Flag(numerics.mushy));
+            let mushy = match numerics.mushy {
+                Mushy::Fraction => Value::Flag(true),
+                Mushy::LastPhase => Value::Flag(false),
+                Mushy::Mean => text("mean"),
+            };
+            put("mushy", mushy);
         }
         if numerics.front == Front::SubCell {
             put("front", text("sub-cell"));
@@ -356,7 +371,7 @@ impl Default for Numerics {
             layout: Layout::Lattice,
             exchange: Exchange::Potential,
             uptake: Uptake::Enthalpy,
-            mushy: true,
+            mushy: Mushy::Fraction,
             front: Front::Cell,
             walls: WallModel::Mirror,
             search: SearchChoice::Auto,

@@ -8,8 +8,8 @@ use super::shells;
 use crate::material::{FreezingLaw, Material};
 use crate::method::MethodKind;
 use crate::scene::settings::{
-    Advection, Conduction, Exchange, FlowNumerics, Front, IntegratorChoice, Layout, Mean, MethodSettings, Numerics,
-    SearchChoice, Setting, StepChoice, Uptake, WallModel,
+    Advection, Conduction, Exchange, FlowNumerics, Front, IntegratorChoice, Layout, Mean, MethodSettings, Mushy,
+    Numerics, SearchChoice, Setting, StepChoice, Uptake, WallModel,
 };
 use crate::scene::{Condition, Crack, Domain, Sector, Wall};
 
@@ -71,7 +71,8 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     numerics.layout = layout(section, numerics.layout);
     numerics.exchange = exchange(section, numerics.exchange);
     numerics.uptake = uptake(section, numerics.uptake, setup.materials);
-    if let Some(mushy) = section.optional_flag("mushy") {
+    let flags = [Mushy::Fraction, Mushy::LastPhase];
+    if let Some(mushy) = section.optional_flag_or_word("mushy", flags, ("mean", Mushy::Mean)) {
         if numerics.exchange == Exchange::Potential {
             section.problem("mushy", "has no effect, only the means of conductivities read it");
         }
@@ -315,7 +316,7 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
         if kind.stochastic {
             let message = format!("found \"{word}\", but the method \"{}\" makes its own explicit steps", kind.name);
             section.problem("integrator", message);
-        } else if !numerics.mushy {
+        } else if numerics.mushy != Mushy::Fraction {
             section.problem("integrator", format!("found \"{word}\", which needs mushy = true"));
         } else if word == "implicit" && numerics.exchange != Exchange::Potential {
             section.problem("integrator", "found \"implicit\", which needs exchange = \"potential\" and no mean");
@@ -336,8 +337,12 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
             let message = format!("found \"{scheme}\", must be \"enthalpy\" in a scene with \"flow\"");
             section.problem("scheme", message);
         }
-        if !numerics.mushy {
-            section.problem("mushy", "found false, must be true in a scene with \"flow\"");
+        if let Some(found) = match numerics.mushy {
+            Mushy::Fraction => None,
+            Mushy::LastPhase => Some("false"),
+            Mushy::Mean => Some("\"mean\""),
+        } {
+            section.problem("mushy", format!("found {found}, must be true in a scene with \"flow\""));
         }
         if let Some(word) = match numerics.walls {
             WallModel::Mirror | WallModel::Naive => None,

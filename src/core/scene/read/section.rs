@@ -294,6 +294,25 @@ impl<'a> Section<'a> {
         None
     }
 
+    /// `true`, `false` or a word, or none of them.
+    pub fn optional_flag_or_word<T: Clone>(
+        &mut self,
+        key: impl Into<Key>,
+        flags: [T; 2],
+        (word, meaning): (&str, T),
+    ) -> Option<T> {
+        let entry = self.ask(key.into())?;
+        let [yes, no] = flags;
+        match &entry.node {
+            Node::Flag(true) => return Some(yes),
+            Node::Flag(false) => return Some(no),
+            Node::Text(text) if text == word => return Some(meaning),
+            _ => {}
+        }
+        self.wrong(&entry.key, &entry.node, &format!("true, false or \"{word}\""));
+        None
+    }
+
     /// A required table.
     pub fn section(&mut self, key: &'static str) -> Option<Section<'a>> {
         self.required(key.into(), "a table", |section| section.optional_section(key))

@@ -297,6 +297,7 @@ impl<const D: usize> Fluid<D> {
         let frame = Frame {
             looks: &self.looks,
             lengths: self.grid.lengths,
+            inverses: self.grid.inverses,
             reach: parameters.reach().powi(2),
             inverse_cutoffs: [
                 1.0 / parameters.conservative_cutoff,

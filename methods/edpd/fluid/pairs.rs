@@ -29,6 +29,8 @@ pub struct Frame<'a, const D: usize> {
     pub looks: &'a [Look<D>],
     /// Lengths of the box.
     pub lengths: [f64; D],
+    /// One over them.
+    pub inverses: [f64; D],
     /// Square of the largest cut-off radius.
     pub reach: f64,
     /// One over the cut-off radius of the conservative force, of friction, of heat.
@@ -191,7 +193,6 @@ fn gather<const D: usize>(
     looks: &[Look<D>],
     partners: &[u32],
 ) -> usize {
-    let inverses = frame.lengths.map(|length| 1.0 / length);
     let mut at = filled;
     // Whether a partner is within reach cannot be guessed: each is put down, and the next one over it if it is not.
     for &j in partners {
@@ -199,7 +200,7 @@ fn gather<const D: usize>(
         let mut square = 0.0;
         for axis in 0..D {
             let way = me.position[axis] - other.position[axis];
-            let way = way - frame.lengths[axis] * round(way * inverses[axis]);
+            let way = way - frame.lengths[axis] * round(way * frame.inverses[axis]);
             desk.ways[axis][at] = way;
             square += way * way;
         }

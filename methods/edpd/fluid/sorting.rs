@@ -16,6 +16,8 @@ const MOST_SLABS: usize = 64;
 pub struct Grid<const D: usize> {
     /// Lengths of the box.
     pub lengths: [f64; D],
+    /// One over them.
+    pub inverses: [f64; D],
     cells: [usize; D],
     /// Square of the distance up to which pairs are listed.
     listed: f64,
@@ -55,7 +57,7 @@ impl<const D: usize> Grid<D> {
         let last = cells[D - 1];
         let slabs = (last - last % 2).min(MOST_SLABS);
         let rows = (0..=slabs).map(|slab| slab * last / slabs).collect();
-        Ok(Grid { lengths, cells, listed: distance * distance, rows })
+        Ok(Grid { lengths, inverses: lengths.map(|length| 1.0 / length), cells, listed: distance * distance, rows })
     }
 
     /// Number of slabs: even.
@@ -133,41 +135,38 @@ impl<const D: usize> Grid<D> {
         let begin_next = starts[next.0] as usize;
         slab.count = starts[last] as usize - begin;
         slab.starts.clear();
-        slab.partners.clear();
-        let mut most = 0;
+        let (mut most, mut filled) = (0, 0);
         let mut ways = Vec::with_capacity(14);
         for cell in first..last {
             self.forward(cell, &mut ways);
             for i in starts[cell]..starts[cell + 1] {
                 let me = &particles[i as usize];
-                let from = slab.partners.len();
+                let from = filled;
+                // Whether a candidate is near enough cannot be guessed: each is written, and the next one over it if not.
                 let mut add = |range: std::ops::Range<u32>, base: usize| {
-                    for j in range {
-                        if self.square(&me.position, &particles[j as usize].position) < self.listed {
-                            slab.partners.push((j as usize - base) as u32);
-                        }
+                    if slab.partners.len() < filled + range.len() {
+                        slab.partners.resize(2 * (filled + range.len()), 0);
                     }
+                    for j in range {
+                        slab.partners[filled] = (j as usize - base) as u32;
+                        let square = self.square(&me.position, &particles[j as usize].position);
+                        filled += usize::from(square < self.listed);
+                    }
+                    filled
                 };
                 add(i + 1..starts[cell + 1], begin);
                 for &way in ways.iter().filter(|way| (first..last).contains(*way)) {
                     add(starts[way]..starts[way + 1], begin);
                 }
-                let middle = slab.partners.len();
-                let mut add = |range: std::ops::Range<u32>| {
-                    for j in range {
-                        if self.square(&me.position, &particles[j as usize].position) < self.listed {
-                            slab.partners.push((j as usize - begin_next) as u32);
-                        }
-                    }
-                };
+                let middle = add(0..0, 0);
                 for &way in ways.iter().filter(|way| !(first..last).contains(*way)) {
-                    add(starts[way]..starts[way + 1]);
+                    add(starts[way]..starts[way + 1], begin_next);
                 }
                 slab.starts.push([from as u32, middle as u32]);
-                most = most.max(slab.partners.len() - from);
+                most = most.max(filled - from);
             }
         }
-        slab.starts.push([slab.partners.len() as u32; 2]);
+        slab.starts.push([filled as u32; 2]);
         most
     }
 
@@ -205,7 +204,7 @@ impl<const D: usize> Grid<D> {
         let mut sum = 0.0;
         for axis in 0..D {
             let way = a[axis] - b[axis];
-            let way = way - self.lengths[axis] * round(way / self.lengths[axis]);
+            let way = way - self.lengths[axis] * round(way * self.inverses[axis]);
             sum += way * way;
         }
         sum

@@ -215,6 +215,22 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
         self.matter.temperature(particle.heat)
     }
 
+    /// Energy that kicks and drifts of the last step have gained, to be given back in the next.
+    pub fn owed(&self) -> f64 {
+        self.gained
+    }
+
+    /// Bytes that it holds on the heap.
+    pub fn held(&self) -> usize {
+        fn of<T>(column: &Vec<T>) -> usize {
+            column.capacity() * size_of::<T>()
+        }
+        let lists: usize = self.slabs.iter().map(|slab| of(&slab.starts) + of(&slab.partners)).sum();
+        let walls = self.walls.as_ref().map_or(0, Walls::held);
+        let particles = of(&self.particles) + of(&self.sorted) + of(&self.looks) + of(&self.origins);
+        particles + of(&self.starts) + of(&self.slabs) + lists + of(&self.desks) + of(&self.work) + walls
+    }
+
     /// What heat means.
     pub fn matter(&self) -> &M {
         &self.matter

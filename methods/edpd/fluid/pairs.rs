@@ -224,9 +224,9 @@ fn gather<const D: usize, M: Matter>(
         desk.mobilities[k] = me.mobility + other.mobility;
         if M::UNEVEN {
             let conduction = frame.matter.between([(me.seen, me.temperature), (other.seen, other.temperature)]);
-            let across = frame.shut.is_some_and(|axis| {
-                (me.position[axis] - other.position[axis]).abs() > 0.5 * frame.lengths[axis]
-            });
+            let across = frame
+                .shut
+                .is_some_and(|axis| (me.position[axis] - other.position[axis]).abs() > 0.5 * frame.lengths[axis]);
             desk.conductions[k] = if across { 0.0 } else { conduction };
         }
         let (low, high) = (me.name.min(other.name), me.name.max(other.name));

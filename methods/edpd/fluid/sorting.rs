@@ -117,7 +117,8 @@ impl<const D: usize> Grid<D> {
     ) -> Result<(), String> {
         self.sort(particles, sorted, starts);
         let (particles, starts) = (&particles[..], &starts[..]);
-        let crowded = slabs.iter_mut().enumerate().map(|(number, slab)| self.pairs_of(number, slab, particles, starts, apart));
+        let crowded =
+            slabs.iter_mut().enumerate().map(|(number, slab)| self.pairs_of(number, slab, particles, starts, apart));
         match crowded.max().unwrap_or(0) {
             found if found > most => {
                 Err(format!("a particle has {found} partners within reach, must be at most {most}"))

@@ -66,6 +66,13 @@ impl<const D: usize> Walls<D> {
         }
     }
 
+    /// Bytes that they hold on the heap.
+    pub fn held(&self) -> usize {
+        self.behind.capacity() * size_of::<Behind<D>>()
+            + 4 * (self.at.capacity() + self.near.capacity() + self.starts.capacity())
+            + 8 * (self.levels.capacity() + self.received.capacity())
+    }
+
     /// Lists the particles around all images, up to a distance.
     pub fn list(&mut self, grid: &Grid<D>, particles: &[Particle<D>], starts: &[u32], distance: f64) {
         for (i, particle) in particles.iter().enumerate() {
@@ -104,7 +111,8 @@ impl<const D: usize> Walls<D> {
         let Walls { behind, faces, at, near, starts, levels, .. } = self;
         let level = |k: usize| {
             let near = &near[starts[k] as usize..starts[k + 1] as usize];
-            let fitted = fit(&behind[k].image, grid, near, looks, reach, |look| matter.level(look.seen, look.temperature));
+            let fitted =
+                fit(&behind[k].image, grid, near, looks, reach, |look| matter.level(look.seen, look.temperature));
             match (faces[behind[k].door as usize], fitted) {
                 (Face::Insulated, fitted) => fitted.unwrap_or(0.0),
                 (Face::Held(temperature), fitted) => {

@@ -38,6 +38,7 @@ fn half_space(law: FreezingLaw) -> Scene {
         wall_parts: Vec::new(),
         rings: Vec::new(),
         flow: None,
+        stream: None,
         watch: Watch {
             outputs: 10,
             profiles: Vec::new(),
@@ -45,6 +46,8 @@ fn half_space(law: FreezingLaw) -> Scene {
             surfaces: Vec::new(),
             cuts_z: Vec::new(),
             cuts_r: Vec::new(),
+            phases: None,
+            corner_front: false,
             profile_length: None,
             front_from: 0.0,
         },

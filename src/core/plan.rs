@@ -170,6 +170,14 @@ pub fn build(
         let crowd = make(scene, settings, pool(threads)?, seed).map_err(refuse)?;
         return moving(scene, settings, crowd);
     }
+    if scene.stream.is_some() {
+        return Err(refuse("a driven liquid needs particles that move: method.edpd.motion = true".into()));
+    }
+    if !scene.wall_parts.is_empty() && scene.domain.symmetry().is_none() {
+        return Err(refuse(
+            "parts of the walls of a rectangle need particles that move (method.edpd.motion = true) or an axis".into(),
+        ));
+    }
     let lattice = Arc::new(Lattice::new(&scene.domain, numerics.spacing));
     if lattice.is_empty() {
         return Err(refuse(format!("a spacing of {} m leaves no particle in the domain", numerics.spacing)));

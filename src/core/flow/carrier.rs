@@ -19,6 +19,7 @@ use glam::DVec2;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
+use super::diagonals::{Carried, Diagonals, Fields};
 use super::network::{NONE, Network};
 use super::pressure::Pressure;
 use crate::memory::Held;
@@ -46,12 +47,12 @@ pub struct Mouth {
 /// Water of all paths at one solution for the pressure, as heat meets it.
 #[derive(Debug, Clone, Default)]
 pub struct Carrier {
-    /// Factor of `T_j - T_i` for each path (W/m3K).
-    factors: Vec<f64>,
-    /// Exchange beside it that is limited (W/m3K); empty where there is none.
+    /// Factors of `T_j - T_i` for the earlier end i of each path, and of `T_i - T_j` for the later (W/m3K), by slot.
+    factors: [Vec<f64>; 2],
+    /// Exchange beside it that is limited (W/m3K), by slot; empty where there is none.
     exchange: Vec<f64>,
-    /// Water that leaves along each path (1/s by volume).
-    pub water: Vec<f64>,
+    /// Water from the earlier to the later end of each path (1/s by volume), by slot.
+    water: Vec<f64>,
     /// Water through walls.
     pub mouths: Vec<Mouth>,
     /// Water that each particle keeps (1/s by volume).
@@ -59,13 +60,15 @@ pub struct Carrier {
     /// Greatest sum of factors of one particle (W/m3K), and the particle.
     pub greatest: (f64, usize),
     limits_now: bool,
-    /// Whether gradients are used, and the gradients.
+    exchanges: bool,
+    /// Whether gradients are used, the gradients, and what paths make of them, by slot.
     bends: bool,
     gradients: Vec<DVec2>,
+    bent: [Vec<f64>; 2],
     /// What conduction does to each particle, times what a bend is worth (W/m); empty where it is not corrected.
     conducted: Vec<f64>,
-    /// A sixth of the heat capacity of water (J/m3K).
-    sixth: f64,
+    /// Columns with room on both sides, on diagonals.
+    columns: [Vec<f64>; 5],
     mouth_of: Vec<u32>,
     rows: Vec<Row>,
     marked: Vec<bool>,
@@ -74,22 +77,24 @@ pub struct Carrier {
 
 /// What the exchange would do to a particle, and what it may.
 #[derive(Debug, Clone, Copy, Default)]
-struct Row {
+pub(super) struct Row {
     /// Gain with all of the exchange (W/m3).
-    gain: f64,
+    pub gain: f64,
     /// What taking the exchange back would add and take (W/m3).
-    up: f64,
-    down: f64,
+    pub up: f64,
+    pub down: f64,
     /// Least and greatest enthalpy around (J/m3).
-    least: f64,
-    most: f64,
+    pub least: f64,
+    pub most: f64,
 }
 
 impl Held for Carrier {
     fn held(&self) -> usize {
         let rows = self.rows.capacity() * size_of::<Row>() + self.mouths.capacity() * size_of::<Mouth>();
-        let paths = self.factors.held() + self.exchange.held() + self.water.held();
+        let paths = self.exchange.held() + self.water.held();
+        let more = self.factors.iter().chain(&self.bent).chain(&self.columns).map(Held::held).sum::<usize>();
         rows + paths
+            + more
             + self.conducted.held()
             + self.kept.held()
             + self.mouth_of.held()
@@ -111,9 +116,9 @@ pub struct Ground<'a> {
 impl Carrier {
     /// Room for a network.
     pub fn new(network: &Network, advection: Advection) -> Self {
-        let (count, paths) = (network.len(), network.partners.len());
+        let (count, paths) = (network.len(), network.places);
         let mut carrier = Carrier {
-            factors: vec![0.0; paths],
+            factors: [vec![0.0; paths], vec![0.0; paths]],
             water: vec![0.0; paths],
             kept: vec![0.0; count],
             mouth_of: Vec::with_capacity(network.openings.len()),
@@ -135,6 +140,9 @@ impl Carrier {
             carrier.rows = vec![Row::default(); count];
             carrier.marked = vec![false; count];
             carrier.limits = vec![(1.0, 1.0); count];
+            if let Some(diagonals) = &network.diagonals {
+                carrier.columns = std::array::from_fn(|_| vec![0.0; diagonals.padded()]);
+            }
         }
         carrier
     }
@@ -151,10 +159,7 @@ impl Carrier {
         for mouth in &mut self.mouths {
             (mouth.inflow, mouth.outflow) = (0.0, 0.0);
         }
-        // Water along a path carries half of each end's temperature.
-        for (factor, water) in self.factors.iter_mut().zip(&self.water) {
-            *factor = -0.5 * ground.capacity * water;
-        }
+        self.factors[0].fill(0.0);
         let values = &pressure.pressure;
         for ((opening, conductance), mouth) in network.openings.iter().zip(&pressure.mouths).zip(&self.mouth_of) {
             let (own, image) = (values[opening.particle as usize], values[opening.image as usize]);
@@ -171,11 +176,12 @@ impl Carrier {
             let enters_warm = water < 0.0 && ground.warm[opening.wall as usize];
             let leaves_free = water > 0.0 && !ground.warm[opening.wall as usize];
             if opening.path != NONE
+                && opening.particle < opening.image
                 && opening.sign < 0.0
                 && advection != Advection::Upwind
                 && (enters_warm || leaves_free)
             {
-                self.factors[opening.path as usize] -= 0.5 * ground.capacity * water.abs();
+                self.factors[0][network.slots[opening.path as usize] as usize] -= 0.5 * ground.capacity * water.abs();
             }
         }
         self.bound(network, ground, advection);
@@ -185,62 +191,59 @@ impl Carrier {
     fn follow(&mut self, network: &Network, pressure: &Pressure, advection: Advection) {
         let values = &pressure.pressure;
         let velocity = if advection == Advection::Paper { velocities(network, pressure) } else { Vec::new() };
+        self.kept.fill(0.0);
         for i in 0..network.len() {
-            let mut lost = 0.0;
-            for k in network.starts[i]..network.starts[i + 1] {
-                let j = network.partners[k] as usize;
+            for (j, slot) in network.later(i) {
                 let water = if advection == Advection::Paper {
-                    0.5 * network.weights[k] * network.spans[k].dot(velocity[i] + velocity[j])
+                    0.5 * network.weights[slot] * network.spans[slot].dot(velocity[i] + velocity[j])
                 } else {
-                    pressure.conductances[k] * (values[i] - values[j])
+                    pressure.conductances[slot] * (values[i] - values[j])
                 };
-                self.water[k] = water;
-                lost += water;
+                self.water[slot] = water;
+                self.kept[i] -= water;
+                self.kept[j] += water;
             }
-            self.kept[i] = -lost;
         }
     }
 
     /// Adds the exchange that keeps factors and conduction together from being negative, and finds the greatest sum.
     fn bound(&mut self, network: &Network, ground: &Ground<'_>, advection: Advection) {
         let limited = advection == Advection::Limited;
-        self.sixth = ground.capacity / 6.0;
-        self.bends = false;
+        let central = matches!(advection, Advection::Central | Advection::Paper);
+        let stiff = |factor: f64| if central { factor.abs() } else { factor.max(0.0) };
         let may_bend = matches!(advection, Advection::Central | Advection::Limited);
+        let mut sums = vec![0.0; network.len()];
+        (self.bends, self.exchanges) = (false, false);
         for i in 0..network.len() {
             let own = (ground.least_conductivity)(i);
-            for k in network.starts[i]..network.starts[i + 1] {
-                let j = network.partners[k] as usize;
-                if j < i {
-                    continue;
-                }
-                let twin = network.twins[k] as usize;
-                let carried = 0.5 * ground.capacity * self.water[k];
-                let beside = self.factors[k] + carried;
-                let conducted = network.heat_weights[k] * own.min((ground.least_conductivity)(j));
+            for (j, slot) in network.later(i) {
+                // Water along a path carries half of each end's temperature.
+                let carried = 0.5 * ground.capacity * self.water[slot];
+                let beside = self.factors[0][slot];
+                let conducted = network.heat_weights[slot] * own.min((ground.least_conductivity)(j));
                 self.bends |= may_bend && 2.0 * carried.abs() > FAST * conducted.abs();
                 let exchange = match advection {
                     Advection::Central | Advection::Paper => 0.0,
                     Advection::Upwind => carried.abs() - beside,
                     Advection::Blended | Advection::Limited => (carried.abs() - beside - conducted).max(0.0),
                 };
-                // Both ways the same to the last bit, so that no heat is lost.
-                let (forth, back) = (beside - carried, beside + carried);
-                (self.factors[k], self.factors[twin]) = (forth + exchange, back + exchange);
+                let (forth, back) = (beside - carried + exchange, beside + carried + exchange);
+                (self.factors[0][slot], self.factors[1][slot]) = (forth, back);
+                sums[i] += stiff(forth);
+                sums[j] += stiff(back);
                 if limited {
-                    (self.exchange[k], self.exchange[twin]) = (exchange, exchange);
+                    self.exchange[slot] = exchange;
+                    self.exchanges |= exchange > 0.0;
                 }
             }
         }
-        self.limits_now = limited && (self.bends || self.exchange.iter().any(|exchange| *exchange > 0.0));
+        self.limits_now = limited && (self.bends || self.exchanges);
         self.gradients.resize(if self.bends { network.len() } else { 0 }, DVec2::ZERO);
-        let central = matches!(advection, Advection::Central | Advection::Paper);
-        let mut sums: Vec<f64> = (0..network.len())
-            .map(|i| {
-                let factors = &self.factors[network.starts[i]..network.starts[i + 1]];
-                factors.iter().map(|factor| if central { factor.abs() } else { factor.max(0.0) }).sum()
-            })
-            .collect();
+        if self.bends {
+            let sixth = ground.capacity / 6.0;
+            let along = |axis: usize| network.spans.iter().zip(&self.water).map(move |(span, water)| sixth * water * span[axis]);
+            self.bent = [along(0).collect(), along(1).collect()];
+        }
         for mouth in &self.mouths {
             sums[mouth.particle as usize] += ground.capacity * mouth.inflow;
         }
@@ -256,23 +259,16 @@ impl Carrier {
             self.slope(network, state);
         }
         let limits_now = self.limits_now || !self.conducted.is_empty();
-        if !limits_now && self.bends {
-            let (factors, this) = (&self.factors, &*self);
-            each(state.pool, rate, |i, rate| {
-                for k in network.starts[i]..network.starts[i + 1] {
-                    let j = network.partners[k] as usize;
-                    *rate += factors[k] * (temperature[j] - temperature[i]) + this.bend(network, i, k);
-                }
-            });
-            return;
-        }
         if !limits_now {
-            let factors = &self.factors;
+            let this = &*self;
             each(state.pool, rate, |i, rate| {
                 let own = temperature[i];
-                let range = network.starts[i]..network.starts[i + 1];
-                let partners = network.partners[range.clone()].iter().zip(&factors[range]);
-                *rate += partners.map(|(j, factor)| factor * (temperature[*j as usize] - own)).sum::<f64>();
+                for (j, slot, later) in network.paths(i) {
+                    *rate += this.factor(slot, later) * (temperature[j] - own);
+                    if this.bends {
+                        *rate += this.bend(network, i, j, slot);
+                    }
+                }
             });
             return;
         }
@@ -283,15 +279,12 @@ impl Carrier {
             let row = rows[i];
             let back = if marked[i] {
                 let (own, (up, down)) = (temperature[i], limits[i]);
-                let range = network.starts[i]..network.starts[i + 1];
                 let share = |j: usize, back: f64| if back > 0.0 { up.min(limits[j].1) } else { down.min(limits[j].0) };
-                range
-                    .map(|k| {
-                        let j = network.partners[k] as usize;
-                        let back = this.exchange[k] * (own - temperature[j]) + this.bend(network, i, k);
-                        back * share(j, back)
-                    })
-                    .sum::<f64>()
+                let paths = network.paths(i).map(|(j, slot, _)| {
+                    let back = this.exchange[slot] * (own - temperature[j]) + this.bend(network, i, j, slot);
+                    back * share(j, back)
+                });
+                paths.sum::<f64>()
             } else {
                 row.up + row.down
             };
@@ -299,20 +292,25 @@ impl Carrier {
         });
     }
 
+    /// Factor with which a particle takes part in a path, whose other end may be the later one.
+    #[inline(always)]
+    fn factor(&self, slot: usize, later: bool) -> f64 {
+        if later { self.factors[0][slot] } else { self.factors[1][slot] }
+    }
+
     /// What the bend of the profile takes from what a path carries and conducts (W/m3).
     #[inline(always)]
-    fn bend(&self, network: &Network, i: usize, k: usize) -> f64 {
-        let j = network.partners[k] as usize;
+    fn bend(&self, network: &Network, i: usize, j: usize, slot: usize) -> f64 {
         let conducted = if self.conducted.is_empty() {
             0.0
         } else {
-            network.even_weights[k] * (self.conducted[i] - self.conducted[j])
+            network.even_weights[slot] * (self.conducted[i] - self.conducted[j])
         };
         if !self.bends {
             return conducted;
         }
         let rise = self.gradients[j] - self.gradients[i];
-        conducted + self.sixth * self.water[k] * network.spans[k].dot(rise)
+        conducted + (self.bent[0][slot] * rise.x + self.bent[1][slot] * rise.y)
     }
 
     /// Gradients of the temperature: half of the sum, as the second moment of weights is twice the unit matrix.
@@ -320,8 +318,9 @@ impl Carrier {
         each(state.pool, &mut self.gradients, |i, gradient| {
             let own = state.temperature[i];
             let paths = network.starts[i]..network.starts[i + 1];
+            let weight = |k: usize| 0.5 * network.weights[network.slots[k] as usize];
             let rise = |k: usize| state.temperature[network.partners[k] as usize] - own;
-            *gradient = paths.map(|k| 0.5 * network.weights[k] * rise(k) * network.arms[k]).sum();
+            *gradient = paths.map(|k| weight(k) * rise(k) * network.arms[k]).sum();
         });
         for (opening, wall) in network.openings.iter().zip(state.openings) {
             let (own, image) = (opening.particle as usize, opening.image as usize);
@@ -334,17 +333,60 @@ impl Carrier {
     /// What each particle gains with the whole exchange, and what lies around it.
     fn gather(&mut self, network: &Network, state: &State<'_>) {
         let mut rows = std::mem::take(&mut self.rows);
-        let (factors, exchange, this) = (&self.factors, &self.exchange, &*self);
-        each(state.pool, &mut rows, |i, row| {
+        match &network.diagonals {
+            Some(diagonals) if !state.mixed => self.gather_diagonals(network, diagonals, state, &mut rows),
+            _ => self.gather_paths(network, state, &mut rows),
+        }
+        self.rows = rows;
+        for (i, temperature) in state.beside {
+            let wall = (state.enthalpy_at)(*i as usize, *temperature);
+            let row = &mut self.rows[*i as usize];
+            (row.least, row.most) = (row.least.min(wall), row.most.max(wall));
+        }
+    }
+
+    fn gather_diagonals(&mut self, network: &Network, diagonals: &Diagonals, state: &State<'_>, rows: &mut [Row]) {
+        let (pad, count) = (diagonals.pad, rows.len());
+        let copied = [state.temperature, state.enthalpy, &self.conducted];
+        for (column, values) in self.columns.iter_mut().zip(copied) {
+            column[pad..pad + values.len()].copy_from_slice(values);
+        }
+        let [temperature, enthalpy, conducted, x, y] = &mut self.columns;
+        if self.bends {
+            for (i, gradient) in self.gradients.iter().enumerate() {
+                (x[pad + i], y[pad + i]) = (gradient.x, gradient.y);
+            }
+        }
+        fn when(used: bool, column: &[f64]) -> &[f64] {
+            if used { column } else { &[] }
+        }
+        let carried = Carried {
+            factors: [&self.factors[0], &self.factors[1]],
+            exchange: when(self.exchanges, &self.exchange),
+            weights: &network.weights,
+            even: when(!self.conducted.is_empty(), &network.even_weights),
+            bends: [when(self.bends, &self.bent[0]), when(self.bends, &self.bent[1])],
+        };
+        let fields = Fields { temperature, enthalpy, conducted, gradients: [x, y] };
+        let task = |(number, rows): (usize, &mut [Row])| diagonals.gather(&carried, &fields, number * TASK, rows);
+        match state.pool {
+            Some(pool) if count > 2 * TASK => {
+                pool.install(|| rows.par_chunks_mut(TASK).enumerate().for_each(task));
+            }
+            _ => rows.chunks_mut(TASK).enumerate().for_each(task),
+        }
+    }
+
+    fn gather_paths(&self, network: &Network, state: &State<'_>, rows: &mut [Row]) {
+        each(state.pool, rows, |i, row| {
             let (own, enthalpy) = (state.temperature[i], state.enthalpy[i]);
             *row = Row { least: enthalpy, most: enthalpy, ..Row::default() };
             let mut warmest = (own, i);
             let mut coldest = (own, i);
-            for k in network.starts[i]..network.starts[i + 1] {
-                let j = network.partners[k] as usize;
+            for (j, slot, later) in network.paths(i) {
                 let rise = state.temperature[j] - own;
-                row.gain += factors[k] * rise;
-                let back = this.bend(network, i, k) - exchange[k] * rise;
+                row.gain += self.factor(slot, later) * rise;
+                let back = self.bend(network, i, j, slot) - self.exchange[slot] * rise;
                 if back > 0.0 {
                     row.up += back;
                 } else {
@@ -364,12 +406,6 @@ impl Carrier {
                 row.least = row.least.min((state.enthalpy_at)(i, coldest.0));
             }
         });
-        self.rows = rows;
-        for (i, temperature) in state.beside {
-            let wall = (state.enthalpy_at)(*i as usize, *temperature);
-            let row = &mut self.rows[*i as usize];
-            (row.least, row.most) = (row.least.min(wall), row.most.max(wall));
-        }
     }
 
     /// How much of the exchange may be taken back at each particle; marks those where it is not all.
@@ -433,9 +469,8 @@ pub fn velocities(network: &Network, pressure: &Pressure) -> Vec<DVec2> {
     let values = &pressure.pressure;
     let mut found: Vec<DVec2> = (0..network.len())
         .map(|i| {
-            let paths = network.starts[i]..network.starts[i + 1];
-            let water = |k: usize| pressure.conductances[k] * (values[i] - values[network.partners[k] as usize]);
-            paths.map(|k| 0.5 * water(k) * network.arms[k]).sum()
+            let paths = network.paths(i).zip(&network.arms[network.starts[i]..network.starts[i + 1]]);
+            paths.map(|((j, slot, _), arm)| 0.5 * pressure.conductances[slot] * (values[i] - values[j]) * *arm).sum()
         })
         .collect();
     for (opening, conductance) in network.openings.iter().zip(&pressure.mouths) {

@@ -79,14 +79,14 @@ impl Coarse {
         Coarse { blocks, count, starts, columns, values, of_path, of_particle, factor, work }
     }
 
-    /// Takes a matrix by its diagonal and the entries of paths.
+    /// Takes a matrix by its diagonal and the entries of slots.
     pub(super) fn assemble(&mut self, network: &Network, diagonal: &[f64], rest: &[f64]) {
         self.values.fill(0.0);
         self.factor.fill(0.0);
         for i in 0..network.len() {
             self.values[self.of_particle[i] as usize] += diagonal[i];
             for k in network.starts[i]..network.starts[i + 1] {
-                self.values[self.of_path[k] as usize] += rest[k];
+                self.values[self.of_path[k] as usize] += rest[network.slots[k] as usize];
             }
             let row = self.blocks[i] as usize * self.count;
             for entry in self.starts[i]..self.starts[i + 1] {

@@ -38,7 +38,12 @@ fn run(mut plan: Plan) -> (f64, u64) {
     let (mut time, mut index) = (0.0, 0);
     let began = ThreadTime::now();
     while time < DURATION {
-        let clock = Clock { time, step: plan.step.min(plan.method.wanted_step()).min(DURATION - time), index, turned: index == 0 };
+        let clock = Clock {
+            time,
+            step: plan.step.min(plan.method.wanted_step()).min(DURATION - time),
+            index,
+            turned: index == 0,
+        };
         time += plan.method.advance(&mut plan.particles, &clock).expect("a step");
         index += 1;
     }
@@ -46,7 +51,10 @@ fn run(mut plan: Plan) -> (f64, u64) {
 }
 
 fn main() {
-    println!("{:<8} {:>10} {:>14} {:>14} {:>16} {:>10}", "method", "steps", "ms a step", "list", "lattice", "over list");
+    println!(
+        "{:<8} {:>10} {:>14} {:>14} {:>16} {:>10}",
+        "method", "steps", "ms a step", "list", "lattice", "over list"
+    );
     for method in ["pd", "sph", "local"] {
         let mut times: [Vec<f64>; 3] = Default::default();
         let mut steps = 0;

@@ -47,18 +47,23 @@ pub struct Mouth {
 /// Water of all paths at one solution for the pressure, as heat meets it.
 #[derive(Debug, Clone, Default)]
 pub struct Carrier {
-    /// Factors of `T_j - T_i` for the earlier end i of each path, and of `T_i - T_j` for the later (W/m3K), by slot.
-    factors: [Vec<f64>; 2],
-    /// Exchange beside it that is limited (W/m3K), by slot; empty where there is none.
+    /// Heat carried along each path from its earlier end, for each kelvin of the mean of both ends (W/m3K), by slot.
+    carried: Vec<f64>,
+    /// Exchange of both ends beside it (W/m3K), by slot; empty where there is none.
     exchange: Vec<f64>,
-    /// Water from the earlier to the later end of each path (1/s by volume), by slot.
-    water: Vec<f64>,
+    /// Exchange beside walls, of particles that see each other's images (W/m3K), by slot; and the paths that have some, with
+    /// both ends.
+    beside: Vec<f64>,
+    beside_walls: Vec<(u32, u32, u32)>,
     /// Water through walls.
     pub mouths: Vec<Mouth>,
     /// Water that each particle keeps (1/s by volume).
     pub kept: Vec<f64>,
     /// Greatest sum of factors of one particle (W/m3K), and the particle.
     pub greatest: (f64, usize),
+    /// Least conductivity of each particle (W/mK), and the sum of its factors (W/m3K).
+    least: Vec<f64>,
+    sums: Vec<f64>,
     limits_now: bool,
     exchanges: bool,
     /// Whether gradients are used, the gradients, and what paths make of them, by slot.
@@ -91,10 +96,13 @@ pub(super) struct Row {
 impl Held for Carrier {
     fn held(&self) -> usize {
         let rows = self.rows.capacity() * size_of::<Row>() + self.mouths.capacity() * size_of::<Mouth>();
-        let paths = self.exchange.held() + self.water.held();
-        let more = self.factors.iter().chain(&self.bent).chain(&self.columns).map(Held::held).sum::<usize>();
+        let paths = self.exchange.held() + self.least.held() + self.sums.held();
+        let more = self.bent.iter().chain(&self.columns).map(Held::held).sum::<usize>();
+        let beside = self.beside.held() + self.beside_walls.capacity() * size_of::<(u32, u32, u32)>();
         rows + paths
             + more
+            + beside
+            + self.carried.held()
             + self.conducted.held()
             + self.kept.held()
             + self.mouth_of.held()
@@ -118,8 +126,10 @@ impl Carrier {
     pub fn new(network: &Network, advection: Advection) -> Self {
         let (count, paths) = (network.len(), network.places);
         let mut carrier = Carrier {
-            factors: [vec![0.0; paths], vec![0.0; paths]],
-            water: vec![0.0; paths],
+            carried: vec![0.0; paths],
+            beside: vec![0.0; paths],
+            least: vec![0.0; count],
+            sums: vec![0.0; count],
             kept: vec![0.0; count],
             mouth_of: Vec::with_capacity(network.openings.len()),
             ..Carrier::default()
@@ -135,14 +145,16 @@ impl Carrier {
             }
             carrier.mouth_of.push(place as u32);
         }
-        if advection == Advection::Limited {
+        if !matches!(advection, Advection::Central | Advection::Paper) {
             carrier.exchange = vec![0.0; paths];
+        }
+        if advection == Advection::Limited {
             carrier.rows = vec![Row::default(); count];
             carrier.marked = vec![false; count];
             carrier.limits = vec![(1.0, 1.0); count];
-            if let Some(diagonals) = &network.diagonals {
-                carrier.columns = std::array::from_fn(|_| vec![0.0; diagonals.padded()]);
-            }
+        }
+        if let Some(diagonals) = &network.diagonals {
+            carrier.columns = std::array::from_fn(|_| vec![0.0; diagonals.padded()]);
         }
         carrier
     }
@@ -155,11 +167,13 @@ impl Carrier {
 
     /// Takes the water of a solution for the pressure.
     pub fn take(&mut self, network: &Network, pressure: &Pressure, ground: &Ground<'_>, advection: Advection) {
-        self.follow(network, pressure, advection);
+        self.follow(network, pressure, ground.capacity, advection);
         for mouth in &mut self.mouths {
             (mouth.inflow, mouth.outflow) = (0.0, 0.0);
         }
-        self.factors[0].fill(0.0);
+        for (_, _, slot) in self.beside_walls.drain(..) {
+            self.beside[slot as usize] = 0.0;
+        }
         let values = &pressure.pressure;
         for ((opening, conductance), mouth) in network.openings.iter().zip(&pressure.mouths).zip(&self.mouth_of) {
             let (own, image) = (values[opening.particle as usize], values[opening.image as usize]);
@@ -181,29 +195,33 @@ impl Carrier {
                 && advection != Advection::Upwind
                 && (enters_warm || leaves_free)
             {
-                self.factors[0][network.slots[opening.path as usize] as usize] -= 0.5 * ground.capacity * water.abs();
+                let slot = network.slots[opening.path as usize];
+                if self.beside[slot as usize] == 0.0 {
+                    self.beside_walls.push((opening.particle, opening.image, slot));
+                }
+                self.beside[slot as usize] -= 0.5 * ground.capacity * water.abs();
             }
         }
         self.bound(network, ground, advection);
     }
 
     /// The water of paths, and what particles keep of it.
-    fn follow(&mut self, network: &Network, pressure: &Pressure, advection: Advection) {
+    fn follow(&mut self, network: &Network, pressure: &Pressure, capacity: f64, advection: Advection) {
         let values = &pressure.pressure;
         let velocity = if advection == Advection::Paper { velocities(network, pressure) } else { Vec::new() };
-        self.kept.fill(0.0);
-        for i in 0..network.len() {
-            for (j, slot) in network.later(i) {
-                let water = if advection == Advection::Paper {
-                    0.5 * network.weights[slot] * network.spans[slot].dot(velocity[i] + velocity[j])
-                } else {
-                    pressure.conductances[slot] * (values[i] - values[j])
-                };
-                self.water[slot] = water;
-                self.kept[i] -= water;
-                self.kept[j] += water;
-            }
-        }
+        let Carrier { carried, kept, .. } = self;
+        kept.fill(0.0);
+        network.each_path(|i, j, slot| {
+            let sent = if advection == Advection::Paper {
+                0.5 * network.weights[slot] * network.spans[slot].dot(velocity[i] + velocity[j])
+            } else {
+                pressure.conductances[slot] * (values[i] - values[j])
+            };
+            // Water along a path carries half of each end's temperature.
+            carried[slot] = 0.5 * capacity * sent;
+            kept[i] -= sent;
+            kept[j] += sent;
+        });
     }
 
     /// Adds the exchange that keeps factors and conduction together from being negative, and finds the greatest sum.
@@ -212,38 +230,38 @@ impl Carrier {
         let central = matches!(advection, Advection::Central | Advection::Paper);
         let stiff = |factor: f64| if central { factor.abs() } else { factor.max(0.0) };
         let may_bend = matches!(advection, Advection::Central | Advection::Limited);
-        let mut sums = vec![0.0; network.len()];
-        (self.bends, self.exchanges) = (false, false);
-        for i in 0..network.len() {
-            let own = (ground.least_conductivity)(i);
-            for (j, slot) in network.later(i) {
-                // Water along a path carries half of each end's temperature.
-                let carried = 0.5 * ground.capacity * self.water[slot];
-                let beside = self.factors[0][slot];
-                let conducted = network.heat_weights[slot] * own.min((ground.least_conductivity)(j));
-                self.bends |= may_bend && 2.0 * carried.abs() > FAST * conducted.abs();
-                let exchange = match advection {
-                    Advection::Central | Advection::Paper => 0.0,
-                    Advection::Upwind => carried.abs() - beside,
-                    Advection::Blended | Advection::Limited => (carried.abs() - beside - conducted).max(0.0),
-                };
-                let (forth, back) = (beside - carried + exchange, beside + carried + exchange);
-                (self.factors[0][slot], self.factors[1][slot]) = (forth, back);
-                sums[i] += stiff(forth);
-                sums[j] += stiff(back);
-                if limited {
-                    self.exchange[slot] = exchange;
-                    self.exchanges |= exchange > 0.0;
-                }
-            }
+        for (i, least) in self.least.iter_mut().enumerate() {
+            *least = (ground.least_conductivity)(i);
         }
-        self.limits_now = limited && (self.bends || self.exchanges);
+        let Carrier { carried, exchange, beside, least, sums, .. } = self;
+        let (mut bends, mut exchanges) = (false, false);
+        sums.fill(0.0);
+        network.each_path(|i, j, slot| {
+            let (carried, beside) = (carried[slot], beside[slot]);
+            let conducted = network.heat_weights[slot] * least[i].min(least[j]);
+            bends |= may_bend && 2.0 * carried.abs() > FAST * conducted.abs();
+            let added = match advection {
+                Advection::Central | Advection::Paper => 0.0,
+                Advection::Upwind => carried.abs() - beside,
+                Advection::Blended | Advection::Limited => (carried.abs() - beside - conducted).max(0.0),
+            };
+            if !central {
+                exchange[slot] = added;
+                exchanges |= added > 0.0;
+            }
+            sums[i] += stiff(beside - carried + added);
+            sums[j] += stiff(beside + carried + added);
+        });
+        (self.bends, self.exchanges) = (bends, exchanges);
+        self.limits_now = limited && (bends || exchanges);
         self.gradients.resize(if self.bends { network.len() } else { 0 }, DVec2::ZERO);
         if self.bends {
-            let sixth = ground.capacity / 6.0;
-            let along = |axis: usize| network.spans.iter().zip(&self.water).map(move |(span, water)| sixth * water * span[axis]);
-            self.bent = [along(0).collect(), along(1).collect()];
+            for (axis, bent) in self.bent.iter_mut().enumerate() {
+                bent.clear();
+                bent.extend(network.spans.iter().zip(&self.carried).map(|(span, carried)| carried / 3.0 * span[axis]));
+            }
         }
+        let sums = &mut self.sums;
         for mouth in &self.mouths {
             sums[mouth.particle as usize] += ground.capacity * mouth.inflow;
         }
@@ -260,19 +278,32 @@ impl Carrier {
         }
         let limits_now = self.limits_now || !self.conducted.is_empty();
         if !limits_now {
-            let this = &*self;
-            each(state.pool, rate, |i, rate| {
-                let own = temperature[i];
-                for (j, slot, later) in network.paths(i) {
-                    *rate += this.factor(slot, later) * (temperature[j] - own);
-                    if this.bends {
-                        *rate += this.bend(network, i, j, slot);
-                    }
+            self.exchange_beside(temperature, |particle, gain| rate[particle] += gain);
+            match &network.diagonals {
+                Some(diagonals) if !self.bends => {
+                    let [column, ..] = &mut self.columns;
+                    column[diagonals.pad..diagonals.pad + temperature.len()].copy_from_slice(temperature);
+                    let exchange = when(self.exchanges, &self.exchange);
+                    tasks(state.pool, rate, |first, rates| {
+                        diagonals.carry(&self.carried, exchange, &self.columns[0], first, rates);
+                    });
                 }
-            });
+                _ => each(state.pool, rate, |i, rate| {
+                    let own = temperature[i];
+                    for (j, slot, later) in network.paths(i) {
+                        *rate += self.factor(slot, later) * (temperature[j] - own);
+                        if self.bends {
+                            *rate += self.bend(network, i, j, slot);
+                        }
+                    }
+                }),
+            }
             return;
         }
         self.gather(network, state);
+        let mut rows = std::mem::take(&mut self.rows);
+        self.exchange_beside(temperature, |particle, gain| rows[particle].gain += gain);
+        self.rows = rows;
         self.limit(network, state, rate);
         let (rows, limits, marked, this) = (&self.rows, &self.limits, &self.marked, &*self);
         each(state.pool, rate, |i, rate| {
@@ -281,7 +312,8 @@ impl Carrier {
                 let (own, (up, down)) = (temperature[i], limits[i]);
                 let share = |j: usize, back: f64| if back > 0.0 { up.min(limits[j].1) } else { down.min(limits[j].0) };
                 let paths = network.paths(i).map(|(j, slot, _)| {
-                    let back = this.exchange[slot] * (own - temperature[j]) + this.bend(network, i, j, slot);
+                    let exchange = if this.exchanges { this.exchange[slot] } else { 0.0 };
+                    let back = exchange * (own - temperature[j]) + this.bend(network, i, j, slot);
                     back * share(j, back)
                 });
                 paths.sum::<f64>()
@@ -292,10 +324,21 @@ impl Carrier {
         });
     }
 
+    /// What particles exchange that see each other's images behind walls (W/m3).
+    fn exchange_beside(&self, temperature: &[f64], mut add: impl FnMut(usize, f64)) {
+        for (i, j, slot) in &self.beside_walls {
+            let (i, j) = (*i as usize, *j as usize);
+            let gain = self.beside[*slot as usize] * (temperature[j] - temperature[i]);
+            add(i, gain);
+            add(j, -gain);
+        }
+    }
+
     /// Factor with which a particle takes part in a path, whose other end may be the later one.
     #[inline(always)]
     fn factor(&self, slot: usize, later: bool) -> f64 {
-        if later { self.factors[0][slot] } else { self.factors[1][slot] }
+        let exchange = if self.exchanges { self.exchange[slot] } else { 0.0 };
+        if later { exchange - self.carried[slot] } else { exchange + self.carried[slot] }
     }
 
     /// What the bend of the profile takes from what a path carries and conducts (W/m3).
@@ -346,7 +389,7 @@ impl Carrier {
     }
 
     fn gather_diagonals(&mut self, network: &Network, diagonals: &Diagonals, state: &State<'_>, rows: &mut [Row]) {
-        let (pad, count) = (diagonals.pad, rows.len());
+        let pad = diagonals.pad;
         let copied = [state.temperature, state.enthalpy, &self.conducted];
         for (column, values) in self.columns.iter_mut().zip(copied) {
             column[pad..pad + values.len()].copy_from_slice(values);
@@ -357,24 +400,15 @@ impl Carrier {
                 (x[pad + i], y[pad + i]) = (gradient.x, gradient.y);
             }
         }
-        fn when(used: bool, column: &[f64]) -> &[f64] {
-            if used { column } else { &[] }
-        }
         let carried = Carried {
-            factors: [&self.factors[0], &self.factors[1]],
+            carried: &self.carried,
             exchange: when(self.exchanges, &self.exchange),
-            weights: &network.weights,
+            paths: if self.conducted.is_empty() { &network.weights } else { &network.even_weights },
             even: when(!self.conducted.is_empty(), &network.even_weights),
             bends: [when(self.bends, &self.bent[0]), when(self.bends, &self.bent[1])],
         };
         let fields = Fields { temperature, enthalpy, conducted, gradients: [x, y] };
-        let task = |(number, rows): (usize, &mut [Row])| diagonals.gather(&carried, &fields, number * TASK, rows);
-        match state.pool {
-            Some(pool) if count > 2 * TASK => {
-                pool.install(|| rows.par_chunks_mut(TASK).enumerate().for_each(task));
-            }
-            _ => rows.chunks_mut(TASK).enumerate().for_each(task),
-        }
+        tasks(state.pool, rows, |first, rows| diagonals.gather(&carried, &fields, first, rows));
     }
 
     fn gather_paths(&self, network: &Network, state: &State<'_>, rows: &mut [Row]) {
@@ -386,7 +420,8 @@ impl Carrier {
             for (j, slot, later) in network.paths(i) {
                 let rise = state.temperature[j] - own;
                 row.gain += self.factor(slot, later) * rise;
-                let back = self.bend(network, i, j, slot) - self.exchange[slot] * rise;
+                let exchange = if self.exchanges { self.exchange[slot] } else { 0.0 };
+                let back = self.bend(network, i, j, slot) - exchange * rise;
                 if back > 0.0 {
                     row.up += back;
                 } else {
@@ -448,19 +483,25 @@ pub struct State<'a> {
     pub pool: Option<&'a Arc<ThreadPool>>,
 }
 
-/// Does something to each row, in tasks of fixed size.
-fn each<T: Send>(pool: Option<&Arc<ThreadPool>>, rows: &mut [T], one: impl Fn(usize, &mut T) + Sync) {
-    let task = |(number, rows): (usize, &mut [T])| {
-        for (offset, row) in rows.iter_mut().enumerate() {
-            one(number * TASK + offset, row);
-        }
-    };
+/// A column, if it is used.
+fn when(used: bool, column: &[f64]) -> &[f64] {
+    if used { column } else { &[] }
+}
+
+/// Does something to tasks of fixed size, by the number of their first row.
+fn tasks<T: Send>(pool: Option<&Arc<ThreadPool>>, rows: &mut [T], one: impl Fn(usize, &mut [T]) + Sync) {
+    let task = |(number, rows): (usize, &mut [T])| one(number * TASK, rows);
     match pool {
         Some(pool) if rows.len() > 2 * TASK => {
             pool.install(|| rows.par_chunks_mut(TASK).enumerate().for_each(task));
         }
         _ => rows.chunks_mut(TASK).enumerate().for_each(task),
     }
+}
+
+/// Does something to each row, in tasks of fixed size.
+fn each<T: Send>(pool: Option<&Arc<ThreadPool>>, rows: &mut [T], one: impl Fn(usize, &mut T) + Sync) {
+    tasks(pool, rows, |first, rows| rows.iter_mut().enumerate().for_each(|(offset, row)| one(first + offset, row)));
 }
 
 /// Darcy velocities (m/s) of all particles, from the water of their paths and openings.

@@ -33,12 +33,12 @@ type Lanes = [f64; LANES];
 
 /// What paths carry, by place on the diagonals; empty where it is not used.
 pub struct Carried<'a> {
-    /// Factors of `T_j - T_i` from the lower end and from the higher.
-    pub factors: [&'a [f64]; 2],
+    /// Heat that water carries from the earlier end for each kelvin.
+    pub carried: &'a [f64],
     /// Exchange that is limited.
     pub exchange: &'a [f64],
-    /// Weights of the paths (m^-2).
-    pub weights: &'a [f64],
+    /// Not zero where there is a path.
+    pub paths: &'a [f64],
     /// Weights of what conduction corrects (m^-2).
     pub even: &'a [f64],
     /// Weights of what gradients correct.
@@ -145,6 +145,15 @@ impl Diagonals {
         }
     }
 
+    /// Adds to rates what water brings and what particles exchange beside it; `first` is the first of the rates.
+    pub fn carry(&self, carried: &[f64], exchange: &[f64], temperature: &[f64], first: usize, rates: &mut [f64]) {
+        if exchange.is_empty() {
+            carry::<false>(self, carried, exchange, temperature, first, rates);
+        } else {
+            carry::<true>(self, carried, exchange, temperature, first, rates);
+        }
+    }
+
     /// The product of a symmetric matrix with a column that has room on both sides.
     pub fn multiply(&self, diagonal: &[f64], rest: &[f64], column: &[f64], image: &mut [f64]) {
         multiply(self, diagonal, rest, column, image);
@@ -157,6 +166,7 @@ impl Diagonals {
 }
 
 widest!(gather, gather_rows<EXCHANGE, BENDS, CORRECTED>, (own: &Diagonals, carried: &Carried<'_>, fields: &Fields<'_>, first: usize, rows: &mut [Row]));
+widest!(carry, carry_rows<EXCHANGE>, (own: &Diagonals, carried: &[f64], exchange: &[f64], temperature: &[f64], first: usize, rates: &mut [f64]));
 widest!(multiply, multiply_rows, (own: &Diagonals, diagonal: &[f64], rest: &[f64], column: &[f64], image: &mut [f64]));
 widest!(sweep, sweep_rows, (own: &Diagonals, inverse: &[f64], rest: &[f64], residual: &[f64], swept: &mut [f64]));
 
@@ -196,18 +206,20 @@ fn gather_rows<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
         let (mut gain, mut up, mut down) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         let (mut least, mut most) = (own.enthalpy, own.enthalpy);
         for (number, offset) in diagonals.offsets.iter().enumerate() {
-            for (side, factors) in carried.factors.iter().enumerate() {
+            for side in 0..2 {
                 // From the lower end the path has the particle's own place, from the higher that of the other end.
                 let (place, partner) = if side == 0 { (at, at + offset) } else { (at - offset, at - offset) };
                 let place = number * diagonals.stride + place;
                 let other = Own::at::<BENDS, CORRECTED>(fields, partner);
-                let (factor, weight) = (lanes(factors, place), lanes(carried.weights, place));
+                let (water, path) = (lanes(carried.carried, place), lanes(carried.paths, place));
                 let exchange = if EXCHANGE { lanes(carried.exchange, place) } else { [0.0; LANES] };
                 let even = if CORRECTED { lanes(carried.even, place) } else { [0.0; LANES] };
                 let bends = if BENDS { carried.bends.map(|column| lanes(column, place)) } else { [[0.0; LANES]; 2] };
                 for lane in 0..LANES {
                     let rise = other.temperature[lane] - own.temperature[lane];
-                    gain[lane] += factor[lane] * rise;
+                    // Water to a partner brings none of its heat.
+                    let brought = water[lane] * rise;
+                    gain[lane] += if side == 0 { -brought } else { brought };
                     let mut back = 0.0;
                     if CORRECTED {
                         back += even[lane] * (own.conducted[lane] - other.conducted[lane]);
@@ -217,11 +229,12 @@ fn gather_rows<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
                             + bends[1][lane] * (other.gradients[1][lane] - own.gradients[1][lane]);
                     }
                     if EXCHANGE {
+                        gain[lane] += exchange[lane] * rise;
                         back -= exchange[lane] * rise;
                     }
                     up[lane] += if back > 0.0 { back } else { 0.0 };
                     down[lane] += if back < 0.0 { back } else { 0.0 };
-                    let there = if weight[lane] != 0.0 { other.enthalpy[lane] } else { own.enthalpy[lane] };
+                    let there = if path[lane] != 0.0 { other.enthalpy[lane] } else { own.enthalpy[lane] };
                     least[lane] = if there < least[lane] { there } else { least[lane] };
                     most[lane] = if there > most[lane] { there } else { most[lane] };
                 }
@@ -229,6 +242,40 @@ fn gather_rows<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
         }
         for (lane, row) in rows.iter_mut().enumerate() {
             *row = Row { gain: gain[lane], up: up[lane], down: down[lane], least: least[lane], most: most[lane] };
+        }
+    }
+}
+
+#[inline(always)]
+fn carry_rows<const EXCHANGE: bool>(
+    diagonals: &Diagonals,
+    carried: &[f64],
+    exchange: &[f64],
+    temperature: &[f64],
+    first: usize,
+    rates: &mut [f64],
+) {
+    for (block, rates) in rates.chunks_mut(LANES).enumerate() {
+        let at = diagonals.pad + first + block * LANES;
+        let own = lanes(temperature, at);
+        let mut gain = [0.0; LANES];
+        for (number, offset) in diagonals.offsets.iter().enumerate() {
+            let place = number * diagonals.stride + at;
+            let (higher, lower) = (lanes(temperature, at + offset), lanes(temperature, at - offset));
+            let (forth, back) = (lanes(carried, place), lanes(carried, place - offset));
+            for lane in 0..LANES {
+                // Water to a partner brings none of its heat.
+                gain[lane] += back[lane] * (lower[lane] - own[lane]) - forth[lane] * (higher[lane] - own[lane]);
+            }
+            if EXCHANGE {
+                let (forth, back) = (lanes(exchange, place), lanes(exchange, place - offset));
+                for lane in 0..LANES {
+                    gain[lane] += back[lane] * (lower[lane] - own[lane]) + forth[lane] * (higher[lane] - own[lane]);
+                }
+            }
+        }
+        for (rate, gain) in rates.iter_mut().zip(gain) {
+            *rate += gain;
         }
     }
 }

@@ -233,12 +233,27 @@ impl Network {
         range.map(move |k| (self.partners[k] as usize, self.slots[k] as usize, k >= later))
     }
 
-    /// Later partners of a particle, with slots.
-    #[inline]
-    pub fn later(&self, particle: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let range = self.laters[particle]..self.starts[particle + 1];
-        let slots = self.slots[range.clone()].iter().map(|slot| *slot as usize);
-        self.partners[range].iter().map(|j| *j as usize).zip(slots)
+    /// Does something to every path once, by its earlier and its later end and its slot, in the order of slots. Places on
+    /// diagonals without a path come too: their weights are zero.
+    #[inline(always)]
+    pub fn each_path(&self, mut one: impl FnMut(usize, usize, usize)) {
+        match &self.diagonals {
+            Some(diagonals) => {
+                for (number, offset) in diagonals.offsets.iter().enumerate() {
+                    let base = number * diagonals.stride + diagonals.pad;
+                    for i in 0..self.len() - offset {
+                        one(i, i + offset, base + i);
+                    }
+                }
+            }
+            None => {
+                for i in 0..self.len() {
+                    for k in self.laters[i]..self.starts[i + 1] {
+                        one(i, self.partners[k] as usize, self.slots[k] as usize);
+                    }
+                }
+            }
+        }
     }
 
     /// Number of particles.

@@ -10,6 +10,7 @@ mod coarse;
 use glam::DVec2;
 
 use self::coarse::Coarse;
+use super::diagonals::LANES;
 use super::network::{NONE, Network, Opening};
 use crate::memory::Held;
 use crate::scene::Mean;
@@ -53,7 +54,8 @@ pub struct Pressure {
 
 impl Held for Pressure {
     fn held(&self) -> usize {
-        let columns = [&self.pressure, &self.diagonal, &self.inverse, &self.right, &self.residual, &self.swept, &self.direction];
+        let columns =
+            [&self.pressure, &self.diagonal, &self.inverse, &self.right, &self.residual, &self.swept, &self.direction];
         let columns: usize = columns.iter().map(|column| column.held()).sum();
         let paths = self.conductances.held() + self.mouths.held() + self.rest.held();
         columns + self.image.held() + paths + self.coarse.held()
@@ -162,17 +164,17 @@ impl Pressure {
         taken: Option<&[f64]>,
         mean: impl Fn(f64, f64) -> f64,
     ) {
-        self.diagonal.fill(0.0);
-        for i in 0..network.len() {
-            let own = conductivity[i];
-            for (j, slot) in network.later(i) {
-                let conductance = network.weights[slot] * mean(own, conductivity[j]);
-                self.conductances[slot] = conductance;
-                self.rest[slot] = -conductance;
-                self.diagonal[i] += conductance;
-                self.diagonal[j] += conductance;
-            }
-            self.right[i] = taken.map_or(0.0, |taken| -taken[i]);
+        let Pressure { diagonal, conductances, rest, right, .. } = self;
+        diagonal.fill(0.0);
+        network.each_path(|i, j, slot| {
+            let conductance = network.weights[slot] * mean(conductivity[i], conductivity[j]);
+            conductances[slot] = conductance;
+            rest[slot] = -conductance;
+            diagonal[i] += conductance;
+            diagonal[j] += conductance;
+        });
+        for (i, right) in right.iter_mut().enumerate() {
+            *right = taken.map_or(0.0, |taken| -taken[i]);
         }
         for (opening, mouth) in network.openings.iter().zip(&mut self.mouths) {
             let (i, j) = (opening.particle as usize, opening.image as usize);
@@ -197,14 +199,13 @@ impl Pressure {
 
     /// Water that passes through particles by volume (1/s), in the root of the sum of squares.
     fn passing(&mut self, network: &Network) -> f64 {
-        self.image.fill(0.0);
-        for i in 0..network.len() {
-            for (j, slot) in network.later(i) {
-                let water = self.conductances[slot] * (self.pressure[i] - self.pressure[j]).abs();
-                self.image[i] += water;
-                self.image[j] += water;
-            }
-        }
+        let Pressure { image, conductances, pressure, .. } = self;
+        image.fill(0.0);
+        network.each_path(|i, j, slot| {
+            let water = conductances[slot] * (pressure[i] - pressure[j]).abs();
+            image[i] += water;
+            image[j] += water;
+        });
         dot(&self.image, &self.image).sqrt()
     }
 
@@ -241,6 +242,15 @@ impl Pressure {
     }
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+/// The sum of products, in as many sums as vectors are wide.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (wide, rest) = (a.chunks_exact(LANES).zip(b.chunks_exact(LANES)), a.len() / LANES * LANES);
+    for (a, b) in wide {
+        for lane in 0..LANES {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    let rest: f64 = a[rest..].iter().zip(&b[rest..]).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
 }

@@ -24,8 +24,8 @@ pub(super) struct Coarse {
     /// Block of each entry.
     columns: Vec<u32>,
     values: Vec<f64>,
-    /// Entry of each path, and of each particle itself.
-    of_path: Vec<u32>,
+    /// Entries of each path, from its earlier end and from its later, by slot; and of each particle itself.
+    of_path: Vec<[u32; 2]>,
     of_particle: Vec<u32>,
     /// Lower triangle of the factor, row by row.
     factor: Vec<f64>,
@@ -34,8 +34,9 @@ pub(super) struct Coarse {
 
 impl Held for Coarse {
     fn held(&self) -> usize {
-        let indices = self.blocks.held() + self.columns.held() + self.of_path.held() + self.of_particle.held();
-        indices + self.starts.held() + self.values.held() + self.factor.held() + self.work.held()
+        let indices = self.blocks.held() + self.columns.held() + self.of_particle.held();
+        let paths = self.of_path.capacity() * size_of::<[u32; 2]>();
+        indices + paths + self.starts.held() + self.values.held() + self.factor.held() + self.work.held()
     }
 }
 
@@ -57,7 +58,7 @@ impl Coarse {
         let blocks: Vec<u32> = positions.iter().map(block).collect();
         let count = along as usize * across as usize;
         let (mut starts, mut columns) = (vec![0], Vec::new());
-        let (mut of_path, mut of_particle) = (Vec::with_capacity(network.partners.len()), Vec::new());
+        let (mut of_path, mut of_particle) = (vec![[0; 2]; network.places], Vec::new());
         for i in 0..network.len() {
             let start = columns.len();
             let mut entry = |block: u32| {
@@ -69,8 +70,8 @@ impl Coarse {
                 place as u32
             };
             of_particle.push(entry(blocks[i]));
-            for j in &network.partners[network.starts[i]..network.starts[i + 1]] {
-                of_path.push(entry(blocks[*j as usize]));
+            for (j, slot, later) in network.paths(i) {
+                of_path[slot][usize::from(!later)] = entry(blocks[j]);
             }
             starts.push(columns.len());
         }
@@ -85,9 +86,15 @@ impl Coarse {
         self.factor.fill(0.0);
         for i in 0..network.len() {
             self.values[self.of_particle[i] as usize] += diagonal[i];
-            for k in network.starts[i]..network.starts[i + 1] {
-                self.values[self.of_path[k] as usize] += rest[network.slots[k] as usize];
+        }
+        let Coarse { of_path, values, .. } = self;
+        // Places without a path add zero to the first entry.
+        network.each_path(|_, _, slot| {
+            for entry in of_path[slot] {
+                values[entry as usize] += rest[slot];
             }
+        });
+        for i in 0..network.len() {
             let row = self.blocks[i] as usize * self.count;
             for entry in self.starts[i]..self.starts[i + 1] {
                 self.factor[row + self.columns[entry] as usize] += self.values[entry];

@@ -433,8 +433,9 @@ impl FlowMethod {
             let carried = mouth.inflow * (entering - zero) - mouth.outflow * (own - zero);
             doors[self.network.doors[mouth.wall as usize]] += self.volume * self.capacity * carried;
         }
-        let kept: Sum = self.carrier.kept.iter().zip(&self.temperature).map(|(kept, t)| kept * (t - zero)).collect();
-        doors[walls] = -self.volume * self.capacity * kept.value();
+        let (kept, temperature) = (&self.carrier.kept[..enthalpy.len()], &self.temperature[..enthalpy.len()]);
+        let kept = diagonals::sum(kept.len(), |i| kept[i] * (temperature[i] - zero));
+        doors[walls] = -self.volume * self.capacity * kept;
         let materials = &self.materials;
         let enthalpy_at = |particle: usize, temperature: f64| materials.of(particle).enthalpy(temperature);
         let state = State {

@@ -88,7 +88,7 @@ pub(super) struct Row {
     /// What taking the exchange back would add and take (W/m3).
     pub up: f64,
     pub down: f64,
-    /// Least and greatest enthalpy around (J/m3).
+    /// Least and greatest enthalpy around (J/m3), of some partners where those of all are asked for only if need be.
     pub least: f64,
     pub most: f64,
 }
@@ -403,7 +403,7 @@ impl Carrier {
         let carried = Carried {
             carried: &self.carried,
             exchange: when(self.exchanges, &self.exchange),
-            paths: if self.conducted.is_empty() { &network.weights } else { &network.even_weights },
+            weights: &network.weights,
             even: when(!self.conducted.is_empty(), &network.even_weights),
             bends: [when(self.bends, &self.bent[0]), when(self.bends, &self.bent[1])],
         };
@@ -446,12 +446,22 @@ impl Carrier {
     /// How much of the exchange may be taken back at each particle; marks those where it is not all.
     fn limit(&mut self, network: &Network, state: &State<'_>, rate: &[f64]) {
         self.marked.fill(false);
+        let nearest_only = network.diagonals.is_some() && !state.mixed;
+        let share = |room: f64, wanted: f64| if wanted > room { (room / wanted).max(0.0) } else { 1.0 };
         for i in 0..network.len() {
-            let row = &self.rows[i];
+            let mut row = self.rows[i];
             let low = state.enthalpy[i] + state.step * (rate[i] + row.gain);
-            let share = |room: f64, wanted: f64| if wanted > room { (room / wanted).max(0.0) } else { 1.0 };
-            let up = share(row.most - low, state.step * row.up);
-            let down = share(low - row.least, -state.step * row.down);
+            let shares = |row: &Row| {
+                (share(row.most - low, state.step * row.up), share(low - row.least, -state.step * row.down))
+            };
+            let (mut up, mut down) = shares(&row);
+            if nearest_only && (up < 1.0 || down < 1.0) {
+                for (j, ..) in network.paths(i) {
+                    let other = state.enthalpy[j];
+                    (row.least, row.most) = (row.least.min(other), row.most.max(other));
+                }
+                (up, down) = shares(&row);
+            }
             self.limits[i] = (up, down);
             if up < 1.0 || down < 1.0 {
                 self.marked[i] = true;

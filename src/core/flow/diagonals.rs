@@ -10,7 +10,7 @@ use std::array::from_fn;
 use super::carrier::Row;
 
 /// Particles that are handled together.
-pub const LANES: usize = 8;
+pub const LANES: usize = 16;
 
 /// Diagonals, at most.
 const MOST: usize = 128;
@@ -27,6 +27,8 @@ pub struct Diagonals {
     pub pad: usize,
     /// Length of a diagonal.
     pub stride: usize,
+    /// The diagonals of the shortest paths.
+    pub nearest: Vec<usize>,
 }
 
 type Lanes = [f64; LANES];
@@ -37,8 +39,8 @@ pub struct Carried<'a> {
     pub carried: &'a [f64],
     /// Exchange that is limited.
     pub exchange: &'a [f64],
-    /// Not zero where there is a path.
-    pub paths: &'a [f64],
+    /// Weights of the paths (m^-2), not zero where there is one.
+    pub weights: &'a [f64],
     /// Weights of what conduction corrects (m^-2).
     pub even: &'a [f64],
     /// Weights of what gradients correct.
@@ -85,6 +87,19 @@ macro_rules! widest {
     };
 }
 
+/// The sum of so many terms, in as many sums as vectors are wide.
+#[inline]
+pub fn sum(count: usize, term: impl Fn(usize) -> f64) -> f64 {
+    let mut sums = [0.0; LANES];
+    let whole = count / LANES * LANES;
+    for first in (0..whole).step_by(LANES) {
+        for (lane, sum) in sums.iter_mut().enumerate() {
+            *sum += term(first + lane);
+        }
+    }
+    sums.iter().sum::<f64>() + (whole..count).map(term).sum::<f64>()
+}
+
 #[inline(always)]
 fn lanes(column: &[f64], from: usize) -> Lanes {
     let part = &column[from..from + LANES];
@@ -111,7 +126,7 @@ impl Diagonals {
         let pad = offsets.last()?.next_multiple_of(LANES);
         let stride = pad + count.next_multiple_of(LANES) + LANES;
         let full = paths as f64 >= FILLED * (offsets.len() * count) as f64;
-        full.then_some(Diagonals { offsets, pad, stride })
+        full.then_some(Diagonals { offsets, pad, stride, nearest: Vec::new() })
     }
 
     /// Place of the path from a particle to the one that is so much further on.
@@ -130,7 +145,7 @@ impl Diagonals {
         self.stride + self.pad
     }
 
-    /// What each particle gains, what limits may take, and what lies around it; `first` is the first of the rows.
+    /// What each particle gains, what limits may take, and what lies nearest around it; `first` is the first of the rows.
     pub(super) fn gather(&self, carried: &Carried<'_>, fields: &Fields<'_>, first: usize, rows: &mut [Row]) {
         let (exchange, bends) = (!carried.exchange.is_empty(), !carried.bends[0].is_empty());
         match (exchange, bends, !carried.even.is_empty()) {
@@ -174,7 +189,6 @@ widest!(sweep, sweep_rows, (own: &Diagonals, inverse: &[f64], rest: &[f64], resi
 #[derive(Clone, Copy)]
 struct Own {
     temperature: Lanes,
-    enthalpy: Lanes,
     conducted: Lanes,
     gradients: [Lanes; 2],
 }
@@ -185,7 +199,6 @@ impl Own {
         let none = [0.0; LANES];
         Own {
             temperature: lanes(fields.temperature, place),
-            enthalpy: lanes(fields.enthalpy, place),
             conducted: if CORRECTED { lanes(fields.conducted, place) } else { none },
             gradients: if BENDS { fields.gradients.map(|column| lanes(column, place)) } else { [none; 2] },
         }
@@ -204,14 +217,13 @@ fn gather_rows<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
         let at = diagonals.pad + first + block * LANES;
         let own = Own::at::<BENDS, CORRECTED>(fields, at);
         let (mut gain, mut up, mut down) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        let (mut least, mut most) = (own.enthalpy, own.enthalpy);
         for (number, offset) in diagonals.offsets.iter().enumerate() {
             for side in 0..2 {
                 // From the lower end the path has the particle's own place, from the higher that of the other end.
                 let (place, partner) = if side == 0 { (at, at + offset) } else { (at - offset, at - offset) };
                 let place = number * diagonals.stride + place;
                 let other = Own::at::<BENDS, CORRECTED>(fields, partner);
-                let (water, path) = (lanes(carried.carried, place), lanes(carried.paths, place));
+                let water = lanes(carried.carried, place);
                 let exchange = if EXCHANGE { lanes(carried.exchange, place) } else { [0.0; LANES] };
                 let even = if CORRECTED { lanes(carried.even, place) } else { [0.0; LANES] };
                 let bends = if BENDS { carried.bends.map(|column| lanes(column, place)) } else { [[0.0; LANES]; 2] };
@@ -234,7 +246,18 @@ fn gather_rows<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
                     }
                     up[lane] += if back > 0.0 { back } else { 0.0 };
                     down[lane] += if back < 0.0 { back } else { 0.0 };
-                    let there = if path[lane] != 0.0 { other.enthalpy[lane] } else { own.enthalpy[lane] };
+                }
+            }
+        }
+        let enthalpy = lanes(fields.enthalpy, at);
+        let (mut least, mut most) = (enthalpy, enthalpy);
+        for number in &diagonals.nearest {
+            let offset = diagonals.offsets[*number];
+            for (place, partner) in [(at, at + offset), (at - offset, at - offset)] {
+                let weight = lanes(carried.weights, number * diagonals.stride + place);
+                let other = lanes(fields.enthalpy, partner);
+                for lane in 0..LANES {
+                    let there = if weight[lane] != 0.0 { other[lane] } else { enthalpy[lane] };
                     least[lane] = if there < least[lane] { there } else { least[lane] };
                     most[lane] = if there > most[lane] { there } else { most[lane] };
                 }

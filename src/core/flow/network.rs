@@ -212,6 +212,12 @@ impl Network {
         if self.slots.contains(&NONE) {
             return Err("water would flow through a pair in one direction only".into());
         }
+        if let Some(diagonals) = &mut self.diagonals {
+            let length = |slots: &[DVec2]| slots.iter().map(|span| span.length()).fold(0.0, f64::max);
+            let lengths: Vec<f64> = self.spans.chunks(diagonals.stride).map(length).collect();
+            let shortest = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+            diagonals.nearest = (0..lengths.len()).filter(|number| lengths[*number] < 1.1 * shortest).collect();
+        }
         Ok(())
     }
 

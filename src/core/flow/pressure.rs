@@ -10,7 +10,7 @@ mod coarse;
 use glam::DVec2;
 
 use self::coarse::Coarse;
-use super::diagonals::LANES;
+use super::diagonals::sum;
 use super::network::{NONE, Network, Opening};
 use crate::memory::Held;
 use crate::scene::Mean;
@@ -227,30 +227,23 @@ impl Pressure {
         if let Some(diagonals) = &network.diagonals {
             return diagonals.sweep(&self.inverse, &self.rest, &self.residual, &mut self.swept);
         }
-        let sum = |paths: std::ops::Range<usize>, swept: &[f64]| -> f64 {
+        let of = |paths: std::ops::Range<usize>, swept: &[f64]| -> f64 {
             let paths = network.partners[paths.clone()].iter().zip(&network.slots[paths]);
             paths.map(|(j, slot)| self.rest[*slot as usize] * swept[*j as usize]).sum()
         };
         for i in 0..network.len() {
-            let earlier = sum(network.starts[i]..network.laters[i], &self.swept);
+            let earlier = of(network.starts[i]..network.laters[i], &self.swept);
             self.swept[i] = (self.residual[i] - earlier) * self.inverse[i];
         }
         for i in (0..network.len()).rev() {
-            let later = sum(network.laters[i]..network.starts[i + 1], &self.swept);
+            let later = of(network.laters[i]..network.starts[i + 1], &self.swept);
             self.swept[i] -= later * self.inverse[i];
         }
     }
 }
 
-/// The sum of products, in as many sums as vectors are wide.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; LANES];
-    let (wide, rest) = (a.chunks_exact(LANES).zip(b.chunks_exact(LANES)), a.len() / LANES * LANES);
-    for (a, b) in wide {
-        for lane in 0..LANES {
-            sums[lane] += a[lane] * b[lane];
-        }
-    }
-    let rest: f64 = a[rest..].iter().zip(&b[rest..]).map(|(a, b)| a * b).sum();
-    sums.iter().sum::<f64>() + rest
+    let count = a.len().min(b.len());
+    let (a, b) = (&a[..count], &b[..count]);
+    sum(count, |i| a[i] * b[i])
 }

@@ -361,9 +361,8 @@ impl Carrier {
         each(state.pool, &mut self.gradients, |i, gradient| {
             let own = state.temperature[i];
             let paths = network.starts[i]..network.starts[i + 1];
-            let weight = |k: usize| 0.5 * network.weights[network.slots[k] as usize];
             let rise = |k: usize| state.temperature[network.partners[k] as usize] - own;
-            *gradient = paths.map(|k| weight(k) * rise(k) * network.arms[k]).sum();
+            *gradient = paths.map(|k| rise(k) * network.arms[k]).sum();
         });
         for (opening, wall) in network.openings.iter().zip(state.openings) {
             let (own, image) = (opening.particle as usize, opening.image as usize);
@@ -521,7 +520,12 @@ pub fn velocities(network: &Network, pressure: &Pressure) -> Vec<DVec2> {
     let mut found: Vec<DVec2> = (0..network.len())
         .map(|i| {
             let paths = network.paths(i).zip(&network.arms[network.starts[i]..network.starts[i + 1]]);
-            paths.map(|((j, slot, _), arm)| 0.5 * pressure.conductances[slot] * (values[i] - values[j]) * *arm).sum()
+            // A path to an image behind an opening alone has no weight.
+            let open = paths.filter(|((_, slot, _), _)| network.weights[*slot] > 0.0);
+            open.map(|((j, slot, _), arm)| {
+                pressure.conductances[slot] / network.weights[slot] * (values[i] - values[j]) * *arm
+            })
+            .sum()
         })
         .collect();
     for (opening, conductance) in network.openings.iter().zip(&pressure.mouths) {

@@ -63,9 +63,9 @@ pub struct Network {
     pub heat_weights: Vec<f64>,
     /// Weight (m^-2) of the images alone that follow their particles, by slot; empty where conduction is not corrected.
     pub even_weights: Vec<f64>,
-    /// Mean vector of the path (m), by weight; a way over a closed wall counts as it is seen from this end.
+    /// Mean vector of the path, a way over a closed wall as it is seen from this end, times half of the weight for water (1/m).
     pub arms: Vec<DVec2>,
-    /// The part of it that both ends see alike, from the earlier particle, by slot.
+    /// The part of the mean vector (m) that both ends see alike, from the earlier particle, by slot.
     pub spans: Vec<DVec2>,
     /// Pairs across walls of given pressure, by particle.
     pub openings: Vec<Opening>,
@@ -178,6 +178,9 @@ impl Network {
         network.beside.dedup();
         network.pair_up()?;
         network.weights = network.by_slot(&water_weights);
+        for (arm, slot) in network.arms.iter_mut().zip(&network.slots) {
+            *arm *= 0.5 * network.weights[*slot as usize];
+        }
         network.heat_weights = network.by_slot(&heat_weights);
         if conduction == Conduction::Corrected {
             network.even_weights = network.by_slot(&even_weights);

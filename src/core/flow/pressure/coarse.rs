@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use crate::flow::diagonals::sum;
 use crate::flow::network::Network;
 use crate::memory::Held;
 
@@ -110,13 +111,15 @@ impl Coarse {
         for column in 0..n {
             let (done, below) = self.factor.split_at_mut((column + 1) * n);
             let own = &mut done[column * n..];
-            let left: f64 = own[..column].iter().map(|entry| entry * entry).sum();
+            let done = &own[..column];
+            let left = sum(column, |k| done[k] * done[k]);
             let pivot = own[column] - left;
             // An empty block, or one that balances by itself, takes no part.
             let root = if pivot > PIVOT * most { pivot.sqrt() } else { f64::INFINITY };
             own[column] = root;
             for row in below.chunks_exact_mut(n) {
-                let left: f64 = row[..column].iter().zip(&own[..column]).map(|(a, b)| a * b).sum();
+                let (a, b) = (&row[..column], &own[..column]);
+                let left = sum(column, |k| a[k] * b[k]);
                 row[column] = (row[column] - left) / root;
             }
         }
@@ -127,7 +130,8 @@ impl Coarse {
         let n = self.count;
         for row in 0..n {
             let entries = &self.factor[row * n..row * n + row + 1];
-            let left: f64 = entries[..row].iter().zip(&self.work).map(|(a, b)| a * b).sum();
+            let (a, b) = (&entries[..row], &self.work[..row]);
+            let left = sum(row, |k| a[k] * b[k]);
             self.work[row] = (self.work[row] - left) / entries[row];
         }
         for row in (0..n).rev() {

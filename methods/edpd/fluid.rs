@@ -13,6 +13,7 @@ pub mod parameters;
 pub mod particle;
 pub mod power;
 pub mod sorting;
+mod state;
 pub mod walls;
 
 use std::sync::Arc;

@@ -73,6 +73,23 @@ fn threads_do_not_matter() {
     }
 }
 
+#[test]
+fn a_saved_state_goes_on_to_the_same_bits() {
+    let start = || fluid([16.0, 18.0], 0.007, 1);
+    let mut whole = start();
+    // Between two lists, as most states are.
+    whole.advance(103, &Undriven).expect("steps");
+    let saved = whole.save();
+    whole.advance(150, &Undriven).expect("steps");
+    let mut other = start();
+    other.restore(&saved).expect("a state");
+    assert_eq!(other.save(), saved);
+    other.advance(150, &Undriven).expect("steps");
+    assert!(whole.save() == other.save());
+    assert_eq!(other.restore(&saved[..100]), Err("the state of a fluid has another length than its particles".into()));
+    assert!(fluid([18.0, 18.0], 0.007, 1).restore(&saved).is_err());
+}
+
 /// Lists and slabs leave out no pair and take none twice: the potential is that of all pairs.
 #[test]
 fn every_pair_is_met_once() {

@@ -5,9 +5,10 @@ use crate::canvas::{Canvas, Colour, Stroke};
 use crate::run::{MARGIN, aged, reference_entry, reference_stroke, title};
 use crate::style::{INK, REFERENCE, method_style, method_title};
 
-/// How far bands and members are on their way from the colour of their curve to white.
+/// How far bands, their edges and members are on their way from the colour of their curve to white.
 const BAND: f64 = 0.68;
-const THIN: f64 = 0.45;
+const EDGE: f64 = 0.45;
+const THIN: f64 = 0.15;
 
 /// A mean and half the width of its interval; zero where there is none.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,7 +112,7 @@ pub fn bands(figure: &BandFigure) -> Canvas {
         let places = all().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points).map(|point| point.x);
         let x = Axis::linear(panel.x_label.as_str(), places.chain([0.0]));
         let next = at + height(panel);
-        frames.push(Frame::inside((0.0, at), (1000.0, next - 8.0), x, upwards(panel)));
+        frames.push(Frame::inside((0.0, at), (1000.0, next - 14.0), x, upwards(panel)));
         at = next;
     }
     let left = frames.iter().map(|frame| frame.left).fold(0.0, f64::max);
@@ -137,7 +138,7 @@ fn entries(figure: &BandFigure) -> Vec<Entry> {
         entries.push(line("95 % interval of the mean", Stroke::whole(colour.tint(BAND), 12.0)));
     }
     if curves().any(|curve| !curve.members.is_empty()) {
-        entries.push(line("members", Stroke::whole(colour.tint(THIN), 0.8)));
+        entries.push(line("members", Stroke::whole(colour.tint(THIN), 0.9)));
     }
     if let Some(curve) = curves().find(|curve| !curve.reference.is_empty()) {
         entries.push(match curve.look {
@@ -188,12 +189,20 @@ fn draw(canvas: &mut Canvas, frame: &Frame, panel: &Panel, method: &str) {
         frame.curve(canvas, [(frame.x.low, 0.0), (frame.x.high, 0.0)], Stroke::whole(REFERENCE, 1.5));
     }
     for curve in &panel.curves {
-        let thin = Stroke::whole(look(curve).colour.tint(THIN), 0.8);
+        match curve.look {
+            Look::Kind(_) => frame.curve(canvas, curve.reference.iter().copied(), reference_stroke()),
+            // Bands of instants cover each other; their edges do not.
+            Look::Instant(..) if curve.points.iter().any(|point| point.half_width > 0.0) => {
+                for sign in [1.0, -1.0] {
+                    let edge = curve.points.iter().map(|point| (point.x, point.mean + sign * point.half_width));
+                    frame.curve(canvas, edge, Stroke::whole(look(curve).colour.tint(EDGE), 0.8));
+                }
+            }
+            Look::Instant(..) => {}
+        }
+        let thin = Stroke::whole(look(curve).colour.tint(THIN), 0.9);
         for member in &curve.members {
             frame.curve(canvas, member.iter().copied(), thin);
-        }
-        if matches!(curve.look, Look::Kind(_)) {
-            frame.curve(canvas, curve.reference.iter().copied(), reference_stroke());
         }
     }
     for curve in &panel.curves {

@@ -59,6 +59,14 @@ impl Particles {
         }
     }
 
+    /// Stored positions (m), where there are any.
+    pub fn cloud(&self) -> Option<&[DVec2]> {
+        match &self.places {
+            Places::Lattice => None,
+            Places::Cloud(positions) => Some(positions),
+        }
+    }
+
     /// Visits all particles in order with their positions (m).
     pub fn visit(&self, mut visitor: impl FnMut(usize, DVec2)) {
         match &self.places {

@@ -141,9 +141,15 @@ impl<'a> Series<'a> {
                     let reference = quantity.reference.map_or(Vec::new(), |column| {
                         rows().filter_map(|row| Some((at(row)?, self.means.number(row, column)?))).collect()
                     });
-                    let points = rows().filter_map(|row| self.point(row, at(row)?, quantity)).collect();
-                    curves.push(Curve { name, look: Look::Kind(curves.len()), points, members, reference });
+                    let points: Vec<Point> = rows().filter_map(|row| self.point(row, at(row)?, quantity)).collect();
+                    // A wall that lets nothing through has no curve.
+                    if points.iter().any(|point| point.mean != 0.0) {
+                        curves.push(Curve { name, look: Look::Kind(curves.len()), points, members, reference });
+                    }
                 }
+            }
+            if curves.is_empty() {
+                continue;
             }
             let words = if single { own[0].words.as_str() } else { what(unit) };
             let errors: Vec<Curve> = curves.iter().filter_map(relative).collect();

@@ -61,6 +61,7 @@ pub fn result(record: Record, tables: &Tables) -> Result<RunResult, String> {
         front: typed(tables, "front.csv")?,
         beside: Vec::new(),
         frozen: typed(tables, "frozen.csv")?,
+        phases: Vec::new(),
         profiles: typed(tables, "profiles.csv")?,
         probes: Vec::new(),
         surfaces: Vec::new(),

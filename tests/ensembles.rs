@@ -203,7 +203,7 @@ fn threads_do_not_matter_and_other_requests_share_no_members() {
 #[test]
 fn moving_particles_and_uneven_ones_have_ensembles() {
     let folder = tempfile::tempdir().expect("a folder");
-    let small = "stefan-dpd-1 --method edpd --set domain.rectangle.height=24 --set domain.rectangle.width=6 \
+    let small = "stefan-dpd-1 --method edpd --set domain.rectangle.height=24 --set domain.rectangle.width=8 \
                  --set watch.profile_length=20 --set watch.front_from=0.5 --set time.duration=1 --set time.profiles=[1] \
                  --set time.outputs=5 --set method.edpd.motion=true --seeds 2 --out moving";
     done(folder.path(), &[&small.split_whitespace().collect::<Vec<_>>()]);

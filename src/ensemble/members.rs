@@ -102,6 +102,7 @@ impl Members<'_> {
             interrupted,
             reporter: Reporter::new(quiet),
             failed: Mutex::new(None),
+            cleared: Mutex::new(false),
             shares: self.seeds.iter().map(|_| AtomicU64::new(0)).collect(),
             taken_over: AtomicU64::new(0),
             began: Instant::now(),
@@ -121,6 +122,7 @@ struct Work<'a> {
     interrupted: &'static AtomicBool,
     reporter: Reporter,
     failed: Mutex<Option<Failure>>,
+    cleared: Mutex<bool>,
     /// Share of each member that is done, as bits of a number.
     shares: Vec<AtomicU64>,
     taken_over: AtomicU64,
@@ -165,13 +167,22 @@ impl Work<'_> {
         if result.record.outcome == Outcome::Interrupted {
             return Ok(None);
         }
-        // From now on the folder holds other members than those that older results speak of.
-        output::clear(folder)?;
+        self.clear(folder)?;
         let path = self.members.folder_of(seed);
         fs::create_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
         output::write_run(&path, &result)?;
         self.done(k, 1.0);
         Ok(Some(Made::Now))
+    }
+
+    /// Before the first member is written: from then on the folder holds others than those that older results speak of.
+    fn clear(&self, folder: &Path) -> Result<(), Failure> {
+        let mut cleared = self.cleared.lock().unwrap_or_else(PoisonError::into_inner);
+        if !*cleared {
+            output::clear(folder)?;
+            *cleared = true;
+        }
+        Ok(())
     }
 
     /// Shows where the ensemble stands.

@@ -140,7 +140,7 @@ impl Study {
                 profiles.put(column, mean.profiles.iter().map(|row| row.temperature_ref_c));
             }
         }
-        let errors: Vec<_> = runs.iter().map(|run| run.record.errors.clone()).collect();
+        let errors: Vec<_> = runs.iter().map(|run| record::errors_of(&run.record)).collect();
         let split = EnsembleRuns::with_mean(members.scene, spacing, &runs, mean.record.errors.clone(), reference);
         let record = EnsembleRecord {
             frazil_version: first.frazil_version,

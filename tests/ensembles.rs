@@ -259,3 +259,41 @@ fn what_has_no_chance_is_refused_and_writes_nothing() {
     assert!(!output.stderr.is_empty());
     assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 0);
 }
+
+/// A series that no line of an ensemble names has its mean and its figure by its columns.
+#[test]
+fn any_series_of_the_members_has_a_mean() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let request: Vec<&str> =
+        [&SHORT[..], &["--set", "time.duration=1", "--set", "time.profiles=[1]", "--set"]].concat();
+    let request: Vec<&str> = [&request[..], &["watch.front_from=0.1", "--seeds", "2", "--out", "all"]].concat();
+    done(folder.path(), &[&request]);
+    let all = folder.path().join("all");
+    for (seed, speed) in [(1, 1.0), (2, 2.0)] {
+        let write = |name: &str, text: String| {
+            fs::write(all.join(format!("seed-{seed}")).join(name), text).expect("written");
+        };
+        write("stream.csv", format!("y_m,speed_m_per_s,density_rel\n0.5,{speed:?},0.5\n1.5,{speed:?},1.5\n"));
+        let rows =
+            [(0.0, 0.5), (0.0, 1.5), (6.0, 0.5), (6.0, 1.5)].map(|(x, y)| format!("{x:?},{y:?},{speed:?},{x:?}\n"));
+        write("sections.csv", format!("x_m,y_m,temperature_c,temperature_ref_c\n{}", rows.concat()));
+        write("shares.csv", format!("time_s,liquid,solid\n0.5,{speed:?},0.25\n1.0,{speed:?},0.75\n"));
+    }
+    done(folder.path(), &[&request]);
+    assert_eq!(json(&all.join("ensemble.json"))["taken_over"], serde_json::json!(2));
+    let stream = rows(&all.join("stream.csv"));
+    assert_eq!(stream.iter().map(|row| row["y_m"].as_str()).collect::<Vec<_>>(), ["0.5", "1.5"]);
+    for row in &stream {
+        assert_eq!((row["speed_m_per_s"].as_str(), row["density_rel_interval"].as_str()), ("1.5", "0.0"));
+        // Half of one apart: t of one degree of freedom times half.
+        assert!((number(row, "speed_m_per_s_interval") - 12.706 * 0.5).abs() < 1e-3);
+    }
+    let sections = rows(&all.join("sections.csv"));
+    let places: Vec<(f64, f64)> = sections.iter().map(|row| (number(row, "x_m"), number(row, "y_m"))).collect();
+    assert_eq!(places, [(0.0, 0.5), (0.0, 1.5), (6.0, 0.5), (6.0, 1.5)]);
+    assert!(sections.iter().all(|row| row["temperature_c"] == "1.5" && row["temperature_ref_c"] == row["x_m"]));
+    assert_eq!(rows(&all.join("shares.csv"))[1]["solid"], "0.75");
+    for figure in ["stream", "sections", "shares"] {
+        assert!(all.join(format!("{figure}.png")).exists(), "{figure}");
+    }
+}

@@ -14,6 +14,9 @@ use super::table::{INTERVAL, PLACE, Role, Table, reference_of};
 /// Instants of rows.
 const TIME: &str = "time_s";
 
+/// The place across, where series have two.
+const HEIGHT: &str = "y_m";
+
 /// Most curves that one panel can show.
 const MOST_CURVES: usize = 6;
 
@@ -77,11 +80,13 @@ struct Quantity<'a> {
 
 impl<'a> Series<'a> {
     fn panels(&self) -> Vec<Panel> {
-        let Some(time) = self.means.column(TIME) else { return Vec::new() };
         let quantities = self.quantities();
-        match self.means.column(PLACE) {
-            Some(place) if self.means.column("y_m").is_none() => self.profiles(time, place, &quantities),
-            _ => self.over_time(time, &quantities),
+        let has = |name: &str| self.means.column(name).is_some();
+        match (has(TIME), has(PLACE), has(HEIGHT)) {
+            (true, true, false) => self.profiles(PLACE, TIME, &quantities),
+            (false, _, true) => self.profiles(HEIGHT, PLACE, &quantities),
+            (true, ..) => self.over_time(&quantities),
+            (false, ..) => Vec::new(),
         }
     }
 
@@ -98,7 +103,7 @@ impl<'a> Series<'a> {
             Some(Quantity { name, words: stem.replace('_', " "), unit, column, interval, reference })
         };
         // Balances are rounding.
-        means.columns().enumerate().filter(|(_, name)| !name.ends_with("_rel")).filter_map(quantity).collect()
+        means.columns().enumerate().filter(|(_, name)| *name != "balance_rel").filter_map(quantity).collect()
     }
 
     fn si(&self) -> bool {
@@ -114,7 +119,8 @@ impl<'a> Series<'a> {
     }
 
     /// One panel for each unit, and one of errors below those with a reference.
-    fn over_time(&self, time: usize, quantities: &[Quantity<'_>]) -> Vec<Panel> {
+    fn over_time(&self, quantities: &[Quantity<'_>]) -> Vec<Panel> {
+        let Some(time) = self.means.column(TIME) else { return Vec::new() };
         let kinds = kinds(self.means, &[TIME]);
         let distinct = in_order(kinds.iter());
         let units = in_order(quantities.iter().map(|own| own.unit));
@@ -169,29 +175,28 @@ impl<'a> Series<'a> {
         panels
     }
 
-    /// One panel for each quantity on each plane, with a curve for each instant, and its error where that is known.
-    fn profiles(&self, time: usize, place: usize, quantities: &[Quantity<'_>]) -> Vec<Panel> {
-        let planes = kinds(self.means, &[TIME, PLACE]);
-        let instants = in_order((0..self.means.len()).map(|row| self.means.text(row, time)));
+    /// One panel for each quantity on each plane along `along`, with a curve for each of `each` (an instant or a section),
+    /// and its error where that is known.
+    fn profiles(&self, along: &str, each: &str, quantities: &[Quantity<'_>]) -> Vec<Panel> {
+        let Some(place) = self.means.column(along) else { return Vec::new() };
+        let each_column = self.means.column(each);
+        let planes = kinds(self.means, &[along, each]);
+        let cut = |row: usize| each_column.map_or("", |column| self.means.text(row, column));
+        let cuts = in_order((0..self.means.len()).map(cut));
         let mut panels = Vec::new();
         for plane in in_order(planes.iter()) {
             for quantity in quantities {
-                let curve = |(k, instant): (usize, &&str)| {
-                    let rows = || {
-                        (0..self.means.len())
-                            .filter(|row| planes[*row] == *plane && self.means.text(*row, time) == *instant)
-                    };
+                let curve = |(k, own): (usize, &&str)| {
+                    let rows = || (0..self.means.len()).filter(|row| planes[*row] == *plane && cut(*row) == *own);
                     let at = |row: usize| self.means.number(row, place);
-                    let seconds = instant.parse().unwrap_or(f64::NAN);
-                    let symbol = if self.si() { self.scene.time_unit.symbol() } else { "" };
-                    let name = format!("{} {symbol}", number(self.time(seconds), 4)).trim_end().to_owned();
+                    let name = own.parse().map_or(quantity.words.clone(), |value| self.cut_words(each, value));
                     let reference = quantity.reference.map_or(Vec::new(), |column| {
                         rows().filter_map(|row| Some((at(row)?, self.means.number(row, column)?))).collect()
                     });
                     let points = rows().filter_map(|row| self.point(row, at(row)?, quantity)).collect();
-                    Curve { name, look: Look::Instant(k, instants.len()), points, members: Vec::new(), reference }
+                    Curve { name, look: Look::Instant(k, cuts.len()), points, members: Vec::new(), reference }
                 };
-                let curves: Vec<Curve> = instants.iter().enumerate().map(curve).collect();
+                let curves: Vec<Curve> = cuts.iter().enumerate().map(curve).collect();
                 let errors: Vec<Curve> = curves.iter().filter_map(absolute).collect();
                 let y_label = self.label(&quantity.words, quantity.unit);
                 panels.push(Panel { x_label: String::new(), y_label, curves, errors: false });
@@ -201,11 +206,24 @@ impl<'a> Series<'a> {
                 }
             }
             if let Some(last) = panels.last_mut() {
-                let along = if plane.as_str() == "line" { "distance".into() } else { format!("distance, {plane}") };
-                last.x_label = self.label(along.trim_end_matches(", "), "m");
+                let what = if along == HEIGHT { "height" } else { "distance" };
+                let words = match plane.as_str() {
+                    "line" | "" => what.to_owned(),
+                    other => format!("{what}, {other}"),
+                };
+                last.x_label = self.label(&words, "m");
             }
         }
         panels
+    }
+
+    /// An instant or a section in words.
+    fn cut_words(&self, each: &str, value: f64) -> String {
+        let (name, value, unit) = match each {
+            TIME => ("", self.time(value), self.scene.time_unit.symbol()),
+            _ => ("x = ", value, "m"),
+        };
+        format!("{name}{} {}", number(value, 4), if self.si() { unit } else { "" }).trim_end().to_owned()
     }
 
     fn point(&self, row: usize, x: f64, quantity: &Quantity<'_>) -> Option<Point> {

@@ -136,18 +136,29 @@ pub struct EnsembleRecord {
     pub differences: Vec<String>,
 }
 
-/// Errors by name; those of events after the name of their group.
-pub fn by_name(errors: &Errors) -> BTreeMap<String, f64> {
-    let mut all = BTreeMap::new();
-    if let Ok(serde_json::Value::Object(measures)) = serde_json::to_value(errors) {
-        for (name, value) in measures {
+/// Numbers by name; those of events after the name of their group.
+pub type ByName = BTreeMap<String, f64>;
+
+/// Errors by name.
+pub fn by_name(errors: &Errors) -> ByName {
+    flat(errors, "")
+}
+
+/// All errors of a run by name: those of its series, and those of its water.
+pub fn errors_of(record: &Record) -> ByName {
+    let mut all = by_name(&record.errors);
+    all.extend(record.water.iter().flat_map(|water| flat(&water.errors, "water.")));
+    all
+}
+
+/// The numbers in something, by names that start alike.
+fn flat(group: &impl Serialize, start: &str) -> ByName {
+    let mut all = ByName::new();
+    if let Ok(serde_json::Value::Object(entries)) = serde_json::to_value(group) {
+        for (name, value) in entries {
             match value {
-                serde_json::Value::Object(group) => {
-                    let inside =
-                        group.into_iter().filter_map(|(own, value)| Some((format!("{name}.{own}"), value.as_f64()?)));
-                    all.extend(inside);
-                }
-                value => all.extend(value.as_f64().map(|number| (name, number))),
+                serde_json::Value::Object(_) => all.extend(flat(&value, &format!("{start}{name}."))),
+                _ => all.extend(value.as_f64().map(|number| (format!("{start}{name}"), number))),
             }
         }
     }
@@ -155,15 +166,15 @@ pub fn by_name(errors: &Errors) -> BTreeMap<String, f64> {
 }
 
 /// Errors over members, and those of their mean.
-pub fn measures(members: &[Errors], mean: &Errors) -> BTreeMap<String, Measure> {
-    let mut values: BTreeMap<String, Vec<f64>> = BTreeMap::new();
-    for (name, error) in members.iter().flat_map(by_name) {
-        values.entry(name).or_default().push(error);
+pub fn measures(members: &[ByName], mean: &Errors) -> BTreeMap<String, Measure> {
+    let mut values: BTreeMap<&String, Vec<f64>> = BTreeMap::new();
+    for (name, error) in members.iter().flatten() {
+        values.entry(name).or_default().push(*error);
     }
     let of_mean = by_name(mean);
     values
         .into_iter()
-        .filter_map(|(name, errors)| Some((name.clone(), measure(&name, &errors, of_mean.get(&name))?)))
+        .filter_map(|(name, errors)| Some((name.clone(), measure(name, &errors, of_mean.get(name))?)))
         .collect()
 }
 
@@ -218,8 +229,16 @@ mod tests {
     }
 
     #[test]
+    fn measures_are_found_by_the_names_that_records_give_them() {
+        let found = by_name(&errors(0.01, 0.03, -0.2));
+        let names: Vec<&str> = found.keys().map(String::as_str).collect();
+        assert_eq!(names, ["events.closure_day", "front_last_rel", "front_rms_rel"]);
+        assert_eq!(found["events.closure_day"], -0.2);
+    }
+
+    #[test]
     fn bias_is_told_from_variance() {
-        let members = [errors(0.01, 0.03, 0.0), errors(0.03, -0.01, 0.21)];
+        let members = [errors(0.01, 0.03, 0.0), errors(0.03, -0.01, 0.21)].map(|errors| by_name(&errors));
         let found = measures(&members, &errors(0.015, 0.01, 0.1));
         let front = &found["front_rms_rel"];
         assert!((front.mean - 0.02).abs() < 1e-15 && (front.rms - 5e-4_f64.sqrt()).abs() < 1e-15);

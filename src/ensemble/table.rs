@@ -186,8 +186,9 @@ pub fn mean(members: &[&Table], layer: Option<f64>) -> Result<Table, String> {
     Ok(Table { columns, rows })
 }
 
-/// Rows that belong together, each as pairs of member and row. Rows with the same keys are told apart by the layer that their
-/// place is in, where places differ between members and no layer has two; else by their order.
+/// Rows that belong together, each as pairs of member and row. Where keys and places are the same in all members, these are the
+/// rows of the same number. Else rows with the same keys are told apart by the layer that their place is in, if no layer has
+/// two, or by their order.
 fn aligned(members: &[&Table], roles: &[Role], layer: Option<f64>) -> Vec<Vec<(usize, usize)>> {
     let mut groups: HashMap<Vec<&str>, usize> = HashMap::new();
     let group_of: Vec<Vec<usize>> = members
@@ -202,14 +203,20 @@ fn aligned(members: &[&Table], roles: &[Role], layer: Option<f64>) -> Vec<Vec<(u
             (0..member.len()).map(&mut group).collect()
         })
         .collect();
+    let place = roles.iter().position(|role| *role == Role::Place);
+    let place_at = |member: usize, row: usize| place.map(|place| members[member].text(row, place));
+    let same = |(member, groups): (usize, &Vec<usize>)| {
+        *groups == group_of[0] && (0..groups.len()).all(|row| place_at(member, row) == place_at(0, row))
+    };
+    if group_of.iter().enumerate().all(same) {
+        let row_of = |row: usize| (0..members.len()).map(|member| (member, row)).collect();
+        return (0..group_of[0].len()).map(row_of).collect();
+    }
     let layers = || -> Option<Vec<Vec<usize>>> {
-        let (place, layer) = (roles.iter().position(|role| *role == Role::Place)?, layer?);
+        let (place, layer) = (place?, layer?);
         let places =
             |member: &Table| (0..member.len()).map(|row| member.number(row, place)).collect::<Option<Vec<_>>>();
         let all: Vec<Vec<f64>> = members.iter().map(|member| places(member)).collect::<Option<_>>()?;
-        if all.iter().zip(&group_of).all(|(places, groups)| *places == all[0] && *groups == group_of[0]) {
-            return None;
-        }
         let found: Vec<Vec<usize>> =
             all.iter().map(|places| places.iter().map(|place| (place / layer).max(0.0) as usize).collect()).collect();
         let single = |(layers, groups): (&Vec<usize>, &Vec<usize>)| {

@@ -7,8 +7,8 @@ use crate::style::{INK, REFERENCE, method_style, method_title};
 
 /// How far bands, their edges and members are on their way from the colour of their curve to white.
 const BAND: f64 = 0.68;
-const EDGE: f64 = 0.45;
-const THIN: f64 = 0.15;
+const EDGE: f64 = 0.3;
+const THIN: f64 = 0.45;
 
 /// A mean and half the width of its interval; zero where there is none.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -82,7 +82,8 @@ const LOOKS: [(Colour, &[f64]); 4] = [
 fn stroke(method: &str, look: Look) -> Stroke {
     let own = method_style(method).colour;
     match look {
-        Look::Kind(0) => Stroke::whole(own, 2.4),
+        // Darker than the method's own, so that a grey print tells it from the reference.
+        Look::Kind(0) => Stroke::whole(own.shade(0.4), 2.4),
         Look::Kind(k) => {
             let (colour, dash) = LOOKS[(k - 1) % LOOKS.len()];
             Stroke { colour, width: 2.4, dash }
@@ -138,7 +139,7 @@ fn entries(figure: &BandFigure) -> Vec<Entry> {
         entries.push(line("95 % interval of the mean", Stroke::whole(colour.tint(BAND), 12.0)));
     }
     if curves().any(|curve| !curve.members.is_empty()) {
-        entries.push(line("members", Stroke::whole(colour.tint(THIN), 0.9)));
+        entries.push(line("members", Stroke::whole(colour.tint(THIN), 0.7)));
     }
     if let Some(curve) = curves().find(|curve| !curve.reference.is_empty()) {
         entries.push(match curve.look {
@@ -189,20 +190,17 @@ fn draw(canvas: &mut Canvas, frame: &Frame, panel: &Panel, method: &str) {
         frame.curve(canvas, [(frame.x.low, 0.0), (frame.x.high, 0.0)], Stroke::whole(REFERENCE, 1.5));
     }
     for curve in &panel.curves {
-        match curve.look {
-            Look::Kind(_) => frame.curve(canvas, curve.reference.iter().copied(), reference_stroke()),
-            // Bands of instants cover each other; their edges do not.
-            Look::Instant(..) if curve.points.iter().any(|point| point.half_width > 0.0) => {
-                for sign in [1.0, -1.0] {
-                    let edge = curve.points.iter().map(|point| (point.x, point.mean + sign * point.half_width));
-                    frame.curve(canvas, edge, Stroke::whole(look(curve).colour.tint(EDGE), 0.8));
-                }
-            }
-            Look::Instant(..) => {}
+        if matches!(curve.look, Look::Kind(_)) {
+            frame.curve(canvas, curve.reference.iter().copied(), reference_stroke());
         }
-        let thin = Stroke::whole(look(curve).colour.tint(THIN), 0.9);
+        let thin = Stroke::whole(look(curve).colour.tint(THIN), 0.7);
         for member in &curve.members {
             frame.curve(canvas, member.iter().copied(), thin);
+        }
+        // Members, and bands of other curves, may cover a band; they do not cover its edges.
+        for sign in [1.0, -1.0].into_iter().filter(|_| curve.points.iter().any(|point| point.half_width > 0.0)) {
+            let edge = curve.points.iter().map(|point| (point.x, point.mean + sign * point.half_width));
+            frame.curve(canvas, edge, Stroke::whole(look(curve).colour.tint(EDGE), 1.0));
         }
     }
     for curve in &panel.curves {

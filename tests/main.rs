@@ -12,6 +12,7 @@ mod extreme;
 mod fields;
 mod forecasts;
 mod invariants;
+mod moving;
 mod order;
 mod printed;
 mod reductions;

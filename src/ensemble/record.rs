@@ -144,10 +144,11 @@ pub fn by_name(errors: &Errors) -> ByName {
     flat(errors, "")
 }
 
-/// All errors of a run by name: those of its series, and those of its water.
+/// All errors of a run by name: those of its series, those of its water, and what a driven liquid came to.
 pub fn errors_of(record: &Record) -> ByName {
     let mut all = by_name(&record.errors);
     all.extend(record.water.iter().flat_map(|water| flat(&water.errors, "water.")));
+    all.extend(record.stream.iter().flat_map(|stream| flat(stream, "stream.")));
     all
 }
 

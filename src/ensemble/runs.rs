@@ -62,6 +62,8 @@ pub fn result(record: Record, tables: &Tables) -> Result<RunResult, String> {
         beside: Vec::new(),
         frozen: typed(tables, "frozen.csv")?,
         phases: Vec::new(),
+        stream: Vec::new(),
+        sections: Vec::new(),
         profiles: typed(tables, "profiles.csv")?,
         probes: Vec::new(),
         surfaces: Vec::new(),

@@ -128,7 +128,7 @@ impl<'a> Series<'a> {
         for unit in units {
             let own: Vec<&Quantity<'_>> = quantities.iter().filter(|quantity| quantity.unit == unit).collect();
             let count = own.len() * distinct.len();
-            if count > MOST_CURVES {
+            if count > 4 * MOST_CURVES {
                 continue;
             }
             let thin = count <= MOST_WITH_MEMBERS;
@@ -154,7 +154,7 @@ impl<'a> Series<'a> {
                     }
                 }
             }
-            if curves.is_empty() {
+            if curves.is_empty() || curves.len() > MOST_CURVES {
                 continue;
             }
             let words = if single { own[0].words.as_str() } else { what(unit) };

@@ -16,6 +16,18 @@ impl Colour {
     /// White.
     pub const WHITE: Colour = Colour(255, 255, 255);
 
+    /// This share of the way to white.
+    pub fn tint(self, share: f64) -> Colour {
+        let tone = |channel: u8| (f64::from(channel) + share * (255.0 - f64::from(channel))) as u8;
+        Colour(tone(self.0), tone(self.1), tone(self.2))
+    }
+
+    /// This share of the way to black.
+    pub fn shade(self, share: f64) -> Colour {
+        let tone = |channel: u8| ((1.0 - share) * f64::from(channel)) as u8;
+        Colour(tone(self.0), tone(self.1), tone(self.2))
+    }
+
     /// Lightness in a grey print, 0 to 1.
     pub fn lightness(self) -> f64 {
         (0.299 * f64::from(self.0) + 0.587 * f64::from(self.1) + 0.114 * f64::from(self.2)) / 255.0

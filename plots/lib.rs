@@ -10,6 +10,7 @@ pub mod canvas;
 pub mod comparison;
 pub mod convergence;
 mod draw;
+pub mod ensemble;
 mod flow_map;
 pub mod map;
 pub mod page;

@@ -252,6 +252,12 @@ fn cut_row(row: &CutRow, y: f64) -> ProfileRow {
     }
 }
 
+/// The colour of profile `k` of `count`: later ones are darker.
+pub(crate) fn aged(colour: Colour, k: usize, count: usize) -> Colour {
+    let age = if count > 1 { k as f64 / (count - 1) as f64 } else { 1.0 };
+    colour.tint(0.55 * (1.0 - age))
+}
+
 fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
     let mut planes: BTreeMap<&str, Vec<&ProfileRow>> = BTreeMap::new();
     for row in profiles {
@@ -265,12 +271,7 @@ fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
     instants.sort_by(f64::total_cmp);
     instants.dedup();
     let base = method_style(&words.method);
-    let stroke_at = |k: usize| {
-        // Later profiles are darker.
-        let age = if instants.len() > 1 { k as f64 / (instants.len() - 1) as f64 } else { 1.0 };
-        let tone = |channel: u8| (f64::from(channel) + (1.0 - age) * 0.55 * (255.0 - f64::from(channel))) as u8;
-        Stroke::whole(Colour(tone(base.colour.0), tone(base.colour.1), tone(base.colour.2)), 2.4)
-    };
+    let stroke_at = |k: usize| Stroke::whole(aged(base.colour, k, instants.len()), 2.4);
     let mut entries: Vec<Entry> = instants
         .iter()
         .enumerate()

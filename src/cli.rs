@@ -13,7 +13,7 @@ use crate::compare::plan::Variant;
 use crate::compare::vary::{RATIOS, Vary};
 use crate::failure::{Failure, Verdict, exit_code};
 use crate::stability::axis::Axis;
-use crate::{check, compare, list, load, parallel, run, stability};
+use crate::{check, compare, ensemble, list, load, parallel, run, stability};
 
 /// Freezing by particles: peridynamics, SPH, eDPD and a local baseline on the same scenes.
 #[derive(Debug, Parser)]
@@ -55,9 +55,13 @@ struct RunArguments {
     /// Threads; by default one for each core. The result does not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Seed of noise and of uneven placement.
+    /// Seed of noise and of uneven placement; with --seeds that of the first member.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// Runs an ensemble of N members whose seeds follow each other, side by side and each on one thread: means with
+    /// intervals. Members that the folder holds already are not run again.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000), conflicts_with_all = ["reduce", "fields", "frames"])]
+    seeds: Option<u16>,
     /// Folder for the results; by default out/SCENE.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -260,24 +264,31 @@ pub fn understood<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Result<()
 
 fn dispatch(command: Command) -> Result<Verdict, Failure> {
     match command {
-        Command::Run(mut arguments) => run::run(&run::RunRequest {
-            overrides: if arguments.paper {
-                let (method, overrides) = load::paper(&arguments.scene, arguments.method.as_slice(), arguments.set)?;
-                arguments.method = Some(method);
-                overrides
-            } else {
-                arguments.set
-            },
-            scene: arguments.scene,
-            method: arguments.method,
-            threads: arguments.threads.map_or_else(parallel::cores, usize::from),
-            seed: arguments.seed,
-            out: arguments.out,
-            reduce: arguments.reduce,
-            fields: arguments.fields,
-            frames: arguments.frames,
-            quiet: arguments.quiet,
-        }),
+        Command::Run(mut arguments) => {
+            let request = run::RunRequest {
+                overrides: if arguments.paper {
+                    let (method, overrides) =
+                        load::paper(&arguments.scene, arguments.method.as_slice(), arguments.set)?;
+                    arguments.method = Some(method);
+                    overrides
+                } else {
+                    arguments.set
+                },
+                scene: arguments.scene,
+                method: arguments.method,
+                threads: arguments.threads.map_or_else(parallel::cores, usize::from),
+                seed: arguments.seed,
+                out: arguments.out,
+                reduce: arguments.reduce,
+                fields: arguments.fields,
+                frames: arguments.frames,
+                quiet: arguments.quiet,
+            };
+            match arguments.seeds {
+                Some(seeds) => ensemble::run(&request, seeds.into()),
+                None => run::run(&request),
+            }
+        }
         Command::Compare(arguments) => compare::compare(&compare::CompareRequest {
             scenes: arguments.scenes,
             methods: arguments.methods,

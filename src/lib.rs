@@ -4,6 +4,7 @@ pub mod calibrate;
 pub mod check;
 pub mod cli;
 pub mod compare;
+pub mod ensemble;
 pub mod failure;
 pub mod fields;
 pub mod interrupt;

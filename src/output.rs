@@ -4,7 +4,6 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use frazil_core::flow::series::WaterSeries;
 use frazil_core::record::{BudgetRow, RunResult};
 use serde::Serialize;
 use tempfile::NamedTempFile;
@@ -42,13 +41,15 @@ pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {
 
 /// Writes rows as CSV under the names of their fields.
 pub fn write_rows<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), Failure> {
-    write_whole(path, |writer| {
-        let mut csv = csv::Writer::from_writer(writer);
-        for row in rows {
-            csv.serialize(row).map_err(io::Error::other)?;
-        }
-        csv.flush()
-    })
+    write_whole(path, |writer| fill_rows(writer, rows))
+}
+
+fn fill_rows<R: Serialize>(writer: &mut dyn Write, rows: &[R]) -> io::Result<()> {
+    let mut csv = csv::Writer::from_writer(writer);
+    for row in rows {
+        csv.serialize(row).map_err(io::Error::other)?;
+    }
+    csv.flush()
 }
 
 /// Folders that were made for results; those still empty can be taken back.
@@ -81,6 +82,31 @@ impl Folder {
     }
 }
 
+/// Writes a series as CSV.
+pub type Fill<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
+
+/// Every series that runs may have, by the name of its file; one without rows has no file.
+pub fn series(result: &RunResult) -> Vec<(&'static str, Option<Fill<'_>>)> {
+    let water = result.water.as_ref();
+    vec![
+        ("front.csv", rows(&result.front)),
+        ("front_beside.csv", rows(&result.beside)),
+        ("frozen.csv", rows(&result.frozen)),
+        ("phases.csv", rows(&result.phases)),
+        ("stream.csv", rows(&result.stream)),
+        ("sections.csv", rows(&result.sections)),
+        ("surfaces.csv", rows(&result.surfaces)),
+        ("profiles.csv", rows(&result.profiles)),
+        ("probes.csv", rows(&result.probes)),
+        ("wall.csv", rows(&result.walls)),
+        ("gaps.csv", rows(&result.gaps)),
+        ("water.csv", water.and_then(|water| rows(&water.rows))),
+        ("cut.csv", water.and_then(|water| rows(&water.cut))),
+        ("flow.csv", water.and_then(|water| rows(&water.maps))),
+        ("budget.csv", budget(&result.budget_names, &result.budget)),
+    ]
+}
+
 /// Writes the series of a run that have rows, and last its record: where that is, everything is. Files of an
 /// earlier run that this one does not replace are removed, so that a folder never mixes two runs.
 pub fn write_run(folder: &Path, result: &RunResult) -> Result<(), Failure> {
@@ -93,8 +119,28 @@ pub fn write_run_and(
     result: &RunResult,
     more: impl FnOnce() -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let record = folder.join("record.json");
-    remove(&record)?;
+    clear(folder)?;
+    more()?;
+    for (name, fill) in series(result) {
+        let path = folder.join(name);
+        match fill {
+            Some(fill) => write_whole(&path, fill)?,
+            None => remove(&path)?,
+        }
+    }
+    write_json(&folder.join(RECORD), &result.record)
+}
+
+/// The record of a run.
+pub const RECORD: &str = "record.json";
+
+/// The record of an ensemble.
+pub const ENSEMBLE: &str = "ensemble.json";
+
+/// Takes back the word of earlier runs that a folder holds results of theirs; removes states and frames.
+pub fn clear(folder: &Path) -> Result<(), Failure> {
+    remove(&folder.join(RECORD))?;
+    remove(&folder.join(ENSEMBLE))?;
     for name in fields::NAMES {
         let path = folder.join(name);
         if path.is_dir() {
@@ -103,50 +149,26 @@ pub fn write_run_and(
             remove(&path)?;
         }
     }
-    more()?;
-    rows_or_nothing(&folder.join("front.csv"), &result.front)?;
-    rows_or_nothing(&folder.join("front_beside.csv"), &result.beside)?;
-    rows_or_nothing(&folder.join("frozen.csv"), &result.frozen)?;
-    rows_or_nothing(&folder.join("phases.csv"), &result.phases)?;
-    rows_or_nothing(&folder.join("stream.csv"), &result.stream)?;
-    rows_or_nothing(&folder.join("sections.csv"), &result.sections)?;
-    rows_or_nothing(&folder.join("surfaces.csv"), &result.surfaces)?;
-    rows_or_nothing(&folder.join("profiles.csv"), &result.profiles)?;
-    rows_or_nothing(&folder.join("probes.csv"), &result.probes)?;
-    rows_or_nothing(&folder.join("wall.csv"), &result.walls)?;
-    rows_or_nothing(&folder.join("gaps.csv"), &result.gaps)?;
-    write_water(folder, result.water.as_ref())?;
-    let budget = folder.join("budget.csv");
-    if result.budget.is_empty() {
-        remove(&budget)?;
-    } else {
-        write_budget(&budget, &result.budget_names, &result.budget)?;
-    }
-    write_json(&record, &result.record)
+    Ok(())
 }
 
-/// Writes what a run with water leaves: over time, along the cut, and of all particles.
-fn write_water(folder: &Path, water: Option<&WaterSeries>) -> Result<(), Failure> {
-    let none = WaterSeries::default();
-    let water = water.unwrap_or(&none);
-    rows_or_nothing(&folder.join("water.csv"), &water.rows)?;
-    rows_or_nothing(&folder.join("cut.csv"), &water.cut)?;
-    rows_or_nothing(&folder.join("flow.csv"), &water.maps)
-}
-
-fn rows_or_nothing<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), Failure> {
-    if rows.is_empty() { remove(path) } else { write_rows(path, rows) }
-}
-
-fn remove(path: &Path) -> Result<(), Failure> {
+/// Removes a file, if it is there.
+pub fn remove(path: &Path) -> Result<(), Failure> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Failure::file(path, "cannot be removed", error)),
         _ => Ok(()),
     }
 }
 
-fn write_budget(path: &Path, names: &[String], rows: &[BudgetRow]) -> Result<(), Failure> {
-    write_whole(path, |writer| {
+fn rows<R: Serialize>(rows: &[R]) -> Option<Fill<'_>> {
+    if rows.is_empty() { None } else { Some(Box::new(move |writer| fill_rows(writer, rows))) }
+}
+
+fn budget<'a>(names: &'a [String], rows: &'a [BudgetRow]) -> Option<Fill<'a>> {
+    if rows.is_empty() {
+        return None;
+    }
+    Some(Box::new(move |writer| {
         let mut csv = csv::Writer::from_writer(writer);
         let doors = names.iter().map(|name| format!("in_{name}_j"));
         let head = ["time_s".into(), "stored_j".into()].into_iter().chain(doors).chain(["balance_rel".into()]);
@@ -156,7 +178,7 @@ fn write_budget(path: &Path, names: &[String], rows: &[BudgetRow]) -> Result<(),
             csv.serialize(numbers.chain([row.balance_rel]).collect::<Vec<f64>>()).map_err(io::Error::other)?;
         }
         csv.flush()
-    })
+    }))
 }
 
 #[cfg(test)]
@@ -187,7 +209,8 @@ mod tests {
         );
         let budget = [BudgetRow { time_s: 1.0, stored_j: -3.0, in_j: vec![-4.0, 1.0], balance_rel: 0.0 }];
         let names = ["left".to_owned(), "right".to_owned()];
-        write_budget(&folder.path().join("budget.csv"), &names, &budget).expect("written");
+        let fill = super::budget(&names, &budget).expect("rows");
+        write_whole(&folder.path().join("budget.csv"), fill).expect("written");
         assert_eq!(read("budget.csv"), "time_s,stored_j,in_left_j,in_right_j,balance_rel\n1.0,-3.0,-4.0,1.0,0.0\n");
     }
 

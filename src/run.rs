@@ -11,6 +11,7 @@ use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
 use frazil_plots::{FigureOptions, run_figures};
 
+use crate::ensemble::record::by_name;
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::fields::Snapshots;
 use crate::output::{self, Folder};
@@ -137,7 +138,7 @@ pub fn reference(scene: &Scene) -> Result<Option<Arc<dyn Reference>>, Failure> {
 }
 
 /// A run that went to its end but against its own checks has failed a check; one that did not get there is broken.
-fn verdict(outcome: Outcome) -> Verdict {
+pub fn verdict(outcome: Outcome) -> Verdict {
     match outcome {
         Outcome::Ok => Verdict::Done,
         Outcome::Oscillating | Outcome::EnergyDrift | Outcome::PhaseSkipped => Verdict::CheckFailed,
@@ -173,13 +174,15 @@ fn summary(result: &RunResult, folder: &Path) -> String {
     text
 }
 
-/// The errors that people ask for first.
+/// The errors that people ask for first: their titles, and their names in records.
+pub const HEADLINES: [(&str, &str); 4] = [
+    ("front", "front_rms_rel"),
+    ("temperature", "temperature_rms_rel"),
+    ("frozen area", "frozen_volume_rms_rel"),
+    ("closure", "events.closure_day"),
+];
+
 fn errors(errors: &Errors) -> Vec<(&'static str, f64)> {
-    let named = [
-        ("front", errors.front_rms_rel),
-        ("temperature", errors.temperature_rms_rel),
-        ("frozen area", errors.frozen_volume_rms_rel),
-        ("closure", errors.events.get("closure_day").copied()),
-    ];
-    named.into_iter().filter_map(|(title, error)| error.map(|error| (title, error))).collect()
+    let all = by_name(errors);
+    HEADLINES.into_iter().filter_map(|(title, name)| Some((title, *all.get(name)?))).collect()
 }

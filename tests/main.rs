@@ -7,6 +7,7 @@ mod calibration;
 mod command_line;
 mod cracks;
 mod documents;
+mod ensembles;
 mod extreme;
 mod fields;
 mod forecasts;

@@ -7,7 +7,8 @@ use rand::SeedableRng;
 
 use super::curve::{Clock, Curve, Kind};
 use super::execute::SceneRuns;
-use super::measured::{Headline, Measured};
+use super::measured::Measured;
+use crate::ensemble::runs::Headline;
 
 /// Errors at which times are compared.
 pub const TARGETS: [f64; 6] = [0.05, 0.02, 0.01, 0.005, 0.002, 0.001];

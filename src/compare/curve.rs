@@ -3,8 +3,9 @@
 use frazil_core::statistics::{self, Interval};
 use rand::{Rng, RngExt};
 
-use super::measured::{Headline, Measured, Timing};
+use super::measured::{Measured, Timing};
 use super::plan::Variant;
+use crate::ensemble::runs::Headline;
 
 /// Errors below this multiple of the reference's own say nothing.
 pub const REFERENCE_MARGIN: f64 = 10.0;

@@ -13,10 +13,11 @@ use frazil_plots::style::{duration, percent};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 
-use super::measured::{EnsembleRuns, Headline, Measured, Timing};
+use super::measured::{Measured, Timing};
 use super::plan::{Configuration, configurations};
 use super::reference::local_reference;
 use super::{CompareRequest, Parts};
+use crate::ensemble::runs::{EnsembleRuns, Headline};
 use crate::failure::Failure;
 use crate::parallel;
 

@@ -10,8 +10,8 @@ use frazil_core::scene::{Scene, Setting};
 use frazil_plots::style::{duration, percent};
 
 use super::Parts;
-use super::measured::Headline;
 use super::plan::{Variant, overrides};
+use crate::ensemble::runs::Headline;
 use crate::words::length_words;
 
 /// Estimated error beyond which fine runs are no reference.

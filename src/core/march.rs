@@ -93,7 +93,8 @@ pub fn run(
     reference: Option<&Arc<dyn Reference>>,
     options: &Options<'_>,
 ) -> Result<RunResult, Refused> {
-    let setup = Stopwatch::start();
+    let threads = options.threads;
+    let setup = Stopwatch::start(threads);
     let settings = settings_of(scene, method)?;
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
     let mut watches = Watches::new(scene, &plan.particles, options.fields);
@@ -101,7 +102,7 @@ pub fn run(
     let setup = setup.stop();
     let Plan { mut particles, mut method, step, bound, summary, pipe_extents } = plan;
     let mut guard = Guard::new(scene, &particles, &pipe_extents);
-    let solve = Stopwatch::start();
+    let solve = Stopwatch::start(threads);
     let began = Instant::now();
     let mut last_progress = began;
     let mut clock = Clock { time: 0.0, step: 0.0, index: 0, turned: true };
@@ -143,7 +144,7 @@ pub fn run(
             let now = if count == 1.0 && made == clock.step { landing } else { before + made };
             clock.time = now;
             if dense && (pending.peek().is_some_and(|time| *time < now) || watches.closes(&particles)) {
-                let seen = Stopwatch::start();
+                let seen = Stopwatch::start(threads);
                 type See<'a> = &'a mut dyn FnMut(&mut dyn Method, &Particles, &Ledger);
                 let mut at = |method: &mut dyn Method, time: f64, particles: &mut Particles, see: See<'_>| {
                     let ledger = method.between(particles, (time - before) / made, &mut between);
@@ -206,7 +207,7 @@ pub fn run(
             break 'run;
         }
         if pending.next_if(|time| *time <= instant).is_some() {
-            let seen = Stopwatch::start();
+            let seen = Stopwatch::start(threads);
             watches.output(scene, &particles, method.ledger(), instant, true);
             watches.surfaces(scene, &method.across(&particles.enthalpy, instant), instant);
             show(&particles, instant);
@@ -348,16 +349,30 @@ fn judge(
 /// Wall and CPU time together.
 struct Stopwatch {
     wall: Instant,
-    cpu: cpu_time::ProcessTime,
+    cpu: Cpu,
+}
+
+/// CPU time of whom: a run on one thread is that thread's alone, so that runs side by side are not booked to each other.
+enum Cpu {
+    Thread(cpu_time::ThreadTime),
+    Process(cpu_time::ProcessTime),
 }
 
 impl Stopwatch {
-    fn start() -> Self {
-        Stopwatch { wall: Instant::now(), cpu: cpu_time::ProcessTime::now() }
+    fn start(threads: usize) -> Self {
+        let cpu = match threads {
+            0 | 1 => Cpu::Thread(cpu_time::ThreadTime::now()),
+            _ => Cpu::Process(cpu_time::ProcessTime::now()),
+        };
+        Stopwatch { wall: Instant::now(), cpu }
     }
 
     fn stop(&self) -> (f64, f64) {
-        (self.wall.elapsed().as_secs_f64(), self.cpu.elapsed().as_secs_f64())
+        let cpu = match &self.cpu {
+            Cpu::Thread(time) => time.elapsed(),
+            Cpu::Process(time) => time.elapsed(),
+        };
+        (self.wall.elapsed().as_secs_f64(), cpu.as_secs_f64())
     }
 }
 

@@ -158,7 +158,7 @@ pub fn student_t(freedom: f64) -> Option<f64> {
 }
 
 /// Mean, and sample variance (zero for a single member).
-fn moments(values: &[f64]) -> Option<(f64, f64)> {
+pub fn moments(values: &[f64]) -> Option<(f64, f64)> {
     if values.is_empty() {
         return None;
     }
@@ -185,11 +185,28 @@ pub struct Mean {
 pub fn mean(values: &[f64]) -> Option<Mean> {
     let (mean, variance) = moments(values)?;
     let count = values.len();
-    let interval = match count {
-        1 => None,
-        _ => student_t(count as f64 - 1.0).map(|t| Interval::around(mean, t * (variance / count as f64).sqrt())),
-    };
-    Some(Mean { count, mean, variance, interval })
+    let half = if count > 1 { student_t(count as f64 - 1.0).map(|t| half_width(t, variance, count)) } else { None };
+    Some(Mean { count, mean, variance, interval: half.map(|half| Interval::around(mean, half)) })
+}
+
+fn half_width(t: f64, variance: f64, count: usize) -> f64 {
+    t * (variance / count as f64).sqrt()
+}
+
+/// Half widths of the Student t intervals of many means, with the quantile for each number of seeds found once.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HalfWidths(Vec<Option<f64>>);
+
+impl HalfWidths {
+    /// For means over at most this many seeds.
+    pub fn up_to(seeds: usize) -> Self {
+        HalfWidths((0..=seeds).map(|count| if count > 1 { student_t(count as f64 - 1.0) } else { None }).collect())
+    }
+
+    /// That of a mean over `count` seeds of a sample variance; absent for a single seed.
+    pub fn of(&self, variance: f64, count: usize) -> Option<f64> {
+        self.0.get(count).copied().flatten().map(|t| half_width(t, variance, count))
+    }
 }
 
 /// The same for a skewed positive measure: mean and interval of the logarithms, given back as numbers. The mean
@@ -481,6 +498,10 @@ mod tests {
         // 2.776 sqrt(2.5/5).
         assert!((found.interval.expect("interval").half_width() - 1.963).abs() < 1e-3);
         assert_eq!(mean(&[1.0]).and_then(|found| found.interval), None);
+        let widths = HalfWidths::up_to(5);
+        let half = widths.of(2.5, 5).expect("five seeds");
+        assert_eq!(found.interval, Some(Interval::around(3.0, half)));
+        assert_eq!((widths.of(2.5, 1), widths.of(2.5, 6)), (None, None));
         let found = geometric_mean(&[1.0, 10.0, 100.0]).expect("positive");
         assert!((found.mean - 10.0).abs() < 1e-12);
         let ends = found.interval.expect("interval");

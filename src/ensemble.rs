@@ -1,0 +1,241 @@
+//! The same run with many seeds: members side by side, means with intervals, bias and variance apart.
+//!
+//! An ensemble goes one way: members, each whole in a folder of its own; then tables, record and figures from these
+//! folders alone. So members found on disk and members just run are the same.
+
+use std::path::Path;
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use frazil_core::measure;
+use frazil_core::record::{Outcome, Record, RunResult};
+use frazil_core::reference::Reference;
+use frazil_core::scene::Layout;
+use frazil_core::scene::settings::MethodSettings;
+
+use crate::failure::{Failure, Verdict, answer, complain};
+use crate::output::{self, Folder};
+use crate::progress::clock;
+use crate::run::{self, RunRequest};
+use crate::{interrupt, load};
+
+pub mod figures;
+pub mod members;
+pub mod record;
+pub mod runs;
+pub mod table;
+
+use members::{Count, Members};
+use record::{EnsembleRecord, Member};
+use runs::{EnsembleRuns, Tables};
+
+/// Runs `count` members, the first with the seed of the request.
+pub fn run(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
+    let scene = load::scene(&request.scene, &request.overrides)?;
+    let method = load::method(&scene, request.method.as_deref())?;
+    let Some(settings) = scene.method(method) else {
+        return Err(Failure::Request(format!("--method {method}: the scene has no settings for it")));
+    };
+    chance(settings, count)?;
+    let seeds = seeds(request.seed, count)?;
+    let reference = run::reference(&scene)?;
+    let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&scene.name));
+    let folder = Folder::make(&path)?;
+    let members = Members {
+        scene: &scene,
+        settings,
+        reference: reference.as_ref(),
+        folder: &path,
+        seeds: &seeds,
+        threads: request.threads.min(count),
+    };
+    let began = Instant::now();
+    let made = match members.make(request.quiet) {
+        Ok(made) => made,
+        Err(failure) => {
+            folder.take_back();
+            return Err(failure);
+        }
+    };
+    if made.finished < count {
+        folder.take_back();
+        let stopped = if interrupt::watch().load(Ordering::Relaxed) { "interrupted" } else { "stopped" };
+        complain(&format!(
+            "{stopped}: {} of {count} members are finished; the same command runs the others",
+            made.finished
+        ));
+        return Ok(Verdict::Broken);
+    }
+    let study = Study::of(&members, made, began.elapsed().as_secs_f64(), reference.as_deref())?;
+    study.write(&path)?;
+    if let Err(error) = figures::draw(&study, &scene, &path) {
+        complain(&format!("figures: {error}"));
+    }
+    if !request.quiet {
+        answer(&study.summary(&path))?;
+    }
+    Ok(study.verdict())
+}
+
+/// An ensemble needs chance: without any, all members are one.
+fn chance(settings: &MethodSettings, count: usize) -> Result<(), Failure> {
+    if settings.discretisation.fluctuation > 0.0 || settings.numerics.layout != Layout::Lattice {
+        return Ok(());
+    }
+    Err(Failure::Request(format!(
+        "--seeds {count}: the method \"{}\" has no noise with these settings and its particles stand on a lattice, so all \
+         members would be the same; layout = \"jittered\" or \"random\" would tell them apart",
+        settings.method
+    )))
+}
+
+fn seeds(first: u64, count: usize) -> Result<Vec<u64>, Failure> {
+    let last = first.checked_add(count as u64 - 1);
+    let last = last.ok_or_else(|| Failure::Request(format!("--seed {first}: {count} seeds go beyond {}", u64::MAX)))?;
+    Ok((first..=last).collect())
+}
+
+/// Members and their means.
+pub struct Study {
+    /// The record.
+    pub record: EnsembleRecord,
+    /// Mean of each series, by the names of their files.
+    pub means: Tables,
+    /// Series of the members that came to the end, in the order of their seeds.
+    pub members: Vec<Tables>,
+    /// The members' runs, as far as errors are taken of them.
+    runs: Vec<RunResult>,
+}
+
+impl Study {
+    /// From the folders of the members.
+    fn of(
+        members: &Members<'_>,
+        made: Count,
+        wall_s: f64,
+        reference: Option<&dyn Reference>,
+    ) -> Result<Study, Failure> {
+        let records: Vec<Record> = members.seeds.iter().filter_map(|seed| members.record_of(*seed)).collect();
+        let worst = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
+        let first = records.first().filter(|_| records.len() == members.seeds.len());
+        let first = first.cloned().ok_or_else(|| Failure::Request("a member was changed while others ran".into()))?;
+        let entries: Vec<Member> = records.iter().map(Member::of).collect();
+        let (mut tables, mut runs) = (Vec::new(), Vec::new());
+        for record in records.into_iter().filter(|record| record.outcome != Outcome::Diverged) {
+            let own = members.tables_of(record.seed)?;
+            runs.push(runs::result(record, &own).map_err(unreadable)?);
+            tables.push(own);
+        }
+        let spacing = members.settings.numerics.spacing;
+        let mut means =
+            if tables.is_empty() { Tables::new() } else { runs::means(&tables, Some(spacing)).map_err(unreadable)? };
+        let mut mean = runs::result(first.clone(), &means).map_err(unreadable)?;
+        mean.record.errors = Default::default();
+        if let Some(reference) = reference {
+            measure::attach(members.scene, spacing, &mut mean, reference);
+            // Mean places differ from the members'; the reference is known there, too.
+            if let Some(profiles) = means.get_mut("profiles.csv")
+                && let Some(column) = profiles.column("temperature_ref_c")
+            {
+                profiles.put(column, mean.profiles.iter().map(|row| row.temperature_ref_c));
+            }
+        }
+        let errors: Vec<_> = runs.iter().map(|run| record::errors_of(&run.record)).collect();
+        let split = EnsembleRuns::with_mean(members.scene, spacing, &runs, mean.record.errors.clone(), reference);
+        let record = EnsembleRecord {
+            frazil_version: first.frazil_version,
+            scene: first.scene,
+            title: first.title,
+            scene_hash: first.scene_hash,
+            method: first.method,
+            settings: first.settings,
+            units: first.units,
+            seeds: members.seeds.to_vec(),
+            averaged: runs.len(),
+            taken_over: made.taken_over,
+            errors: record::measures(&errors, &mean.record.errors),
+            curves: record::splits(&split),
+            reference: first.reference,
+            energy_balance_rel: entries.iter().map(|member| member.energy_balance_rel).fold(0.0, worst),
+            cpu_s: entries.iter().map(|member| member.cpu_s).sum(),
+            members_wall_s: entries.iter().map(|member| member.wall_s).sum(),
+            wall_s,
+            threads: members.threads,
+            differences: first.differences,
+            members: entries,
+        };
+        Ok(Study { record, means, members: tables, runs })
+    }
+
+    /// Writes the means, and last the record. Series of other runs are removed.
+    fn write(&self, folder: &Path) -> Result<(), Failure> {
+        output::clear(folder)?;
+        for name in self.runs.iter().flat_map(output::series).map(|(name, _)| name) {
+            if !self.means.contains_key(name) {
+                output::remove(&folder.join(name))?;
+            }
+        }
+        for (name, table) in &self.means {
+            output::write_whole(&folder.join(name), |writer| table.write(writer))?;
+        }
+        output::write_json(&folder.join(output::ENSEMBLE), &self.record)
+    }
+
+    /// The worst of the members'.
+    fn verdict(&self) -> Verdict {
+        let verdicts = || self.record.members.iter().map(|member| run::verdict(member.outcome));
+        [Verdict::Broken, Verdict::CheckFailed]
+            .into_iter()
+            .find(|bad| verdicts().any(|own| own == *bad))
+            .unwrap_or(Verdict::Done)
+    }
+
+    fn summary(&self, folder: &Path) -> String {
+        let record = &self.record;
+        let count = record.seeds.len();
+        let ends = record.seeds.first().zip(record.seeds.last()).map(|(first, last)| format!("{first} to {last}"));
+        let mut text = format!(
+            "{} under {}: {count} members, seeds {}, {} of them taken over\n",
+            record.scene,
+            record.method,
+            ends.unwrap_or_default(),
+            record.taken_over
+        );
+        let mut line = |title: &str, value: String| text.push_str(&format!("  {title:<13} {value}\n"));
+        for member in record.members.iter().filter(|member| member.outcome != Outcome::Ok) {
+            let cause = member.cause.as_ref().map_or_else(String::new, |cause| format!(": {cause}"));
+            line(&format!("seed {}", member.seed), format!("{}{cause}", member.outcome.name()));
+        }
+        for (title, name) in run::HEADLINES {
+            let Some(found) = record.errors.get(name) else { continue };
+            let half = found.interval.map_or(String::new(), |[low, high]| format!(" +- {:.3}", 50.0 * (high - low)));
+            let mut words = format!("{:.3}{half} % of one member", 100.0 * found.mean);
+            if let Some(error) = found.of_mean {
+                words.push_str(&format!(", {:.3} % of their mean", 100.0 * error));
+            }
+            if let Some(split) = record.curves.get(title) {
+                words.push_str(&match split.bias {
+                    Some(bias) => format!(", {:.3} % of the mean of endlessly many", 100.0 * bias),
+                    None => ", bias not resolved".into(),
+                });
+            }
+            line(title, words);
+        }
+        if let Some(reference) = &record.reference {
+            let own = 100.0 * reference.error_estimate_rel;
+            line("reference", format!("{}, {}; its own error about {own:.1e} %", reference.kind, reference.source));
+        }
+        line("heat balance", format!("at worst {:.1e} of the heat exchanged", record.energy_balance_rel));
+        let (all, now) = (clock(record.cpu_s), clock(record.wall_s));
+        line("time", format!("{all} of CPU in all, {now} now; threads {}", record.threads));
+        for difference in &record.differences {
+            line("difference", difference.clone());
+        }
+        line("results", folder.display().to_string());
+        text
+    }
+}
+
+fn unreadable(reason: String) -> Failure {
+    Failure::Request(format!("series of members: {reason}"))
+}

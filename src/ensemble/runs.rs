@@ -1,0 +1,207 @@
+//! Runs that differ in their seed alone, and how wrong they and their mean are.
+//!
+//! Series are taken as the tables that runs leave, so that runs just made and runs found on disk give the same bits.
+
+use std::collections::BTreeMap;
+use std::io;
+
+use frazil_core::flow::series::WaterSeries;
+use frazil_core::record::{Errors, Record, RunResult};
+use frazil_core::reference::Reference;
+use frazil_core::scene::Scene;
+use frazil_core::{measure, statistics};
+use serde::de::DeserializeOwned;
+
+use super::table::{Table, mean};
+use crate::output;
+
+/// Series of a run, by the names of their files.
+pub type Tables = BTreeMap<String, Table>;
+
+/// The series that errors are taken of.
+pub const JUDGED: [&str; 6] = ["front.csv", "frozen.csv", "profiles.csv", "wall.csv", "gaps.csv", "cut.csv"];
+
+/// The series of a run that errors are taken of, as it would write them.
+fn judged(run: &RunResult) -> io::Result<Tables> {
+    let mut tables = Tables::new();
+    for (name, fill) in output::series(run) {
+        if let Some(fill) = fill.filter(|_| JUDGED.contains(&name)) {
+            let mut text = Vec::new();
+            fill(&mut text)?;
+            tables.insert(name.to_owned(), Table::read(&text[..]).map_err(io::Error::other)?);
+        }
+    }
+    Ok(tables)
+}
+
+/// Mean of each series over runs; rows that a run lacks are the mean of the others. `spacing` is that of the particles (m).
+pub fn means(runs: &[Tables], spacing: Option<f64>) -> Result<Tables, String> {
+    let mut names: Vec<&String> = runs.iter().flat_map(Tables::keys).collect();
+    names.sort();
+    names.dedup();
+    let of = |name: &String| {
+        let tables: Vec<&Table> = runs.iter().filter_map(|run| run.get(name)).collect();
+        Ok((name.clone(), mean(&tables, spacing).map_err(|reason| format!("{name}: {reason}"))?))
+    };
+    names.into_iter().map(of).collect()
+}
+
+/// A run, as far as errors are taken of it, from its record and its series.
+pub fn result(record: Record, tables: &Tables) -> Result<RunResult, String> {
+    let cut = typed(tables, "cut.csv")?;
+    let water = if cut.is_empty() {
+        None
+    } else {
+        let mut water = WaterSeries::default();
+        water.cut = cut;
+        Some(water)
+    };
+    Ok(RunResult {
+        record,
+        front: typed(tables, "front.csv")?,
+        beside: Vec::new(),
+        frozen: typed(tables, "frozen.csv")?,
+        phases: Vec::new(),
+        stream: Vec::new(),
+        sections: Vec::new(),
+        profiles: typed(tables, "profiles.csv")?,
+        probes: Vec::new(),
+        surfaces: Vec::new(),
+        budget_names: Vec::new(),
+        budget: Vec::new(),
+        walls: typed(tables, "wall.csv")?,
+        gaps: typed(tables, "gaps.csv")?,
+        fields: Vec::new(),
+        water,
+    })
+}
+
+fn typed<R: DeserializeOwned>(tables: &Tables, name: &str) -> Result<Vec<R>, String> {
+    tables.get(name).map_or(Ok(Vec::new()), |table| table.typed().map_err(|reason| format!("{name}: {reason}")))
+}
+
+/// The error that a diagram shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Headline {
+    /// Front over time.
+    Front,
+    /// Closure of the frozen wall.
+    Closure,
+    /// Frozen volume over time.
+    Volume,
+    /// Temperature at all profile points.
+    Temperature,
+}
+
+impl Headline {
+    /// In the order of preference.
+    pub const ALL: [Headline; 4] = [Headline::Front, Headline::Closure, Headline::Volume, Headline::Temperature];
+
+    /// The error, signed where it has a sign.
+    pub fn of(self, errors: &Errors) -> Option<f64> {
+        match self {
+            Headline::Front => errors.front_rms_rel,
+            Headline::Closure => errors.events.get("closure_day").copied(),
+            Headline::Volume => errors.frozen_volume_rms_rel,
+            Headline::Temperature => errors.temperature_rms_rel,
+        }
+    }
+
+    /// The error with a sign, as far as one is known: an rms front error takes that of the last front.
+    pub fn signed(self, errors: &Errors) -> Option<f64> {
+        let error = self.of(errors)?;
+        match self {
+            Headline::Front => Some(error * errors.front_last_rel.map_or(1.0, f64::signum)),
+            _ => Some(error),
+        }
+    }
+
+    /// Words for axes and tables.
+    pub fn label(self) -> &'static str {
+        match self {
+            Headline::Front => "rms error of the front",
+            Headline::Closure => "error of the time of closure",
+            Headline::Volume => "rms error of the frozen volume",
+            Headline::Temperature => "rms error of the temperature, over its range",
+        }
+    }
+
+    /// One word for files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Headline::Front => "front",
+            Headline::Closure => "closure",
+            Headline::Volume => "volume",
+            Headline::Temperature => "temperature",
+        }
+    }
+
+    /// Relative errors of one run point by point, whose rms over the points is the headline error. A single
+    /// number where the measure is one.
+    pub fn points(self, scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn Reference) -> Vec<f64> {
+        let relative = |own: f64, expected: Option<f64>| Some(own / expected.filter(|value| *value > 0.0)? - 1.0);
+        match self {
+            Headline::Front => result
+                .front
+                .iter()
+                .filter(|row| row.time_s >= scene.watch.front_from)
+                .filter_map(|row| relative(row.front_m, reference.front(row.time_s)))
+                .collect(),
+            Headline::Temperature => {
+                let (least, greatest) = scene.temperature_range();
+                let points = measure::profile_points(scene, spacing, result, reference);
+                points.into_iter().map(|(own, expected)| (own - expected) / (greatest - least)).collect()
+            }
+            Headline::Closure | Headline::Volume => self.of(&result.record.errors).into_iter().collect(),
+        }
+    }
+}
+
+/// Several runs of a stochastic method that differ in their seed only.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EnsembleRuns {
+    /// Errors of each run.
+    pub runs: Vec<Errors>,
+    /// Errors of the mean of the runs.
+    pub mean: Errors,
+    /// Relative errors by run and point, for each headline measure in the order of [`Headline::ALL`].
+    pub points: Vec<Vec<Vec<f64>>>,
+}
+
+impl EnsembleRuns {
+    /// Takes runs together. Absent for fewer than two, and where their series differ in kind.
+    pub fn of(scene: &Scene, spacing: f64, runs: &[RunResult], reference: Option<&dyn Reference>) -> Option<Self> {
+        let first = runs.first().filter(|_| runs.len() > 1)?;
+        let tables: Vec<Tables> = runs.iter().map(judged).collect::<Result<_, _>>().ok()?;
+        let means = means(&tables, Some(spacing)).ok()?;
+        let mean = result(first.record.clone(), &means).ok()?;
+        let mean = reference.map(|truth| measure::errors(scene, spacing, &mean, truth)).unwrap_or_default();
+        Some(EnsembleRuns::with_mean(scene, spacing, runs, mean, reference))
+    }
+
+    /// Takes runs together whose mean has these errors.
+    pub fn with_mean(
+        scene: &Scene,
+        spacing: f64,
+        runs: &[RunResult],
+        mean: Errors,
+        reference: Option<&dyn Reference>,
+    ) -> Self {
+        let points = Headline::ALL.map(|headline| match reference {
+            Some(reference) => runs.iter().map(|run| headline.points(scene, spacing, run, reference)).collect(),
+            None => Vec::new(),
+        });
+        EnsembleRuns { runs: runs.iter().map(|run| run.record.errors.clone()).collect(), mean, points: points.into() }
+    }
+
+    /// Relative errors by run and point of a measure.
+    pub fn points_of(&self, headline: Headline) -> &[Vec<f64>] {
+        let index = Headline::ALL.iter().position(|other| *other == headline);
+        index.and_then(|index| self.points.get(index)).map_or(&[], Vec::as_slice)
+    }
+
+    /// What the seeds say about systematic error and scatter.
+    pub fn split(&self, headline: Headline) -> Option<statistics::Ensemble> {
+        statistics::ensemble(self.points_of(headline))
+    }
+}

@@ -13,6 +13,7 @@ mod draw;
 mod flow_map;
 pub mod map;
 pub mod page;
+pub mod properties;
 pub mod rings;
 pub mod run;
 pub mod signed;

@@ -13,6 +13,7 @@ mod forecasts;
 mod invariants;
 mod order;
 mod printed;
+mod properties;
 mod reductions;
 mod references;
 mod regions;

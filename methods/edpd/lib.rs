@@ -8,6 +8,7 @@
 
 pub mod calibration;
 pub mod fluid;
+pub mod properties;
 
 use std::f64::consts::PI;
 use std::sync::Arc;

@@ -7,6 +7,7 @@
 pub mod diffusion;
 pub mod equilibrium;
 pub mod halves;
+pub mod verlet;
 
 use crate::fluid::{Drive, Fluid};
 

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 use frazil_edpd::fluid::{Fluid, Parameters};
-use frazil_edpd::properties::equilibrium::{Equilibrium, SETTLE, measure};
+use frazil_edpd::properties::equilibrium::{Equilibrium, SETTLE, gain, measure};
 use serde::Serialize;
 
 use super::PropertiesRequest;
@@ -41,6 +41,20 @@ struct Row {
     momentum: f64,
     drift_over_kinetic: f64,
     drift_over_total: f64,
+}
+
+/// Steps under the paper's integrator, and its lambdas: that of Groot and Warren (1997), and plain velocity Verlet.
+const EXPLICIT: (f64, [f64; 2]) = (1500.0, [0.65, 0.5]);
+
+/// One run in `explicit.csv`.
+#[derive(Debug, Clone, Serialize)]
+struct ExplicitRow {
+    lambda: f64,
+    step: f64,
+    particles: usize,
+    steps: u64,
+    gain_by_time: f64,
+    kinetic_over_internal: f64,
 }
 
 /// Runs the fluid in the plane and in space, at the step and at three times the step.
@@ -107,15 +121,52 @@ pub fn equilibrium(request: &PropertiesRequest, calibrated: &Calibrated<'_>, pat
             })
         })
         .collect();
+    let explicit = explicit(request, &own, row.temperature, stop)?;
+    if stop.load(Ordering::Relaxed) {
+        complain("interrupted");
+        return Ok(Verdict::Broken);
+    }
     let folder = Folder::make(path)?;
     write_rows(&folder.path().join("equilibrium.csv"), &rows)?;
-    answer(&report(&calibrated.fluid.name, row.temperature_k, &rows, folder.path()))?;
+    write_rows(&folder.path().join("explicit.csv"), &explicit)?;
+    answer(&report(&calibrated.fluid.name, row.temperature_k, &rows, &explicit, own.heat_capacity, folder.path()))?;
     let good = |row: &Row| {
         (row.kinetic_over_internal - 1.0).abs() <= TEMPERATURES
             && row.momentum <= MOMENTUM
             && row.drift_over_kinetic <= ENERGY
     };
     Ok(if rows.iter().all(good) { Verdict::Done } else { Verdict::CheckFailed })
+}
+
+/// The paper's integrator in the plane.
+fn explicit(
+    request: &PropertiesRequest,
+    parameters: &Parameters,
+    temperature: f64,
+    stop: &AtomicBool,
+) -> Result<Vec<ExplicitRow>, Failure> {
+    let steps = (EXPLICIT.0 * request.effort).round().max(100.0) as u64;
+    let height = (1500.0 / parameters.density).sqrt();
+    let run = |k: usize| {
+        let go_on = |_| !stop.load(Ordering::Relaxed);
+        let found = Fluid::new(parameters.clone(), [height; 2], temperature, 1, None).and_then(|mut fluid| {
+            let found = gain(&mut fluid, temperature, EXPLICIT.1[k], steps, &go_on)?;
+            Ok(found.map(|found| (fluid.particles().len(), found)))
+        });
+        let found = found.map(|found| {
+            found.map(|(particles, found)| ExplicitRow {
+                lambda: EXPLICIT.1[k],
+                step: parameters.step,
+                particles,
+                steps,
+                gain_by_time: found.by_time,
+                kinetic_over_internal: found.temperatures,
+            })
+        });
+        found.transpose()
+    };
+    let found = parallel::in_order(EXPLICIT.1.len(), request.threads, run);
+    found.into_iter().flatten().map(|row| row.map_err(Failure::Request)).collect()
 }
 
 fn one<const D: usize>(
@@ -135,7 +186,14 @@ fn one<const D: usize>(
     Ok(found.map(|found| (count, found)))
 }
 
-fn report(name: &str, kelvin: f64, rows: &[Row], folder: &Path) -> String {
+fn report(
+    name: &str,
+    kelvin: f64,
+    rows: &[Row],
+    explicit: &[ExplicitRow],
+    heat_capacity: f64,
+    folder: &Path,
+) -> String {
     let mut text = format!("{name} left alone at {kelvin} K\n\n");
     text.push_str(&format!(
         "  {:>3} {:>8} {:>9} {:>8} {:>24} {:>10} {:>16} {:>16}\n",
@@ -152,6 +210,22 @@ fn report(name: &str, kelvin: f64, rows: &[Row], folder: &Path) -> String {
             row.momentum,
             row.drift_over_kinetic,
             row.drift_over_total
+        ));
+    }
+    text.push_str("\n  velocity Verlet, as the paper has it, in the plane\n\n");
+    text.push_str(&format!(
+        "  {:>8} {:>8} {:>8} {:>20} {:>24} {:>20}\n",
+        "lambda", "step", "steps", "gain / particle time", "temperature / time", "kinetic / internal T"
+    ));
+    for row in explicit {
+        text.push_str(&format!(
+            "  {:>8} {:>8} {:>8} {:>20.3} {:>24.2e} {:>20.4}\n",
+            row.lambda,
+            row.step,
+            row.steps,
+            row.gain_by_time,
+            row.gain_by_time / heat_capacity,
+            row.kinetic_over_internal
         ));
     }
     text.push_str(&format!(

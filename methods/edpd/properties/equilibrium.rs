@@ -1,5 +1,6 @@
 //! Whether a fluid that is left alone keeps what it has to keep.
 
+use super::verlet::Verlet;
 use super::{Watch, advance};
 use crate::fluid::{Fluid, Totals, Undriven};
 
@@ -64,4 +65,48 @@ pub fn measure<const D: usize>(
         drift_kinetic: drift / start.kinetic,
         drift_total: drift / whole,
     }))
+}
+
+/// What the paper's integrator gains.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gain {
+    /// Energy that a particle gains by time.
+    pub by_time: f64,
+    /// Mean of the kinetic temperature over that of the internal one.
+    pub temperatures: f64,
+}
+
+/// Lets a fluid settle, whose heat is zero at a temperature, and goes on with velocity Verlet for a number of steps; `None` if
+/// it was told to stop.
+///
+/// # Errors
+/// Those of the fluid's steps.
+pub fn gain(
+    fluid: &mut Fluid<2>,
+    reference: f64,
+    lambda: f64,
+    steps: u64,
+    watch: Watch<'_>,
+) -> Result<Option<Gain>, String> {
+    if !advance(fluid, SETTLE, &Undriven, watch)? {
+        return Ok(None);
+    }
+    let mut explicit = Verlet::from(fluid, reference, lambda, 1);
+    // It first settles to a kinetic temperature of its own.
+    let settle = steps / 5;
+    let (mut start, mut temperatures) = (explicit.energy(), 0.0);
+    for step in 0..settle + steps {
+        if step == settle {
+            start = explicit.energy();
+        }
+        explicit.step();
+        if step >= settle {
+            temperatures += explicit.temperatures() / steps as f64;
+        }
+        if !watch(1) {
+            return Ok(None);
+        }
+    }
+    let time = fluid.particles().len() as f64 * steps as f64 * fluid.parameters().step;
+    Ok(Some(Gain { by_time: (explicit.energy() - start) / time, temperatures }))
 }

@@ -149,3 +149,17 @@ fn a_fluid_left_alone_keeps_what_it_has_to() {
     // Samples every other step are not independent: friction forgets within some twenty, so four errors of a tenth as many.
     assert!((found.temperatures - 1.0).abs() < 4.0 * found.temperatures_error * 10.0f64.sqrt() + 0.002, "{found:?}");
 }
+
+/// Explicit forces gain energy in the first order of the step; the one pass over pairs does not.
+#[test]
+fn velocity_verlet_gains_energy() {
+    let gain = |step: f64, lambda: f64| {
+        let water = Parameters { step, ..Parameters::water() };
+        let mut fluid = Fluid::<2>::new(water, [10.0, 10.0], 1.0, 1, None).expect("a fluid");
+        let found = equilibrium::gain(&mut fluid, 1.0, lambda, (2.1 / step) as u64, ON);
+        found.expect("steps").expect("to the end").by_time
+    };
+    let (whole, half) = (gain(0.007, 0.5), gain(0.0035, 0.5));
+    // Between half and a quarter at half the step, with room for noise.
+    assert!(whole > 0.0 && (0.15..0.65).contains(&(half / whole)), "{whole} {half}");
+}

@@ -25,6 +25,7 @@ pub fn all() -> &'static [BundledScene] {
         "stefan-dpd-2",
         "stefan-dpd-3",
         "stefan-dpd-4",
+        "solidification-square",
         "soil-column",
         "soil-column-printed",
         "frozen-wall-sand",

@@ -6,7 +6,7 @@ use frazil_core::reference::{Plane, Reference};
 use frazil_core::scene::{Condition, Domain, Scene, Units};
 
 use crate::exact::constant;
-use crate::{seepage, shells};
+use crate::{corner, seepage, shells};
 
 const DAY: f64 = 86_400.0;
 
@@ -24,13 +24,19 @@ pub const NAMES: [&str; 5] = [
 
 /// Names of all tables, those of shells and of seepage included.
 pub fn names() -> impl Iterator<Item = &'static str> {
-    NAMES.into_iter().chain(shells::names()).chain([seepage::NAME])
+    NAMES.into_iter().chain(shells::names()).chain([seepage::NAME, corner::NAME])
 }
 
 /// The table of the given name, if it is about the physics of the scene; else the reason.
 pub fn by_name(name: &str, scene: &Scene) -> Result<Box<dyn Reference>, String> {
     if name == seepage::NAME {
         return Ok(Box::new(seepage::Inclusion::of_scene(scene)?));
+    }
+    if name == corner::NAME {
+        return match corner::Corner::of_scene(scene) {
+            Ok(corner) => Ok(Box::new(corner)),
+            Err(differences) => Err(not_about(name, &differences)),
+        };
     }
     if name == "soil-column" {
         let differences = column_differences(scene);

@@ -47,6 +47,8 @@ fn half_space(law: FreezingLaw) -> Scene {
             cuts_r: Vec::new(),
             profile_length: None,
             front_from: 0.0,
+            phases: None,
+            corner_front: false,
         },
         reference: ReferenceChoice::Exact,
         methods: Vec::new(),

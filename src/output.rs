@@ -107,6 +107,7 @@ pub fn write_run_and(
     rows_or_nothing(&folder.join("front.csv"), &result.front)?;
     rows_or_nothing(&folder.join("front_beside.csv"), &result.beside)?;
     rows_or_nothing(&folder.join("frozen.csv"), &result.frozen)?;
+    rows_or_nothing(&folder.join("phases.csv"), &result.phases)?;
     rows_or_nothing(&folder.join("surfaces.csv"), &result.surfaces)?;
     rows_or_nothing(&folder.join("profiles.csv"), &result.profiles)?;
     rows_or_nothing(&folder.join("probes.csv"), &result.probes)?;
@@ -204,6 +205,7 @@ mod tests {
             front: vec![FrontRow { time_s: 1.0, front_m: 0.5, front_ref_m: Some(0.25) }],
             beside: Vec::new(),
             frozen: Vec::new(),
+            phases: Vec::new(),
             profiles: Vec::new(),
             probes: Vec::new(),
             surfaces: Vec::new(),

@@ -7,11 +7,13 @@
 //! kept to rounding; and the same start, constants and seed give the same bits on any number of threads. Rejected: a second
 //! pass for friction, after the kick, which gains less and costs half a step more.
 
+pub mod matter;
 pub mod pairs;
 pub mod parameters;
 pub mod particle;
 pub mod power;
 pub mod sorting;
+pub mod walls;
 
 use std::sync::Arc;
 
@@ -21,8 +23,10 @@ use rand_distr::{Distribution, StandardNormal};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
+pub use matter::{Matter, Plain};
 pub use parameters::{Exponent, Parameters};
 pub use particle::{Look, Particle};
+pub use walls::{Behind, Face, Walls};
 
 use pairs::{AT_ONCE, Desk, Frame, Part, act};
 use sorting::{Grid, SlabPairs};
@@ -35,8 +39,15 @@ const TASK: usize = 2048;
 
 /// What acts on particles from outside.
 pub trait Drive<const D: usize>: Sync {
+    /// Whether it brings energy, which is then booked ([`Fluid::driven`]).
+    const WORKS: bool = true;
+
     /// Acts for a time on a particle: before it drifts.
     fn act(&self, particle: &mut Particle<D>, time: f64);
+
+    /// Keeps a particle in that has drifted for a time. It must keep the kinetic energy.
+    #[inline(always)]
+    fn confine(&self, _particle: &mut Particle<D>, _time: f64) {}
 }
 
 /// Nothing acts.
@@ -44,6 +55,8 @@ pub trait Drive<const D: usize>: Sync {
 pub struct Undriven;
 
 impl<const D: usize> Drive<D> for Undriven {
+    const WORKS: bool = false;
+
     #[inline(always)]
     fn act(&self, _particle: &mut Particle<D>, _time: f64) {}
 }
@@ -65,19 +78,20 @@ pub struct Totals<const D: usize> {
     pub internal_temperature: f64,
 }
 
-/// A fluid in a periodic box.
-#[derive(Debug)]
-pub struct Fluid<const D: usize> {
+/// A fluid in a periodic box, in parts of which there may be walls.
+pub struct Fluid<const D: usize, M: Matter = Plain> {
     parameters: Parameters,
-    /// Temperature at which heat is zero.
-    reference: f64,
+    matter: M,
     seed: u64,
     pool: Option<Arc<ThreadPool>>,
     grid: Grid<D>,
     particles: Vec<Particle<D>>,
     sorted: Vec<Particle<D>>,
     /// What pairs read of them.
-    looks: Vec<Look<D>>,
+    looks: Vec<Look<D, M::Seen>>,
+    walls: Option<Walls<D>>,
+    /// Direction across whose periodic sides no heat goes.
+    shut: Option<usize>,
     starts: Vec<u32>,
     slabs: Vec<SlabPairs>,
     desks: Vec<Desk<D>>,
@@ -89,10 +103,13 @@ pub struct Fluid<const D: usize> {
     gained: f64,
     /// All such energy so far.
     pub given_back: f64,
+    /// Energy that the drive has brought so far.
+    pub driven: f64,
     /// Particles that move, at least 1.
     moving: f64,
-    /// Kinetic energy that kicks bring and the farthest way gone, squared, by task.
-    work: Vec<[f64; 2]>,
+    /// Kinetic energy that kicks bring, the farthest way gone, squared, and energy that the drive brings; then kinetic
+    /// energy that kicks bring and particles that came to rest, by task.
+    work: Vec<[f64; 3]>,
     /// Steps made.
     pub steps: u64,
     /// Lists made.
@@ -118,13 +135,39 @@ impl<const D: usize> Fluid<D> {
         if !(temperature > 0.0 && temperature.is_finite()) {
             return Err(format!("temperature: found {temperature}, must be above 0"));
         }
-        let grid = Grid::new(lengths, parameters.reach() * (1.0 + SKIN))?;
         let volume: f64 = lengths.iter().product();
         let count = (parameters.density * volume).round() as usize;
         let particles = placed(&lengths, count, temperature, seed);
+        let matter = Plain { reference: temperature, heat_capacity: parameters.heat_capacity };
+        Fluid::assembled(parameters, lengths, matter, particles, None, None, seed, pool)
+    }
+}
+
+impl<const D: usize, M: Matter> Fluid<D, M> {
+    /// A fluid of these particles, named from zero on without gaps, with walls, if any, and a direction across whose
+    /// periodic sides no heat goes, if any.
+    ///
+    /// # Errors
+    /// A box smaller than three times the reach of pairs.
+    #[expect(clippy::too_many_arguments, reason = "the parts of a fluid, each given once")]
+    pub fn assembled(
+        parameters: Parameters,
+        lengths: [f64; D],
+        matter: M,
+        particles: Vec<Particle<D>>,
+        walls: Option<Walls<D>>,
+        shut: Option<usize>,
+        seed: u64,
+        pool: Option<Arc<ThreadPool>>,
+    ) -> Result<Self, String> {
+        let grid = Grid::new(lengths, parameters.reach() * (1.0 + SKIN))?;
         let slabs = grid.slabs();
+        let count = particles.len();
+        let moving = particles.iter().map(|particle| particle.mobility).sum::<f64>().max(1.0);
         let mut fluid = Fluid {
-            reference: temperature,
+            matter,
+            walls,
+            shut,
             seed,
             pool,
             grid,
@@ -138,8 +181,9 @@ impl<const D: usize> Fluid<D> {
             potential: 0.0,
             gained: 0.0,
             given_back: 0.0,
-            moving: count as f64,
-            work: vec![[0.0; 2]; count.div_ceil(TASK)],
+            driven: 0.0,
+            moving,
+            work: vec![[0.0; 3]; count.div_ceil(TASK)],
             steps: 0,
             lists: 0,
             parameters,
@@ -168,7 +212,38 @@ impl<const D: usize> Fluid<D> {
 
     /// Temperature of a particle.
     pub fn temperature(&self, particle: &Particle<D>) -> f64 {
-        self.reference + particle.heat / self.parameters.heat_capacity
+        self.matter.temperature(particle.heat)
+    }
+
+    /// Energy that kicks and drifts of the last step have gained, to be given back in the next.
+    pub fn owed(&self) -> f64 {
+        self.gained
+    }
+
+    /// Bytes that it holds on the heap.
+    pub fn held(&self) -> usize {
+        fn of<T>(column: &Vec<T>) -> usize {
+            column.capacity() * size_of::<T>()
+        }
+        let lists: usize = self.slabs.iter().map(|slab| of(&slab.starts) + of(&slab.partners)).sum();
+        let walls = self.walls.as_ref().map_or(0, Walls::held);
+        let particles = of(&self.particles) + of(&self.sorted) + of(&self.looks) + of(&self.origins);
+        particles + of(&self.starts) + of(&self.slabs) + lists + of(&self.desks) + of(&self.work) + walls
+    }
+
+    /// What heat means.
+    pub fn matter(&self) -> &M {
+        &self.matter
+    }
+
+    /// The walls.
+    pub fn walls(&self) -> Option<&Walls<D>> {
+        self.walls.as_ref()
+    }
+
+    /// What the parts of the walls hold, to be set.
+    pub fn faces(&mut self) -> &mut [Face] {
+        self.walls.as_mut().map_or(&mut [], |walls| &mut walls.faces)
     }
 
     /// Lets a change come over all particles; they stay where they are.
@@ -195,24 +270,41 @@ impl<const D: usize> Fluid<D> {
 
     fn advance_here(&mut self, steps: u64, drive: &impl Drive<D>) -> Result<(), String> {
         for _ in 0..steps {
-            self.step(drive)?;
+            self.step(self.parameters.step, drive)?;
         }
         Ok(())
     }
 
-    fn step(&mut self, drive: &impl Drive<D>) -> Result<(), String> {
-        let step = self.parameters.step;
+    /// Makes a step of another length than that of the constants.
+    ///
+    /// # Errors
+    /// As [`Fluid::advance`].
+    pub fn advance_by(&mut self, step: f64, drive: &impl Drive<D>) -> Result<(), String> {
+        match self.pool.clone() {
+            Some(pool) => pool.install(|| self.step(step, drive)),
+            None => self.step(step, drive),
+        }
+    }
+
+    fn step<W: Drive<D>>(&mut self, step: f64, drive: &W) -> Result<(), String> {
         let share = self.gained / self.moving;
         self.given_back += self.gained;
         let first = |((particles, origins), work): Task<'_, D>| {
-            let (mut most, mut gained) = (0.0, 0.0);
+            let (mut most, mut gained, mut driven) = (0.0, 0.0, 0.0);
             for (particle, origin) in particles.iter_mut().zip(origins) {
                 let half = 0.5 * step * particle.mobility;
                 let mut moved = 0.0;
                 gained += kick(particle, half);
+                let before = if W::WORKS { particle.kinetic() + particle.heat } else { 0.0 };
                 drive.act(particle, step);
+                if W::WORKS {
+                    driven += particle.kinetic() + particle.heat - before;
+                }
                 for axis in 0..D {
                     particle.position[axis] += step * particle.velocity[axis];
+                }
+                drive.confine(particle, step);
+                for axis in 0..D {
                     let way = particle.position[axis] - origin[axis];
                     moved += way * way;
                 }
@@ -221,7 +313,7 @@ impl<const D: usize> Fluid<D> {
                 // A place that is no number is farther than any.
                 most = if moved <= most { most } else { moved };
             }
-            *work = [gained, most];
+            *work = [gained, most, driven];
         };
         if self.pool.is_some() {
             let tasks = self.particles.par_chunks_mut(TASK).zip(self.origins.par_chunks(TASK)).zip(&mut self.work);
@@ -231,6 +323,7 @@ impl<const D: usize> Fluid<D> {
         }
         let most = self.work.iter().fold(0.0, |most, work| if work[1] <= most { most } else { work[1] });
         let mut gained: f64 = self.work.iter().map(|work| work[0]).sum();
+        self.driven += self.work.iter().map(|work| work[2]).sum::<f64>();
         let skin = SKIN * self.parameters.reach();
         if most > (0.5 * skin).powi(2) || most.is_nan() {
             if !most.is_finite() || most > self.parameters.reach().powi(2) {
@@ -239,18 +332,25 @@ impl<const D: usize> Fluid<D> {
                      too long",
                     self.steps,
                     most.sqrt(),
-                    self.parameters.step
+                    step
                 ));
             }
             self.sort()?;
         }
         self.meet(step);
-        let last = |(particles, work): (&mut [Particle<D>], &mut [f64; 2])| {
-            let mut gained = 0.0;
+        if let Some(walls) = &mut self.walls {
+            walls.collect(&mut self.particles);
+        }
+        let (matter, fluid) = (&self.matter, self.walls.as_ref().map_or(u32::MAX, |walls| walls.first));
+        let last = |(particles, work): (&mut [Particle<D>], &mut [f64; 3])| {
+            let (mut gained, mut stopped) = (0.0, 0.0);
             for particle in particles {
                 gained += kick(particle, 0.5 * step * particle.mobility);
+                if M::FREEZES && particle.name < fluid {
+                    stopped += settle(matter, particle);
+                }
             }
-            work[0] = gained;
+            *work = [gained, 0.0, stopped];
         };
         if self.pool.is_some() {
             self.particles.par_chunks_mut(TASK).zip(&mut self.work).for_each(last);
@@ -258,6 +358,10 @@ impl<const D: usize> Fluid<D> {
             self.particles.chunks_mut(TASK).zip(&mut self.work).for_each(last);
         }
         gained += self.work.iter().map(|work| work[0]).sum::<f64>();
+        if M::FREEZES {
+            let stopped: f64 = self.work.iter().map(|work| work[2]).sum();
+            self.moving = (self.moving - stopped).max(1.0);
+        }
         let potential: f64 = self.desks.iter().map(|desk| desk.potential).sum();
         self.gained = gained + potential - self.potential;
         self.potential = potential;
@@ -266,8 +370,12 @@ impl<const D: usize> Fluid<D> {
     }
 
     fn sort(&mut self) -> Result<(), String> {
-        let Fluid { grid, particles, sorted, starts, slabs, .. } = self;
-        grid.list(particles, sorted, starts, slabs, AT_ONCE)?;
+        let Fluid { grid, particles, sorted, starts, slabs, walls, .. } = self;
+        let apart = walls.as_ref().map_or(u32::MAX, |walls| walls.first);
+        grid.list(particles, sorted, starts, slabs, (apart, AT_ONCE))?;
+        if let Some(walls) = walls {
+            walls.list(grid, particles, starts, self.parameters.thermal_cutoff + 0.5 * SKIN * self.parameters.reach());
+        }
         self.origins.clear();
         self.origins.extend(self.particles.iter().map(|particle| particle.position));
         self.lists += 1;
@@ -276,15 +384,16 @@ impl<const D: usize> Fluid<D> {
 
     /// Lets all pairs act for a time.
     fn meet(&mut self, time: f64) {
-        let (parameters, reference) = (&self.parameters, self.reference);
+        let (parameters, matter) = (&self.parameters, &self.matter);
         let capacity = parameters.heat_capacity;
         let look = |particle: &Particle<D>| {
-            let temperature = reference + particle.heat / capacity;
+            let temperature = matter.temperature(particle.heat);
             Look {
                 position: particle.position,
                 temperature,
                 exponent: parameters.exponent.at(temperature),
                 mobility: particle.mobility,
+                seen: matter.see(particle.heat, particle.mobility > 0.0),
                 name: particle.name,
             }
         };
@@ -294,8 +403,13 @@ impl<const D: usize> Fluid<D> {
             self.looks.clear();
             self.looks.extend(self.particles.iter().map(look));
         }
+        if let Some(walls) = &mut self.walls {
+            walls.show(matter, &self.grid, &mut self.looks, parameters.thermal_cutoff, self.pool.is_some());
+        }
         let frame = Frame {
             looks: &self.looks,
+            matter,
+            shut: self.shut,
             lengths: self.grid.lengths,
             inverses: self.grid.inverses,
             reach: parameters.reach().powi(2),
@@ -357,6 +471,23 @@ impl<const D: usize> Fluid<D> {
     }
 }
 
+/// Brings a particle to rest once all of it is frozen, and lets it go once nothing of it is; returns how many came to rest.
+#[inline(always)]
+fn settle<const D: usize, M: Matter>(matter: &M, particle: &mut Particle<D>) -> f64 {
+    if particle.mobility > 0.0 {
+        if matter.is_frozen(particle.heat) {
+            particle.heat += particle.kinetic();
+            particle.velocity = [0.0; D];
+            particle.mobility = 0.0;
+            return 1.0;
+        }
+    } else if matter.is_liquid(particle.heat) {
+        particle.mobility = 1.0;
+        return -1.0;
+    }
+    0.0
+}
+
 /// Changes the velocity of a particle by its force, for a time over its mass; returns the kinetic energy that this brings.
 #[inline(always)]
 fn kick<const D: usize>(particle: &mut Particle<D>, time: f64) -> f64 {
@@ -370,11 +501,11 @@ fn kick<const D: usize>(particle: &mut Particle<D>, time: f64) -> f64 {
 }
 
 /// Particles that are kicked and moved together, their places at the last sorting, and what is told of them.
-type Task<'a, const D: usize> = ((&'a mut [Particle<D>], &'a [[f64; D]]), &'a mut [f64; 2]);
+type Task<'a, const D: usize> = ((&'a mut [Particle<D>], &'a [[f64; D]]), &'a mut [f64; 3]);
 
 /// Pairs of slabs of one parity: `slabs` come in twos, whose first ones act, at once with all others.
-fn twos<const D: usize>(
-    frame: &Frame<'_, D>,
+fn twos<const D: usize, M: Matter>(
+    frame: &Frame<'_, D, M>,
     parallel: bool,
     slabs: &[SlabPairs],
     desks: &mut [Desk<D>],

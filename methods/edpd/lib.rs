@@ -8,6 +8,7 @@
 
 pub mod calibration;
 pub mod fluid;
+pub mod moving;
 pub mod properties;
 
 use std::f64::consts::PI;
@@ -18,7 +19,9 @@ use frazil_core::method::{Clock, Discretisation, Method, MethodKind, Normalisati
 use frazil_core::noise::StepNoise;
 use frazil_core::plan::Assembly;
 use frazil_core::record::Value;
-use frazil_core::scene::{Exchange, Mean, Numerics, Range, Section, Setting};
+use frazil_core::scene::settings::MethodSettings;
+use frazil_core::scene::{Exchange, Mean, Numerics, Range, Scene, Section, Setting};
+use rayon::ThreadPool;
 
 /// The method as the registry lists it.
 pub static METHOD: MethodKind = MethodKind {
@@ -102,6 +105,7 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
     let capacity = section.number_or("heat_capacity_dpd", 1e5, Range::at_least(100.0));
     let noise = section.flag_or("noise", true);
     let paper = setting == Setting::Paper;
+    let motion = moving::read(section, numerics, ratio);
     let step = move |assembly: Assembly| -> Box<dyn Method> {
         if !noise {
             return assembly.into_method(Off);
@@ -117,6 +121,16 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
         };
         assembly.into_method(term)
     };
+    if let Some(motion) = motion {
+        return with_motion(
+            section,
+            motion,
+            ratio,
+            capacity,
+            noise,
+            Collision { dimension, cutoff: ratio * numerics.spacing },
+        );
+    }
     let mut differences = vec![
         format!(
             "scales: one DPD length is {} of the scene's units of length (four particles to its square), one particle \
@@ -144,6 +158,36 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
         differences,
         fluctuation: if noise { 1.0 / capacity.sqrt() } else { 0.0 },
         stepper: Stepper::Own(Arc::new(step)),
+    }
+}
+
+/// Particles that move.
+fn with_motion(
+    section: &mut Section<'_>,
+    motion: moving::Motion,
+    ratio: f64,
+    capacity: f64,
+    noise: bool,
+    weight: Collision,
+) -> Discretisation {
+    if !noise {
+        section.problem("noise", "excluded by motion = true: friction without random forces would stop all motion");
+    }
+    let mut knobs = vec![("cutoff_ratio", Value::Number(ratio)), ("heat_capacity_dpd", Value::Number(capacity))];
+    knobs.extend(motion.knobs());
+    let build = move |scene: &Scene, settings: &MethodSettings, pool: Option<Arc<ThreadPool>>, seed: u64| {
+        moving::build(scene, settings, (&motion, ratio, capacity), pool, seed)
+    };
+    Discretisation {
+        weight: Arc::new(weight),
+        normalisation: Normalisation::Nominal,
+        knobs,
+        differences: vec![format!(
+            "particles move: the temperature of one fluctuates by {:.2} % of its absolute value",
+            100.0 / capacity.sqrt()
+        )],
+        fluctuation: 1.0 / capacity.sqrt(),
+        stepper: Stepper::Moving(Arc::new(build)),
     }
 }
 

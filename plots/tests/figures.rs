@@ -57,6 +57,7 @@ fn empty(title: &str, method: &str) -> RunResult {
         front: Vec::new(),
         beside: Vec::new(),
         frozen: Vec::new(),
+        phases: Vec::new(),
         profiles: Vec::new(),
         probes: Vec::new(),
         surfaces: Vec::new(),

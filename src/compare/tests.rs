@@ -50,6 +50,7 @@ fn made_up(
         front: Vec::new(),
         beside: Vec::new(),
         frozen: Vec::new(),
+        phases: Vec::new(),
         profiles: Vec::new(),
         probes: Vec::new(),
         surfaces: Vec::new(),

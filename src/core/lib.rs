@@ -22,6 +22,7 @@ pub mod material;
 pub mod measure;
 pub mod memory;
 pub mod method;
+pub mod moving;
 pub mod neighbours;
 pub mod noise;
 pub mod one_way;

@@ -272,6 +272,7 @@ pub fn run(
         front: watches.front,
         beside: Vec::new(),
         frozen: watches.frozen,
+        phases: watches.phases,
         surfaces: watches.surfaces,
         profiles: watches.profiles,
         probes: watches.probe_rows,

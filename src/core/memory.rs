@@ -103,7 +103,12 @@ impl Held for Particles {
         // Positions of a cloud are counted where pairs are: the operator holds them even on a lattice.
         let thermals = size_of_val(&*self.materials.thermals)
             + self.materials.thermals.iter().map(|thermal| thermal.curve.held() + thermal.law.held()).sum::<usize>();
-        self.enthalpy.held() + shared(&self.start) + self.lattice.held() + self.materials.of_particle.held() + thermals
+        self.enthalpy.held()
+            + self.velocity.held()
+            + shared(&self.start)
+            + self.lattice.held()
+            + self.materials.of_particle.held()
+            + thermals
     }
 }
 

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::ledger::Ledger;
+use crate::moving::MakeCrowd;
 use crate::plan::Assembly;
 use crate::record::Value;
 use crate::scene::{Numerics, Section, Setting};
@@ -55,6 +56,8 @@ pub enum Stepper {
     Shared,
     /// The method itself, from the assembled particles, neighbours and walls.
     Own(Arc<dyn Fn(Assembly) -> Box<dyn Method> + Send + Sync>),
+    /// The method itself, which also places and moves the particles.
+    Moving(Arc<MakeCrowd>),
 }
 
 /// A method as the registry lists it.

@@ -139,6 +139,8 @@ mod tests {
                 surfaces: Vec::new(),
                 cuts_z: Vec::new(),
                 cuts_r: Vec::new(),
+                phases: None,
+                corner_front: false,
                 profile_length: None,
                 front_from: 0.0,
             },

@@ -19,7 +19,7 @@ pub enum Places {
     Cloud(Arc<[DVec2]>),
 }
 
-/// Particles at rest.
+/// Particles.
 #[derive(Debug, Clone)]
 pub struct Particles {
     /// Enthalpy by volume (J/m3), relative to each particle's initial state.
@@ -28,6 +28,8 @@ pub struct Particles {
     pub start: Arc<[f64]>,
     /// Where they stand.
     pub places: Places,
+    /// Their velocities (m/s), and that they have any; empty where all are at rest.
+    pub velocity: Vec<DVec2>,
     /// The lattice that they fill, or were placed from.
     pub lattice: Arc<Lattice>,
     /// Volumes.
@@ -54,6 +56,14 @@ impl Particles {
         match &self.places {
             Places::Lattice => self.lattice.position(index),
             Places::Cloud(positions) => positions[index],
+        }
+    }
+
+    /// Stored positions (m), where there are any.
+    pub fn cloud(&self) -> Option<&[DVec2]> {
+        match &self.places {
+            Places::Lattice => None,
+            Places::Cloud(positions) => Some(positions),
         }
     }
 
@@ -102,11 +112,22 @@ impl Particles {
         self.materials.of(index).frozen_fraction(self.enthalpy[index])
     }
 
-    /// Hash of the enthalpies to the last bit, as 16 hexadecimal digits.
+    /// Whether they move.
+    pub fn move_about(&self) -> bool {
+        !self.velocity.is_empty()
+    }
+
+    /// Hash of the state to the last bit, as 16 hexadecimal digits: enthalpies, and places and velocities where they change.
     pub fn state_hash(&self) -> String {
         let mut hasher = xxhash_rust::xxh3::Xxh3::new();
         for enthalpy in &self.enthalpy {
             hasher.update(&enthalpy.to_bits().to_le_bytes());
+        }
+        for (i, velocity) in self.velocity.iter().enumerate() {
+            let place = self.position(i);
+            for number in [place.x, place.y, velocity.x, velocity.y] {
+                hasher.update(&number.to_bits().to_le_bytes());
+            }
         }
         format!("{:016x}", hasher.digest())
     }

@@ -22,6 +22,7 @@ use crate::list_operator::{EnthalpyList, ListOperator, ListParts, MOST_DOORS, Of
 use crate::march::Refused;
 use crate::memory::{Held, Memory};
 use crate::method::{Bound, Discretisation, Method, Normalisation, Stepper};
+use crate::moving::Crowd;
 use crate::neighbours::{NeighbourSearch, Period, all_pairs::AllPairs, cells::Cells, tree::Tree};
 use crate::operator::Operator;
 use crate::particles::{Particles, Places};
@@ -165,6 +166,10 @@ pub fn build(
 ) -> Result<Plan, Refused> {
     let numerics = &settings.numerics;
     let discretisation = settings.discretisation.as_ref();
+    if let Stepper::Moving(make) = &discretisation.stepper {
+        let crowd = make(scene, settings, pool(threads)?, seed).map_err(refuse)?;
+        return moving(scene, settings, crowd);
+    }
     let lattice = Arc::new(Lattice::new(&scene.domain, numerics.spacing));
     if lattice.is_empty() {
         return Err(refuse(format!("a spacing of {} m leaves no particle in the domain", numerics.spacing)));
@@ -361,6 +366,7 @@ pub fn build(
                     Box::new(method.map_err(refuse)?)
                 }
                 (Stepper::Own(step), _) => step(assembly(parts)),
+                (Stepper::Moving(_), _) => return Err(refuse("particles that move are placed by their method".into())),
                 (Stepper::Shared, None) if numerics.uptake == Uptake::Enthalpy && numerics.mushy == Mushy::Fraction => {
                     let operator = EnthalpyList {
                         operator: ListOperator::new(parts, Off),
@@ -380,6 +386,7 @@ pub fn build(
         enthalpy: if start.is_empty() { vec![0.0; count] } else { start.to_vec() },
         start,
         places: cloud.map_or(Places::Lattice, Places::Cloud),
+        velocity: Vec::new(),
         volumes,
         sub_cell: numerics.front == Front::SubCell,
         lattice,
@@ -402,6 +409,43 @@ pub fn build(
         differences: [discretisation.differences.clone(), differences].concat(),
     };
     Ok(Plan { particles, method, step, bound, summary, pipe_extents })
+}
+
+/// The plan of a scene whose particles move.
+fn moving(scene: &Scene, settings: &MethodSettings, crowd: Crowd) -> Result<Plan, Refused> {
+    let numerics = &settings.numerics;
+    let Crowd { thermal, enthalpy, volume, differences, mut method } = crowd;
+    let bound = method.bound();
+    let step = choose_step(numerics, &bound, scene)?;
+    let count = enthalpy.len();
+    let mut particles = Particles {
+        start: if scene.has_regional_starts() { enthalpy.as_slice().into() } else { Arc::new([]) },
+        enthalpy,
+        places: Places::Cloud(vec![DVec2::ZERO; count].into()),
+        velocity: vec![DVec2::ZERO; count],
+        lattice: Arc::new(Lattice::new(&scene.domain, numerics.spacing)),
+        volumes: Volumes::even(volume),
+        sub_cell: false,
+        materials: Materials { thermals: [thermal].into(), of_particle: Vec::new() },
+    };
+    method.publish(&mut particles);
+    let summary = PlanSummary {
+        particles: count as u64,
+        pairs: method.pairs(),
+        memory: Memory { particles: particles.held(), method: method.held(), watches: 0 },
+        step_s: step,
+        step_bound_s: bound.step,
+        step_limit: bound.cause.clone(),
+        steps: StepCount::Planned(planned_steps(scene, step, None)),
+        used: vec![
+            format!("{count} particles that move, {} m apart in the mean", numerics.spacing),
+            "columns of enthalpy, place and velocity; cells and a list of pairs with a skin".into(),
+        ],
+        spared: Vec::new(),
+        relaxed_by: Vec::new(),
+        differences: [settings.discretisation.differences.clone(), differences].concat(),
+    };
+    Ok(Plan { particles, method, step, bound, summary, pipe_extents: Vec::new() })
 }
 
 /// Why a scene needs a neighbour list; none if the lattice stencil does.

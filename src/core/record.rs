@@ -201,7 +201,7 @@ pub struct FrontRow {
     /// Time (s).
     pub time_s: f64,
     /// Integral of the frozen fraction along the freezing direction (m); of a radial body, the radius up to which, or
-    /// from which on, the frozen volume fills it.
+    /// from which on, the frozen volume fills it; of a rectangle that freezes from its corners, how far along diagonals.
     pub front_m: f64,
     /// The reference's.
     pub front_ref_m: Option<f64>,
@@ -227,6 +227,19 @@ pub struct FrozenRow {
     pub frozen_volume: f64,
     /// The reference's.
     pub frozen_volume_ref: Option<f64>,
+}
+
+/// One row of `phases.csv`: shares of a volume whose particles are wholly liquid, freezing, wholly solid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct PhaseRow {
+    /// Time (s).
+    pub time_s: f64,
+    /// Nothing of them frozen.
+    pub liquid: f64,
+    /// Part of them frozen.
+    pub mushy: f64,
+    /// All of them frozen.
+    pub solid: f64,
 }
 
 /// One row of `profiles.csv`.
@@ -356,6 +369,8 @@ pub struct RunResult {
     pub beside: Vec<BesideRow>,
     /// Frozen volume of a body of shells over time; empty elsewhere.
     pub frozen: Vec<FrozenRow>,
+    /// Phases over time, where the scene asks for them.
+    pub phases: Vec<PhaseRow>,
     /// Profiles.
     pub profiles: Vec<ProfileRow>,
     /// Probes.

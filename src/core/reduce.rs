@@ -96,7 +96,7 @@ pub fn find(scene: &Scene, method: &str, reference: Option<&Arc<dyn Reference>>)
 fn obstacle(scene: &Scene, settings: &MethodSettings) -> Option<String> {
     let numerics = &settings.numerics;
     let straight = !matches!(scene.domain, Domain::Ring { .. });
-    if let Stepper::Own(_) = settings.discretisation.stepper {
+    if let Stepper::Own(_) | Stepper::Moving(_) = settings.discretisation.stepper {
         let method = settings.method;
         Some(format!("the method {method} makes its own steps: each particle has noise of its own"))
     } else if scene.flow.is_some() {

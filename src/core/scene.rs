@@ -408,6 +408,10 @@ pub struct Watch {
     pub cuts_z: Vec<f64>,
     /// Radii (m) at which profiles along z are kept, in a plane around an axis.
     pub cuts_r: Vec<f64>,
+    /// Part of the body (m along x) whose shares of liquid, freezing and solid particles are kept at every output.
+    pub phases: Option<(f64, f64)>,
+    /// Whether fronts that run from corners between two cold walls are kept at every output.
+    pub corner_front: bool,
     /// Profiles and their errors end at this distance (m) from the wall; the whole domain if absent.
     pub profile_length: Option<f64>,
     /// Start (s) of the window over which the front is judged.

@@ -1,11 +1,14 @@
 //! Watches: what is read off the particles at outputs, and never inside a step.
 
+mod corners;
 mod field;
 mod held;
+mod phases;
 mod shells;
 
 use std::f64::consts::PI;
 
+use corners::Corners;
 use field::field;
 use glam::DVec2;
 use shells::{Cut, RadialFront};
@@ -17,8 +20,10 @@ use crate::march::instants::outputs;
 use crate::material::FreezingLaw;
 use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
 use crate::one_way::OneWay;
-use crate::particles::{Particles, Places};
-use crate::record::{BudgetRow, Field, FrontRow, FrozenRow, GapRow, ProbeRow, ProfileRow, SurfaceRow, WallRow};
+use crate::particles::Particles;
+use crate::record::{
+    BudgetRow, Field, FrontRow, FrozenRow, GapRow, PhaseRow, ProbeRow, ProfileRow, SurfaceRow, WallRow,
+};
 use crate::scene::{Domain, FreezingDirection, Scene, Sector};
 
 /// The map of a state of a scene, as fields are kept.
@@ -67,6 +72,9 @@ pub struct Watches {
     direction: Option<FreezingDirection>,
     radial: Option<RadialFront>,
     cuts: Vec<Cut>,
+    corners: Option<Corners>,
+    /// Part of the body (m along x) whose phases are watched.
+    phased: Option<(f64, f64)>,
     shelled: bool,
     /// Rows of surfaces at one output, and from the start on in all.
     surface_rows: usize,
@@ -89,6 +97,8 @@ pub struct Watches {
     pub front: Vec<FrontRow>,
     /// Frozen volume over time.
     pub frozen: Vec<FrozenRow>,
+    /// Phases over time.
+    pub phases: Vec<PhaseRow>,
     /// Profiles.
     pub profiles: Vec<ProfileRow>,
     /// Probes.
@@ -157,6 +167,8 @@ impl Watches {
             direction,
             radial: RadialFront::of(scene),
             cuts: Cut::all(scene, particles, &sampler),
+            corners: Corners::of(scene, spacing),
+            phased: scene.watch.phases,
             shelled: scene.domain.symmetry().is_some(),
             surface_rows: scene.watch.surfaces.len(),
             main,
@@ -173,6 +185,7 @@ impl Watches {
             one_way: OneWay::new(scene, particles.volumes.largest()),
             front: Vec::new(),
             frozen: Vec::new(),
+            phases: Vec::new(),
             profiles: Vec::new(),
             probe_rows: Vec::new(),
             budget: Vec::new(),
@@ -249,10 +262,27 @@ impl Watches {
             self.one_way.look(frozen, ledger.rate());
         }
         if let Some(direction) = self.direction {
-            self.front.push(FrontRow { time_s: time, front_m: frozen / direction.across, front_ref_m: None });
+            // Where particles move, they may stand closer in one phase than in the other.
+            let front_m = match particles.move_about() {
+                true => {
+                    layers(particles, &direction, direction.length, time)
+                        .iter()
+                        .map(|row| row.frozen_fraction)
+                        .sum::<f64>()
+                        * particles.lattice.spacing
+                }
+                false => frozen / direction.across,
+            };
+            self.front.push(FrontRow { time_s: time, front_m, front_ref_m: None });
         }
         if let Some(radial) = self.radial {
             self.front.push(FrontRow { time_s: time, front_m: radial.radius(frozen), front_ref_m: None });
+        }
+        if let Some(corners) = &self.corners {
+            self.front.push(FrontRow { time_s: time, front_m: corners.front(particles), front_ref_m: None });
+        }
+        if let Some(part) = self.phased {
+            self.phases.push(phases::shares(particles, part, time));
         }
         if self.shelled {
             self.frozen.push(FrozenRow { time_s: time, frozen_volume: frozen, frozen_volume_ref: None });
@@ -277,8 +307,11 @@ impl Watches {
                 heat_per_pipe_w_per_m: heat / pipes,
             });
         }
+        // Samples are of particles that stay where they are.
+        let sampler = Sampler { lattice: &particles.lattice, mirrors: (false, false), cloud: particles.cloud() };
         for (place, sample) in &self.probes {
-            let temperature_c = sample.of(|i| particles.reading(i));
+            let moved = if particles.move_about() { Some(sampler.sample(*place)) } else { None };
+            let temperature_c = moved.as_ref().unwrap_or(sample).of(|i| particles.reading(i));
             self.probe_rows.push(ProbeRow { time_s: time, x_m: place.x, y_m: place.y, temperature_c });
         }
         self.budget.push(balance(particles, ledger, time));
@@ -399,11 +432,7 @@ impl<'a> Sampler<'a> {
             Domain::Ring { sector, .. } => (sector == Sector::Quarter, sector != Sector::Whole),
             _ => (false, false),
         };
-        let cloud = match &particles.places {
-            Places::Lattice => None,
-            Places::Cloud(positions) => Some(&positions[..]),
-        };
-        Sampler { lattice: &particles.lattice, mirrors, cloud }
+        Sampler { lattice: &particles.lattice, mirrors, cloud: particles.cloud() }
     }
 
     fn sample(&self, place: DVec2) -> Sample {

@@ -12,6 +12,7 @@
 
 use frazil_core::noise::StepNoise;
 
+use super::matter::Matter;
 use super::particle::{Look, Particle};
 use super::power::{power, round};
 use super::sorting::SlabPairs;
@@ -23,10 +24,14 @@ pub const AT_ONCE: usize = 256;
 const PLACES: usize = AT_ONCE + 1;
 
 /// The constants of a step.
-#[derive(Debug, Clone, Copy)]
-pub struct Frame<'a, const D: usize> {
+#[derive(Debug)]
+pub struct Frame<'a, const D: usize, M: Matter> {
     /// All particles as pairs see them.
-    pub looks: &'a [Look<D>],
+    pub looks: &'a [Look<D, M::Seen>],
+    /// What heat means.
+    pub matter: &'a M,
+    /// Direction across whose periodic sides no heat goes.
+    pub shut: Option<usize>,
     /// Lengths of the box.
     pub lengths: [f64; D],
     /// One over them.
@@ -66,6 +71,8 @@ pub struct Desk<const D: usize> {
     exponents: [f64; PLACES],
     temperatures: [[f64; PLACES]; 2],
     mobilities: [f64; PLACES],
+    /// Conduction over that of the reference state, where pairs differ.
+    conductions: [f64; PLACES],
     words: [u64; PLACES],
     signs: [f64; PLACES],
     partners: [u32; PLACES],
@@ -88,6 +95,7 @@ impl<const D: usize> Default for Desk<D> {
             exponents: [0.0; PLACES],
             temperatures: [[1.0; PLACES]; 2],
             mobilities: [0.0; PLACES],
+            conductions: [0.0; PLACES],
             words: [0; PLACES],
             signs: [0.0; PLACES],
             partners: [0; PLACES],
@@ -103,8 +111,8 @@ impl<const D: usize> Default for Desk<D> {
 }
 
 /// Lets all pairs of a slab act. `own` are its particles, `next` those of the next slab.
-pub fn act<const D: usize>(
-    frame: &Frame<'_, D>,
+pub fn act<const D: usize, M: Matter>(
+    frame: &Frame<'_, D, M>,
     pairs: &SlabPairs,
     desk: &mut Desk<D>,
     own: Part<'_, D>,
@@ -129,8 +137,8 @@ pub fn act<const D: usize>(
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
-fn act_avx512<const D: usize>(
-    frame: &Frame<'_, D>,
+fn act_avx512<const D: usize, M: Matter>(
+    frame: &Frame<'_, D, M>,
     pairs: &SlabPairs,
     desk: &mut Desk<D>,
     own: Part<'_, D>,
@@ -141,8 +149,8 @@ fn act_avx512<const D: usize>(
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn act_avx2<const D: usize>(
-    frame: &Frame<'_, D>,
+fn act_avx2<const D: usize, M: Matter>(
+    frame: &Frame<'_, D, M>,
     pairs: &SlabPairs,
     desk: &mut Desk<D>,
     own: Part<'_, D>,
@@ -152,8 +160,8 @@ fn act_avx2<const D: usize>(
 }
 
 #[inline(always)]
-fn act_plainly<const D: usize>(
-    frame: &Frame<'_, D>,
+fn act_plainly<const D: usize, M: Matter>(
+    frame: &Frame<'_, D, M>,
     pairs: &SlabPairs,
     desk: &mut Desk<D>,
     (begin, own): Part<'_, D>,
@@ -185,12 +193,12 @@ fn act_plainly<const D: usize>(
 
 /// Puts those of a particle's partners that are within reach down on the desk; returns how many pairs lie there then.
 #[inline(always)]
-fn gather<const D: usize>(
-    frame: &Frame<'_, D>,
+fn gather<const D: usize, M: Matter>(
+    frame: &Frame<'_, D, M>,
     desk: &mut Desk<D>,
     filled: usize,
-    me: &Look<D>,
-    looks: &[Look<D>],
+    me: &Look<D, M::Seen>,
+    looks: &[Look<D, M::Seen>],
     partners: &[u32],
 ) -> usize {
     let mut at = filled;
@@ -214,6 +222,13 @@ fn gather<const D: usize>(
         desk.temperatures[0][k] = me.temperature;
         desk.temperatures[1][k] = other.temperature;
         desk.mobilities[k] = me.mobility + other.mobility;
+        if M::UNEVEN {
+            let conduction = frame.matter.between([(me.seen, me.temperature), (other.seen, other.temperature)]);
+            let across = frame
+                .shut
+                .is_some_and(|axis| (me.position[axis] - other.position[axis]).abs() > 0.5 * frame.lengths[axis]);
+            desk.conductions[k] = if across { 0.0 } else { conduction };
+        }
         let (low, high) = (me.name.min(other.name), me.name.max(other.name));
         desk.words[k] = (u64::from(high) << 32) | u64::from(low);
         desk.signs[k] = if me.name < other.name { 1.0 } else { -1.0 };
@@ -223,7 +238,7 @@ fn gather<const D: usize>(
 
 /// All that depends on places and temperatures alone.
 #[inline(always)]
-fn work<const D: usize>(frame: &Frame<'_, D>, desk: &mut Desk<D>, count: usize) {
+fn work<const D: usize, M: Matter>(frame: &Frame<'_, D, M>, desk: &mut Desk<D>, count: usize) {
     let count = count.min(AT_ONCE);
     let [conservative, dissipative, thermal] = frame.inverse_cutoffs;
     let mut potential = 0.0;
@@ -247,6 +262,7 @@ fn work<const D: usize>(frame: &Frame<'_, D>, desk: &mut Desk<D>, count: usize) 
         desk.pushed[k] = variance.sqrt() * force_noise;
         let warm = (1.0 - distance * thermal).max(0.0);
         let conducted = frame.conductance * (0.25 * sum * sum) * (warm * warm);
+        let conducted = if M::UNEVEN { conducted * desk.conductions[k] } else { conducted };
         desk.heats[k] = conducted * (b - a) / product + (2.0 * conducted).sqrt() * heat_noise * desk.signs[k];
         desk.mobilities[k] = if desk.mobilities[k] > 0.0 { 1.0 / desk.mobilities[k] } else { 0.0 };
     }

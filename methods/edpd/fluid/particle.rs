@@ -21,7 +21,7 @@ pub struct Particle<const D: usize> {
 
 /// What the pairs of a step read of a particle, and do not change.
 #[derive(Debug, Clone, Copy)]
-pub struct Look<const D: usize> {
+pub struct Look<const D: usize, S> {
     /// Place.
     pub position: [f64; D],
     /// Temperature before the pairs of this step.
@@ -30,6 +30,8 @@ pub struct Look<const D: usize> {
     pub exponent: f64,
     /// Inverse mass.
     pub mobility: f64,
+    /// What else its state means to pairs.
+    pub seen: S,
     /// Name.
     pub name: u32,
 }

@@ -103,7 +103,7 @@ impl<const D: usize> Grid<D> {
         number
     }
 
-    /// Sorts particles and lists the pairs of each slab.
+    /// Sorts particles and lists the pairs of each slab, but for those of two particles named `apart` or above.
     ///
     /// # Errors
     /// A particle with more partners than `most`.
@@ -113,11 +113,12 @@ impl<const D: usize> Grid<D> {
         sorted: &mut Vec<Particle<D>>,
         starts: &mut Vec<u32>,
         slabs: &mut [SlabPairs],
-        most: usize,
+        (apart, most): (u32, usize),
     ) -> Result<(), String> {
         self.sort(particles, sorted, starts);
         let (particles, starts) = (&particles[..], &starts[..]);
-        let crowded = slabs.iter_mut().enumerate().map(|(number, slab)| self.pairs_of(number, slab, particles, starts));
+        let crowded =
+            slabs.iter_mut().enumerate().map(|(number, slab)| self.pairs_of(number, slab, particles, starts, apart));
         match crowded.max().unwrap_or(0) {
             found if found > most => {
                 Err(format!("a particle has {found} partners within reach, must be at most {most}"))
@@ -127,7 +128,14 @@ impl<const D: usize> Grid<D> {
     }
 
     /// Lists the pairs of a slab, and returns the most that one particle has.
-    fn pairs_of(&self, number: usize, slab: &mut SlabPairs, particles: &[Particle<D>], starts: &[u32]) -> usize {
+    fn pairs_of(
+        &self,
+        number: usize,
+        slab: &mut SlabPairs,
+        particles: &[Particle<D>],
+        starts: &[u32],
+        apart: u32,
+    ) -> usize {
         let row: usize = self.cells[..D - 1].iter().product();
         let (first, last) = (self.rows[number] * row, self.rows[number + 1] * row);
         let next = (last % (row * self.cells[D - 1]), number + 1);
@@ -149,8 +157,9 @@ impl<const D: usize> Grid<D> {
                     }
                     for j in range {
                         slab.partners[filled] = (j as usize - base) as u32;
-                        let square = self.square(&me.position, &particles[j as usize].position);
-                        filled += usize::from(square < self.listed);
+                        let other = &particles[j as usize];
+                        let near = self.square(&me.position, &other.position) < self.listed;
+                        filled += usize::from(near & (me.name.min(other.name) < apart));
                     }
                     filled
                 };
@@ -198,15 +207,42 @@ impl<const D: usize> Grid<D> {
         }
     }
 
+    /// The cell of a place and all around it.
+    pub fn around(&self, place: &[f64; D], ways: &mut Vec<usize>) {
+        let mut at = [0i64; D];
+        for axis in 0..D {
+            at[axis] = (place[axis] / self.lengths[axis] * self.cells[axis] as f64).floor() as i64;
+        }
+        ways.clear();
+        for code in 0..3i64.pow(D as u32) {
+            let (mut rest, mut offsets) = (code, [0; D]);
+            for offset in &mut offsets {
+                *offset = rest % 3 - 1;
+                rest /= 3;
+            }
+            let mut number = 0;
+            for axis in (0..D).rev() {
+                let count = self.cells[axis] as i64;
+                number = number * self.cells[axis] + (at[axis] + offsets[axis]).rem_euclid(count) as usize;
+            }
+            ways.push(number);
+        }
+    }
+
+    /// The shortest way from `b` to `a`.
+    #[inline(always)]
+    pub fn way(&self, a: &[f64; D], b: &[f64; D]) -> [f64; D] {
+        let mut way = [0.0; D];
+        for axis in 0..D {
+            let plain = a[axis] - b[axis];
+            way[axis] = plain - self.lengths[axis] * round(plain * self.inverses[axis]);
+        }
+        way
+    }
+
     /// Square of the distance between two places, by the nearest images.
     #[inline(always)]
-    fn square(&self, a: &[f64; D], b: &[f64; D]) -> f64 {
-        let mut sum = 0.0;
-        for axis in 0..D {
-            let way = a[axis] - b[axis];
-            let way = way - self.lengths[axis] * round(way * self.inverses[axis]);
-            sum += way * way;
-        }
-        sum
+    pub fn square(&self, a: &[f64; D], b: &[f64; D]) -> f64 {
+        self.way(a, b).iter().map(|way| way * way).sum()
     }
 }

@@ -45,6 +45,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
     let (mut probes, mut profile_length, mut front_from) = (Vec::new(), None, 0.0);
     let mut cuts = [Vec::new(), Vec::new()];
     let mut surfaces = Vec::new();
+    let (mut phases, mut corner_front) = (None, false);
     if let Some(mut section) = root.optional_section("watch") {
         let dimension = domain.map(Domain::dimension);
         let points = section.optional_points(PROBES, dimension).unwrap_or_default();
@@ -72,6 +73,11 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
             }
         }
         surfaces = shells::surfaces(&mut section, domain);
+        phases = self::phases(&mut section, domain);
+        corner_front = section.flag_or("corner_front", false);
+        if corner_front && domain.is_some_and(|domain| !matches!(domain, Domain::Rectangle { .. })) {
+            section.problem("corner_front", "only the domain \"rectangle\" has corners");
+        }
         profile_length = section.optional_number(PROFILE_LENGTH, Range::POSITIVE);
         if let (Some(length), Some(domain)) = (profile_length, domain) {
             let longest = domain.extent();
@@ -91,7 +97,38 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
     let time = time?;
     let [cuts_z, cuts_r] = cuts;
     let (outputs, profiles) = (time.outputs, time.profiles.clone());
-    Some(Watch { outputs, profiles, probes, surfaces, cuts_z, cuts_r, profile_length, front_from })
+    Some(Watch {
+        outputs,
+        profiles,
+        probes,
+        surfaces,
+        cuts_z,
+        cuts_r,
+        phases,
+        corner_front,
+        profile_length,
+        front_from,
+    })
+}
+
+/// The part of the body whose phases are kept: all of it, or what lies between two places along x.
+fn phases(section: &mut Section<'_>, domain: Option<&Domain>) -> Option<(f64, f64)> {
+    const BETWEEN: (&str, &str) = ("phases_between", "m");
+    let wanted = section.flag_or("phases", false);
+    let Some(between) = section.optional_numbers(BETWEEN, Range::ANY) else {
+        return wanted.then_some((f64::NEG_INFINITY, f64::INFINITY));
+    };
+    if !wanted {
+        section.problem(BETWEEN, "has no effect without phases = true");
+    }
+    let extent = domain.map_or(f64::INFINITY, Domain::extent);
+    match between[..] {
+        [from, to] if from < to && from >= -extent && to <= extent => Some((from, to)),
+        _ => {
+            section.problem(BETWEEN, "must be two places along x in the body, the lesser one first");
+            None
+        }
+    }
 }
 
 fn inside(domain: &Domain, x: f64, y: f64) -> bool {

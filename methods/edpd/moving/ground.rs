@@ -1,0 +1,129 @@
+//! Heat of moving particles as the enthalpy of the scene's material.
+
+use frazil_core::potential::Thermal;
+use frazil_core::scene::settings::Mushy;
+use frazil_core::scene::{Exchange, Mean};
+
+use crate::fluid::Matter;
+
+/// Difference of temperatures (DPD units) below which a pair's conductivity is that of its ends, not of the way between.
+const LEVEL: f64 = 1e-9;
+
+/// The scene's material in DPD units.
+pub struct Ground {
+    thermal: Thermal,
+    /// Enthalpy (J/m3) by heat.
+    per_heat: f64,
+    /// Absolute zero on the scale of the scene.
+    zero: f64,
+    /// Degrees of the scene in one unit of temperature.
+    degree: f64,
+    /// Conductivity of the liquid (W/mK).
+    conductivity: f64,
+    exchange: Exchange,
+    mushy: Mushy,
+    /// Temperatures that particles behind walls may be seen with.
+    range: (f64, f64),
+}
+
+/// What pairs see of a particle.
+#[derive(Debug, Clone, Copy)]
+pub struct Seen {
+    /// Conduction potential over the conductivity of the liquid (DPD units of temperature), from the scene's start.
+    level: f64,
+    /// Conductivity over that of the liquid.
+    conductivity: f64,
+}
+
+impl Ground {
+    /// The material, `per_heat` (J/m3) of enthalpy by heat, the scale of temperature (zero and degree), how pairs
+    /// exchange, and the temperatures (DPD units) that particles behind walls may be seen with.
+    pub fn new(
+        thermal: Thermal,
+        per_heat: f64,
+        (zero, degree): (f64, f64),
+        (exchange, mushy): (Exchange, Mushy),
+        range: (f64, f64),
+    ) -> Self {
+        let conductivity = thermal.curve.mixed_conductivity(1.0);
+        Ground { thermal, per_heat, zero, degree, conductivity, exchange, mushy, range }
+    }
+
+    /// Heat at a temperature of the scene.
+    pub fn heat(&self, temperature: f64) -> f64 {
+        self.thermal.enthalpy(temperature) / self.per_heat
+    }
+
+    /// Enthalpy (J/m3) from the scene's start, by heat.
+    pub fn per_heat(&self) -> f64 {
+        self.per_heat
+    }
+}
+
+impl Matter for Ground {
+    type Seen = Seen;
+    const UNEVEN: bool = true;
+    const FREEZES: bool = true;
+
+    #[inline]
+    fn temperature(&self, heat: f64) -> f64 {
+        (self.thermal.temperature(heat * self.per_heat) - self.zero) / self.degree
+    }
+
+    #[inline]
+    fn see(&self, heat: f64, moves: bool) -> Seen {
+        let enthalpy = heat * self.per_heat;
+        let frozen = self.thermal.frozen_fraction(enthalpy);
+        let frozen = match self.mushy {
+            Mushy::Fraction => frozen,
+            Mushy::LastPhase => f64::from(u8::from(!moves)),
+            Mushy::Mean if frozen > 0.0 && frozen < 1.0 => 0.5,
+            Mushy::Mean => frozen,
+        };
+        Seen {
+            level: self.thermal.law.potential(enthalpy) / (self.conductivity * self.degree),
+            conductivity: self.thermal.curve.mixed_conductivity(1.0 - frozen) / self.conductivity,
+        }
+    }
+
+    #[inline]
+    fn between(&self, [(a, warm), (b, cold)]: [(Seen, f64); 2]) -> f64 {
+        let (one, other) = (a.conductivity, b.conductivity);
+        match self.exchange {
+            Exchange::Potential => {
+                let difference = warm - cold;
+                if difference.abs() > LEVEL { ((a.level - b.level) / difference).max(0.0) } else { 0.5 * (one + other) }
+            }
+            Exchange::Mean(Mean::Harmonic) => 2.0 * one * other / (one + other),
+            Exchange::Mean(Mean::Arithmetic) => 0.5 * (one + other),
+            Exchange::Mean(Mean::Geometric) => (one * other).sqrt(),
+        }
+    }
+
+    #[inline]
+    fn is_frozen(&self, heat: f64) -> bool {
+        self.thermal.frozen_fraction(heat * self.per_heat) >= 1.0
+    }
+
+    #[inline]
+    fn is_liquid(&self, heat: f64) -> bool {
+        self.thermal.frozen_fraction(heat * self.per_heat) <= 0.0
+    }
+
+    fn level(&self, seen: Seen, _temperature: f64) -> f64 {
+        seen.level
+    }
+
+    fn level_at(&self, temperature: f64) -> f64 {
+        self.thermal.potential_at(temperature * self.degree + self.zero) / (self.conductivity * self.degree)
+    }
+
+    fn at_level(&self, level: f64) -> (f64, Seen) {
+        let potential = level * self.conductivity * self.degree + self.thermal.initial_potential;
+        let found = (self.thermal.curve.temperature_of_potential(potential) - self.zero) / self.degree;
+        let temperature = found.clamp(self.range.0, self.range.1);
+        let on_scale = temperature * self.degree + self.zero;
+        let level = if temperature == found { level } else { self.level_at(temperature) };
+        (temperature, Seen { level, conductivity: self.thermal.curve.conductivity(on_scale) / self.conductivity })
+    }
+}

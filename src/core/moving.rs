@@ -1,0 +1,28 @@
+//! The seam for methods whose particles move: they place them, and make their own steps.
+
+use std::sync::Arc;
+
+use rayon::ThreadPool;
+
+use crate::method::Method;
+use crate::potential::Thermal;
+use crate::scene::Scene;
+use crate::scene::settings::MethodSettings;
+
+/// Particles that move, at their start, and the method that moves them. [`Method::publish`] fills their columns.
+pub struct Crowd {
+    /// Their material.
+    pub thermal: Thermal,
+    /// Enthalpy of each (J/m3), relative to the initial state.
+    pub enthalpy: Vec<f64>,
+    /// Volume of each (m^d).
+    pub volume: f64,
+    /// How the method differs from the scene, in words.
+    pub differences: Vec<String>,
+    /// The method.
+    pub method: Box<dyn Method>,
+}
+
+/// Makes the particles of a scene with these settings, threads and seed; or says what it cannot represent.
+pub type MakeCrowd =
+    dyn Fn(&Scene, &MethodSettings, Option<Arc<ThreadPool>>, u64) -> Result<Crowd, String> + Send + Sync;

@@ -242,7 +242,7 @@ struct CalibrateArguments {
 }
 
 /// At the defaults, 13 temperatures of water and 5 seeds, it makes 1.8 thousand million steps of particles: some 15 minutes
-/// on two cores, less with more of them. Finished jobs are taken down, so a study that was stopped goes on when it is
+/// on two idle cores, less with more of them. Finished jobs are taken down, so a study that was stopped goes on when it is
 /// started again.
 #[derive(Debug, Args)]
 struct PropertiesArguments {
@@ -265,8 +265,8 @@ struct PropertiesArguments {
     /// Times that are watched, over the default ones; intervals shrink with the root of it.
     #[arg(long, value_name = "X", default_value = "1", value_parser = effort)]
     effort: f64,
-    /// Boxes and steps of the paper: 30 x 30 with 280000 steps, 20 x 30 with 220000. At the default rows some 10 hours on two
-    /// cores.
+    /// Boxes and steps of the paper: 30 x 30 with 280000 steps, 20 x 30 with 220000. At the default rows some 16 hours on
+    /// two idle cores.
     #[arg(long, conflicts_with_all = ["height", "effort"])]
     paper: bool,
     /// Time step.

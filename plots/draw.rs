@@ -6,7 +6,6 @@
 
 use std::io::Cursor;
 
-use image::imageops::thumbnail;
 use image::{ImageOutputFormat, RgbImage};
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -36,9 +35,6 @@ const BITMAP: Paper = Paper { scale: 4.0, font: 1.362, base: 0.5 * 1.362, pieces
 /// The SVG backend divides sizes by 1.24 and moves texts that hang from their point by 0.76 of their size.
 const SVG: Paper = Paper { scale: 10.0, font: 1.24, base: 0.76, pieces: false };
 
-/// Size of a PNG over that of its drawing.
-const PNG_SCALE: f64 = 2.0;
-
 /// The drawing as SVG.
 pub(crate) fn svg(canvas: &Canvas) -> String {
     let mut out = String::new();
@@ -65,11 +61,26 @@ pub(crate) fn png(canvas: &Canvas) -> Result<Vec<u8>, PlotError> {
     let (width, height) = BITMAP.size(canvas);
     let mut pixels = RgbImage::new(width, height);
     BITMAP.draw(canvas, &mut BitMapBackend::with_buffer(&mut pixels, (width, height)))?;
-    let share = PNG_SCALE / BITMAP.scale;
-    let small = thumbnail(&pixels, (f64::from(width) * share) as u32, (f64::from(height) * share) as u32);
     let mut out = Cursor::new(Vec::new());
-    small.write_to(&mut out, ImageOutputFormat::Png).map_err(failed)?;
+    halved(&pixels).write_to(&mut out, ImageOutputFormat::Png).map_err(failed)?;
     Ok(out.into_inner())
+}
+
+/// The means of two by two pixels.
+fn halved(pixels: &RgbImage) -> RgbImage {
+    let (width, height) = (pixels.width() / 2, pixels.height() / 2);
+    let row = 3 * pixels.width() as usize;
+    let mut small = Vec::with_capacity(3 * (width * height) as usize);
+    for rows in pixels.as_raw().chunks_exact(2 * row) {
+        let (upper, lower) = rows.split_at(row);
+        for (upper, lower) in upper.chunks_exact(6).zip(lower.chunks_exact(6)) {
+            for c in 0..3 {
+                let sum = [upper[c], upper[c + 3], lower[c], lower[c + 3]].map(u16::from).iter().sum::<u16>();
+                small.push(((sum + 2) / 4) as u8);
+            }
+        }
+    }
+    RgbImage::from_raw(width, height, small).unwrap_or_default()
 }
 
 /// Width of a text (px).
@@ -121,7 +132,9 @@ impl Paper {
                 Item::Area { ring, fill } => {
                     let mut points: Vec<_> = ring.iter().map(|point| self.spot(*point)).collect();
                     points.dedup();
-                    if points.len() > 2 {
+                    if points.len() > 2 && self.pieces {
+                        area(&points, &filled(*fill), backend)?;
+                    } else if points.len() > 2 {
                         backend.fill_polygon(points, &filled(*fill)).map_err(failed)?;
                     }
                 }
@@ -191,6 +204,24 @@ impl Paper {
         }
         backend.draw_text(&text.text, &style, self.spot(at)).map_err(failed)
     }
+}
+
+/// Fills a polygon row by row, as pixels lie in memory: the bitmap backend would go through a wide one column by column.
+fn area<DB: DrawingBackend>(points: &[(i32, i32)], style: &ShapeStyle, backend: &mut DB) -> Result<(), PlotError> {
+    let mut crossings = Vec::new();
+    for (from, to) in points.iter().zip(points.iter().cycle().skip(1)) {
+        let (low, high) = if from.1 < to.1 { (from, to) } else { (to, from) };
+        let slope = f64::from(high.0 - low.0) / f64::from(high.1 - low.1);
+        for row in low.1..high.1 {
+            crossings.push((row, low.0 + (slope * f64::from(row - low.1)).round() as i32));
+        }
+    }
+    crossings.sort_unstable();
+    // A closed line crosses each row an even number of times.
+    for ends in crossings.chunks_exact(2) {
+        backend.draw_line((ends[0].1, ends[0].0), (ends[1].1, ends[1].0), style).map_err(failed)?;
+    }
+    Ok(())
 }
 
 fn failed(error: impl std::fmt::Display) -> PlotError {

@@ -18,6 +18,7 @@ pub mod rings;
 pub mod run;
 pub mod signed;
 pub mod stability;
+mod stream;
 pub mod style;
 
 pub use run::{FigureOptions, frame, run_figures};

@@ -11,7 +11,7 @@ use crate::PlotError;
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas, Colour, Stroke, Text};
 use crate::style::{INK, LABEL, REFERENCE, TITLE, method_style, method_title, number};
-use crate::{flow_map, map, rings};
+use crate::{flow_map, map, rings, stream};
 
 /// What figures of a run need beyond the run itself.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,6 +76,7 @@ pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Can
     if !result.gaps.is_empty() {
         all.push(("gaps".into(), rings::gaps(result, &words)));
     }
+    all.extend(stream::drawings(result, &words));
     for field in &result.fields {
         let time = number(words.time(field.time_s), 4).replace([' ', '·'], "").replace('−', "-");
         all.push((format!("map_{time}{}", words.time_symbol), map::temperature_map(field, &words)));

@@ -108,6 +108,8 @@ pub fn write_run_and(
     rows_or_nothing(&folder.join("front_beside.csv"), &result.beside)?;
     rows_or_nothing(&folder.join("frozen.csv"), &result.frozen)?;
     rows_or_nothing(&folder.join("phases.csv"), &result.phases)?;
+    rows_or_nothing(&folder.join("stream.csv"), &result.stream)?;
+    rows_or_nothing(&folder.join("sections.csv"), &result.sections)?;
     rows_or_nothing(&folder.join("surfaces.csv"), &result.surfaces)?;
     rows_or_nothing(&folder.join("profiles.csv"), &result.profiles)?;
     rows_or_nothing(&folder.join("probes.csv"), &result.probes)?;
@@ -206,6 +208,8 @@ mod tests {
             beside: Vec::new(),
             frozen: Vec::new(),
             phases: Vec::new(),
+            stream: Vec::new(),
+            sections: Vec::new(),
             profiles: Vec::new(),
             probes: Vec::new(),
             surfaces: Vec::new(),

@@ -1,5 +1,6 @@
 //! The scenes that come with the program are good, and say what they are.
 
+use frazil_core::method::MethodKind;
 use frazil_core::scene::Scene;
 
 #[test]
@@ -11,7 +12,10 @@ fn every_bundled_scene_is_good_under_every_method() {
         let named: Vec<&str> = scene.methods.iter().map(|settings| settings.method).collect();
         // Particles of one volume are no shells, and noise moves no water.
         let quiet = scene.domain.symmetry().is_some() || scene.flow.is_some();
-        let able: Vec<_> = kinds.iter().filter(|kind| !(kind.stochastic && quiet)).map(|kind| kind.name).collect();
+        // Only particles that move can be driven.
+        let driven = scene.stream.is_some();
+        let can = |kind: &&&MethodKind| if kind.stochastic { !quiet } else { !driven };
+        let able: Vec<_> = kinds.iter().filter(can).map(|kind| kind.name).collect();
         assert_eq!(named, able, "{}", bundled.name);
         assert!(bundled.text.starts_with("# "), "{} opens with what it is", bundled.name);
         assert!(scene.watch.profiles.contains(&scene.duration), "{} keeps its last profile", bundled.name);

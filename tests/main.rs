@@ -11,6 +11,7 @@ mod extreme;
 mod fields;
 mod forecasts;
 mod invariants;
+mod moving;
 mod order;
 mod printed;
 mod properties;

@@ -1,6 +1,7 @@
 //! Flowing water: what must hold whatever the method, and the problems of the papers.
 
 use frazil::registry::methods;
+use frazil_core::flow::diagonals::Diagonals;
 use frazil_core::march::{self, Options};
 use frazil_core::method::MethodKind;
 use frazil_core::record::{Outcome, RunResult};
@@ -272,4 +273,71 @@ fn the_frozen_square_of_interfrost() {
         eprintln!("interfrost-th2-9 {}: {hours:.2} h", kind.name);
         assert!((10.8..=12.8).contains(&hours), "{}: {hours} h", kind.name);
     }
+}
+
+/// Loops over the diagonals of a lattice against loops over its pairs: the product with a matrix, Gauss-Seidel, and what
+/// water carries.
+#[test]
+fn diagonals_of_a_lattice_are_its_pairs() {
+    let (columns, rows, reach) = (23_i64, 9_i64, 3_i64);
+    let count = (columns * rows) as usize;
+    let place = |i: usize| (i as i64 % columns, i as i64 / columns);
+    let (mut starts, mut partners) = (vec![0], Vec::new());
+    for i in 0..count {
+        let near = |j: usize| {
+            let ((x, y), (other_x, other_y)) = (place(i), place(j));
+            j != i && (x - other_x).pow(2) + (y - other_y).pow(2) <= reach * reach
+        };
+        partners.extend((0..count).filter(|j| near(*j)).map(|j| j as u32));
+        starts.push(partners.len());
+    }
+    let diagonals = Diagonals::of(&starts, &partners).expect("a lattice has few diagonals");
+    let mixed = |a: usize, b: usize| ((a * 7919 + b * 104_729) % 1009) as f64 / 1009.0;
+    let weight = |i: usize, j: usize| 0.1 + mixed(i.min(j), i.max(j));
+    let water = |i: usize, j: usize| if i < j { mixed(j, i) - 0.5 } else { 0.5 - mixed(i, j) };
+    let (mut rest, mut carried, mut exchange) = (vec![0.0; diagonals.slots()], vec![0.0; diagonals.slots()], vec![]);
+    let mut sums = vec![0.1; count];
+    for i in 0..count {
+        for j in partners[starts[i]..starts[i + 1]].iter().map(|j| *j as usize) {
+            sums[i] += weight(i, j);
+            if j > i {
+                let slot = diagonals.slot(i, j - i);
+                (rest[slot], carried[slot]) = (-weight(i, j), water(i, j));
+            }
+        }
+    }
+    exchange.extend(rest.iter().map(|rest| -rest));
+    let values: Vec<f64> = (0..count).map(|i| mixed(i, 3) - 0.4).collect();
+    let mut padded = vec![0.0; diagonals.padded()];
+    padded[diagonals.pad..diagonals.pad + count].copy_from_slice(&values);
+    let of = |i: usize| partners[starts[i]..starts[i + 1]].iter().map(|j| *j as usize);
+    let check = |what: &str, found: &[f64], by_pairs: &[f64]| {
+        for (i, (found, by_pairs)) in found.iter().zip(by_pairs).enumerate() {
+            // Sums of some 60 terms of size one.
+            assert!((found - by_pairs).abs() < 1e-13, "{what} at {i}: {found}, {by_pairs}");
+        }
+    };
+
+    let mut image = vec![0.0; count];
+    diagonals.multiply(&sums, &rest, &padded, &mut image);
+    let by_pairs = |i: usize| sums[i] * values[i] - of(i).map(|j| weight(i, j) * values[j]).sum::<f64>();
+    check("product", &image, &(0..count).map(by_pairs).collect::<Vec<_>>());
+
+    let inverse: Vec<f64> = sums.iter().map(|sum| 1.0 / sum).collect();
+    let mut swept = vec![0.0; diagonals.padded()];
+    diagonals.sweep(&inverse, &rest, &values, &mut swept);
+    let mut by_pairs = vec![0.0; count];
+    for i in 0..count {
+        let earlier: f64 = of(i).filter(|j| *j < i).map(|j| weight(i, j) * by_pairs[j]).sum();
+        by_pairs[i] = (values[i] + earlier) / sums[i];
+    }
+    for i in (0..count).rev() {
+        by_pairs[i] += of(i).filter(|j| *j > i).map(|j| weight(i, j) * by_pairs[j]).sum::<f64>() / sums[i];
+    }
+    check("sweep", &swept[diagonals.pad..], &by_pairs);
+
+    let mut rates = vec![0.0; count];
+    diagonals.carry(&carried, &exchange, &padded, 0, &mut rates);
+    let by_pairs = |i: usize| of(i).map(|j| (weight(i, j) - water(i, j)) * (values[j] - values[i])).sum::<f64>();
+    check("carried", &rates, &(0..count).map(by_pairs).collect::<Vec<_>>());
 }

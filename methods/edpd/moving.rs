@@ -115,6 +115,43 @@ impl Drive<2> for Confined {
     }
 }
 
+/// Drives particles along x between walls, and sets some to a temperature.
+struct Driven {
+    confined: Confined,
+    acceleration: f64,
+    /// Where it acts.
+    pump: (f64, f64),
+    /// Where heat is reset, and to what.
+    reset: Option<((f64, f64), f64)>,
+    /// Name of the first particle behind a wall.
+    walls_from: u32,
+}
+
+impl Drive<2> for Driven {
+    #[inline(always)]
+    fn act(&self, particle: &mut Particle<2>, time: f64) {
+        if particle.name >= self.walls_from {
+            return;
+        }
+        let length = self.confined.lengths[0];
+        let x = particle.position[0].rem_euclid(length);
+        if particle.mobility > 0.0 && x >= self.pump.0 && x <= self.pump.1 {
+            particle.velocity[0] += self.acceleration * time;
+        }
+        if let Some(((from, to), heat)) = self.reset
+            && x >= from
+            && x <= to
+        {
+            particle.heat = heat;
+        }
+    }
+
+    #[inline(always)]
+    fn confine(&self, particle: &mut Particle<2>, time: f64) {
+        self.confined.confine(particle, time);
+    }
+}
+
 /// A scene whose liquid particles move.
 struct Moving<W: Drive<2>> {
     fluid: Fluid<2, Ground>,
@@ -136,6 +173,15 @@ struct Moving<W: Drive<2>> {
 }
 
 impl<W: Drive<2>> Moving<W> {
+    fn new(parts: Parts, drive: W) -> Self {
+        let Parts { fluid, map, doors, ledger, joule, bound } = parts;
+        let motion = (doors.len(), 0.0);
+        let mut method =
+            Moving { fluid, drive, map, doors, ledger, motion, driven: 0.0, times: (0.0, 0.0), joule, bound, steps: 0 };
+        method.motion.1 = method.unheated();
+        method
+    }
+
     /// Kinetic and potential energy, less what is still to be given back.
     fn unheated(&self) -> f64 {
         let totals = self.fluid.totals();
@@ -286,7 +332,14 @@ pub fn build(
             particle.heat = parts.into_iter().map(|(temperature, share)| share * ground.heat(temperature)).sum();
         }
     }
-    let mut doors = vec![None; 4];
+    if let Some(stream) = &scene.stream {
+        let half = 0.5 * lengths[1];
+        for particle in &mut particles[..count] {
+            let across = particle.position[1] / half - 1.0;
+            particle.velocity[0] += stream.start_speed * map.time / map.length * (1.0 - across * across);
+        }
+    }
+    let mut doors = vec![None; 4 + scene.wall_parts.len()];
     let mut ledger_names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
     for (axis, walled) in walled.into_iter().enumerate() {
         for end in [false, true].into_iter().filter(|_| walled) {
@@ -296,34 +349,61 @@ pub fn build(
             }
         }
     }
+    let mut behind = placed.behind;
+    for (k, part) in scene.wall_parts.iter().enumerate() {
+        ledger_names.push(format!("{}_part_{}", part.wall, k + 1));
+        if let Condition::Temperature(series) = &part.condition {
+            doors[4 + k] = Some(series.clone());
+        }
+        let whole = names.iter().position(|name| *name == part.wall).map_or(u32::MAX, |wall| wall as u32);
+        let along = usize::from(whole < 2);
+        for behind in &mut behind {
+            let place = behind.image[along].rem_euclid(lengths[along]) * map.length;
+            let of_wall = behind.door == whole
+                || (behind.door >= 4 && scene.wall_parts[behind.door as usize - 4].wall == part.wall);
+            if of_wall && place >= part.from && place < part.to {
+                behind.door = 4 + k as u32;
+            }
+        }
+    }
     ledger_names.push("motion".into());
     let first = count as u32;
     let door_count = doors.len();
     let enthalpies: Vec<f64> = particles[..count].iter().map(|particle| particle.heat * per_heat).collect();
-    let walls = Walls::new(first, placed.behind, door_count);
+    let walls = Walls::new(first, behind, door_count);
     let walls = walled.contains(&true).then_some(walls);
-    let fluid = Fluid::assembled(parameters, placed.lengths, ground, particles, walls, None, seed, pool)?;
-    let mut method = Moving {
-        fluid,
-        drive: Confined { lengths, walled },
-        map,
-        doors,
-        ledger: Ledger::new(ledger_names),
-        motion: (door_count, 0.0),
-        driven: 0.0,
-        times: (0.0, 0.0),
-        joule,
-        bound,
-        steps: 0,
+    let shut = scene.stream.as_ref().map(|_| 0);
+    let reset = scene.stream.as_ref().and_then(|stream| stream.reset);
+    let reset = reset.map(|((from, to), warm)| ((from / map.length, to / map.length), ground.heat(warm)));
+    let fluid = Fluid::assembled(parameters, placed.lengths, ground, particles, walls, shut, seed, pool)?;
+    let differences = vec![map.words(scene.units), words(&fluid, count)];
+    let confined = Confined { lengths, walled };
+    let parts = Parts { fluid, map, doors, ledger: Ledger::new(ledger_names), joule, bound };
+    let method: Box<dyn Method> = match &scene.stream {
+        None => Box::new(Moving::new(parts, confined)),
+        Some(stream) => {
+            let pump = stream.pump.unwrap_or((0.0, extent.0));
+            let drive = Driven {
+                confined,
+                acceleration: stream.acceleration * map.time * map.time / map.length,
+                pump: (pump.0 / map.length, pump.1 / map.length),
+                reset,
+                walls_from: first,
+            };
+            Box::new(Moving::new(parts, drive))
+        }
     };
-    method.motion.1 = method.unheated();
-    Ok(Crowd {
-        thermal,
-        enthalpy: enthalpies,
-        volume,
-        differences: vec![map.words(scene.units), words(&method.fluid, count)],
-        method: Box::new(method),
-    })
+    Ok(Crowd { thermal, enthalpy: enthalpies, volume, differences, method })
+}
+
+/// What a moving scene is made of but for its drive.
+struct Parts {
+    fluid: Fluid<2, Ground>,
+    map: Map,
+    doors: Vec<Option<Series>>,
+    ledger: Ledger,
+    joule: f64,
+    bound: Bound,
 }
 
 fn words(fluid: &Fluid<2, Ground>, count: usize) -> String {
@@ -348,8 +428,9 @@ fn refuse(scene: &Scene) -> Result<(), String> {
     if let Some((_, what)) = problems.into_iter().find(|problem| problem.0) {
         return Err(format!("motion = true knows no {what}: the liquid itself moves"));
     }
-    for wall in &scene.walls {
-        let kind = match wall.condition {
+    let whole = scene.walls.iter().map(|wall| (wall.name, &wall.condition));
+    for (name, condition) in whole.chain(scene.wall_parts.iter().map(|part| (part.wall, &part.condition))) {
+        let kind = match condition {
             Condition::Symmetry | Condition::Temperature(_) => continue,
             Condition::Flux(_) => "a flux",
             Condition::Convection { .. } => "a film",
@@ -358,7 +439,7 @@ fn refuse(scene: &Scene) -> Result<(), String> {
         return Err(format!(
             "the wall \"{}\" has {kind}, but walls of moving particles have a temperature or none: motion = true needs \
              \"temperature\" or condition = \"symmetry\"",
-            wall.name
+            name
         ));
     }
     Ok(())

@@ -9,6 +9,7 @@
 
 pub mod bend;
 pub mod carrier;
+pub mod diagonals;
 pub mod network;
 pub mod pressure;
 pub mod series;
@@ -20,18 +21,19 @@ use glam::DVec2;
 use rayon::ThreadPool;
 
 use crate::boundary::{Boundary, Face};
-use crate::integrate::just_before;
-use crate::integrate::sharp::stable_step;
+use crate::integrate::{just_before, sharp_step};
+
 use crate::ledger::{Ledger, Sum};
-use crate::list_operator::{ListOperator, ListParts, Off, Tangent};
+use crate::list_operator::{EnthalpyList, ListOperator, ListParts, Off, Tangent};
 use crate::material::Pores;
 use crate::memory::Held;
 use crate::method::{Bound, Clock, Method, StepError, Work};
+use crate::operator::Operator;
 use crate::particles::Particles;
 use crate::potential::{Curved, PotentialLaw, Thermal};
 use crate::scene::settings::Mushy;
 use crate::scene::{Conduction, Domain, Flow, FlowNumerics, Numerics, PressureWall, Scene, StepChoice, Uptake};
-use crate::uptake::{LatentScheme, Materials, scheme};
+use crate::uptake::{Materials, scheme};
 
 use bend::Bend;
 use carrier::{Carrier, Ground, State, velocities};
@@ -133,8 +135,9 @@ pub struct Water {
 
 /// Flowing water beside conduction: the method of scenes with water.
 pub struct FlowMethod {
-    operator: ListOperator<Off>,
-    scheme: Box<dyn LatentScheme>,
+    /// Conduction.
+    operator: Box<dyn Operator>,
+    pairs: u64,
     network: Network,
     pressure: Pressure,
     carrier: Carrier,
@@ -179,9 +182,11 @@ pub struct FlowMethod {
 }
 
 impl FlowMethod {
-    /// Water through the assembled particles, neighbours and walls of a scene, from these enthalpies (J/m3) on.
+    /// Water through the assembled particles, neighbours and walls of a scene, from these enthalpies (J/m3) on. Heat is
+    /// conducted by the pairs, or by the same on a lattice where there is one.
     pub fn new(
         parts: ListParts,
+        lattice: Option<Box<dyn Operator>>,
         scene: &Scene,
         flow: &Flow,
         numerics: &Numerics,
@@ -224,11 +229,19 @@ impl FlowMethod {
         let lifts = flow.walls.iter().map(lift).collect();
         let heights =
             if weight > 0.0 { parts.positions.iter().map(|place| weight * place.y).collect() } else { vec![] };
-        let operator = ListOperator::new(parts, Off);
-        let names: Vec<String> = operator.door_names().into_iter().chain(["ice".to_owned()]).collect();
+        let pairs = parts.pair_count();
+        let operator = lattice.unwrap_or_else(|| {
+            Box::new(EnthalpyList {
+                operator: ListOperator::new(parts, Off),
+                scheme: scheme(Uptake::Enthalpy, Mushy::Fraction, &materials, enthalpy, count),
+                rate: Vec::new(),
+                tangent: Tangent::default(),
+            })
+        });
+        let names: Vec<String> = operator.doors().into_iter().chain(["ice".to_owned()]).collect();
         let doors = vec![0.0; names.len()];
         let expands = flow.density_change && aquifers.iter().any(|aquifer| aquifer.expansion() != 0.0);
-        let mut own_bound = operator.step_bound();
+        let mut own_bound = operator.bound();
         if let Some(bend) = bend {
             let steepest = operator.steepest().into_iter().fold(0.0, f64::max);
             let linear = 2.0 / (bend.rate * steepest);
@@ -237,7 +250,7 @@ impl FlowMethod {
             }
         }
         let mut method = FlowMethod {
-            scheme: scheme(Uptake::Enthalpy, Mushy::Fraction, &materials, enthalpy, count),
+            pairs,
             pressure,
             carrier,
             bend,
@@ -390,7 +403,7 @@ impl FlowMethod {
     fn rates(&mut self, enthalpy: &[f64], clock: &Clock, stage: usize) {
         let mut doors = std::mem::take(&mut self.doors[stage]);
         let walls = doors.len() - 1;
-        self.operator.rate_of(self.scheme.as_ref(), enthalpy, clock, &mut self.rate, &mut doors[..walls]);
+        self.operator.rate(enthalpy, clock.time, &mut self.rate, &mut doors[..walls]);
         if let Some(bend) = &self.bend {
             self.carrier.conducted(&self.rate, bend.kappa);
         }
@@ -420,8 +433,9 @@ impl FlowMethod {
             let carried = mouth.inflow * (entering - zero) - mouth.outflow * (own - zero);
             doors[self.network.doors[mouth.wall as usize]] += self.volume * self.capacity * carried;
         }
-        let kept: Sum = self.carrier.kept.iter().zip(&self.temperature).map(|(kept, t)| kept * (t - zero)).collect();
-        doors[walls] = -self.volume * self.capacity * kept.value();
+        let (kept, temperature) = (&self.carrier.kept[..enthalpy.len()], &self.temperature[..enthalpy.len()]);
+        let kept = diagonals::sum(kept.len(), |i| kept[i] * (temperature[i] - zero));
+        doors[walls] = -self.volume * self.capacity * kept;
         let materials = &self.materials;
         let enthalpy_at = |particle: usize, temperature: f64| materials.of(particle).enthalpy(temperature);
         let state = State {
@@ -460,11 +474,7 @@ impl Method for FlowMethod {
     }
 
     fn sharp_step(&mut self) -> f64 {
-        let slopes = self.operator.steepest();
-        let mut tangent = Tangent::default();
-        let state = vec![0.0; slopes.len()];
-        self.operator.linearise(self.scheme.as_ref(), &state, 0.0, &mut slopes.clone(), &mut tangent);
-        stable_step(&slopes, |potentials, rate| self.operator.act(&mut tangent, potentials, rate))
+        sharp_step(self.operator.as_mut())
     }
 
     fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
@@ -498,7 +508,7 @@ impl Method for FlowMethod {
     }
 
     fn pairs(&self) -> u64 {
-        self.operator.pair_count()
+        self.pairs
     }
 
     fn held(&self) -> usize {

@@ -22,7 +22,7 @@ pub use rkl2::Rkl2;
 use sharp::stable_step;
 
 /// The sharp limit of an operator's explicit steps (s).
-fn sharp_step(operator: &mut dyn Operator) -> f64 {
+pub fn sharp_step(operator: &mut dyn Operator) -> f64 {
     let slopes = operator.steepest();
     let state = vec![0.0; slopes.len()];
     operator.linearise(&state, 0.0, &mut slopes.clone());

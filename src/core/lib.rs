@@ -40,6 +40,7 @@ pub mod segment;
 pub mod start;
 pub mod statistics;
 pub mod stencil;
+pub mod stream;
 pub mod sub_cell;
 pub mod sweep;
 pub mod symmetry;

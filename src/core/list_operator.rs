@@ -114,6 +114,15 @@ pub struct ListParts {
     pub bound: Option<Bound>,
 }
 
+impl ListParts {
+    /// Pairs, each once.
+    pub fn pair_count(&self) -> u64 {
+        let count = self.positions.len();
+        let inner = self.pairs.partners.iter().filter(|j| (**j as usize) < count).count();
+        (inner / 2 + self.pairs.partners.len() - inner) as u64
+    }
+}
+
 /// The operator.
 pub struct ListOperator<T> {
     parts: ListParts,
@@ -530,9 +539,7 @@ impl<T: PairTerm> ListOperator<T> {
 
     /// Pairs, each once.
     pub fn pair_count(&self) -> u64 {
-        let count = self.parts.positions.len();
-        let inner = self.parts.pairs.partners.iter().filter(|j| (**j as usize) < count).count();
-        (inner / 2 + self.parts.pairs.partners.len() - inner) as u64
+        self.parts.pair_count()
     }
 
     /// The largest slope dU/dH (m2/s) with which each particle can answer: under pair means, the largest conductivity

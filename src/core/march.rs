@@ -227,6 +227,7 @@ pub fn run(
         Some((outcome, cause)) => (outcome, Some(cause)),
         None => judge(settings.numerics.uptake, balance, guard.violation(), setback, noise),
     };
+    let (stream, mut sections) = watches.stream(&particles);
     let work = method.work();
     let record = Record {
         frazil_version: env!("CARGO_PKG_VERSION").to_string(),
@@ -263,6 +264,7 @@ pub fn run(
         reference: None,
         reduced_from: None,
         water: water.as_mut().map(|water| water.judge(scene, reference.map(|reference| reference.as_ref()))),
+        stream: crate::stream::judge(scene, &stream, &mut sections),
         spared: summary.spared,
         differences: summary.differences,
         state_hash: particles.state_hash(),
@@ -273,6 +275,8 @@ pub fn run(
         beside: Vec::new(),
         frozen: watches.frozen,
         phases: watches.phases,
+        stream,
+        sections,
         surfaces: watches.surfaces,
         profiles: watches.profiles,
         probes: watches.probe_rows,
@@ -292,14 +296,16 @@ pub fn run(
 /// How far noise alone may take temperatures out of the range of the data, over that range: eight standard deviations
 /// of one particle at the warmest datum and in the phase of least heat capacity. A normal variable stays within 6.5 over
 /// a billion looks; steps up to the bound do not add to it (3.3 at most on `stefan-water`, for 0.05 of the bound as for
-/// the whole).
+/// the whole). Beside walls of moving particles it is twice that: what is seen there is fitted to few neighbours, whose own
+/// noise it mirrors (12 at most over the 26 000 steps of `entry-channel`).
 fn noise(scene: &Scene, settings: &MethodSettings, particles: &Particles) -> f64 {
     let (low, high) = scene.temperature_range();
     let thermals = &particles.materials.thermals;
     let least = thermals.iter().map(|thermal| thermal.curve.least_capacity()).fold(f64::INFINITY, f64::min);
     let capacity = thermals[0].curve.unfrozen_capacity() / least;
     let deviation = settings.discretisation.fluctuation * (high - scene.units.absolute_zero()) * capacity.sqrt();
-    if deviation > 0.0 { 8.0 * deviation / (high - low) } else { 0.0 }
+    let deviations = if particles.move_about() { 16.0 } else { 8.0 };
+    if deviation > 0.0 { deviations * deviation / (high - low) } else { 0.0 }
 }
 
 fn larger_magnitude(a: f64, b: f64) -> f64 {

@@ -132,6 +132,7 @@ mod tests {
             wall_parts: Vec::new(),
             rings: Vec::new(),
             flow: None,
+            stream: None,
             watch: Watch {
                 outputs: 10,
                 profiles: Vec::new(),

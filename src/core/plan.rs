@@ -170,6 +170,14 @@ pub fn build(
         let crowd = make(scene, settings, pool(threads)?, seed).map_err(refuse)?;
         return moving(scene, settings, crowd);
     }
+    if scene.stream.is_some() {
+        return Err(refuse("a driven liquid needs particles that move: method.edpd.motion = true".into()));
+    }
+    if !scene.wall_parts.is_empty() && scene.domain.symmetry().is_none() {
+        return Err(refuse(
+            "parts of the walls of a rectangle need particles that move (method.edpd.motion = true) or an axis".into(),
+        ));
+    }
     let lattice = Arc::new(Lattice::new(&scene.domain, numerics.spacing));
     if lattice.is_empty() {
         return Err(refuse(format!("a spacing of {} m leaves no particle in the domain", numerics.spacing)));
@@ -229,7 +237,10 @@ pub fn build(
     {
         return Err(refuse(reason));
     }
-    let why_list = why_list(scene, numerics, discretisation, &stencil, narrow);
+    let why_list = |flows| why_list(scene, numerics, discretisation, &stencil, narrow, flows);
+    // Water needs the pairs; heat may be conducted without them.
+    let conducts_on_lattice = why_list(false).is_none();
+    let why_list = why_list(scene.flow.is_some());
     if let (Some(reason), Front::SubCell) = (why_list, numerics.front) {
         return Err(refuse(format!("front = \"sub-cell\" needs a lattice without a neighbour list, but {reason}")));
     }
@@ -273,12 +284,7 @@ pub fn build(
                 pool,
                 bound: settings.bound.clone(),
             };
-            let operator: Box<dyn Operator> = match materials.thermals[0].law.clone() {
-                Law::Straight(law) => Box::new(LatticeOperator::new(parts, law)),
-                Law::Kinked(law) => Box::new(LatticeOperator::new(parts, law)),
-                Law::Curved(law) => Box::new(LatticeOperator::new(parts, law)),
-            };
-            integrator(numerics, operator, range, largest_slope, count)
+            integrator(numerics, on_lattice(parts), range, largest_slope, count)
         }
         Some(reason) => {
             used.push(format!("a neighbour list, because {reason}"));
@@ -362,7 +368,21 @@ pub fn build(
             match (&discretisation.stepper, flows) {
                 (Stepper::Shared, Some((flow, own))) => {
                     let enthalpy = if start.is_empty() { vec![0.0; count] } else { start.to_vec() };
-                    let method = FlowMethod::new(parts, scene, flow, numerics, own, &enthalpy);
+                    let lattice = conducts_on_lattice.then(|| {
+                        used.push("heat is conducted by a sweep over the lattice".into());
+                        on_lattice(LatticeParts {
+                            lattice: lattice.clone(),
+                            front: None,
+                            stencil,
+                            thermal: materials.thermals[0].clone(),
+                            boundary: parts.boundary.clone(),
+                            sinks: parts.sinks.clone(),
+                            rings: parts.rings.clone(),
+                            pool: parts.pool.clone(),
+                            bound: settings.bound.clone(),
+                        })
+                    });
+                    let method = FlowMethod::new(parts, lattice, scene, flow, numerics, own, &enthalpy);
                     Box::new(method.map_err(refuse)?)
                 }
                 (Stepper::Own(step), _) => step(assembly(parts)),
@@ -455,6 +475,7 @@ fn why_list(
     discretisation: &Discretisation,
     stencil: &Stencil,
     narrow: bool,
+    flows: bool,
 ) -> Option<&'static str> {
     let reasons = [
         (numerics.layout != Layout::Lattice, "particles stand unevenly"),
@@ -467,7 +488,7 @@ fn why_list(
         (!scene.cracks.is_empty(), "cracks cut pairs"),
         (scene.domain.symmetry().is_some(), "particles are shells"),
         (!scene.watch.surfaces.is_empty(), "heat through surfaces is watched"),
-        (scene.flow.is_some(), "water flows along the pairs"),
+        (flows, "water flows along the pairs"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
         (numerics.walls == WallModel::InnerLayers, "the outermost particles are the walls"),
         (numerics.walls == WallModel::Naive && scene.brings_heat(), "naive layers at a flux or film follow particles"),
@@ -526,6 +547,15 @@ fn cracks_out_of_place(
         }
     }
     None
+}
+
+/// The operator on a lattice, with the law of its material.
+fn on_lattice(parts: LatticeParts) -> Box<dyn Operator> {
+    match parts.thermal.law.clone() {
+        Law::Straight(law) => Box::new(LatticeOperator::new(parts, law)),
+        Law::Kinked(law) => Box::new(LatticeOperator::new(parts, law)),
+        Law::Curved(law) => Box::new(LatticeOperator::new(parts, law)),
+    }
 }
 
 fn integrator(

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::flow::series::{WaterRecord, WaterSeries};
 use crate::method::Work;
+use crate::stream::StreamRecord;
 
 /// A setting as it stands in a record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -187,6 +188,9 @@ pub struct Record {
     /// Water, where it flows.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub water: Option<WaterRecord>,
+    /// What a driven liquid came to.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub stream: Option<StreamRecord>,
     /// What the scene did not need and was spared.
     pub spared: Vec<String>,
     /// How the method differs from the scene, in words.
@@ -240,6 +244,30 @@ pub struct PhaseRow {
     pub mushy: f64,
     /// All of them frozen.
     pub solid: f64,
+}
+
+/// One row of `stream.csv`: averages over a driven liquid, at a height.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct StreamRow {
+    /// Height (m).
+    pub y_m: f64,
+    /// Velocity along x (m/s).
+    pub speed_m_per_s: f64,
+    /// Density over that of the body evenly filled.
+    pub density_rel: f64,
+}
+
+/// One row of `sections.csv`: averages across a driven liquid.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct SectionRow {
+    /// Where the section is (m).
+    pub x_m: f64,
+    /// Height (m).
+    pub y_m: f64,
+    /// Temperature.
+    pub temperature_c: f64,
+    /// The reference's.
+    pub temperature_ref_c: Option<f64>,
 }
 
 /// One row of `profiles.csv`.
@@ -371,6 +399,10 @@ pub struct RunResult {
     pub frozen: Vec<FrozenRow>,
     /// Phases over time, where the scene asks for them.
     pub phases: Vec<PhaseRow>,
+    /// Velocities across a driven liquid.
+    pub stream: Vec<StreamRow>,
+    /// Temperatures across it.
+    pub sections: Vec<SectionRow>,
     /// Profiles.
     pub profiles: Vec<ProfileRow>,
     /// Probes.

@@ -8,6 +8,7 @@ pub mod read;
 pub mod region;
 mod series;
 pub mod settings;
+pub mod stream;
 
 use std::sync::Arc;
 
@@ -24,6 +25,7 @@ pub use settings::{
     Advection, Conduction, Exchange, FlowNumerics, Front, IntegratorChoice, Layout, Mean, Numerics, SearchChoice,
     Setting, StepChoice, Uptake, WallModel,
 };
+pub use stream::Stream;
 
 /// Units of a scene file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -477,6 +479,8 @@ pub struct Scene {
     pub rings: Vec<PipeRing>,
     /// Groundwater, where it flows.
     pub flow: Option<Flow>,
+    /// What drives the liquid itself, where it moves.
+    pub stream: Option<Stream>,
     /// Observation.
     pub watch: Watch,
     /// Where the truth comes from.
@@ -513,6 +517,9 @@ impl Scene {
         }
         for ring in &self.rings {
             widen(&ring.temperature);
+        }
+        if let Some((_, temperature)) = self.stream.as_ref().and_then(|stream| stream.reset) {
+            range = (range.0.min(temperature), range.1.max(temperature));
         }
         range
     }

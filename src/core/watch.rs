@@ -5,6 +5,7 @@ mod field;
 mod held;
 mod phases;
 mod shells;
+mod stream;
 
 use std::f64::consts::PI;
 
@@ -22,7 +23,8 @@ use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
 use crate::one_way::OneWay;
 use crate::particles::Particles;
 use crate::record::{
-    BudgetRow, Field, FrontRow, FrozenRow, GapRow, PhaseRow, ProbeRow, ProfileRow, SurfaceRow, WallRow,
+    BudgetRow, Field, FrontRow, FrozenRow, GapRow, PhaseRow, ProbeRow, ProfileRow, SectionRow, StreamRow, SurfaceRow,
+    WallRow,
 };
 use crate::scene::{Domain, FreezingDirection, Scene, Sector};
 
@@ -75,6 +77,7 @@ pub struct Watches {
     corners: Option<Corners>,
     /// Part of the body (m along x) whose phases are watched.
     phased: Option<(f64, f64)>,
+    averages: Option<stream::Averages>,
     shelled: bool,
     /// Rows of surfaces at one output, and from the start on in all.
     surface_rows: usize,
@@ -169,6 +172,7 @@ impl Watches {
             cuts: Cut::all(scene, particles, &sampler),
             corners: Corners::of(scene, spacing),
             phased: scene.watch.phases,
+            averages: stream::Averages::of(scene, particles),
             shelled: scene.domain.symmetry().is_some(),
             surface_rows: scene.watch.surfaces.len(),
             main,
@@ -201,7 +205,7 @@ impl Watches {
     /// Whether something needs a look between outputs at this time.
     #[inline]
     pub fn due(&self, time: f64) -> bool {
-        !self.gaps.is_empty() && time >= self.next_look
+        (!self.gaps.is_empty() || self.averages.is_some()) && time >= self.next_look
     }
 
     /// Whether a gap that was open at the last look is closed now.
@@ -229,6 +233,9 @@ impl Watches {
     /// radius, is frozen with its latent heat released. The instant is interpolated between looks.
     pub fn look(&mut self, particles: &Particles, time: f64) {
         self.next_look = time + self.look_every;
+        if let Some(averages) = &mut self.averages {
+            averages.look(particles, time);
+        }
         for number in 0..self.gaps.len() {
             if self.gaps[number].closed.is_some() {
                 continue;
@@ -342,6 +349,12 @@ impl Watches {
                 });
             }
         }
+    }
+
+    /// Averages over a driven liquid, and across its sections.
+    pub fn stream(&self, particles: &Particles) -> (Vec<StreamRow>, Vec<SectionRow>) {
+        let averages = self.averages.as_ref();
+        averages.map(|averages| (averages.stream(particles), averages.sections())).unwrap_or_default()
     }
 
     /// When each gap closed.

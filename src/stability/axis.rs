@@ -1,7 +1,7 @@
 //! The parameters along which a map is drawn, as overrides of a scene.
 
 use frazil_core::material::{FreezingLaw, Material};
-use frazil_core::method::MethodKind;
+use frazil_core::method::{MethodKind, Stepper};
 use frazil_core::record::Value;
 use frazil_core::scene::settings::MethodSettings;
 use frazil_core::scene::{Layout, Scene, Units};
@@ -90,6 +90,10 @@ impl Axis {
     /// The columns of a map for one method on a scene; none where the axis means nothing there. `count` is odd: the
     /// middle column is the scene's own value, but for disorder and noise, which begin at zero.
     pub fn columns(self, scene: &Scene, kind: &MethodKind, settings: &MethodSettings, count: usize) -> Vec<Column> {
+        // Particles that move make steps of their own, which no setting takes over their bound.
+        if let Stepper::Moving(_) = settings.discretisation.stepper {
+            return Vec::new();
+        }
         // Porous ground has no keys of its own for its two states: they follow from its phases.
         let has_keys = |material: &&Material| material.law != FreezingLaw::None && material.pores.is_none();
         let freezes: Vec<&Material> = scene.materials.iter().filter(has_keys).collect();

@@ -2,7 +2,7 @@
 //! the power of the dimension one over their number density, temperatures over 300 K.
 
 use frazil_core::record::Value;
-use frazil_core::scene::{IntegratorChoice, Layout, Numerics, Range, Section, Units, Uptake, WallModel};
+use frazil_core::scene::{Layout, Numerics, Range, Section, Units, Uptake, WallModel};
 
 use crate::fluid::Exponent;
 
@@ -118,7 +118,6 @@ const KEYS: [&str; 7] =
 fn exclude(section: &mut Section<'_>, numerics: &Numerics) {
     let excluded = [
         ("layout", numerics.layout != Layout::Lattice, "particles that move find their places themselves"),
-        ("integrator", numerics.integrator != IntegratorChoice::Euler, "particles that move make steps of their own"),
         ("scheme", numerics.uptake != Uptake::Enthalpy, "particles that move carry enthalpy"),
         (
             "wall_model",

@@ -6,6 +6,7 @@
 
 use glam::DVec2;
 
+use super::diagonals::Diagonals;
 use crate::boundary::{Boundary, Face};
 use crate::ghosts::Ghosts;
 use crate::list_operator::PairList;
@@ -39,24 +40,32 @@ pub struct Opening {
     pub arm: DVec2,
 }
 
-/// Paths in compressed rows, in both directions, with partners in order.
+/// Paths in compressed rows, in both directions, with partners in order. What both directions share stands in columns by
+/// slot.
 #[derive(Debug, Clone, Default)]
 pub struct Network {
     /// Start of each particle's paths, and the end of the last.
     pub starts: Vec<usize>,
+    /// The first of each particle's paths to a later particle.
+    pub laters: Vec<usize>,
     /// The particle at the other end.
     pub partners: Vec<u32>,
-    /// The same path the other way.
-    pub twins: Vec<u32>,
-    /// Weight by volume (m^-2) with which the path conducts water.
+    /// Place in the columns that both directions share.
+    pub slots: Vec<u32>,
+    /// Places of those columns.
+    pub places: usize,
+    /// How they are ordered, on a lattice; otherwise by the earlier particle.
+    pub diagonals: Option<Diagonals>,
+    /// Weight by volume (m^-2) with which the path conducts water, by slot.
     pub weights: Vec<f64>,
-    /// Weight by volume (m^-2) with which it conducts heat; odd images behind walls of given temperature count against.
+    /// Weight by volume (m^-2) with which it conducts heat, by slot; odd images behind walls of given temperature count
+    /// against.
     pub heat_weights: Vec<f64>,
-    /// Weight (m^-2) of the images alone that follow their particles; empty where conduction is not corrected.
+    /// Weight (m^-2) of the images alone that follow their particles, by slot; empty where conduction is not corrected.
     pub even_weights: Vec<f64>,
-    /// Mean vector of the path (m), by weight; a way over a closed wall counts as it is seen from this end.
+    /// Mean vector of the path, a way over a closed wall as it is seen from this end, times half of the weight for water (1/m).
     pub arms: Vec<DVec2>,
-    /// The part of it that both ends see alike, with opposite signs.
+    /// The part of the mean vector (m) that both ends see alike, from the earlier particle, by slot.
     pub spans: Vec<DVec2>,
     /// Pairs across walls of given pressure, by particle.
     pub openings: Vec<Opening>,
@@ -68,7 +77,7 @@ pub struct Network {
 
 impl Held for Network {
     fn held(&self) -> usize {
-        let rows = self.starts.held() + self.partners.held() + self.twins.held();
+        let rows = self.starts.held() + self.laters.held() + self.partners.held() + self.slots.held();
         let openings = self.openings.capacity() * size_of::<Opening>();
         let beside = self.beside.capacity() * size_of::<(u32, u8)>();
         rows + self.weights.held()
@@ -110,6 +119,7 @@ impl Network {
             network.doors.push(door.ok_or_else(|| format!("the body has no wall \"{}\" for water", wall.name))?);
         }
         let mut row: Vec<Part> = Vec::new();
+        let (mut water_weights, mut heat_weights, mut even_weights) = (Vec::new(), Vec::new(), Vec::new());
         for i in 0..count {
             row.clear();
             let first_opening = network.openings.len();
@@ -149,10 +159,10 @@ impl Network {
                 let water: f64 = group.iter().map(|part| part.water).sum();
                 let arm: DVec2 = group.iter().map(|part| part.water * part.arm).sum();
                 network.partners.push(partner);
-                network.weights.push(water);
-                network.heat_weights.push(group.iter().map(|part| part.heat).sum());
+                water_weights.push(water);
+                heat_weights.push(group.iter().map(|part| part.heat).sum());
                 if conduction == Conduction::Corrected {
-                    network.even_weights.push(group.iter().map(|part| part.heat.max(0.0)).sum());
+                    even_weights.push(group.iter().map(|part| part.heat.max(0.0)).sum());
                 }
                 network.arms.push(if water > 0.0 { arm / water } else { DVec2::ZERO });
             }
@@ -167,33 +177,92 @@ impl Network {
         network.beside.sort_unstable();
         network.beside.dedup();
         network.pair_up()?;
+        network.weights = network.by_slot(&water_weights);
+        for (arm, slot) in network.arms.iter_mut().zip(&network.slots) {
+            *arm *= 0.5 * network.weights[*slot as usize];
+        }
+        network.heat_weights = network.by_slot(&heat_weights);
+        if conduction == Conduction::Corrected {
+            network.even_weights = network.by_slot(&even_weights);
+        }
         Ok(network)
     }
 
-    /// Finds the way back of each path, and makes both ways the same to the last bit.
+    /// Gives both directions of each path one slot.
     fn pair_up(&mut self) -> Result<(), String> {
-        self.twins = vec![NONE; self.partners.len()];
-        for i in 0..self.starts.len() - 1 {
-            for k in self.starts[i]..self.starts[i + 1] {
+        let count = self.starts.len() - 1;
+        self.diagonals = Diagonals::of(&self.starts, &self.partners);
+        self.places = self.diagonals.as_ref().map_or(self.partners.len() / 2, Diagonals::slots);
+        self.slots = vec![NONE; self.partners.len()];
+        self.spans = vec![DVec2::ZERO; self.places];
+        let mut next = 0;
+        for i in 0..count {
+            let row = self.starts[i]..self.starts[i + 1];
+            self.laters.push(row.start + self.partners[row.clone()].partition_point(|j| (*j as usize) < i));
+            for k in self.laters[i]..row.end {
                 let j = self.partners[k] as usize;
                 let back = &self.partners[self.starts[j]..self.starts[j + 1]];
-                let twin = match back.binary_search(&(i as u32)) {
-                    Ok(place) => self.starts[j] + place,
-                    Err(_) => return Err("water would flow through a pair in one direction only".into()),
+                let Ok(place) = back.binary_search(&(i as u32)) else {
+                    return Err("water would flow through a pair in one direction only".into());
                 };
-                self.twins[k] = twin as u32;
-                if j > i {
-                    self.weights[twin] = self.weights[k];
-                    self.heat_weights[twin] = self.heat_weights[k];
-                    if !self.even_weights.is_empty() {
-                        self.even_weights[twin] = self.even_weights[k];
+                let twin = self.starts[j] + place;
+                let slot = self.diagonals.as_ref().map_or(next, |diagonals| diagonals.slot(i, j - i));
+                next += 1;
+                (self.slots[k], self.slots[twin]) = (slot as u32, slot as u32);
+                self.spans[slot] = 0.5 * (self.arms[k] - self.arms[twin]);
+            }
+        }
+        if self.slots.contains(&NONE) {
+            return Err("water would flow through a pair in one direction only".into());
+        }
+        if let Some(diagonals) = &mut self.diagonals {
+            let length = |slots: &[DVec2]| slots.iter().map(|span| span.length()).fold(0.0, f64::max);
+            let lengths: Vec<f64> = self.spans.chunks(diagonals.stride).map(length).collect();
+            let shortest = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+            diagonals.nearest = (0..lengths.len()).filter(|number| lengths[*number] < 1.1 * shortest).collect();
+        }
+        Ok(())
+    }
+
+    /// What the earlier particle of each path says of it, by slot.
+    fn by_slot(&self, values: &[f64]) -> Vec<f64> {
+        let mut column = vec![0.0; self.places];
+        for i in 0..self.len() {
+            for k in self.laters[i]..self.starts[i + 1] {
+                column[self.slots[k] as usize] = values[k];
+            }
+        }
+        column
+    }
+
+    /// All partners of a particle, with slots and whether they are later ones.
+    #[inline]
+    pub fn paths(&self, particle: usize) -> impl Iterator<Item = (usize, usize, bool)> + '_ {
+        let (range, later) = (self.starts[particle]..self.starts[particle + 1], self.laters[particle]);
+        range.map(move |k| (self.partners[k] as usize, self.slots[k] as usize, k >= later))
+    }
+
+    /// Does something to every path once, by its earlier and its later end and its slot, in the order of slots. Places on
+    /// diagonals without a path come too: their weights are zero.
+    #[inline(always)]
+    pub fn each_path(&self, mut one: impl FnMut(usize, usize, usize)) {
+        match &self.diagonals {
+            Some(diagonals) => {
+                for (number, offset) in diagonals.offsets.iter().enumerate() {
+                    let base = number * diagonals.stride + diagonals.pad;
+                    for i in 0..self.len() - offset {
+                        one(i, i + offset, base + i);
+                    }
+                }
+            }
+            None => {
+                for i in 0..self.len() {
+                    for k in self.laters[i]..self.starts[i + 1] {
+                        one(i, self.partners[k] as usize, self.slots[k] as usize);
                     }
                 }
             }
         }
-        self.spans =
-            self.arms.iter().zip(&self.twins).map(|(arm, twin)| 0.5 * (*arm - self.arms[*twin as usize])).collect();
-        Ok(())
     }
 
     /// Number of particles.

@@ -10,6 +10,7 @@ mod coarse;
 use glam::DVec2;
 
 use self::coarse::Coarse;
+use super::diagonals::sum;
 use super::network::{NONE, Network, Opening};
 use crate::memory::Held;
 use crate::scene::Mean;
@@ -28,7 +29,7 @@ const MOST_ITERATIONS: usize = 10_000;
 pub struct Pressure {
     /// Pressure (Pa).
     pub pressure: Vec<f64>,
-    /// Conductance by volume (m/(Pa s m^2) times m: `weight K`) of each path.
+    /// Conductance by volume (m/(Pa s m^2) times m: `weight K`) of each path, by slot.
     pub conductances: Vec<f64>,
     /// The same of each opening.
     pub mouths: Vec<f64>,
@@ -38,10 +39,14 @@ pub struct Pressure {
     pub iterations: u64,
     walls: Vec<f64>,
     diagonal: Vec<f64>,
+    inverse: Vec<f64>,
+    /// By slot.
     rest: Vec<f64>,
     right: Vec<f64>,
     coarse: Coarse,
     residual: Vec<f64>,
+    /// Room before the first particle in the next two columns.
+    pad: usize,
     swept: Vec<f64>,
     direction: Vec<f64>,
     image: Vec<f64>,
@@ -49,7 +54,8 @@ pub struct Pressure {
 
 impl Held for Pressure {
     fn held(&self) -> usize {
-        let columns = [&self.pressure, &self.diagonal, &self.right, &self.residual, &self.swept, &self.direction];
+        let columns =
+            [&self.pressure, &self.diagonal, &self.inverse, &self.right, &self.residual, &self.swept, &self.direction];
         let columns: usize = columns.iter().map(|column| column.held()).sum();
         let paths = self.conductances.held() + self.mouths.held() + self.rest.held();
         columns + self.image.held() + paths + self.coarse.held()
@@ -59,7 +65,9 @@ impl Held for Pressure {
 impl Pressure {
     /// A solver for particles at these places.
     pub fn new(network: &Network, positions: &[DVec2]) -> Self {
-        let (count, paths) = (network.len(), network.partners.len());
+        let (count, paths) = (network.len(), network.places);
+        let (pad, padded) =
+            network.diagonals.as_ref().map_or((0, count), |diagonals| (diagonals.pad, diagonals.padded()));
         Pressure {
             pressure: vec![0.0; count],
             conductances: vec![0.0; paths],
@@ -68,12 +76,14 @@ impl Pressure {
             iterations: 0,
             walls: Vec::new(),
             diagonal: vec![0.0; count],
+            inverse: vec![0.0; count],
             rest: vec![0.0; paths],
             right: vec![0.0; count],
             coarse: Coarse::new(network, positions),
             residual: vec![0.0; count],
-            swept: vec![0.0; count],
-            direction: vec![0.0; count],
+            pad,
+            swept: vec![0.0; padded],
+            direction: vec![0.0; padded],
             image: vec![0.0; count],
         }
     }
@@ -100,7 +110,9 @@ impl Pressure {
         let limit =
             if self.solutions == 0 { FIRST_TOLERANCE * norm(&self.right) } else { TOLERANCE * self.passing(network) };
         // The balance of each block first.
-        self.multiply(network, Column::Pressure);
+        let own = self.pad..self.pad + network.len();
+        self.direction[own.clone()].copy_from_slice(&self.pressure);
+        self.multiply(network);
         for ((residual, right), image) in self.residual.iter_mut().zip(&self.right).zip(&self.image) {
             *residual = right - image;
         }
@@ -111,20 +123,23 @@ impl Pressure {
                 return Err(format!("the pressure was not found within {MOST_ITERATIONS} iterations"));
             }
             self.sweep(network);
-            let product = dot(&self.residual, &self.swept);
+            let swept = &self.swept[own.clone()];
+            let product = dot(&self.residual, swept);
             let grow = if count == 0 { 0.0 } else { product / last };
-            for (direction, swept) in self.direction.iter_mut().zip(&self.swept) {
+            let direction = &mut self.direction[own.clone()];
+            for (direction, swept) in direction.iter_mut().zip(swept) {
                 *direction = grow * *direction + swept;
             }
-            self.coarse.deflate(&self.swept, &mut self.direction);
+            self.coarse.deflate(swept, direction);
             last = product;
-            self.multiply(network, Column::Direction);
-            let length = product / dot(&self.direction, &self.image);
+            self.multiply(network);
+            let direction = &self.direction[own.clone()];
+            let length = product / dot(direction, &self.image);
             if !length.is_finite() {
                 return Err("the pressure is not finite".into());
             }
             for i in 0..self.pressure.len() {
-                self.pressure[i] += length * self.direction[i];
+                self.pressure[i] += length * direction[i];
                 self.residual[i] -= length * self.image[i];
             }
             count += 1;
@@ -149,17 +164,17 @@ impl Pressure {
         taken: Option<&[f64]>,
         mean: impl Fn(f64, f64) -> f64,
     ) {
-        for i in 0..network.len() {
-            let own = conductivity[i];
-            let mut sum = 0.0;
-            for k in network.starts[i]..network.starts[i + 1] {
-                let conductance = network.weights[k] * mean(own, conductivity[network.partners[k] as usize]);
-                self.conductances[k] = conductance;
-                self.rest[k] = -conductance;
-                sum += conductance;
-            }
-            self.diagonal[i] = sum;
-            self.right[i] = taken.map_or(0.0, |taken| -taken[i]);
+        let Pressure { diagonal, conductances, rest, right, .. } = self;
+        diagonal.fill(0.0);
+        network.each_path(|i, j, slot| {
+            let conductance = network.weights[slot] * mean(conductivity[i], conductivity[j]);
+            conductances[slot] = conductance;
+            rest[slot] = -conductance;
+            diagonal[i] += conductance;
+            diagonal[j] += conductance;
+        });
+        for (i, right) in right.iter_mut().enumerate() {
+            *right = taken.map_or(0.0, |taken| -taken[i]);
         }
         for (opening, mouth) in network.openings.iter().zip(&mut self.mouths) {
             let (i, j) = (opening.particle as usize, opening.image as usize);
@@ -167,8 +182,9 @@ impl Pressure {
             self.diagonal[i] += *mouth;
             if opening.path == NONE {
                 self.diagonal[i] -= opening.sign * *mouth;
-            } else {
-                self.rest[opening.path as usize] -= opening.sign * *mouth;
+            } else if i < j {
+                // The other way is the opening of the image, with the same mouth.
+                self.rest[network.slots[opening.path as usize] as usize] -= opening.sign * *mouth;
             }
             self.right[i] += *mouth * opening.wall_part(walls);
         }
@@ -176,64 +192,58 @@ impl Pressure {
         for (diagonal, right) in self.diagonal.iter_mut().zip(&mut self.right).filter(|row| *row.0 <= 0.0) {
             (*diagonal, *right) = (1.0, 0.0);
         }
+        for (inverse, diagonal) in self.inverse.iter_mut().zip(&self.diagonal) {
+            *inverse = 1.0 / diagonal;
+        }
     }
 
     /// Water that passes through particles by volume (1/s), in the root of the sum of squares.
-    fn passing(&self, network: &Network) -> f64 {
-        let through = |i: usize| {
-            let own = self.pressure[i];
-            let range = network.starts[i]..network.starts[i + 1];
-            range.map(|k| self.conductances[k] * (own - self.pressure[network.partners[k] as usize]).abs()).sum::<f64>()
-        };
-        (0..network.len()).map(through).map(|flow| flow * flow).sum::<f64>().sqrt()
+    fn passing(&mut self, network: &Network) -> f64 {
+        let Pressure { image, conductances, pressure, .. } = self;
+        image.fill(0.0);
+        network.each_path(|i, j, slot| {
+            let water = conductances[slot] * (pressure[i] - pressure[j]).abs();
+            image[i] += water;
+            image[j] += water;
+        });
+        dot(&self.image, &self.image).sqrt()
     }
 
-    fn multiply(&mut self, network: &Network, column: Column) {
-        let values = match column {
-            Column::Pressure => &self.pressure,
-            Column::Direction => &self.direction,
-        };
+    /// The image of the direction.
+    fn multiply(&mut self, network: &Network) {
+        if let Some(diagonals) = &network.diagonals {
+            return diagonals.multiply(&self.diagonal, &self.rest, &self.direction, &mut self.image);
+        }
         for i in 0..network.len() {
             let range = network.starts[i]..network.starts[i + 1];
-            let rest = network.partners[range.clone()].iter().zip(&self.rest[range]);
-            self.image[i] =
-                self.diagonal[i] * values[i] + rest.map(|(j, rest)| rest * values[*j as usize]).sum::<f64>();
+            let paths = network.partners[range.clone()].iter().zip(&network.slots[range]);
+            let rest: f64 = paths.map(|(j, slot)| self.rest[*slot as usize] * self.direction[*j as usize]).sum();
+            self.image[i] = self.diagonal[i] * self.direction[i] + rest;
         }
     }
 
     /// Symmetric Gauss-Seidel: forward over the paths to earlier particles, back over those to later ones.
     fn sweep(&mut self, network: &Network) {
+        if let Some(diagonals) = &network.diagonals {
+            return diagonals.sweep(&self.inverse, &self.rest, &self.residual, &mut self.swept);
+        }
+        let of = |paths: std::ops::Range<usize>, swept: &[f64]| -> f64 {
+            let paths = network.partners[paths.clone()].iter().zip(&network.slots[paths]);
+            paths.map(|(j, slot)| self.rest[*slot as usize] * swept[*j as usize]).sum()
+        };
         for i in 0..network.len() {
-            let range = network.starts[i]..network.starts[i + 1];
-            let mut sum = self.residual[i];
-            for (j, rest) in network.partners[range.clone()].iter().zip(&self.rest[range]) {
-                if *j as usize > i {
-                    break;
-                }
-                sum -= rest * self.swept[*j as usize];
-            }
-            self.swept[i] = sum / self.diagonal[i];
+            let earlier = of(network.starts[i]..network.laters[i], &self.swept);
+            self.swept[i] = (self.residual[i] - earlier) * self.inverse[i];
         }
         for i in (0..network.len()).rev() {
-            let range = network.starts[i]..network.starts[i + 1];
-            let mut sum = 0.0;
-            for (j, rest) in network.partners[range.clone()].iter().zip(&self.rest[range]).rev() {
-                if (*j as usize) < i {
-                    break;
-                }
-                sum += rest * self.swept[*j as usize];
-            }
-            self.swept[i] -= sum / self.diagonal[i];
+            let later = of(network.laters[i]..network.starts[i + 1], &self.swept);
+            self.swept[i] -= later * self.inverse[i];
         }
     }
 }
 
-#[derive(Clone, Copy)]
-enum Column {
-    Pressure,
-    Direction,
-}
-
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let count = a.len().min(b.len());
+    let (a, b) = (&a[..count], &b[..count]);
+    sum(count, |i| a[i] * b[i])
 }

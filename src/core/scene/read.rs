@@ -11,6 +11,7 @@ mod range;
 mod regions;
 mod section;
 mod shells;
+mod stream;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -129,6 +130,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let surfaces = watch.as_ref().is_some_and(|watch| !watch.surfaces.is_empty());
     let beside = (!cracks.is_empty(), surfaces);
     let flow = flow::flow(&mut root, domain.as_ref(), if complete { &materials } else { &[] }, beside);
+    let stream = stream::stream(&mut root, domain.as_ref(), &walls, time.as_ref().map(|time| &time.duration));
     let reference = watch::reference(&mut root, domain.as_ref());
     if let (Some(section), Some(domain)) = (&mut wall_section, &domain) {
         body::exact_walls(section, domain, &walls, (&materials, &regions), &reference);
@@ -161,6 +163,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         wall_parts,
         rings,
         flow,
+        stream,
         watch: watch?,
         reference,
         methods,

@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use crate::flow::diagonals::sum;
 use crate::flow::network::Network;
 use crate::memory::Held;
 
@@ -24,8 +25,8 @@ pub(super) struct Coarse {
     /// Block of each entry.
     columns: Vec<u32>,
     values: Vec<f64>,
-    /// Entry of each path, and of each particle itself.
-    of_path: Vec<u32>,
+    /// Entries of each path, from its earlier end and from its later, by slot; and of each particle itself.
+    of_path: Vec<[u32; 2]>,
     of_particle: Vec<u32>,
     /// Lower triangle of the factor, row by row.
     factor: Vec<f64>,
@@ -34,8 +35,9 @@ pub(super) struct Coarse {
 
 impl Held for Coarse {
     fn held(&self) -> usize {
-        let indices = self.blocks.held() + self.columns.held() + self.of_path.held() + self.of_particle.held();
-        indices + self.starts.held() + self.values.held() + self.factor.held() + self.work.held()
+        let indices = self.blocks.held() + self.columns.held() + self.of_particle.held();
+        let paths = self.of_path.capacity() * size_of::<[u32; 2]>();
+        indices + paths + self.starts.held() + self.values.held() + self.factor.held() + self.work.held()
     }
 }
 
@@ -57,7 +59,7 @@ impl Coarse {
         let blocks: Vec<u32> = positions.iter().map(block).collect();
         let count = along as usize * across as usize;
         let (mut starts, mut columns) = (vec![0], Vec::new());
-        let (mut of_path, mut of_particle) = (Vec::with_capacity(network.partners.len()), Vec::new());
+        let (mut of_path, mut of_particle) = (vec![[0; 2]; network.places], Vec::new());
         for i in 0..network.len() {
             let start = columns.len();
             let mut entry = |block: u32| {
@@ -69,8 +71,8 @@ impl Coarse {
                 place as u32
             };
             of_particle.push(entry(blocks[i]));
-            for j in &network.partners[network.starts[i]..network.starts[i + 1]] {
-                of_path.push(entry(blocks[*j as usize]));
+            for (j, slot, later) in network.paths(i) {
+                of_path[slot][usize::from(!later)] = entry(blocks[j]);
             }
             starts.push(columns.len());
         }
@@ -79,15 +81,21 @@ impl Coarse {
         Coarse { blocks, count, starts, columns, values, of_path, of_particle, factor, work }
     }
 
-    /// Takes a matrix by its diagonal and the entries of paths.
+    /// Takes a matrix by its diagonal and the entries of slots.
     pub(super) fn assemble(&mut self, network: &Network, diagonal: &[f64], rest: &[f64]) {
         self.values.fill(0.0);
         self.factor.fill(0.0);
         for i in 0..network.len() {
             self.values[self.of_particle[i] as usize] += diagonal[i];
-            for k in network.starts[i]..network.starts[i + 1] {
-                self.values[self.of_path[k] as usize] += rest[k];
+        }
+        let Coarse { of_path, values, .. } = self;
+        // Places without a path add zero to the first entry.
+        network.each_path(|_, _, slot| {
+            for entry in of_path[slot] {
+                values[entry as usize] += rest[slot];
             }
+        });
+        for i in 0..network.len() {
             let row = self.blocks[i] as usize * self.count;
             for entry in self.starts[i]..self.starts[i + 1] {
                 self.factor[row + self.columns[entry] as usize] += self.values[entry];
@@ -103,13 +111,15 @@ impl Coarse {
         for column in 0..n {
             let (done, below) = self.factor.split_at_mut((column + 1) * n);
             let own = &mut done[column * n..];
-            let left: f64 = own[..column].iter().map(|entry| entry * entry).sum();
+            let done = &own[..column];
+            let left = sum(column, |k| done[k] * done[k]);
             let pivot = own[column] - left;
             // An empty block, or one that balances by itself, takes no part.
             let root = if pivot > PIVOT * most { pivot.sqrt() } else { f64::INFINITY };
             own[column] = root;
             for row in below.chunks_exact_mut(n) {
-                let left: f64 = row[..column].iter().zip(&own[..column]).map(|(a, b)| a * b).sum();
+                let (a, b) = (&row[..column], &own[..column]);
+                let left = sum(column, |k| a[k] * b[k]);
                 row[column] = (row[column] - left) / root;
             }
         }
@@ -120,7 +130,8 @@ impl Coarse {
         let n = self.count;
         for row in 0..n {
             let entries = &self.factor[row * n..row * n + row + 1];
-            let left: f64 = entries[..row].iter().zip(&self.work).map(|(a, b)| a * b).sum();
+            let (a, b) = (&entries[..row], &self.work[..row]);
+            let left = sum(row, |k| a[k] * b[k]);
             self.work[row] = (self.work[row] - left) / entries[row];
         }
         for row in (0..n).rev() {

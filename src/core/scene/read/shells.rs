@@ -43,6 +43,8 @@ fn along(domain: &Domain, wall: &str) -> Option<(f64, f64)> {
     match (*domain, wall) {
         (Domain::Axial { height, .. }, "inner" | "outer") => Some((0.0, height)),
         (Domain::Axial { inner, outer, .. }, _) => Some((inner, outer)),
+        (Domain::Rectangle { height, .. }, "left" | "right") => Some((0.0, height)),
+        (Domain::Rectangle { width, .. }, _) => Some((0.0, width)),
         _ => None,
     }
 }
@@ -54,7 +56,7 @@ pub(super) fn parts(section: &mut Section<'_>, wall: &'static str, domain: &Doma
     let mut found = Vec::new();
     for mut part in section.sections("parts") {
         let Some((first, last)) = along(domain, wall) else {
-            part.section_problem("only walls of the domain \"axial\" have parts");
+            part.section_problem("only walls of the domains \"axial\" and \"rectangle\" have parts");
             part.abandon();
             continue;
         };

@@ -1,0 +1,129 @@
+//! Figures of liquids that move: phases over time, and what is averaged across a stream.
+
+use frazil_core::record::{PhaseRow, RunResult, SectionRow, StreamRow};
+
+use crate::axes::{Axis, Entry, Frame, legend};
+use crate::canvas::{Canvas, Colour, Stroke};
+use crate::run::{MARGIN, Words, reference_entry, reference_stroke, title};
+use crate::style::{INK, method_style, number};
+
+const WIDTH: f64 = 1000.0;
+const HEIGHT: f64 = 640.0;
+
+/// All of them that a run has rows for, by file name.
+pub(crate) fn drawings(result: &RunResult, words: &Words) -> Vec<(String, Canvas)> {
+    let mut all = Vec::new();
+    if !result.phases.is_empty() {
+        all.push(("phases".into(), phases(&result.phases, words)));
+    }
+    if !result.stream.is_empty() {
+        all.push(("stream".into(), stream(result, words)));
+    }
+    if !result.sections.is_empty() {
+        all.push(("sections".into(), sections(&result.sections, words)));
+    }
+    all
+}
+
+fn begin(what: &str, words: &Words, entries: &[Entry]) -> (Canvas, f64) {
+    let mut canvas = Canvas::new(WIDTH, HEIGHT, &format!("{what}: {}", words.heading));
+    title(&mut canvas, &words.heading);
+    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, entries) + 6.0;
+    (canvas, top)
+}
+
+/// A kind of share, and how it is drawn.
+type Share = (&'static str, Stroke, fn(&PhaseRow) -> f64);
+
+/// Shares of liquid, freezing and solid particles.
+fn phases(rows: &[PhaseRow], words: &Words) -> Canvas {
+    let shares: [Share; 3] = [
+        ("liquid", Stroke { colour: Colour(0xe0, 0x7b, 0x10), width: 2.4, dash: &[] }, |row| row.liquid),
+        ("freezing", Stroke { colour: INK, width: 2.4, dash: &[3.0, 4.0] }, |row| row.mushy),
+        ("solid", Stroke { colour: Colour(0x0b, 0x3c, 0x8c), width: 2.4, dash: &[12.0, 5.0] }, |row| row.solid),
+    ];
+    let entries = shares.map(|(name, stroke, _)| Entry { text: name.into(), stroke: Some(stroke), marker: None });
+    let (mut canvas, top) = begin("Phases over time", words, &entries);
+    let times = || rows.iter().map(|row| words.time(row.time_s));
+    let x = Axis::linear(words.time_label.as_str(), times().chain([0.0]));
+    let frame =
+        Frame::inside((0.0, top), (WIDTH, HEIGHT), x, Axis::linear("share of particles (1)", [0.0, 1.0].into_iter()));
+    frame.draw(&mut canvas);
+    for (_, stroke, share) in shares {
+        frame.curve(&mut canvas, times().zip(rows.iter().map(share)), stroke);
+    }
+    canvas
+}
+
+/// Velocity and density across a stream, one above the other.
+fn stream(result: &RunResult, words: &Words) -> Canvas {
+    let rows: &[StreamRow] = &result.stream;
+    let stroke = method_style(&words.method).stroke(2.2);
+    let mut entries = vec![Entry { text: "measured".into(), stroke: Some(stroke), marker: None }];
+    let greatest = result.record.stream.map(|stream| stream.greatest_speed_m_per_s);
+    if let Some(greatest) = greatest {
+        let text = format!("parabola of {}", number(greatest, 4));
+        entries.push(Entry { text, ..reference_entry() });
+    }
+    let (mut canvas, top) = begin("Velocity and density across the stream", words, &entries);
+    let split = 0.55 * HEIGHT;
+    let places = || rows.iter().map(|row| words.length(row.y_m));
+    let height = rows.last().map_or(1.0, |row| row.y_m) + rows.first().map_or(0.0, |row| row.y_m);
+    let x = |label: String| Axis::linear(label, [0.0, words.length(height)].into_iter());
+    let speeds = rows.iter().map(|row| row.speed_m_per_s).chain([0.0]).chain(greatest);
+    let speed_label = if words.length_unit.is_some() { "velocity (m/s)" } else { "velocity (dimensionless)" };
+    let mut above = Frame::inside((0.0, top), (WIDTH, split), x(String::new()), Axis::linear(speed_label, speeds));
+    let densities = rows.iter().map(|row| row.density_rel).chain([0.0, 1.0]);
+    let density = Axis::linear("density over its mean (1)", densities);
+    let mut below = Frame::inside((0.0, split + 10.0), (WIDTH, HEIGHT), x(words.length_label("y")), density);
+    let left = above.left.max(below.left);
+    (above.left, below.left) = (left, left);
+    above.draw(&mut canvas);
+    below.draw(&mut canvas);
+    if let Some(greatest) = greatest {
+        let parabola = (0..=100).map(|k| f64::from(k) / 100.0).map(|part| {
+            let across = 2.0 * part - 1.0;
+            (words.length(part * height), greatest * (1.0 - across * across))
+        });
+        above.curve(&mut canvas, parabola, reference_stroke());
+    }
+    above.curve(&mut canvas, places().zip(rows.iter().map(|row| row.speed_m_per_s)), stroke);
+    below.curve(&mut canvas, places().zip(rows.iter().map(|row| row.density_rel)), stroke);
+    canvas
+}
+
+/// Temperatures across the sections of a stream: further downstream is darker.
+fn sections(rows: &[SectionRow], words: &Words) -> Canvas {
+    let groups: Vec<&[SectionRow]> = rows.chunk_by(|a, b| a.x_m == b.x_m).collect();
+    let base = method_style(&words.method).colour;
+    let stroke_at = |k: usize| {
+        let age = if groups.len() > 1 { k as f64 / (groups.len() - 1) as f64 } else { 1.0 };
+        let tone = |channel: u8| (f64::from(channel) + (1.0 - age) * 0.6 * (255.0 - f64::from(channel))) as u8;
+        Stroke::whole(Colour(tone(base.0), tone(base.1), tone(base.2)), 2.4)
+    };
+    let mut entries: Vec<Entry> = groups
+        .iter()
+        .enumerate()
+        .map(|(k, group)| {
+            let text = format!("x = {}", number(words.length(group[0].x_m), 4));
+            Entry { text, stroke: Some(stroke_at(k)), marker: None }
+        })
+        .collect();
+    let thin = Stroke { colour: INK, width: 1.6, dash: &[2.5, 4.5] };
+    if rows.iter().any(|row| row.temperature_ref_c.is_some()) {
+        entries.push(Entry { text: "reference".into(), stroke: Some(thin), marker: None });
+    }
+    let (mut canvas, top) = begin("Temperatures across the stream", words, &entries);
+    let x = Axis::linear(words.length_label("y"), rows.iter().map(|row| words.length(row.y_m)).chain([0.0]));
+    let temperatures = rows.iter().flat_map(|row| [Some(row.temperature_c), row.temperature_ref_c]).flatten();
+    let y = Axis::linear(words.temperature_label.as_str(), temperatures);
+    let frame = Frame::inside((0.0, top), (WIDTH, HEIGHT), x, y);
+    frame.draw(&mut canvas);
+    for (k, group) in groups.iter().enumerate() {
+        let places = || group.iter().map(|row| words.length(row.y_m));
+        frame.curve(&mut canvas, places().zip(group.iter().map(|row| row.temperature_c)), stroke_at(k));
+        let reference = group.iter().filter_map(|row| Some((words.length(row.y_m), row.temperature_ref_c?)));
+        frame.curve(&mut canvas, reference, thin);
+    }
+    canvas
+}

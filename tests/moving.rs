@@ -1,0 +1,154 @@
+//! Scenes whose liquid particles move.
+
+use frazil::registry;
+use frazil_core::march::{self, Options};
+use frazil_core::record::{Outcome, RunResult};
+use frazil_core::scene::Scene;
+
+fn scene(text: &str, overrides: &[(&str, &str)]) -> Scene {
+    let overrides: Vec<(String, String)> =
+        overrides.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    Scene::read(text, "test", "test.toml", &overrides, registry::methods())
+        .unwrap_or_else(|problems| unreachable!("{problems}"))
+}
+
+fn run(scene: &Scene, threads: usize, seed: u64) -> RunResult {
+    let reference = frazil_cases::reference_for(scene).ok().flatten().map(std::sync::Arc::from);
+    let options = Options { threads, seed, ..Options::default() };
+    march::run(scene, "edpd", reference.as_ref(), &options).unwrap_or_else(|refused| unreachable!("{refused}"))
+}
+
+fn bundled(name: &str) -> &'static str {
+    frazil_cases::scenes::find(name).map_or("", |scene| scene.text)
+}
+
+const SHORT: [(&str, &str); 5] = [
+    ("domain.rectangle.height", "40"),
+    ("time.duration", "14"),
+    ("time.profiles", "[14]"),
+    ("watch.profile_length", "30"),
+    ("method.edpd.motion", "true"),
+];
+
+#[test]
+fn a_liquid_freezes_from_a_wall_and_keeps_its_energy() {
+    let result = run(&scene(bundled("stefan-dpd-2"), &SHORT), 1, 1);
+    assert_eq!(result.record.outcome, Outcome::Ok, "{:?}", result.record.cause);
+    // Walls, motion and heat together, over 750 steps: rounding.
+    assert!(result.record.energy_balance_rel.abs() < 1e-12, "{:e}", result.record.energy_balance_rel);
+    let last = result.front.last().expect("a front");
+    let error = last.front_m / last.front_ref_m.expect("a reference") - 1.0;
+    // Six spacings of ice: four single seeds lie within 3 %; a particle more or less in a row of 24 is 0.7 %.
+
+    assert!(error.abs() < 0.06, "{error}");
+    // Nothing but noise leaves the range of the data: six standard deviations of a particle of 0.3 % of its temperature.
+    let noise = 6.0 * 0.95 / 1e5f64.sqrt() / 0.1;
+    assert!(result.record.bounds_violation_rel.expect("a range") < noise);
+}
+
+#[test]
+fn threads_and_reruns_give_the_same_bits() {
+    let scene = scene(
+        bundled("solidification-square"),
+        &[("time.duration", "3"), ("time.profiles", "[3]"), ("watch.front_from", "1")],
+    );
+    let hash = |threads, seed| run(&scene, threads, seed).record.state_hash;
+    let one = hash(1, 1);
+    for threads in [1, 2, 3, 4] {
+        assert_eq!(hash(threads, 1), one, "{threads} threads");
+    }
+    assert_ne!(hash(1, 2), one);
+}
+
+const LIQUID: &str = r#"
+title = "A liquid between walls"
+source = "none"
+units = "dpd"
+
+[domain.rectangle]
+width = 24
+height = 10
+
+[time]
+duration = 24
+outputs = 48
+
+[materials.liquid]
+density = 4
+frozen = { conductivity = 1600000, heat_capacity = 1e5 }
+unfrozen = { conductivity = 1600000, heat_capacity = 1e5 }
+freezing = { law = "none", temperature = 0.5 }
+
+[initial]
+temperature = 1.1
+
+[walls.left]
+condition = "symmetry"
+
+[walls.right]
+condition = "symmetry"
+
+[walls.bottom]
+temperature = 1
+
+[walls.top]
+temperature = 1.2
+
+[method.edpd]
+spacing = 0.5
+motion = true
+"#;
+
+#[test]
+fn walls_let_heat_through_as_a_wall_at_their_temperature() {
+    let result = run(&scene(LIQUID, &[]), 1, 3);
+    let top = result.budget_names.iter().position(|name| name == "top").expect("the wall");
+    // The slowest part of the profile decays with a time of 2.5.
+    let at = |time: f64| result.budget.iter().find(|row| row.time_s >= time - 1e-9).expect("a row").in_j[top];
+    let rate = (at(24.0) - at(12.0)) / 12.0;
+    // Conductivity times difference over height, by 24 lengths of wall: a jump of temperature at the walls of 0.1 lengths
+    // would take 2 % from it; the liquid conducts 0.994 of the mean field; heat of walls has noise of 1.5 %.
+    let expected = 1.6e6 * 0.2 / 10.0 * 24.0;
+
+    assert!((rate / expected - 1.0).abs() < 0.04, "{rate} {expected}");
+    let row = result.profiles.first().expect("a profile");
+    // Half a layer from the wall: 0.0025 * 2 above it; the mean of 48 particles has a standard deviation of 0.0005.
+    assert!((row.temperature_c - 1.0 - 0.02 * row.x_m).abs() < 0.0025, "{row:?}");
+}
+
+#[test]
+fn a_driven_liquid_is_a_parabola_of_the_viscosity_of_theory() {
+    let stream = "[stream]\nacceleration = 0.3\naverage_from = 6\n";
+    let text = LIQUID.replace("[walls.left]", &format!("{stream}\n[walls.left]")).replace("1.2", "1");
+    let text = text.replace("temperature = 1.1", "temperature = 1");
+    let result = run(&scene(&text, &[]), 1, 5);
+    let found = result.record.stream.expect("a stream");
+    // Eq 12 of Ng et al. 2017 at s = 1.24: 6.9, by kinetic theory, which leaves out conservative forces: of the order of a tenth
+    // (ten seeds would give it to 1 %).
+    let s = 1.2153 + (1.0 - 298.15 / 300.0) / (15.0 / 300.0) * (1.5395 - 1.2153);
+    let cutoff = 1.96f64;
+    let friction = 8.0 * 4.0 * std::f64::consts::PI;
+    let theory = 3.0 * friction * cutoff.powi(4) / (4.0 * (s + 1.0) * (s + 2.0) * (s + 3.0) * (s + 4.0))
+        + (s + 1.0) * (s + 2.0) / (2.0 * friction * cutoff.powi(2));
+    let viscosity = found.kinematic_viscosity_m2_per_s.expect("even");
+
+    assert!((viscosity / theory - 1.0).abs() < 0.25, "{viscosity} {theory}");
+    assert!(found.speed_rms_rel < 0.08, "{found:?}");
+    assert!(found.wall_density_rel < 0.1, "{found:?}");
+}
+
+#[test]
+fn what_motion_cannot_represent_is_refused() {
+    let refused = |text: &str, overrides: &[(&str, &str)]| {
+        let scene = scene(text, overrides);
+        march::run(&scene, "edpd", None, &Options::default()).map(|_| String::new()).unwrap_or_else(|e| e.to_string())
+    };
+    let sand = refused(bundled("frozen-wall-sand"), &[("method.edpd.motion", "true")]);
+    assert_eq!(sand, "motion = true needs the domain \"line\" or \"rectangle\"");
+    let flux = refused(&LIQUID.replace("temperature = 1.2", "flux = 3"), &[]);
+    assert!(flux.starts_with("the wall \"top\" has a flux, but walls of moving particles"), "{flux}");
+    let step = refused(LIQUID, &[("method.edpd.step", "0.1")]);
+    assert!(step.starts_with("step_s = 0.1 is above the stable bound of 0.0"), "{step}");
+    let small = refused(LIQUID, &[("domain.rectangle.width", "5")]);
+    assert!(small.starts_with("a periodic box of length 5 is too small: it must be at least 7.644 long"), "{small}");
+}

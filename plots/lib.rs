@@ -14,6 +14,7 @@ pub mod ensemble;
 mod flow_map;
 pub mod map;
 pub mod page;
+pub mod properties;
 pub mod rings;
 pub mod run;
 pub mod signed;

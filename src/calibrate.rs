@@ -11,10 +11,11 @@ use frazil_plots::calibration::{CalibrationFigure, FitCurve, calibration};
 
 use crate::failure::{Failure, Verdict, answer};
 use crate::output::{Folder, write_rows, write_whole};
-use fluid::{Fluid, Row};
-use table::{Calibration, Fit};
+use fluid::Row;
+use table::Fit;
 
-pub use table::Conduction;
+pub use fluid::{Fluid, Row as FluidRow};
+pub use table::{Calibration, Conduction, Row as CalibratedRow};
 
 /// What is to be calibrated.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,15 +37,17 @@ pub struct CalibrateRequest {
 }
 
 /// A fluid with everything that follows from it.
-struct Calibrated<'a> {
+pub struct Calibrated<'a> {
     request: &'a CalibrateRequest,
-    fluid: Fluid,
+    /// What the real one has at each temperature.
+    pub fluid: Fluid,
     scales: Option<Scales>,
-    table: Calibration,
+    /// What the eDPD fluid has, by the same rows.
+    pub table: Calibration,
 }
 
-/// Calibrates a fluid: prints the table, and writes it with a figure and keys for scenes.
-pub fn calibrate(request: &CalibrateRequest) -> Result<Verdict, Failure> {
+/// Solves for the fluid.
+pub fn solve(request: &CalibrateRequest) -> Result<Calibrated<'_>, Failure> {
     let (constants, reference) = (&request.constants, request.reference_temperature);
     let inside = |row: &Row| {
         request.from.is_none_or(|from| row.temperature >= from) && request.to.is_none_or(|to| row.temperature <= to)
@@ -59,7 +62,12 @@ pub fn calibrate(request: &CalibrateRequest) -> Result<Verdict, Failure> {
     }
     let scales = fluid.material.as_ref().map(|material| Scales::new(constants, material, reference));
     let table = table::solve(&fluid, constants, reference, request.conduction, scales.as_ref());
-    let calibrated = Calibrated { request, fluid, scales, table };
+    Ok(Calibrated { request, fluid, scales, table })
+}
+
+/// Calibrates a fluid: prints the table, and writes it with a figure and keys for scenes.
+pub fn calibrate(request: &CalibrateRequest) -> Result<Verdict, Failure> {
+    let calibrated = solve(request)?;
     let folder = Folder::make(request.out.as_deref().unwrap_or("out/calibrate".as_ref()))?;
     write_rows(&folder.path().join("calibration.csv"), &calibrated.table.rows)?;
     let keys = words::keys(&calibrated);

@@ -5,7 +5,7 @@ use frazil_core::scene::Scene;
 use crate::failure::{Failure, Verdict, answer};
 use crate::registry;
 
-/// Prints the bundled scenes by group, and the methods with their titles.
+/// Prints the bundled scenes by group, the fluids, and the methods with their titles.
 pub fn list() -> Result<Verdict, Failure> {
     let kinds = registry::methods();
     let groups = [("Scenes", frazil_cases::scenes::all()), ("Extreme scenes", frazil_cases::scenes::extreme())];
@@ -21,7 +21,11 @@ pub fn list() -> Result<Verdict, Failure> {
         }
         text.push('\n');
     }
-    text.push_str("Methods\n");
+    text.push_str("Fluids\n");
+    for name in frazil_cases::fluids::names() {
+        text.push_str(&format!("  {name:width$}  for calibrate and properties\n"));
+    }
+    text.push_str("\nMethods\n");
     for kind in kinds {
         let noise = if kind.stochastic { ", stochastic" } else { "" };
         text.push_str(&format!("  {:width$}  {}{noise}\n", kind.name, kind.title));

@@ -10,17 +10,16 @@ use std::sync::atomic::Ordering;
 use frazil_core::march::Refused;
 
 use crate::failure::{Failure, Verdict, complain};
+use crate::journal::{self, Journal};
 use crate::machine::Machine;
 use crate::output::Folder;
 use crate::{interrupt, load};
 use axis::{Axis, Override};
-use journal::Journal;
 
 pub mod axis;
 pub mod cell;
 pub mod execute;
 pub mod figures;
-pub mod journal;
 pub mod plan;
 pub mod report;
 pub mod search;

@@ -15,6 +15,7 @@ mod invariants;
 mod moving;
 mod order;
 mod printed;
+mod properties;
 mod reductions;
 mod references;
 mod regions;

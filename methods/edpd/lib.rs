@@ -9,6 +9,7 @@
 pub mod calibration;
 pub mod fluid;
 pub mod moving;
+pub mod properties;
 
 use std::f64::consts::PI;
 use std::sync::Arc;

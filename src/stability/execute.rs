@@ -11,11 +11,11 @@ use frazil_core::record::Outcome;
 use super::StabilityRequest;
 use super::axis::{Axis, Override};
 use super::cell::{Finding, Probe};
-use super::journal::Journal;
 use super::plan::Job;
 use super::search::{Ladder, climb, grid};
 use super::super_steps;
 use crate::failure::Failure;
+use crate::journal::Journal;
 use crate::progress::{Reporter, clock};
 use crate::{load, parallel};
 
@@ -42,7 +42,7 @@ pub struct Column {
 pub fn columns(
     request: &StabilityRequest,
     jobs: Vec<Job>,
-    journal: &Journal,
+    journal: &Journal<Finding>,
     stop: &AtomicBool,
 ) -> Result<Vec<Mapped>, Failure> {
     let order = early_ones_first(&jobs);
@@ -106,7 +106,7 @@ type Particles = (String, &'static str, Vec<Override>);
 
 struct Study<'a> {
     request: &'a StabilityRequest,
-    journal: &'a Journal,
+    journal: &'a Journal<Finding>,
     stop: &'a AtomicBool,
     failed: Mutex<Option<Failure>>,
     bounds: Mutex<HashMap<Particles, Bounds>>,

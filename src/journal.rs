@@ -10,35 +10,35 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_64;
 
-use super::cell::Finding;
 use crate::failure::Failure;
 
 #[derive(Serialize, Deserialize)]
-struct Entry {
+struct Entry<F> {
     key: String,
-    finding: Finding,
+    finding: F,
 }
 
-/// The runs that are known, and the file that holds them.
-pub struct Journal {
+/// The runs that are known, with what each found, and the file that holds them.
+pub struct Journal<F> {
     path: PathBuf,
     stamp: String,
-    known: Mutex<HashMap<String, Finding>>,
+    known: Mutex<HashMap<String, F>>,
     file: Mutex<File>,
 }
 
-impl Journal {
+impl<F: Clone + Serialize + DeserializeOwned> Journal<F> {
     /// Opens a journal, or begins one. Runs of another program than the one of `stamp` are not taken for its own.
-    pub fn open(path: &Path, stamp: &str) -> Result<Journal, Failure> {
+    pub fn open(path: &Path, stamp: &str) -> Result<Self, Failure> {
         let bytes = match fs::read(path) {
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Vec::new(),
             read => read.map_err(|error| Failure::file(path, "cannot be read", error))?,
         };
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |last| last + 1);
-        let entries = bytes[..whole].split(|byte| *byte == b'\n').filter_map(entry);
+        let entries = bytes[..whole].split(|byte| *byte == b'\n').filter_map(entry::<F>);
         let known = entries.map(|entry| (entry.key, entry.finding)).collect();
         let cannot = |error| Failure::file(path, "cannot be written", error);
         let file = OpenOptions::new().create(true).append(true).open(path).map_err(cannot)?;
@@ -51,12 +51,12 @@ impl Journal {
     }
 
     /// What is known of a run.
-    pub fn find(&self, key: &str) -> Option<Finding> {
+    pub fn find(&self, key: &str) -> Option<F> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner).get(&self.stamped(key)).cloned()
     }
 
     /// Takes down a run.
-    pub fn add(&self, key: &str, finding: &Finding) -> Result<(), Failure> {
+    pub fn add(&self, key: &str, finding: &F) -> Result<(), Failure> {
         let cannot = |error| Failure::file(&self.path, "cannot be written", error);
         let entry = Entry { key: self.stamped(key), finding: finding.clone() };
         let json = serde_json::to_string(&entry).map_err(|error| cannot(error.into()))?;
@@ -68,7 +68,7 @@ impl Journal {
 }
 
 /// The entry of a line; none if the line is not what was written.
-fn entry(line: &[u8]) -> Option<Entry> {
+fn entry<F: DeserializeOwned>(line: &[u8]) -> Option<Entry<F>> {
     let (checksum, json) = std::str::from_utf8(line).ok()?.split_once(' ')?;
     let checksum = u64::from_str_radix(checksum, 16).ok()?;
     if checksum != xxh3_64(json.as_bytes()) {
@@ -88,6 +88,7 @@ mod tests {
     use frazil_core::record::Outcome;
 
     use super::*;
+    use crate::stability::cell::Finding;
 
     fn finding(step_s: f64) -> Finding {
         Finding {
@@ -137,7 +138,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("cells.journal");
         Journal::open(&path, "1").expect("opened").add("run", &finding(1.0)).expect("written");
-        assert_eq!(Journal::open(&path, "2").expect("opened").find("run"), None);
-        assert!(Journal::open(&path, "1").expect("opened").find("run").is_some());
+        assert_eq!(Journal::<Finding>::open(&path, "2").expect("opened").find("run"), None);
+        assert!(Journal::<Finding>::open(&path, "1").expect("opened").find("run").is_some());
     }
 }

@@ -1,8 +1,8 @@
 //! The state of a fluid as bytes, from which it goes on to the same bits.
 
+use super::Fluid;
 use super::matter::Matter;
 use super::particle::Particle;
-use super::Fluid;
 
 /// First bytes of a state, and its form.
 const MARK: &[u8; 8] = b"fluid\0\0\x01";
@@ -59,7 +59,8 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
         let mut places = Vec::with_capacity(self.particles.len());
         for (particle, record) in self.particles.iter_mut().zip(rest.chunks_exact(size)) {
             let (numbers, integers) = record.split_at(8 * (4 * D + 2));
-            let mut numbers = numbers.chunks_exact(8).map(|chunk| f64::from_le_bytes(chunk.try_into().unwrap_or_default()));
+            let mut numbers =
+                numbers.chunks_exact(8).map(|chunk| f64::from_le_bytes(chunk.try_into().unwrap_or_default()));
             let mut integers = integers.chunks_exact(4).map(|chunk| <[u8; 4]>::try_from(chunk).unwrap_or_default());
             let mut column = || [(); D].map(|()| numbers.next().unwrap_or_default());
             let [position, velocity, force, origin] = [column(), column(), column(), column()];

@@ -414,6 +414,8 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             lengths: self.grid.lengths,
             inverses: self.grid.inverses,
             reach: parameters.reach().powi(2),
+            // A listed pair is as far apart as it may have come since the last sorting.
+            margin: parameters.reach() * (1.0 + 2.0 * SKIN),
             inverse_cutoffs: [
                 1.0 / parameters.conservative_cutoff,
                 1.0 / parameters.dissipative_cutoff,

@@ -14,7 +14,7 @@ use frazil_core::noise::StepNoise;
 
 use super::matter::Matter;
 use super::particle::{Look, Particle};
-use super::power::{power, round};
+use super::power::{parts, raise, round};
 use super::sorting::SlabPairs;
 
 /// Pairs that are worked on at once, and the most partners that a particle may have.
@@ -38,6 +38,8 @@ pub struct Frame<'a, const D: usize, M: Matter> {
     pub inverses: [f64; D],
     /// Square of the largest cut-off radius.
     pub reach: f64,
+    /// Distance from all sides of the box beyond which no listed partner is found across one.
+    pub margin: f64,
     /// One over the cut-off radius of the conservative force, of friction, of heat.
     pub inverse_cutoffs: [f64; 3],
     /// Largest conservative force.
@@ -76,7 +78,8 @@ pub struct Desk<const D: usize> {
     words: [u64; PLACES],
     signs: [f64; PLACES],
     partners: [u32; PLACES],
-    kept: [f64; PLACES],
+    /// Impulse by the velocity of one end against the other, and that of noise.
+    gains: [f64; PLACES],
     pushed: [f64; PLACES],
     forces: [f64; PLACES],
     heats: [f64; PLACES],
@@ -99,7 +102,7 @@ impl<const D: usize> Default for Desk<D> {
             words: [0; PLACES],
             signs: [0.0; PLACES],
             partners: [0; PLACES],
-            kept: [0.0; PLACES],
+            gains: [0.0; PLACES],
             pushed: [0.0; PLACES],
             forces: [0.0; PLACES],
             heats: [0.0; PLACES],
@@ -201,21 +204,15 @@ fn gather<const D: usize, M: Matter>(
     looks: &[Look<D, M::Seen>],
     partners: &[u32],
 ) -> usize {
-    let mut at = filled;
-    // Whether a partner is within reach cannot be guessed: each is put down, and the next one over it if it is not.
-    for &j in partners {
-        let other = &looks[j as usize];
-        let mut square = 0.0;
-        for axis in 0..D {
-            let way = me.position[axis] - other.position[axis];
-            let way = way - frame.lengths[axis] * round(way * frame.inverses[axis]);
-            desk.ways[axis][at] = way;
-            square += way * way;
-        }
-        desk.squares[at] = square;
-        desk.partners[at] = j;
-        at += usize::from(square < frame.reach);
-    }
+    let inside = (0..D).all(|axis| {
+        let place = me.position[axis];
+        place > frame.margin && place < frame.lengths[axis] - frame.margin
+    });
+    let at = if inside {
+        near::<D, M, false>(frame, desk, filled, me, looks, partners)
+    } else {
+        near::<D, M, true>(frame, desk, filled, me, looks, partners)
+    };
     for k in filled..at {
         let other = &looks[desk.partners[k] as usize];
         desk.exponents[k] = 0.5 * (me.exponent + other.exponent);
@@ -236,35 +233,83 @@ fn gather<const D: usize, M: Matter>(
     at
 }
 
+/// Puts ways and numbers of those partners down that are within reach; `ACROSS` says whether any may be found across a
+/// periodic side.
+#[inline(always)]
+fn near<const D: usize, M: Matter, const ACROSS: bool>(
+    frame: &Frame<'_, D, M>,
+    desk: &mut Desk<D>,
+    filled: usize,
+    me: &Look<D, M::Seen>,
+    looks: &[Look<D, M::Seen>],
+    partners: &[u32],
+) -> usize {
+    let mut at = filled;
+    // Whether a partner is within reach cannot be guessed: each is put down, and the next one over it if it is not.
+    for &j in partners {
+        let other = &looks[j as usize];
+        let mut square = 0.0;
+        for axis in 0..D {
+            let mut way = me.position[axis] - other.position[axis];
+            if ACROSS {
+                way -= frame.lengths[axis] * round(way * frame.inverses[axis]);
+            }
+            desk.ways[axis][at] = way;
+            square += way * way;
+        }
+        desk.squares[at] = square;
+        desk.partners[at] = j;
+        at += usize::from(square < frame.reach);
+    }
+    at
+}
+
 /// All that depends on places and temperatures alone.
 #[inline(always)]
 fn work<const D: usize, M: Matter>(frame: &Frame<'_, D, M>, desk: &mut Desk<D>, count: usize) {
     let count = count.min(AT_ONCE);
     let [conservative, dissipative, thermal] = frame.inverse_cutoffs;
+    let conductance = 0.25 * frame.conductance;
+    let heat_noise = (2.0 * conductance).sqrt();
     let mut potential = 0.0;
     for k in 0..count {
         let distance = desk.squares[k].max(1e-30).sqrt();
-        let inverse = 1.0 / distance;
+        let (a, b) = (desk.temperatures[0][k], desk.temperatures[1][k]);
+        let (sum, product) = (a + b, a * b);
+        let mobility = desk.mobilities[k];
+        // Ends at rest take no impulse, whatever it is.
+        let mobility = if mobility > 0.0 { mobility } else { 1.0 };
+        let rough = (1.0 - distance * dissipative).max(0.0);
+        let (mantissa, count) = parts(rough);
+        // One division for four: divisions are what takes longest here.
+        let (temperatures, places) = (sum * product, (mantissa + 1.0) * distance);
+        let inverse = 1.0 / (temperatures * places * mobility);
+        let inverse_places = inverse * temperatures * mobility;
+        let inverse_distance = inverse_places * (mantissa + 1.0);
+        let z = (mantissa - 1.0) * (inverse_places * distance);
+        let inverse_temperatures = inverse * places * mobility;
+        let inverse_mobility = inverse * temperatures * places;
         for axis in 0..D {
-            desk.ways[axis][k] *= inverse;
+            desk.ways[axis][k] *= inverse_distance;
         }
         let near = (1.0 - distance * conservative).max(0.0);
         desk.forces[k] = frame.repulsion * near;
         desk.squares[k] = near * near;
-        let (a, b) = (desk.temperatures[0][k], desk.temperatures[1][k]);
-        let (sum, product) = (a + b, a * b);
-        let (force_noise, heat_noise) = frame.noise.two(desk.words[k]);
-        let rubbed = power((1.0 - distance * dissipative).max(0.0), desk.exponents[k]);
-        let lost = frame.friction * rubbed * desk.mobilities[k];
+        let (force_random, heat_random) = frame.noise.two(desk.words[k]);
+        let lost = frame.friction * raise(rough, (count, z), desk.exponents[k]) * mobility;
         let kept = 1.0 / (1.0 + lost + 0.5 * lost * lost);
-        desk.kept[k] = kept;
-        let variance = desk.mobilities[k] * (2.0 * product / sum) * (1.0 - kept * kept);
-        desk.pushed[k] = variance.sqrt() * force_noise;
-        let warm = (1.0 - distance * thermal).max(0.0);
-        let conducted = frame.conductance * (0.25 * sum * sum) * (warm * warm);
-        let conducted = if M::UNEVEN { conducted * desk.conductions[k] } else { conducted };
-        desk.heats[k] = conducted * (b - a) / product + (2.0 * conducted).sqrt() * heat_noise * desk.signs[k];
-        desk.mobilities[k] = if desk.mobilities[k] > 0.0 { 1.0 / desk.mobilities[k] } else { 0.0 };
+        desk.gains[k] = (kept - 1.0) * inverse_mobility;
+        let variance = mobility * (2.0 * product * product * inverse_temperatures) * (1.0 - kept * kept);
+        desk.pushed[k] = variance.sqrt() * force_random * inverse_mobility;
+        let warm = sum * (1.0 - distance * thermal).max(0.0);
+        let (conducted, random) = match M::UNEVEN {
+            true => {
+                let conduction = desk.conductions[k];
+                (conductance * conduction * (warm * warm), heat_noise * conduction.sqrt() * warm)
+            }
+            false => (conductance * (warm * warm), heat_noise * warm),
+        };
+        desk.heats[k] = conducted * (b - a) * (sum * inverse_temperatures) + random * heat_random * desk.signs[k];
     }
     for near in &desk.squares[..count] {
         potential += near;
@@ -291,18 +336,24 @@ fn change<const D: usize>(desk: &Desk<D>, rows: usize, own: &mut [Particle<D>], 
 #[inline(always)]
 fn meet<const D: usize>(desk: &Desk<D>, k: usize, me: &mut Particle<D>, other: &mut Particle<D>) {
     let k = k % AT_ONCE;
-    let mut before = 0.0;
-    for axis in 0..D {
-        before += desk.ways[axis][k] * (me.velocity[axis] - other.velocity[axis]);
-    }
-    let change = (desk.kept[k] - 1.0) * before + desk.pushed[k];
-    let impulse = change * desk.mobilities[k];
-    // Half of what the pair loses of its kinetic energy.
-    let lost = -0.25 * impulse * (2.0 * before + change);
+    let gain = desk.gains[k];
+    // Pairs of one particle wait for each other: what does not hang on its velocity is summed apart.
+    let (mut before, mut others) = (0.0, 0.0);
     for axis in 0..D {
         let way = desk.ways[axis][k];
-        me.velocity[axis] += me.mobility * impulse * way;
-        other.velocity[axis] -= other.mobility * impulse * way;
+        before += way * (me.velocity[axis] - other.velocity[axis]);
+        others += gain * way * other.velocity[axis];
+    }
+    let mut impulse = desk.pushed[k] - others;
+    for axis in 0..D {
+        impulse += gain * desk.ways[axis][k] * me.velocity[axis];
+    }
+    // Half of what the pair loses of its kinetic energy.
+    let lost = -0.25 * impulse * (2.0 * before + desk.mobilities[k] * impulse);
+    for axis in 0..D {
+        let way = desk.ways[axis][k];
+        me.velocity[axis] += me.mobility * way * impulse;
+        other.velocity[axis] -= other.mobility * way * impulse;
         me.force[axis] += desk.forces[k] * way;
         other.force[axis] -= desk.forces[k] * way;
     }

@@ -371,14 +371,12 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     }
 
     fn sort(&mut self) -> Result<(), String> {
-        let Fluid { grid, particles, sorted, starts, slabs, walls, .. } = self;
+        let Fluid { grid, particles, sorted, starts, origins, slabs, walls, .. } = self;
         let apart = walls.as_ref().map_or(u32::MAX, |walls| walls.first);
-        grid.list(particles, sorted, starts, slabs, (apart, AT_ONCE))?;
+        grid.list(particles, sorted, (starts, origins), slabs, (apart, AT_ONCE), self.pool.is_some())?;
         if let Some(walls) = walls {
             walls.list(grid, particles, starts, self.parameters.thermal_cutoff + 0.5 * SKIN * self.parameters.reach());
         }
-        self.origins.clear();
-        self.origins.extend(self.particles.iter().map(|particle| particle.position));
         self.lists += 1;
         Ok(())
     }

@@ -5,6 +5,8 @@
 //! number can be worked on at once, then all of odd number. Slabs follow from the box and the reach of pairs, never from
 //! the number of threads, and neither does the order in which pairs of a slab are met.
 
+use rayon::prelude::*;
+
 use super::particle::Particle;
 use super::power::round;
 
@@ -111,15 +113,25 @@ impl<const D: usize> Grid<D> {
         &self,
         particles: &mut Vec<Particle<D>>,
         sorted: &mut Vec<Particle<D>>,
-        starts: &mut Vec<u32>,
+        (starts, places): (&mut Vec<u32>, &mut Vec<[f64; D]>),
         slabs: &mut [SlabPairs],
         (apart, most): (u32, usize),
+        parallel: bool,
     ) -> Result<(), String> {
         self.sort(particles, sorted, starts);
-        let (particles, starts) = (&particles[..], &starts[..]);
-        let crowded =
-            slabs.iter_mut().enumerate().map(|(number, slab)| self.pairs_of(number, slab, particles, starts, apart));
-        match crowded.max().unwrap_or(0) {
+        places.clear();
+        places.extend(particles.iter().map(|particle| particle.position));
+        let (particles, starts, places) = (&particles[..], &starts[..], &places[..]);
+        let name = |i: usize| particles[i].name;
+        let list = |(number, slab): (usize, &mut SlabPairs)| match apart {
+            u32::MAX => self.pairs_of(number, slab, places, starts, |_, _| true),
+            _ => self.pairs_of(number, slab, places, starts, |i, j| name(i).min(name(j)) < apart),
+        };
+        let crowded = match parallel {
+            true => slabs.par_iter_mut().enumerate().map(list).max(),
+            false => slabs.iter_mut().enumerate().map(list).max(),
+        };
+        match crowded.unwrap_or(0) {
             found if found > most => {
                 Err(format!("a particle has {found} partners within reach, must be at most {most}"))
             }
@@ -132,9 +144,9 @@ impl<const D: usize> Grid<D> {
         &self,
         number: usize,
         slab: &mut SlabPairs,
-        particles: &[Particle<D>],
+        places: &[[f64; D]],
         starts: &[u32],
-        apart: u32,
+        wanted: impl Fn(usize, usize) -> bool,
     ) -> usize {
         let row: usize = self.cells[..D - 1].iter().product();
         let (first, last) = (self.rows[number] * row, self.rows[number + 1] * row);
@@ -146,30 +158,34 @@ impl<const D: usize> Grid<D> {
         let (mut most, mut filled) = (0, 0);
         let mut ways = Vec::with_capacity(14);
         for cell in first..last {
-            self.forward(cell, &mut ways);
-            for i in starts[cell]..starts[cell + 1] {
-                let me = &particles[i as usize];
+            let across = self.forward(cell, &mut ways);
+            for i in starts[cell] as usize..starts[cell + 1] as usize {
+                let me = &places[i];
                 let from = filled;
                 // Whether a candidate is near enough cannot be guessed: each is written, and the next one over it if not.
-                let mut add = |range: std::ops::Range<u32>, base: usize| {
+                let mut add = |range: std::ops::Range<usize>, base: usize| {
                     if slab.partners.len() < filled + range.len() {
                         slab.partners.resize(2 * (filled + range.len()), 0);
                     }
+                    let partners = &mut slab.partners[..];
                     for j in range {
-                        slab.partners[filled] = (j as usize - base) as u32;
-                        let other = &particles[j as usize];
-                        let near = self.square(&me.position, &other.position) < self.listed;
-                        filled += usize::from(near & (me.name.min(other.name) < apart));
+                        partners[filled] = (j - base) as u32;
+                        let square = match across {
+                            true => self.square(me, &places[j]),
+                            false => plain_square(me, &places[j]),
+                        };
+                        filled += usize::from((square < self.listed) & wanted(i, j));
                     }
                     filled
                 };
-                add(i + 1..starts[cell + 1], begin);
+                let of = |cell: usize| starts[cell] as usize..starts[cell + 1] as usize;
+                add(i + 1..of(cell).end, begin);
                 for &way in ways.iter().filter(|way| (first..last).contains(*way)) {
-                    add(starts[way]..starts[way + 1], begin);
+                    add(of(way), begin);
                 }
                 let middle = add(0..0, 0);
                 for &way in ways.iter().filter(|way| !(first..last).contains(*way)) {
-                    add(starts[way]..starts[way + 1], begin_next);
+                    add(of(way), begin_next);
                 }
                 slab.starts.push([from as u32, middle as u32]);
                 most = most.max(filled - from);
@@ -179,8 +195,9 @@ impl<const D: usize> Grid<D> {
         most
     }
 
-    /// The half of a cell's neighbours that come after it: later along the last direction at which they differ.
-    fn forward(&self, cell: usize, ways: &mut Vec<usize>) {
+    /// The half of a cell's neighbours that come after it: later along the last direction at which they differ. Says whether
+    /// any lies across a side of the box.
+    fn forward(&self, cell: usize, ways: &mut Vec<usize>) -> bool {
         let mut at = [0; D];
         let mut rest = cell;
         for axis in 0..D {
@@ -188,6 +205,7 @@ impl<const D: usize> Grid<D> {
             rest /= self.cells[axis];
         }
         ways.clear();
+        let across = (0..D).any(|axis| at[axis] == 0 || at[axis] + 1 == self.cells[axis]);
         for code in 0..3usize.pow(D as u32) {
             let mut rest = code;
             let mut offset = [0i64; D];
@@ -205,6 +223,7 @@ impl<const D: usize> Grid<D> {
                 ways.push(number);
             }
         }
+        across
     }
 
     /// The cell of a place and all around it.
@@ -245,4 +264,10 @@ impl<const D: usize> Grid<D> {
     pub fn square(&self, a: &[f64; D], b: &[f64; D]) -> f64 {
         self.way(a, b).iter().map(|way| way * way).sum()
     }
+}
+
+/// Square of the distance between two places, no side between them.
+#[inline(always)]
+fn plain_square<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    (0..D).map(|axis| (a[axis] - b[axis]) * (a[axis] - b[axis])).sum()
 }

@@ -14,6 +14,9 @@ const GRID: usize = 240;
 /// Width of the line of the front (px).
 const FRONT_WIDTH: f64 = 3.2;
 
+/// Least length of either side of a map (px).
+const SHORTEST: f64 = 260.0;
+
 /// What a map shows beside its field.
 pub(crate) struct Look {
     pub heading: String,
@@ -89,7 +92,8 @@ pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Fra
     let heading = &look.heading;
     let (width, height) = (field.nx as f64 * field.spacing_m, field.ny as f64 * field.spacing_m);
     let side = (840.0 / width).min(700.0 / height);
-    let (frame_width, frame_height) = (width * side, height * side);
+    // Both directions have one scale, but for bodies so long that their labels would not fit beside them.
+    let (frame_width, frame_height) = ((width * side).max(SHORTEST), (height * side).max(SHORTEST));
     let canvas_width = (frame_width + 250.0).max(620.0);
     let mut canvas = Canvas::new(canvas_width, frame_height + 132.0, &format!("{} map: {heading}", look.kind));
     title(&mut canvas, heading);

@@ -13,8 +13,8 @@ pub struct Stream {
     pub reset: Option<((f64, f64), f64)>,
     /// Where temperatures across the stream are kept (m along x).
     pub sections: Vec<f64>,
-    /// From when on velocities and temperatures are averaged (s).
-    pub average_from: f64,
+    /// From when on, and until when, velocities and temperatures are averaged (s).
+    pub average: (f64, f64),
 }
 
 impl Stream {

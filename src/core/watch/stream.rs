@@ -18,7 +18,7 @@ struct Bin {
 /// Averages across a stream.
 #[derive(Debug, Clone)]
 pub(super) struct Averages {
-    from: f64,
+    between: (f64, f64),
     sections: Vec<f64>,
     half_length: f64,
     length: f64,
@@ -39,7 +39,7 @@ impl Averages {
         let spacing = particles.lattice.spacing;
         let bins = (height / spacing).round().max(1.0) as usize;
         Some(Averages {
-            from: stream.average_from,
+            between: stream.average,
             sections: stream.sections.clone(),
             half_length: HALF_LENGTH * spacing,
             length: width,
@@ -52,7 +52,7 @@ impl Averages {
 
     /// Adds a state.
     pub(super) fn look(&mut self, particles: &Particles, time: f64) {
-        if time < self.from {
+        if time < self.between.0 || time > self.between.1 {
             return;
         }
         self.looks += 1.0;

@@ -67,13 +67,10 @@ pub(super) fn stream(
     {
         section.time_problem("average_from", "must be less than the duration");
     }
-    let average_from = from.map_or(0.0, |from| from.seconds);
-    Some(Stream {
-        acceleration: acceleration?,
-        start_speed,
-        pump,
-        reset: place.zip(temperature),
-        sections,
-        average_from,
-    })
+    let to = section.optional_duration("average_to", Range::POSITIVE);
+    let average = (from.map_or(0.0, |from| from.seconds), to.map_or(f64::INFINITY, |to| to.seconds));
+    if average.1 <= average.0 {
+        section.time_problem("average_to", "must be greater than the start of the averages");
+    }
+    Some(Stream { acceleration: acceleration?, start_speed, pump, reset: place.zip(temperature), sections, average })
 }

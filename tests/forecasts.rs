@@ -66,7 +66,7 @@ fn live() -> isize {
 }
 
 /// Most bytes beyond those held now that some work holds at once.
-fn most<T>(work: impl FnOnce() -> T) -> (T, isize) {
+pub fn most<T>(work: impl FnOnce() -> T) -> (T, isize) {
     let before = live();
     LIVE.set((before, before));
     let value = work();

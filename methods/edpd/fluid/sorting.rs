@@ -13,6 +13,12 @@ use super::power::round;
 /// Most slabs: beyond this there is nothing to gain from smaller ones.
 const MOST_SLABS: usize = 64;
 
+/// Neighbours of a cell in space that come after it.
+const FORWARD: usize = 13;
+
+/// A cell in space and all around it.
+pub const AROUND: usize = 27;
+
 /// Cells of a periodic box.
 #[derive(Debug, Clone)]
 pub struct Grid<const D: usize> {
@@ -156,9 +162,10 @@ impl<const D: usize> Grid<D> {
         slab.count = starts[last] as usize - begin;
         slab.starts.clear();
         let (mut most, mut filled) = (0, 0);
-        let mut ways = Vec::with_capacity(14);
+        let mut ways = [0; FORWARD];
         for cell in first..last {
-            let across = self.forward(cell, &mut ways);
+            let (count, across) = self.forward(cell, &mut ways);
+            let ways = &ways[..count];
             for i in starts[cell] as usize..starts[cell + 1] as usize {
                 let me = &places[i];
                 let from = filled;
@@ -195,16 +202,16 @@ impl<const D: usize> Grid<D> {
         most
     }
 
-    /// The half of a cell's neighbours that come after it: later along the last direction at which they differ. Says whether
-    /// any lies across a side of the box.
-    fn forward(&self, cell: usize, ways: &mut Vec<usize>) -> bool {
+    /// The half of a cell's neighbours that come after it: later along the last direction at which they differ. Says how many
+    /// they are, and whether any lies across a side of the box.
+    fn forward(&self, cell: usize, ways: &mut [usize; FORWARD]) -> (usize, bool) {
         let mut at = [0; D];
         let mut rest = cell;
         for axis in 0..D {
             at[axis] = rest % self.cells[axis];
             rest /= self.cells[axis];
         }
-        ways.clear();
+        let mut count = 0;
         let across = (0..D).any(|axis| at[axis] == 0 || at[axis] + 1 == self.cells[axis]);
         for code in 0..3usize.pow(D as u32) {
             let mut rest = code;
@@ -220,21 +227,22 @@ impl<const D: usize> Grid<D> {
                     let count = self.cells[axis] as i64;
                     number = number * self.cells[axis] + (at[axis] as i64 + offset[axis]).rem_euclid(count) as usize;
                 }
-                ways.push(number);
+                ways[count % FORWARD] = number;
+                count += 1;
             }
         }
-        across
+        (count, across)
     }
 
-    /// The cell of a place and all around it.
-    pub fn around(&self, place: &[f64; D], ways: &mut Vec<usize>) {
+    /// The cell of a place and all around it; says how many they are.
+    pub fn around(&self, place: &[f64; D], ways: &mut [usize; AROUND]) -> usize {
         let mut at = [0i64; D];
         for axis in 0..D {
             at[axis] = (place[axis] / self.lengths[axis] * self.cells[axis] as f64).floor() as i64;
         }
-        ways.clear();
-        for code in 0..3i64.pow(D as u32) {
-            let (mut rest, mut offsets) = (code, [0; D]);
+        let all = 3usize.pow(D as u32).min(AROUND);
+        for (code, way) in (0..).zip(&mut ways[..all]) {
+            let (mut rest, mut offsets): (i64, _) = (code, [0; D]);
             for offset in &mut offsets {
                 *offset = rest % 3 - 1;
                 rest /= 3;
@@ -244,8 +252,9 @@ impl<const D: usize> Grid<D> {
                 let count = self.cells[axis] as i64;
                 number = number * self.cells[axis] + (at[axis] + offsets[axis]).rem_euclid(count) as usize;
             }
-            ways.push(number);
+            *way = number;
         }
+        all
     }
 
     /// The shortest way from `b` to `a`.

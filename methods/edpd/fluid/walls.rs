@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::matter::Matter;
 use super::particle::{Look, Particle};
-use super::sorting::Grid;
+use super::sorting::{AROUND, Grid};
 
 /// Wall particles that a task sees to.
 const TASK: usize = 256;
@@ -84,10 +84,10 @@ impl<const D: usize> Walls<D> {
         self.starts.clear();
         self.starts.push(0);
         let square = distance * distance;
-        let mut cells = Vec::with_capacity(27);
+        let mut cells = [0; AROUND];
         for behind in &self.behind {
-            grid.around(&behind.image, &mut cells);
-            for cell in &cells {
+            let count = grid.around(&behind.image, &mut cells);
+            for cell in &cells[..count] {
                 for j in starts[*cell]..starts[*cell + 1] {
                     let other = &particles[j as usize];
                     if other.name < self.first && grid.square(&behind.image, &other.position) < square {

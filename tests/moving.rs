@@ -4,6 +4,7 @@ use frazil::registry;
 use frazil_core::march::{self, Options};
 use frazil_core::record::{Outcome, RunResult};
 use frazil_core::scene::Scene;
+use frazil_edpd::calibration::Constants;
 use frazil_edpd::fluid::{Fluid, Parameters, Undriven};
 
 use crate::forecasts::most;
@@ -129,10 +130,7 @@ fn a_driven_liquid_is_a_parabola_of_the_viscosity_of_theory() {
     // Eq 12 of Ng et al. 2017 at s = 1.24: 6.9, by kinetic theory, which leaves out conservative forces: of the order of a tenth
     // (ten seeds would give it to 1 %).
     let s = 1.2153 + (1.0 - 298.15 / 300.0) / (15.0 / 300.0) * (1.5395 - 1.2153);
-    let cutoff = 1.96f64;
-    let friction = 8.0 * 4.0 * std::f64::consts::PI;
-    let theory = 3.0 * friction * cutoff.powi(4) / (4.0 * (s + 1.0) * (s + 2.0) * (s + 3.0) * (s + 4.0))
-        + (s + 1.0) * (s + 2.0) / (2.0 * friction * cutoff.powi(2));
+    let theory = Constants::paper().viscosity(s, 1.0);
     let viscosity = found.kinematic_viscosity_m2_per_s.expect("even");
 
     assert!((viscosity / theory - 1.0).abs() < 0.25, "{viscosity} {theory}");

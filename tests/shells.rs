@@ -2,10 +2,9 @@
 
 use frazil_core::march::Options;
 use frazil_core::method::MethodKind;
-use frazil_core::plan::Plan;
 use frazil_core::scene::{Domain, Symmetry};
 
-use crate::sketch::{Sketch, advance};
+use crate::sketch::{Sketch, advance, rates};
 
 const PIPE: Domain = Domain::Radial { symmetry: Symmetry::Axial, inner: 0.05, outer: 0.45 };
 const CYLINDER: Domain = Domain::Radial { symmetry: Symmetry::Axial, inner: 0.0, outer: 0.4 };
@@ -53,15 +52,6 @@ fn sketch(domain: Domain, spacing: f64) -> Sketch {
     sketch.materials = vec![("plain", PLAIN.to_owned())];
     sketch.initial_c = 0.0;
     sketch
-}
-
-/// Rate of change of all particles at a state that depends on the place, by a step that is as good as nothing.
-fn rates(plan: &mut Plan, state: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    let mut start = vec![0.0; plan.particles.len()];
-    plan.particles.visit(|i, place| start[i] = state(place.x, place.y));
-    plan.particles.enthalpy.copy_from_slice(&start);
-    advance(plan, 1);
-    plan.particles.enthalpy.iter().zip(&start).map(|(now, before)| (now - before) / plan.step).collect()
 }
 
 /// With the flux of `r^2` at its walls, `r^2` grows everywhere by its own Laplacian, at the axis and at walls as inside;

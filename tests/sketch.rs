@@ -200,3 +200,12 @@ pub fn advance(plan: &mut Plan, count: u64) {
 pub fn without_noise(kind: &MethodKind) -> &'static str {
     if kind.stochastic { "noise = false" } else { "" }
 }
+
+/// Rates of change of all particles at a state that depends on the place, by one step.
+pub fn rates(plan: &mut Plan, state: impl Fn(f64, f64) -> f64) -> Vec<f64> {
+    let mut start = vec![0.0; plan.particles.len()];
+    plan.particles.visit(|i, place| start[i] = state(place.x, place.y));
+    plan.particles.enthalpy.copy_from_slice(&start);
+    advance(plan, 1);
+    plan.particles.enthalpy.iter().zip(&start).map(|(now, before)| (now - before) / plan.step).collect()
+}

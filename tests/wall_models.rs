@@ -3,11 +3,11 @@
 
 use frazil_core::march::{self, Options};
 use frazil_core::method::MethodKind;
-use frazil_core::plan::{self, Plan};
+use frazil_core::plan;
 use frazil_core::reduce::{self, Finding};
 use frazil_core::scene::{Domain, Symmetry};
 
-use crate::sketch::{Sketch, advance, sand, water};
+use crate::sketch::{Sketch, advance, rates, sand, water};
 
 const MODELS: [&str; 3] = ["mirror", "naive", "inner-layers"];
 const BODIES: [Domain; 6] = [
@@ -66,15 +66,6 @@ fn plain(domain: Domain, model: &str) -> Sketch {
     sketch.materials = vec![("plain", PLAIN.to_owned())];
     sketch.initial_c = 0.0;
     sketch
-}
-
-/// Rates of all particles at a state, by one step.
-fn rates(plan: &mut Plan, state: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    let mut start = vec![0.0; plan.particles.len()];
-    plan.particles.visit(|i, place| start[i] = state(place.x, place.y));
-    plan.particles.enthalpy.copy_from_slice(&start);
-    advance(plan, 1);
-    plan.particles.enthalpy.iter().zip(&start).map(|(now, before)| (now - before) / plan.step).collect()
 }
 
 /// A wall with the temperature of a body at rest, or surroundings of that temperature, changes nothing.

@@ -189,11 +189,22 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             lists: 0,
             parameters,
         };
-        fluid.sort()?;
-        // Forces at the start, without friction, noise and heat: a frame of no time.
-        fluid.meet(0.0);
-        fluid.potential = fluid.desks.iter().map(|desk| desk.potential).sum();
+        fluid.in_pool(|fluid| {
+            fluid.sort()?;
+            // Forces at the start, without friction, noise and heat: a frame of no time.
+            fluid.meet(0.0);
+            fluid.potential = fluid.desks.iter().map(|desk| desk.potential).sum();
+            Ok::<(), String>(())
+        })?;
         Ok(fluid)
+    }
+
+    /// Works on the fluid's own threads.
+    fn in_pool<T: Send>(&mut self, work: impl FnOnce(&mut Self) -> T + Send) -> T {
+        match self.pool.clone() {
+            Some(pool) => pool.install(|| work(self)),
+            None => work(self),
+        }
     }
 
     /// The constants.
@@ -263,17 +274,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     /// # Errors
     /// Particles that crowd together or leave the numbers: the step was too long.
     pub fn advance(&mut self, steps: u64, drive: &impl Drive<D>) -> Result<(), String> {
-        match self.pool.clone() {
-            Some(pool) => pool.install(|| self.advance_here(steps, drive)),
-            None => self.advance_here(steps, drive),
-        }
-    }
-
-    fn advance_here(&mut self, steps: u64, drive: &impl Drive<D>) -> Result<(), String> {
-        for _ in 0..steps {
-            self.step(self.parameters.step, drive)?;
-        }
-        Ok(())
+        self.in_pool(|fluid| (0..steps).try_for_each(|_| fluid.step(fluid.parameters.step, drive)))
     }
 
     /// Makes a step of another length than that of the constants.
@@ -281,10 +282,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     /// # Errors
     /// As [`Fluid::advance`].
     pub fn advance_by(&mut self, step: f64, drive: &impl Drive<D>) -> Result<(), String> {
-        match self.pool.clone() {
-            Some(pool) => pool.install(|| self.step(step, drive)),
-            None => self.step(step, drive),
-        }
+        self.in_pool(|fluid| fluid.step(step, drive))
     }
 
     fn step<W: Drive<D>>(&mut self, step: f64, drive: &W) -> Result<(), String> {
@@ -347,7 +345,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             let (mut gained, mut stopped) = (0.0, 0.0);
             for particle in particles {
                 gained += kick(particle, 0.5 * step * particle.mobility);
-                if M::FREEZES && particle.name < fluid {
+                if M::UNEVEN && particle.name < fluid {
                     stopped += settle(matter, particle);
                 }
             }
@@ -359,7 +357,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             self.particles.chunks_mut(TASK).zip(&mut self.work).for_each(last);
         }
         gained += self.work.iter().map(|work| work[0]).sum::<f64>();
-        if M::FREEZES {
+        if M::UNEVEN {
             let stopped: f64 = self.work.iter().map(|work| work[2]).sum();
             self.moving = (self.moving - stopped).max(1.0);
         }

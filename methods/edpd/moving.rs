@@ -6,7 +6,9 @@
 //! ([`crate::fluid::walls`]); what drifts into them is sent back the way it came. Opposite sides that are both planes of
 //! symmetry are joined to a period instead.
 
+mod drive;
 mod ground;
+mod limit;
 mod place;
 mod settings;
 
@@ -23,7 +25,8 @@ use frazil_core::scene::{Condition, Domain, Scene, Series, Units};
 use glam::DVec2;
 use rayon::ThreadPool;
 
-use crate::fluid::{Drive, Exponent, Face, Fluid, Parameters, Particle, Walls};
+use crate::fluid::{Drive, Exponent, Face, Fluid, Parameters, Walls};
+use drive::{Confined, Driven};
 use ground::Ground;
 use place::{Body, fill, wall};
 
@@ -34,14 +37,6 @@ const DEGREE: f64 = 300.0;
 
 /// Thermal diffusivity of the liquid in DPD units, where the scene has other units and names none.
 const DIFFUSIVITY: f64 = 1.1;
-
-/// Share of one over the frequency of a particle among its neighbours that a step may last: the kinetic temperature is then
-/// off by some 0.1 %.
-const SWING: f64 = 0.3;
-
-/// Friction over one step of the coldest liquid, all partners together: beyond it friction is blurred (a pair's part is
-/// exact at any step).
-const MOST_FRICTION: f64 = 4.0;
 
 /// Time step of the liquid before the scene begins.
 const SETTLING_STEP: f64 = 0.01;
@@ -87,68 +82,6 @@ impl Map {
             "scales: one DPD length is {:.6e}{length}, one DPD time {:.6e}{time}, a temperature of 1 is {}{degree}",
             self.length, self.time, self.degree
         )
-    }
-}
-
-/// Keeps particles between walls.
-struct Confined {
-    lengths: [f64; 2],
-    walled: [bool; 2],
-}
-
-impl Drive<2> for Confined {
-    const WORKS: bool = false;
-
-    #[inline(always)]
-    fn act(&self, _particle: &mut Particle<2>, _time: f64) {}
-
-    #[inline(always)]
-    fn confine(&self, particle: &mut Particle<2>, time: f64) {
-        let beyond = |axis: usize| self.walled[axis] && !(0.0..=self.lengths[axis]).contains(&particle.position[axis]);
-        if (beyond(0) || beyond(1)) && particle.mobility > 0.0 {
-            // Back the way that it came: no slip at the wall.
-            for axis in 0..2 {
-                particle.position[axis] -= time * particle.velocity[axis];
-                particle.velocity[axis] = -particle.velocity[axis];
-            }
-        }
-    }
-}
-
-/// Drives particles along x between walls, and sets some to a temperature.
-struct Driven {
-    confined: Confined,
-    acceleration: f64,
-    /// Where it acts.
-    pump: (f64, f64),
-    /// Where heat is reset, and to what.
-    reset: Option<((f64, f64), f64)>,
-    /// Name of the first particle behind a wall.
-    walls_from: u32,
-}
-
-impl Drive<2> for Driven {
-    #[inline(always)]
-    fn act(&self, particle: &mut Particle<2>, time: f64) {
-        if particle.name >= self.walls_from {
-            return;
-        }
-        let length = self.confined.lengths[0];
-        let x = particle.position[0].rem_euclid(length);
-        if particle.mobility > 0.0 && x >= self.pump.0 && x <= self.pump.1 {
-            particle.velocity[0] += self.acceleration * time;
-        }
-        if let Some(((from, to), heat)) = self.reset
-            && x >= from
-            && x <= to
-        {
-            particle.heat = heat;
-        }
-    }
-
-    #[inline(always)]
-    fn confine(&self, particle: &mut Particle<2>, time: f64) {
-        self.confined.confine(particle, time);
     }
 }
 
@@ -304,8 +237,8 @@ pub fn build(
         heat_friction: 1.0,
         step: SETTLING_STEP,
     };
-    parameters.heat_friction = liquid_diffusivity / parameters.thermal_diffusivity(2);
-    let bound = bound(&parameters, &map, curve, (low, high), liquid_diffusivity);
+    parameters.heat_friction = parameters.constants(2).heat_friction(liquid_diffusivity);
+    let bound = limit::bound(&parameters, &map, curve, (low, high), liquid_diffusivity);
     parameters.step = SETTLING_STEP.min(bound.step / map.time);
     let condition = |name: &str| scene.wall(name).unwrap_or(&Condition::Symmetry);
     let closed = |name: &str| *condition(name) == Condition::Symmetry;
@@ -443,26 +376,4 @@ fn refuse(scene: &Scene) -> Result<(), String> {
         ));
     }
     Ok(())
-}
-
-/// The longest step: by conduction, by friction of the coldest liquid, by the swing of particles between neighbours.
-fn bound(parameters: &Parameters, map: &Map, curve: &Curve, range: (f64, f64), liquid: f64) -> Bound {
-    let fastest = liquid * curve.largest_diffusivity() / (curve.mixed_conductivity(1.0) / curve.unfrozen_capacity());
-    let cutoff = parameters.thermal_cutoff;
-    // Particles at random, the worst that motion may bring (mean field: 0.1; relaxed: 0.092).
-    let conduction = 0.05 * cutoff * cutoff / fastest;
-    let freezing = map.temperature(curve.freezing_point());
-    let coldest = if curve.latent_heat() > 0.0 { range.0.max(freezing) } else { range.0 };
-    let friction = MOST_FRICTION / parameters.friction_rate(2, coldest).max(f64::MIN_POSITIVE);
-    // Along one direction, the second derivatives of all pairs of a mean field: a/rc over half of rho pi rc^2 partners.
-    let radius = parameters.conservative_cutoff;
-    let stiffness = 0.5 * std::f64::consts::PI * parameters.density * parameters.repulsion * radius;
-    let swing = SWING / stiffness.sqrt().max(f64::MIN_POSITIVE);
-    let limits = [
-        (conduction, "conduction in its best conducting phase".to_string()),
-        (friction, format!("friction of the coldest liquid, at {coldest:.4}")),
-        (swing, "the swing of particles between their neighbours".to_string()),
-    ];
-    let (step, cause) = limits.into_iter().fold((f64::INFINITY, String::new()), |a, b| if b.0 < a.0 { b } else { a });
-    Bound { step: step * map.time, cause }
 }

@@ -166,10 +166,14 @@ pub fn build(
 ) -> Result<Plan, Refused> {
     let numerics = &settings.numerics;
     let discretisation = settings.discretisation.as_ref();
-    if let Stepper::Moving(make) = &discretisation.stepper {
-        let crowd = make(scene, settings, pool(threads)?, seed).map_err(refuse)?;
-        return moving(scene, settings, crowd);
-    }
+    let own_step = match &discretisation.stepper {
+        Stepper::Moving(make) => {
+            let crowd = make(scene, settings, pool(threads)?, seed).map_err(refuse)?;
+            return moving(scene, settings, crowd);
+        }
+        Stepper::Own(step) => Some(step),
+        Stepper::Shared => None,
+    };
     if scene.stream.is_some() {
         return Err(refuse("a driven liquid needs particles that move: method.edpd.motion = true".into()));
     }
@@ -365,8 +369,8 @@ pub fn build(
                 seed,
             };
             let flows = scene.flow.as_ref().zip(numerics.flow);
-            match (&discretisation.stepper, flows) {
-                (Stepper::Shared, Some((flow, own))) => {
+            match (own_step, flows) {
+                (None, Some((flow, own))) => {
                     let enthalpy = if start.is_empty() { vec![0.0; count] } else { start.to_vec() };
                     let lattice = conducts_on_lattice.then(|| {
                         used.push("heat is conducted by a sweep over the lattice".into());
@@ -385,9 +389,8 @@ pub fn build(
                     let method = FlowMethod::new(parts, lattice, scene, flow, numerics, own, &enthalpy);
                     Box::new(method.map_err(refuse)?)
                 }
-                (Stepper::Own(step), _) => step(assembly(parts)),
-                (Stepper::Moving(_), _) => return Err(refuse("particles that move are placed by their method".into())),
-                (Stepper::Shared, None) if numerics.uptake == Uptake::Enthalpy && numerics.mushy == Mushy::Fraction => {
+                (Some(step), _) => step(assembly(parts)),
+                (None, None) if numerics.uptake == Uptake::Enthalpy && numerics.mushy == Mushy::Fraction => {
                     let operator = EnthalpyList {
                         operator: ListOperator::new(parts, Off),
                         scheme: scheme(Uptake::Enthalpy, Mushy::Fraction, &materials, &start, count),
@@ -396,7 +399,7 @@ pub fn build(
                     };
                     integrator(numerics, Box::new(operator), range, largest_slope, count)
                 }
-                (Stepper::Shared, None) => assembly(parts).into_method(Off),
+                (None, None) => assembly(parts).into_method(Off),
             }
         }
     };

@@ -205,7 +205,8 @@ impl Watches {
     /// Whether something needs a look between outputs at this time.
     #[inline]
     pub fn due(&self, time: f64) -> bool {
-        (!self.gaps.is_empty() || self.averages.is_some()) && time >= self.next_look
+        time >= self.next_look
+            && (!self.gaps.is_empty() || self.averages.as_ref().is_some_and(|averages| averages.wants(time)))
     }
 
     /// Whether a gap that was open at the last look is closed now.

@@ -150,7 +150,7 @@ fn explicit(
     let run = |k: usize| {
         let go_on = |_| !stop.load(Ordering::Relaxed);
         let found = Fluid::new(parameters.clone(), [height; 2], temperature, 1, None).and_then(|mut fluid| {
-            let found = gain(&mut fluid, temperature, EXPLICIT.1[k], steps, &go_on)?;
+            let found = gain(&mut fluid, EXPLICIT.1[k], steps, &go_on)?;
             Ok(found.map(|found| (fluid.particles().len(), found)))
         });
         let found = found.map(|found| {

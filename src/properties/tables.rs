@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use frazil_core::statistics::{Mean, mean};
+use frazil_edpd::properties::halves::Push;
 use serde::Serialize;
 
 use super::execute::Finding;
@@ -186,10 +187,10 @@ pub fn write(folder: &Path, rows: &[Row], jobs: &[Job], found: &[Finding]) -> Re
                     lag: at,
                     mean_square_displacement: value,
                 }),
-                _ if job.measurement.word() == "viscosity" => {
+                Measurement::Halves(Push::Force(_)) => {
                     velocities.push(VelocityRow { temperature_c, seed, y: at, velocity: value });
                 }
-                _ => {
+                Measurement::Halves(Push::Heat(_)) => {
                     let temperature = job.row.temperature + value;
                     temperatures.push(TemperatureRow { temperature_c, seed, y: at, temperature });
                 }

@@ -4,10 +4,8 @@
 pub trait Matter: Send + Sync {
     /// What pairs read beside temperature.
     type Seen: Copy + Send + Sync;
-    /// Whether pairs conduct differently from one to the next.
+    /// Whether states differ in more than temperature: pairs conduct differently, and particles freeze to the spot.
     const UNEVEN: bool;
-    /// Whether particles freeze to the spot.
-    const FREEZES: bool;
 
     /// Temperature of a particle that holds some heat.
     fn temperature(&self, heat: f64) -> f64;
@@ -43,7 +41,6 @@ pub struct Plain {
 impl Matter for Plain {
     type Seen = ();
     const UNEVEN: bool = false;
-    const FREEZES: bool = false;
 
     #[inline(always)]
     fn temperature(&self, heat: f64) -> f64 {

@@ -1,5 +1,7 @@
 //! What a fluid of eDPD particles is made of, in DPD units: masses of 1, k_B of 1, temperatures over the reference one.
 
+use crate::calibration::Constants;
+
 /// Exponent s of the dissipative weight `(1 - r/rc)^s` over temperature.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Exponent {
@@ -82,25 +84,17 @@ impl Parameters {
         self.conservative_cutoff.max(self.dissipative_cutoff).max(self.thermal_cutoff)
     }
 
-    /// Rate at which friction takes a particle's velocity away, `gamma rho [w_D] / d` (Ng et al. 2017, eq 11).
-    pub fn friction_rate(&self, dimension: usize, temperature: f64) -> f64 {
-        let s = self.exponent.at(temperature);
-        let rc = self.dissipative_cutoff;
-        let volume = if dimension == 2 {
-            2.0 * std::f64::consts::PI * rc.powi(2) / ((s + 1.0) * (s + 2.0))
-        } else {
-            8.0 * std::f64::consts::PI * rc.powi(3) / ((s + 1.0) * (s + 2.0) * (s + 3.0))
-        };
-        self.friction * self.density * volume / dimension as f64
-    }
-
-    /// Thermal diffusivity in the continuum limit, `rho C_v kappa [r^2 w_T] / (2 d)` (Ng et al. 2017, eqs 19 and 20).
-    pub fn thermal_diffusivity(&self, dimension: usize) -> f64 {
-        let rc = self.thermal_cutoff;
-        let pi = std::f64::consts::PI;
-        // Moments of r^2 (1 - r/rc)^2.
-        let moment = if dimension == 2 { pi * rc.powi(4) / 30.0 } else { 4.0 * pi * rc.powi(5) / 105.0 };
-        self.density * self.heat_capacity * self.heat_friction * moment / (2.0 * dimension as f64)
+    /// What of them kinetic theory takes, in the plane (2) or in space (3).
+    pub fn constants(&self, dimension: usize) -> Constants {
+        Constants {
+            dimension,
+            density: self.density,
+            friction: self.friction,
+            conservative_cutoff: self.conservative_cutoff,
+            dissipative_cutoff: self.dissipative_cutoff,
+            thermal_cutoff: self.thermal_cutoff,
+            heat_capacity: self.heat_capacity,
+        }
     }
 
     /// What is wrong with the constants, if anything: key, what was found and what is allowed.

@@ -76,7 +76,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
                 name: u32::from_le_bytes(integers.next().unwrap_or_default()),
             };
         }
-        self.sort()?;
+        self.in_pool(Self::sort)?;
         for (particle, place) in self.particles.iter_mut().zip(places) {
             particle.position = place;
         }

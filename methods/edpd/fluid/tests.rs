@@ -143,7 +143,7 @@ fn heat_spreads_at_the_diffusivity_of_the_weight() {
     let start = amplitude(&fluid);
     fluid.advance(600, &Undriven).expect("steps");
     let rate = (start / amplitude(&fluid)).ln() / (600.0 * 0.007);
-    let expected = fluid.parameters().thermal_diffusivity(2) * wave * wave;
+    let expected = fluid.parameters().constants(2).thermal_diffusivity(fluid.parameters().heat_friction) * wave * wave;
     // The relaxed fluid conducts 0.994 of the mean field; particles carry heat as they diffuse, below 1 %; the amplitude is
     // known to 316 root(2/1152)/1e4, 0.13 %, of a decay by 27 %.
     assert!((rate / expected - 1.0).abs() < 0.02, "{rate} {expected}");

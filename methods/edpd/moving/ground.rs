@@ -63,7 +63,6 @@ impl Ground {
 impl Matter for Ground {
     type Seen = Seen;
     const UNEVEN: bool = true;
-    const FREEZES: bool = true;
 
     #[inline]
     fn temperature(&self, heat: f64) -> f64 {

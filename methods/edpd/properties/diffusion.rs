@@ -1,5 +1,7 @@
 //! Self-diffusivity from the mean square displacement (Ng et al. 2017, eqs 16 and 17).
 
+use frazil_core::statistics::line;
+
 use super::{Span, Watch, advance};
 use crate::fluid::{Fluid, Undriven};
 
@@ -46,8 +48,9 @@ pub fn measure<const D: usize>(
     let curve: Vec<(f64, f64)> =
         (1..=INSTANTS / 2).map(|lag| (lag as f64 * apart, displacement(&instants, lag))).collect();
     let late = |lag: f64| lag >= LATE.0 * INSTANTS as f64 * apart * (1.0 - 1e-9);
-    let points: Vec<(f64, f64)> = curve.iter().copied().filter(|point| late(point.0)).collect();
-    Ok(Some(Diffusion { diffusivity: slope(&points) / (2.0 * D as f64), curve }))
+    let (lags, squares): (Vec<f64>, Vec<f64>) = curve.iter().copied().filter(|point| late(point.0)).unzip();
+    let slope = line(&lags, &squares).ok_or("displacements that are no numbers")?.slope;
+    Ok(Some(Diffusion { diffusivity: slope / (2.0 * D as f64), curve }))
 }
 
 /// Places by name, as if the box had no sides.
@@ -73,14 +76,4 @@ fn displacement<const D: usize>(instants: &[Vec<[f64; D]>], lag: usize) -> f64 {
         }
     }
     sum / ((instants.len() - lag) * instants[0].len()) as f64
-}
-
-/// Slope of the straight line of least squares.
-fn slope(points: &[(f64, f64)]) -> f64 {
-    let count = points.len() as f64;
-    let mean = |value: fn(&(f64, f64)) -> f64| points.iter().map(value).sum::<f64>() / count;
-    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
-    let products = points.iter().map(|point| [(point.0 - x) * (point.1 - y), (point.0 - x).powi(2)]);
-    let [both, square] = products.fold([0.0; 2], |sum, one| [sum[0] + one[0], sum[1] + one[1]]);
-    both / square
 }

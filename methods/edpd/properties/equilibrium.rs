@@ -1,5 +1,7 @@
 //! Whether a fluid that is left alone keeps what it has to keep.
 
+use frazil_core::statistics::moments;
+
 use super::verlet::Verlet;
 use super::{Watch, advance};
 use crate::fluid::{Fluid, Totals, Undriven};
@@ -54,13 +56,11 @@ pub fn measure<const D: usize>(
         momentum = totals.momentum.iter().fold(momentum, |most, own| f64::max(most, own.abs()));
         drift = f64::max(drift, (energy(&totals) - energy(&start)).abs());
     }
-    let samples = ratios.len() as f64;
-    let mean = ratios.iter().sum::<f64>() / samples;
-    let variance = ratios.iter().map(|ratio| (ratio - mean).powi(2)).sum::<f64>() / (samples - 1.0);
+    let (mean, variance) = moments(&ratios).unwrap_or((f64::NAN, f64::NAN));
     let whole = start.kinetic + start.potential + count * fluid.parameters().heat_capacity * start.internal_temperature;
     Ok(Some(Equilibrium {
         temperatures: mean,
-        temperatures_error: (variance / samples).sqrt(),
+        temperatures_error: (variance / SAMPLES as f64).sqrt(),
         momentum,
         drift_kinetic: drift / start.kinetic,
         drift_total: drift / whole,
@@ -76,22 +76,16 @@ pub struct Gain {
     pub temperatures: f64,
 }
 
-/// Lets a fluid settle, whose heat is zero at a temperature, and goes on with velocity Verlet for a number of steps; `None` if
+/// Lets a fluid settle, and goes on with velocity Verlet for a number of steps; `None` if
 /// it was told to stop.
 ///
 /// # Errors
 /// Those of the fluid's steps.
-pub fn gain(
-    fluid: &mut Fluid<2>,
-    reference: f64,
-    lambda: f64,
-    steps: u64,
-    watch: Watch<'_>,
-) -> Result<Option<Gain>, String> {
+pub fn gain(fluid: &mut Fluid<2>, lambda: f64, steps: u64, watch: Watch<'_>) -> Result<Option<Gain>, String> {
     if !advance(fluid, SETTLE, &Undriven, watch)? {
         return Ok(None);
     }
-    let mut explicit = Verlet::from(fluid, reference, lambda, 1);
+    let mut explicit = Verlet::from(fluid, lambda, 1);
     // It first settles to a kinetic temperature of its own.
     let settle = steps / 5;
     let (mut start, mut temperatures) = (explicit.energy(), 0.0);

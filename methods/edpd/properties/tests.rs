@@ -156,7 +156,7 @@ fn velocity_verlet_gains_energy() {
     let gain = |step: f64, lambda: f64| {
         let water = Parameters { step, ..Parameters::water() };
         let mut fluid = Fluid::<2>::new(water, [10.0, 10.0], 1.0, 1, None).expect("a fluid");
-        let found = equilibrium::gain(&mut fluid, 1.0, lambda, (2.1 / step) as u64, ON);
+        let found = equilibrium::gain(&mut fluid, lambda, (2.1 / step) as u64, ON);
         found.expect("steps").expect("to the end").by_time
     };
     let (whole, half) = (gain(0.007, 0.5), gain(0.0035, 0.5));

@@ -7,14 +7,14 @@
 
 use frazil_core::noise::StepNoise;
 
-use crate::fluid::{Fluid, Parameters, Particle};
+use crate::fluid::{Fluid, Matter, Parameters, Particle, Plain};
 
 /// A fluid under the paper's integrator.
 #[derive(Debug, Clone)]
 pub struct Verlet {
     parameters: Parameters,
-    /// Temperature at which heat is zero.
-    reference: f64,
+    /// What heat means.
+    matter: Plain,
     lengths: [f64; 2],
     lambda: f64,
     seed: u64,
@@ -26,11 +26,11 @@ pub struct Verlet {
 }
 
 impl Verlet {
-    /// Goes on from a fluid whose heat is zero at a temperature.
-    pub fn from(fluid: &Fluid<2>, reference: f64, lambda: f64, seed: u64) -> Self {
+    /// Goes on from a fluid.
+    pub fn from(fluid: &Fluid<2>, lambda: f64, seed: u64) -> Self {
         let mut own = Verlet {
             parameters: fluid.parameters().clone(),
-            reference,
+            matter: *fluid.matter(),
             lengths: *fluid.lengths(),
             lambda,
             seed,
@@ -61,7 +61,7 @@ impl Verlet {
     }
 
     fn temperature(&self, particle: &Particle<2>) -> f64 {
-        self.reference + particle.heat / self.parameters.heat_capacity
+        self.matter.temperature(particle.heat)
     }
 
     /// Makes a step.

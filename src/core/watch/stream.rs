@@ -50,9 +50,14 @@ impl Averages {
         })
     }
 
+    /// Whether a time is one that is averaged over.
+    pub(super) fn wants(&self, time: f64) -> bool {
+        (self.between.0..=self.between.1).contains(&time)
+    }
+
     /// Adds a state.
     pub(super) fn look(&mut self, particles: &Particles, time: f64) {
-        if time < self.between.0 || time > self.between.1 {
+        if !self.wants(time) {
             return;
         }
         self.looks += 1.0;

@@ -1,0 +1,38 @@
+//! How long a step of moving particles may be.
+
+use frazil_core::method::Bound;
+use frazil_core::potential::Curve;
+
+use super::Map;
+use crate::fluid::Parameters;
+
+/// Share of one over the frequency of a particle among its neighbours that a step may last: the kinetic temperature is then
+/// off by some 0.1 %.
+const SWING: f64 = 0.3;
+
+/// Friction over one step of the coldest liquid, all partners together: beyond it friction is blurred (a pair's part is
+/// exact at any step).
+const MOST_FRICTION: f64 = 4.0;
+
+/// The longest step: by conduction, by friction of the coldest liquid, by the swing of particles between neighbours.
+pub fn bound(parameters: &Parameters, map: &Map, curve: &Curve, range: (f64, f64), liquid: f64) -> Bound {
+    let fastest = liquid * curve.largest_diffusivity() / (curve.mixed_conductivity(1.0) / curve.unfrozen_capacity());
+    let cutoff = parameters.thermal_cutoff;
+    // Particles at random, the worst that motion may bring (mean field: 0.1; relaxed: 0.092).
+    let conduction = 0.05 * cutoff * cutoff / fastest;
+    let freezing = map.temperature(curve.freezing_point());
+    let coldest = if curve.latent_heat() > 0.0 { range.0.max(freezing) } else { range.0 };
+    let friction =
+        MOST_FRICTION / parameters.constants(2).friction_rate(parameters.exponent.at(coldest)).max(f64::MIN_POSITIVE);
+    // Along one direction, the second derivatives of all pairs of a mean field: a/rc over half of rho pi rc^2 partners.
+    let radius = parameters.conservative_cutoff;
+    let stiffness = 0.5 * std::f64::consts::PI * parameters.density * parameters.repulsion * radius;
+    let swing = SWING / stiffness.sqrt().max(f64::MIN_POSITIVE);
+    let limits = [
+        (conduction, "conduction in its best conducting phase".to_string()),
+        (friction, format!("friction of the coldest liquid, at {coldest:.4}")),
+        (swing, "the swing of particles between their neighbours".to_string()),
+    ];
+    let (step, cause) = limits.into_iter().fold((f64::INFINITY, String::new()), |a, b| if b.0 < a.0 { b } else { a });
+    Bound { step: step * map.time, cause }
+}

@@ -35,7 +35,7 @@ fn time<const D: usize>(what: &str, lengths: [f64; D], threads: usize) {
     let steps =
         |fluid: &mut Fluid<D>, count| fluid.advance(count, &Undriven).unwrap_or_else(|error| unreachable!("{error}"));
     steps(&mut fluid, 100);
-    let lists = fluid.lists;
+    let sortings = fluid.sortings;
     let mut best = f64::INFINITY;
     for _ in 0..5 {
         // One thread by its own clock: the machine may be shared.
@@ -46,12 +46,12 @@ fn time<const D: usize>(what: &str, lengths: [f64; D], threads: usize) {
     }
     let count = fluid.particles().len() as f64;
     println!(
-        "{what}, {threads} threads, {count} particles: {:.2} M particle-steps/s, {:.1} M pairs/s, {:.1} pairs a particle, a list \
+        "{what}, {threads} threads, {count} particles: {:.2} M particle-steps/s, {:.1} M pairs/s, {:.1} pairs a particle, a sorting \
          every {:.1} steps",
         count / best * 1e-6,
         fluid.pairs() as f64 / best * 1e-6,
         fluid.pairs() as f64 / count,
-        250.0 / (fluid.lists - lists) as f64
+        250.0 / (fluid.sortings - sortings) as f64
     );
 }
 

@@ -151,16 +151,16 @@ fn what_motion_cannot_represent_is_refused() {
     let step = refused(LIQUID, &[("method.edpd.step", "0.1")]);
     assert!(step.starts_with("step_s = 0.1 is above the stable bound of 0.0"), "{step}");
     let small = refused(LIQUID, &[("domain.rectangle.width", "5")]);
-    assert!(small.starts_with("a periodic box of length 5 is too small: it must be at least 7.644 long"), "{small}");
+    assert!(small.starts_with("a periodic box of length 5 is too small: it must be at least 6.762 long"), "{small}");
 }
 
 #[test]
 fn a_step_takes_no_memory() {
     let mut fluid = Fluid::<2>::new(Parameters::water(), [24.0, 24.0], 1.0, 1, None).expect("a fluid");
-    // Lists have made room for what they hold.
+    // Places have room.
     fluid.advance(200, &Undriven).expect("steps");
-    let lists = fluid.lists;
+    let sortings = fluid.sortings;
     let (made, bytes) = most(|| fluid.advance(100, &Undriven));
     assert_eq!((made, bytes), (Ok(()), 0));
-    assert!(fluid.lists > lists, "lists were made on the way");
+    assert!(fluid.sortings > sortings, "particles were sorted on the way");
 }

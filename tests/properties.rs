@@ -106,7 +106,7 @@ fn bad_requests_are_refused_with_their_messages() {
         ),
         (
             &["--box", "10"],
-            "--box 10: a periodic box of length 6.666666666666667 is too small: it must be at least 7.644 long".into(),
+            "--box 10: a periodic box of length 6.666666666666667 is too small: it must be at least 6.762 long".into(),
         ),
         (&["wine"], "\"wine\" is neither a file nor a bundled fluid; those are water".into()),
         (&["bad.toml"], "bad.toml:".into()),

@@ -12,6 +12,7 @@ pub mod pairs;
 pub mod parameters;
 pub mod particle;
 pub mod power;
+pub mod scan;
 pub mod sorting;
 mod state;
 pub mod walls;
@@ -29,11 +30,12 @@ pub use parameters::{Exponent, Parameters};
 pub use particle::{Look, Particle};
 pub use walls::{Behind, Face, Walls};
 
-use pairs::{AT_ONCE, Desk, Frame, Part, act};
-use sorting::{Grid, SlabPairs};
+use pairs::{Desk, Frame, Part, act};
+use scan::LANES;
+use sorting::Grid;
 
-/// Width around the reach of pairs up to which they are listed, over the reach: fewer lists against more pairs in vain.
-const SKIN: f64 = 0.3;
+/// Width of cells beyond the reach of pairs, over the reach: particles are sorted less often, and more are looked at in vain.
+const SKIN: f64 = 0.15;
 
 /// Particles that a task kicks and moves.
 const TASK: usize = 2048;
@@ -93,8 +95,10 @@ pub struct Fluid<const D: usize, M: Matter = Plain> {
     walls: Option<Walls<D>>,
     /// Direction across whose periodic sides no heat goes.
     shut: Option<usize>,
+    /// Places in single precision, by direction, and some more.
+    places: [Vec<f32>; D],
+    /// The first particle of each cell.
     starts: Vec<u32>,
-    slabs: Vec<SlabPairs>,
     desks: Vec<Desk<D>>,
     /// Places at the last sorting.
     origins: Vec<[f64; D]>,
@@ -113,8 +117,8 @@ pub struct Fluid<const D: usize, M: Matter = Plain> {
     work: Vec<[f64; 3]>,
     /// Steps made.
     pub steps: u64,
-    /// Lists made.
-    pub lists: u64,
+    /// Times that particles were sorted.
+    pub sortings: u64,
 }
 
 impl<const D: usize> Fluid<D> {
@@ -175,8 +179,8 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             sorted: particles.clone(),
             looks: Vec::with_capacity(particles.len()),
             particles,
+            places: [(); D].map(|()| Vec::new()),
             starts: Vec::new(),
-            slabs: vec![SlabPairs::default(); slabs],
             desks: vec![Desk::default(); slabs],
             origins: Vec::new(),
             potential: 0.0,
@@ -186,11 +190,11 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             moving,
             work: vec![[0.0; 3]; count.div_ceil(TASK)],
             steps: 0,
-            lists: 0,
+            sortings: 0,
             parameters,
         };
         fluid.in_pool(|fluid| {
-            fluid.sort()?;
+            fluid.sort();
             // Forces at the start, without friction, noise and heat: a frame of no time.
             fluid.meet(0.0);
             fluid.potential = fluid.desks.iter().map(|desk| desk.potential).sum();
@@ -237,10 +241,10 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
         fn of<T>(column: &Vec<T>) -> usize {
             column.capacity() * size_of::<T>()
         }
-        let lists: usize = self.slabs.iter().map(|slab| of(&slab.starts) + of(&slab.partners)).sum();
+        let places: usize = self.places.iter().map(of).sum();
         let walls = self.walls.as_ref().map_or(0, Walls::held);
         let particles = of(&self.particles) + of(&self.sorted) + of(&self.looks) + of(&self.origins);
-        particles + of(&self.starts) + of(&self.slabs) + lists + of(&self.desks) + of(&self.work) + walls
+        particles + of(&self.starts) + places + of(&self.desks) + of(&self.work) + walls
     }
 
     /// What heat means.
@@ -264,7 +268,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
         self.moving = self.particles.iter().map(|particle| particle.mobility).sum::<f64>().max(1.0);
     }
 
-    /// Pairs within reach at the last step.
+    /// Pairs that met at the last step: all within reach, and a few in a million beyond.
     pub fn pairs(&self) -> u64 {
         self.desks.iter().map(|desk| desk.met).sum()
     }
@@ -334,7 +338,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
                     step
                 ));
             }
-            self.sort()?;
+            self.sort();
         }
         self.meet(step);
         if let Some(walls) = &mut self.walls {
@@ -368,15 +372,15 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
         Ok(())
     }
 
-    fn sort(&mut self) -> Result<(), String> {
-        let Fluid { grid, particles, sorted, starts, origins, slabs, walls, .. } = self;
-        let apart = walls.as_ref().map_or(u32::MAX, |walls| walls.first);
-        grid.list(particles, sorted, (starts, origins), slabs, (apart, AT_ONCE), self.pool.is_some())?;
+    fn sort(&mut self) {
+        let Fluid { grid, particles, sorted, starts, origins, walls, .. } = self;
+        grid.sort(particles, sorted, starts);
+        origins.clear();
+        origins.extend(particles.iter().map(|particle| particle.position));
         if let Some(walls) = walls {
             walls.list(grid, particles, starts, self.parameters.thermal_cutoff + 0.5 * SKIN * self.parameters.reach());
         }
-        self.lists += 1;
-        Ok(())
+        self.sortings += 1;
     }
 
     /// Lets all pairs act for a time.
@@ -400,6 +404,18 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             self.looks.clear();
             self.looks.extend(self.particles.iter().map(look));
         }
+        let count = self.particles.len();
+        for (axis, places) in self.places.iter_mut().enumerate() {
+            places.resize(count + LANES, 0.0);
+            let particles = self.particles.par_iter().with_min_len(TASK);
+            if self.pool.is_some() {
+                let places = places[..count].par_iter_mut();
+                places.zip(particles).for_each(|(place, particle)| *place = particle.position[axis] as f32);
+            } else {
+                let places = places.iter_mut();
+                places.zip(&self.particles).for_each(|(place, particle)| *place = particle.position[axis] as f32);
+            }
+        }
         if let Some(walls) = &mut self.walls {
             walls.show(matter, &self.grid, &mut self.looks, parameters.thermal_cutoff, self.pool.is_some());
         }
@@ -407,11 +423,11 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             looks: &self.looks,
             matter,
             shut: self.shut,
-            lengths: self.grid.lengths,
-            inverses: self.grid.inverses,
-            reach: parameters.reach().powi(2),
-            // A listed pair is as far apart as it may have come since the last sorting.
-            margin: parameters.reach() * (1.0 + 2.0 * SKIN),
+            places: self.places.each_ref().map(|places| &places[..]),
+            grid: &self.grid,
+            starts: &self.starts,
+            apart: self.walls.as_ref().map_or(u32::MAX, |walls| walls.first),
+            reach: scan::widened(parameters.reach(), self.grid.lengths.iter().copied().fold(0.0, f64::max)),
             inverse_cutoffs: [
                 1.0 / parameters.conservative_cutoff,
                 1.0 / parameters.dissipative_cutoff,
@@ -423,18 +439,18 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             noise: StepNoise::new(self.seed, self.steps),
         };
         let parallel = self.pool.is_some();
-        let (slabs, desks, particles) = (&self.slabs[..], &mut self.desks[..], &mut self.particles[..]);
-        twos(&frame, parallel, slabs, desks, (0, particles));
+        let (desks, particles) = (&mut self.desks[..], &mut self.particles[..]);
+        twos(&frame, parallel, 0, desks, (0, particles));
         // Those of odd number; the last one's next is the first.
-        let count = slabs.len();
-        let (first, rest) = particles.split_at_mut(slabs[0].count);
-        let (middle, last) = rest.split_at_mut(rest.len() - slabs[count - 1].count);
+        let count = desks.len();
+        let (first, rest) = particles.split_at_mut(frame.count(0..1));
+        let (middle, last) = rest.split_at_mut(rest.len() - frame.count(count - 1..count));
         let (middle_desks, last_desks) = desks[1..].split_at_mut(count - 2);
         let begins = (first.len(), first.len() + middle.len());
-        let wrapped = || act(&frame, &slabs[count - 1], &mut last_desks[0], (begins.1, last), (0, first));
+        let wrapped = || act(&frame, count - 1, &mut last_desks[0], (begins.1, last), (0, first));
         let inside = || {
             if count > 2 {
-                twos(&frame, parallel, &slabs[1..count - 1], middle_desks, (begins.0, middle));
+                twos(&frame, parallel, 1, middle_desks, (begins.0, middle));
             }
         };
         both(parallel, wrapped, inside);
@@ -502,27 +518,27 @@ fn kick<const D: usize>(particle: &mut Particle<D>, time: f64) -> f64 {
 /// Particles that are kicked and moved together, their places at the last sorting, and what is told of them.
 type Task<'a, const D: usize> = ((&'a mut [Particle<D>], &'a [[f64; D]]), &'a mut [f64; 3]);
 
-/// Pairs of slabs of one parity: `slabs` come in twos, whose first ones act, at once with all others.
+/// Slabs of one parity, from one on: `desks` come in twos, whose first ones' slabs act, at once with all others.
 fn twos<const D: usize, M: Matter>(
     frame: &Frame<'_, D, M>,
     parallel: bool,
-    slabs: &[SlabPairs],
+    slab: usize,
     desks: &mut [Desk<D>],
     (begin, particles): Part<'_, D>,
 ) {
-    if let [slab, _] = slabs {
-        let (own, next) = particles.split_at_mut(slab.count);
-        return act(frame, slab, &mut desks[0], (begin, own), (begin + slab.count, next));
+    if let [desk, _] = desks {
+        let (own, next) = particles.split_at_mut(frame.count(slab..slab + 1));
+        let begin_next = begin + own.len();
+        return act(frame, slab, desk, (begin, own), (begin_next, next));
     }
-    let half = slabs.len() / 4 * 2;
-    let (slabs, other_slabs) = slabs.split_at(half.max(2));
-    let (desks, other_desks) = desks.split_at_mut(half.max(2));
-    let (particles, other_particles) = particles.split_at_mut(slabs.iter().map(|slab| slab.count).sum());
+    let half = (desks.len() / 4 * 2).max(2);
+    let (desks, other_desks) = desks.split_at_mut(half);
+    let (particles, other_particles) = particles.split_at_mut(frame.count(slab..slab + half));
     let other_begin = begin + particles.len();
     both(
         parallel,
-        || twos(frame, parallel, slabs, desks, (begin, particles)),
-        || twos(frame, parallel, other_slabs, other_desks, (other_begin, other_particles)),
+        || twos(frame, parallel, slab, desks, (begin, particles)),
+        || twos(frame, parallel, slab + half, other_desks, (other_begin, other_particles)),
     );
 }
 

@@ -111,7 +111,7 @@ impl Parts<'_> {
             (!self.list, "no positions, volumes or material column"),
             (!self.list && self.is_explicit(), "no second pass: potentials, sums and update are one"),
             (self.has_shared_steps(), "no random numbers"),
-            (true, "no motion: velocities, forces and lists with a skin"),
+            (true, "no motion: velocities, forces and cells sorted anew"),
             (self.pipes == 0, "no pipes"),
             (self.scene.cracks.is_empty(), "no cracks"),
             (self.open_walls().is_empty(), "no heat through walls"),

@@ -1,6 +1,6 @@
 //! What a step does to the pairs of a slab.
 //!
-//! Pairs in reach are gathered, some hundred at a time; all that depends on places and temperatures alone is worked out
+//! Pairs in reach are found ([`scan`]) and gathered, some hundred at a time; all that depends on places and temperatures alone is worked out
 //! for them at once, in vectors; then velocities and energies of both ends change, pair by pair. Friction and random force
 //! of a pair act on the velocity `u` of one end against the other along the line between them,
 //!
@@ -14,32 +14,35 @@ use frazil_core::noise::StepNoise;
 
 use super::matter::Matter;
 use super::particle::{Look, Particle};
-use super::power::{parts, raise, round};
-use super::sorting::SlabPairs;
+use super::power::raise;
+use super::scan::{self, Found, LANES, MOST, Scan};
+use super::sorting::{Grid, RANGES, Range};
 
-/// Pairs that are worked on at once, and the most partners that a particle may have.
-pub const AT_ONCE: usize = 256;
+/// Pairs that are worked on at once.
+const AT_ONCE: usize = 128;
 
-/// Places on the desk: one more, for a partner that may be out of reach.
-const PLACES: usize = AT_ONCE + 1;
+/// Pairs in a vector, or more.
+const VECTOR: usize = 8;
 
 /// The constants of a step.
 #[derive(Debug)]
 pub struct Frame<'a, const D: usize, M: Matter> {
     /// All particles as pairs see them.
     pub looks: &'a [Look<D, M::Seen>],
+    /// Where they stand, by direction, in single precision; [`LANES`] places longer.
+    pub places: [&'a [f32]; D],
+    /// Cells, and the first particle of each.
+    pub grid: &'a Grid<D>,
+    /// See there.
+    pub starts: &'a [u32],
+    /// Particles of this name or above have no pairs with each other.
+    pub apart: u32,
     /// What heat means.
     pub matter: &'a M,
     /// Direction across whose periodic sides no heat goes.
     pub shut: Option<usize>,
-    /// Lengths of the box.
-    pub lengths: [f64; D],
-    /// One over them.
-    pub inverses: [f64; D],
-    /// Square of the largest cut-off radius.
-    pub reach: f64,
-    /// Distance from all sides of the box beyond which no listed partner is found across one.
-    pub margin: f64,
+    /// Square of the largest cut-off radius, [`scan::widened`].
+    pub reach: f32,
     /// One over the cut-off radius of the conservative force, of friction, of heat.
     pub inverse_cutoffs: [f64; 3],
     /// Largest conservative force.
@@ -52,14 +55,21 @@ pub struct Frame<'a, const D: usize, M: Matter> {
     pub noise: StepNoise,
 }
 
+impl<const D: usize, M: Matter> Frame<'_, D, M> {
+    /// Particles of some slabs.
+    pub fn count(&self, slabs: std::ops::Range<usize>) -> usize {
+        (self.starts[self.grid.cells(slabs.end - 1).end] - self.starts[self.grid.cells(slabs.start).start]) as usize
+    }
+}
+
 /// One particle's pairs among those at hand.
 #[derive(Debug, Clone, Copy, Default)]
 struct Row {
     particle: usize,
     first: usize,
-    /// Where partners in the next slab begin.
-    next: usize,
     last: usize,
+    /// Whether partners are of the next slab.
+    beyond: bool,
 }
 
 /// Particles of a slab, and the number of the first of them.
@@ -68,44 +78,45 @@ pub type Part<'a, const D: usize> = (usize, &'a mut [Particle<D>]);
 /// Work space of a slab.
 #[derive(Debug, Clone)]
 pub struct Desk<const D: usize> {
-    ways: [[f64; PLACES]; D],
-    squares: [f64; PLACES],
-    exponents: [f64; PLACES],
-    temperatures: [[f64; PLACES]; 2],
-    mobilities: [f64; PLACES],
+    ways: [[f64; AT_ONCE]; D],
+    nears: [f64; AT_ONCE],
+    exponents: [f64; AT_ONCE],
+    temperatures: [[f64; AT_ONCE]; 2],
+    mobilities: [f64; AT_ONCE],
     /// Conduction over that of the reference state, where pairs differ.
-    conductions: [f64; PLACES],
-    words: [u64; PLACES],
-    signs: [f64; PLACES],
-    partners: [u32; PLACES],
+    conductions: [f64; AT_ONCE],
+    /// Names of both ends: the one in the upper half, its partner's in the lower.
+    names: [u64; AT_ONCE],
+    found: Found,
+    partners: [u32; AT_ONCE],
     /// Impulse by the velocity of one end against the other, and that of noise.
-    gains: [f64; PLACES],
-    pushed: [f64; PLACES],
-    forces: [f64; PLACES],
-    heats: [f64; PLACES],
+    gains: [f64; AT_ONCE],
+    pushed: [f64; AT_ONCE],
+    forces: [f64; AT_ONCE],
+    heats: [f64; AT_ONCE],
     rows: [Row; AT_ONCE],
     /// Potential of all pairs.
     pub potential: f64,
-    /// Pairs within reach.
+    /// Pairs within reach, and a few in a million beyond.
     pub met: u64,
 }
 
 impl<const D: usize> Default for Desk<D> {
     fn default() -> Self {
         Desk {
-            ways: [[0.0; PLACES]; D],
-            squares: [1.0; PLACES],
-            exponents: [0.0; PLACES],
-            temperatures: [[1.0; PLACES]; 2],
-            mobilities: [0.0; PLACES],
-            conductions: [0.0; PLACES],
-            words: [0; PLACES],
-            signs: [0.0; PLACES],
-            partners: [0; PLACES],
-            gains: [0.0; PLACES],
-            pushed: [0.0; PLACES],
-            forces: [0.0; PLACES],
-            heats: [0.0; PLACES],
+            ways: [[0.0; AT_ONCE]; D],
+            nears: [0.0; AT_ONCE],
+            exponents: [0.0; AT_ONCE],
+            temperatures: [[1.0; AT_ONCE]; 2],
+            mobilities: [0.0; AT_ONCE],
+            conductions: [0.0; AT_ONCE],
+            names: [0; AT_ONCE],
+            found: [0; MOST + LANES],
+            partners: [0; AT_ONCE],
+            gains: [0.0; AT_ONCE],
+            pushed: [0.0; AT_ONCE],
+            forces: [0.0; AT_ONCE],
+            heats: [0.0; AT_ONCE],
             rows: [Row::default(); AT_ONCE],
             potential: 0.0,
             met: 0,
@@ -116,7 +127,7 @@ impl<const D: usize> Default for Desk<D> {
 /// Lets all pairs of a slab act. `own` are its particles, `next` those of the next slab.
 pub fn act<const D: usize, M: Matter>(
     frame: &Frame<'_, D, M>,
-    pairs: &SlabPairs,
+    slab: usize,
     desk: &mut Desk<D>,
     own: Part<'_, D>,
     next: Part<'_, D>,
@@ -126,142 +137,143 @@ pub fn act<const D: usize, M: Matter>(
         if is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512vl")
             && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("popcnt")
+            && is_x86_feature_detected!("fma")
         {
             // SAFETY: the processor has just been asked for these features.
-            return unsafe { act_avx512(frame, pairs, desk, own, next) };
+            return unsafe { act_avx512(frame, slab, desk, own, next) };
         }
-        if is_x86_feature_detected!("avx2") {
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
             // SAFETY: as above.
-            return unsafe { act_avx2(frame, pairs, desk, own, next) };
+            return unsafe { act_avx2(frame, slab, desk, own, next) };
         }
     }
-    act_plainly(frame, pairs, desk, own, next);
+    act_by::<D, M, scan::Plain>(frame, slab, desk, own, next);
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512vl,avx512dq")]
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,fma,popcnt")]
 fn act_avx512<const D: usize, M: Matter>(
     frame: &Frame<'_, D, M>,
-    pairs: &SlabPairs,
+    slab: usize,
     desk: &mut Desk<D>,
     own: Part<'_, D>,
     next: Part<'_, D>,
 ) {
-    act_plainly(frame, pairs, desk, own, next);
+    act_by::<D, M, scan::Avx512>(frame, slab, desk, own, next);
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
+#[target_feature(enable = "avx2,fma")]
 fn act_avx2<const D: usize, M: Matter>(
     frame: &Frame<'_, D, M>,
-    pairs: &SlabPairs,
+    slab: usize,
     desk: &mut Desk<D>,
     own: Part<'_, D>,
     next: Part<'_, D>,
 ) {
-    act_plainly(frame, pairs, desk, own, next);
+    act_by::<D, M, scan::Plain>(frame, slab, desk, own, next);
 }
 
 #[inline(always)]
-fn act_plainly<const D: usize, M: Matter>(
+fn act_by<const D: usize, M: Matter, S: Scan>(
     frame: &Frame<'_, D, M>,
-    pairs: &SlabPairs,
+    slab: usize,
     desk: &mut Desk<D>,
     (begin, own): Part<'_, D>,
     (begin_next, next): Part<'_, D>,
 ) {
     desk.potential = 0.0;
     desk.met = 0;
-    let (looks, next_looks) = (&frame.looks[begin..][..own.len()], &frame.looks[begin_next..][..next.len()]);
     let (mut filled, mut rows) = (0, 0);
-    for (i, me) in looks.iter().enumerate() {
-        let ([from, middle], to) = (pairs.starts[i], pairs.starts[i + 1][0]);
-        if filled + (to - from) as usize > AT_ONCE || rows == AT_ONCE {
-            work(frame, desk, filled);
-            change(desk, rows, own, next);
-            (filled, rows) = (0, 0);
-        }
-        let first = filled;
-        filled = gather(frame, desk, filled, me, looks, &pairs.partners[from as usize..middle as usize]);
-        let beyond = filled;
-        filled = gather(frame, desk, filled, me, next_looks, &pairs.partners[middle as usize..to as usize]);
-        if filled > first {
-            desk.rows[rows] = Row { particle: i, first, next: beyond, last: filled };
-            rows += 1;
+    for cell in frame.grid.cells(slab) {
+        let (ranges, count) = frame.grid.ranges(slab, cell, frame.starts);
+        for i in frame.starts[cell] as usize..frame.starts[cell + 1] as usize {
+            let me = &frame.looks[i];
+            let (mut at, mut from) = (0, i + 1);
+            while at < count {
+                // Ranges whose particles are seen where they stand, on one side, are looked through together.
+                let range = ranges[at];
+                let mut place = me.position;
+                (0..D).for_each(|axis| place[axis] -= range.shift[axis]);
+                let single = place.map(|along| along as f32);
+                let mut found = 0;
+                while at < count && (ranges[at].beyond, ranges[at].shift) == (range.beyond, range.shift) {
+                    let to = ranges[at].end.min(from + MOST - found);
+                    found = S::near(&frame.places, &single, (from, to), frame.reach, found, &mut desk.found);
+                    from = to;
+                    if to < ranges[at].end {
+                        break;
+                    }
+                    at += 1;
+                    from = ranges[at % RANGES].begin;
+                }
+                if me.name >= frame.apart {
+                    found = keep(frame, desk, found);
+                }
+                let base = if range.beyond { begin_next } else { begin };
+                let mut taken = 0;
+                while taken < found {
+                    if filled == AT_ONCE {
+                        work(frame, desk, filled);
+                        change(desk, rows, own, next);
+                        (filled, rows) = (0, 0);
+                    }
+                    let some = (found - taken).min(AT_ONCE - filled);
+                    put(frame, desk, (filled, taken, some), me, &place, &range, base);
+                    let last = filled + some;
+                    desk.rows[rows % AT_ONCE] = Row { particle: i - begin, first: filled, last, beyond: range.beyond };
+                    (filled, rows) = (last, rows + 1);
+                    taken += some;
+                }
+            }
         }
     }
     work(frame, desk, filled);
     change(desk, rows, own, next);
 }
 
-/// Puts those of a particle's partners that are within reach down on the desk; returns how many pairs lie there then.
+/// Keeps those of the particles found that may have pairs with particles behind walls.
+fn keep<const D: usize, M: Matter>(frame: &Frame<'_, D, M>, desk: &mut Desk<D>, found: usize) -> usize {
+    let mut kept = 0;
+    for k in 0..found {
+        let j = desk.found[k];
+        desk.found[kept] = j;
+        kept += usize::from(frame.looks[j as usize].name < frame.apart);
+    }
+    kept
+}
+
+/// Puts the particles found down on the desk as partners of one.
 #[inline(always)]
-fn gather<const D: usize, M: Matter>(
+fn put<const D: usize, M: Matter>(
     frame: &Frame<'_, D, M>,
     desk: &mut Desk<D>,
-    filled: usize,
+    (filled, taken, some): (usize, usize, usize),
     me: &Look<D, M::Seen>,
-    looks: &[Look<D, M::Seen>],
-    partners: &[u32],
-) -> usize {
-    let inside = (0..D).all(|axis| {
-        let place = me.position[axis];
-        place > frame.margin && place < frame.lengths[axis] - frame.margin
-    });
-    let at = if inside {
-        near::<D, M, false>(frame, desk, filled, me, looks, partners)
-    } else {
-        near::<D, M, true>(frame, desk, filled, me, looks, partners)
-    };
-    for k in filled..at {
-        let other = &looks[desk.partners[k] as usize];
-        desk.exponents[k] = 0.5 * (me.exponent + other.exponent);
+    place: &[f64; D],
+    range: &Range<D>,
+    base: usize,
+) {
+    let shut = M::UNEVEN && frame.shut.is_some_and(|axis| range.shift[axis] != 0.0);
+    for (k, j) in (filled..filled + some).zip(taken..) {
+        let k = k % AT_ONCE;
+        let j = desk.found[j % MOST] as usize;
+        let other = &frame.looks[j];
+        for axis in 0..D {
+            desk.ways[axis][k] = place[axis] - other.position[axis];
+        }
+        desk.exponents[k] = me.exponent + other.exponent;
         desk.temperatures[0][k] = me.temperature;
         desk.temperatures[1][k] = other.temperature;
         desk.mobilities[k] = me.mobility + other.mobility;
         if M::UNEVEN {
             let conduction = frame.matter.between([(me.seen, me.temperature), (other.seen, other.temperature)]);
-            let across = frame
-                .shut
-                .is_some_and(|axis| (me.position[axis] - other.position[axis]).abs() > 0.5 * frame.lengths[axis]);
-            desk.conductions[k] = if across { 0.0 } else { conduction };
+            desk.conductions[k] = if shut { 0.0 } else { conduction };
         }
-        let (low, high) = (me.name.min(other.name), me.name.max(other.name));
-        desk.words[k] = (u64::from(high) << 32) | u64::from(low);
-        desk.signs[k] = if me.name < other.name { 1.0 } else { -1.0 };
+        desk.names[k] = (u64::from(me.name) << 32) | u64::from(other.name);
+        desk.partners[k] = (j - base) as u32;
     }
-    at
-}
-
-/// Puts ways and numbers of those partners down that are within reach; `ACROSS` says whether any may be found across a
-/// periodic side.
-#[inline(always)]
-fn near<const D: usize, M: Matter, const ACROSS: bool>(
-    frame: &Frame<'_, D, M>,
-    desk: &mut Desk<D>,
-    filled: usize,
-    me: &Look<D, M::Seen>,
-    looks: &[Look<D, M::Seen>],
-    partners: &[u32],
-) -> usize {
-    let mut at = filled;
-    // Whether a partner is within reach cannot be guessed: each is put down, and the next one over it if it is not.
-    for &j in partners {
-        let other = &looks[j as usize];
-        let mut square = 0.0;
-        for axis in 0..D {
-            let mut way = me.position[axis] - other.position[axis];
-            if ACROSS {
-                way -= frame.lengths[axis] * round(way * frame.inverses[axis]);
-            }
-            desk.ways[axis][at] = way;
-            square += way * way;
-        }
-        desk.squares[at] = square;
-        desk.partners[at] = j;
-        at += usize::from(square < frame.reach);
-    }
-    at
 }
 
 /// All that depends on places and temperatures alone.
@@ -271,37 +283,45 @@ fn work<const D: usize, M: Matter>(frame: &Frame<'_, D, M>, desk: &mut Desk<D>, 
     let [conservative, dissipative, thermal] = frame.inverse_cutoffs;
     let conductance = 0.25 * frame.conductance;
     let heat_noise = (2.0 * conductance).sqrt();
-    let mut potential = 0.0;
-    for k in 0..count {
-        let distance = desk.squares[k].max(1e-30).sqrt();
+    let far = 2.0 * f64::from(frame.reach).sqrt();
+    // Whole vectors, the last one filled up with pairs out of reach.
+    let whole = count.next_multiple_of(VECTOR).min(AT_ONCE);
+    desk.ways[0][count..whole].fill(far);
+    for k in 0..whole {
+        let mut square: f64 = 1e-30;
+        for axis in 0..D {
+            square = desk.ways[axis][k].mul_add(desk.ways[axis][k], square);
+        }
+        let distance = square.sqrt();
         let (a, b) = (desk.temperatures[0][k], desk.temperatures[1][k]);
         let (sum, product) = (a + b, a * b);
         let mobility = desk.mobilities[k];
         // Ends at rest take no impulse, whatever it is.
         let mobility = if mobility > 0.0 { mobility } else { 1.0 };
-        let rough = (1.0 - distance * dissipative).max(0.0);
-        let (mantissa, count) = parts(rough);
-        // One division for four: divisions are what takes longest here.
-        let (temperatures, places) = (sum * product, (mantissa + 1.0) * distance);
-        let inverse = 1.0 / (temperatures * places * mobility);
-        let inverse_places = inverse * temperatures * mobility;
-        let inverse_distance = inverse_places * (mantissa + 1.0);
-        let z = (mantissa - 1.0) * (inverse_places * distance);
-        let inverse_temperatures = inverse * places * mobility;
-        let inverse_mobility = inverse * temperatures * places;
+        let rough = distance.mul_add(-dissipative, 1.0).max(0.0);
+        // One division for three: divisions are what takes longest here.
+        let temperatures = sum * product;
+        let inverse = 1.0 / (temperatures * distance * mobility);
+        let inverse_distance = inverse * temperatures * mobility;
+        let inverse_temperatures = inverse * distance * mobility;
+        let inverse_mobility = inverse * temperatures * distance;
         for axis in 0..D {
             desk.ways[axis][k] *= inverse_distance;
         }
-        let near = (1.0 - distance * conservative).max(0.0);
+        let near = distance.mul_add(-conservative, 1.0).max(0.0);
         desk.forces[k] = frame.repulsion * near;
-        desk.squares[k] = near * near;
-        let (force_random, heat_random) = frame.noise.two(desk.words[k]);
-        let lost = frame.friction * raise(rough, (count, z), desk.exponents[k]) * mobility;
-        let kept = 1.0 / (1.0 + lost + 0.5 * lost * lost);
+        desk.nears[k] = near * near;
+        let names = desk.names[k];
+        let turned = names.rotate_left(32);
+        let sign = if names < turned { 1.0 } else { -1.0 };
+        let (force_random, heat_random) = frame.noise.two(names.max(turned));
+        let weight = f64::from(raise(rough as f32, (0.5 * desk.exponents[k]) as f32));
+        let lost = frame.friction * weight * mobility;
+        let kept = 1.0 / lost.mul_add(lost.mul_add(0.5, 1.0), 1.0);
         desk.gains[k] = (kept - 1.0) * inverse_mobility;
-        let variance = mobility * (2.0 * product * product * inverse_temperatures) * (1.0 - kept * kept);
+        let variance = mobility * (2.0 * product * product * inverse_temperatures) * kept.mul_add(-kept, 1.0);
         desk.pushed[k] = variance.sqrt() * force_random * inverse_mobility;
-        let warm = sum * (1.0 - distance * thermal).max(0.0);
+        let warm = sum * distance.mul_add(-thermal, 1.0).max(0.0);
         let (conducted, random) = match M::UNEVEN {
             true => {
                 let conduction = desk.conductions[k];
@@ -309,11 +329,15 @@ fn work<const D: usize, M: Matter>(frame: &Frame<'_, D, M>, desk: &mut Desk<D>, 
             }
             false => (conductance * (warm * warm), heat_noise * warm),
         };
-        desk.heats[k] = conducted * (b - a) * (sum * inverse_temperatures) + random * heat_random * desk.signs[k];
+        desk.heats[k] = (conducted * (b - a)).mul_add(sum * inverse_temperatures, random * heat_random * sign);
     }
-    for near in &desk.squares[..count] {
-        potential += near;
+    let mut sums = [0.0; VECTOR];
+    for nears in desk.nears[..whole].as_chunks::<VECTOR>().0 {
+        for lane in 0..VECTOR {
+            sums[lane] += nears[lane];
+        }
     }
+    let potential: f64 = sums.iter().sum();
     desk.potential += potential * 0.5 * frame.repulsion / conservative;
     desk.met += count as u64;
 }
@@ -323,11 +347,14 @@ fn work<const D: usize, M: Matter>(frame: &Frame<'_, D, M>, desk: &mut Desk<D>, 
 fn change<const D: usize>(desk: &Desk<D>, rows: usize, own: &mut [Particle<D>], next: &mut [Particle<D>]) {
     for row in &desk.rows[..rows] {
         let mut me = own[row.particle];
-        for k in row.first..row.next {
-            meet(desk, k, &mut me, &mut own[desk.partners[k % AT_ONCE] as usize]);
-        }
-        for k in row.next..row.last {
-            meet(desk, k, &mut me, &mut next[desk.partners[k % AT_ONCE] as usize]);
+        if row.beyond {
+            for k in row.first..row.last {
+                meet(desk, k, &mut me, &mut next[desk.partners[k % AT_ONCE] as usize]);
+            }
+        } else {
+            for k in row.first..row.last {
+                meet(desk, k, &mut me, &mut own[desk.partners[k % AT_ONCE] as usize]);
+            }
         }
         own[row.particle] = me;
     }
@@ -336,26 +363,24 @@ fn change<const D: usize>(desk: &Desk<D>, rows: usize, own: &mut [Particle<D>], 
 #[inline(always)]
 fn meet<const D: usize>(desk: &Desk<D>, k: usize, me: &mut Particle<D>, other: &mut Particle<D>) {
     let k = k % AT_ONCE;
-    let gain = desk.gains[k];
-    // Pairs of one particle wait for each other: what does not hang on its velocity is summed apart.
-    let (mut before, mut others) = (0.0, 0.0);
+    let ways: [f64; D] = std::array::from_fn(|axis| desk.ways[axis][k]);
+    // Pairs of one particle wait for each other: its velocity comes in last.
+    let mut before = 0.0;
     for axis in 0..D {
-        let way = desk.ways[axis][k];
-        before += way * (me.velocity[axis] - other.velocity[axis]);
-        others += gain * way * other.velocity[axis];
+        before = (-ways[axis]).mul_add(other.velocity[axis], before);
     }
-    let mut impulse = desk.pushed[k] - others;
     for axis in 0..D {
-        impulse += gain * desk.ways[axis][k] * me.velocity[axis];
+        before = ways[axis].mul_add(me.velocity[axis], before);
     }
+    let impulse = desk.gains[k].mul_add(before, desk.pushed[k]);
     // Half of what the pair loses of its kinetic energy.
-    let lost = -0.25 * impulse * (2.0 * before + desk.mobilities[k] * impulse);
+    let lost = -0.25 * impulse * desk.mobilities[k].mul_add(impulse, 2.0 * before);
     for axis in 0..D {
-        let way = desk.ways[axis][k];
-        me.velocity[axis] += me.mobility * way * impulse;
-        other.velocity[axis] -= other.mobility * way * impulse;
-        me.force[axis] += desk.forces[k] * way;
-        other.force[axis] -= desk.forces[k] * way;
+        let way = ways[axis];
+        me.velocity[axis] = (me.mobility * way).mul_add(impulse, me.velocity[axis]);
+        other.velocity[axis] = (-other.mobility * way).mul_add(impulse, other.velocity[axis]);
+        me.force[axis] = desk.forces[k].mul_add(way, me.force[axis]);
+        other.force[axis] = (-desk.forces[k]).mul_add(way, other.force[axis]);
     }
     me.heat += lost + desk.heats[k];
     other.heat += lost - desk.heats[k];

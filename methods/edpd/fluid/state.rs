@@ -12,7 +12,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     pub fn save(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(64 + self.particles.len() * (16 + 8 * (4 * D + 2) + 4 * D));
         bytes.extend_from_slice(MARK);
-        for count in [D as u64, self.particles.len() as u64, self.steps, self.lists] {
+        for count in [D as u64, self.particles.len() as u64, self.steps, self.sortings] {
             bytes.extend_from_slice(&count.to_le_bytes());
         }
         for number in [self.potential, self.gained, self.given_back, self.driven, self.moving] {
@@ -43,7 +43,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             Ok::<_, String>(*number)
         };
         let mut whole = || Ok::<_, String>(u64::from_le_bytes(next()?));
-        let (dimension, count, steps, lists) = (whole()?, whole()?, whole()?, whole()?);
+        let (dimension, count, steps, sortings) = (whole()?, whole()?, whole()?, whole()?);
         if (dimension, count) != (D as u64, self.particles.len() as u64) {
             return Err(format!(
                 "a state of {count} particles in {dimension} directions, must be of {} in {D}",
@@ -66,7 +66,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             let [position, velocity, force, origin] = [column(), column(), column(), column()];
             places.push(position);
             *particle = Particle {
-                // Lists are of where particles stood when they were sorted.
+                // Cells are those of where particles stood when they were sorted.
                 position: origin,
                 velocity,
                 force,
@@ -76,12 +76,12 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
                 name: u32::from_le_bytes(integers.next().unwrap_or_default()),
             };
         }
-        self.in_pool(Self::sort)?;
+        self.in_pool(Self::sort);
         for (particle, place) in self.particles.iter_mut().zip(places) {
             particle.position = place;
         }
         [self.potential, self.gained, self.given_back, self.driven, self.moving] = scalars;
-        (self.steps, self.lists) = (steps, lists);
+        (self.steps, self.sortings) = (steps, sortings);
         Ok(())
     }
 }

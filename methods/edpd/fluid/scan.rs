@@ -1,0 +1,118 @@
+//! Which of some places, one after the other in memory, are near another: sixteen at once, in single precision.
+//!
+//! Places are told apart up to an error that grows with the box, by which the reach is taken larger ([`widened`]): no pair
+//! within reach is missed, and the few that are farther apart act with a weight of zero.
+
+/// Places that are looked at at once.
+pub const LANES: usize = 16;
+
+/// Most places that are noted at once.
+pub const MOST: usize = 512;
+
+/// Numbers of those found, with room for the lanes of the last ones.
+pub type Found = [u32; MOST + LANES];
+
+/// Square of a reach, in single precision, that takes in all pairs within reach in a box of a longest side.
+pub fn widened(reach: f64, longest: f64) -> f32 {
+    // Two places of up to twice the box each lose half of a last digit; then squares and their sum lose some.
+    let lost = 4.0 * 2.0 * longest * f64::from(f32::EPSILON);
+    ((reach + lost).powi(2) * (1.0 + 8.0 * f64::from(f32::EPSILON))) as f32
+}
+
+/// A way to look through places.
+pub trait Scan {
+    /// Notes which of the places from one number to another are nearer to a place than the root of `square`, after those
+    /// noted before; returns how many are noted then. Columns of places must be [`LANES`] longer than what is looked through,
+    /// and there must be room for all, [`MOST`] together.
+    fn near<const D: usize>(
+        columns: &[&[f32]; D],
+        place: &[f32; D],
+        range: (usize, usize),
+        square: f32,
+        count: usize,
+        found: &mut Found,
+    ) -> usize;
+}
+
+/// In a form that a compiler may turn into vectors.
+#[derive(Debug)]
+pub struct Plain;
+
+impl Scan for Plain {
+    #[inline(always)]
+    fn near<const D: usize>(
+        columns: &[&[f32]; D],
+        place: &[f32; D],
+        (from, to): (usize, usize),
+        square: f32,
+        mut count: usize,
+        found: &mut Found,
+    ) -> usize {
+        for at in (from..to).step_by(LANES) {
+            let mut squares = [0.0; LANES];
+            for axis in 0..D {
+                if let Some(places) = columns[axis][at..].first_chunk::<LANES>() {
+                    for lane in 0..LANES {
+                        let way = place[axis] - places[lane];
+                        squares[lane] = way.mul_add(way, squares[lane]);
+                    }
+                }
+            }
+            // Whether a place is near cannot be guessed: each is noted, and the next one over it if it is not.
+            for lane in 0..LANES.min(to - at) {
+                found[count] = (at + lane) as u32;
+                count += usize::from(squares[lane] < square);
+            }
+        }
+        count
+    }
+}
+
+/// By the instructions of AVX-512, which a caller must know to be there.
+#[cfg(target_arch = "x86_64")]
+#[derive(Debug)]
+pub struct Avx512;
+
+#[cfg(target_arch = "x86_64")]
+impl Scan for Avx512 {
+    #[inline(always)]
+    fn near<const D: usize>(
+        columns: &[&[f32]; D],
+        place: &[f32; D],
+        (from, to): (usize, usize),
+        square: f32,
+        mut count: usize,
+        found: &mut Found,
+    ) -> usize {
+        use std::arch::x86_64::{
+            _CMP_LT_OQ, _mm512_add_epi32, _mm512_cmp_ps_mask, _mm512_fmadd_ps, _mm512_loadu_ps,
+            _mm512_maskz_compress_epi32, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setr_epi32, _mm512_setzero_ps,
+            _mm512_storeu_si512, _mm512_sub_ps,
+        };
+        assert!(columns.iter().all(|column| column.len() >= to + LANES) && count + to.saturating_sub(from) <= MOST);
+        // SAFETY: the processor has these instructions (see the type). Places are read from `from` up to less than
+        // `to + LANES`, within the columns; numbers are written up to `count + LANES`, and `count` stays within `MOST`.
+        unsafe {
+            let steps = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+            let mut numbers = _mm512_add_epi32(steps, _mm512_set1_epi32(from as i32));
+            let square = _mm512_set1_ps(square);
+            let place = place.map(|along| _mm512_set1_ps(along));
+            let mut at = from;
+            while at < to {
+                let mut squares = _mm512_setzero_ps();
+                for axis in 0..D {
+                    let way = _mm512_sub_ps(place[axis], _mm512_loadu_ps(columns[axis].as_ptr().add(at)));
+                    squares = _mm512_fmadd_ps(way, way, squares);
+                }
+                let near = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(squares, square);
+                let near = near & ((1u32 << (to - at).min(LANES)) - 1) as u16;
+                let chosen = _mm512_maskz_compress_epi32(near, numbers);
+                _mm512_storeu_si512(found.as_mut_ptr().add(count).cast(), chosen);
+                count += near.count_ones() as usize;
+                numbers = _mm512_add_epi32(numbers, _mm512_set1_epi32(LANES as i32));
+                at += LANES;
+            }
+        }
+        count
+    }
+}

@@ -100,6 +100,8 @@ pub fn series(result: &RunResult) -> Vec<(&'static str, Option<Fill<'_>>)> {
         ("probes.csv", rows(&result.probes)),
         ("wall.csv", rows(&result.walls)),
         ("gaps.csv", rows(&result.gaps)),
+        ("links.csv", rows(&result.links)),
+        ("planes.csv", rows(&result.planes)),
         ("water.csv", water.and_then(|water| rows(&water.rows))),
         ("cut.csv", water.and_then(|water| rows(&water.cut))),
         ("flow.csv", water.and_then(|water| rows(&water.maps))),
@@ -240,6 +242,9 @@ mod tests {
             budget: Vec::new(),
             walls: Vec::new(),
             gaps: Vec::new(),
+            links: Vec::new(),
+            planes: Vec::new(),
+            wall_closure_s: None,
             fields: Vec::new(),
             water: None,
         };

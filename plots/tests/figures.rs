@@ -68,6 +68,9 @@ fn empty(title: &str, method: &str) -> RunResult {
         budget: Vec::new(),
         walls: Vec::new(),
         gaps: Vec::new(),
+        links: Vec::new(),
+        planes: Vec::new(),
+        wall_closure_s: None,
         fields: Vec::new(),
         water: None,
     }

@@ -60,6 +60,9 @@ fn made_up(
         budget: Vec::new(),
         walls: Vec::new(),
         gaps: Vec::new(),
+        links: Vec::new(),
+        planes: Vec::new(),
+        wall_closure_s: None,
         fields: Vec::new(),
         water: None,
     };

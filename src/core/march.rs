@@ -270,6 +270,7 @@ pub fn run(
         differences: summary.differences,
         state_hash: particles.state_hash(),
     };
+    let (links, planes, wall_closure_s) = watches.wall();
     let mut result = RunResult {
         record,
         front: watches.front,
@@ -285,6 +286,9 @@ pub fn run(
         budget: watches.budget,
         walls: watches.walls,
         gaps,
+        links,
+        planes,
+        wall_closure_s,
         fields: watches.fields,
         water,
     };

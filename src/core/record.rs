@@ -363,6 +363,38 @@ pub struct GapRow {
     pub closure_ref_s: Option<f64>,
 }
 
+/// One row of `links.csv`: two neighbouring pipes and when their frozen bodies joined.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LinkRow {
+    /// One pipe, as `1.3`: ring and pipe, counted from 1.
+    pub from: String,
+    /// The other.
+    pub to: String,
+    /// Middle between them (m).
+    pub x_m: f64,
+    /// Middle between them (m).
+    pub y_m: f64,
+    /// Distance of their axes (m).
+    pub distance_m: f64,
+    /// When their frozen bodies joined (s); absent if they did not.
+    pub closure_s: Option<f64>,
+}
+
+/// One row of `planes.csv`: a section of the frozen wall at an output.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PlaneRow {
+    /// Time (s).
+    pub time_s: f64,
+    /// `main` through the first pipe of the first ring, `interface` between it and the next, `wall` for all frozen ground.
+    pub plane: String,
+    /// Where the frozen wall begins (m from the centre); absent where nothing is frozen, and for all frozen ground.
+    pub inner_m: Option<f64>,
+    /// Where it ends (m from the centre).
+    pub outer_m: Option<f64>,
+    /// Mean temperature of what is frozen; absent where nothing is.
+    pub mean_temperature_c: Option<f64>,
+}
+
 /// A temperature field on a regular grid; NaN outside the body.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Field {
@@ -417,6 +449,12 @@ pub struct RunResult {
     pub walls: Vec<WallRow>,
     /// Gaps of a ring; empty elsewhere.
     pub gaps: Vec<GapRow>,
+    /// Neighbouring pipes of all rings, where the scene asks for them; of the whole plan, also where a part of it is run.
+    pub links: Vec<LinkRow>,
+    /// Sections of the frozen wall, where the scene asks for them.
+    pub planes: Vec<PlaneRow>,
+    /// When a closed wall stood around the centre (s), where the scene asks for it and one did.
+    pub wall_closure_s: Option<f64>,
     /// Temperature fields at the profile instants; empty on a line.
     pub fields: Vec<Field>,
     /// Water over time, where it flows.

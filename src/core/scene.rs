@@ -295,6 +295,10 @@ pub struct PipeRing {
     pub ring_radius: f64,
     /// Angle of the first pipe from the x axis (radians).
     pub first_angle: f64,
+    /// Pipes that do not stand in their places, by number, and how far they stand from them (m).
+    pub moved: Vec<(usize, DVec2)>,
+    /// Pipes that are missing, by number.
+    pub missing: Vec<usize>,
     /// Radius of one pipe (m).
     pub pipe_radius: f64,
     /// Temperature of the pipes' outer wall while they work.
@@ -314,14 +318,30 @@ impl PipeRing {
         self.first_angle + std::f64::consts::TAU * (k as f64 + 0.5) / self.count as f64
     }
 
+    /// Where pipe `k` stands (m).
+    pub fn place(&self, k: usize) -> DVec2 {
+        let moved = self.moved.iter().find(|(number, _)| *number == k).map_or(DVec2::ZERO, |(_, way)| *way);
+        self.ring_radius * DVec2::from_angle(self.angle(k)) + moved
+    }
+
+    /// Numbers of the pipes that are there, in order of their angle.
+    pub fn numbers(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.count).filter(|k| !self.missing.contains(k))
+    }
+
+    /// Whether all pipes are there and in their places.
+    pub fn is_even(&self) -> bool {
+        self.moved.is_empty() && self.missing.is_empty()
+    }
+
     /// The pipes themselves, in order of their angle.
     pub fn pipes(&self) -> Vec<Pipe> {
-        (0..self.count)
+        self.numbers()
             .map(|k| {
-                let (sin, cos) = self.angle(k).sin_cos();
+                let place = self.place(k);
                 Pipe {
-                    x: self.ring_radius * cos,
-                    y: self.ring_radius * sin,
+                    x: place.x,
+                    y: place.y,
                     radius: self.pipe_radius,
                     temperature: self.temperature.clone(),
                     schedule: self.schedule.clone(),
@@ -412,6 +432,8 @@ pub struct Watch {
     pub cuts_r: Vec<f64>,
     /// Part of the body (m along x) whose shares of liquid, freezing and solid particles are kept at every output.
     pub phases: Option<(f64, f64)>,
+    /// Whether neighbouring pipes and sections of the frozen wall are watched, in a ring.
+    pub frozen_wall: bool,
     /// Whether fronts that run from corners between two cold walls are kept at every output.
     pub corner_front: bool,
     /// Profiles and their errors end at this distance (m) from the wall; the whole domain if absent.

@@ -6,6 +6,7 @@ mod held;
 mod phases;
 mod shells;
 mod stream;
+mod wall;
 
 use std::f64::consts::PI;
 
@@ -13,6 +14,7 @@ use corners::Corners;
 use field::field;
 use glam::DVec2;
 use shells::{Cut, RadialFront};
+use wall::{Joint, Wall};
 
 use crate::boundary::moving_least_squares;
 use crate::lattice::Lattice;
@@ -23,8 +25,8 @@ use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
 use crate::one_way::OneWay;
 use crate::particles::Particles;
 use crate::record::{
-    BudgetRow, Field, FrontRow, FrozenRow, GapRow, PhaseRow, ProbeRow, ProfileRow, SectionRow, StreamRow, SurfaceRow,
-    WallRow,
+    BudgetRow, Field, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow, ProfileRow, SectionRow,
+    StreamRow, SurfaceRow, WallRow,
 };
 use crate::scene::{Domain, FreezingDirection, Scene, Sector};
 
@@ -63,10 +65,7 @@ struct Gap {
     number: usize,
     angle: f64,
     multiplicity: usize,
-    samples: Vec<Sample>,
-    /// Time and openness at the last look: positive while open.
-    last: Option<(f64, f64)>,
-    closed: Option<f64>,
+    joint: Joint,
 }
 
 /// All watches of a run and what they have seen.
@@ -85,6 +84,7 @@ pub struct Watches {
     main: Vec<Ray>,
     interface: Vec<Ray>,
     gaps: Vec<Gap>,
+    wall: Wall,
     next_look: f64,
     look_every: f64,
     sector_count: f64,
@@ -155,9 +155,7 @@ impl Watches {
                         number: k,
                         angle,
                         multiplicity: near.multiplicity,
-                        samples: near.samples,
-                        last: None,
-                        closed: None,
+                        joint: Joint::new(near.samples),
                     });
                 }
             }
@@ -178,10 +176,11 @@ impl Watches {
             main,
             interface,
             gaps,
+            wall: Wall::of(scene, &sampler, spacing),
             next_look: 0.0,
             look_every: scene.duration * Self::LOOK_SHARE,
             sector_count: sector.map_or(1.0, |sector| sector.images() as f64),
-            pipe_count: scene.rings.iter().map(|ring| ring.count).sum(),
+            pipe_count: scene.rings.iter().map(|ring| ring.numbers().count()).sum(),
             probes,
             keep_fields: keep_fields && scene.domain.dimension() == 2,
             field_radius: field_radius(scene),
@@ -211,11 +210,12 @@ impl Watches {
 
     /// Whether a gap that was open at the last look is closed now.
     pub fn closes(&self, particles: &Particles) -> bool {
-        self.gaps.iter().any(|gap| gap.closed.is_none() && self.openness(gap, particles) <= 0.0)
+        let mut joints = self.gaps.iter().map(|gap| &gap.joint).chain(&self.wall.joints);
+        joints.any(|joint| joint.closed.is_none() && self.openness(joint, particles) <= 0.0)
     }
 
-    /// How far a gap is from being closed: positive while open.
-    fn openness(&self, gap: &Gap, particles: &Particles) -> f64 {
+    /// How far a joint is from being closed: positive while open.
+    fn openness(&self, joint: &Joint, particles: &Particles) -> f64 {
         let openness = |sample: &Sample| {
             if self.isothermal {
                 // Enthalpy above the frozen state, in units of the latent heat.
@@ -227,29 +227,27 @@ impl Watches {
                 0.5 - sample.of(|i| particles.frozen_fraction(i))
             }
         };
-        gap.samples.iter().map(openness).fold(f64::INFINITY, f64::min)
+        joint.samples.iter().map(openness).fold(f64::INFINITY, f64::min)
     }
 
     /// Looks at the gaps between pipes: closed once every point of the line between two pipes' neighbours, at some
-    /// radius, is frozen with its latent heat released. The instant is interpolated between looks.
+    /// radius, is frozen with its latent heat released.
     pub fn look(&mut self, particles: &Particles, time: f64) {
         self.next_look = time + self.look_every;
         if let Some(averages) = &mut self.averages {
             averages.look(particles, time);
         }
         for number in 0..self.gaps.len() {
-            if self.gaps[number].closed.is_some() {
-                continue;
+            if self.gaps[number].joint.closed.is_none() {
+                let now = self.openness(&self.gaps[number].joint, particles);
+                self.gaps[number].joint.look(time, now);
             }
-            let now = self.openness(&self.gaps[number], particles);
-            let gap = &mut self.gaps[number];
-            if now <= 0.0 {
-                gap.closed = Some(match gap.last {
-                    Some((before, open)) if open > 0.0 => before + (time - before) * open / (open - now),
-                    _ => time,
-                });
+        }
+        for number in 0..self.wall.joints.len() {
+            if self.wall.joints[number].closed.is_none() {
+                let now = self.openness(&self.wall.joints[number], particles);
+                self.wall.joints[number].look(time, now);
             }
-            gap.last = Some((time, now));
         }
     }
 
@@ -315,6 +313,7 @@ impl Watches {
                 heat_per_pipe_w_per_m: heat / pipes,
             });
         }
+        self.wall.output([&self.main, &self.interface], particles, time);
         // Samples are of particles that stay where they are.
         let sampler = Sampler { lattice: &particles.lattice, mirrors: (false, false), cloud: particles.cloud() };
         for (place, sample) in &self.probes {
@@ -358,6 +357,12 @@ impl Watches {
         averages.map(|averages| (averages.stream(particles), averages.sections())).unwrap_or_default()
     }
 
+    /// When neighbouring pipes of all rings joined, sections of the wall over time, and when it closed around the centre.
+    pub fn wall(&mut self) -> (Vec<LinkRow>, Vec<PlaneRow>, Option<f64>) {
+        let (links, closure) = self.wall.rows();
+        (links, std::mem::take(&mut self.wall.planes), closure)
+    }
+
     /// When each gap closed.
     pub fn gap_rows(&self) -> Vec<GapRow> {
         self.gaps
@@ -366,7 +371,7 @@ impl Watches {
                 gap: gap.number,
                 angle_deg: gap.angle.to_degrees(),
                 multiplicity: gap.multiplicity,
-                closure_s: gap.closed,
+                closure_s: gap.joint.closed,
                 closure_ref_s: None,
             })
             .collect()

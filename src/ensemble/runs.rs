@@ -71,6 +71,9 @@ pub fn result(record: Record, tables: &Tables) -> Result<RunResult, String> {
         budget: Vec::new(),
         walls: typed(tables, "wall.csv")?,
         gaps: typed(tables, "gaps.csv")?,
+        links: Vec::new(),
+        planes: Vec::new(),
+        wall_closure_s: None,
         fields: Vec::new(),
         water,
     })

@@ -73,8 +73,10 @@ impl Fold {
                 }
             }
             Domain::Ring { sector, .. } => {
-                let in_x = scene.rings.iter().all(|ring| is_mirrored(ring, true));
-                let in_y = scene.rings.iter().all(|ring| is_mirrored(ring, false));
+                // Links have names of their own in each plan.
+                let even = !scene.watch.frozen_wall && scene.rings.iter().all(PipeRing::is_even);
+                let in_x = even && scene.rings.iter().all(|ring| is_mirrored(ring, true));
+                let in_y = even && scene.rings.iter().all(|ring| is_mirrored(ring, false));
                 let smaller = match sector {
                     Sector::Whole if in_x && in_y => vec![Sector::Quarter, Sector::Half],
                     Sector::Whole if in_y => vec![Sector::Half],

@@ -6,7 +6,7 @@ use super::field::grid;
 use super::{Gap, Ray, Sample, Watches};
 use crate::memory::Held;
 use crate::particles::Particles;
-use crate::record::{BudgetRow, Field, FrontRow, FrozenRow, ProbeRow, ProfileRow, SurfaceRow, WallRow};
+use crate::record::{BudgetRow, Field, FrontRow, FrozenRow, PlaneRow, ProbeRow, ProfileRow, SurfaceRow, WallRow};
 
 impl Held for Sample {
     fn held(&self) -> usize {
@@ -22,7 +22,7 @@ impl Held for Ray {
 
 impl Held for Gap {
     fn held(&self) -> usize {
-        self.samples.held()
+        self.joint.samples.held()
     }
 }
 
@@ -55,6 +55,7 @@ impl Watches {
         self.front.reserve_exact(only(self.direction.is_some() || self.radial.is_some(), outputs));
         self.frozen.reserve_exact(only(self.shelled, outputs));
         self.walls.reserve_exact(only(!self.main.is_empty(), outputs));
+        self.wall.planes.reserve_exact(only(!self.wall.joints.is_empty(), 3 * outputs));
         self.budget.reserve_exact(outputs);
         self.surfaces.reserve_exact(self.surface_rows);
         self.probe_rows.reserve_exact(self.probes.len() * outputs);
@@ -71,13 +72,15 @@ impl Watches {
         self.probe_rows.clear();
         self.budget.clear();
         self.walls.clear();
+        self.wall.planes.clear();
         self.fields.clear();
     }
 
     /// Bytes that the watches will hold at the end of a run whose heat goes through `doors` doors.
     pub fn held_at_the_end(&self, particles: &Particles, doors: usize) -> usize {
         let cuts = self.cuts.iter().map(|cut| cut.plane.held() + cut.along.held() + cut.samples.held()).sum::<usize>();
-        let samples = self.main.held() + self.interface.held() + self.gaps.held() + cuts;
+        let joints = self.wall.joints.iter().map(|joint| joint.samples.held()).sum::<usize>();
+        let samples = self.main.held() + self.interface.held() + self.gaps.held() + joints + cuts;
         let probes = self.probes.capacity() * size_of::<(DVec2, Sample)>()
             + self.probes.iter().map(|probe| probe.1.held()).sum::<usize>();
         let Rows { outputs, profiles, points } = self.rows;
@@ -85,6 +88,7 @@ impl Watches {
             + self.surface_rows * (size_of::<SurfaceRow>() + "r=0.001".len())
             + self.frozen.capacity() * size_of::<FrozenRow>()
             + self.walls.capacity() * size_of::<WallRow>()
+            + self.wall.planes.capacity() * (size_of::<PlaneRow>() + "interface".len())
             + self.probe_rows.capacity() * size_of::<ProbeRow>()
             + outputs * (size_of::<BudgetRow>() + doors * size_of::<f64>())
             + profiles * points * (size_of::<ProfileRow>() + "line".len());

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec2;
+
 use super::range::{Range, all_of, plain, temperatures};
 use super::section::{Key, Section};
 use super::shells;
@@ -199,14 +201,46 @@ fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
     let pipe_radius = section.positive(("pipe_radius", "m"));
     let temperature = section.series(("temperature", "c"), temperatures(section.units().absolute_zero()));
     let schedule = section.optional_schedule().map(Arc::new);
-    Some(PipeRing {
+    let mut ring = PipeRing {
         count: count?,
         ring_radius: ring_radius?,
         first_angle: first_angle.to_radians(),
+        moved: Vec::new(),
+        missing: Vec::new(),
         pipe_radius: pipe_radius?,
         temperature: temperature?,
         schedule,
-    })
+    };
+    as_built(section, &mut ring);
+    Some(ring)
+}
+
+/// Pipes that are missing, and those that do not stand in their places.
+fn as_built(section: &mut Section<'_>, ring: &mut PipeRing) {
+    const MOVED: (&str, &str) = ("moved", "m");
+    let number = |number: f64| (number.fract() == 0.0 && number < ring.count as f64).then_some(number as usize);
+    let most = ring.count - 1;
+    let missing = section.optional_numbers("missing", Range::NOT_NEGATIVE).unwrap_or_default();
+    for found in &missing {
+        match number(*found) {
+            Some(k) if ring.missing.contains(&k) => section.problem("missing", format!("found {k} twice")),
+            Some(k) => ring.missing.push(k),
+            None => section.problem("missing", format!("found {}, must be whole and at most {most}", plain(*found))),
+        }
+    }
+    if ring.missing.len() == ring.count {
+        section.problem("missing", "found all pipes, one must be left");
+    }
+    for row in section.optional_points(MOVED, Some(3)).unwrap_or_default() {
+        let [found, x, y] = row[..] else { continue };
+        match number(found).filter(|_| found >= 0.0) {
+            Some(k) if ring.moved.iter().any(|(other, _)| *other == k) => {
+                section.problem(MOVED, format!("found pipe {k} twice"));
+            }
+            Some(k) => ring.moved.push((k, DVec2::new(x, y))),
+            None => section.problem(MOVED, format!("found pipe {}, must be whole, 0 to {most}", plain(found))),
+        }
+    }
 }
 
 fn ring_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64, sector: Sector) {
@@ -241,6 +275,9 @@ fn ring_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64,
         Sector::Half => across_x_axis,
         Sector::Quarter => across_x_axis && across_y_axis,
     };
+    if !ring.is_even() {
+        return uneven_in_domain(section, ring, outer_radius, sector);
+    }
     if symmetric {
         return;
     }
@@ -257,9 +294,47 @@ fn ring_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64,
     }
 }
 
+/// A ring with pipes that are missing or out of place: all stand apart, inside the domain, and each has its image in mirrors.
+fn uneven_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64, sector: Sector) {
+    let numbers: Vec<usize> = ring.numbers().collect();
+    for (at, k) in numbers.iter().enumerate() {
+        let place = ring.place(*k);
+        if place.length() + ring.pipe_radius >= outer_radius {
+            let message = format!("pipe {k} must lie inside the outer radius {}", plain(outer_radius));
+            section.problem(("moved", "m"), message);
+        }
+        for other in &numbers[..at] {
+            let distance = place.distance(ring.place(*other));
+            if distance <= 2.0 * ring.pipe_radius {
+                let message = format!(
+                    "pipes {other} and {k} overlap: their axes are {distance:.4} apart, must be more than {}",
+                    plain(2.0 * ring.pipe_radius)
+                );
+                section.problem(("moved", "m"), message);
+            }
+        }
+        let mirrors: &[DVec2] = match sector {
+            Sector::Whole => &[],
+            Sector::Half => &[DVec2::new(1.0, -1.0)],
+            Sector::Quarter => &[DVec2::new(1.0, -1.0), DVec2::new(-1.0, 1.0)],
+        };
+        let has_image = |mirror: &DVec2| {
+            numbers.iter().any(|other| ring.place(*other).distance(place * *mirror) < 1e-9 * outer_radius)
+        };
+        if !mirrors.iter().all(has_image) {
+            let key: (&str, &str) = if ring.moved.is_empty() { ("missing", "") } else { ("moved", "m") };
+            section.problem(
+                key,
+                format!("pipe {k} has no image in the mirror planes of the sector: set domain.ring.sector = \"whole\""),
+            );
+            return;
+        }
+    }
+}
+
 fn overlap(a: &PipeRing, b: &PipeRing) -> bool {
     let reach = a.pipe_radius + b.pipe_radius;
-    if (a.ring_radius - b.ring_radius).abs() > reach {
+    if a.is_even() && b.is_even() && (a.ring_radius - b.ring_radius).abs() > reach {
         return false;
     }
     let others = b.pipes();

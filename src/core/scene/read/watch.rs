@@ -45,7 +45,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
     let (mut probes, mut profile_length, mut front_from) = (Vec::new(), None, 0.0);
     let mut cuts = [Vec::new(), Vec::new()];
     let mut surfaces = Vec::new();
-    let (mut phases, mut corner_front) = (None, false);
+    let (mut phases, mut corner_front, mut frozen_wall) = (None, false, false);
     if let Some(mut section) = root.optional_section("watch") {
         let dimension = domain.map(Domain::dimension);
         let points = section.optional_points(PROBES, dimension).unwrap_or_default();
@@ -78,6 +78,10 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
         if corner_front && domain.is_some_and(|domain| !matches!(domain, Domain::Rectangle { .. })) {
             section.problem("corner_front", "only the domain \"rectangle\" has corners");
         }
+        frozen_wall = section.flag_or("frozen_wall", false);
+        if frozen_wall && domain.is_some_and(|domain| !matches!(domain, Domain::Ring { .. })) {
+            section.problem("frozen_wall", "only the domain \"ring\" has a frozen wall");
+        }
         profile_length = section.optional_number(PROFILE_LENGTH, Range::POSITIVE);
         if let (Some(length), Some(domain)) = (profile_length, domain) {
             let longest = domain.extent();
@@ -106,6 +110,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
         cuts_r,
         phases,
         corner_front,
+        frozen_wall,
         profile_length,
         front_from,
     })

@@ -1,0 +1,291 @@
+//! The frozen wall of a ring: neighbouring pipes whose frozen bodies join, the instant at which a closed wall stands around
+//! the centre, and sections of it.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use glam::DVec2;
+
+use super::{Ray, Sample, Sampler};
+use crate::particles::Particles;
+use crate::record::{LinkRow, PlaneRow};
+use crate::scene::{Domain, Scene, Sector};
+
+/// Two places that are the same, over the size of the plan.
+const SAME_PLACE: f64 = 1e-9;
+
+/// Part of the distance of two pipes, to both sides of the line between them, along which their bodies may join.
+const JOINT: f64 = 0.25;
+
+/// A line on which two frozen bodies join.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Joint {
+    pub(super) samples: Vec<Sample>,
+    /// Time and openness at the last look: positive while open.
+    last: Option<(f64, f64)>,
+    pub(super) closed: Option<f64>,
+}
+
+impl Joint {
+    pub(super) fn new(samples: Vec<Sample>) -> Self {
+        Joint { samples, ..Joint::default() }
+    }
+
+    /// Takes how far it is from being closed at a time. The instant of closing is interpolated between looks.
+    pub(super) fn look(&mut self, time: f64, now: f64) {
+        if now <= 0.0 {
+            self.closed = Some(match self.last {
+                Some((before, open)) if open > 0.0 => before + (time - before) * open / (open - now),
+                _ => time,
+            });
+        }
+        self.last = Some((time, now));
+    }
+}
+
+/// Two neighbouring pipes.
+#[derive(Debug, Clone)]
+struct Link {
+    /// Numbers among all pipes of all rings.
+    ends: [usize; 2],
+    /// Which joint tells of it.
+    joint: usize,
+}
+
+/// A pipe of the whole plan.
+#[derive(Debug, Clone)]
+struct Place {
+    name: String,
+    at: DVec2,
+}
+
+/// Neighbouring pipes and their joints.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Wall {
+    places: Vec<Place>,
+    links: Vec<Link>,
+    pub(super) joints: Vec<Joint>,
+    /// Sections of the wall over time.
+    pub(super) planes: Vec<PlaneRow>,
+}
+
+impl Wall {
+    /// The neighbouring pipes of a scene that asks for them.
+    pub(super) fn of(scene: &Scene, sampler: &Sampler<'_>, spacing: f64) -> Self {
+        let Domain::Ring { sector, .. } = scene.domain else { return Wall::default() };
+        if !scene.watch.frozen_wall {
+            return Wall::default();
+        }
+        let mut places = Vec::new();
+        for (number, ring) in scene.rings.iter().enumerate() {
+            let name = |k: usize| format!("{}.{}", number + 1, k + 1);
+            places.extend(ring.numbers().map(|k| Place { name: name(k), at: ring.place(k) }));
+        }
+        let mut wall = Wall { places, ..Wall::default() };
+        let mut lines: Vec<[DVec2; 2]> = Vec::new();
+        for ends in neighbours(&wall.places) {
+            let line = folded(ends.map(|end| wall.places[end].at), sector);
+            let same = |a: DVec2, b: DVec2| a.distance(b) <= SAME_PLACE * scene.domain.extent();
+            let known = lines.iter().position(|other| {
+                (same(line[0], other[0]) && same(line[1], other[1]))
+                    || (same(line[0], other[1]) && same(line[1], other[0]))
+            });
+            let joint = known.unwrap_or_else(|| {
+                lines.push(line);
+                wall.joints
+                    .push(Joint::new(across(line, spacing).iter().map(|place| sampler.sample(*place)).collect()));
+                lines.len() - 1
+            });
+            wall.links.push(Link { ends, joint });
+        }
+        wall
+    }
+
+    /// Takes sections of the wall at a time: along the first rays through a pipe and between two, and of all that is frozen.
+    pub(super) fn output(&mut self, rays: [&[Ray]; 2], particles: &Particles, time: f64) {
+        if self.places.is_empty() {
+            return;
+        }
+        for (plane, ray) in ["main", "interface"].into_iter().zip(rays.map(<[Ray]>::first)) {
+            let Some(ray) = ray else { continue };
+            let fraction: Vec<f64> =
+                ray.samples.iter().map(|sample| sample.of(|i| particles.frozen_fraction(i))).collect();
+            let temperature: Vec<f64> = ray.samples.iter().map(|sample| sample.of(|i| particles.reading(i))).collect();
+            let ends = ends(&ray.radii, &fraction);
+            self.planes.push(PlaneRow {
+                time_s: time,
+                plane: plane.into(),
+                inner_m: ends.map(|ends| ends.0),
+                outer_m: ends.map(|ends| ends.1),
+                mean_temperature_c: ends.and_then(|ends| mean(&ray.radii, &temperature, ends)),
+            });
+        }
+        let frozen = particles.integral(|i| particles.frozen_fraction(i));
+        let weighted = particles.integral(|i| particles.frozen_fraction(i) * particles.reading(i));
+        let mean_temperature_c = (frozen > 0.0).then(|| weighted / frozen);
+        self.planes.push(PlaneRow {
+            time_s: time,
+            plane: "wall".into(),
+            inner_m: None,
+            outer_m: None,
+            mean_temperature_c,
+        });
+    }
+
+    /// All links, and when a closed wall stood around the centre.
+    pub(super) fn rows(&self) -> (Vec<LinkRow>, Option<f64>) {
+        let rows = self.links.iter().map(|link| {
+            let [a, b] = link.ends.map(|end| &self.places[end]);
+            let middle = 0.5 * (a.at + b.at);
+            LinkRow {
+                from: a.name.clone(),
+                to: b.name.clone(),
+                x_m: middle.x,
+                y_m: middle.y,
+                distance_m: a.at.distance(b.at),
+                closure_s: self.joints[link.joint].closed,
+            }
+        });
+        let joined = self.links.iter().filter_map(|link| Some((link.ends, self.joints[link.joint].closed?)));
+        let places: Vec<DVec2> = self.places.iter().map(|place| place.at).collect();
+        (rows.collect(), closure(&places, joined.collect()))
+    }
+}
+
+/// Pairs of pipes between which no other stands: none lies in the circle over the line between them. Pipes that see each
+/// other across more than a quarter of the plan are no neighbours.
+fn neighbours(places: &[Place]) -> Vec<[usize; 2]> {
+    let mut found = Vec::new();
+    for a in 0..places.len() {
+        for b in a + 1..places.len() {
+            let ends = [places[a].at, places[b].at];
+            if turn(ends[0], ends[1]).abs() > FRAC_PI_2 + SAME_PLACE {
+                continue;
+            }
+            let (middle, radius) = (0.5 * (ends[0] + ends[1]), 0.5 * ends[0].distance(ends[1]));
+            let between = |k: usize| k != a && k != b && places[k].at.distance(middle) < radius * (1.0 - SAME_PLACE);
+            if !(0..places.len()).any(between) {
+                found.push([a, b]);
+            }
+        }
+    }
+    found
+}
+
+/// Angle from one place to another as seen from the centre, at most half a turn.
+fn turn(from: DVec2, to: DVec2) -> f64 {
+    let angle = to.to_angle() - from.to_angle();
+    angle - TAU * (angle / TAU).round()
+}
+
+/// A line's image in a sector, by the mirrors that bring its middle there.
+fn folded(line: [DVec2; 2], sector: Sector) -> [DVec2; 2] {
+    let middle = 0.5 * (line[0] + line[1]);
+    let flip = DVec2::new(
+        if sector == Sector::Quarter && middle.x < 0.0 { -1.0 } else { 1.0 },
+        if sector != Sector::Whole && middle.y < 0.0 { -1.0 } else { 1.0 },
+    );
+    line.map(|place| place * flip)
+}
+
+/// Places across the line between two pipes, at its middle.
+fn across(line: [DVec2; 2], spacing: f64) -> Vec<DVec2> {
+    let (middle, way) = (0.5 * (line[0] + line[1]), (line[1] - line[0]).perp());
+    let count = (2.0 * JOINT * way.length() / (0.25 * spacing)).ceil().max(2.0) as usize;
+    (0..=count).map(|k| middle + way * (JOINT * (2.0 * k as f64 / count as f64 - 1.0))).collect()
+}
+
+/// When links that join one after the other first make a loop around the centre.
+fn closure(places: &[DVec2], mut joined: Vec<([usize; 2], f64)>) -> Option<f64> {
+    joined.sort_by(|a, b| a.1.total_cmp(&b.1));
+    // Groups of joined pipes: each pipe's next towards the head of its group, and the angle to it.
+    let mut heads: Vec<(usize, f64)> = (0..places.len()).map(|k| (k, 0.0)).collect();
+    fn head(heads: &[(usize, f64)], mut at: usize) -> (usize, f64) {
+        let mut angle = 0.0;
+        while heads[at].0 != at {
+            angle += heads[at].1;
+            at = heads[at].0;
+        }
+        (at, angle)
+    }
+    for ([a, b], time) in joined {
+        let (from, to) = (head(&heads, a), head(&heads, b));
+        let around = turn(places[a], places[b]) + to.1 - from.1;
+        if from.0 != to.0 {
+            heads[from.0] = (to.0, around);
+        } else if around.abs() > PI {
+            return Some(time);
+        }
+    }
+    None
+}
+
+/// First and last radius at which a ray is frozen; none where nothing is.
+fn ends(radii: &[f64], fraction: &[f64]) -> Option<(f64, f64)> {
+    let first = fraction.iter().position(|f| *f >= 0.5)?;
+    let last = fraction.iter().rposition(|f| *f >= 0.5)?;
+    let between = |a: usize, b: usize| {
+        let part = (0.5 - fraction[a]) / (fraction[b] - fraction[a]);
+        radii[a] + part * (radii[b] - radii[a])
+    };
+    let inner = if first == 0 { radii[0] } else { between(first - 1, first) };
+    let outer = if last + 1 == radii.len() { radii[last] } else { between(last, last + 1) };
+    Some((inner, outer))
+}
+
+/// Mean of what is read along a ray between two radii.
+fn mean(radii: &[f64], values: &[f64], (inner, outer): (f64, f64)) -> Option<f64> {
+    let inside: Vec<f64> = radii
+        .iter()
+        .zip(values)
+        .filter(|(radius, _)| (inner..=outer).contains(*radius))
+        .map(|(_, value)| *value)
+        .collect();
+    (!inside.is_empty()).then(|| inside.iter().sum::<f64>() / inside.len() as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(count: usize, radius: f64, first: f64) -> Vec<Place> {
+        let at = |k: usize| radius * DVec2::from_angle(first + TAU * k as f64 / count as f64);
+        (0..count).map(|k| Place { name: k.to_string(), at: at(k) }).collect()
+    }
+
+    #[test]
+    fn neighbours_of_a_ring_are_those_beside_each_other() {
+        for count in [4, 5, 26] {
+            let mut found = neighbours(&ring(count, 5.0, 0.1));
+            found.sort();
+            let mut expected: Vec<_> = (0..count).map(|k| [k.min((k + 1) % count), k.max((k + 1) % count)]).collect();
+            expected.sort();
+            assert_eq!(found, expected);
+        }
+        // Two staggered rings: each ring's own, and twice as many between them.
+        let mut both = ring(26, 5.0, 0.0);
+        both.extend(ring(26, 4.2, PI / 26.0));
+        let between = |pair: &&[usize; 2]| (pair[0] < 26) != (pair[1] < 26);
+        let found = neighbours(&both);
+        assert_eq!(found.iter().filter(between).count(), 52);
+    }
+
+    #[test]
+    fn a_wall_is_closed_once_a_loop_runs_around_the_centre() {
+        let places: Vec<DVec2> = ring(6, 5.0, 0.0).iter().map(|place| place.at).collect();
+        let around: Vec<_> = (0..6).map(|k| ([k, (k + 1) % 6], k as f64)).collect();
+        assert_eq!(closure(&places, around.clone()), Some(5.0));
+        assert_eq!(closure(&places, around[..5].to_vec()), None);
+        // A loop beside the centre is none around it.
+        let mut beside = places.clone();
+        beside.extend([DVec2::new(6.0, 0.0), DVec2::new(6.0, 1.0)]);
+        assert_eq!(closure(&beside, vec![([0, 6], 1.0), ([6, 7], 2.0), ([7, 0], 3.0)]), None);
+    }
+
+    #[test]
+    fn ends_lie_between_samples() {
+        let radii = [1.0, 2.0, 3.0, 4.0];
+        assert_eq!(ends(&radii, &[0.0, 1.0, 1.0, 0.0]), Some((1.5, 3.5)));
+        assert_eq!(ends(&radii, &[0.0; 4]), None);
+        assert_eq!(ends(&radii, &[1.0, 0.0, 0.0, 1.0]), Some((1.0, 4.0)));
+    }
+}

@@ -172,7 +172,7 @@ fn wrapped(text: &str, size: f64, bold: bool, width: f64) -> Vec<String> {
         return vec![text.into()];
     }
     let breaks = text.match_indices(' ').map(|(at, _)| at);
-    let split = breaks.filter(|at| text_width(&text[..*at], size, bold) <= width).last();
+    let split = breaks.filter(|at| text_width(&text[..*at], size, bold) <= width).next_back();
     match split {
         Some(at) => vec![text[..at].into(), fitted(text[at..].trim_start(), size, bold, width)],
         None => vec![fitted(text, size, bold, width)],

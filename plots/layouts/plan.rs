@@ -18,7 +18,7 @@ const LEAST: f64 = 2.2;
 /// Side of a sketch (px), and what stands above and below it.
 const SIDE: f64 = 300.0;
 const HEAD: f64 = 2.6 * TICK;
-const FOOT: f64 = 4.6 * TICK;
+const FOOT: f64 = 5.4 * TICK;
 
 /// Plans of the layouts to one scale, six to a figure: pipes, missing pipes, and the weakest gap in bold.
 pub fn sketches(layouts: &[LayoutView<'_>]) -> Vec<Canvas> {
@@ -119,15 +119,14 @@ fn notes(canvas: &mut Canvas, layout: &LayoutView<'_>, (left, top): Spot, scale:
         None => "no gaps watched".into(),
     };
     canvas.text((left, top + 2.7 * TICK), words, TICK, Align::Start);
-    let length = nice_step(60.0 / scale);
-    let (right, y) = (left + SIDE, top + 1.4 * TICK - 4.0);
-    let start = right - scale * length;
+    let length = nice_step(40.0 / scale);
+    let (right, y) = (left + scale * length, top + 4.0 * TICK - 5.0);
     let stroke = Stroke::whole(INK, 2.0);
-    canvas.line(vec![(start, y), (right, y)], stroke);
-    for x in [start, right] {
+    canvas.line(vec![(left, y), (right, y)], stroke);
+    for x in [left, right] {
         canvas.line(vec![(x, y - 4.0), (x, y + 4.0)], stroke);
     }
-    canvas.text((start - 8.0, top + 1.4 * TICK), format!("{} m", number(length, 2)), TICK, Align::End);
+    canvas.text((right + 8.0, top + 4.0 * TICK), format!("{} m", number(length, 2)), TICK, Align::Start);
 }
 
 /// Maps of the temperature of a layout at every instant that has one, by the day: the front heavy, pipes drawn in.

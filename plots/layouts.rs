@@ -171,8 +171,8 @@ fn wrapped(text: &str, size: f64, bold: bool, width: f64) -> Vec<String> {
     if text_width(text, size, bold) <= width {
         return vec![text.into()];
     }
-    let breaks = text.match_indices(' ').map(|(at, _)| at);
-    let split = breaks.filter(|at| text_width(&text[..*at], size, bold) <= width).next_back();
+    let mut breaks = text.match_indices(' ').map(|(at, _)| at);
+    let split = breaks.rfind(|at| text_width(&text[..*at], size, bold) <= width);
     match split {
         Some(at) => vec![text[..at].into(), fitted(text[at..].trim_start(), size, bold, width)],
         None => vec![fitted(text, size, bold, width)],

@@ -13,7 +13,12 @@ const HEIGHT: f64 = 520.0;
 pub fn thickness(layouts: &[LayoutView<'_>]) -> Canvas {
     let series = |layout: &LayoutView<'_>| -> Vec<(f64, f64)> {
         let rows = layout.result.planes.iter().filter(|row| row.plane == "interface");
-        rows.map(|row| (row.time_s, row.outer_m.zip(row.inner_m).map_or(0.0, |(outer, inner)| outer - inner))).collect()
+        let all: Vec<(f64, f64)> = rows
+            .map(|row| (row.time_s, row.outer_m.zip(row.inner_m).map_or(0.0, |(outer, inner)| outer - inner)))
+            .collect();
+        // Lines along the axis, one over the other, would say nothing.
+        let start = all.iter().position(|(_, thick)| *thick > 0.0).unwrap_or(all.len()).saturating_sub(1);
+        all[start..].to_vec()
     };
     over_time(layouts, "Thickness of the frozen wall between two pipes", "wall thickness (m)", &series, false)
 }

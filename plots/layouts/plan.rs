@@ -75,17 +75,15 @@ fn sketch(canvas: &mut Canvas, layout: &LayoutView<'_>, (left, top): Spot, reach
             canvas.line(vec![from, to], Stroke::whole(REFERENCE, 1.0));
         }
     }
-    let weakest = layout.weakest();
-    if let Some(gap) = &weakest {
-        let ends = place(&gap.link.from).zip(place(&gap.link.to));
-        if let Some((from, to)) = ends {
+    // Of gaps that are all alike, none is the weakest.
+    if let Some(gap) = layout.weakest().filter(|gap| !gap.alike) {
+        if let Some((from, to)) = place(&gap.link.from).zip(place(&gap.link.to)) {
             canvas.line(vec![from, to], Stroke::whole(INK, 4.5));
         }
-        // The name stands towards the centre, where there is room.
+        // The name stands inside the ring, where there is room, at the end of a line that leads to the gap.
         let (x, y) = (gap.link.x_m, gap.link.y_m);
-        let far = x.hypot(y).max(1e-9);
-        let inward = (1.0 - 36.0 / (scale * far)).max(0.0);
-        let (px, py) = spot(inward * x, inward * y);
+        let (px, py) = spot(0.45 * x, 0.45 * y);
+        canvas.line(vec![spot(x, y), (px, py)], Stroke::whole(INK, 1.0));
         backed(canvas, (px, py + 0.36 * TICK), &gap.name(), TICK);
     }
     for pipe in &layout.pipes {

@@ -19,8 +19,8 @@ pub struct Drawing {
     pub caption: String,
     /// The figure.
     pub canvas: Canvas,
-    /// The layout, counted from zero, if it shows one only.
-    pub layout: Option<usize>,
+    /// Whether it shows all layouts, or at least as many as fit.
+    pub together: bool,
 }
 
 /// What the page says beside its figures.
@@ -46,44 +46,52 @@ pub fn drawings(layouts: &[LayoutView<'_>], freezing_c: f64) -> Vec<Drawing> {
     if layouts.is_empty() {
         return all;
     }
-    let mut add = |stem: String, caption: &str, canvas: Canvas, layout: Option<usize>| {
-        all.push(Drawing { stem, caption: caption.into(), canvas, layout });
+    let mut add = |stem: String, caption: &str, canvas: Canvas, together: bool| {
+        all.push(Drawing { stem, caption: caption.into(), canvas, together });
     };
     let caption = "When the first and the weakest gap of each layout close, and with the last of them the wall.";
-    add("summary".into(), caption, summary(layouts), None);
+    add("summary".into(), caption, summary(layouts), true);
     for (k, canvas) in sketches(layouts).into_iter().enumerate() {
         let caption = "Pipes, all to one scale: the weakest gap in bold, missing pipes as crosses, the shaft dashed; pipes \
                        too small to be seen are drawn larger.";
-        add(if k == 0 { "sketches".into() } else { format!("sketches_{}", k + 1) }, caption, canvas, None);
+        add(if k == 0 { "sketches".into() } else { format!("sketches_{}", k + 1) }, caption, canvas, true);
     }
     let some = |plane: &str| layouts.iter().any(|layout| layout.result.planes.iter().any(|row| row.plane == plane));
     if some("interface") {
         let caption =
             "Thickness of the wall midway between the first pipe and the next, where it is thinnest in a perfect ring.";
-        add("thickness".into(), caption, thickness(layouts), None);
+        add("thickness".into(), caption, thickness(layouts), true);
     }
     if some("wall") {
         let caption = "Mean temperature of all ground that is frozen.";
-        add("mean_temperature".into(), caption, mean_temperature(layouts), None);
+        add("mean_temperature".into(), caption, mean_temperature(layouts), true);
     }
     if layouts.iter().any(|layout| !layout.load.is_empty()) {
         let caption =
             "Heat that all pipes together take from a metre of depth; the first hours may lie above the figure.";
-        add("load".into(), caption, load(layouts), None);
+        add("load".into(), caption, load(layouts), true);
     }
-    for (k, layout) in layouts.iter().enumerate().filter(|(_, layout)| !layout.result.links.is_empty()) {
-        let caption = format!("{}: the day on which each gap closed, at its place around the ring.", layout.name);
-        add(format!("gaps_{}", k + 1), &caption, gaps_polar(layout), Some(k));
+    // Two charts stand side by side, so that they have the width of all other figures.
+    let watched: Vec<&LayoutView<'_>> = layouts.iter().filter(|layout| !layout.result.links.is_empty()).collect();
+    for (k, some) in watched.chunks(2).enumerate() {
+        let names: Vec<&str> = some.iter().map(|layout| layout.name.as_str()).collect();
+        let mut charts: Vec<Canvas> = some.iter().map(|layout| gaps_polar(layout)).collect();
+        if let [chart] = &charts[..] {
+            charts.push(Canvas::new(chart.width, chart.height, ""));
+        }
+        let caption =
+            format!("{}: the day on which each gap closed, at its place around the ring.", names.join(" and "));
+        add(format!("gaps_{}", k + 1), &caption, Canvas::beside(&charts), false);
     }
     if layouts.iter().any(|layout| !layout.result.profiles.is_empty()) {
         let caption = "Temperature from the centre outwards at the last instant, through a pipe and between two.";
-        add("planes".into(), caption, planes(layouts, freezing_c), None);
+        add("planes".into(), caption, planes(layouts, freezing_c), true);
     }
     for (k, layout) in layouts.iter().enumerate() {
         for (day, canvas) in maps(layout, freezing_c) {
             let caption = format!("{}: temperature after {day} d, the front heavy.", layout.name);
             let file = day.replace([' ', '·'], "").replace('−', "-");
-            add(format!("map_{}_{file}d", k + 1), &caption, canvas, Some(k));
+            add(format!("map_{}_{file}d", k + 1), &caption, canvas, false);
         }
     }
     all
@@ -95,12 +103,16 @@ pub fn page(layouts: &[LayoutView<'_>], text: &PageText, folder: &Path) -> Resul
     let mut figures = Vec::new();
     for drawing in drawings(layouts, text.freezing_c) {
         files.extend(drawing.canvas.write(folder, &drawing.stem)?);
-        if drawing.layout.is_none() || layouts.len() <= SHOWN {
+        if drawing.together || layouts.len() <= SHOWN {
             figures.push(Figure::new(&drawing.canvas, drawing.caption, drawing.stem));
         }
     }
-    let mut opening = vec![Block { tables: vec![text.table.clone()], figures: Vec::new(), ..Block::default() }];
-    opening.push(Block { figures, ..Block::default() });
+    let mut opening =
+        vec![Block { tables: vec![text.table.clone()], ..Block::default() }, Block { figures, ..Block::default() }];
+    if layouts.len() > SHOWN {
+        let note = "Charts of the gaps (gaps_*) and maps (map_*) of each layout are files beside this page.";
+        opening.push(Block { text: vec![note.into()], ..Block::default() });
+    }
     opening.push(Block { heading: "Assumptions".into(), list: text.assumptions.clone(), ..Block::default() });
     let page = Page {
         title: text.title.clone(),

@@ -161,19 +161,19 @@ fn bar(canvas: &mut Canvas, frame: &Frame, layout: &LayoutView<'_>, y: f64) {
     let left = place(0.0);
     canvas.line(vec![(left, upper), (last, upper), (last, lower), (left, lower), (left, upper)], rim);
     if let Some(time) = first {
-        canvas.marker((place(time), lower + 7.5), Marker::Triangle, 5.5, INK, false);
+        canvas.marker((place(time), lower + 8.5), Marker::Triangle, 5.5, INK, false);
     }
     if let Some(gap) = layout.weakest() {
         match gap.link.closure_s {
-            Some(time) => canvas.marker((place(time), upper - 7.5), Marker::Wedge, 5.5, INK, false),
-            None if layout.closure_s.is_some() => canvas.marker((last, upper - 7.5), Marker::Wedge, 5.5, INK, true),
+            Some(time) => canvas.marker((place(time), upper - 8.5), Marker::Wedge, 5.5, INK, false),
+            None if layout.closure_s.is_some() => canvas.marker((last, upper - 8.5), Marker::Wedge, 5.5, INK, true),
             None => {}
         }
     }
     match layout.closure_s {
         Some(time) => {
             let x = place(time);
-            canvas.line(vec![(x, upper - 5.0), (x, lower + 5.0)], Stroke::whole(INK, 3.6));
+            canvas.line(vec![(x, upper - 2.0), (x, lower + 2.0)], Stroke::whole(INK, 3.6));
         }
         None => {
             let (stroke, tip) = (Stroke::whole(INK, 2.2), place(end) + 16.0);

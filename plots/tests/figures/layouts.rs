@@ -263,6 +263,13 @@ fn layouts_of_which_little_is_known_are_drawn() -> Result<(), Box<dyn std::error
     check(&[view.clone()]);
     assert!(gaps_polar(&view).png()?.len() > 1000);
     assert!(drawings(&[], 0.0).is_empty());
+    // A wall that stands although a gap beside it does not close.
+    let mut spared = ring("one gap beside the wall", 26, &[], true);
+    if let Some(link) = spared.result.links.last_mut() {
+        link.closure_s = None;
+    }
+    check(&[spared.view()]);
+    assert!(summary(&[spared.view()]).svg().contains("weakest gap open at the end"));
     // Nothing frozen: all gaps open, no wall, one instant only.
     let mut unfrozen = ring("still warm", 26, &[], false);
     unfrozen.closure = None;
@@ -342,6 +349,7 @@ fn the_page_has_its_table_before_its_figures() -> Result<(), Box<dyn std::error:
         at("mean_temperature.svg")?,
         at("load.svg")?,
         at("gaps_1.svg")?,
+        at("gaps_3.svg")?,
         at("planes.svg")?,
         at("map_1_40d.svg")?,
         at("No water flows.")?,
@@ -355,7 +363,7 @@ fn the_page_has_its_table_before_its_figures() -> Result<(), Box<dyn std::error:
     // Of more, those of one layout each are files beside it.
     let files = page(&views, &text, &folder)?;
     let html = std::fs::read_to_string(folder.join("report.html"))?;
-    assert!(!html.contains("<figcaption>26 pipes:") && html.contains("sketches_2.svg"));
+    assert!(!html.contains("<figcaption>26 pipes") && html.contains("sketches_2.svg"));
     assert!(files.iter().any(|path| path.ends_with("map_8_40d.png")));
     Ok(())
 }

@@ -23,6 +23,9 @@ const DAY: f64 = 86400.0;
 /// Closures that differ by less, relative to the later, are told apart by no engineer.
 const ALIKE: f64 = 0.005;
 
+/// Times and lengths that differ by less, relative to the greater, differ by rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// A pipe of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PipeView {
@@ -66,13 +69,17 @@ pub(crate) struct Weakest<'a> {
     link: &'a LinkRow,
     /// How many gaps are open at the end.
     open: usize,
-    /// Whether all gaps close within [`ALIKE`] of each other.
+    /// How many others close within [`ALIKE`] of it, or stay open and are as wide.
+    others: usize,
+    /// Whether all others do.
     alike: bool,
 }
 
 impl Weakest<'_> {
+    /// Its name, and how many others are like it.
     fn name(&self) -> String {
-        format!("{}–{}", self.link.from, self.link.to)
+        let others = if self.others > 0 { format!(" (+{})", self.others) } else { String::new() };
+        format!("{}–{}{others}", self.link.from, self.link.to)
     }
 }
 
@@ -91,12 +98,17 @@ impl LayoutView<'_> {
             links
                 .iter()
                 .filter(|link| open == 0 || link.closure_s.is_none())
-                .reduce(|best, link| if key(link) > key(best) { link } else { best })
+                .reduce(|best, link| if key(link) > (1.0 + ROUNDING) * key(best) { link } else { best })
         };
         let link = last(if open == 0 { |link| link.closure_s.unwrap_or(0.0) } else { |link| link.distance_m })?;
-        let latest = link.closure_s.unwrap_or(f64::INFINITY);
-        let alike = open == 0 && self.first_s().is_some_and(|first| latest - first <= ALIKE * latest);
-        Some(Weakest { link, open, alike })
+        let like = |other: &&LinkRow| match (link.closure_s, other.closure_s) {
+            (Some(latest), Some(time)) => latest - time <= ALIKE * latest,
+            // Open gaps can be told apart by their widths only.
+            (None, None) => link.distance_m - other.distance_m <= ALIKE * link.distance_m,
+            _ => false,
+        };
+        let count = links.iter().filter(like).count();
+        Some(Weakest { link, open, others: count.saturating_sub(1), alike: count == links.len() })
     }
 
     /// The last instant that is known (s).

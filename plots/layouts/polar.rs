@@ -16,6 +16,9 @@ const MEDIAN: Stroke = Stroke { colour: REFERENCE, width: 2.0, dash: &[8.0, 5.0]
 /// Radius of the chart (px).
 const RADIUS: f64 = 180.0;
 
+/// How far below the upper edge its centre is (px).
+const MIDDLE: f64 = 88.0 + RADIUS;
+
 /// Marks of gaps within a ring and between rings.
 const MARKS: [(Marker, bool); 5] = [
     (Marker::Circle, false),
@@ -48,8 +51,7 @@ pub fn gaps_polar(layout: &LayoutView<'_>) -> Canvas {
     let entries = entries(layout, &groups, &days);
     // A legend takes as much room wherever it is drawn.
     let foot = legend(&mut Canvas::new(WIDTH, 100.0, ""), (LEFT, 0.0), WIDTH - 2.0 * LEFT, &entries);
-    let chart =
-        Chart { centre: (0.5 * WIDTH, 88.0 + RADIUS), radius: if open { 0.86 * RADIUS } else { RADIUS }, step, ticks };
+    let chart = Chart { centre: (0.5 * WIDTH, MIDDLE), radius: if open { 0.86 * RADIUS } else { RADIUS }, step, ticks };
     let below = chart.centre.1 + RADIUS + 76.0;
     let mut canvas = Canvas::new(WIDTH, (below + foot + 24.0).ceil(), "");
     canvas.title = format!("Closure of the gaps around the ring: {}", layout.name);
@@ -73,13 +75,14 @@ pub fn gaps_polar(layout: &LayoutView<'_>) -> Canvas {
     if let Some(gap) = layout.weakest().filter(|gap| !gap.alike) {
         let at = spot(gap.link);
         canvas.ring(at, 11.0, Stroke::whole(INK, 1.6));
-        // The name stands towards the centre, clear of its own mark whatever its length.
-        let (sin, cos) = angle(gap.link).sin_cos();
-        let inwards = 18.0 + 0.5 * text_width(&gap.name(), TICK, true) * cos.abs() + 0.5 * TICK * sin.abs();
-        let name = (at.0 - inwards * cos, at.1 + inwards * sin + 0.36 * TICK);
-        backed(&mut canvas, name, &gap.name(), TICK);
+        let marks: Vec<(f64, f64)> = links.iter().map(spot).collect();
+        let (x, y) = free_place(at, angle(gap.link), text_width(&gap.name(), TICK, true), &marks);
+        backed(&mut canvas, (x, y + 0.36 * TICK), &gap.name(), TICK);
     }
-    let size = if links.len() > 40 { 3.2 } else { 4.5 };
+    // Marks that would touch their neighbours are drawn smaller.
+    let room =
+        days.first().map_or(RADIUS, |first| chart.far(*first)) * std::f64::consts::TAU / links.len().max(1) as f64;
+    let size = if room < 12.0 { 3.0 } else { 4.5 };
     for link in links {
         let group = groups.iter().position(|group| *group == rings(link)).unwrap_or(0);
         let (marker, hollow) = MARKS[group % MARKS.len()];
@@ -89,6 +92,21 @@ pub fn gaps_polar(layout: &LayoutView<'_>) -> Canvas {
         }
     }
     canvas
+}
+
+/// Where the middle of a name of this width stands beside a mark: towards the centre or away from it, as near as no other
+/// mark is covered.
+fn free_place((x, y): (f64, f64), angle: f64, width: f64, marks: &[(f64, f64)]) -> (f64, f64) {
+    let (sin, cos) = angle.sin_cos();
+    let (half, tall) = (0.5 * width, 0.5 * TICK);
+    let near = 18.0 + half * cos.abs() + tall * sin.abs();
+    let place = |away: f64| (x + away * cos, y - away * sin);
+    let free = |(px, py): &(f64, f64)| {
+        let inside = *px > half + 4.0 && *px < WIDTH - half - 4.0 && (*py - MIDDLE).abs() < RADIUS + 8.0;
+        inside && !marks.iter().any(|(mx, my)| (mx - px).abs() < half + 8.0 && (my - py).abs() < tall + 8.0)
+    };
+    let tried = (0..12).map(|k| near + 12.0 * f64::from(k)).flat_map(|far| [place(-far), place(far)]);
+    tried.into_iter().find(free).unwrap_or_else(|| place(-near))
 }
 
 /// Angle at which a gap is seen from the centre.
@@ -160,7 +178,10 @@ fn entries(layout: &LayoutView<'_>, groups: &[String], days: &[f64]) -> Vec<Entr
     }
     let note = |text: String| Entry { text, stroke: None, marker: None };
     match layout.weakest() {
-        Some(gap) if gap.open > 0 => entries.push(note(format!("× on the dotted rim: {} open at the end", gap.open))),
+        Some(gap) if gap.open > 0 && gap.alike => entries.push(note("× on the dotted rim: all open at the end".into())),
+        Some(gap) if gap.open > 0 => {
+            entries.push(note(format!("× on the dotted rim: {} open, widest {}", gap.open, gap.name())));
+        }
         Some(gap) if gap.alike => entries.push(note("all gaps alike".into())),
         Some(gap) => {
             let latest = gap.link.closure_s.unwrap_or(0.0);

@@ -282,6 +282,8 @@ fn layouts_of_which_little_is_known_are_drawn() -> Result<(), Box<dyn std::error
         (row.inner_m, row.outer_m, row.mean_temperature_c) = (None, None, None);
     }
     check(&[unfrozen.view()]);
+    let said = sketches(&[unfrozen.view()]).iter().map(|canvas| canvas.svg()).collect::<String>();
+    assert!(said.contains("no gap closes"));
     check(&[unfrozen.view(), view]);
     for drawing in drawings(&[unfrozen.view()], 0.0) {
         assert!(!drawing.canvas.svg().contains("NaN") && drawing.canvas.png()?.len() > 1000, "{}", drawing.stem);
@@ -294,12 +296,15 @@ fn layouts_of_which_little_is_known_are_drawn() -> Result<(), Box<dyn std::error
 fn closure_weakest_gap_and_load_stand_beside_the_bar() {
     let (whole, failed) = (ring("whole", 26, &[], false), ring("failed", 26, &[3], false));
     let open = ring("open", 26, &[10, 11], false);
-    let svg = summary(&[whole.view(), failed.view(), open.view()]).svg();
+    let staggered = ring("staggered", 26, &[], true);
+    let svg = summary(&[whole.view(), failed.view(), open.view(), staggered.view()]).svg();
     let said: Vec<String> = words(&svg).into_iter().map(|word| word.text).collect();
     let says = |text: &str| said.iter().any(|other| other == text);
     // By the chords: 11 sin(π/26) = 1.3259 m, and twice the angle 11 sin(2π/26) = 2.6325 m, squared and times 7 d/m2.
     assert!(says("12.3 d") && says("48.5 d") && says("open"), "{said:?}");
     assert!(says("all alike") && says("1.3–1.5") && says("1.10–1.13"), "{said:?}");
+    // The outer ring's gaps are wider than those between the rings, and none of them than another.
+    assert!(says("1.1–1.2 (+25)"), "{said:?}");
     // 26 (70 + 300 / √12.306) W/m = 4043.5, to which the chord between instants half a day apart adds
     // 300 · 26 · (0.5)² / 8 · 3/4 · 12.3^-2.5 = 0.3.
     assert!(says("4044 W/m"), "{said:?}");

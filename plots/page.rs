@@ -17,6 +17,8 @@ pub struct Page {
     pub lead: Vec<String>,
     /// The command that makes it again.
     pub command: String,
+    /// What comes first of all, before the scenes.
+    pub opening: Vec<Block>,
     /// What goes before the scenes: the summary over all of them.
     pub summary: Vec<Block>,
     /// The scenes.

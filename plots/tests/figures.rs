@@ -9,6 +9,9 @@ use frazil_plots::convergence::{OrderCurve, convergence};
 use frazil_plots::run::drawings;
 use frazil_plots::{FigureOptions, run_figures};
 
+#[path = "figures/layouts.rs"]
+mod layouts;
+
 fn record(title: &str, method: &str) -> Record {
     Record {
         frazil_version: "0.1.0".into(),

@@ -1,0 +1,205 @@
+//! Layouts of freeze pipes side by side: when they close, where they are weakest, what they draw.
+
+use frazil_core::record::{LinkRow, RunResult};
+
+use crate::canvas::{Canvas, Colour, Stroke, text_width};
+use crate::style::{Marker, MethodStyle, number};
+
+mod curves;
+mod plan;
+mod polar;
+mod report;
+mod summary;
+
+pub use curves::{load, mean_temperature, planes, thickness};
+pub use plan::{maps, sketches};
+pub use polar::gaps_polar;
+pub use report::{Drawing, PageText, drawings, page};
+pub use summary::summary;
+
+/// Seconds of a day.
+const DAY: f64 = 86400.0;
+
+/// Closures that differ by less, relative to the later, are told apart by no engineer.
+const ALIKE: f64 = 0.005;
+
+/// A pipe of a plan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PipeView {
+    /// Its name as links give it: ring and pipe, as `1.3`.
+    pub name: String,
+    /// Place of its axis (m).
+    pub x_m: f64,
+    /// Place of its axis (m).
+    pub y_m: f64,
+    /// Radius (m).
+    pub radius_m: f64,
+}
+
+/// A layout and what a run says of it.
+#[derive(Debug, Clone)]
+pub struct LayoutView<'a> {
+    /// Name.
+    pub name: String,
+    /// Pipes of the whole plan, also where a part of it was run.
+    pub pipes: Vec<PipeView>,
+    /// Design places of pipes that are missing (m).
+    pub missing: Vec<(f64, f64)>,
+    /// Radius of the ground that was reckoned (m).
+    pub outer_radius_m: f64,
+    /// Radius of the shaft to be sunk (m).
+    pub shaft_radius_m: Option<f64>,
+    /// The run.
+    pub result: &'a RunResult,
+    /// Load of all pipes together over time (s, W per metre of depth).
+    pub load: Vec<(f64, f64)>,
+    /// When the wall stood closed (s); absent if it did not.
+    pub closure_s: Option<f64>,
+    /// When thickness and mean temperature were as designed (s); absent if never, or if nothing was asked for.
+    pub design: Option<f64>,
+}
+
+/// The gap that closes last.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Weakest<'a> {
+    /// The gap; of several open ones, the widest.
+    link: &'a LinkRow,
+    /// How many gaps are open at the end.
+    open: usize,
+    /// Whether all gaps close within [`ALIKE`] of each other.
+    alike: bool,
+}
+
+impl Weakest<'_> {
+    fn name(&self) -> String {
+        format!("{}–{}", self.link.from, self.link.to)
+    }
+}
+
+impl LayoutView<'_> {
+    /// When the first gap closed (s).
+    fn first_s(&self) -> Option<f64> {
+        self.result.links.iter().filter_map(|link| link.closure_s).min_by(f64::total_cmp)
+    }
+
+    /// The gap that closes last; absent where no gaps were watched.
+    fn weakest(&self) -> Option<Weakest<'_>> {
+        let links = &self.result.links;
+        let open = links.iter().filter(|link| link.closure_s.is_none()).count();
+        // Of equal ones the first is named.
+        let last = |key: fn(&LinkRow) -> f64| {
+            links
+                .iter()
+                .filter(|link| open == 0 || link.closure_s.is_none())
+                .reduce(|best, link| if key(link) > key(best) { link } else { best })
+        };
+        let link = last(if open == 0 { |link| link.closure_s.unwrap_or(0.0) } else { |link| link.distance_m })?;
+        let latest = link.closure_s.unwrap_or(f64::INFINITY);
+        let alike = open == 0 && self.first_s().is_some_and(|first| latest - first <= ALIKE * latest);
+        Some(Weakest { link, open, alike })
+    }
+
+    /// The last instant that is known (s).
+    fn end_s(&self) -> f64 {
+        let times = self.result.planes.iter().map(|row| row.time_s).chain(self.load.iter().map(|(time, _)| *time));
+        let closures = self.result.links.iter().filter_map(|link| link.closure_s);
+        let known = times.chain(closures).chain(self.closure_s).chain(self.design);
+        known.filter(|time| time.is_finite()).fold(0.0, f64::max)
+    }
+
+    /// Load at an instant (W per metre of depth), between the nearest two that are known.
+    fn load_at(&self, time: f64) -> Option<f64> {
+        between(&self.load, time)
+    }
+}
+
+/// The value of a series at a place, between the nearest two points; absent outside the series.
+fn between(series: &[(f64, f64)], at: f64) -> Option<f64> {
+    if let [(x, y)] = series {
+        return (*x == at).then_some(*y);
+    }
+    let pair = series.windows(2).find(|pair| pair[0].0 <= at && at <= pair[1].0)?;
+    let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];
+    Some(if x1 > x0 { y0 + (y1 - y0) * (at - x0) / (x1 - x0) } else { y1 })
+}
+
+/// The look of the k-th layout. Colour, dashes and marker change at different paces, so that none comes twice in thirty.
+fn look(k: usize) -> MethodStyle {
+    const COLOURS: [Colour; 6] = [
+        Colour(0x0b, 0x3c, 0x8c),
+        Colour(0xe0, 0x7b, 0x10),
+        Colour(0x11, 0x11, 0x11),
+        Colour(0x1f, 0x95, 0x6c),
+        Colour(0x8e, 0x2a, 0x8b),
+        Colour(0x4b, 0xa3, 0xc7),
+    ];
+    const DASHES: [&[f64]; 5] =
+        [&[], &[12.0, 5.0], &[5.0, 4.0], &[12.0, 4.0, 2.5, 4.0], &[20.0, 4.0, 2.5, 4.0, 2.5, 4.0]];
+    const MARKERS: [Marker; 5] = [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::Wedge];
+    MethodStyle {
+        colour: COLOURS[k % COLOURS.len()],
+        marker: MARKERS[k % MARKERS.len()],
+        dash: DASHES[k % DASHES.len()],
+    }
+}
+
+/// A day, as people write it.
+fn day(seconds: f64) -> String {
+    let days = seconds / DAY;
+    number(days, if days < 100.0 { 3 } else { 4 })
+}
+
+/// A text that is no wider than this (px): what is too much is taken from its middle, for names of a kind differ at
+/// their ends.
+fn fitted(text: &str, size: f64, bold: bool, width: f64) -> String {
+    if text_width(text, size, bold) <= width {
+        return text.into();
+    }
+    let letters: Vec<char> = text.chars().collect();
+    (1..letters.len())
+        .rev()
+        .map(|keep| {
+            let (head, tail) = (keep.div_ceil(2), keep / 2);
+            letters[..head].iter().chain(&['…']).chain(&letters[letters.len() - tail..]).collect::<String>()
+        })
+        .find(|short| text_width(short, size, bold) <= width)
+        .unwrap_or_else(|| "…".into())
+}
+
+/// A text in at most two lines that are no wider than this (px).
+fn wrapped(text: &str, size: f64, bold: bool, width: f64) -> Vec<String> {
+    if text_width(text, size, bold) <= width {
+        return vec![text.into()];
+    }
+    let breaks = text.match_indices(' ').map(|(at, _)| at);
+    let split = breaks.filter(|at| text_width(&text[..*at], size, bold) <= width).next_back();
+    match split {
+        Some(at) => vec![text[..at].into(), fitted(text[at..].trim_start(), size, bold, width)],
+        None => vec![fitted(text, size, bold, width)],
+    }
+}
+
+/// A dashed circle.
+fn dashed_circle(canvas: &mut Canvas, (x, y): (f64, f64), radius: f64, stroke: Stroke) {
+    const PIECES: usize = 120;
+    let at = |k: usize| {
+        let (sin, cos) = (std::f64::consts::TAU * k as f64 / PIECES as f64).sin_cos();
+        (x + radius * cos, y + radius * sin)
+    };
+    canvas.line((0..=PIECES).map(at).collect(), stroke);
+}
+
+/// A label on white ground, so that it can be read over lines.
+fn backed(canvas: &mut Canvas, (x, y): (f64, f64), text: &str, size: f64) {
+    let half = 0.5 * text_width(text, size, true) + 3.0;
+    canvas.rectangle((x - half, y - 0.95 * size), (x + half, y + 0.3 * size), Colour::WHITE);
+    canvas.place(crate::canvas::Text {
+        at: (x, y),
+        text: text.into(),
+        size,
+        align: crate::canvas::Align::Middle,
+        bold: true,
+        upward: false,
+        colour: crate::style::INK,
+    });
+}

@@ -1,0 +1,153 @@
+//! Layouts over time and along radii, all in one figure.
+
+use super::{DAY, LayoutView, between, day, fitted, look};
+use crate::axes::{Axis, Entry, Frame, legend};
+use crate::canvas::{Align, Canvas, Stroke};
+use crate::run::{MARGIN, title};
+use crate::style::{LABEL, REFERENCE, number};
+
+/// Height of a frame with its labels (px).
+const HEIGHT: f64 = 520.0;
+
+/// Thickness of the wall between two pipes over time; zero until something is frozen there.
+pub fn thickness(layouts: &[LayoutView<'_>]) -> Canvas {
+    let series = |layout: &LayoutView<'_>| -> Vec<(f64, f64)> {
+        let rows = layout.result.planes.iter().filter(|row| row.plane == "interface");
+        rows.map(|row| (row.time_s, row.outer_m.zip(row.inner_m).map_or(0.0, |(outer, inner)| outer - inner))).collect()
+    };
+    over_time(layouts, "Thickness of the frozen wall between two pipes", "wall thickness (m)", &series, false)
+}
+
+/// Mean temperature of all frozen ground over time.
+pub fn mean_temperature(layouts: &[LayoutView<'_>]) -> Canvas {
+    let series = |layout: &LayoutView<'_>| -> Vec<(f64, f64)> {
+        let rows = layout.result.planes.iter().filter(|row| row.plane == "wall");
+        rows.filter_map(|row| Some((row.time_s, row.mean_temperature_c?))).collect()
+    };
+    over_time(layouts, "Mean temperature of the frozen ground", "mean temperature (°C)", &series, false)
+}
+
+/// Load of all pipes of a layout over time.
+pub fn load(layouts: &[LayoutView<'_>]) -> Canvas {
+    let series = |layout: &LayoutView<'_>| layout.load.clone();
+    over_time(layouts, "Load of all pipes by metre of depth", "load (W/m)", &series, true)
+}
+
+/// One curve for each layout; its marker stands where the wall closes, or hollow at the end where it does not.
+fn over_time(
+    layouts: &[LayoutView<'_>],
+    heading: &str,
+    label: &str,
+    series: &dyn Fn(&LayoutView<'_>) -> Vec<(f64, f64)>,
+    spiked: bool,
+) -> Canvas {
+    let curves: Vec<Vec<(f64, f64)>> = layouts.iter().map(series).collect();
+    let mut entries: Vec<Entry> = layouts.iter().enumerate().map(|(k, layout)| entry(k, &layout.name)).collect();
+    let note = |text: &str| Entry { text: text.into(), stroke: None, marker: None };
+    if layouts.iter().any(|layout| layout.closure_s.is_some()) {
+        entries.push(note("marker: wall closed"));
+    }
+    if layouts.iter().any(|layout| layout.closure_s.is_none()) {
+        entries.push(note("hollow marker at the end: not closed"));
+    }
+    let (mut canvas, top) = begun(heading, &entries, HEIGHT);
+    let points = || curves.iter().flatten();
+    let x = Axis::linear("time (d)", points().map(|(time, _)| time / DAY).chain([0.0]));
+    let most = if spiked { without_spike(points().map(|(_, value)| *value)) } else { f64::INFINITY };
+    let values = points().map(|(_, value)| value.min(most));
+    let y = if spiked { Axis::linear(label, values.chain([0.0])) } else { Axis::linear(label, values) };
+    let frame = Frame::inside((0.0, top), (canvas.width, canvas.height), x, y);
+    frame.draw(&mut canvas);
+    for (k, curve) in curves.iter().enumerate() {
+        frame.curve(&mut canvas, curve.iter().map(|(time, value)| (time / DAY, *value)), look(k).stroke(2.4));
+    }
+    for (k, (curve, layout)) in curves.iter().zip(layouts).enumerate() {
+        let mark = match layout.closure_s {
+            Some(time) => between(curve, time).map(|value| (time, value)),
+            None => curve.last().copied(),
+        };
+        // A mark beyond the frame would stand on its labels.
+        if let Some((time, value)) = mark.filter(|(_, value)| *value >= frame.y.low && *value <= frame.y.high) {
+            let at = frame.spot(time / DAY, value);
+            canvas.marker(at, look(k).marker, 6.5, look(k).colour, layout.closure_s.is_none());
+        }
+    }
+    if points().next().is_none() {
+        nothing(&mut canvas, &frame);
+    }
+    canvas
+}
+
+/// Temperature along the plane through a pipe and along that between two, at the last instant of each layout.
+pub fn planes(layouts: &[LayoutView<'_>], freezing_c: f64) -> Canvas {
+    const EACH: f64 = 390.0;
+    let last = |layout: &LayoutView<'_>| layout.result.profiles.iter().map(|row| row.time_s).max_by(f64::total_cmp);
+    let named = |(k, layout): (usize, &LayoutView<'_>)| {
+        let instant = last(layout).map_or_else(|| "no profile".into(), |time| format!("{} d", day(time)));
+        let mut entry = entry(k, &layout.name);
+        entry.marker = None;
+        entry.text = format!("{}, {instant}", entry.text);
+        entry
+    };
+    let mut entries: Vec<Entry> = layouts.iter().enumerate().map(named).collect();
+    let isotherm = Stroke::whole(REFERENCE, 1.6);
+    let freezing = format!("freezing point, {} °C", number(freezing_c, 3));
+    entries.push(Entry { text: freezing, stroke: Some(isotherm), marker: None });
+    let (mut canvas, mut top) = begun("Temperature along the planes of the wall", &entries, 2.0 * EACH);
+    for (plane, label) in [
+        ("main", "distance from the centre, through a pipe (m)"),
+        ("interface", "distance from the centre, between two pipes (m)"),
+    ] {
+        let rows = |layout: &LayoutView<'_>| -> Vec<(f64, f64)> {
+            let time = last(layout);
+            let rows = layout.result.profiles.iter().filter(|row| row.plane == plane && Some(row.time_s) == time);
+            rows.map(|row| (row.x_m, row.temperature_c)).collect()
+        };
+        let curves: Vec<Vec<(f64, f64)>> = layouts.iter().map(rows).collect();
+        let points = || curves.iter().flatten();
+        let x = Axis::linear(label, points().map(|(x, _)| *x));
+        let y = Axis::linear("temperature (°C)", points().map(|(_, value)| *value).chain([freezing_c]));
+        let frame = Frame::inside((0.0, top), (canvas.width, top + EACH - 14.0), x, y);
+        frame.draw(&mut canvas);
+        frame.curve(&mut canvas, [(frame.x.low, freezing_c), (frame.x.high, freezing_c)], isotherm);
+        for (k, curve) in curves.iter().enumerate() {
+            frame.curve(&mut canvas, curve.iter().copied(), look(k).stroke(2.4));
+        }
+        if points().next().is_none() {
+            nothing(&mut canvas, &frame);
+        }
+        top += EACH;
+    }
+    canvas
+}
+
+/// A drawing with its title and legend, and where they end (px).
+fn begun(heading: &str, entries: &[Entry], below: f64) -> (Canvas, f64) {
+    // A legend takes as much room wherever it is drawn.
+    let top = 54.0 + legend(&mut Canvas::new(1000.0, 100.0, ""), (MARGIN, 46.0), 950.0, entries);
+    let mut canvas = Canvas::new(1000.0, (top + below).ceil(), heading);
+    title(&mut canvas, heading);
+    legend(&mut canvas, (MARGIN, 46.0), 950.0, entries);
+    (canvas, top)
+}
+
+fn entry(k: usize, name: &str) -> Entry {
+    let style = look(k);
+    Entry {
+        text: fitted(name, LABEL, false, 520.0),
+        stroke: Some(style.stroke(2.4)),
+        marker: Some((style.marker, style.colour, false)),
+    }
+}
+
+/// The jump at the start is without bound; the axis follows the rest.
+fn without_spike(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() * 19 / 20).map_or(1.0, |most| 1.3 * most.abs())
+}
+
+fn nothing(canvas: &mut Canvas, frame: &Frame) {
+    let at = (0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom));
+    canvas.text(at, "no values", LABEL, Align::Middle);
+}

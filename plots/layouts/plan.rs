@@ -1,0 +1,166 @@
+//! Plans of layouts to one scale, and maps of their temperature.
+
+use super::{LayoutView, backed, dashed_circle, day, wrapped};
+use crate::axes::nice_step;
+use crate::canvas::{Align, Canvas, Spot, Stroke, Text};
+use crate::map::{self, Look};
+use crate::run::{FigureOptions, Words, title};
+use crate::style::{INK, REFERENCE, TICK, number};
+use frazil_core::scene::TimeUnit;
+
+/// Sketches in a row, and in a figure.
+const COLUMNS: usize = 3;
+const MOST: usize = 6;
+
+/// Least radius at which a pipe is drawn (px).
+const LEAST: f64 = 2.2;
+
+/// Side of a sketch (px), and what stands above and below it.
+const SIDE: f64 = 300.0;
+const HEAD: f64 = 2.6 * TICK;
+const FOOT: f64 = 5.4 * TICK;
+
+/// Plans of the layouts to one scale, six to a figure: pipes, missing pipes, and the weakest gap in bold.
+pub fn sketches(layouts: &[LayoutView<'_>]) -> Vec<Canvas> {
+    let reach = layouts.iter().map(reach).fold(0.0, f64::max);
+    let reach = if reach > 0.0 { 1.06 * reach } else { 1.0 };
+    layouts.chunks(MOST).map(|some| figure(some, reach)).collect()
+}
+
+/// How far from the centre anything is drawn (m).
+fn reach(layout: &LayoutView<'_>) -> f64 {
+    let pipes = layout.pipes.iter().map(|pipe| pipe.x_m.hypot(pipe.y_m) + pipe.radius_m);
+    let missing = layout.missing.iter().map(|(x, y)| x.hypot(*y));
+    pipes.chain(missing).chain(layout.shaft_radius_m).filter(|far| far.is_finite()).fold(0.0, f64::max)
+}
+
+fn figure(layouts: &[LayoutView<'_>], reach: f64) -> Canvas {
+    const GAP: f64 = 25.0;
+    const TOP: f64 = 50.0;
+    let rows = layouts.len().div_ceil(COLUMNS).max(1);
+    let heading = "Layouts to scale";
+    let mut canvas = Canvas::new(1000.0, TOP + rows as f64 * (HEAD + SIDE + FOOT), heading);
+    title(&mut canvas, heading);
+    for (k, layout) in layouts.iter().enumerate() {
+        let left = GAP + (k % COLUMNS) as f64 * (SIDE + GAP);
+        sketch(&mut canvas, layout, (left, TOP + (k / COLUMNS) as f64 * (HEAD + SIDE + FOOT)), reach);
+    }
+    canvas
+}
+
+fn sketch(canvas: &mut Canvas, layout: &LayoutView<'_>, (left, top): Spot, reach: f64) {
+    let lines = wrapped(&layout.name, TICK, true, SIDE);
+    for (k, line) in lines.iter().enumerate() {
+        let y = top + HEAD - 10.0 - 1.2 * TICK * (lines.len() - 1 - k) as f64;
+        canvas.place(Text {
+            at: (left, y),
+            text: line.clone(),
+            size: TICK,
+            align: Align::Start,
+            bold: true,
+            upward: false,
+            colour: INK,
+        });
+    }
+    let scale = 0.5 * SIDE / reach;
+    let (cx, cy) = (left + 0.5 * SIDE, top + HEAD + 0.5 * SIDE);
+    let spot = |x: f64, y: f64| (cx + scale * x, cy - scale * y);
+    if let Some(radius) = layout.shaft_radius_m {
+        dashed_circle(canvas, (cx, cy), scale * radius, Stroke { colour: INK, width: 1.4, dash: &[7.0, 5.0] });
+    }
+    canvas.cross((cx, cy), 4.0, Stroke::whole(REFERENCE, 1.2));
+    let place = |name: &str| layout.pipes.iter().find(|pipe| pipe.name == name).map(|pipe| spot(pipe.x_m, pipe.y_m));
+    for link in &layout.result.links {
+        if let (Some(from), Some(to)) = (place(&link.from), place(&link.to)) {
+            canvas.line(vec![from, to], Stroke::whole(REFERENCE, 1.0));
+        }
+    }
+    let weakest = layout.weakest();
+    if let Some(gap) = &weakest {
+        let ends = place(&gap.link.from).zip(place(&gap.link.to));
+        if let Some((from, to)) = ends {
+            canvas.line(vec![from, to], Stroke::whole(INK, 4.5));
+        }
+        // The name stands towards the centre, where there is room.
+        let (x, y) = (gap.link.x_m, gap.link.y_m);
+        let far = x.hypot(y).max(1e-9);
+        let inward = (1.0 - 36.0 / (scale * far)).max(0.0);
+        let (px, py) = spot(inward * x, inward * y);
+        backed(canvas, (px, py + 0.36 * TICK), &gap.name(), TICK);
+    }
+    for pipe in &layout.pipes {
+        pipe_at(canvas, spot(pipe.x_m, pipe.y_m), scale * pipe.radius_m);
+    }
+    for (x, y) in &layout.missing {
+        canvas.cross(spot(*x, *y), 6.0, Stroke::whole(INK, 2.2));
+    }
+    notes(canvas, layout, (left, top + HEAD + SIDE), scale);
+}
+
+fn pipe_at(canvas: &mut Canvas, at: Spot, radius: f64) {
+    let radius = radius.max(LEAST);
+    canvas.marker(at, crate::style::Marker::Circle, radius, INK, radius > 4.0);
+}
+
+/// What stands under a sketch: how many pipes, the weakest gap, and the scale.
+fn notes(canvas: &mut Canvas, layout: &LayoutView<'_>, (left, top): Spot, scale: f64) {
+    let mut count = format!("{} pipes", layout.pipes.len());
+    if !layout.missing.is_empty() {
+        count += &format!(", {} missing (×)", layout.missing.len());
+    }
+    canvas.text((left, top + 1.4 * TICK), count, TICK, Align::Start);
+    let words = match layout.weakest() {
+        Some(gap) => match gap.link.closure_s {
+            Some(time) if gap.alike => format!("all gaps alike, closed by {} d", day(time)),
+            Some(time) => format!("weakest {}, closed after {} d", gap.name(), day(time)),
+            None if gap.open == 1 => format!("{} does not close", gap.name()),
+            None => format!("{} gaps do not close", gap.open),
+        },
+        None => "no gaps watched".into(),
+    };
+    canvas.text((left, top + 2.7 * TICK), words, TICK, Align::Start);
+    let length = nice_step(40.0 / scale);
+    let (right, y) = (left + scale * length, top + 4.0 * TICK - 5.0);
+    let stroke = Stroke::whole(INK, 2.0);
+    canvas.line(vec![(left, y), (right, y)], stroke);
+    for x in [left, right] {
+        canvas.line(vec![(x, y - 4.0), (x, y + 4.0)], stroke);
+    }
+    canvas.text((right + 8.0, top + 4.0 * TICK), format!("{} m", number(length, 2)), TICK, Align::Start);
+}
+
+/// Maps of the temperature of a layout at every instant that has one, by the day: the front heavy, pipes drawn in.
+pub fn maps(layout: &LayoutView<'_>, freezing_c: f64) -> Vec<(String, Canvas)> {
+    let options = FigureOptions {
+        time_unit: TimeUnit::Day,
+        freezing_point: freezing_c,
+        axes: ("x", "y"),
+        pressures: (0.0, 0.0),
+        cut: 0.0,
+    };
+    let mut words = Words::of(layout.result, &options);
+    words.heading.clone_from(&layout.name);
+    let drawn = |field: &frazil_core::record::Field| {
+        let look = Look {
+            heading: format!("{}, {}", words.heading, words.instant(field.time_s)),
+            kind: "Temperature",
+            label: words.temperature_label.clone(),
+            range: None,
+            zero: freezing_c,
+        };
+        let (mut canvas, frame) = map::draw_in(field, &words, &look);
+        let scale = (frame.right - frame.left) / (frame.x.high - frame.x.low);
+        for pipe in &layout.pipes {
+            let inside = pipe.x_m >= frame.x.low
+                && pipe.x_m <= frame.x.high
+                && pipe.y_m >= frame.y.low
+                && pipe.y_m <= frame.y.high;
+            if inside {
+                let at = frame.spot(pipe.x_m, pipe.y_m);
+                canvas.marker(at, crate::style::Marker::Circle, (scale * pipe.radius_m).max(LEAST), INK, true);
+            }
+        }
+        (day(field.time_s), canvas)
+    };
+    layout.result.fields.iter().map(drawn).collect()
+}

@@ -1,0 +1,116 @@
+//! All figures of a study, and its page.
+
+use std::path::{Path, PathBuf};
+
+use super::{LayoutView, gaps_polar, load, maps, mean_temperature, planes, sketches, summary, thickness};
+use crate::PlotError;
+use crate::canvas::Canvas;
+use crate::page::{self, Block, Figure, Page, Table};
+
+/// Layouts up to which all polar charts and maps stand on the page; of more, they are files beside it.
+const SHOWN: usize = 6;
+
+/// A figure with its file name (without ending) and caption.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawing {
+    /// File name without ending.
+    pub stem: String,
+    /// One sentence that says what to see.
+    pub caption: String,
+    /// The figure.
+    pub canvas: Canvas,
+    /// The layout, counted from zero, if it shows one only.
+    pub layout: Option<usize>,
+}
+
+/// What the page says beside its figures.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct PageText {
+    /// Title.
+    pub title: String,
+    /// A sentence or two on what the page shows.
+    pub lead: Vec<String>,
+    /// One row for each layout.
+    pub table: Table,
+    /// What was assumed.
+    pub assumptions: Vec<String>,
+    /// The command that makes the page again.
+    pub command: String,
+    /// Temperature at which the ground freezes, for isotherms.
+    pub freezing_c: f64,
+}
+
+/// Every figure that the layouts have values for, in the order in which they are read.
+pub fn drawings(layouts: &[LayoutView<'_>], freezing_c: f64) -> Vec<Drawing> {
+    let mut all = Vec::new();
+    if layouts.is_empty() {
+        return all;
+    }
+    let mut add = |stem: String, caption: &str, canvas: Canvas, layout: Option<usize>| {
+        all.push(Drawing { stem, caption: caption.into(), canvas, layout });
+    };
+    let caption = "When the first and the weakest gap of each layout close, and with the last of them the wall.";
+    add("summary".into(), caption, summary(layouts), None);
+    for (k, canvas) in sketches(layouts).into_iter().enumerate() {
+        let caption = "Pipes, all to one scale: the weakest gap in bold, missing pipes as crosses, the shaft dashed; pipes \
+                       too small to be seen are drawn larger.";
+        add(if k == 0 { "sketches".into() } else { format!("sketches_{}", k + 1) }, caption, canvas, None);
+    }
+    let some = |plane: &str| layouts.iter().any(|layout| layout.result.planes.iter().any(|row| row.plane == plane));
+    if some("interface") {
+        let caption =
+            "Thickness of the wall midway between the first pipe and the next, where it is thinnest in a perfect ring.";
+        add("thickness".into(), caption, thickness(layouts), None);
+    }
+    if some("wall") {
+        let caption = "Mean temperature of all ground that is frozen.";
+        add("mean_temperature".into(), caption, mean_temperature(layouts), None);
+    }
+    if layouts.iter().any(|layout| !layout.load.is_empty()) {
+        let caption =
+            "Heat that all pipes together take from a metre of depth; the first hours may lie above the figure.";
+        add("load".into(), caption, load(layouts), None);
+    }
+    for (k, layout) in layouts.iter().enumerate().filter(|(_, layout)| !layout.result.links.is_empty()) {
+        let caption = format!("{}: the day on which each gap closed, at its place around the ring.", layout.name);
+        add(format!("gaps_{}", k + 1), &caption, gaps_polar(layout), Some(k));
+    }
+    if layouts.iter().any(|layout| !layout.result.profiles.is_empty()) {
+        let caption = "Temperature from the centre outwards at the last instant, through a pipe and between two.";
+        add("planes".into(), caption, planes(layouts, freezing_c), None);
+    }
+    for (k, layout) in layouts.iter().enumerate() {
+        for (day, canvas) in maps(layout, freezing_c) {
+            let caption = format!("{}: temperature after {day} d, the front heavy.", layout.name);
+            let file = day.replace([' ', '·'], "").replace('−', "-");
+            add(format!("map_{}_{file}d", k + 1), &caption, canvas, Some(k));
+        }
+    }
+    all
+}
+
+/// Writes all figures and the page `report.html` into a folder and returns the files.
+pub fn page(layouts: &[LayoutView<'_>], text: &PageText, folder: &Path) -> Result<Vec<PathBuf>, PlotError> {
+    let mut files = Vec::new();
+    let mut figures = Vec::new();
+    for drawing in drawings(layouts, text.freezing_c) {
+        files.extend(drawing.canvas.write(folder, &drawing.stem)?);
+        if drawing.layout.is_none() || layouts.len() <= SHOWN {
+            figures.push(Figure::new(&drawing.canvas, drawing.caption, drawing.stem));
+        }
+    }
+    let mut opening = vec![Block { tables: vec![text.table.clone()], figures: Vec::new(), ..Block::default() }];
+    opening.push(Block { figures, ..Block::default() });
+    opening.push(Block { heading: "Assumptions".into(), list: text.assumptions.clone(), ..Block::default() });
+    let page = Page {
+        title: text.title.clone(),
+        lead: text.lead.clone(),
+        command: text.command.clone(),
+        opening,
+        ..Page::default()
+    };
+    let path = folder.join("report.html");
+    page::write(&page, &path)?;
+    files.push(path);
+    Ok(files)
+}

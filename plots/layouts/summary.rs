@@ -1,0 +1,187 @@
+//! Closure of all layouts as bars from the start: the figure to look at first.
+
+use super::{DAY, LayoutView, day, wrapped};
+use crate::axes::{Axis, Entry, Frame, legend};
+use crate::canvas::{Align, Canvas, Colour, Stroke, Text, text_width};
+use crate::run::{MARGIN, title};
+use crate::style::{INK, LABEL, Marker, TICK, number};
+
+/// Height of a row and of its bar (px).
+const ROW: f64 = 52.0;
+const BAR: f64 = 20.0;
+
+/// Until the first gap closes, until the wall does, and from then on until it is as designed.
+const WAITING: Colour = Colour(0xd3, 0xdc, 0xea);
+const CLOSING: Colour = Colour(0x7f, 0x9c, 0xc9);
+const GROWING: Colour = Colour(0x0b, 0x3c, 0x8c);
+
+/// A column of numbers beside the bars.
+struct Column {
+    heads: [&'static str; 2],
+    cells: Vec<String>,
+}
+
+/// One bar a layout, from the start: when its first gap closes, when its weakest does and with it the wall, and when the
+/// wall is as designed. Beside it stand the day, the weakest gap and the load.
+pub fn summary(layouts: &[LayoutView<'_>]) -> Canvas {
+    const WIDTH: f64 = 1000.0;
+    let entries = entries(layouts);
+    // A legend takes as much room wherever it is drawn.
+    let top = 50.0 + legend(&mut Canvas::new(WIDTH, 100.0, ""), (MARGIN, 46.0), 950.0, &entries);
+    let bars = top + 2.6 * LABEL;
+    let foot = 2.2 * TICK + 1.4 * LABEL;
+    let bottom = bars + ROW * layouts.len().max(1) as f64;
+    let heading = "When the layouts close";
+    let mut canvas = Canvas::new(WIDTH, (bottom + foot).ceil(), heading);
+    title(&mut canvas, heading);
+    legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries);
+
+    let names: Vec<Vec<String>> = layouts.iter().map(|layout| wrapped(&layout.name, LABEL, true, 210.0)).collect();
+    let widest = names.iter().flatten().map(|line| text_width(line, LABEL, true)).fold(60.0, f64::max);
+    let columns = columns(layouts);
+    let mut right = WIDTH - MARGIN;
+    for column in columns.iter().rev() {
+        let heads = column.heads.iter().map(|head| text_width(head, TICK, true));
+        let cells = column.cells.iter().map(|cell| text_width(cell, LABEL, true));
+        let width = heads.chain(cells).fold(0.0, f64::max);
+        for (k, head) in column.heads.iter().enumerate() {
+            bold(&mut canvas, (right, top + (0.9 + 1.2 * k as f64) * TICK), head, TICK, Align::End);
+        }
+        for (k, cell) in column.cells.iter().enumerate() {
+            bold(&mut canvas, (right, bars + (k as f64 + 0.5) * ROW + 0.36 * LABEL), cell, LABEL, Align::End);
+        }
+        right -= width + 18.0;
+    }
+
+    let end = layouts.iter().map(LayoutView::end_s).fold(0.0, f64::max) / DAY;
+    let high = if end > 0.0 { 1.06 * end } else { 1.0 };
+    let frame = Frame {
+        left: MARGIN + widest + 14.0,
+        top: bars,
+        right: right - 4.0,
+        bottom,
+        x: Axis::between("time since the start of freezing (d)", 0.0, high),
+        y: Axis::columns("", &[]),
+    };
+    grid(&mut canvas, &frame);
+    for (k, (layout, name)) in layouts.iter().zip(&names).enumerate() {
+        let y = bars + (k as f64 + 0.5) * ROW;
+        let first = y + 0.36 * LABEL - 0.6 * LABEL * (name.len() - 1) as f64;
+        for (line, text) in name.iter().enumerate() {
+            bold(&mut canvas, (MARGIN, first + 1.2 * LABEL * line as f64), text, LABEL, Align::Start);
+        }
+        bar(&mut canvas, &frame, layout, y);
+    }
+    canvas
+}
+
+fn bold(canvas: &mut Canvas, at: (f64, f64), text: &str, size: f64, align: Align) {
+    canvas.place(Text { at, text: text.into(), size, align, bold: true, upward: false, colour: INK });
+}
+
+fn entries(layouts: &[LayoutView<'_>]) -> Vec<Entry> {
+    let band =
+        |text: &str, colour| Entry { text: text.into(), stroke: Some(Stroke::whole(colour, 12.0)), marker: None };
+    let mark =
+        |text: &str, marker, hollow| Entry { text: text.into(), stroke: None, marker: Some((marker, INK, hollow)) };
+    let mut entries = vec![
+        band("all gaps open", WAITING),
+        band("gaps closing", CLOSING),
+        band("wall closed", GROWING),
+        mark("first gap closed", Marker::Triangle, false),
+        mark("weakest gap closed", Marker::Wedge, false),
+    ];
+    if layouts.iter().any(|layout| layout.design.is_some()) {
+        entries.push(mark("thick and cold as designed", Marker::Diamond, true));
+    }
+    if layouts.iter().any(|layout| layout.closure_s.is_some() && layout.weakest().is_some_and(|gap| gap.open > 0)) {
+        entries.push(mark("weakest gap open at the end", Marker::Wedge, true));
+    }
+    if layouts.iter().any(|layout| layout.closure_s.is_none()) {
+        entries.push(Entry { text: "→ wall still open at the end".into(), stroke: None, marker: None });
+    }
+    entries
+}
+
+fn columns(layouts: &[LayoutView<'_>]) -> Vec<Column> {
+    let closed =
+        |layout: &LayoutView<'_>| layout.closure_s.map_or_else(|| "open".into(), |time| format!("{} d", day(time)));
+    let weakest = |layout: &LayoutView<'_>| match layout.weakest() {
+        Some(gap) if gap.alike => "all alike".into(),
+        Some(gap) => gap.name(),
+        None => "–".into(),
+    };
+    let load = |layout: &LayoutView<'_>| match layout.closure_s {
+        Some(time) => layout.load_at(time).map_or_else(|| "–".into(), |load| format!("{} W/m", number(load, 3))),
+        None => layout.load.last().map_or_else(|| "–".into(), |(_, load)| format!("({} W/m)", number(*load, 3))),
+    };
+    let mut columns = vec![
+        Column { heads: ["wall", "closed"], cells: layouts.iter().map(closed).collect() },
+        Column { heads: ["weakest", "gap"], cells: layouts.iter().map(weakest).collect() },
+        Column { heads: ["load then", "(at the end)"], cells: layouts.iter().map(load).collect() },
+    ];
+    if layouts.iter().any(|layout| layout.design.is_some()) {
+        let design =
+            |layout: &LayoutView<'_>| layout.design.map_or_else(|| "–".into(), |time| format!("{} d", day(time)));
+        columns.push(Column { heads: ["as", "designed"], cells: layouts.iter().map(design).collect() });
+    }
+    if layouts.iter().all(|layout| layout.closure_s.is_some()) {
+        columns[2].heads = ["load", "then"];
+    }
+    columns
+}
+
+/// The frame with its days; rows need no lines.
+fn grid(canvas: &mut Canvas, frame: &Frame) {
+    let unlabelled = Frame { y: Axis::columns("", &[]), ..frame.clone() };
+    unlabelled.draw(canvas);
+}
+
+fn bar(canvas: &mut Canvas, frame: &Frame, layout: &LayoutView<'_>, y: f64) {
+    let place = |time: f64| frame.spot(time / DAY, 0.0).0;
+    let end = layout.end_s();
+    let first = layout.first_s();
+    let (upper, lower) = (y - 0.5 * BAR, y + 0.5 * BAR);
+    let mut piece = |from: f64, to: f64, colour| {
+        if to > from {
+            canvas.rectangle((place(from), upper), (place(to), lower), colour);
+        }
+    };
+    let closed = layout.closure_s.unwrap_or(end);
+    let waited = first.unwrap_or(closed).min(closed);
+    piece(0.0, waited, WAITING);
+    piece(waited, closed, CLOSING);
+    if let Some(design) = layout.design {
+        piece(closed, design, GROWING);
+    } else if layout.closure_s.is_some() {
+        piece(closed, end, GROWING);
+    }
+    let rim = Stroke::whole(INK, 1.2);
+    let last = place(layout.design.unwrap_or(end).max(closed));
+    let left = place(0.0);
+    canvas.line(vec![(left, upper), (last, upper), (last, lower), (left, lower), (left, upper)], rim);
+    if let Some(time) = first {
+        canvas.marker((place(time), lower + 7.5), Marker::Triangle, 5.5, INK, false);
+    }
+    if let Some(gap) = layout.weakest() {
+        match gap.link.closure_s {
+            Some(time) => canvas.marker((place(time), upper - 7.5), Marker::Wedge, 5.5, INK, false),
+            None if layout.closure_s.is_some() => canvas.marker((last, upper - 7.5), Marker::Wedge, 5.5, INK, true),
+            None => {}
+        }
+    }
+    match layout.closure_s {
+        Some(time) => {
+            let x = place(time);
+            canvas.line(vec![(x, upper - 5.0), (x, lower + 5.0)], Stroke::whole(INK, 3.6));
+        }
+        None => {
+            let (stroke, tip) = (Stroke::whole(INK, 2.2), place(end) + 16.0);
+            canvas.line(vec![(place(end), y), (tip, y)], stroke);
+            canvas.line(vec![(tip - 9.0, y - 7.0), (tip, y), (tip - 9.0, y + 7.0)], stroke);
+        }
+    }
+    if let Some(time) = layout.design {
+        canvas.marker((place(time), y), Marker::Diamond, 7.0, INK, true);
+    }
+}

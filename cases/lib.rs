@@ -7,6 +7,7 @@ pub mod paper;
 pub mod scenes;
 pub mod seepage;
 pub mod shells;
+pub mod studies;
 pub mod table;
 
 use frazil_core::reference::Reference;

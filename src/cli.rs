@@ -14,7 +14,7 @@ use crate::compare::vary::{RATIOS, Vary};
 use crate::failure::{Failure, Verdict, exit_code};
 use crate::properties::{PropertiesRequest, Rows, properties};
 use crate::stability::axis::Axis;
-use crate::{check, compare, ensemble, list, load, parallel, run, stability};
+use crate::{check, compare, ensemble, layout, list, load, parallel, run, stability};
 
 /// Freezing by particles: peridynamics, SPH, eDPD and a local baseline on the same scenes.
 #[derive(Debug, Parser)]
@@ -34,6 +34,8 @@ enum Command {
     Stability(StabilityArguments),
     /// Checks a scene and prints what a run of it would do.
     Check(CheckArguments),
+    /// Sets layouts of freeze pipes beside each other: the day the wall closes, its weakest gap, thickness, load.
+    Layout(LayoutArguments),
     /// Finds the constants of an eDPD fluid from the Schmidt and Prandtl numbers of a real one.
     Calibrate(CalibrateArguments),
     /// Measures what the fluid that `calibrate` gives is really like, on moving particles: diffusivities, Schmidt and
@@ -78,6 +80,31 @@ struct RunArguments {
     /// Draws a temperature map at every output, for an animation: frames/*.png. Needs a plane.
     #[arg(long)]
     frames: bool,
+    /// Says nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+#[derive(Debug, Args)]
+struct LayoutArguments {
+    /// A study file, or the name of a bundled study.
+    study: String,
+    /// The method; by default the study's, or the first that the scene has settings for.
+    #[arg(long, value_name = "NAME")]
+    method: Option<String>,
+    /// Overrides a key of the scene of all layouts; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
+    set: Vec<(String, String)>,
+    /// Layouts that run at once; by default one for each core.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Runs the layouts K, K + N, K + 2 N, ... alone; the same command without it takes all over that the folder holds,
+    /// and writes the tables.
+    #[arg(long, value_name = "K/N", value_parser = shard)]
+    shard: Option<(usize, usize)>,
+    /// Folder for the results; by default out/STUDY. Layouts that it holds already are not run again.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -365,6 +392,16 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             quiet: arguments.quiet,
             command_line: std::env::args().collect::<Vec<_>>().join(" "),
         }),
+        Command::Layout(arguments) => layout::layout(&layout::LayoutRequest {
+            study: arguments.study,
+            method: arguments.method,
+            overrides: arguments.set,
+            threads: arguments.threads.map_or_else(parallel::cores, usize::from),
+            shard: arguments.shard.unwrap_or((0, 1)),
+            out: arguments.out,
+            quiet: arguments.quiet,
+            command_line: std::env::args().collect::<Vec<_>>().join(" "),
+        }),
         Command::Check(mut arguments) => check::check(&check::CheckRequest {
             overrides: if arguments.paper {
                 let (method, overrides) = load::paper(&arguments.scene, &arguments.method, arguments.set)?;
@@ -441,6 +478,15 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             quiet: arguments.quiet,
         }),
         Command::List => list::list(),
+    }
+}
+
+fn shard(text: &str) -> Result<(usize, usize), String> {
+    let parts: Option<(usize, usize)> =
+        text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    match parts {
+        Some((k, n)) if k >= 1 && k <= n => Ok((k - 1, n)),
+        _ => Err("must be K/N, as 3/16".into()),
     }
 }
 

@@ -9,6 +9,7 @@ pub mod failure;
 pub mod fields;
 pub mod interrupt;
 pub mod journal;
+pub mod layout;
 pub mod list;
 pub mod load;
 pub mod machine;

@@ -76,3 +76,21 @@ fn unknown_scene(asked: &str) -> String {
         format!("\"{asked}\" is neither a file nor a bundled scene, did you mean {}?", near.join(" or "))
     }
 }
+
+/// A number of a scene's file after overrides, by its path.
+pub fn number(argument: &str, overrides: &[(String, String)], path: &str) -> Result<f64, Failure> {
+    let missing = || Failure::Request(format!("sensitivity: the scene has no number \"{path}\""));
+    if let Some((_, value)) = overrides.iter().rev().find(|(key, _)| key == path) {
+        return value.parse().map_err(|_| missing());
+    }
+    let text = match frazil_cases::scenes::find(argument) {
+        Some(bundled) => bundled.text.to_owned(),
+        None => {
+            let path = Path::new(argument);
+            fs::read_to_string(path).map_err(|error| Failure::file(path, "cannot be read", error))?
+        }
+    };
+    // Whatever else is wrong with it, reading the scene has told.
+    let table: toml::Table = toml::from_str(&text).map_err(|_| missing())?;
+    crate::layout::study::number(&table, path).ok_or_else(missing)
+}

@@ -176,7 +176,7 @@ impl Watches {
             main,
             interface,
             gaps,
-            wall: Wall::of(scene, &sampler, spacing),
+            wall: Wall::of(scene, &sampler),
             next_look: 0.0,
             look_every: scene.duration * Self::LOOK_SHARE,
             sector_count: sector.map_or(1.0, |sector| sector.images() as f64),

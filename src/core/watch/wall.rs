@@ -1,4 +1,4 @@
-//! The frozen wall of a ring: neighbouring pipes whose frozen bodies join, the instant at which a closed wall stands around
+//! The frozen wall of a ring: neighbouring pipes, joined once the middle between them is frozen through, the instant at which a closed wall stands around
 //! the centre, and sections of it.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -13,10 +13,7 @@ use crate::scene::{Domain, Scene, Sector};
 /// Two places that are the same, over the size of the plan.
 const SAME_PLACE: f64 = 1e-9;
 
-/// Part of the distance of two pipes, to both sides of the line between them, along which their bodies may join.
-const JOINT: f64 = 0.25;
-
-/// A line on which two frozen bodies join.
+/// Places of which the first to freeze joins two frozen bodies.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Joint {
     pub(super) samples: Vec<Sample>,
@@ -70,7 +67,7 @@ pub(super) struct Wall {
 
 impl Wall {
     /// The neighbouring pipes of a scene that asks for them.
-    pub(super) fn of(scene: &Scene, sampler: &Sampler<'_>, spacing: f64) -> Self {
+    pub(super) fn of(scene: &Scene, sampler: &Sampler<'_>) -> Self {
         let Domain::Ring { sector, .. } = scene.domain else { return Wall::default() };
         if !scene.watch.frozen_wall {
             return Wall::default();
@@ -91,8 +88,7 @@ impl Wall {
             });
             let joint = known.unwrap_or_else(|| {
                 lines.push(line);
-                wall.joints
-                    .push(Joint::new(across(line, spacing).iter().map(|place| sampler.sample(*place)).collect()));
+                wall.joints.push(Joint::new(vec![sampler.sample(0.5 * (line[0] + line[1]))]));
                 lines.len() - 1
             });
             wall.links.push(Link { ends, joint });
@@ -185,13 +181,6 @@ fn folded(line: [DVec2; 2], sector: Sector) -> [DVec2; 2] {
         if sector != Sector::Whole && middle.y < 0.0 { -1.0 } else { 1.0 },
     );
     line.map(|place| place * flip)
-}
-
-/// Places across the line between two pipes, at its middle.
-fn across(line: [DVec2; 2], spacing: f64) -> Vec<DVec2> {
-    let (middle, way) = (0.5 * (line[0] + line[1]), (line[1] - line[0]).perp());
-    let count = (2.0 * JOINT * way.length() / (0.25 * spacing)).ceil().max(2.0) as usize;
-    (0..=count).map(|k| middle + way * (JOINT * (2.0 * k as f64 / count as f64 - 1.0))).collect()
 }
 
 /// When links that join one after the other first make a loop around the centre.

@@ -1,0 +1,27 @@
+//! The layout studies that come with the program.
+
+use crate::scenes::BundledScene;
+
+macro_rules! bundled {
+    ($($name:literal),* $(,)?) => {
+        &[$(BundledScene { name: $name, text: include_str!(concat!("studies/", $name, ".toml")) }),*]
+    };
+}
+
+/// All of them.
+pub fn all() -> &'static [BundledScene] {
+    bundled![
+        "shaft-single-sand",
+        "shaft-single-clay",
+        "shaft-three-pipe",
+        "shaft-four-pipe",
+        "shaft-deviation",
+        "shaft-failed-pipe",
+        "shaft-sweep",
+    ]
+}
+
+/// The study of a name.
+pub fn find(name: &str) -> Option<&'static BundledScene> {
+    all().iter().find(|study| study.name == name)
+}

@@ -1,0 +1,119 @@
+//! Layouts of freeze pipes beside each other: when the wall closes, how thick and cold it is, and at what load.
+//!
+//! A study goes one way: layouts, each a scene; their runs, each whole in a folder of its own; then tables, figures and one
+//! page from these folders alone. So layouts found on disk, from other shards and just run are the same.
+
+use std::path::{Path, PathBuf};
+
+use crate::failure::{Failure, Verdict, answer, complain};
+use crate::output::Folder;
+use crate::{load, output};
+
+pub mod answers;
+pub mod execute;
+pub mod formula;
+pub mod report;
+pub mod study;
+pub mod tables;
+
+use answers::Answers;
+use execute::{Pair, Work};
+use study::Layout;
+
+/// What is to be studied.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayoutRequest {
+    /// Study, by path or bundled name.
+    pub study: String,
+    /// Method; the study's, or the first of the scene, if absent.
+    pub method: Option<String>,
+    /// Pairs of key path and value that override the scene of all layouts.
+    pub overrides: Vec<(String, String)>,
+    /// Layouts that run at once.
+    pub threads: usize,
+    /// Which part of the layouts is to be run, from 0, of how many.
+    pub shard: (usize, usize),
+    /// Folder for the results; `out/<study>` if absent.
+    pub out: Option<PathBuf>,
+    /// Whether to say nothing but errors.
+    pub quiet: bool,
+    /// The command as it was typed, for the page.
+    pub command_line: String,
+}
+
+/// A layout and what is known of it.
+pub struct Found<'a> {
+    /// The layout.
+    pub layout: &'a Layout,
+    /// Its runs.
+    pub pair: Pair,
+    /// What they say.
+    pub fine: Answers,
+    /// The same at twice the spacing.
+    pub coarse: Option<Answers>,
+}
+
+/// Runs layouts and sets them beside each other.
+pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
+    let study = study::read(&request.study, &request.overrides)?;
+    let Some(first) = study.layouts.first() else { return Ok(Verdict::Done) };
+    let asked = request.method.as_deref().or(study.method.as_deref());
+    let method = load::method(&first.scene, asked)?;
+    let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
+    let folder = Folder::make(&path)?;
+    let work = Work {
+        study: &study,
+        method,
+        folder: &path,
+        threads: request.threads,
+        shard: request.shard,
+        quiet: request.quiet,
+    };
+    let made = match work.make() {
+        Ok(made) => made,
+        Err(failure) => {
+            folder.take_back();
+            return Err(failure);
+        }
+    };
+    let mut found = Vec::new();
+    for layout in &study.layouts {
+        let Some(pair) = work.kept(layout) else { continue };
+        let fine = Answers::of(&layout.scene, &pair.fine, study.design);
+        let coarse = pair.coarse.as_ref().map(|kept| Answers::of(&layout.scene, kept, study.design));
+        found.push(Found { layout, pair, fine, coarse });
+    }
+    let missing = study.layouts.len() - found.len();
+    if made.is_none() {
+        complain(&format!("interrupted: the same command runs the other {missing} layouts"));
+        return Ok(Verdict::Broken);
+    }
+    if missing > 0 {
+        if !request.quiet {
+            answer(&format!("{missing} of {} layouts are left to other shards\n", study.layouts.len()))?;
+        }
+        return Ok(Verdict::Done);
+    }
+    tables::write(&path, &study, method, &found)?;
+    report::write(request, &study, &work, &found)?;
+    if !request.quiet {
+        answer(&tables::summary(&study, method, &found, &path))?;
+    }
+    let bad = found.iter().map(|one| crate::run::verdict(one.fine.outcome));
+    Ok(bad.fold(Verdict::Done, |worst, own| match (worst, own) {
+        (Verdict::Broken, _) | (_, Verdict::Broken) => Verdict::Broken,
+        (Verdict::CheckFailed, _) | (_, Verdict::CheckFailed) => Verdict::CheckFailed,
+        _ => Verdict::Done,
+    }))
+}
+
+/// Writes rows as a table.
+fn write_rows<R: serde::Serialize>(folder: &Path, name: &str, rows: &[R]) -> Result<(), Failure> {
+    output::write_whole(&folder.join(name), |writer| {
+        let mut table = csv::Writer::from_writer(writer);
+        for row in rows {
+            table.serialize(row).map_err(std::io::Error::other)?;
+        }
+        table.flush()
+    })
+}

@@ -1,0 +1,225 @@
+//! What a run says about a layout.
+
+use frazil_core::record::{BudgetRow, LinkRow, Outcome, PlaneRow, ProfileRow, Record, RunResult, WallRow};
+use frazil_core::scene::{Domain, Scene};
+use serde::{Deserialize, Serialize};
+
+use super::formula::SteadyRing;
+use super::study::{Design, working};
+
+/// Seconds of a day.
+pub const DAY: f64 = 86400.0;
+
+/// What is kept of a run: all that tables and figures over layouts read.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Kept {
+    /// The record.
+    pub record: Record,
+    /// Neighbouring pipes.
+    pub links: Vec<LinkRow>,
+    /// Sections of the wall.
+    pub planes: Vec<PlaneRow>,
+    /// The wall over time.
+    pub walls: Vec<WallRow>,
+    /// Profiles at the last instant.
+    pub profiles: Vec<ProfileRow>,
+    /// Heat balance; the pipes' columns are the last ones.
+    pub budget: Vec<BudgetRow>,
+    /// Names of its columns.
+    pub budget_names: Vec<String>,
+    /// When a closed wall stood (s).
+    pub wall_closure_s: Option<f64>,
+}
+
+impl Kept {
+    /// From a run.
+    pub fn of(result: &RunResult) -> Kept {
+        let last = result.profiles.iter().map(|row| row.time_s).fold(f64::NEG_INFINITY, f64::max);
+        Kept {
+            record: result.record.clone(),
+            links: result.links.clone(),
+            planes: result.planes.clone(),
+            walls: result.walls.clone(),
+            profiles: result.profiles.iter().filter(|row| row.time_s == last).cloned().collect(),
+            budget: result.budget.clone(),
+            budget_names: result.budget_names.clone(),
+            wall_closure_s: result.wall_closure_s,
+        }
+    }
+
+    /// The run, as far as figures read it.
+    pub fn run(&self) -> RunResult {
+        RunResult {
+            record: self.record.clone(),
+            front: Vec::new(),
+            beside: Vec::new(),
+            frozen: Vec::new(),
+            phases: Vec::new(),
+            stream: Vec::new(),
+            sections: Vec::new(),
+            profiles: self.profiles.clone(),
+            probes: Vec::new(),
+            surfaces: Vec::new(),
+            budget_names: self.budget_names.clone(),
+            budget: self.budget.clone(),
+            walls: self.walls.clone(),
+            gaps: Vec::new(),
+            links: self.links.clone(),
+            planes: self.planes.clone(),
+            wall_closure_s: self.wall_closure_s,
+            fields: Vec::new(),
+            water: None,
+        }
+    }
+}
+
+/// The wall at an instant.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Day {
+    /// The instant (days).
+    pub day: f64,
+    /// Thickness on the interface plane (m).
+    pub thickness_interface_m: f64,
+    /// Thickness on the main plane (m).
+    pub thickness_main_m: f64,
+    /// Inner front on the interface plane (m from the centre).
+    pub inner_m: Option<f64>,
+    /// Outer front on the interface plane (m from the centre).
+    pub outer_m: Option<f64>,
+    /// Mean temperature on the main plane.
+    pub mean_main_c: Option<f64>,
+    /// Mean temperature on the interface plane.
+    pub mean_interface_c: Option<f64>,
+    /// Mean temperature of all frozen ground.
+    pub mean_c: Option<f64>,
+    /// Heat taken by a pipe, mean over all (W/m).
+    pub heat_per_pipe_w_per_m: f64,
+    /// Heat taken by all pipes since the start (MJ by metre of depth).
+    pub energy_mj_per_m: f64,
+}
+
+/// What an engineer asks of a layout.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answers {
+    /// Pipes that work.
+    pub pipes: usize,
+    /// Day on which the first two neighbours joined.
+    pub first_gap: Option<f64>,
+    /// Day on which a closed wall stood around the centre.
+    pub closure: Option<f64>,
+    /// The link that was last to close the wall, or the widest that is open.
+    pub weakest: Option<LinkRow>,
+    /// Links that are open at the end.
+    pub open: usize,
+    /// Day on which all neighbours had joined.
+    pub all_gaps: Option<f64>,
+    /// Day on which the wall had the wanted thickness and mean temperature.
+    pub design: Option<f64>,
+    /// The wall on the days of the profiles.
+    pub days: Vec<Day>,
+    /// Heat taken by all pipes over time: seconds, W by metre of depth.
+    pub load: Vec<(f64, f64)>,
+    /// Greatest load after the first day (W/m).
+    pub peak: f64,
+    /// Mean temperature of the wall and heat per pipe (W/m) of the steady ring with the same fronts at the end.
+    pub formula: Option<(f64, f64)>,
+    /// How the run ended.
+    pub outcome: Outcome,
+}
+
+impl Answers {
+    /// From a run of a scene.
+    pub fn of(scene: &Scene, kept: &Kept, design: Option<Design>) -> Answers {
+        let images = match scene.domain {
+            Domain::Ring { sector, .. } => sector.images() as f64,
+            _ => 1.0,
+        };
+        let pipes = working(&scene.rings);
+        let day = |time: f64| time / DAY;
+        let closures = || kept.links.iter().filter_map(|link| link.closure_s);
+        let open = kept.links.iter().filter(|link| link.closure_s.is_none()).count();
+        let doors = kept.budget_names.len().saturating_sub(scene.rings.len());
+        let taken = |row: &BudgetRow| -images * row.in_j[doors.min(row.in_j.len())..].iter().sum::<f64>();
+        let load: Vec<(f64, f64)> =
+            kept.walls.iter().map(|row| (row.time_s, row.heat_per_pipe_w_per_m * pipes as f64)).collect();
+        let at = |time: f64| {
+            let wall = |value: fn(&WallRow) -> f64| read(kept.walls.iter().map(|row| (row.time_s, value(row))), time);
+            let plane = |name: &'static str, value: fn(&PlaneRow) -> Option<f64>| {
+                let rows = kept.planes.iter().filter(move |row| row.plane == name);
+                let found: Vec<(f64, f64)> = rows.filter_map(|row| Some((row.time_s, value(row)?))).collect();
+                // Before anything is frozen there is nothing to read.
+                let begun = found.first().is_some_and(|first| first.0 <= time * (1.0 + 1e-12));
+                if begun { read(found.into_iter(), time) } else { None }
+            };
+            Day {
+                day: day(time),
+                thickness_interface_m: wall(|row| row.thickness_interface_m).unwrap_or(0.0),
+                thickness_main_m: wall(|row| row.thickness_main_m).unwrap_or(0.0),
+                inner_m: plane("interface", |row| row.inner_m),
+                outer_m: plane("interface", |row| row.outer_m),
+                mean_main_c: plane("main", |row| row.mean_temperature_c),
+                mean_interface_c: plane("interface", |row| row.mean_temperature_c),
+                mean_c: plane("wall", |row| row.mean_temperature_c),
+                heat_per_pipe_w_per_m: wall(|row| row.heat_per_pipe_w_per_m).unwrap_or(0.0),
+                energy_mj_per_m: 1e-6
+                    * read(kept.budget.iter().map(|row| (row.time_s, taken(row))), time).unwrap_or(0.0),
+            }
+        };
+        let days: Vec<Day> = scene.watch.profiles.iter().map(|time| at(*time)).collect();
+        let reached = |design: Design| {
+            let good = |day: &Day| {
+                day.thickness_interface_m >= design.thickness_m
+                    && day.mean_c.is_some_and(|mean| mean <= design.mean_temperature_c)
+            };
+            // Outputs are where thickness and temperature are known.
+            kept.walls.iter().map(|row| at(row.time_s)).find(good).map(|found| found.day)
+        };
+        Answers {
+            pipes,
+            first_gap: closures().reduce(f64::min).map(day),
+            closure: kept.wall_closure_s.map(day),
+            weakest: weakest(kept),
+            open,
+            all_gaps: if open == 0 { closures().reduce(f64::max).map(day) } else { None },
+            design: design.and_then(reached),
+            formula: days.last().and_then(|last| formula(scene, last)),
+            days,
+            peak: load.iter().filter(|(time, _)| *time > DAY).map(|(_, load)| *load).fold(0.0, f64::max),
+            load,
+            outcome: kept.record.outcome,
+        }
+    }
+}
+
+/// The link that was last to close the wall; while it is open, the widest open one.
+fn weakest(kept: &Kept) -> Option<LinkRow> {
+    let closing = kept.links.iter().find(|link| kept.wall_closure_s.is_some() && link.closure_s == kept.wall_closure_s);
+    let open = kept.links.iter().filter(|link| link.closure_s.is_none());
+    closing.or_else(|| open.max_by(|a, b| a.distance_m.total_cmp(&b.distance_m))).cloned()
+}
+
+/// A series at an instant, linear between its rows; none beyond them.
+fn read(rows: impl Iterator<Item = (f64, f64)>, time: f64) -> Option<f64> {
+    let rows: Vec<(f64, f64)> = rows.collect();
+    let after = rows.iter().position(|row| row.0 >= time * (1.0 - 1e-12))?;
+    let (t1, v1) = rows[after];
+    let Some((t0, v0)) = after.checked_sub(1).map(|before| rows[before]) else { return Some(v1) };
+    Some(v0 + (v1 - v0) * ((time - t0) / (t1 - t0)).min(1.0))
+}
+
+/// The steady ring of a scene with one even ring, with the fronts of a day.
+fn formula(scene: &Scene, day: &Day) -> Option<(f64, f64)> {
+    let [ring] = &scene.rings[..] else { return None };
+    let material = &scene.materials[0];
+    let (inner, outer) = day.inner_m.zip(day.outer_m)?;
+    let steady = SteadyRing {
+        count: ring.count,
+        ring_radius: ring.ring_radius,
+        pipe_radius: ring.pipe_radius,
+        pipe: ring.temperature.at(scene.duration) - material.freezing_point,
+        fronts: (inner, outer),
+        conductivity: material.frozen.conductivity,
+    };
+    let (mean, heat) = if ring.is_even() && steady.pipe < 0.0 { steady.mean_and_heat()? } else { return None };
+    Some((mean + material.freezing_point, heat))
+}

@@ -1,0 +1,166 @@
+//! Runs of all layouts, side by side; those that a folder holds are not run again.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use frazil_core::march::{self, Options};
+use frazil_core::record::Outcome;
+use frazil_core::scene::Scene;
+use frazil_plots::{FigureOptions, run_figures};
+use serde::{Deserialize, Serialize};
+
+use super::answers::Kept;
+use super::study::{Layout, Role, Study};
+use crate::failure::{Failure, complain};
+use crate::progress::{Reporter, clock};
+use crate::{interrupt, load, output, parallel};
+
+/// What a folder keeps of a layout: a run, and the same at twice the spacing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Pair {
+    /// Name of the layout, program and both scenes, by which it is known again.
+    key: String,
+    /// The run.
+    pub fine: Kept,
+    /// The same at twice the spacing; none where that is too coarse for the layout.
+    pub coarse: Option<Kept>,
+    /// Why not.
+    pub refused: Option<String>,
+}
+
+/// File of a layout that is whole.
+const KEPT: &str = "layout.json";
+
+/// Runs of a study.
+pub struct Work<'a> {
+    /// The study.
+    pub study: &'a Study,
+    /// Method.
+    pub method: &'static str,
+    /// Folder.
+    pub folder: &'a Path,
+    /// Workers.
+    pub threads: usize,
+    /// Which part of the layouts is to be run, of how many.
+    pub shard: (usize, usize),
+    /// Whether to say nothing but errors.
+    pub quiet: bool,
+}
+
+impl Work<'_> {
+    /// All layouts of this shard that are not there yet; returns how many were run, or that it was interrupted.
+    pub fn make(&self) -> Result<Option<usize>, Failure> {
+        let (shard, shards) = self.shard;
+        let layouts = &self.study.layouts;
+        let wanted: Vec<usize> =
+            (0..layouts.len()).filter(|k| k % shards == shard && self.kept(&layouts[*k]).is_none()).collect();
+        let reporter = Reporter::new(self.quiet);
+        let (began, done, failed) = (Instant::now(), AtomicUsize::new(0), Mutex::new(None));
+        let made = parallel::in_order(wanted.len(), self.threads, |k| {
+            let stopped = interrupt::watch().load(Ordering::Relaxed);
+            if stopped || failed.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
+                return None;
+            }
+            match self.layout(&layouts[wanted[k]]) {
+                Ok(true) => {
+                    let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+                    reporter.at(count as f64 / wanted.len() as f64, || {
+                        let left = began.elapsed().as_secs_f64() / count as f64 * (wanted.len() - count) as f64;
+                        format!("{count} of {} layouts, about {} left", wanted.len(), clock(left))
+                    });
+                    Some(())
+                }
+                Ok(false) => None,
+                Err(failure) => {
+                    failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(failure);
+                    None
+                }
+            }
+        });
+        reporter.finish();
+        if let Some(failure) = failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            return Err(failure);
+        }
+        let count = made.iter().flatten().count();
+        Ok((count == wanted.len()).then_some(count))
+    }
+
+    /// Folder of a layout.
+    pub fn folder_of(&self, layout: &Layout) -> PathBuf {
+        let plain: String = layout
+            .name
+            .chars()
+            .map(|c| if c.is_ascii_alphanumeric() || "-._".contains(c) { c } else { '_' })
+            .take(60)
+            .collect();
+        // Names that differ in other letters only stay apart.
+        let hash = xxhash_rust::xxh3::xxh3_64(layout.name.as_bytes()) & 0xffff_ffff;
+        self.folder.join("layouts").join(format!("{plain}-{hash:08x}"))
+    }
+
+    fn key(&self, layout: &Layout) -> String {
+        let version = env!("CARGO_PKG_VERSION");
+        format!("{version} {} {} {}", layout.name, self.method, layout.scene.hash)
+    }
+
+    /// What is known of a layout.
+    pub fn kept(&self, layout: &Layout) -> Option<Pair> {
+        let text = fs::read_to_string(self.folder_of(layout).join(KEPT)).ok()?;
+        let pair: Pair = serde_json::from_str(&text).ok()?;
+        (pair.key == self.key(layout)).then_some(pair)
+    }
+
+    /// One layout; says whether it came to its end.
+    fn layout(&self, layout: &Layout) -> Result<bool, Failure> {
+        let named = |failure: Failure| Failure::Request(format!("layout \"{}\": {failure}", layout.name));
+        let options = Options {
+            threads: 1,
+            seed: 1,
+            interrupt: Some(interrupt::watch()),
+            progress: None,
+            time_limit_s: None,
+            fields: layout.role == Role::Compared,
+            each_output: None,
+        };
+        let run = |scene: &Scene| march::run(scene, self.method, None, &options).map_err(Failure::from);
+        let fine = run(&layout.scene).map_err(named)?;
+        if matches!(fine.record.outcome, Outcome::Interrupted | Outcome::TimedOut) {
+            return Ok(false);
+        }
+        let (mut coarse, mut refused) = (None, None);
+        match self.coarser(layout).and_then(|scene| run(&scene)) {
+            Ok(result) if result.record.outcome == Outcome::Interrupted => return Ok(false),
+            Ok(result) => coarse = Some(Kept::of(&result)),
+            Err(failure) => refused = Some(failure.to_string()),
+        }
+        let path = self.folder_of(layout);
+        fs::create_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
+        output::write_run(&path, &fine)?;
+        if layout.role == Role::Compared
+            && let Err(error) = run_figures(&fine, &path, &FigureOptions::of(&layout.scene))
+        {
+            complain(&format!("figures: {error}"));
+        }
+        output::write_json(&path.join(KEPT), &Pair { key: self.key(layout), fine: Kept::of(&fine), coarse, refused })?;
+        Ok(true)
+    }
+
+    /// The scene of a layout at twice the spacing.
+    fn coarser(&self, layout: &Layout) -> Result<Scene, Failure> {
+        let spacing = layout.scene.method(self.method).map_or(0.0, |settings| settings.numerics.spacing);
+        let sector = match layout.scene.domain {
+            frazil_core::scene::Domain::Ring { sector, .. } => sector.name(),
+            _ => "whole",
+        };
+        let mut overrides = vec![
+            ("domain.ring.sector".to_owned(), sector.to_owned()),
+            ("watch.frozen_wall".to_owned(), "true".to_owned()),
+        ];
+        overrides.extend(layout.overrides.iter().cloned());
+        overrides.push((format!("method.{}.spacing_m", self.method), format!("{}", 2.0 * spacing)));
+        load::scene(&self.study.scene, &overrides)
+    }
+}

@@ -1,0 +1,272 @@
+//! The tables of a study, and its answer in words.
+
+use std::path::Path;
+
+use frazil_core::record::Outcome;
+use serde::Serialize;
+
+use super::answers::Answers;
+use super::study::{Role, Study};
+use super::{Found, write_rows};
+use crate::failure::Failure;
+
+/// One row of `layouts.csv`.
+#[derive(Debug, Serialize)]
+struct LayoutRow<'a> {
+    layout: &'a str,
+    of: &'a str,
+    method: &'a str,
+    outcome: &'a str,
+    pipes: usize,
+    first_gap_days: Option<f64>,
+    closure_days: Option<f64>,
+    closure_error_days: Option<f64>,
+    weakest_from: Option<&'a str>,
+    weakest_to: Option<&'a str>,
+    open_gaps: usize,
+    all_gaps_days: Option<f64>,
+    design_days: Option<f64>,
+    end_days: f64,
+    thickness_interface_m: f64,
+    thickness_interface_error_m: Option<f64>,
+    thickness_main_m: f64,
+    inner_m: Option<f64>,
+    outer_m: Option<f64>,
+    mean_temperature_c: Option<f64>,
+    mean_temperature_error_k: Option<f64>,
+    mean_temperature_ring_formula_c: Option<f64>,
+    heat_per_pipe_w_per_m: f64,
+    heat_per_pipe_ring_formula_w_per_m: Option<f64>,
+    load_w_per_m: f64,
+    load_peak_w_per_m: f64,
+    plant_kw: Option<f64>,
+    energy_mj_per_m: f64,
+    energy_error_mj_per_m: Option<f64>,
+    spacing_m: f64,
+    particles: u64,
+    part_of_plan: &'a str,
+}
+
+#[derive(Debug, Serialize)]
+struct DayRow<'a> {
+    layout: &'a str,
+    day: f64,
+    thickness_interface_m: f64,
+    thickness_main_m: f64,
+    inner_m: Option<f64>,
+    outer_m: Option<f64>,
+    mean_main_c: Option<f64>,
+    mean_interface_c: Option<f64>,
+    mean_c: Option<f64>,
+    heat_per_pipe_w_per_m: f64,
+    energy_mj_per_m: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct GapRow<'a> {
+    layout: &'a str,
+    from: &'a str,
+    to: &'a str,
+    x_m: f64,
+    y_m: f64,
+    distance_m: f64,
+    closure_days: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct SensitivityRow<'a> {
+    layout: &'a str,
+    key: &'a str,
+    factor: f64,
+    closure_days: Option<f64>,
+    closure_change_days: Option<f64>,
+    thickness_change_m: Option<f64>,
+    mean_temperature_change_k: Option<f64>,
+    energy_change_mj_per_m: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct DeviationRow<'a> {
+    layout: &'a str,
+    members: usize,
+    closed: usize,
+    closure_p05_days: Option<f64>,
+    closure_p50_days: Option<f64>,
+    closure_p95_days: Option<f64>,
+}
+
+/// A value, and the same at twice the spacing: what the spacing still changes.
+fn error(fine: Option<f64>, coarse: Option<f64>) -> Option<f64> {
+    fine.zip(coarse).map(|(fine, coarse)| (fine - coarse).abs())
+}
+
+/// How far the day of closure may be off.
+pub(super) fn closure_error(found: &Found<'_>) -> Option<f64> {
+    error(found.fine.closure, found.coarse.as_ref().and_then(|coarse| coarse.closure))
+}
+
+/// Writes all tables.
+pub(super) fn write(folder: &Path, study: &Study, method: &str, found: &[Found<'_>]) -> Result<(), Failure> {
+    let rows: Vec<LayoutRow<'_>> = found.iter().filter_map(|one| row(study, method, one)).collect();
+    write_rows(folder, "layouts.csv", &rows)?;
+    let days: Vec<DayRow<'_>> = found
+        .iter()
+        .flat_map(|one| {
+            one.fine.days.iter().map(|day| DayRow {
+                layout: &one.layout.name,
+                day: day.day,
+                thickness_interface_m: day.thickness_interface_m,
+                thickness_main_m: day.thickness_main_m,
+                inner_m: day.inner_m,
+                outer_m: day.outer_m,
+                mean_main_c: day.mean_main_c,
+                mean_interface_c: day.mean_interface_c,
+                mean_c: day.mean_c,
+                heat_per_pipe_w_per_m: day.heat_per_pipe_w_per_m,
+                energy_mj_per_m: day.energy_mj_per_m,
+            })
+        })
+        .collect();
+    write_rows(folder, "days.csv", &days)?;
+    let gaps: Vec<GapRow<'_>> = found
+        .iter()
+        .flat_map(|one| {
+            one.pair.fine.links.iter().map(|link| GapRow {
+                layout: &one.layout.name,
+                from: &link.from,
+                to: &link.to,
+                x_m: link.x_m,
+                y_m: link.y_m,
+                distance_m: link.distance_m,
+                closure_days: link.closure_s.map(|time| time / super::answers::DAY),
+            })
+        })
+        .collect();
+    write_rows(folder, "gaps.csv", &gaps)?;
+    let changes: Vec<SensitivityRow<'_>> = found.iter().filter_map(|one| change(found, one)).collect();
+    if !changes.is_empty() {
+        write_rows(folder, "sensitivity.csv", &changes)?;
+    }
+    let spreads: Vec<DeviationRow<'_>> = found.iter().filter_map(|one| spread(found, one)).collect();
+    if !spreads.is_empty() {
+        write_rows(folder, "deviation.csv", &spreads)?;
+    }
+    Ok(())
+}
+
+fn row<'a>(study: &Study, method: &'a str, one: &'a Found<'_>) -> Option<LayoutRow<'a>> {
+    let (fine, coarse) = (&one.fine, one.coarse.as_ref());
+    let end = fine.days.last()?;
+    let far = coarse.and_then(|coarse| coarse.days.last());
+    let load = end.heat_per_pipe_w_per_m * fine.pipes as f64;
+    Some(LayoutRow {
+        layout: &one.layout.name,
+        of: match &one.layout.role {
+            Role::Compared => "",
+            Role::Changed { of, .. } | Role::Deviating { of } => of,
+        },
+        method,
+        outcome: fine.outcome.name(),
+        pipes: fine.pipes,
+        first_gap_days: fine.first_gap,
+        closure_days: fine.closure,
+        closure_error_days: closure_error(one),
+        weakest_from: fine.weakest.as_ref().map(|link| link.from.as_str()),
+        weakest_to: fine.weakest.as_ref().map(|link| link.to.as_str()),
+        open_gaps: fine.open,
+        all_gaps_days: fine.all_gaps,
+        design_days: fine.design,
+        end_days: end.day,
+        thickness_interface_m: end.thickness_interface_m,
+        thickness_interface_error_m: error(Some(end.thickness_interface_m), far.map(|far| far.thickness_interface_m)),
+        thickness_main_m: end.thickness_main_m,
+        inner_m: end.inner_m,
+        outer_m: end.outer_m,
+        mean_temperature_c: end.mean_c,
+        mean_temperature_error_k: error(end.mean_c, far.and_then(|far| far.mean_c)),
+        mean_temperature_ring_formula_c: fine.formula.map(|formula| formula.0),
+        heat_per_pipe_w_per_m: end.heat_per_pipe_w_per_m,
+        heat_per_pipe_ring_formula_w_per_m: fine.formula.map(|formula| formula.1),
+        load_w_per_m: load,
+        load_peak_w_per_m: fine.peak,
+        plant_kw: study.depth.map(|depth| 1e-3 * depth * fine.peak),
+        energy_mj_per_m: end.energy_mj_per_m,
+        energy_error_mj_per_m: error(Some(end.energy_mj_per_m), far.map(|far| far.energy_mj_per_m)),
+        spacing_m: one.layout.scene.method(method).map_or(0.0, |settings| settings.numerics.spacing),
+        particles: one.pair.fine.record.particles,
+        part_of_plan: &one.layout.sector,
+    })
+}
+
+fn change<'a>(found: &'a [Found<'_>], one: &'a Found<'_>) -> Option<SensitivityRow<'a>> {
+    let Role::Changed { of, key, factor } = &one.layout.role else { return None };
+    let base = &found.iter().find(|other| other.layout.name == *of)?.fine;
+    let last = |answers: &Answers| answers.days.last().copied();
+    let difference = |own: Option<f64>, base: Option<f64>| own.zip(base).map(|(own, base)| own - base);
+    let (own, other) = (last(&one.fine), last(base));
+    Some(SensitivityRow {
+        layout: of,
+        key,
+        factor: *factor,
+        closure_days: one.fine.closure,
+        closure_change_days: difference(one.fine.closure, base.closure),
+        thickness_change_m: difference(
+            own.map(|day| day.thickness_interface_m),
+            other.map(|day| day.thickness_interface_m),
+        ),
+        mean_temperature_change_k: difference(own.and_then(|day| day.mean_c), other.and_then(|day| day.mean_c)),
+        energy_change_mj_per_m: difference(own.map(|day| day.energy_mj_per_m), other.map(|day| day.energy_mj_per_m)),
+    })
+}
+
+/// Days of closure of the deviating members of a layout: members whose wall stays open close after all others.
+fn spread<'a>(found: &'a [Found<'_>], one: &'a Found<'_>) -> Option<DeviationRow<'a>> {
+    let members: Vec<Option<f64>> = found
+        .iter()
+        .filter(|other| matches!(&other.layout.role, Role::Deviating { of } if *of == one.layout.name))
+        .map(|other| other.fine.closure)
+        .collect();
+    if members.is_empty() {
+        return None;
+    }
+    let mut closed: Vec<f64> = members.iter().flatten().copied().collect();
+    closed.sort_by(f64::total_cmp);
+    let quantile = |share: f64| {
+        let place = share * (members.len() - 1) as f64;
+        let (low, part) = (place.floor() as usize, place.fract());
+        let (below, above) = (closed.get(low)?, closed.get(if part > 0.0 { low + 1 } else { low })?);
+        Some(below + part * (above - below))
+    };
+    Some(DeviationRow {
+        layout: &one.layout.name,
+        members: members.len(),
+        closed: closed.len(),
+        closure_p05_days: quantile(0.05),
+        closure_p50_days: quantile(0.5),
+        closure_p95_days: quantile(0.95),
+    })
+}
+
+/// The answer in a few lines.
+pub(super) fn summary(study: &Study, method: &str, found: &[Found<'_>], folder: &Path) -> String {
+    let mut text = format!("{} under {method}: {} layouts\n", study.name, found.len());
+    for one in found.iter().filter(|one| one.layout.role == Role::Compared) {
+        let fine = &one.fine;
+        let closure = match fine.closure {
+            Some(day) => {
+                let off = closure_error(one).map_or(String::new(), |error| format!(" +- {error:.2}"));
+                format!("closes on day {day:.2}{off}")
+            }
+            None => "does not close".into(),
+        };
+        let weakest = fine.weakest.as_ref().map_or(String::new(), |link| {
+            format!(", weakest between {} and {} ({:.2} m apart)", link.from, link.to, link.distance_m)
+        });
+        let load = format!(", load at most {:.0} W/m", fine.peak);
+        let outcome =
+            if fine.outcome == Outcome::Ok { String::new() } else { format!(", outcome {}", fine.outcome.name()) };
+        text.push_str(&format!("  {}: {closure}{weakest}{load}{outcome}\n", one.layout.name));
+    }
+    text.push_str(&format!("  results: {}\n", folder.display()));
+    text
+}

@@ -97,6 +97,9 @@ fn entries(layouts: &[LayoutView<'_>]) -> Vec<Entry> {
     if layouts.iter().any(|layout| layout.closure_s.is_some() && layout.weakest().is_some_and(|gap| gap.open > 0)) {
         entries.push(mark("weakest gap open at the end", Marker::Wedge, true));
     }
+    if layouts.iter().filter_map(LayoutView::weakest).any(|gap| gap.others > 0 && !gap.alike) {
+        entries.push(Entry { text: "(+n) n more gaps like it".into(), stroke: None, marker: None });
+    }
     if layouts.iter().any(|layout| layout.closure_s.is_none()) {
         entries.push(Entry { text: "→ wall still open at the end".into(), stroke: None, marker: None });
     }

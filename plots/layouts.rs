@@ -62,13 +62,10 @@ pub struct LayoutView<'a> {
     pub design: Option<f64>,
 }
 
-/// The gap that closes last.
+/// The gap that closed the wall, or the widest open one.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Weakest<'a> {
-    /// The gap; of several open ones, the widest.
     link: &'a LinkRow,
-    /// How many gaps are open at the end.
-    open: usize,
     /// How many others close within [`ALIKE`] of it, or stay open and are as wide.
     others: usize,
     /// Whether all others do.
@@ -89,26 +86,39 @@ impl LayoutView<'_> {
         self.result.links.iter().filter_map(|link| link.closure_s).min_by(f64::total_cmp)
     }
 
-    /// The gap that closes last; absent where no gaps were watched.
+    /// When the last gap closed (s); absent while one is open.
+    fn last_s(&self) -> Option<f64> {
+        let last = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a.max(b));
+        self.result.links.iter().map(|link| link.closure_s).reduce(last).flatten()
+    }
+
+    /// How many gaps are open at the end.
+    fn open(&self) -> usize {
+        self.result.links.iter().filter(|link| link.closure_s.is_none()).count()
+    }
+
+    /// The gap with which the wall closed; while that is open, the widest open gap. Absent where no gaps were watched.
     fn weakest(&self) -> Option<Weakest<'_>> {
         let links = &self.result.links;
-        let open = links.iter().filter(|link| link.closure_s.is_none()).count();
         // Of equal ones the first is named.
-        let last = |key: fn(&LinkRow) -> f64| {
-            links
-                .iter()
-                .filter(|link| open == 0 || link.closure_s.is_none())
-                .reduce(|best, link| if key(link) > (1.0 + ROUNDING) * key(best) { link } else { best })
+        let closing = links.iter().find(|link| {
+            link.closure_s.zip(self.closure_s).is_some_and(|(own, wall)| (own - wall).abs() <= ROUNDING * wall)
+        });
+        let most = |open: bool, key: fn(&LinkRow) -> f64| {
+            let some = links.iter().filter(|link| link.closure_s.is_none() == open);
+            some.reduce(|best, link| if key(link) > (1.0 + ROUNDING) * key(best) { link } else { best })
         };
-        let link = last(if open == 0 { |link| link.closure_s.unwrap_or(0.0) } else { |link| link.distance_m })?;
+        let link = closing
+            .or_else(|| most(true, |link| link.distance_m))
+            .or_else(|| most(false, |link| link.closure_s.unwrap_or(0.0)))?;
         let like = |other: &&LinkRow| match (link.closure_s, other.closure_s) {
-            (Some(latest), Some(time)) => latest - time <= ALIKE * latest,
+            (Some(own), Some(time)) => (own - time).abs() <= ALIKE * own,
             // Open gaps can be told apart by their widths only.
             (None, None) => link.distance_m - other.distance_m <= ALIKE * link.distance_m,
             _ => false,
         };
         let count = links.iter().filter(like).count();
-        Some(Weakest { link, open, others: count.saturating_sub(1), alike: count == links.len() })
+        Some(Weakest { link, others: count.saturating_sub(1), alike: count == links.len() })
     }
 
     /// The last instant that is known (s).

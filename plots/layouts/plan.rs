@@ -111,9 +111,9 @@ fn notes(canvas: &mut Canvas, layout: &LayoutView<'_>, (left, top): Spot, scale:
         Some(gap) => match gap.link.closure_s {
             Some(time) if gap.alike => format!("all gaps alike, closed by {} d", day(time)),
             Some(time) => format!("weakest {}, closed after {} d", gap.name(), day(time)),
-            None if gap.open == 1 => format!("{} does not close", gap.name()),
+            None if layout.open() == 1 => format!("{} does not close", gap.name()),
             None if gap.alike => "no gap closes".into(),
-            None => format!("{} gaps do not close, widest {}", gap.open, gap.name()),
+            None => format!("{} gaps do not close, widest {}", layout.open(), gap.name()),
         },
         None => "no gaps watched".into(),
     };

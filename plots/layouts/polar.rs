@@ -177,16 +177,17 @@ fn entries(layout: &LayoutView<'_>, groups: &[String], days: &[f64]) -> Vec<Entr
         entries.push(Entry { text, stroke: Some(MEDIAN), marker: None });
     }
     let note = |text: String| Entry { text, stroke: None, marker: None };
+    let open = layout.open();
+    if open > 0 {
+        let count = if open == layout.result.links.len() { "all".into() } else { open.to_string() };
+        entries.push(note(format!("× on the dotted rim: {count} open at the end")));
+    }
     match layout.weakest() {
-        Some(gap) if gap.open > 0 && gap.alike => entries.push(note("× on the dotted rim: all open at the end".into())),
-        Some(gap) if gap.open > 0 => {
-            entries.push(note(format!("× on the dotted rim: {} open, widest {}", gap.open, gap.name())));
-        }
         Some(gap) if gap.alike => entries.push(note("all gaps alike".into())),
-        Some(gap) => {
-            let latest = gap.link.closure_s.unwrap_or(0.0);
-            entries.push(note(format!("ringed: weakest, {}, {} d", gap.name(), day(latest))));
-        }
+        Some(gap) => match gap.link.closure_s {
+            Some(time) => entries.push(note(format!("ringed: weakest, {}, {} d", gap.name(), day(time)))),
+            None => entries.push(note(format!("ringed: widest open, {}", gap.name()))),
+        },
         None => entries.push(note("no gaps watched".into())),
     }
     entries

@@ -49,7 +49,7 @@ pub fn drawings(layouts: &[LayoutView<'_>], freezing_c: f64) -> Vec<Drawing> {
     let mut add = |stem: String, caption: &str, canvas: Canvas, together: bool| {
         all.push(Drawing { stem, caption: caption.into(), canvas, together });
     };
-    let caption = "When the first and the weakest gap of each layout close, and with the last of them the wall.";
+    let caption = "When the first gap of each layout closes and when the wall does, the gap with which it closes, and the load then.";
     add("summary".into(), caption, summary(layouts), true);
     for (k, canvas) in sketches(layouts).into_iter().enumerate() {
         let caption = "Pipes, all to one scale: the weakest gap in bold, missing pipes as crosses, the shaft dashed; pipes \

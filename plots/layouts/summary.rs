@@ -21,8 +21,8 @@ struct Column {
     cells: Vec<String>,
 }
 
-/// One bar a layout, from the start: when its first gap closes, when its weakest does and with it the wall, and when the
-/// wall is as designed. Beside it stand the day, the weakest gap and the load.
+/// One bar a layout, from the start: when its first gap closes, when the wall does, and when the wall is as designed.
+/// Beside it stand the day, the weakest gap, with which the wall closed, and the load.
 pub fn summary(layouts: &[LayoutView<'_>]) -> Canvas {
     const WIDTH: f64 = 1000.0;
     let entries = entries(layouts);
@@ -89,13 +89,13 @@ fn entries(layouts: &[LayoutView<'_>]) -> Vec<Entry> {
         band("gaps closing", CLOSING),
         band("wall closed", GROWING),
         mark("first gap closed", Marker::Triangle, false),
-        mark("weakest gap closed", Marker::Wedge, false),
+        mark("last gap closed", Marker::Wedge, false),
     ];
     if layouts.iter().any(|layout| layout.design.is_some()) {
         entries.push(mark("thick and cold as designed", Marker::Diamond, true));
     }
-    if layouts.iter().any(|layout| layout.closure_s.is_some() && layout.weakest().is_some_and(|gap| gap.open > 0)) {
-        entries.push(mark("weakest gap open at the end", Marker::Wedge, true));
+    if layouts.iter().any(|layout| layout.closure_s.is_some() && layout.open() > 0) {
+        entries.push(mark("a gap beside the wall still open", Marker::Wedge, true));
     }
     if layouts.iter().filter_map(LayoutView::weakest).any(|gap| gap.others > 0 && !gap.alike) {
         entries.push(Entry { text: "(+n) n more gaps like it".into(), stroke: None, marker: None });
@@ -166,12 +166,12 @@ fn bar(canvas: &mut Canvas, frame: &Frame, layout: &LayoutView<'_>, y: f64) {
     if let Some(time) = first {
         canvas.marker((place(time), lower + 8.5), Marker::Triangle, 5.5, INK, false);
     }
-    if let Some(gap) = layout.weakest() {
-        match gap.link.closure_s {
-            Some(time) => canvas.marker((place(time), upper - 8.5), Marker::Wedge, 5.5, INK, false),
-            None if layout.closure_s.is_some() => canvas.marker((last, upper - 8.5), Marker::Wedge, 5.5, INK, true),
-            None => {}
+    match layout.last_s() {
+        Some(time) => canvas.marker((place(time), upper - 8.5), Marker::Wedge, 5.5, INK, false),
+        None if layout.closure_s.is_some() && layout.open() > 0 => {
+            canvas.marker((last, upper - 8.5), Marker::Wedge, 5.5, INK, true);
         }
+        None => {}
     }
     match layout.closure_s {
         Some(time) => {

@@ -17,6 +17,7 @@ pub fn all() -> &'static [BundledScene] {
         "shaft-four-pipe",
         "shaft-deviation",
         "shaft-failed-pipe",
+        "shaft-sensitivity",
         "shaft-sweep",
     ]
 }

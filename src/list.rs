@@ -5,7 +5,7 @@ use frazil_core::scene::Scene;
 use crate::failure::{Failure, Verdict, answer};
 use crate::registry;
 
-/// Prints the bundled scenes by group, the fluids, and the methods with their titles.
+/// Prints the bundled scenes by group, the studies, the fluids, and the methods with their titles.
 pub fn list() -> Result<Verdict, Failure> {
     let kinds = registry::methods();
     let groups = [("Scenes", frazil_cases::scenes::all()), ("Extreme scenes", frazil_cases::scenes::extreme())];
@@ -21,7 +21,12 @@ pub fn list() -> Result<Verdict, Failure> {
         }
         text.push('\n');
     }
-    text.push_str("Fluids\n");
+    text.push_str("Studies\n");
+    for bundled in frazil_cases::studies::all() {
+        let study = crate::layout::study::read(bundled.name, &[])?;
+        text.push_str(&format!("  {:width$}  {}, for layout\n", bundled.name, study.title));
+    }
+    text.push_str("\nFluids\n");
     for name in frazil_cases::fluids::names() {
         text.push_str(&format!("  {name:width$}  for calibrate and properties\n"));
     }

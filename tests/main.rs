@@ -12,6 +12,7 @@ mod extreme;
 mod fields;
 mod forecasts;
 mod invariants;
+mod layouts;
 mod moving;
 mod order;
 mod printed;

@@ -1,12 +1,21 @@
 //! The page of a study: layouts beside each other, figures first.
 
-use frazil_plots::page::{self, Block, Fact, Page, Table};
+use std::fs;
 
+use frazil_core::record::RunResult;
+use frazil_core::scene::Domain;
+use frazil_plots::layouts::{LayoutView, PipeView, drawings};
+use frazil_plots::page::{self, Block, Fact, Figure, Page, Table};
+
+use super::answers::DAY;
 use super::execute::Work;
 use super::study::{Role, Study};
 use super::{Found, LayoutRequest, tables};
 use crate::failure::Failure;
 use crate::machine::Machine;
+
+/// Layouts of which each has its own figures on the page; of more, they lie in the folders.
+const SHOWN: usize = 6;
 
 /// Writes figures and page.
 pub(super) fn write(
@@ -29,13 +38,130 @@ pub(super) fn write(
         machine: Machine::now().facts(Fact::new("Layouts at once", work.threads.to_string())),
         ..Page::default()
     };
-    page.summary.push(Block {
-        heading: "Layouts beside each other".into(),
-        tables: vec![overview(study, &compared)],
-        ..Block::default()
-    });
+    let runs: Vec<RunResult> = compared.iter().map(|one| one.pair.fine.run()).collect();
+    let views: Vec<LayoutView<'_>> = compared.iter().zip(&runs).map(|(one, run)| view(study, one, run)).collect();
+    let freezing = compared.first().map_or(0.0, |one| one.layout.scene.materials[0].freezing_point);
+    let (mut first, mut figures) = (Vec::new(), Vec::new());
+    for drawing in drawings(&views, freezing) {
+        drawing.canvas.write(work.folder, &drawing.stem)?;
+        if !drawing.together && views.len() > SHOWN {
+            continue;
+        }
+        let own = if figures.is_empty() && first.is_empty() { &mut first } else { &mut figures };
+        own.push(Figure::new(&drawing.canvas, drawing.caption, drawing.stem));
+    }
+    page.opening.push(Block { figures: first, tables: vec![overview(study, &compared)], ..Block::default() });
+    page.summary.push(Block { heading: "Layouts beside each other".into(), figures, ..Block::default() });
+    if compared.len() <= SHOWN {
+        page.summary.push(Block {
+            heading: "Temperatures".into(),
+            figures: compared.iter().flat_map(|one| maps(work, one)).collect(),
+            ..Block::default()
+        });
+    }
+    page.summary.extend(what_if(found));
     page.fairness = assumptions(study, &compared);
     Ok(page::write(&page, &work.folder.join("report.html"))?)
+}
+
+/// What figures show of a layout.
+fn view<'a>(study: &Study, one: &Found<'_>, run: &'a RunResult) -> LayoutView<'a> {
+    let scene = &one.layout.scene;
+    let mut pipes = Vec::new();
+    let mut missing = Vec::new();
+    for (number, ring) in scene.rings.iter().enumerate() {
+        for k in 0..ring.count {
+            let place = ring.place(k);
+            if ring.missing.contains(&k) {
+                missing.push((place.x, place.y));
+            } else {
+                let name = format!("{}.{}", number + 1, k + 1);
+                pipes.push(PipeView { name, x_m: place.x, y_m: place.y, radius_m: ring.pipe_radius });
+            }
+        }
+    }
+    // A place that is missing in one ring may be filled by another.
+    let filled = |x: f64, y: f64| pipes.iter().any(|pipe| (pipe.x_m - x).hypot(pipe.y_m - y) < pipe.radius_m);
+    missing.retain(|(x, y)| !filled(*x, *y));
+    LayoutView {
+        name: one.layout.name.clone(),
+        pipes,
+        missing,
+        outer_radius_m: match scene.domain {
+            Domain::Ring { outer_radius, .. } => outer_radius,
+            _ => 0.0,
+        },
+        shaft_radius_m: study.shaft_radius,
+        result: run,
+        load: one.fine.load.clone(),
+        closure_s: one.fine.closure.map(|day| day * DAY),
+        design: one.fine.design.map(|day| day * DAY),
+    }
+}
+
+/// The maps that stand in a layout's folder.
+fn maps(work: &Work<'_>, one: &Found<'_>) -> Vec<Figure> {
+    let folder = work.folder_of(one.layout);
+    let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let instants = one.fine.days.iter().map(|day| day.day);
+    let figure = |day: f64| {
+        let stem = format!("map_{day}d");
+        let svg = fs::read_to_string(folder.join(format!("{stem}.svg"))).ok()?;
+        let caption = format!("{}, day {day}.", one.layout.name);
+        Some(Figure { svg, caption, file: format!("layouts/{name}/{stem}") })
+    };
+    instants.filter_map(figure).collect()
+}
+
+/// What changes of one key and deviating boreholes do.
+fn what_if(found: &[Found<'_>]) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    let changes: Vec<_> = found.iter().filter_map(|one| tables::change(found, one)).collect();
+    if !changes.is_empty() {
+        let row = |row: &tables::SensitivityRow<'_>| {
+            vec![
+                row.layout.to_owned(),
+                row.key.to_owned(),
+                format!("{:.2}", row.factor),
+                cell(row.closure_days, 2, "not closed"),
+                signed(row.closure_change_days, 2),
+                signed(row.thickness_change_m, 2),
+                signed(row.mean_temperature_change_k, 2),
+                signed(row.energy_change_mj_per_m, 0),
+            ]
+        };
+        let heads =
+            ["layout", "key", "factor", "wall closes (day)", "closure (d)", "thickness (m)", "mean temperature (K)"];
+        let heads = heads.into_iter().chain(["energy (MJ/m)"]).map(String::from).collect();
+        let caption = "Changes against the layout itself; thickness, temperature and energy at the end.".into();
+        let csv = Some("sensitivity.csv".into());
+        let table = Table { caption, heads, rows: changes.iter().map(row).collect(), words: 2, csv };
+        blocks.push(Block { heading: "Sensitivity".into(), tables: vec![table], ..Block::default() });
+    }
+    let spreads: Vec<_> = found.iter().filter_map(|one| tables::spread(found, one)).collect();
+    if !spreads.is_empty() {
+        let row = |row: &tables::DeviationRow<'_>| {
+            vec![
+                row.layout.to_owned(),
+                row.members.to_string(),
+                row.closed.to_string(),
+                cell(row.closure_p05_days, 2, "not closed"),
+                cell(row.closure_p50_days, 2, "not closed"),
+                cell(row.closure_p95_days, 2, "not closed"),
+            ]
+        };
+        let heads = ["layout", "members", "closed", "5 % close by (day)", "half close by (day)", "95 % close by (day)"];
+        let heads = heads.map(String::from).into();
+        let caption = "Boreholes that end anywhere in a circle around their places.".into();
+        let csv = Some("deviation.csv".into());
+        let table = Table { caption, heads, rows: spreads.iter().map(row).collect(), words: 1, csv };
+        blocks.push(Block { heading: "Deviating boreholes".into(), tables: vec![table], ..Block::default() });
+    }
+    blocks
+}
+
+fn signed(value: Option<f64>, digits: usize) -> String {
+    value.map_or_else(String::new, |value| format!("{value:+.digits$}"))
 }
 
 /// A number, or what stands in its place.

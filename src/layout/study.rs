@@ -211,7 +211,9 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
                 other => other,
             })?);
         }
-        if let Some(deviation) = &read.deviation {
+        // Boreholes that are known do not deviate by chance.
+        let known = first.scene.rings.first().is_some_and(|ring| !ring.moved.is_empty());
+        if let Some(deviation) = read.deviation.as_ref().filter(|_| !known) {
             layouts.extend(deviating(&read.scene, first, deviation, &bad)?);
         }
     }
@@ -305,10 +307,8 @@ fn boreholes(boreholes: &[Borehole], layout: &Layout) -> Result<(String, String)
                 count - 1
             ));
         }
-        if !(0.0..90.0).contains(&inclination_deg)
-            || !(depth_m >= 0.0 && depth_m.is_finite())
-            || !azimuth_deg.is_finite()
-        {
+        let numbers = depth_m >= 0.0 && depth_m.is_finite() && azimuth_deg.is_finite();
+        if !(numbers && (0.0..90.0).contains(&inclination_deg)) {
             let name = &layout.name;
             return Err(format!(
                 "layout \"{name}\": boreholes: pipe {pipe}: found inclination_deg {inclination_deg}, depth_m {depth_m}: must \
@@ -358,7 +358,8 @@ fn deviating(
     bad: &dyn Fn(String) -> Failure,
 ) -> Result<Vec<Layout>, Failure> {
     let Deviation { depth_m, percent, members, seed } = *deviation;
-    if !(depth_m > 0.0 && percent > 0.0 && percent < 100.0 && depth_m.is_finite()) || !(2..=1000).contains(&members) {
+    let numbers = depth_m > 0.0 && percent > 0.0 && percent < 100.0 && depth_m.is_finite();
+    if !(numbers && (2..=1000).contains(&members)) {
         return Err(bad(format!(
             "deviation: found depth_m {depth_m}, percent {percent}, members {members}: must be above 0, above 0 and below \
              100, 2 to 1000"
@@ -454,7 +455,7 @@ mod tests {
         assert!(found.starts_with("s.toml:3: unknown field `layout`, expected one of `title`"), "{found}");
         let head = "title = \"t\"\nscene = \"frozen-wall-sand\"\n";
         let found = refused(&format!("{head}[[layouts]]\nname = \"a\"\nset = {{ \"pipes.0.count\" = 0 }}"));
-        assert_eq!(found, "layout \"a\": --set pipes.0.count=0: found 0, must be 1 to 1000");
+        assert_eq!(found, "layout \"a\": --set pipes.0.count=0: found 0, must be an integer between 1 and 1000");
         let found = refused(&format!("{head}[[layouts]]\nname = \"a\"\n[[layouts]]\nname = \"a\""));
         assert_eq!(found, "s.toml: layouts: two have the name \"a\"");
         let found = refused(&format!("{head}[sweep]\n\"pipes.0.count\" = 3"));

@@ -74,25 +74,25 @@ struct GapRow<'a> {
 }
 
 #[derive(Debug, Serialize)]
-struct SensitivityRow<'a> {
-    layout: &'a str,
-    key: &'a str,
-    factor: f64,
-    closure_days: Option<f64>,
-    closure_change_days: Option<f64>,
-    thickness_change_m: Option<f64>,
-    mean_temperature_change_k: Option<f64>,
-    energy_change_mj_per_m: Option<f64>,
+pub(super) struct SensitivityRow<'a> {
+    pub(super) layout: &'a str,
+    pub(super) key: &'a str,
+    pub(super) factor: f64,
+    pub(super) closure_days: Option<f64>,
+    pub(super) closure_change_days: Option<f64>,
+    pub(super) thickness_change_m: Option<f64>,
+    pub(super) mean_temperature_change_k: Option<f64>,
+    pub(super) energy_change_mj_per_m: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
-struct DeviationRow<'a> {
-    layout: &'a str,
-    members: usize,
-    closed: usize,
-    closure_p05_days: Option<f64>,
-    closure_p50_days: Option<f64>,
-    closure_p95_days: Option<f64>,
+pub(super) struct DeviationRow<'a> {
+    pub(super) layout: &'a str,
+    pub(super) members: usize,
+    pub(super) closed: usize,
+    pub(super) closure_p05_days: Option<f64>,
+    pub(super) closure_p50_days: Option<f64>,
+    pub(super) closure_p95_days: Option<f64>,
 }
 
 /// A value, and the same at twice the spacing: what the spacing still changes.
@@ -198,7 +198,7 @@ fn row<'a>(study: &Study, method: &'a str, one: &'a Found<'_>) -> Option<LayoutR
     })
 }
 
-fn change<'a>(found: &'a [Found<'_>], one: &'a Found<'_>) -> Option<SensitivityRow<'a>> {
+pub(super) fn change<'a>(found: &'a [Found<'_>], one: &'a Found<'_>) -> Option<SensitivityRow<'a>> {
     let Role::Changed { of, key, factor } = &one.layout.role else { return None };
     let base = &found.iter().find(|other| other.layout.name == *of)?.fine;
     let last = |answers: &Answers| answers.days.last().copied();
@@ -220,7 +220,7 @@ fn change<'a>(found: &'a [Found<'_>], one: &'a Found<'_>) -> Option<SensitivityR
 }
 
 /// Days of closure of the deviating members of a layout: members whose wall stays open close after all others.
-fn spread<'a>(found: &'a [Found<'_>], one: &'a Found<'_>) -> Option<DeviationRow<'a>> {
+pub(super) fn spread<'a>(found: &'a [Found<'_>], one: &'a Found<'_>) -> Option<DeviationRow<'a>> {
     let members: Vec<Option<f64>> = found
         .iter()
         .filter(|other| matches!(&other.layout.role, Role::Deviating { of } if *of == one.layout.name))

@@ -322,11 +322,13 @@ fn uneven_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f6
             numbers.iter().any(|other| ring.place(*other).distance(place * *mirror) < 1e-9 * outer_radius)
         };
         if !mirrors.iter().all(has_image) {
-            let key: (&str, &str) = if ring.moved.is_empty() { ("missing", "") } else { ("moved", "m") };
-            section.problem(
-                key,
-                format!("pipe {k} has no image in the mirror planes of the sector: set domain.ring.sector = \"whole\""),
-            );
+            let message =
+                format!("pipe {k} has no image in the mirror planes of the sector: set domain.ring.sector = \"whole\"");
+            if ring.moved.is_empty() {
+                section.problem("missing", message);
+            } else {
+                section.problem(("moved", "m"), message);
+            }
             return;
         }
     }

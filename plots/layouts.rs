@@ -3,7 +3,7 @@
 use frazil_core::record::{LinkRow, RunResult};
 
 use crate::canvas::{Canvas, Colour, Stroke, text_width};
-use crate::style::{Marker, MethodStyle, number};
+use crate::style::{Marker, MethodStyle};
 
 mod curves;
 mod plan;
@@ -145,7 +145,8 @@ fn between(series: &[(f64, f64)], at: f64) -> Option<f64> {
     Some(if x1 > x0 { y0 + (y1 - y0) * (at - x0) / (x1 - x0) } else { y1 })
 }
 
-/// The look of the k-th layout. Colour, dashes and marker change at different paces, so that none comes twice in thirty.
+/// The look of the k-th layout. Colours come again after six, dashes and markers after five: no look comes twice in
+/// thirty.
 fn look(k: usize) -> MethodStyle {
     const COLOURS: [Colour; 6] = [
         Colour(0x0b, 0x3c, 0x8c),
@@ -165,10 +166,9 @@ fn look(k: usize) -> MethodStyle {
     }
 }
 
-/// A day, as people write it.
+/// A day, to the tenth, so that days stand below each other.
 fn day(seconds: f64) -> String {
-    let days = seconds / DAY;
-    number(days, if days < 100.0 { 3 } else { 4 })
+    format!("{:.1}", seconds / DAY)
 }
 
 /// A text that is no wider than this (px): what is too much is taken from its middle, for names of a kind differ at

@@ -159,7 +159,7 @@ pub fn maps(layout: &LayoutView<'_>, freezing_c: f64) -> Vec<(String, Canvas)> {
                 canvas.marker(at, crate::style::Marker::Circle, (scale * pipe.radius_m).max(LEAST), INK, true);
             }
         }
-        (day(field.time_s), canvas)
+        (number(words.time(field.time_s), 4), canvas)
     };
     layout.result.fields.iter().map(drawn).collect()
 }

@@ -94,8 +94,8 @@ pub fn gaps_polar(layout: &LayoutView<'_>) -> Canvas {
     canvas
 }
 
-/// Where the middle of a name of this width stands beside a mark: towards the centre or away from it, as near as no other
-/// mark is covered.
+/// Where the middle of a name of this width stands beside a mark: towards the centre or away from it, as near as no
+/// other mark is covered.
 fn free_place((x, y): (f64, f64), angle: f64, width: f64, marks: &[(f64, f64)]) -> (f64, f64) {
     let (sin, cos) = angle.sin_cos();
     let (half, tall) = (0.5 * width, 0.5 * TICK);

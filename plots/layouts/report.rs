@@ -49,17 +49,18 @@ pub fn drawings(layouts: &[LayoutView<'_>], freezing_c: f64) -> Vec<Drawing> {
     let mut add = |stem: String, caption: &str, canvas: Canvas, together: bool| {
         all.push(Drawing { stem, caption: caption.into(), canvas, together });
     };
-    let caption = "When the first gap of each layout closes and when the wall does, the gap with which it closes, and the load then.";
+    let caption = "When the first gap of each layout closes and when the wall does, the gap with which it closes, and \
+                   the load then.";
     add("summary".into(), caption, summary(layouts), true);
     for (k, canvas) in sketches(layouts).into_iter().enumerate() {
-        let caption = "Pipes, all to one scale: the weakest gap in bold, missing pipes as crosses, the shaft dashed; pipes \
-                       too small to be seen are drawn larger.";
+        let caption = "Pipes, all to one scale: the weakest gap in bold, missing pipes as crosses, the shaft dashed; \
+                       pipes too small to be seen are drawn larger.";
         add(if k == 0 { "sketches".into() } else { format!("sketches_{}", k + 1) }, caption, canvas, true);
     }
     let some = |plane: &str| layouts.iter().any(|layout| layout.result.planes.iter().any(|row| row.plane == plane));
     if some("interface") {
-        let caption =
-            "Thickness of the wall midway between the first pipe and the next, where it is thinnest in a perfect ring.";
+        let caption = "Thickness of the wall midway between the places of pipes 1.1 and 1.2, where it is thinnest in a \
+                       perfect ring.";
         add("thickness".into(), caption, thickness(layouts), true);
     }
     if some("wall") {
@@ -84,14 +85,14 @@ pub fn drawings(layouts: &[LayoutView<'_>], freezing_c: f64) -> Vec<Drawing> {
         add(format!("gaps_{}", k + 1), &caption, Canvas::beside(&charts), false);
     }
     if layouts.iter().any(|layout| !layout.result.profiles.is_empty()) {
-        let caption = "Temperature from the centre outwards at the last instant, through a pipe and between two.";
+        let caption = "Temperature from the centre outwards at the last instant, through the place of pipe 1.1 and \
+                       midway to 1.2.";
         add("planes".into(), caption, planes(layouts, freezing_c), true);
     }
     for (k, layout) in layouts.iter().enumerate() {
         for (day, canvas) in maps(layout, freezing_c) {
             let caption = format!("{}: temperature after {day} d, the front heavy.", layout.name);
-            let file = day.replace([' ', '·'], "").replace('−', "-");
-            add(format!("map_{}_{file}d", k + 1), &caption, canvas, false);
+            add(format!("map_{}_{day}d", k + 1), &caption, canvas, false);
         }
     }
     all

@@ -160,7 +160,8 @@ fn eight() -> Vec<Made> {
         ring("two rings, staggered", 26, &[], true),
         ring("32 pipes", 32, &[], false),
         ring(
-            "Shaft three, horizon at 212 m in the lower clay: 24 pipes of 108 mm with brine at −28 °C and pipe 1.7 not in service",
+            "Shaft three, horizon at 212 m in the lower clay: 24 pipes of 108 mm with brine at −28 °C and pipe 1.7 not \
+             in service",
             24,
             &[6],
             false,

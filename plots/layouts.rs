@@ -14,7 +14,7 @@ mod summary;
 pub use curves::{load, mean_temperature, planes, thickness};
 pub use plan::{maps, sketches};
 pub use polar::gaps_polar;
-pub use report::{Drawing, PageText, drawings, page};
+pub use report::{Drawing, drawings};
 pub use summary::summary;
 
 /// Seconds of a day.

@@ -1,14 +1,7 @@
-//! All figures of a study, and its page.
-
-use std::path::{Path, PathBuf};
+//! All figures of a study.
 
 use super::{LayoutView, gaps_polar, load, maps, mean_temperature, planes, sketches, summary, thickness};
-use crate::PlotError;
 use crate::canvas::Canvas;
-use crate::page::{self, Block, Figure, Page, Table};
-
-/// Layouts up to which all polar charts and maps stand on the page; of more, they are files beside it.
-const SHOWN: usize = 6;
 
 /// A figure with its file name (without ending) and caption.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,23 +14,6 @@ pub struct Drawing {
     pub canvas: Canvas,
     /// Whether it shows all layouts, or at least as many as fit.
     pub together: bool,
-}
-
-/// What the page says beside its figures.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct PageText {
-    /// Title.
-    pub title: String,
-    /// A sentence or two on what the page shows.
-    pub lead: Vec<String>,
-    /// One row for each layout.
-    pub table: Table,
-    /// What was assumed.
-    pub assumptions: Vec<String>,
-    /// The command that makes the page again.
-    pub command: String,
-    /// Temperature at which the ground freezes, for isotherms.
-    pub freezing_c: f64,
 }
 
 /// Every figure that the layouts have values for, in the order in which they are read.
@@ -96,34 +72,4 @@ pub fn drawings(layouts: &[LayoutView<'_>], freezing_c: f64) -> Vec<Drawing> {
         }
     }
     all
-}
-
-/// Writes all figures and the page `report.html` into a folder and returns the files.
-pub fn page(layouts: &[LayoutView<'_>], text: &PageText, folder: &Path) -> Result<Vec<PathBuf>, PlotError> {
-    let mut files = Vec::new();
-    let mut figures = Vec::new();
-    for drawing in drawings(layouts, text.freezing_c) {
-        files.extend(drawing.canvas.write(folder, &drawing.stem)?);
-        if drawing.together || layouts.len() <= SHOWN {
-            figures.push(Figure::new(&drawing.canvas, drawing.caption, drawing.stem));
-        }
-    }
-    let mut opening =
-        vec![Block { tables: vec![text.table.clone()], ..Block::default() }, Block { figures, ..Block::default() }];
-    if layouts.len() > SHOWN {
-        let note = "Charts of the gaps (gaps_*) and maps (map_*) of each layout are files beside this page.";
-        opening.push(Block { text: vec![note.into()], ..Block::default() });
-    }
-    opening.push(Block { heading: "Assumptions".into(), list: text.assumptions.clone(), ..Block::default() });
-    let page = Page {
-        title: text.title.clone(),
-        lead: text.lead.clone(),
-        command: text.command.clone(),
-        opening,
-        ..Page::default()
-    };
-    let path = folder.join("report.html");
-    page::write(&page, &path)?;
-    files.push(path);
-    Ok(files)
 }

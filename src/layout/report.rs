@@ -59,6 +59,14 @@ pub(super) fn write(
             ..Block::default()
         });
     }
+    if compared.len() > SHOWN {
+        page.summary.push(Block {
+            text: vec![
+                "Charts of the gaps (gaps_*) are files beside this page; maps lie in the folder of each layout.".into(),
+            ],
+            ..Block::default()
+        });
+    }
     page.summary.extend(what_if(found));
     page.fairness = assumptions(study, &compared);
     Ok(page::write(&page, &work.folder.join("report.html"))?)

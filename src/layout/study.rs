@@ -173,6 +173,10 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
             return Err(bad(format!("{key}: found {found}, must be greater than 0")));
         }
     }
+    let base = load::scene(&read.scene, &[])?;
+    if !matches!(base.domain, Domain::Ring { .. }) || base.rings.is_empty() {
+        return Err(bad(format!("scene: found \"{}\", must be a ring with pipes", read.scene)));
+    }
     let mut compared = Vec::new();
     let whole = Entry { name: read.scene.clone(), set: Table::new(), boreholes: Vec::new() };
     let entries = if read.layouts.is_empty() { vec![whole] } else { read.layouts };
@@ -272,9 +276,6 @@ fn layout(scene: &str, name: String, role: Role, overrides: Overrides) -> Result
     };
     let named = |failure: Failure| Failure::Request(format!("layout \"{name}\": {failure}"));
     let whole = at("whole").map_err(named)?;
-    if !matches!(whole.domain, Domain::Ring { .. }) || whole.rings.is_empty() {
-        return Err(Failure::Request(format!("layout \"{name}\": its scene must be a ring with pipes")));
-    }
     // What the mirrors of a part would have to map is known of pipes alone.
     let other = if !whole.regions.is_empty() {
         Some("regions")
@@ -463,6 +464,6 @@ mod tests {
         let found = refused(&format!("{head}[sensitivity]\npercent = 20\nkeys = [\"pipes.0.colour\"]"));
         assert_eq!(found, "s.toml: sensitivity: the scene has no number \"pipes.0.colour\"");
         let found = refused("title = \"t\"\nscene = \"stefan-water\"");
-        assert!(found.contains("frozen_wall: only the domain \"ring\" has a frozen wall"), "{found}");
+        assert_eq!(found, "s.toml: scene: found \"stefan-water\", must be a ring with pipes");
     }
 }

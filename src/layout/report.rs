@@ -51,24 +51,25 @@ pub(super) fn write(
         own.push(Figure::new(&drawing.canvas, drawing.caption, drawing.stem));
     }
     page.opening.push(Block { figures: first, tables: vec![overview(study, &compared)], ..Block::default() });
-    page.summary.push(Block { heading: "Layouts beside each other".into(), figures, ..Block::default() });
+    page.opening.push(Block { figures, ..Block::default() });
     if compared.len() <= SHOWN {
-        page.summary.push(Block {
+        page.opening.push(Block {
             heading: "Temperatures".into(),
             figures: compared.iter().flat_map(|one| maps(work, one)).collect(),
             ..Block::default()
         });
     }
     if compared.len() > SHOWN {
-        page.summary.push(Block {
+        page.opening.push(Block {
             text: vec![
                 "Charts of the gaps (gaps_*) are files beside this page; maps lie in the folder of each layout.".into(),
             ],
             ..Block::default()
         });
     }
-    page.summary.extend(what_if(found));
-    page.fairness = assumptions(study, &compared);
+    page.opening.extend(what_if(found));
+    let list = assumptions(study, &compared);
+    page.opening.push(Block { heading: "Assumptions".into(), list, ..Block::default() });
     Ok(page::write(&page, &work.folder.join("report.html"))?)
 }
 
@@ -248,27 +249,26 @@ fn overview(study: &Study, compared: &[&Found<'_>]) -> Table {
 }
 
 /// What holds for all layouts, and which part of the plan each was run on.
-fn assumptions(study: &Study, compared: &[&Found<'_>]) -> Vec<Fact> {
-    let mut facts = vec![
-        Fact::new("Source", study.source.clone()),
-        Fact::new("Pipes", "circles of their true radius, held at the temperature of their outer wall"),
-    ];
+fn assumptions(study: &Study, compared: &[&Found<'_>]) -> Vec<String> {
+    let mut facts =
+        vec!["Pipes are circles of their true radius, held at the temperature of their outer wall.".to_owned()];
+    if !study.source.is_empty() {
+        facts.insert(0, format!("Source: {}.", study.source));
+    }
     for one in compared {
-        facts.push(Fact::new(one.layout.name.clone(), format!("run on {}", one.layout.sector)));
+        facts.push(format!("{}: run on {}.", one.layout.name, one.layout.sector));
         if let Some((mean, heat)) = one.fine.formula {
             let end = one.fine.days.last();
-            facts.push(Fact::new(
-                format!("{}, checked", one.layout.name),
-                format!(
-                    "mean temperature {} °C and {} W/m a pipe at the end; the steady ring in closed form with the same fronts \
-                     has {mean:.2} °C and {heat:.1} W/m",
-                    cell(end.and_then(|day| day.mean_c), 2, "none"),
-                    cell(end.map(|day| day.heat_per_pipe_w_per_m), 1, "none"),
-                ),
+            facts.push(format!(
+                "{}: mean temperature {} °C and {} W/m a pipe at the end; the steady ring in closed form with the same fronts \
+                 has {mean:.2} °C and {heat:.1} W/m.",
+                one.layout.name,
+                cell(end.and_then(|day| day.mean_c), 2, "none"),
+                cell(end.map(|day| day.heat_per_pipe_w_per_m), 1, "none"),
             ));
         }
         if let Some(reason) = &one.pair.refused {
-            facts.push(Fact::new(format!("{}, error", one.layout.name), format!("not known: {reason}")));
+            facts.push(format!("{}: what the spacing changes is not known: {reason}.", one.layout.name));
         }
     }
     facts

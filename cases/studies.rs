@@ -19,6 +19,7 @@ pub fn all() -> &'static [BundledScene] {
         "shaft-failed-pipe",
         "shaft-sensitivity",
         "shaft-sweep",
+        "shaft-search",
     ]
 }
 

@@ -13,6 +13,7 @@ pub mod answers;
 pub mod execute;
 pub mod formula;
 pub mod report;
+pub mod search;
 pub mod study;
 pub mod tables;
 
@@ -59,6 +60,9 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     let Some(first) = study.layouts.first() else { return Ok(Verdict::Done) };
     let asked = request.method.as_deref().or(study.method.as_deref());
     let method = load::method(&first.scene, asked)?;
+    for layout in &study.layouts {
+        layout.check(study.shaft_radius, method)?;
+    }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
     let folder = Folder::make(&path)?;
     let work = Work {
@@ -94,10 +98,24 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         }
         return Ok(Verdict::Done);
     }
+    let mut tried = Vec::new();
+    if let Some(search) = &study.search {
+        match search::search(&study, search, &work)? {
+            Some(values) => tried = values,
+            None => {
+                complain("interrupted: the same command goes on with the search");
+                return Ok(Verdict::Broken);
+            }
+        }
+        write_rows(&path, "search.csv", &tried)?;
+    }
     tables::write(&path, &study, method, &found)?;
-    report::write(request, &study, &work, &found)?;
+    report::write(request, &study, &work, &found, &tried)?;
     if !request.quiet {
         answer(&tables::summary(&study, method, &found, &path))?;
+        if let Some(search) = &study.search {
+            answer(&format!("  {}\n", search::words(search, &tried)))?;
+        }
     }
     let bad = found.iter().map(|one| crate::run::verdict(one.fine.outcome));
     Ok(bad.fold(Verdict::Done, |worst, own| match (worst, own) {

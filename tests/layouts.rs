@@ -144,3 +144,55 @@ fn a_quarter_tells_of_the_whole_plan() {
         assert!((number(&whole, key) / number(&quarter, key) - 1.0).abs() < 1e-9, "{key}");
     }
 }
+
+/// The search finds what trying all finds.
+#[test]
+fn a_search_finds_the_fewest_pipes_of_all() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let coarse = ["--set", "method.local.spacing_m=0.2"];
+    done(folder.path(), &[&["shaft-search", "--out", "search"], &coarse[..]].concat());
+    let tried = rows(&folder.path().join("search"), "search.csv");
+    let least: Vec<f64> = tried.iter().filter(|row| row["least"] == "true").map(|row| number(row, "value")).collect();
+    assert!(tried.len() < 9, "{}", tried.len());
+    let sweep = r#"
+title = "All"
+scene = "frozen-wall-sand"
+set = { "pipes.0.temperature_c" = -25, "time.duration_days" = 60, "time.profiles_days" = [60] }
+[sweep]
+"pipes.0.count" = [12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40]
+"#;
+    fs::write(folder.path().join("all.toml"), sweep).expect("written");
+    done(folder.path(), &[&["all.toml", "--out", "all"], &coarse[..]].concat());
+    let all = rows(&folder.path().join("all"), "layouts.csv");
+    let in_time = |row: &&Row| !row["closure_days"].is_empty() && number(row, "closure_days") <= 20.0;
+    let fewest = all.iter().filter(in_time).map(|row| number(row, "pipes")).fold(f64::INFINITY, f64::min);
+    assert_eq!(least, [fewest]);
+}
+
+#[test]
+fn layouts_that_cannot_be_meant_are_refused_before_any_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let refused = |changes: &[&str]| {
+        let sets = changes.iter().flat_map(|change| ["--set", change]);
+        let arguments: Vec<&str> = ["shaft-single-sand", "--out", "out"].into_iter().chain(sets).collect();
+        let output = frazil(folder.path(), &arguments).output().expect("the program starts");
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(!folder.path().join("out").exists());
+        String::from_utf8_lossy(&output.stderr).trim_end().to_owned()
+    };
+    let layout = "layout \"frozen-wall-sand\": ";
+    let found = refused(&["pipes.0.temperature_c=2"]);
+    let expected = "pipes.0.temperature_c: found 2, must come below 0, where the ground freezes";
+    assert_eq!(found, format!("{layout}{expected}"));
+    let found = refused(&["pipes.0.ring_radius_m=3.4"]);
+    let expected = "pipe 1.1 stands 3.400 m from the centre, inside the shaft: shaft_radius_m is 3.5";
+    assert_eq!(found, format!("{layout}{expected}"));
+    let found = refused(&["method.local.spacing_m=0.75"]);
+    let expected = "method.local.spacing_m: found 0.75, must be at most 0.6027: two pipes stand 1.2054 m apart";
+    assert_eq!(found, format!("{layout}{expected}"));
+    let found = refused(&["pipes.0.moved_m=[[0, -0.14, 1.15]]"]);
+    let expected = "pipes 0 and 1 overlap: their axes are 0.0469 apart, must be more than 0.108";
+    assert_eq!(found, format!("{layout}--set pipes.0.moved_m=[[0, -0.14, 1.15]]: {expected}"));
+    let found = refused(&["pipes.0.ring_radius_m=14.97"]);
+    assert!(found.contains("the pipes must lie inside the outer radius 15"), "{found}");
+}

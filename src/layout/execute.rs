@@ -114,7 +114,7 @@ impl Work<'_> {
     }
 
     /// One layout; says whether it came to its end.
-    fn layout(&self, layout: &Layout) -> Result<bool, Failure> {
+    pub(super) fn layout(&self, layout: &Layout) -> Result<bool, Failure> {
         let named = |failure: Failure| Failure::Request(format!("layout \"{}\": {failure}", layout.name));
         let options = Options {
             threads: 1,

@@ -9,7 +9,8 @@ use frazil_plots::page::{self, Block, Fact, Figure, Page, Table};
 
 use super::answers::DAY;
 use super::execute::Work;
-use super::study::{Role, Study};
+use super::search::{self, Tried};
+use super::study::{Role, Search, Study};
 use super::{Found, LayoutRequest, tables};
 use crate::failure::Failure;
 use crate::machine::Machine;
@@ -23,6 +24,7 @@ pub(super) fn write(
     study: &Study,
     work: &Work<'_>,
     found: &[Found<'_>],
+    tried: &[Tried],
 ) -> Result<(), Failure> {
     let compared: Vec<&Found<'_>> = found.iter().filter(|one| one.layout.role == Role::Compared).collect();
     let mut page = Page {
@@ -68,6 +70,7 @@ pub(super) fn write(
         });
     }
     page.opening.extend(what_if(found));
+    page.opening.extend(study.search.as_ref().map(|search| searched(search, tried)));
     let list = assumptions(study, &compared);
     page.opening.push(Block { heading: "Assumptions".into(), list, ..Block::default() });
     Ok(page::write(&page, &work.folder.join("report.html"))?)
@@ -167,6 +170,23 @@ fn what_if(found: &[Found<'_>]) -> Vec<Block> {
         blocks.push(Block { heading: "Deviating boreholes".into(), tables: vec![table], ..Block::default() });
     }
     blocks
+}
+
+/// What a search has tried.
+fn searched(search: &Search, tried: &[Tried]) -> Block {
+    let row = |one: &Tried| {
+        let in_time = if one.least { "the least" } else { "yes" };
+        let words = if one.in_time { in_time } else { "no" };
+        vec![one.value.to_string(), cell(one.closure_days, 2, "not closed"), words.to_owned()]
+    };
+    let table = Table {
+        caption: format!("{}.", search::words(search, tried)),
+        heads: vec![search.key.clone(), "wall closes (day)".into(), "in time".into()],
+        rows: tried.iter().map(row).collect(),
+        words: 0,
+        csv: Some("search.csv".into()),
+    };
+    Block { heading: "Search".into(), tables: vec![table], ..Block::default() }
 }
 
 fn signed(value: Option<f64>, digits: usize) -> String {

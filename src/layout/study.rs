@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use frazil_core::scene::{Domain, PipeRing, Scene};
+use glam::DVec2;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use serde::Deserialize;
@@ -33,6 +34,7 @@ struct File {
     sweep: Table,
     sensitivity: Option<Sensitivity>,
     deviation: Option<Deviation>,
+    search: Option<Search>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -81,6 +83,20 @@ struct Deviation {
     seed: u64,
 }
 
+/// The least whole number of a key at which the wall closes in time.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Search {
+    /// The key, as `pipes.0.count`.
+    pub key: String,
+    /// The least value.
+    pub from: i64,
+    /// The greatest value.
+    pub to: i64,
+    /// Day by which the wall must have closed.
+    pub closure_days: f64,
+}
+
 /// What a layout is beside others.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Role {
@@ -95,6 +111,8 @@ pub enum Role {
         /// The factor.
         factor: f64,
     },
+    /// One that a search has tried.
+    Tried,
     /// The layout of this name, its boreholes deviating by chance.
     Deviating {
         /// Name of the layout.
@@ -138,6 +156,60 @@ pub struct Study {
     pub design: Option<Design>,
     /// All layouts.
     pub layouts: Vec<Layout>,
+    /// What is searched.
+    pub search: Option<Search>,
+    /// What all layouts change of the scene.
+    set: Overrides,
+}
+
+impl Study {
+    /// The layout with a value of the key that is searched.
+    pub fn tried(&self, search: &Search, value: i64) -> Result<Layout, Failure> {
+        let mut overrides = self.set.clone();
+        overrides.push((search.key.clone(), value.to_string()));
+        layout(&self.scene, format!("{} = {value}", search.key), Role::Tried, overrides)
+    }
+}
+
+/// Fewest spacings between two pipes: with less, a gap has no middle of its own.
+const FEWEST_SPACINGS: f64 = 2.0;
+
+impl Layout {
+    /// What cannot be meant, with the place that says so.
+    pub fn check(&self, shaft_radius: Option<f64>, method: &str) -> Result<(), Failure> {
+        let bad = |message: String| Err(Failure::Request(format!("layout \"{}\": {message}", self.name)));
+        let freezing = self.scene.materials[0].freezing_point;
+        let mut places: Vec<DVec2> = Vec::new();
+        for (number, ring) in self.scene.rings.iter().enumerate() {
+            let (coldest, _) = ring.temperature.range();
+            if coldest >= freezing {
+                return bad(format!(
+                    "pipes.{number}.temperature_c: found {coldest}, must come below {freezing}, where the ground freezes"
+                ));
+            }
+            places.extend(ring.numbers().map(|k| ring.place(k)));
+            let Some(shaft) = shaft_radius else { continue };
+            if let Some(inside) = ring.numbers().find(|k| ring.place(*k).length() <= shaft + ring.pipe_radius) {
+                return bad(format!(
+                    "pipe {}.{} stands {:.3} m from the centre, inside the shaft: shaft_radius_m is {shaft}",
+                    number + 1,
+                    inside + 1,
+                    ring.place(inside).length()
+                ));
+            }
+        }
+        let spacing = self.scene.method(method).map_or(0.0, |settings| settings.numerics.spacing);
+        let places = &places[..];
+        let others = |k: usize| places[..k].iter().map(move |place| place.distance(places[k]));
+        let least = (0..places.len()).flat_map(others).fold(f64::INFINITY, f64::min);
+        if FEWEST_SPACINGS * spacing > least {
+            return bad(format!(
+                "method.{method}.spacing_m: found {spacing}, must be at most {:.4}: two pipes stand {least:.4} m apart",
+                least / FEWEST_SPACINGS
+            ));
+        }
+        Ok(())
+    }
 }
 
 /// Reads a study given by a bundled name or a path.
@@ -172,6 +244,14 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
         if let Some(found) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
             return Err(bad(format!("{key}: found {found}, must be greater than 0")));
         }
+    }
+    if let Some(Search { from, to, closure_days, .. }) = &read.search
+        && !(from < to && to - from <= MOST as i64 && *closure_days > 0.0)
+    {
+        return Err(bad(format!(
+            "search: found from {from}, to {to}, closure_days {closure_days}: from must be below to, by at most {MOST}, and the \
+             day above 0"
+        )));
     }
     let base = load::scene(&read.scene, &[])?;
     if !matches!(base.domain, Domain::Ring { .. }) || base.rings.is_empty() {
@@ -236,6 +316,8 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
         shaft_radius: read.shaft_radius_m,
         design: read.design,
         layouts,
+        set: literals(&read.set).into_iter().chain(overrides.iter().cloned()).collect(),
+        search: read.search,
     })
 }
 

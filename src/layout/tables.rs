@@ -162,7 +162,7 @@ fn row<'a>(study: &Study, method: &'a str, one: &'a Found<'_>) -> Option<LayoutR
     Some(LayoutRow {
         layout: &one.layout.name,
         of: match &one.layout.role {
-            Role::Compared => "",
+            Role::Compared | Role::Tried => "",
             Role::Changed { of, .. } | Role::Deviating { of } => of,
         },
         method,

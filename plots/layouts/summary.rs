@@ -10,7 +10,7 @@ use crate::style::{INK, LABEL, Marker, TICK, number};
 const ROW: f64 = 52.0;
 const BAR: f64 = 20.0;
 
-/// Until the first gap closes, until the wall does, and from then on until it is as designed.
+/// Until the first gap closes, until the wall does, and from then on to the end.
 const WAITING: Colour = Colour(0xd3, 0xdc, 0xea);
 const CLOSING: Colour = Colour(0x7f, 0x9c, 0xc9);
 const GROWING: Colour = Colour(0x0b, 0x3c, 0x8c);
@@ -154,13 +154,11 @@ fn bar(canvas: &mut Canvas, frame: &Frame, layout: &LayoutView<'_>, y: f64) {
     let waited = first.unwrap_or(closed).min(closed);
     piece(0.0, waited, WAITING);
     piece(waited, closed, CLOSING);
-    if let Some(design) = layout.design {
-        piece(closed, design, GROWING);
-    } else if layout.closure_s.is_some() {
+    if layout.closure_s.is_some() {
         piece(closed, end, GROWING);
     }
     let rim = Stroke::whole(INK, 1.2);
-    let last = place(layout.design.unwrap_or(end).max(closed));
+    let last = place(end);
     let left = place(0.0);
     canvas.line(vec![(left, upper), (last, upper), (last, lower), (left, lower), (left, upper)], rim);
     if let Some(time) = first {

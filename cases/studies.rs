@@ -20,6 +20,7 @@ pub fn all() -> &'static [BundledScene] {
         "shaft-sensitivity",
         "shaft-sweep",
         "shaft-search",
+        "shaft-seed",
     ]
 }
 

@@ -372,6 +372,7 @@ mod tests {
             ring_radius: 5.0,
             first_angle: 0.0,
             moved: Vec::new(),
+            one_particle: false,
             missing: Vec::new(),
             pipe_radius: 0.05,
             temperature: Series::Constant(-20.0),

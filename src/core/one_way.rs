@@ -197,6 +197,7 @@ mod tests {
             ring_radius: 1.0,
             first_angle: 0.0,
             moved: Vec::new(),
+            one_particle: false,
             missing: Vec::new(),
             pipe_radius: 0.1,
             temperature: Series::Constant(temperature),

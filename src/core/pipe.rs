@@ -90,6 +90,15 @@ pub fn immerse(
     let share =
         if on_plane(mirrors.0, centre.x) { 0.5 } else { 1.0 } * if on_plane(mirrors.1, centre.y) { 0.5 } else { 1.0 };
     let in_cells = lattice.to_cells(centre);
+    if pipe.one_particle {
+        let (x, y) = (in_cells.x.round() as i64, in_cells.y.round() as i64);
+        let index = lattice.index(x, y).ok_or_else(|| outside(pipe, lattice, 1.0))?;
+        let extent = (centre, lattice.spacing);
+        let (temperature, schedule) = (pipe.temperature.clone(), pipe.schedule.clone());
+        let sample = vec![(index as u32, 1.0)];
+        let resistance = LEAST_RESISTANCE;
+        return Ok(Some(Sink { ring, sample, share, resistance, temperature, schedule, extent }));
+    }
     for stretch in STRETCHES {
         let cells = delta(in_cells, stretch);
         let widest = cells
@@ -110,13 +119,7 @@ pub fn immerse(
         for ((x, y), weight) in cells {
             let fold = |mirror: bool, cell: i64| if mirror && cell < 0 { -1 - cell } else { cell };
             let Some(index) = lattice.index(fold(mirrors.0, x), fold(mirrors.1, y)) else {
-                return Err(format!(
-                    "the pipe at ({:.4}, {:.4}) m lies too close to a wall for particles {} m apart: {:.3} m are needed",
-                    pipe.x,
-                    pipe.y,
-                    lattice.spacing,
-                    (2.0 * stretch + 1.0) * lattice.spacing
-                ));
+                return Err(outside(pipe, lattice, stretch));
             };
             match sample.iter_mut().find(|entry| entry.0 as usize == index) {
                 Some(entry) => entry.1 += weight,
@@ -134,6 +137,22 @@ pub fn immerse(
         lattice.spacing,
         pipe.radius / 6.0
     ))
+}
+
+fn outside(pipe: &Pipe, lattice: &Lattice, stretch: f64) -> String {
+    format!(
+        "the pipe at ({:.4}, {:.4}) m lies too close to a wall for particles {} m apart: {:.3} m are needed",
+        pipe.x,
+        pipe.y,
+        lattice.spacing,
+        (2.0 * stretch + 1.0) * lattice.spacing
+    )
+}
+
+/// Radius (m) as which a pipe of one particle acts: that of a particle held at the pipe's temperature, less what the
+/// resistance between both takes off.
+pub fn radius_of_one_particle(green: &Green, spacing: f64) -> f64 {
+    spacing * green.one_particle_radius() * (-2.0 * std::f64::consts::PI * LEAST_RESISTANCE).exp()
 }
 
 impl Held for Sink {

@@ -26,7 +26,7 @@ use crate::moving::Crowd;
 use crate::neighbours::{NeighbourSearch, Period, all_pairs::AllPairs, cells::Cells, tree::Tree};
 use crate::operator::Operator;
 use crate::particles::{Particles, Places};
-use crate::pipe::{Sink, green_reach, immerse};
+use crate::pipe::{Sink, green_reach, immerse, radius_of_one_particle};
 use crate::potential::{Curve, Law, Thermal};
 use crate::predict::{StepCount, planned_steps};
 use crate::reference::Reference;
@@ -218,12 +218,13 @@ pub fn build(
     };
     let materials = Materials { thermals, of_particle };
     let start = start::enthalpies(scene, &materials, &lattice, cloud.as_deref());
-    let differences = start::volume_errors(scene, &lattice, cloud.as_deref());
+    let mut differences = start::volume_errors(scene, &lattice, cloud.as_deref());
     let stencil = Stencil::new(discretisation, lattice.spacing, lattice.dimension);
     if !stencil.sum().is_finite() || stencil.sum() <= 0.0 {
         return Err(refuse("no pair of particles has a weight: the reach is shorter than the spacing".into()));
     }
-    let (sinks, rings) = pipes(scene, numerics, &lattice, &boundary, &stencil)?;
+    let Pipes { sinks, rings, acting } = pipes(scene, numerics, &lattice, &boundary, &stencil)?;
+    differences.extend(acting);
     let sampled = sinks.iter().flat_map(|sink| sink.sample.iter().map(|entry| entry.0));
     let mut exempt: Vec<u32> = sampled.collect();
     exempt.sort_unstable();
@@ -765,6 +766,16 @@ fn print_shapes(pairs: &mut PairList, symmetry: Symmetry, positions: &[DVec2], g
     Ok(())
 }
 
+/// Pipes joined to particles.
+#[derive(Default)]
+struct Pipes {
+    sinks: Vec<Sink>,
+    /// Names of the rings in the heat balance.
+    rings: Vec<String>,
+    /// As what pipes of one particle act.
+    acting: Vec<String>,
+}
+
 /// Sinks of all pipes in the sector, and the names of their rings.
 fn pipes(
     scene: &Scene,
@@ -772,9 +783,9 @@ fn pipes(
     lattice: &Lattice,
     boundary: &Boundary,
     stencil: &Stencil,
-) -> Result<(Vec<Sink>, Vec<String>), Refused> {
+) -> Result<Pipes, Refused> {
     if scene.rings.is_empty() {
-        return Ok((Vec::new(), Vec::new()));
+        return Ok(Pipes::default());
     }
     if numerics.layout != Layout::Lattice {
         return Err(refuse("freeze pipes need particles on a lattice: set layout = \"lattice\"".into()));
@@ -782,6 +793,7 @@ fn pipes(
     let mirrors = (boundary.sides[0] == Side::Mirror, boundary.sides[2] == Side::Mirror);
     let mut sinks = Vec::new();
     let mut rings = Vec::new();
+    let mut acting = Vec::new();
     for (number, ring) in scene.rings.iter().enumerate() {
         if let Some(schedule) = &ring.schedule
             && schedule.switches(scene.duration) > MOST_SWITCHES
@@ -794,11 +806,18 @@ fn pipes(
             )));
         }
         let green = Green::new(stencil, lattice.spacing, green_reach(ring.pipe_radius, lattice.spacing));
+        if ring.one_particle {
+            acting.push(format!(
+                "each pipe of ring {} is one particle, which acts as one of radius {:.3e} m",
+                number + 1,
+                radius_of_one_particle(&green, lattice.spacing)
+            ));
+        }
         for pipe in ring.pipes() {
             let sink = immerse(&pipe, number, lattice, mirrors, &green).map_err(refuse)?;
             sinks.extend(sink);
         }
         rings.push(if scene.rings.len() == 1 { "pipes".to_string() } else { format!("pipes_{}", number + 1) });
     }
-    Ok((sinks, rings))
+    Ok(Pipes { sinks, rings, acting })
 }

@@ -278,8 +278,10 @@ pub struct Pipe {
     pub x: f64,
     /// Centre (m).
     pub y: f64,
-    /// Outer radius of the pipe (m).
+    /// Outer radius of the pipe (m); 0 for one that is a single particle.
     pub radius: f64,
+    /// Whether it is the particle nearest to its place, and has the radius that the lattice gives it.
+    pub one_particle: bool,
     /// Temperature of the pipe's outer wall while it works.
     pub temperature: Series,
     /// When it works; always if absent. No heat crosses its wall at other times.
@@ -299,8 +301,10 @@ pub struct PipeRing {
     pub moved: Vec<(usize, DVec2)>,
     /// Pipes that are missing, by number.
     pub missing: Vec<usize>,
-    /// Radius of one pipe (m).
+    /// Radius of one pipe (m); 0 where each is a single particle.
     pub pipe_radius: f64,
+    /// Whether each pipe is the particle nearest to its place.
+    pub one_particle: bool,
     /// Temperature of the pipes' outer wall while they work.
     pub temperature: Series,
     /// When they work; always if absent. No heat crosses their walls at other times.
@@ -343,6 +347,7 @@ impl PipeRing {
                     x: place.x,
                     y: place.y,
                     radius: self.pipe_radius,
+                    one_particle: self.one_particle,
                     temperature: self.temperature.clone(),
                     schedule: self.schedule.clone(),
                 }

@@ -198,13 +198,20 @@ fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
     let count = section.integer("count", 1..=MOST_PIPES);
     let ring_radius = section.number(("ring_radius", "m"), Range::NOT_NEGATIVE);
     let first_angle = section.number_or(("first_angle", "deg"), 0.0, Range::ANY);
-    let pipe_radius = section.positive(("pipe_radius", "m"));
+    let one_particle = section.flag_or("one_particle", false);
+    let pipe_radius = if one_particle {
+        section.refuse(("pipe_radius", "m"), "a pipe of one particle has the radius that the lattice gives it");
+        Some(0.0)
+    } else {
+        section.positive(("pipe_radius", "m"))
+    };
     let temperature = section.series(("temperature", "c"), temperatures(section.units().absolute_zero()));
     let schedule = section.optional_schedule().map(Arc::new);
     let mut ring = PipeRing {
         count: count?,
         ring_radius: ring_radius?,
         first_angle: first_angle.to_radians(),
+        one_particle,
         moved: Vec::new(),
         missing: Vec::new(),
         pipe_radius: pipe_radius?,
@@ -275,6 +282,11 @@ fn ring_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64,
         Sector::Half => across_x_axis,
         Sector::Quarter => across_x_axis && across_y_axis,
     };
+    if ring.one_particle && sector != Sector::Whole {
+        let message = "mirror planes may lie between particles: set domain.ring.sector = \"whole\"";
+        section.problem("one_particle", message);
+        return;
+    }
     if !ring.is_even() {
         return uneven_in_domain(section, ring, outer_radius, sector);
     }

@@ -228,25 +228,8 @@ mod tests {
             "energy_balance_rel": 0.0, "errors": {}, "spared": [], "differences": [], "state_hash": "0",
         });
         let result = RunResult {
-            record: serde_json::from_value(record).expect("a record"),
             front: vec![FrontRow { time_s: 1.0, front_m: 0.5, front_ref_m: Some(0.25) }],
-            beside: Vec::new(),
-            frozen: Vec::new(),
-            phases: Vec::new(),
-            stream: Vec::new(),
-            sections: Vec::new(),
-            profiles: Vec::new(),
-            probes: Vec::new(),
-            surfaces: Vec::new(),
-            budget_names: Vec::new(),
-            budget: Vec::new(),
-            walls: Vec::new(),
-            gaps: Vec::new(),
-            links: Vec::new(),
-            planes: Vec::new(),
-            wall_closure_s: None,
-            fields: Vec::new(),
-            water: None,
+            ..RunResult::bare(serde_json::from_value(record).expect("a record"))
         };
         write_run(folder.path(), &result).expect("written");
         let mut names: Vec<_> = fs::read_dir(folder.path())

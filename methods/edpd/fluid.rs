@@ -12,7 +12,7 @@ pub mod pairs;
 pub mod parameters;
 pub mod particle;
 pub mod power;
-pub mod scan;
+mod scan;
 pub mod sorting;
 mod state;
 pub mod walls;

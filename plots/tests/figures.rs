@@ -56,27 +56,7 @@ fn record(title: &str, method: &str) -> Record {
 }
 
 fn empty(title: &str, method: &str) -> RunResult {
-    RunResult {
-        record: record(title, method),
-        front: Vec::new(),
-        beside: Vec::new(),
-        frozen: Vec::new(),
-        phases: Vec::new(),
-        stream: Vec::new(),
-        sections: Vec::new(),
-        profiles: Vec::new(),
-        probes: Vec::new(),
-        surfaces: Vec::new(),
-        budget_names: Vec::new(),
-        budget: Vec::new(),
-        walls: Vec::new(),
-        gaps: Vec::new(),
-        links: Vec::new(),
-        planes: Vec::new(),
-        wall_closure_s: None,
-        fields: Vec::new(),
-        water: None,
-    }
+    RunResult { ..RunResult::bare(record(title, method)) }
 }
 
 fn line_run() -> RunResult {

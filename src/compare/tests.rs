@@ -45,27 +45,7 @@ fn made_up(
     record.solve_cpu_s = cost;
     record.particle_updates = (1e6 * cost) as u64;
     record.errors = Errors::default();
-    let mut result = RunResult {
-        record,
-        front: Vec::new(),
-        beside: Vec::new(),
-        frozen: Vec::new(),
-        phases: Vec::new(),
-        stream: Vec::new(),
-        sections: Vec::new(),
-        profiles: Vec::new(),
-        probes: Vec::new(),
-        surfaces: Vec::new(),
-        budget_names: Vec::new(),
-        budget: Vec::new(),
-        walls: Vec::new(),
-        gaps: Vec::new(),
-        links: Vec::new(),
-        planes: Vec::new(),
-        wall_closure_s: None,
-        fields: Vec::new(),
-        water: None,
-    };
+    let mut result = RunResult { ..RunResult::bare(record) };
     if method == "pd" && level < 0.6 && settings.setting == Setting::Paper {
         result.record.outcome = Outcome::Diverged;
         result.record.cause = Some("particle 3 left the range of the data".into());

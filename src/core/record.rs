@@ -460,3 +460,30 @@ pub struct RunResult {
     /// Water over time, where it flows.
     pub water: Option<WaterSeries>,
 }
+
+impl RunResult {
+    /// A record without any series.
+    pub fn bare(record: Record) -> Self {
+        RunResult {
+            record,
+            front: Vec::new(),
+            beside: Vec::new(),
+            frozen: Vec::new(),
+            phases: Vec::new(),
+            stream: Vec::new(),
+            sections: Vec::new(),
+            profiles: Vec::new(),
+            probes: Vec::new(),
+            surfaces: Vec::new(),
+            budget_names: Vec::new(),
+            budget: Vec::new(),
+            walls: Vec::new(),
+            gaps: Vec::new(),
+            links: Vec::new(),
+            planes: Vec::new(),
+            wall_closure_s: None,
+            fields: Vec::new(),
+            water: None,
+        }
+    }
+}

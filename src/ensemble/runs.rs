@@ -57,25 +57,13 @@ pub fn result(record: Record, tables: &Tables) -> Result<RunResult, String> {
         Some(water)
     };
     Ok(RunResult {
-        record,
         front: typed(tables, "front.csv")?,
-        beside: Vec::new(),
         frozen: typed(tables, "frozen.csv")?,
-        phases: Vec::new(),
-        stream: Vec::new(),
-        sections: Vec::new(),
         profiles: typed(tables, "profiles.csv")?,
-        probes: Vec::new(),
-        surfaces: Vec::new(),
-        budget_names: Vec::new(),
-        budget: Vec::new(),
         walls: typed(tables, "wall.csv")?,
         gaps: typed(tables, "gaps.csv")?,
-        links: Vec::new(),
-        planes: Vec::new(),
-        wall_closure_s: None,
-        fields: Vec::new(),
         water,
+        ..RunResult::bare(record)
     })
 }
 

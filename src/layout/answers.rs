@@ -50,25 +50,14 @@ impl Kept {
     /// The run, as far as figures read it.
     pub fn run(&self) -> RunResult {
         RunResult {
-            record: self.record.clone(),
-            front: Vec::new(),
-            beside: Vec::new(),
-            frozen: Vec::new(),
-            phases: Vec::new(),
-            stream: Vec::new(),
-            sections: Vec::new(),
             profiles: self.profiles.clone(),
-            probes: Vec::new(),
-            surfaces: Vec::new(),
             budget_names: self.budget_names.clone(),
             budget: self.budget.clone(),
             walls: self.walls.clone(),
-            gaps: Vec::new(),
             links: self.links.clone(),
             planes: self.planes.clone(),
             wall_closure_s: self.wall_closure_s,
-            fields: Vec::new(),
-            water: None,
+            ..RunResult::bare(self.record.clone())
         }
     }
 }

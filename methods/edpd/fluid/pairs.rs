@@ -1,6 +1,6 @@
 //! What a step does to the pairs of a slab.
 //!
-//! Pairs in reach are found ([`scan`]) and gathered, some hundred at a time; all that depends on places and temperatures alone is worked out
+//! Pairs in reach are found (`scan`) and gathered, some hundred at a time; all that depends on places and temperatures alone is worked out
 //! for them at once, in vectors; then velocities and energies of both ends change, pair by pair. Friction and random force
 //! of a pair act on the velocity `u` of one end against the other along the line between them,
 //!
@@ -29,7 +29,7 @@ const VECTOR: usize = 8;
 pub struct Frame<'a, const D: usize, M: Matter> {
     /// All particles as pairs see them.
     pub looks: &'a [Look<D, M::Seen>],
-    /// Where they stand, by direction, in single precision; [`LANES`] places longer.
+    /// Where they stand, by direction, in single precision; `scan::LANES` places longer.
     pub places: [&'a [f32]; D],
     /// Cells, and the first particle of each.
     pub grid: &'a Grid<D>,
@@ -41,7 +41,7 @@ pub struct Frame<'a, const D: usize, M: Matter> {
     pub matter: &'a M,
     /// Direction across whose periodic sides no heat goes.
     pub shut: Option<usize>,
-    /// Square of the largest cut-off radius, [`scan::widened`].
+    /// Square of the largest cut-off radius, taken larger by the error of single precision.
     pub reach: f32,
     /// One over the cut-off radius of the conservative force, of friction, of heat.
     pub inverse_cutoffs: [f64; 3],

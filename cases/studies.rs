@@ -21,6 +21,7 @@ pub fn all() -> &'static [BundledScene] {
         "shaft-sweep",
         "shaft-search",
         "shaft-seed",
+        "shaft-seepage",
     ]
 }
 

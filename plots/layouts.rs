@@ -5,12 +5,14 @@ use frazil_core::record::{LinkRow, RunResult};
 use crate::canvas::{Canvas, Colour, Stroke, text_width};
 use crate::style::{Marker, MethodStyle};
 
+mod critical;
 mod curves;
 mod plan;
 mod polar;
 mod report;
 mod summary;
 
+pub use critical::{CriticalView, critical_map};
 pub use curves::{load, mean_temperature, planes, thickness};
 pub use plan::{maps, sketches};
 pub use polar::gaps_polar;

@@ -10,6 +10,7 @@ use crate::output::Folder;
 use crate::{load, output};
 
 pub mod answers;
+pub mod critical;
 pub mod execute;
 pub mod formula;
 pub mod report;
@@ -109,8 +110,18 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         }
         write_rows(&path, "search.csv", &tried)?;
     }
+    let mut critical = None;
+    if let Some(wanted) = &study.critical {
+        let Some(outcome) = critical::seek(&study, wanted, &work)? else {
+            complain("interrupted: the same command goes on with the halving");
+            return Ok(Verdict::Broken);
+        };
+        write_rows(&path, "critical.csv", &outcome.found)?;
+        write_rows(&path, "critical_tried.csv", &outcome.tried)?;
+        critical = Some(critical::block(wanted, &outcome, &work)?);
+    }
     tables::write(&path, &study, method, &found)?;
-    report::write(request, &study, &work, &found, &tried)?;
+    report::write(request, &study, &work, &found, &tried, critical)?;
     if !request.quiet {
         answer(&tables::summary(&study, method, &found, &path))?;
         if let Some(search) = &study.search {

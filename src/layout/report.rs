@@ -25,6 +25,7 @@ pub(super) fn write(
     work: &Work<'_>,
     found: &[Found<'_>],
     tried: &[Tried],
+    critical: Option<Block>,
 ) -> Result<(), Failure> {
     let compared: Vec<&Found<'_>> = found.iter().filter(|one| one.layout.role == Role::Compared).collect();
     let mut page = Page {
@@ -70,6 +71,7 @@ pub(super) fn write(
         });
     }
     page.opening.extend(what_if(found));
+    page.opening.extend(critical);
     page.opening.extend(study.search.as_ref().map(|search| searched(search, tried)));
     let list = assumptions(study, &compared);
     page.opening.push(Block { heading: "Assumptions".into(), list, ..Block::default() });

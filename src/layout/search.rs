@@ -27,11 +27,7 @@ pub(super) fn search(study: &Study, search: &Search, work: &Work<'_>) -> Result<
     let mut tried: Vec<Tried> = Vec::new();
     let mut try_one = |value: i64| -> Result<Option<bool>, Failure> {
         let layout = study.tried(search, value)?;
-        layout.check(study.shaft_radius, work.method)?;
-        if work.kept(&layout).is_none() && !work.layout(&layout)? {
-            return Ok(None);
-        }
-        let Some(pair) = work.kept(&layout) else { return Ok(None) };
+        let Some(pair) = work.made(&layout)? else { return Ok(None) };
         let closure_days = Answers::of(&layout.scene, &pair.fine, study.design).closure;
         let in_time = closure_days.is_some_and(|day| day <= search.closure_days);
         tried.push(Tried { value, closure_days, in_time, least: false });

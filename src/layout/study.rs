@@ -9,6 +9,7 @@ use rand::{RngExt, SeedableRng};
 use serde::Deserialize;
 use toml::{Table, Value};
 
+use super::critical::Critical;
 use crate::failure::Failure;
 use crate::load::{self, Overrides};
 
@@ -35,6 +36,7 @@ struct File {
     sensitivity: Option<Sensitivity>,
     deviation: Option<Deviation>,
     search: Option<Search>,
+    critical: Option<Critical>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -158,11 +160,20 @@ pub struct Study {
     pub layouts: Vec<Layout>,
     /// What is searched.
     pub search: Option<Search>,
+    /// What is sought of each layout.
+    pub critical: Option<Critical>,
     /// What all layouts change of the scene.
     set: Overrides,
 }
 
 impl Study {
+    /// A layout with another value of a key.
+    pub fn changed(&self, of: &Layout, key: &str, value: &str) -> Result<Layout, Failure> {
+        let mut overrides = of.overrides.clone();
+        overrides.push((key.to_owned(), value.to_owned()));
+        layout(&self.scene, format!("{}, {key} = {value}", of.name), Role::Tried, overrides)
+    }
+
     /// The layout with a value of the key that is searched.
     pub fn tried(&self, search: &Search, value: i64) -> Result<Layout, Failure> {
         let mut overrides = self.set.clone();
@@ -253,6 +264,9 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
              day above 0"
         )));
     }
+    if let Some(critical) = &read.critical {
+        critical.check().map_err(&bad)?;
+    }
     let base = load::scene(&read.scene, &[])?;
     if !matches!(base.domain, Domain::Ring { .. }) || base.rings.is_empty() {
         return Err(bad(format!("scene: found \"{}\", must be a ring with pipes", read.scene)));
@@ -318,6 +332,7 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
         layouts,
         set: literals(&read.set).into_iter().chain(overrides.iter().cloned()).collect(),
         search: read.search,
+        critical: read.critical,
     })
 }
 

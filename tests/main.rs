@@ -11,6 +11,7 @@ mod ensembles;
 mod extreme;
 mod fields;
 mod forecasts;
+mod groundwater;
 mod invariants;
 mod layouts;
 mod moving;

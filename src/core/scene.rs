@@ -17,7 +17,7 @@ use glam::DVec2;
 use crate::material::Material;
 pub use crate::symmetry::Symmetry;
 
-pub use flow::{Flow, PressureWall, RelativePermeability};
+pub use flow::{Across, Flow, PressureWall, RelativePermeability};
 pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
 pub use region::{Region, Shape};
 pub use series::{Schedule, Series};

@@ -16,6 +16,7 @@ pub fn all() -> &'static [BundledScene] {
         "shaft-three-pipe",
         "shaft-four-pipe",
         "shaft-deviation",
+        "shaft-horizons",
         "shaft-failed-pipe",
         "shaft-sensitivity",
         "shaft-sweep",

@@ -10,11 +10,14 @@ use crate::output::Folder;
 use crate::{load, output};
 
 pub mod answers;
+pub mod boreholes;
 pub mod critical;
 pub mod execute;
 pub mod formula;
+pub mod horizons;
 pub mod report;
 pub mod search;
+pub mod shaft;
 pub mod study;
 pub mod tables;
 
@@ -84,8 +87,9 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     let mut found = Vec::new();
     for layout in &study.layouts {
         let Some(pair) = work.kept(layout) else { continue };
-        let fine = Answers::of(&layout.scene, &pair.fine, study.design);
-        let coarse = pair.coarse.as_ref().map(|kept| Answers::of(&layout.scene, kept, study.design));
+        let design = study.design_of(layout);
+        let fine = Answers::of(&layout.scene, &pair.fine, design);
+        let coarse = pair.coarse.as_ref().map(|kept| Answers::of(&layout.scene, kept, design));
         found.push(Found { layout, pair, fine, coarse });
     }
     let missing = study.layouts.len() - found.len();

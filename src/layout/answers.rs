@@ -2,6 +2,7 @@
 
 use frazil_core::record::{BudgetRow, LinkRow, Outcome, PlaneRow, ProfileRow, Record, RunResult, WallRow};
 use frazil_core::scene::{Domain, Scene};
+use frazil_plots::layouts::between;
 use serde::{Deserialize, Serialize};
 
 use super::formula::SteadyRing;
@@ -23,7 +24,7 @@ pub struct Kept {
     pub walls: Vec<WallRow>,
     /// Profiles at the last instant.
     pub profiles: Vec<ProfileRow>,
-    /// Heat balance; the pipes' columns are the last ones.
+    /// Heat balance.
     pub budget: Vec<BudgetRow>,
     /// Names of its columns.
     pub budget_names: Vec<String>,
@@ -127,41 +128,16 @@ impl Answers {
         let day = |time: f64| time / DAY;
         let closures = || kept.links.iter().filter_map(|link| link.closure_s);
         let open = kept.links.iter().filter(|link| link.closure_s.is_none()).count();
-        let doors = kept.budget_names.len().saturating_sub(scene.rings.len());
-        let taken = |row: &BudgetRow| -images * row.in_j[doors.min(row.in_j.len())..].iter().sum::<f64>();
-        let load: Vec<(f64, f64)> =
-            kept.walls.iter().map(|row| (row.time_s, row.heat_per_pipe_w_per_m * pipes as f64)).collect();
-        let at = |time: f64| {
-            let wall = |value: fn(&WallRow) -> f64| read(kept.walls.iter().map(|row| (row.time_s, value(row))), time);
-            let plane = |name: &'static str, value: fn(&PlaneRow) -> Option<f64>| {
-                let rows = kept.planes.iter().filter(move |row| row.plane == name);
-                let found: Vec<(f64, f64)> = rows.filter_map(|row| Some((row.time_s, value(row)?))).collect();
-                // Before anything is frozen there is nothing to read.
-                let begun = found.first().is_some_and(|first| first.0 <= time * (1.0 + 1e-12));
-                if begun { read(found.into_iter(), time) } else { None }
-            };
-            Day {
-                day: day(time),
-                thickness_interface_m: wall(|row| row.thickness_interface_m).unwrap_or(0.0),
-                thickness_main_m: wall(|row| row.thickness_main_m).unwrap_or(0.0),
-                inner_m: plane("interface", |row| row.inner_m),
-                outer_m: plane("interface", |row| row.outer_m),
-                mean_main_c: plane("main", |row| row.mean_temperature_c),
-                mean_interface_c: plane("interface", |row| row.mean_temperature_c),
-                mean_c: plane("wall", |row| row.mean_temperature_c),
-                heat_per_pipe_w_per_m: wall(|row| row.heat_per_pipe_w_per_m).unwrap_or(0.0),
-                energy_mj_per_m: 1e-6
-                    * read(kept.budget.iter().map(|row| (row.time_s, taken(row))), time).unwrap_or(0.0),
-            }
-        };
-        let days: Vec<Day> = scene.watch.profiles.iter().map(|time| at(*time)).collect();
+        let series = Series::of(kept, images);
+        let load: Vec<(f64, f64)> = series.heat.iter().map(|(time, heat)| (*time, heat * pipes as f64)).collect();
+        let days: Vec<Day> = scene.watch.profiles.iter().map(|time| series.day(*time)).collect();
         let reached = |design: Design| {
             let good = |day: &Day| {
                 day.thickness_interface_m >= design.thickness_m
                     && day.mean_c.is_some_and(|mean| mean <= design.mean_temperature_c)
             };
             // Outputs are where thickness and temperature are known.
-            kept.walls.iter().map(|row| at(row.time_s)).find(good).map(|found| found.day)
+            kept.walls.iter().map(|row| series.day(row.time_s)).find(good).map(|found| found.day)
         };
         Answers {
             pipes,
@@ -187,13 +163,62 @@ fn weakest(kept: &Kept) -> Option<LinkRow> {
     closing.or_else(|| open.max_by(|a, b| a.distance_m.total_cmp(&b.distance_m))).cloned()
 }
 
-/// A series at an instant, linear between its rows; none beyond them.
-fn read(rows: impl Iterator<Item = (f64, f64)>, time: f64) -> Option<f64> {
-    let rows: Vec<(f64, f64)> = rows.collect();
-    let after = rows.iter().position(|row| row.0 >= time * (1.0 - 1e-12))?;
-    let (t1, v1) = rows[after];
-    let Some((t0, v0)) = after.checked_sub(1).map(|before| rows[before]) else { return Some(v1) };
-    Some(v0 + (v1 - v0) * ((time - t0) / (t1 - t0)).min(1.0))
+/// What is read of the wall over time: seconds and values.
+struct Series {
+    thickness_interface: Vec<(f64, f64)>,
+    thickness_main: Vec<(f64, f64)>,
+    inner: Vec<(f64, f64)>,
+    outer: Vec<(f64, f64)>,
+    mean_main: Vec<(f64, f64)>,
+    mean_interface: Vec<(f64, f64)>,
+    mean: Vec<(f64, f64)>,
+    /// Heat taken by a pipe (W/m).
+    heat: Vec<(f64, f64)>,
+    /// Heat taken by all pipes (J/m).
+    taken: Vec<(f64, f64)>,
+}
+
+impl Series {
+    /// From a run on a part of the plan that stands for `images` of it.
+    fn of(kept: &Kept, images: f64) -> Series {
+        let wall = |value: fn(&WallRow) -> f64| kept.walls.iter().map(|row| (row.time_s, value(row))).collect();
+        let plane = |name: &str, value: fn(&PlaneRow) -> Option<f64>| {
+            let rows = kept.planes.iter().filter(|row| row.plane == name);
+            rows.filter_map(|row| Some((row.time_s, value(row)?))).collect()
+        };
+        // Columns are named after doors: walls, pipes or pipes_2, perhaps what is inside.
+        let pipes: Vec<usize> =
+            (0..kept.budget_names.len()).filter(|k| kept.budget_names[*k].starts_with("pipes")).collect();
+        let taken = |row: &BudgetRow| -images * pipes.iter().filter_map(|k| row.in_j.get(*k)).sum::<f64>();
+        Series {
+            thickness_interface: wall(|row| row.thickness_interface_m),
+            thickness_main: wall(|row| row.thickness_main_m),
+            inner: plane("interface", |row| row.inner_m),
+            outer: plane("interface", |row| row.outer_m),
+            mean_main: plane("main", |row| row.mean_temperature_c),
+            mean_interface: plane("interface", |row| row.mean_temperature_c),
+            mean: plane("wall", |row| row.mean_temperature_c),
+            heat: wall(|row| row.heat_per_pipe_w_per_m),
+            taken: kept.budget.iter().map(|row| (row.time_s, taken(row))).collect(),
+        }
+    }
+
+    /// The wall at an instant; what is not there yet is absent, or 0.
+    fn day(&self, time: f64) -> Day {
+        let read = |series: &[(f64, f64)]| between(series, time);
+        Day {
+            day: time / DAY,
+            thickness_interface_m: read(&self.thickness_interface).unwrap_or(0.0),
+            thickness_main_m: read(&self.thickness_main).unwrap_or(0.0),
+            inner_m: read(&self.inner),
+            outer_m: read(&self.outer),
+            mean_main_c: read(&self.mean_main),
+            mean_interface_c: read(&self.mean_interface),
+            mean_c: read(&self.mean),
+            heat_per_pipe_w_per_m: read(&self.heat).unwrap_or(0.0),
+            energy_mj_per_m: 1e-6 * read(&self.taken).unwrap_or(0.0),
+        }
+    }
 }
 
 /// The steady ring of a scene with one even ring, with the fronts of a day.

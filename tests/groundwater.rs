@@ -110,7 +110,7 @@ fn halves_and_turns_are_the_whole() {
         };
         for i in 0..lattice.len() {
             let (column, row) = lattice.cell(i);
-            let (x, y) = (column as i64 - lattice.columns as i64 / 2, row as i64 - lattice.rows as i64 / 2);
+            let (x, y) = (column - lattice.columns as i64 / 2, row - lattice.rows as i64 / 2);
             let own = whole.particles.enthalpy[i];
             let mirrored = half.particles.enthalpy[cell_at(&half, x, if y < 0 { -1 - y } else { y })];
             // A turn maps cell (x, y) to (-1 - y, x).

@@ -234,7 +234,10 @@ fn formula(scene: &Scene, day: &Day) -> Option<(f64, f64)> {
         fronts: (inner, outer),
         conductivity: material.frozen.conductivity,
     };
-    let (mean, heat) =
-        if ring.is_even() && !ring.one_particle && steady.pipe < 0.0 { steady.mean_and_heat()? } else { return None };
+    let (mean, heat) = if ring.is_even() && !ring.one_particle && ring.film.is_none() && steady.pipe < 0.0 {
+        steady.mean_and_heat()?
+    } else {
+        return None;
+    };
     Some((mean + material.freezing_point, heat))
 }

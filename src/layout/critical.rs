@@ -243,7 +243,7 @@ fn balance(scene: &Scene) -> Option<f64> {
     let cold = material.freezing_point - ring.temperature.at(scene.duration);
     let warm = scene.initial_temperature - material.freezing_point;
     let slim = (spacing / (4.0 * ring.pipe_radius)).ln();
-    if ring.one_particle || cold <= 0.0 || warm <= 0.0 || slim <= 0.0 {
+    if ring.one_particle || ring.film.is_some() || cold <= 0.0 || warm <= 0.0 || slim <= 0.0 {
         return None;
     }
     let water = pores.water_density * pores.water_heat_capacity;

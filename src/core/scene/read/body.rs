@@ -194,6 +194,8 @@ pub(super) fn pipes(root: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Pipe
     rings
 }
 
+const FILM: (&str, &str) = ("coefficient", "W_per_m2_K");
+
 fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
     let count = section.integer("count", 1..=MOST_PIPES);
     let ring_radius = section.number(("ring_radius", "m"), Range::NOT_NEGATIVE);
@@ -206,6 +208,12 @@ fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
         section.positive(("pipe_radius", "m"))
     };
     let temperature = section.series(("temperature", "c"), temperatures(section.units().absolute_zero()));
+    let film = if one_particle {
+        section.refuse(FILM, "a pipe of one particle has no wall");
+        None
+    } else {
+        section.optional_number(FILM, Range::POSITIVE)
+    };
     let schedule = section.optional_schedule().map(Arc::new);
     let mut ring = PipeRing {
         count: count?,
@@ -216,6 +224,7 @@ fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
         missing: Vec::new(),
         pipe_radius: pipe_radius?,
         temperature: temperature?,
+        film,
         schedule,
     };
     as_built(section, &mut ring);

@@ -7,6 +7,7 @@ use crate::style::{Marker, MethodStyle};
 
 mod curves;
 mod depth;
+mod methods;
 mod plan;
 mod polar;
 mod report;
@@ -14,6 +15,7 @@ mod summary;
 
 pub use curves::{load, mean_temperature, planes, thickness};
 pub use depth::{LayerView, ShaftView, over_depth};
+pub use methods::{MethodView, MethodsView, methods};
 pub use plan::{maps, sketches};
 pub use polar::gaps_polar;
 pub use report::{Drawing, drawings};

@@ -12,6 +12,7 @@ use crate::{load, output};
 pub mod answers;
 pub mod execute;
 pub mod formula;
+pub mod reference;
 pub mod report;
 pub mod search;
 pub mod study;
@@ -19,6 +20,7 @@ pub mod tables;
 
 use answers::Answers;
 use execute::{Pair, Work};
+use reference::Compared;
 use study::Layout;
 
 /// What is to be studied.
@@ -52,6 +54,8 @@ pub struct Found<'a> {
     pub fine: Answers,
     /// The same at twice the spacing.
     pub coarse: Option<Answers>,
+    /// What it is compared with.
+    pub reference: Option<Compared>,
 }
 
 /// Runs layouts and sets them beside each other.
@@ -60,8 +64,10 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     let Some(first) = study.layouts.first() else { return Ok(Verdict::Done) };
     let asked = request.method.as_deref().or(study.method.as_deref());
     let method = load::method(&first.scene, asked)?;
+    let mut references = Vec::new();
     for layout in &study.layouts {
         layout.check(study.shaft_radius, method)?;
+        references.push(reference::table(&study, layout, method, &request.overrides)?);
     }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
     let folder = Folder::make(&path)?;
@@ -81,11 +87,11 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         }
     };
     let mut found = Vec::new();
-    for layout in &study.layouts {
+    for (layout, reference) in study.layouts.iter().zip(references) {
         let Some(pair) = work.kept(layout) else { continue };
         let fine = Answers::of(&layout.scene, &pair.fine, study.design);
         let coarse = pair.coarse.as_ref().map(|kept| Answers::of(&layout.scene, kept, study.design));
-        found.push(Found { layout, pair, fine, coarse });
+        found.push(Found { layout, pair, fine, coarse, reference });
     }
     let missing = study.layouts.len() - found.len();
     if made.is_none() {

@@ -1,6 +1,6 @@
 //! What a run says about a layout.
 
-use frazil_core::record::{BudgetRow, LinkRow, Outcome, PlaneRow, ProfileRow, Record, RunResult, WallRow};
+use frazil_core::record::{BudgetRow, GapRow, LinkRow, Outcome, PlaneRow, ProfileRow, Record, RunResult, WallRow};
 use frazil_core::scene::{Domain, Scene};
 use serde::{Deserialize, Serialize};
 
@@ -27,6 +27,8 @@ pub struct Kept {
     pub budget: Vec<BudgetRow>,
     /// Names of its columns.
     pub budget_names: Vec<String>,
+    /// Gaps of the first ring, closed anywhere half-way between two pipes.
+    pub gaps: Vec<GapRow>,
     /// When a closed wall stood (s).
     pub wall_closure_s: Option<f64>,
 }
@@ -43,6 +45,7 @@ impl Kept {
             profiles: result.profiles.iter().filter(|row| row.time_s == last).cloned().collect(),
             budget: result.budget.clone(),
             budget_names: result.budget_names.clone(),
+            gaps: result.gaps.clone(),
             wall_closure_s: result.wall_closure_s,
         }
     }
@@ -75,6 +78,10 @@ pub struct Day {
     pub inner_m: Option<f64>,
     /// Outer front on the interface plane (m from the centre).
     pub outer_m: Option<f64>,
+    /// Inner and outer front on the main plane (m from the centre).
+    pub main_m: Option<(f64, f64)>,
+    /// Frozen area (m2), pipes counted.
+    pub area_m2: f64,
     /// Mean temperature on the main plane.
     pub mean_main_c: Option<f64>,
     /// Mean temperature on the interface plane.
@@ -85,6 +92,40 @@ pub struct Day {
     pub heat_per_pipe_w_per_m: f64,
     /// Heat taken by all pipes since the start (MJ by metre of depth).
     pub energy_mj_per_m: f64,
+}
+
+impl Day {
+    /// Of a run of a scene, at a time (s) that it has outputs around.
+    pub fn at(scene: &Scene, kept: &Kept, time: f64) -> Day {
+        let images = match scene.domain {
+            Domain::Ring { sector, .. } => sector.images() as f64,
+            _ => 1.0,
+        };
+        let doors = kept.budget_names.len().saturating_sub(scene.rings.len());
+        let taken = |row: &BudgetRow| -images * row.in_j[doors.min(row.in_j.len())..].iter().sum::<f64>();
+        let wall = |value: fn(&WallRow) -> f64| read(kept.walls.iter().map(|row| (row.time_s, value(row))), time);
+        let plane = |name: &'static str, value: fn(&PlaneRow) -> Option<f64>| {
+            let rows = kept.planes.iter().filter(move |row| row.plane == name);
+            let found: Vec<(f64, f64)> = rows.filter_map(|row| Some((row.time_s, value(row)?))).collect();
+            // Before anything is frozen there is nothing to read.
+            let begun = found.first().is_some_and(|first| first.0 <= time * (1.0 + 1e-12));
+            if begun { read(found.into_iter(), time) } else { None }
+        };
+        Day {
+            day: time / DAY,
+            thickness_interface_m: wall(|row| row.thickness_interface_m).unwrap_or(0.0),
+            thickness_main_m: wall(|row| row.thickness_main_m).unwrap_or(0.0),
+            inner_m: plane("interface", |row| row.inner_m),
+            outer_m: plane("interface", |row| row.outer_m),
+            main_m: plane("main", |row| row.inner_m).zip(plane("main", |row| row.outer_m)),
+            area_m2: wall(|row| row.frozen_area_m2).unwrap_or(0.0),
+            mean_main_c: plane("main", |row| row.mean_temperature_c),
+            mean_interface_c: plane("interface", |row| row.mean_temperature_c),
+            mean_c: plane("wall", |row| row.mean_temperature_c),
+            heat_per_pipe_w_per_m: wall(|row| row.heat_per_pipe_w_per_m).unwrap_or(0.0),
+            energy_mj_per_m: 1e-6 * read(kept.budget.iter().map(|row| (row.time_s, taken(row))), time).unwrap_or(0.0),
+        }
+    }
 }
 
 /// What an engineer asks of a layout.
@@ -119,41 +160,13 @@ pub struct Answers {
 impl Answers {
     /// From a run of a scene.
     pub fn of(scene: &Scene, kept: &Kept, design: Option<Design>) -> Answers {
-        let images = match scene.domain {
-            Domain::Ring { sector, .. } => sector.images() as f64,
-            _ => 1.0,
-        };
         let pipes = working(&scene.rings);
         let day = |time: f64| time / DAY;
         let closures = || kept.links.iter().filter_map(|link| link.closure_s);
         let open = kept.links.iter().filter(|link| link.closure_s.is_none()).count();
-        let doors = kept.budget_names.len().saturating_sub(scene.rings.len());
-        let taken = |row: &BudgetRow| -images * row.in_j[doors.min(row.in_j.len())..].iter().sum::<f64>();
         let load: Vec<(f64, f64)> =
             kept.walls.iter().map(|row| (row.time_s, row.heat_per_pipe_w_per_m * pipes as f64)).collect();
-        let at = |time: f64| {
-            let wall = |value: fn(&WallRow) -> f64| read(kept.walls.iter().map(|row| (row.time_s, value(row))), time);
-            let plane = |name: &'static str, value: fn(&PlaneRow) -> Option<f64>| {
-                let rows = kept.planes.iter().filter(move |row| row.plane == name);
-                let found: Vec<(f64, f64)> = rows.filter_map(|row| Some((row.time_s, value(row)?))).collect();
-                // Before anything is frozen there is nothing to read.
-                let begun = found.first().is_some_and(|first| first.0 <= time * (1.0 + 1e-12));
-                if begun { read(found.into_iter(), time) } else { None }
-            };
-            Day {
-                day: day(time),
-                thickness_interface_m: wall(|row| row.thickness_interface_m).unwrap_or(0.0),
-                thickness_main_m: wall(|row| row.thickness_main_m).unwrap_or(0.0),
-                inner_m: plane("interface", |row| row.inner_m),
-                outer_m: plane("interface", |row| row.outer_m),
-                mean_main_c: plane("main", |row| row.mean_temperature_c),
-                mean_interface_c: plane("interface", |row| row.mean_temperature_c),
-                mean_c: plane("wall", |row| row.mean_temperature_c),
-                heat_per_pipe_w_per_m: wall(|row| row.heat_per_pipe_w_per_m).unwrap_or(0.0),
-                energy_mj_per_m: 1e-6
-                    * read(kept.budget.iter().map(|row| (row.time_s, taken(row))), time).unwrap_or(0.0),
-            }
-        };
+        let at = |time: f64| Day::at(scene, kept, time);
         let days: Vec<Day> = scene.watch.profiles.iter().map(|time| at(*time)).collect();
         let reached = |design: Design| {
             let good = |day: &Day| {

@@ -11,7 +11,7 @@ use super::answers::DAY;
 use super::execute::Work;
 use super::search::{self, Tried};
 use super::study::{Role, Search, Study};
-use super::{Found, LayoutRequest, tables};
+use super::{Found, LayoutRequest, reference, tables};
 use crate::failure::Failure;
 use crate::machine::Machine;
 
@@ -69,6 +69,7 @@ pub(super) fn write(
             ..Block::default()
         });
     }
+    page.opening.extend(reference::block(found));
     page.opening.extend(what_if(found));
     page.opening.extend(study.search.as_ref().map(|search| searched(search, tried)));
     let list = assumptions(study, &compared);

@@ -25,6 +25,7 @@ struct File {
     method: Option<String>,
     #[serde(default)]
     set: Table,
+    reference: Option<String>,
     depth_m: Option<f64>,
     shaft_radius_m: Option<f64>,
     design: Option<Design>,
@@ -45,6 +46,7 @@ struct Entry {
     set: Table,
     #[serde(default)]
     boreholes: Vec<Borehole>,
+    reference: Option<String>,
 }
 
 /// A borehole of the first ring that leaves the vertical.
@@ -133,6 +135,8 @@ pub struct Layout {
     pub sector: String,
     /// Its scene.
     pub scene: Scene,
+    /// The table that it is compared with.
+    pub reference: Option<String>,
 }
 
 /// A study.
@@ -258,7 +262,7 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
         return Err(bad(format!("scene: found \"{}\", must be a ring with pipes", read.scene)));
     }
     let mut compared = Vec::new();
-    let whole = Entry { name: read.scene.clone(), set: Table::new(), boreholes: Vec::new() };
+    let whole = Entry { name: read.scene.clone(), set: Table::new(), boreholes: Vec::new(), reference: None };
     let entries = if read.layouts.is_empty() { vec![whole] } else { read.layouts };
     let combinations = combinations(&read.sweep).map_err(&bad)?;
     if entries.len() * combinations.len() > MOST {
@@ -284,6 +288,7 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
                 layout.overrides.push(moved);
                 layout = self::layout(&read.scene, layout.name, Role::Compared, layout.overrides)?;
             }
+            layout.reference = entry.reference.clone().or_else(|| read.reference.clone());
             compared.push(layout);
         }
     }
@@ -374,7 +379,7 @@ fn layout(scene: &str, name: String, role: Role, overrides: Overrides) -> Result
             _ => ("the whole plan: no axis is a mirror plane of all pipes".into(), whole),
         },
     };
-    Ok(Layout { name, role, overrides, sector, scene })
+    Ok(Layout { name, role, overrides, sector, scene, reference: None })
 }
 
 /// The first ring with boreholes that leave the vertical, at their depth.

@@ -15,6 +15,7 @@ pub mod critical;
 pub mod execute;
 pub mod formula;
 pub mod horizons;
+pub mod reference;
 pub mod report;
 pub mod search;
 pub mod shaft;
@@ -23,6 +24,7 @@ pub mod tables;
 
 use answers::Answers;
 use execute::{Pair, Work};
+use reference::Compared;
 use study::Layout;
 
 /// What is to be studied.
@@ -56,6 +58,8 @@ pub struct Found<'a> {
     pub fine: Answers,
     /// The same at twice the spacing.
     pub coarse: Option<Answers>,
+    /// What it is compared with.
+    pub reference: Option<Compared>,
 }
 
 /// Runs layouts and sets them beside each other.
@@ -64,8 +68,10 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     let Some(first) = study.layouts.first() else { return Ok(Verdict::Done) };
     let asked = request.method.as_deref().or(study.method.as_deref());
     let method = load::method(&first.scene, asked)?;
+    let mut references = Vec::new();
     for layout in &study.layouts {
         layout.check(study.shaft_radius, method)?;
+        references.push(reference::table(&study, layout, method, &request.overrides)?);
     }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
     let folder = Folder::make(&path)?;
@@ -85,12 +91,12 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         }
     };
     let mut found = Vec::new();
-    for layout in &study.layouts {
+    for (layout, reference) in study.layouts.iter().zip(references) {
         let Some(pair) = work.kept(layout) else { continue };
         let design = study.design_of(layout);
         let fine = Answers::of(&layout.scene, &pair.fine, design);
         let coarse = pair.coarse.as_ref().map(|kept| Answers::of(&layout.scene, kept, design));
-        found.push(Found { layout, pair, fine, coarse });
+        found.push(Found { layout, pair, fine, coarse, reference });
     }
     let missing = study.layouts.len() - found.len();
     if made.is_none() {

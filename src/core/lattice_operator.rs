@@ -824,7 +824,7 @@ fn bound(
                 let at = lattice.position(index);
                 cause = format!(
                     "particle {index} at ({:.4}, {:.4}) m, which the pipe at ({:.4}, {:.4}) m cools",
-                    at.x, at.y, sink.extent.0.x, sink.extent.0.y
+                    at.x, at.y, sink.extent.centre.x, sink.extent.centre.y
                 );
             }
         }

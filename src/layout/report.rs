@@ -12,7 +12,7 @@ use super::execute::Work;
 use super::search::{self, Tried};
 use super::shaft::{ShaftRow, shafts};
 use super::study::{Design, Role, Search, Study};
-use super::{Found, LayoutRequest, tables};
+use super::{Found, LayoutRequest, reference, tables};
 use crate::failure::Failure;
 use crate::machine::Machine;
 
@@ -72,6 +72,7 @@ pub(super) fn write(
             ..Block::default()
         });
     }
+    page.opening.extend(reference::block(found));
     page.opening.extend(what_if(study, found));
     page.opening.extend(critical);
     page.opening.extend(study.search.as_ref().map(|search| searched(search, tried)));

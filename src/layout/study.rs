@@ -26,6 +26,7 @@ struct File {
     method: Option<String>,
     #[serde(default)]
     set: Table,
+    reference: Option<String>,
     depth_m: Option<f64>,
     shaft_radius_m: Option<f64>,
     design: Option<Design>,
@@ -49,6 +50,7 @@ struct Entry {
     set: Table,
     #[serde(default)]
     boreholes: Vec<Borehole>,
+    reference: Option<String>,
 }
 
 /// What a wall must come to.
@@ -122,6 +124,8 @@ pub struct Layout {
     pub sector: String,
     /// Its scene.
     pub scene: Scene,
+    /// The table that it is compared with.
+    pub reference: Option<String>,
 }
 
 /// A study.
@@ -328,7 +332,7 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
         asked: overrides.to_vec(),
     };
     let mut compared = Vec::new();
-    let whole = Entry { name: read.scene.clone(), set: Table::new(), boreholes: Vec::new() };
+    let whole = Entry { name: read.scene.clone(), set: Table::new(), boreholes: Vec::new(), reference: None };
     let entries = if read.layouts.is_empty() { vec![whole] } else { read.layouts };
     let combinations = combinations(&read.sweep).map_err(&bad)?;
     let count = entries.len() * combinations.len() * horizons.len().max(1);
@@ -345,7 +349,8 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
                 (false, _) => format!("{} {words}", entry.name),
             };
             for at in ground.places() {
-                let layout = ground.layout(&shaft, at, Role::Compared, &own)?;
+                let reference = entry.reference.clone().or_else(|| read.reference.clone());
+                let layout = Layout { reference, ..ground.layout(&shaft, at, Role::Compared, &own)? };
                 compared.push(match &entry.boreholes[..] {
                     [] => layout,
                     boreholes => drilled(&ground, layout, boreholes).map_err(|failure| match failure {
@@ -452,7 +457,7 @@ fn layout(scene: &str, name: String, role: Role, overrides: Overrides) -> Result
             },
         },
     };
-    Ok(Layout { shaft: name.clone(), horizon: None, name, role, overrides, sector, scene })
+    Ok(Layout { shaft: name.clone(), horizon: None, name, role, overrides, sector, scene, reference: None })
 }
 
 /// A layout with boreholes that leave the vertical, at their depth.

@@ -11,6 +11,7 @@ use crate::{load, output};
 
 pub mod answers;
 pub mod boreholes;
+mod check;
 pub mod critical;
 pub mod execute;
 pub mod formula;
@@ -40,6 +41,10 @@ pub struct LayoutRequest {
     pub threads: usize,
     /// Which part of the layouts is to be run, from 0, of how many.
     pub shard: (usize, usize),
+    /// Whether only to say what would be run.
+    pub check: bool,
+    /// Whether to draw frames of an animation.
+    pub frames: bool,
     /// Folder for the results; `out/<study>` if absent.
     pub out: Option<PathBuf>,
     /// Whether to say nothing but errors.
@@ -73,6 +78,10 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         layout.check(study.shaft_radius, method)?;
         references.push(reference::table(&study, layout, method, &request.overrides)?);
     }
+    if request.check {
+        check::print(&study, method, request.threads)?;
+        return Ok(Verdict::Done);
+    }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
     let folder = Folder::make(&path)?;
     let work = Work {
@@ -81,6 +90,7 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         folder: &path,
         threads: request.threads,
         shard: request.shard,
+        frames: request.frames,
         quiet: request.quiet,
     };
     let made = match work.make() {

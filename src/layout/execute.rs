@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use frazil_core::march::{self, Options};
+use frazil_core::march::{self, EachOutput, Options};
+use frazil_core::particles::Particles;
 use frazil_core::record::Outcome;
 use frazil_core::scene::Scene;
 use frazil_plots::{FigureOptions, run_figures};
@@ -15,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use super::answers::Kept;
 use super::study::{Layout, Role, Study};
 use crate::failure::{Failure, complain};
+use crate::fields::{self, Snapshots};
 use crate::progress::{Reporter, clock};
 use crate::{interrupt, load, output, parallel};
 
@@ -46,6 +48,8 @@ pub struct Work<'a> {
     pub threads: usize,
     /// Which part of the layouts is to be run, of how many.
     pub shard: (usize, usize),
+    /// Whether layouts that are compared leave frames of an animation.
+    pub frames: bool,
     /// Whether to say nothing but errors.
     pub quiet: bool,
 }
@@ -106,8 +110,15 @@ impl Work<'_> {
         format!("{version} {} {} {}", layout.name, self.method, layout.scene.hash)
     }
 
-    /// What is known of a layout.
+    fn draws_frames(&self, layout: &Layout) -> bool {
+        self.frames && layout.role == Role::Compared
+    }
+
+    /// What is known of a layout; nothing while frames are wanted that it has not left.
     pub fn kept(&self, layout: &Layout) -> Option<Pair> {
+        if self.draws_frames(layout) && !self.folder_of(layout).join(fields::NAMES[2]).is_dir() {
+            return None;
+        }
         let text = fs::read_to_string(self.folder_of(layout).join(KEPT)).ok()?;
         let pair: Pair = serde_json::from_str(&text).ok()?;
         (pair.key == self.key(layout)).then_some(pair)
@@ -125,6 +136,16 @@ impl Work<'_> {
     /// One layout; says whether it came to its end.
     fn layout(&self, layout: &Layout) -> Result<bool, Failure> {
         let named = |failure: Failure| Failure::Request(format!("layout \"{}\": {failure}", layout.name));
+        let path = self.folder_of(layout);
+        fs::create_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
+        let wanted = self.draws_frames(layout);
+        let frames =
+            if wanted { Some(Snapshots::new(&layout.scene, self.method, (false, true), &path)?) } else { None };
+        let see = |particles: &Particles, time: f64| {
+            if let Some(frames) = &frames {
+                frames.see(particles, time);
+            }
+        };
         let options = Options {
             threads: 1,
             seed: 1,
@@ -134,20 +155,21 @@ impl Work<'_> {
             fields: layout.role == Role::Compared,
             each_output: None,
         };
-        let run = |scene: &Scene| march::run(scene, self.method, None, &options).map_err(Failure::from);
-        let fine = run(&layout.scene).map_err(named)?;
+        let run = |scene: &Scene, see: Option<&EachOutput<'_>>| {
+            let options = Options { each_output: see, ..options };
+            march::run(scene, self.method, None, &options).map_err(Failure::from)
+        };
+        let fine = run(&layout.scene, frames.is_some().then_some(&see)).map_err(named)?;
         if matches!(fine.record.outcome, Outcome::Interrupted | Outcome::TimedOut) {
             return Ok(false);
         }
         let (mut coarse, mut refused) = (None, None);
-        match self.coarser(layout).and_then(|scene| run(&scene)) {
+        match self.coarser(layout).and_then(|scene| run(&scene, None)) {
             Ok(result) if result.record.outcome == Outcome::Interrupted => return Ok(false),
             Ok(result) => coarse = Some(Kept::of(&result)),
             Err(failure) => refused = Some(failure.to_string()),
         }
-        let path = self.folder_of(layout);
-        fs::create_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
-        output::write_run(&path, &fine)?;
+        output::write_run_and(&path, &fine, || frames.map_or(Ok(()), |frames| frames.finish(&path)))?;
         if layout.role == Role::Compared
             && let Err(error) = run_figures(&fine, &path, &FigureOptions::of(&layout.scene))
         {

@@ -55,7 +55,11 @@ pub(super) fn write(
         let own = if figures.is_empty() && first.is_empty() { &mut first } else { &mut figures };
         own.push(Figure::new(&drawing.canvas, drawing.caption, drawing.stem));
     }
-    page.opening.push(Block { figures: first, tables: vec![overview(study, &compared)], ..Block::default() });
+    page.opening.push(Block {
+        figures: first,
+        tables: vec![overview(study, work.method, &compared)],
+        ..Block::default()
+    });
     page.opening.push(Block { figures, ..Block::default() });
     if compared.len() <= SHOWN {
         page.opening.push(Block {
@@ -276,7 +280,7 @@ fn with_error(value: Option<f64>, error: Option<f64>, digits: usize, none: &str)
 }
 
 /// A row for each layout: what is asked first.
-fn overview(study: &Study, compared: &[&Found<'_>]) -> Table {
+fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
     let mut heads: Vec<String> = [
         "layout",
         "weakest gap",
@@ -297,6 +301,11 @@ fn overview(study: &Study, compared: &[&Found<'_>]) -> Table {
         let alike = designs.iter().all(|own| own.as_ref() == Some(design));
         let words = format!("{} m at {} °C (day)", design.thickness_m, design.mean_temperature_c);
         heads.push(if alike { words } else { "as designed (day)".into() });
+    }
+    let single = |one: &&Found<'_>| one.layout.scene.rings.iter().any(|ring| ring.one_particle);
+    let acting = compared.iter().any(single);
+    if acting {
+        heads.push("pipes act as (mm)".into());
     }
     if compared.iter().any(|one| study.depth_of(one.layout).is_some()) {
         heads.push("plant, greatest (kW)".into());
@@ -326,6 +335,9 @@ fn overview(study: &Study, compared: &[&Found<'_>]) -> Table {
         if designed.is_some() {
             cells.push(cell(fine.design, 1, "not reached"));
         }
+        if acting {
+            cells.push(format!("{:.3}", 1e3 * reference::effective_radius(&one.layout.scene, method)));
+        }
         if let Some(depth) = study.depth_of(one.layout) {
             cells.push(format!("{:.0}", 1e-3 * depth * fine.peak));
         }
@@ -345,8 +357,18 @@ fn overview(study: &Study, compared: &[&Found<'_>]) -> Table {
 
 /// What holds for all layouts, and which part of the plan each was run on.
 fn assumptions(study: &Study, compared: &[&Found<'_>]) -> Vec<String> {
-    let mut facts =
-        vec!["Pipes are circles of their true radius, held at the temperature of their outer wall.".to_owned()];
+    let single = |one: &&Found<'_>| one.layout.scene.rings.iter().any(|ring| ring.one_particle);
+    let (some, all) = (compared.iter().any(single), compared.iter().all(single));
+    let mut facts = Vec::new();
+    if !all {
+        facts.push("Pipes are circles of their true radius, held at the temperature of their outer wall.".to_owned());
+    }
+    if some {
+        facts.push(
+            "A pipe of one particle acts as a thin one, of a radius that method and spacing give: finer particles close later."
+                .to_owned(),
+        );
+    }
     if !study.source.is_empty() {
         facts.insert(0, format!("Source: {}.", study.source));
     }

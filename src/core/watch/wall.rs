@@ -94,7 +94,8 @@ impl Wall {
         let mut rings = vec![Sunk::default(); scene.rings.len()];
         for pipe in pipes {
             rings[pipe.ring].pipes.push(*pipe);
-            rings[pipe.ring].near.extend(pipe.particles(sampler.lattice));
+            let inside = |i: &u32| sampler.lattice.position(*i as usize).distance(pipe.centre) <= pipe.half_width;
+            rings[pipe.ring].near.extend(pipe.particles(sampler.lattice).into_iter().filter(inside));
         }
         let mut wall = Wall { places, rings, ..Wall::default() };
         let mut lines: Vec<[DVec2; 2]> = Vec::new();
@@ -112,7 +113,8 @@ impl Wall {
                 wall.joints.push(Joint::new(vec![sampler.sample(middle)]));
                 joints.push((wall.joints.len() - 1, None));
                 if (line[0].length() - line[1].length()).abs() <= SAME_PLACE * scene.domain.extent() {
-                    wall.joints.push(Joint::new(vec![sampler.sample(middle.normalize_or_zero() * line[0].length())]));
+                    let arc = sampler.sample(middle.normalize_or_zero() * line[0].length());
+                    wall.joints.push(Joint::new(vec![arc]));
                     joints[lines.len() - 1].1 = Some(wall.joints.len() - 1);
                 }
                 lines.len() - 1

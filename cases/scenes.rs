@@ -37,6 +37,7 @@ pub fn all() -> &'static [BundledScene] {
         "soil-column-printed",
         "frozen-wall-sand",
         "frozen-wall-clay",
+        "frozen-wall-seepage",
         "cracked-plate",
         "thick-pipe-temperature",
         "thick-pipe-flux",

@@ -18,11 +18,13 @@ pub fn all() -> &'static [BundledScene] {
         "shaft-clay",
         "shaft-pipe-radius",
         "shaft-deviation",
+        "shaft-horizons",
         "shaft-failed-pipe",
         "shaft-sensitivity",
         "shaft-sweep",
         "shaft-search",
         "shaft-seed",
+        "shaft-seepage",
     ]
 }
 

@@ -5,13 +5,19 @@ use frazil_core::record::{LinkRow, RunResult};
 use crate::canvas::{Canvas, Colour, Stroke, text_width};
 use crate::style::{Marker, MethodStyle};
 
+mod critical;
 mod curves;
+mod depth;
+mod methods;
 mod plan;
 mod polar;
 mod report;
 mod summary;
 
+pub use critical::{CriticalView, critical_map};
 pub use curves::{load, mean_temperature, planes, thickness};
+pub use depth::{LayerView, ShaftView, over_depth};
+pub use methods::{MethodView, MethodsView, methods};
 pub use plan::{maps, sketches};
 pub use polar::gaps_polar;
 pub use report::{Drawing, drawings};
@@ -135,14 +141,19 @@ impl LayoutView<'_> {
     }
 }
 
-/// The value of a series at a place, between the nearest two points; absent outside the series.
-fn between(series: &[(f64, f64)], at: f64) -> Option<f64> {
-    if let [(x, y)] = series {
-        return (*x == at).then_some(*y);
+/// The value of a series at a place, linear between the nearest two points; absent outside the series. Of points at the same
+/// place the first counts; places that differ by rounding are the same.
+pub fn between(series: &[(f64, f64)], at: f64) -> Option<f64> {
+    let (first, last) = (series.first()?.0, series.last()?.0);
+    let room = ROUNDING * at.abs().max(last.abs());
+    if !(at >= first - room && at <= last + room) {
+        return None;
     }
-    let pair = series.windows(2).find(|pair| pair[0].0 <= at && at <= pair[1].0)?;
-    let [(x0, y0), (x1, y1)] = [pair[0], pair[1]];
-    Some(if x1 > x0 { y0 + (y1 - y0) * (at - x0) / (x1 - x0) } else { y1 })
+    let at = at.clamp(first, last);
+    let after = series.partition_point(|(x, _)| *x < at);
+    let (x1, y1) = series[after];
+    let Some((x0, y0)) = after.checked_sub(1).filter(|_| x1 > at).map(|before| series[before]) else { return Some(y1) };
+    Some(y0 + (y1 - y0) * (at - x0) / (x1 - x0))
 }
 
 /// The look of the k-th layout. Colours come again after six, dashes and markers after five: no look comes twice in

@@ -10,11 +10,15 @@ use crate::output::Folder;
 use crate::{load, output};
 
 pub mod answers;
+pub mod boreholes;
+pub mod critical;
 pub mod execute;
 pub mod formula;
+pub mod horizons;
 pub mod reference;
 pub mod report;
 pub mod search;
+pub mod shaft;
 pub mod study;
 pub mod tables;
 
@@ -89,8 +93,9 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     let mut found = Vec::new();
     for (layout, reference) in study.layouts.iter().zip(references) {
         let Some(pair) = work.kept(layout) else { continue };
-        let fine = Answers::of(&layout.scene, &pair.fine, study.design);
-        let coarse = pair.coarse.as_ref().map(|kept| Answers::of(&layout.scene, kept, study.design));
+        let design = study.design_of(layout);
+        let fine = Answers::of(&layout.scene, &pair.fine, design);
+        let coarse = pair.coarse.as_ref().map(|kept| Answers::of(&layout.scene, kept, design));
         found.push(Found { layout, pair, fine, coarse, reference });
     }
     let missing = study.layouts.len() - found.len();
@@ -115,8 +120,18 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         }
         write_rows(&path, "search.csv", &tried)?;
     }
+    let mut critical = None;
+    if let Some(wanted) = &study.critical {
+        let Some(outcome) = critical::seek(&study, wanted, &work)? else {
+            complain("interrupted: the same command goes on with the halving");
+            return Ok(Verdict::Broken);
+        };
+        write_rows(&path, "critical.csv", &outcome.found)?;
+        write_rows(&path, "critical_tried.csv", &outcome.tried)?;
+        critical = Some(critical::block(wanted, &outcome, &work)?);
+    }
     tables::write(&path, &study, method, &found)?;
-    report::write(request, &study, &work, &found, &tried)?;
+    report::write(request, &study, &work, &found, &tried, critical)?;
     if !request.quiet {
         answer(&tables::summary(&study, method, &found, &path))?;
         if let Some(search) = &study.search {

@@ -77,20 +77,32 @@ fn unknown_scene(asked: &str) -> String {
     }
 }
 
-/// A number of a scene's file after overrides, by its path.
-pub fn number(argument: &str, overrides: &[(String, String)], path: &str) -> Result<f64, Failure> {
-    let missing = || Failure::Request(format!("sensitivity: the scene has no number \"{path}\""));
-    if let Some((_, value)) = overrides.iter().rev().find(|(key, _)| key == path) {
-        return value.parse().map_err(|_| missing());
+/// What a scene's file has after overrides at a path, as `pipes.0.temperature_c`.
+pub fn value(argument: &str, overrides: &[(String, String)], path: &str) -> Option<toml::Value> {
+    // An override of a table holds all that is below it.
+    let within = |(key, value): &(String, String)| {
+        let rest = path.strip_prefix(key.as_str())?;
+        let rest = rest.strip_prefix('.').or(rest.is_empty().then_some(""))?;
+        // What is no TOML value is a word.
+        let table = format!("value = {value}").parse::<toml::Table>().unwrap_or_default();
+        Some(table.get("value").and_then(|value| below(value, rest)).cloned())
+    };
+    if let Some(found) = overrides.iter().rev().find_map(within) {
+        return found;
     }
     let text = match frazil_cases::scenes::find(argument) {
         Some(bundled) => bundled.text.to_owned(),
-        None => {
-            let path = Path::new(argument);
-            fs::read_to_string(path).map_err(|error| Failure::file(path, "cannot be read", error))?
-        }
+        None => fs::read_to_string(argument).ok()?,
     };
-    // Whatever else is wrong with it, reading the scene has told.
-    let table: toml::Table = toml::from_str(&text).map_err(|_| missing())?;
-    crate::layout::study::number(&table, path).ok_or_else(missing)
+    // Whatever is wrong with it, reading the scene has told.
+    below(&toml::Value::Table(text.parse().ok()?), path).cloned()
+}
+
+/// What stands in a value at a path.
+fn below<'a>(value: &'a toml::Value, path: &str) -> Option<&'a toml::Value> {
+    path.split('.').filter(|part| !part.is_empty()).try_fold(value, |at, part| match at {
+        toml::Value::Table(table) => table.get(part),
+        toml::Value::Array(items) => items.get(part.parse::<usize>().ok()?),
+        _ => None,
+    })
 }

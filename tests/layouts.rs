@@ -196,3 +196,133 @@ fn layouts_that_cannot_be_meant_are_refused_before_any_run() {
     let found = refused(&["pipes.0.ring_radius_m=14.97"]);
     assert!(found.contains("the pipes must lie inside the outer radius 15"), "{found}");
 }
+
+/// A study of sand over clay over sand, coarse and short, with more of it.
+fn horizons(more: &str) -> String {
+    let layer =
+        |name: &str, from: u32, to: u32| format!("[[horizons]]\nname = \"{name}\"\nfrom_m = {from}\nto_m = {to}\n");
+    let clay = "set = { \"materials.sand.freezing.latent_heat_J_per_kg\" = 9e4, \"time.duration_days\" = 40 }\n";
+    let head = "title = \"t\"\nscene = \"frozen-wall-sand\"\n\
+                set = { \"time.duration_days\" = 40, \"time.outputs\" = 40, \"time.profiles_days\" = [40], \
+                \"method.local.spacing_m\" = 0.2 }\n";
+    let layers = [layer("upper", 0, 80), layer("clay", 80, 130), clay.into(), layer("lower", 130, 200)];
+    format!("{head}{}{more}", layers.concat())
+}
+
+/// The shaft is closed once its last horizon is, takes the sum of what its layers take, and boreholes stand farther from their places
+/// the deeper they are read.
+#[test]
+fn a_shaft_is_its_horizons_together() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let layouts = r#"
+[[layouts]]
+name = "straight"
+[[layouts]]
+name = "leans"
+boreholes = [{ pipe = 5, surveyed_m = [[0, 0, 0], [80, 0, 0], [200, 0.2, 0.3]] }]
+"#;
+    fs::write(folder.path().join("deep.toml"), horizons(layouts)).expect("written");
+    done(folder.path(), &["deep.toml", "--out", "out"]);
+    let out = folder.path().join("out");
+    let (parts, shafts) = (rows(&out, "layouts.csv"), rows(&out, "shafts.csv"));
+    let names: Vec<&str> = parts.iter().map(|row| row["layout"].as_str()).collect();
+    let expected =
+        ["straight, upper", "straight, clay", "straight, lower", "leans, upper", "leans, clay", "leans, lower"];
+    assert_eq!(names, expected);
+    for (shaft, parts) in shafts.iter().zip(parts.chunks(3)) {
+        let last = parts.iter().map(|row| number(row, "closure_days")).fold(0.0, f64::max);
+        assert_eq!(number(shaft, "closure_days"), last);
+        let late = parts.iter().find(|row| number(row, "closure_days") == last).expect("one of them");
+        assert_eq!(shaft["weakest_horizon"], late["horizon"]);
+        let whole: f64 = parts
+            .iter()
+            .map(|row| 1e-3 * (number(row, "to_m") - number(row, "from_m")) * number(row, "energy_mj_per_m"))
+            .sum();
+        assert!((number(shaft, "energy_gj") / whole - 1.0).abs() < 1e-12);
+        let load: f64 = parts
+            .iter()
+            .map(|row| 1e-3 * (number(row, "to_m") - number(row, "from_m")) * number(row, "load_w_per_m"))
+            .sum();
+        assert!((number(shaft, "plant_kw") / load - 1.0).abs() < 1e-12);
+    }
+    // The same soil and pipes in their places: the same plan. The survey leaves the vertical below 80 m.
+    let closure = |k: usize| number(&parts[k], "closure_days");
+    assert_eq!(closure(0), closure(2));
+    assert!((closure(3) / closure(0) - 1.0).abs() < 1e-9);
+    assert!(closure(5) > 1.05 * closure(2), "{} {}", closure(5), closure(2));
+    assert_eq!((shafts[0]["weakest_horizon"].as_str(), number(&shafts[0], "depth_m")), ("clay", 200.0));
+}
+
+/// What a borehole is at a depth does not hang on how it is told: by angles, by its survey, or at a horizon.
+#[test]
+fn boreholes_told_in_other_words_are_the_same() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let tangent = 0.1f64.to_radians().tan();
+    let (x, y) = (100.0 * tangent * 50f64.to_radians().cos(), 100.0 * tangent * 50f64.to_radians().sin());
+    let text = format!(
+        "title = \"t\"\nscene = \"frozen-wall-sand\"\nset = {{ \"time.duration_days\" = 20, \"time.outputs\" = 10, \
+         \"time.profiles_days\" = [20], \"method.local.spacing_m\" = 0.25 }}\n\
+         [[layouts]]\nname = \"angles\"\nboreholes = [{{ pipe = 5, inclination_deg = 0.1, azimuth_deg = 50, depth_m = 100 }}]\n\
+         [[layouts]]\nname = \"survey\"\nboreholes = [{{ pipe = 5, surveyed_m = [[0, 0, 0], [200, {}, {}]], depth_m = 100 }}]\n\
+         [[layouts]]\nname = \"moved\"\nset = {{ \"pipes.0.moved_m\" = [[5, {x}, {y}]] }}\n",
+        2.0 * x,
+        2.0 * y
+    );
+    fs::write(folder.path().join("told.toml"), text).expect("written");
+    done(folder.path(), &["told.toml", "--out", "out"]);
+    let rows = rows(&folder.path().join("out"), "layouts.csv");
+    for row in &rows[1..] {
+        let same = number(row, "thickness_interface_m") / number(&rows[0], "thickness_interface_m") - 1.0;
+        assert!(same.abs() < 1e-9, "{}", row["layout"]);
+    }
+}
+
+#[test]
+fn horizons_and_boreholes_that_cannot_be_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let refused = |text: &str| {
+        fs::write(folder.path().join("s.toml"), text).expect("written");
+        let output = frazil(folder.path(), &["s.toml", "--out", "out"]).output().expect("the program starts");
+        assert_eq!(output.status.code(), Some(2), "{output:?}");
+        assert!(!folder.path().join("out").exists());
+        String::from_utf8_lossy(&output.stderr).trim_end().to_owned()
+    };
+    let text = horizons("");
+    let found = refused(&text.replace("from_m = 80", "from_m = 70"));
+    assert_eq!(found, "s.toml: horizon \"clay\": from_m: found 70, overlaps \"upper\", which ends at 80");
+    let found = refused(&text.replace("from_m = 80\nto_m = 130", "from_m = 130\nto_m = 80"));
+    let expected = "found from_m 130, to_m 80: must be 0 or more, and from above to below";
+    assert_eq!(found, format!("s.toml: horizon \"clay\": {expected}"));
+    let found = refused(&text.replace("from_m = 130\nto_m = 200", "from_m = 20\nto_m = 60"));
+    let expected = "from_m: found 20, must follow \"clay\", which ends at 130: horizons go downwards";
+    assert_eq!(found, format!("s.toml: horizon \"lower\": {expected}"));
+    let found = refused(&text.replace("to_m = 130", "to_m = 130\ndepth_m = 140"));
+    assert_eq!(found, "s.toml: horizon \"clay\": depth_m: found 140, must lie in the layer, 80 to 130");
+    let found = refused(&text.replace("\"lower\"", "\"upper\""));
+    assert_eq!(found, "s.toml: horizon \"upper\": found twice");
+    let found = refused(&text.replace("title", "depth_m = 150\ntitle"));
+    assert_eq!(found, "s.toml: depth_m: found 150, must be 200, the thickness of all horizons, or be left out");
+    let out_of_place = "must be left out: boreholes are read at the depth of each horizon";
+    let found = refused(&horizons("[deviation]\ndepth_m = 200\npercent = 0.1\nmembers = 2\nseed = 1"));
+    assert_eq!(found, format!("s.toml: deviation: depth_m: found 200, {out_of_place}"));
+    let layout = |boreholes: &str| format!("[[layouts]]\nname = \"a\"\nboreholes = [{boreholes}]\n");
+    let found = refused(&horizons(&layout("{ pipe = 5, inclination_deg = 0.1, azimuth_deg = 50, depth_m = 9 }")));
+    assert_eq!(found, format!("s.toml: layout \"a, upper\": boreholes: pipe 5: depth_m: found 9, {out_of_place}"));
+    let found = refused(&horizons(&layout("{ pipe = 5, surveyed_m = [[0, 0, 0], [150, 0.1, 0]] }")));
+    let expected = "boreholes: pipe 5: surveyed_m: ends at a depth of 150, must reach 200";
+    assert_eq!(found, format!("s.toml: layout \"a, upper\": {expected}"));
+    // Pipes 1.1 and 1.2 stand 1.2054 m apart, along (-0.1453, 1.1966): one that goes all that way in 200 m passes the other's axis
+    // within its diameter before; back in its place deeper, it still has met it.
+    let found = refused(&horizons(&layout(
+        "{ pipe = 0, surveyed_m = [[0, 0, 0], [100, -0.14529091, 1.19657832], [200, 0, 0]] }",
+    )));
+    let expected = "boreholes: pipes 1.1 and 1.2 meet at a depth of 100.0 m: their axes are 0.0000 m apart, must be more than 0.108";
+    assert_eq!(found, format!("s.toml: layout \"a, upper\": {expected}"));
+    let single = "title = \"t\"\nscene = \"frozen-wall-sand\"\n";
+    let found = refused(&format!("{single}{}", layout("{ pipe = 1, inclination_deg = 0.1, azimuth_deg = 50 }")));
+    assert_eq!(found, "s.toml: layout \"a\": boreholes: pipe 1: depth_m is missing, of the horizon that is run");
+    let two = "{ pipe = 1, inclination_deg = 0.1, azimuth_deg = 50, depth_m = 50 }, \
+               { pipe = 9, inclination_deg = 0.1, azimuth_deg = 50, depth_m = 60 }";
+    let found = refused(&format!("{single}{}", layout(two)));
+    assert_eq!(found, "s.toml: layout \"a\": boreholes: found depth_m 50 of pipe 1 and 60 of pipe 9, must be one");
+}

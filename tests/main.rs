@@ -1,6 +1,7 @@
 //! One binary for all tests of the program.
 
 mod bad_scenes;
+mod brine;
 mod broken_scenes;
 mod bundled_scenes;
 mod calibration;
@@ -11,6 +12,7 @@ mod ensembles;
 mod extreme;
 mod fields;
 mod forecasts;
+mod groundwater;
 mod invariants;
 mod layouts;
 mod moving;

@@ -136,7 +136,7 @@ fn begun(heading: &str, entries: &[Entry], below: f64) -> (Canvas, f64) {
     (canvas, top)
 }
 
-fn entry(k: usize, name: &str) -> Entry {
+pub(super) fn entry(k: usize, name: &str) -> Entry {
     let style = look(k);
     Entry {
         text: fitted(name, LABEL, false, 520.0),

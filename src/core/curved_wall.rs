@@ -150,17 +150,17 @@ impl Held for Contacts {
     }
 }
 
-/// Distances (m) of a place inside the body from the cell centres behind the wall within `limit` (m), and the depths
-/// (m) of these behind it.
-pub fn cells_behind(place: DVec2, lattice: &Lattice, radius: f64, limit: f64) -> impl Iterator<Item = (f64, f64)> {
+/// Ways (m) from a place inside the body to the cell centres behind the wall within `limit` (m), and the depths (m) of
+/// these behind it.
+pub fn cells_behind(place: DVec2, lattice: &Lattice, radius: f64, limit: f64) -> impl Iterator<Item = (DVec2, f64)> {
     let near = lattice.to_cells(place).round();
     // The rounded place is at most half a cell off in each direction.
     let across = if radius - place.length() > limit { -1 } else { (limit / lattice.spacing + 0.5).ceil() as i64 };
     let centre = |dx: i64, dy: i64| lattice.centre(near.x as i64 + dx, near.y as i64 + dy);
     let cells = (-across..=across).flat_map(move |dy| (-across..=across).map(move |dx| centre(dx, dy)));
     cells
-        .map(move |cell| ((cell - place).length(), cell.length() - radius))
-        .filter(move |(distance, behind)| *behind > 1e-9 * radius && *distance <= limit)
+        .map(move |cell| (cell - place, cell.length() - radius))
+        .filter(move |(way, behind)| *behind > 1e-9 * radius && way.length() <= limit)
         .collect::<Vec<_>>()
         .into_iter()
 }

@@ -25,7 +25,7 @@ use crate::integrate::{just_before, sharp_step};
 
 use crate::ledger::{Ledger, Sum};
 use crate::list_operator::{EnthalpyList, ListOperator, ListParts, Off, Tangent};
-use crate::material::Pores;
+use crate::material::{FreezingLaw, Pores};
 use crate::memory::Held;
 use crate::method::{Bound, Clock, Method, StepError, Work};
 use crate::operator::Operator;
@@ -37,7 +37,7 @@ use crate::uptake::{Materials, scheme};
 
 use bend::Bend;
 use carrier::{Carrier, Ground, State, velocities};
-use network::Network;
+use network::{Network, WayOut};
 use pressure::Pressure;
 
 /// Intervals between solutions for the pressure grow at most by this factor: the water that ice has taken or given
@@ -82,11 +82,19 @@ struct Aquifer {
     /// Hydraulic conductivity of thawed ground (m2/(Pa s)).
     open: f64,
     least_conductivity: f64,
+    /// Whether it freezes at one temperature, which then does not tell how much is frozen.
+    by_enthalpy: bool,
 }
 
 impl Aquifer {
-    fn unfrozen(&self, temperature: f64) -> f64 {
-        self.thermal.curve.unfrozen_fraction(temperature)
+    /// Unfrozen fraction of a particle of this enthalpy (J/m3) and temperature.
+    #[inline]
+    fn unfrozen(&self, enthalpy: f64, temperature: f64) -> f64 {
+        // The temperature is known already, but says nothing of ground that freezes at one.
+        match self.by_enthalpy {
+            true => 1.0 - self.thermal.frozen_fraction(enthalpy),
+            false => self.thermal.curve.unfrozen_fraction(temperature),
+        }
     }
 
     /// Water that freezing of all pores would push aside (by volume).
@@ -185,7 +193,7 @@ impl FlowMethod {
     /// Water through the assembled particles, neighbours and walls of a scene, from these enthalpies (J/m3) on. Heat is
     /// conducted by the pairs, or by the same on a lattice where there is one.
     pub fn new(
-        parts: ListParts,
+        (parts, ways_out): (ListParts, &[WayOut]),
         lattice: Option<Box<dyn Operator>>,
         scene: &Scene,
         flow: &Flow,
@@ -196,8 +204,9 @@ impl FlowMethod {
         let (materials, boundary) = (parts.materials.clone(), parts.boundary.clone());
         let first = &materials.thermals[0];
         let faces = boundary.first_faces(&first.curve, first.initial_potential);
+        let pairs = (&parts.pairs, ways_out);
         let network =
-            Network::new(&parts.positions, &parts.pairs, &parts.ghosts, &boundary, &faces, flow, numerics.conduction)?;
+            Network::new(&parts.positions, pairs, &parts.ghosts, &boundary, &faces, flow, numerics.conduction)?;
         let count = network.len();
         let aquifers: Vec<Aquifer> = scene
             .materials
@@ -213,6 +222,7 @@ impl FlowMethod {
                     pores,
                     open: permeability / flow.viscosity,
                     least_conductivity: thermal.curve.least_conductive(),
+                    by_enthalpy: material.law == FreezingLaw::Isothermal,
                 })
             })
             .collect::<Result<_, String>>()?;
@@ -264,7 +274,12 @@ impl FlowMethod {
                 StepChoice::Fixed(_) => 1.0,
             },
             volume,
-            across: if scene.domain.dimension() == 1 { 1.0 } else { (count as f64).sqrt() },
+            across: match scene.domain {
+                Domain::Line { .. } => 1.0,
+                // As it is on the whole plan.
+                Domain::Ring { sector, .. } => (count as f64 / sector.images() as f64).sqrt(),
+                _ => (count as f64).sqrt(),
+            },
             lifts,
             heights,
             capacity: water.water_density * water.water_heat_capacity,
@@ -296,10 +311,11 @@ impl FlowMethod {
         };
         method.warm(enthalpy);
         if expands {
-            method.started = (0..count).map(|i| method.aquifer(i).unfrozen(method.temperature[i])).collect();
+            method.started =
+                (0..count).map(|i| method.aquifer(i).unfrozen(enthalpy[i], method.temperature[i])).collect();
         }
         method.permeate(enthalpy);
-        method.solve(0.0)?;
+        method.solve(0.0, enthalpy)?;
         Ok(method)
     }
 
@@ -322,7 +338,7 @@ impl FlowMethod {
             self.permeability[i] = if enthalpy[i] + aquifer.thermal.initial_enthalpy >= 0.0 {
                 1.0
             } else {
-                law.at(aquifer.unfrozen(self.temperature[i]), aquifer.pores.porosity).max(least)
+                law.at(aquifer.unfrozen(enthalpy[i], self.temperature[i]), aquifer.pores.porosity).max(least)
             };
         }
     }
@@ -346,7 +362,7 @@ impl FlowMethod {
     }
 
     /// Solves for the pressure at a time (s), for what the state is now.
-    fn solve(&mut self, time: f64) -> Result<(), String> {
+    fn solve(&mut self, time: f64, enthalpy: &[f64]) -> Result<(), String> {
         let began = Instant::now();
         for i in 0..self.conductivity.len() {
             self.conductivity[i] = self.aquifer(i).open * self.permeability[i];
@@ -358,7 +374,8 @@ impl FlowMethod {
         if !self.asked.is_empty() && self.interval > 0.0 {
             for i in 0..self.asking.len() {
                 let aquifer = self.aquifer(i);
-                let taken = aquifer.expansion() * (aquifer.unfrozen(self.temperature[i]) - self.started[i]);
+                let taken =
+                    aquifer.expansion() * (aquifer.unfrozen(enthalpy[i], self.temperature[i]) - self.started[i]);
                 self.asking[i] = (taken - self.asked[i]) / (GROWTH * self.interval);
             }
         }
@@ -484,7 +501,7 @@ impl Method for FlowMethod {
             self.warm(enthalpy);
             self.permeate(enthalpy);
             if self.is_due(clock.time) {
-                self.solve(clock.time).map_err(|reason| StepError { reason })?;
+                self.solve(clock.time, enthalpy).map_err(|reason| StepError { reason })?;
             }
         }
         // What flows faster than it did when the step was chosen shortens it.

@@ -3,6 +3,9 @@
 //! The ground is sampled and the heat spread with one regularised delta. The ground within the delta's own
 //! effective radius belongs to the sink; the annulus from there to the pipe's wall is a resistance:
 //! `q = (U_sampled - U_pipe) / R`, `R = S - c - ln(r/dx) / 2 pi`, `S = sum a_i a_j g_ij` (lattice Green's function).
+//!
+//! A film between brine and ground carries the same heat: `q = 2 pi r h (T_wall - T_brine)`, `q = (U_sampled - U(T_wall)) / R`.
+//! That is the film of a flat wall with a depth of `2 pi r R`.
 
 use std::sync::Arc;
 
@@ -11,6 +14,7 @@ use glam::DVec2;
 use crate::green::Green;
 use crate::lattice::Lattice;
 use crate::memory::Held;
+use crate::potential::Thermal;
 use crate::scene::settings::MethodSettings;
 use crate::scene::{Pipe, Schedule, Series};
 use crate::stencil::Stencil;
@@ -61,12 +65,23 @@ pub struct Sink {
     pub share: f64,
     /// Resistance between the sampled ground and the pipe's wall, times conductivity (-).
     pub resistance: f64,
-    /// Temperature of the pipe's wall.
+    /// Temperature of the pipe's wall, or of the brine where there is a film.
     pub temperature: Series,
+    /// What lies between brine and ground.
+    pub film: Option<Film>,
     /// When the pipe works; always if absent.
     pub schedule: Option<Arc<Schedule>>,
     /// Where the delta is at work.
     pub extent: Extent,
+}
+
+/// A film at the wall of a pipe.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Film {
+    /// Coefficient (W/m2K).
+    pub coefficient: f64,
+    /// Perimeter of the pipe (m).
+    pub perimeter: f64,
 }
 
 /// Resistance (in units of 1 / conductivity) between a pipe of one particle and that particle: it makes the particle's
@@ -133,8 +148,9 @@ pub fn immerse(
         let (temperature, schedule) = (pipe.temperature.clone(), pipe.schedule.clone());
         let sample = vec![(index as u32, 1.0)];
         let resistance = HELD_RESISTANCE;
-        return Ok(Some(Sink { ring, sample, share, resistance, temperature, schedule, extent }));
+        return Ok(Some(Sink { ring, sample, share, resistance, temperature, film: None, schedule, extent }));
     }
+    let film = pipe.film.map(|coefficient| Film { coefficient, perimeter: std::f64::consts::TAU * pipe.radius });
     for stretch in STRETCHES {
         let cells = delta(in_cells, stretch);
         let widest = cells
@@ -170,7 +186,7 @@ pub fn immerse(
         sample.sort_unstable_by_key(|entry| entry.0);
         let extent = Extent { ring, centre, half_width: 2.0 * stretch * lattice.spacing, share, smoothing };
         let (temperature, schedule) = (pipe.temperature.clone(), pipe.schedule.clone());
-        return Ok(Some(Sink { ring, sample, share, resistance, temperature, schedule, extent }));
+        return Ok(Some(Sink { ring, sample, share, resistance, temperature, film, schedule, extent }));
     }
     Err(format!(
         "the pipe of radius {} m is too wide for a line sink on particles {} m apart; a spacing of at least {:.3} m is needed",
@@ -216,11 +232,26 @@ impl Sink {
         self.schedule.as_ref().is_none_or(|schedule| schedule.works(time))
     }
 
-    /// Heat (W/m) that the whole pipe takes from the ground, from the potentials of its particles.
+    /// What the pipe sees of a quantity of its particles.
     #[inline]
-    pub fn heat(&self, potential: impl Fn(usize) -> f64, pipe_potential: f64) -> f64 {
-        let sampled: f64 = self.sample.iter().map(|(index, weight)| weight * potential(*index as usize)).sum();
-        (sampled - pipe_potential) / self.resistance
+    pub fn sampled(&self, value: impl Fn(usize) -> f64) -> f64 {
+        self.sample.iter().map(|(index, weight)| weight * value(*index as usize)).sum()
+    }
+
+    /// Heat (W/m) that the whole pipe takes from the ground at `time` (s), by what it sees of potentials (W/m, relative)
+    /// and the potential of its own temperature.
+    #[inline]
+    pub fn heat(&self, sampled: f64, own: f64, time: f64, thermal: &Thermal) -> f64 {
+        let Some(Film { coefficient, perimeter }) = self.film else { return (sampled - own) / self.resistance };
+        let (inside, brine) = (sampled + thermal.initial_potential, self.temperature.at(time));
+        -perimeter * thermal.curve.film_flux(inside, perimeter * self.resistance, coefficient, brine)
+    }
+
+    /// Resistance with which small changes around a state meet the pipe.
+    pub fn resistance_to_changes(&self, sampled: f64, time: f64, thermal: &Thermal) -> f64 {
+        let Some(Film { coefficient, perimeter }) = self.film else { return self.resistance };
+        let (inside, brine) = (sampled + thermal.initial_potential, self.temperature.at(time));
+        -1.0 / (perimeter * thermal.curve.film_slope(inside, perimeter * self.resistance, coefficient, brine))
     }
 
     /// What the sink adds to the row sum of a particle (m^-2), by particle.

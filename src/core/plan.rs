@@ -12,6 +12,7 @@ use crate::corner::strengthen;
 use crate::crack::{Barriers, Cuts};
 use crate::curved_wall::{Contacts, Neighbourhood, cells_behind};
 use crate::flow::FlowMethod;
+use crate::flow::network::WayOut;
 use crate::ghosts::Ghosts;
 use crate::green::Green;
 use crate::integrate::control::EnthalpyRange;
@@ -301,7 +302,7 @@ pub fn build(
             let reach = discretisation.weight.reach();
             let mut ghosts = Ghosts::new(&positions, &lattice, &boundary, reach, fitted);
             let naive = numerics.walls == WallModel::Naive;
-            let (mut pairs, contacts, mut touches) = if shelled && !printed {
+            let (mut pairs, contacts, mut touches, ways_out) = if shelled && !printed {
                 let shells = if naive {
                     naive_shells(&scene.domain, &lattice, &stencil, &boundary)
                 } else {
@@ -309,10 +310,10 @@ pub fn build(
                 };
                 let shells = shells.map_err(refuse)?;
                 ghosts = shells.ghosts;
-                (shells.pairs, Contacts::default(), shells.touches)
+                (shells.pairs, Contacts::default(), shells.touches, Vec::new())
             } else {
-                let (mut pairs, contacts) =
-                    pairs(&positions, &ghosts, &lattice, &boundary, &materials, numerics, discretisation);
+                let (mut pairs, contacts, ways_out) =
+                    pairs(&positions, &ghosts, &lattice, &boundary, &materials, settings);
                 match scene.domain.symmetry() {
                     Some(symmetry) => print_shapes(&mut pairs, symmetry, &positions, &ghosts)?,
                     None => {
@@ -321,7 +322,7 @@ pub fn build(
                         strengthen(&mut pairs, &ghosts, positions.len(), &faces);
                     }
                 }
-                (pairs, contacts, Vec::new())
+                (pairs, contacts, Vec::new(), ways_out)
             };
             let body = Body {
                 positions: &positions,
@@ -387,7 +388,7 @@ pub fn build(
                             bound: settings.bound.clone(),
                         })
                     });
-                    let method = FlowMethod::new(parts, lattice, scene, flow, numerics, own, &enthalpy);
+                    let method = FlowMethod::new((parts, &ways_out), lattice, scene, flow, numerics, own, &enthalpy);
                     Box::new(method.map_err(refuse)?)
                 }
                 (Some(step), _) => step(assembly(parts)),
@@ -664,17 +665,16 @@ fn place(scene: &Scene, numerics: &Numerics, lattice: &Lattice, seed: u64) -> Re
 }
 
 /// Pairs with their weights: every partner within reach of every particle, ghosts included; and what became of those
-/// that a curved wall cuts.
+/// that a curved wall cuts, for heat and, where it flows, for water.
 fn pairs(
     positions: &[DVec2],
     ghosts: &Ghosts,
     lattice: &Lattice,
     boundary: &Boundary,
     materials: &Materials,
-    numerics: &Numerics,
-    discretisation: &Discretisation,
-) -> (PairList, Contacts) {
-    let weight = discretisation.weight.as_ref();
+    MethodSettings { numerics, discretisation, .. }: &MethodSettings,
+) -> (PairList, Contacts, Vec<WayOut>) {
+    let (weight, flows) = (discretisation.weight.as_ref(), numerics.flow.is_some());
     // On a lattice a radius that falls on a shell must not depend on rounding.
     let limit = weight.reach() * (1.0 + SHELL_TOLERANCE);
     let mut points = positions.to_vec();
@@ -693,12 +693,12 @@ fn pairs(
     let behind = |i: usize| {
         let curved = boundary.curved.into_iter();
         let cells = curved.flat_map(move |(_, radius)| cells_behind(positions[i], lattice, radius, limit));
-        cells.map(|(distance, depth)| (distance, depth, volume * weight.weight(distance)))
+        cells.map(|(way, depth)| (way, depth, volume * weight.weight(way.length())))
     };
     let mut weights: Vec<f64> = Vec::with_capacity(list.partners.len());
     let mut scale = vec![1.0; points.len()];
     for i in 0..count {
-        let mut moment: f64 = behind(i).map(|(distance, _, pair)| pair * distance * distance).sum();
+        let mut moment: f64 = behind(i).map(|(way, _, pair)| pair * way.length_squared()).sum();
         for j in list.of(i) {
             let distance = distance(i, *j);
             let pair = if distance > 0.0 { volume * weight.weight(distance) } else { 0.0 };
@@ -719,14 +719,17 @@ fn pairs(
             place += 1;
         }
     }
-    let mut contacts = Contacts::default();
+    let (mut contacts, mut ways_out) = (Contacts::default(), Vec::new());
     if let Some((door, radius)) = boundary.curved {
         for i in 0..count {
             let mut near = Neighbourhood::new(radius - positions[i].length());
             let mut sum = 0.0;
-            for (_, depth, pair) in behind(i) {
+            for (way, depth, pair) in behind(i) {
                 near.cut(scale[i] * pair, if boundary.doors[door].layers { 0.0 } else { depth });
                 sum += scale[i] * pair;
+                if flows {
+                    ways_out.push(WayOut { particle: i as u32, weight: scale[i] * pair, way });
+                }
             }
             if sum == 0.0 {
                 continue;
@@ -744,7 +747,7 @@ fn pairs(
             contacts.add(i as u32, &near, sum);
         }
     }
-    (PairList { starts: list.starts, partners: list.partners, weights }, contacts)
+    (PairList { starts: list.starts, partners: list.partners, weights }, contacts, ways_out)
 }
 
 /// Multiplies pairs by the shape factors that the papers print.

@@ -2,6 +2,7 @@
 
 use frazil_core::record::{BudgetRow, GapRow, LinkRow, Outcome, PlaneRow, ProfileRow, Record, RunResult, WallRow};
 use frazil_core::scene::{Domain, Scene};
+use frazil_plots::layouts::between;
 use serde::{Deserialize, Serialize};
 
 use super::formula::SteadyRing;
@@ -23,7 +24,7 @@ pub struct Kept {
     pub walls: Vec<WallRow>,
     /// Profiles at the last instant.
     pub profiles: Vec<ProfileRow>,
-    /// Heat balance; the pipes' columns are the last ones.
+    /// Heat balance.
     pub budget: Vec<BudgetRow>,
     /// Names of its columns.
     pub budget_names: Vec<String>,
@@ -97,34 +98,7 @@ pub struct Day {
 impl Day {
     /// Of a run of a scene, at a time (s) that it has outputs around.
     pub fn at(scene: &Scene, kept: &Kept, time: f64) -> Day {
-        let images = match scene.domain {
-            Domain::Ring { sector, .. } => sector.images() as f64,
-            _ => 1.0,
-        };
-        let doors = kept.budget_names.len().saturating_sub(scene.rings.len());
-        let taken = |row: &BudgetRow| -images * row.in_j[doors.min(row.in_j.len())..].iter().sum::<f64>();
-        let wall = |value: fn(&WallRow) -> f64| read(kept.walls.iter().map(|row| (row.time_s, value(row))), time);
-        let plane = |name: &'static str, value: fn(&PlaneRow) -> Option<f64>| {
-            let rows = kept.planes.iter().filter(move |row| row.plane == name);
-            let found: Vec<(f64, f64)> = rows.filter_map(|row| Some((row.time_s, value(row)?))).collect();
-            // Before anything is frozen there is nothing to read.
-            let begun = found.first().is_some_and(|first| first.0 <= time * (1.0 + 1e-12));
-            if begun { read(found.into_iter(), time) } else { None }
-        };
-        Day {
-            day: time / DAY,
-            thickness_interface_m: wall(|row| row.thickness_interface_m).unwrap_or(0.0),
-            thickness_main_m: wall(|row| row.thickness_main_m).unwrap_or(0.0),
-            inner_m: plane("interface", |row| row.inner_m),
-            outer_m: plane("interface", |row| row.outer_m),
-            main_m: plane("main", |row| row.inner_m).zip(plane("main", |row| row.outer_m)),
-            area_m2: wall(|row| row.frozen_area_m2).unwrap_or(0.0),
-            mean_main_c: plane("main", |row| row.mean_temperature_c),
-            mean_interface_c: plane("interface", |row| row.mean_temperature_c),
-            mean_c: plane("wall", |row| row.mean_temperature_c),
-            heat_per_pipe_w_per_m: wall(|row| row.heat_per_pipe_w_per_m).unwrap_or(0.0),
-            energy_mj_per_m: 1e-6 * read(kept.budget.iter().map(|row| (row.time_s, taken(row))), time).unwrap_or(0.0),
-        }
+        Series::of(scene, kept).day(time)
     }
 }
 
@@ -164,17 +138,16 @@ impl Answers {
         let day = |time: f64| time / DAY;
         let closures = || kept.links.iter().filter_map(|link| link.closure_s);
         let open = kept.links.iter().filter(|link| link.closure_s.is_none()).count();
-        let load: Vec<(f64, f64)> =
-            kept.walls.iter().map(|row| (row.time_s, row.heat_per_pipe_w_per_m * pipes as f64)).collect();
-        let at = |time: f64| Day::at(scene, kept, time);
-        let days: Vec<Day> = scene.watch.profiles.iter().map(|time| at(*time)).collect();
+        let series = Series::of(scene, kept);
+        let load: Vec<(f64, f64)> = series.heat.iter().map(|(time, heat)| (*time, heat * pipes as f64)).collect();
+        let days: Vec<Day> = scene.watch.profiles.iter().map(|time| series.day(*time)).collect();
         let reached = |design: Design| {
             let good = |day: &Day| {
                 day.thickness_interface_m >= design.thickness_m
                     && day.mean_c.is_some_and(|mean| mean <= design.mean_temperature_c)
             };
             // Outputs are where thickness and temperature are known.
-            kept.walls.iter().map(|row| at(row.time_s)).find(good).map(|found| found.day)
+            kept.walls.iter().map(|row| series.day(row.time_s)).find(good).map(|found| found.day)
         };
         Answers {
             pipes,
@@ -200,13 +173,74 @@ fn weakest(kept: &Kept) -> Option<LinkRow> {
     closing.or_else(|| open.max_by(|a, b| a.distance_m.total_cmp(&b.distance_m))).cloned()
 }
 
-/// A series at an instant, linear between its rows; none beyond them.
-fn read(rows: impl Iterator<Item = (f64, f64)>, time: f64) -> Option<f64> {
-    let rows: Vec<(f64, f64)> = rows.collect();
-    let after = rows.iter().position(|row| row.0 >= time * (1.0 - 1e-12))?;
-    let (t1, v1) = rows[after];
-    let Some((t0, v0)) = after.checked_sub(1).map(|before| rows[before]) else { return Some(v1) };
-    Some(v0 + (v1 - v0) * ((time - t0) / (t1 - t0)).min(1.0))
+/// What is read of the wall over time: seconds and values.
+struct Series {
+    thickness_interface: Vec<(f64, f64)>,
+    thickness_main: Vec<(f64, f64)>,
+    inner: Vec<(f64, f64)>,
+    outer: Vec<(f64, f64)>,
+    main_inner: Vec<(f64, f64)>,
+    main_outer: Vec<(f64, f64)>,
+    area: Vec<(f64, f64)>,
+    mean_main: Vec<(f64, f64)>,
+    mean_interface: Vec<(f64, f64)>,
+    mean: Vec<(f64, f64)>,
+    /// Heat taken by a pipe (W/m).
+    heat: Vec<(f64, f64)>,
+    /// Heat taken by all pipes (J/m).
+    taken: Vec<(f64, f64)>,
+}
+
+impl Series {
+    /// From a run of a scene.
+    fn of(scene: &Scene, kept: &Kept) -> Series {
+        let images = match scene.domain {
+            Domain::Ring { sector, .. } => sector.images() as f64,
+            _ => 1.0,
+        };
+        let wall = |value: fn(&WallRow) -> f64| kept.walls.iter().map(|row| (row.time_s, value(row))).collect();
+        let plane = |name: &str, value: fn(&PlaneRow) -> Option<f64>| {
+            let rows = kept.planes.iter().filter(|row| row.plane == name);
+            rows.filter_map(|row| Some((row.time_s, value(row)?))).collect()
+        };
+        // Columns are named after doors: walls, pipes or pipes_2, perhaps what is inside.
+        let pipes: Vec<usize> =
+            (0..kept.budget_names.len()).filter(|k| kept.budget_names[*k].starts_with("pipes")).collect();
+        let taken = |row: &BudgetRow| -images * pipes.iter().filter_map(|k| row.in_j.get(*k)).sum::<f64>();
+        Series {
+            thickness_interface: wall(|row| row.thickness_interface_m),
+            thickness_main: wall(|row| row.thickness_main_m),
+            inner: plane("interface", |row| row.inner_m),
+            outer: plane("interface", |row| row.outer_m),
+            main_inner: plane("main", |row| row.inner_m),
+            main_outer: plane("main", |row| row.outer_m),
+            area: wall(|row| row.frozen_area_m2),
+            mean_main: plane("main", |row| row.mean_temperature_c),
+            mean_interface: plane("interface", |row| row.mean_temperature_c),
+            mean: plane("wall", |row| row.mean_temperature_c),
+            heat: wall(|row| row.heat_per_pipe_w_per_m),
+            taken: kept.budget.iter().map(|row| (row.time_s, taken(row))).collect(),
+        }
+    }
+
+    /// The wall at an instant; what is not there yet is absent, or 0.
+    fn day(&self, time: f64) -> Day {
+        let read = |series: &[(f64, f64)]| between(series, time);
+        Day {
+            day: time / DAY,
+            thickness_interface_m: read(&self.thickness_interface).unwrap_or(0.0),
+            thickness_main_m: read(&self.thickness_main).unwrap_or(0.0),
+            inner_m: read(&self.inner),
+            outer_m: read(&self.outer),
+            main_m: read(&self.main_inner).zip(read(&self.main_outer)),
+            area_m2: read(&self.area).unwrap_or(0.0),
+            mean_main_c: read(&self.mean_main),
+            mean_interface_c: read(&self.mean_interface),
+            mean_c: read(&self.mean),
+            heat_per_pipe_w_per_m: read(&self.heat).unwrap_or(0.0),
+            energy_mj_per_m: 1e-6 * read(&self.taken).unwrap_or(0.0),
+        }
+    }
 }
 
 /// The steady ring of a scene with one even ring, with the fronts of a day.
@@ -222,7 +256,10 @@ fn formula(scene: &Scene, day: &Day) -> Option<(f64, f64)> {
         fronts: (inner, outer),
         conductivity: material.frozen.conductivity,
     };
-    let (mean, heat) =
-        if ring.is_even() && !ring.one_particle && steady.pipe < 0.0 { steady.mean_and_heat()? } else { return None };
+    let (mean, heat) = if ring.is_even() && !ring.one_particle && ring.film.is_none() && steady.pipe < 0.0 {
+        steady.mean_and_heat()?
+    } else {
+        return None;
+    };
     Some((mean + material.freezing_point, heat))
 }

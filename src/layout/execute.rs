@@ -113,8 +113,17 @@ impl Work<'_> {
         (pair.key == self.key(layout)).then_some(pair)
     }
 
+    /// What is known of a layout, which is run if nothing is; none if it was interrupted.
+    pub(super) fn made(&self, layout: &Layout) -> Result<Option<Pair>, Failure> {
+        layout.check(self.study.shaft_radius, self.method)?;
+        if let Some(pair) = self.kept(layout) {
+            return Ok(Some(pair));
+        }
+        Ok(if self.layout(layout)? { self.kept(layout) } else { None })
+    }
+
     /// One layout; says whether it came to its end.
-    pub(super) fn layout(&self, layout: &Layout) -> Result<bool, Failure> {
+    fn layout(&self, layout: &Layout) -> Result<bool, Failure> {
         let named = |failure: Failure| Failure::Request(format!("layout \"{}\": {failure}", layout.name));
         let options = Options {
             threads: 1,

@@ -10,7 +10,8 @@ use frazil_plots::page::{self, Block, Fact, Figure, Page, Table};
 use super::answers::DAY;
 use super::execute::Work;
 use super::search::{self, Tried};
-use super::study::{Role, Search, Study};
+use super::shaft::{ShaftRow, shafts};
+use super::study::{Design, Role, Search, Study};
 use super::{Found, LayoutRequest, reference, tables};
 use crate::failure::Failure;
 use crate::machine::Machine;
@@ -25,6 +26,7 @@ pub(super) fn write(
     work: &Work<'_>,
     found: &[Found<'_>],
     tried: &[Tried],
+    critical: Option<Block>,
 ) -> Result<(), Failure> {
     let compared: Vec<&Found<'_>> = found.iter().filter(|one| one.layout.role == Role::Compared).collect();
     let mut page = Page {
@@ -32,7 +34,7 @@ pub(super) fn write(
         lead: vec![format!(
             "{} of freeze pipes under the method {}, from the scene {}. A gap is closed once ground between two pipes is frozen \
              with its latent heat released; the wall once a closed loop of such gaps runs around the centre.",
-            if compared.len() == 1 { "One layout".to_owned() } else { format!("{} layouts", compared.len()) },
+            counted(compared.len(), study.horizons.len()),
             work.method,
             study.scene
         )],
@@ -40,6 +42,7 @@ pub(super) fn write(
         machine: Machine::now().facts(Fact::new("Layouts at once", work.threads.to_string())),
         ..Page::default()
     };
+    page.opening.extend(over_depth(study, work, found)?);
     let runs: Vec<RunResult> = compared.iter().map(|one| one.pair.fine.run()).collect();
     let views: Vec<LayoutView<'_>> = compared.iter().zip(&runs).map(|(one, run)| view(study, one, run)).collect();
     let freezing = compared.first().map_or(0.0, |one| one.layout.scene.materials[0].freezing_point);
@@ -74,11 +77,21 @@ pub(super) fn write(
         });
     }
     page.opening.extend(reference::block(found));
-    page.opening.extend(what_if(found));
+    page.opening.extend(what_if(study, found));
+    page.opening.extend(critical);
     page.opening.extend(study.search.as_ref().map(|search| searched(search, tried)));
     let list = assumptions(study, &compared);
     page.opening.push(Block { heading: "Assumptions".into(), list, ..Block::default() });
     Ok(page::write(&page, &work.folder.join("report.html"))?)
+}
+
+/// How many layouts there are, in words.
+fn counted(runs: usize, horizons: usize) -> String {
+    let layouts = match runs / horizons.max(1) {
+        1 => "One layout".to_owned(),
+        count => format!("{count} layouts"),
+    };
+    if horizons > 0 { format!("{layouts} at {horizons} horizons each") } else { layouts }
 }
 
 /// What figures show of a layout.
@@ -130,8 +143,65 @@ fn maps(work: &Work<'_>, one: &Found<'_>) -> Vec<Figure> {
     instants.filter_map(figure).collect()
 }
 
+/// Layouts over their horizons, and what the shaft as a whole comes to.
+fn over_depth(study: &Study, work: &Work<'_>, found: &[Found<'_>]) -> Result<Option<Block>, Failure> {
+    let all = shafts(study, found);
+    let compared: Vec<_> = all.iter().filter(|shaft| shaft.compared()).collect();
+    if compared.is_empty() {
+        return Ok(None);
+    }
+    let views: Vec<_> = compared.iter().map(|shaft| shaft.view(study)).collect();
+    let drawing = frazil_plots::layouts::over_depth(&views);
+    drawing.write(work.folder, "depth")?;
+    let caption = "Each horizon of the layouts; boreholes are read at the depth that stands in the table of horizons.";
+    let figures = vec![Figure::new(&drawing, caption, "depth")];
+    let heads =
+        ["layout", "last to close", "wall closes (day)", "thinnest (m)", "warmest mean (°C)", "plant, greatest (kW)"];
+    let heads = heads.into_iter().chain(["plant at the end (kW)", "energy (GJ)"]).map(String::from);
+    let designed = study.layouts.iter().any(|layout| study.design_of(layout).is_some());
+    let heads = heads.chain(designed.then(|| "as designed (day)".into())).collect();
+    let row = |row: &ShaftRow<'_>| {
+        let mut cells = vec![
+            row.layout.to_owned(),
+            row.weakest_horizon.to_owned(),
+            cell(row.closure_days, 2, &format!("{} horizons open", row.open_horizons)),
+            format!("{:.2} in {}", row.thickness_interface_m, row.thinnest_horizon),
+            format!("{} in {}", cell(row.mean_temperature_c, 2, "none"), row.warmest_horizon),
+            format!("{:.0}", row.plant_peak_kw),
+            format!("{:.0}", row.plant_kw),
+            format!("{:.0}", row.energy_gj),
+        ];
+        cells.extend(designed.then(|| cell(row.design_days, 1, "not reached")));
+        cells
+    };
+    let rows: Vec<ShaftRow<'_>> = compared.iter().filter_map(|shaft| shaft.row(study, found)).collect();
+    let shafts = Table {
+        caption: "The shaft as a whole: closed once it is at all horizons; loads are sums over the layers.".into(),
+        heads,
+        rows: rows.iter().map(row).collect(),
+        words: 2,
+        csv: Some("shafts.csv".into()),
+    };
+    let horizons = Table {
+        caption: "Horizons.".into(),
+        heads: ["horizon", "from (m)", "to (m)", "boreholes read at (m)"].map(String::from).into(),
+        rows: study
+            .horizons
+            .iter()
+            .map(|horizon| {
+                let depths = [horizon.from, horizon.to, horizon.depth].map(|depth| depth.to_string());
+                [vec![horizon.name.clone()], depths.into()].concat()
+            })
+            .collect(),
+        words: 1,
+        csv: None,
+    };
+    let heading = "The shaft over its depth".into();
+    Ok(Some(Block { heading, figures, tables: vec![shafts, horizons], ..Block::default() }))
+}
+
 /// What changes of one key and deviating boreholes do.
-fn what_if(found: &[Found<'_>]) -> Vec<Block> {
+fn what_if(study: &Study, found: &[Found<'_>]) -> Vec<Block> {
     let mut blocks = Vec::new();
     let changes: Vec<_> = found.iter().filter_map(|one| tables::change(found, one)).collect();
     if !changes.is_empty() {
@@ -155,7 +225,7 @@ fn what_if(found: &[Found<'_>]) -> Vec<Block> {
         let table = Table { caption, heads, rows: changes.iter().map(row).collect(), words: 2, csv };
         blocks.push(Block { heading: "Sensitivity".into(), tables: vec![table], ..Block::default() });
     }
-    let spreads: Vec<_> = found.iter().filter_map(|one| tables::spread(found, one)).collect();
+    let spreads = tables::spreads(study, found);
     if !spreads.is_empty() {
         let row = |row: &tables::DeviationRow<'_>| {
             vec![
@@ -225,15 +295,19 @@ fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
     ]
     .map(String::from)
     .into();
-    if let Some(design) = study.design {
-        heads.push(format!("{} m at {} °C (day)", design.thickness_m, design.mean_temperature_c));
+    let designs: Vec<Option<Design>> = compared.iter().map(|one| study.design_of(one.layout)).collect();
+    let designed = designs.iter().flatten().next();
+    if let Some(design) = designed {
+        let alike = designs.iter().all(|own| own.as_ref() == Some(design));
+        let words = format!("{} m at {} °C (day)", design.thickness_m, design.mean_temperature_c);
+        heads.push(if alike { words } else { "as designed (day)".into() });
     }
     let single = |one: &&Found<'_>| one.layout.scene.rings.iter().any(|ring| ring.one_particle);
     let acting = compared.iter().any(single);
     if acting {
         heads.push("pipes act as (mm)".into());
     }
-    if study.depth.is_some() {
+    if compared.iter().any(|one| study.depth_of(one.layout).is_some()) {
         heads.push("plant, greatest (kW)".into());
     }
     let row = |one: &&Found<'_>| {
@@ -258,13 +332,13 @@ fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
             cell(end.map(|day| day.heat_per_pipe_w_per_m * fine.pipes as f64), 0, ""),
             cell(end.map(|day| day.energy_mj_per_m), 0, ""),
         ];
-        if study.design.is_some() {
+        if designed.is_some() {
             cells.push(cell(fine.design, 1, "not reached"));
         }
         if acting {
             cells.push(format!("{:.3}", 1e3 * reference::effective_radius(&one.layout.scene, method)));
         }
-        if let Some(depth) = study.depth {
+        if let Some(depth) = study.depth_of(one.layout) {
             cells.push(format!("{:.0}", 1e-3 * depth * fine.peak));
         }
         cells

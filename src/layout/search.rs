@@ -26,13 +26,14 @@ pub struct Tried {
 pub(super) fn search(study: &Study, search: &Search, work: &Work<'_>) -> Result<Option<Vec<Tried>>, Failure> {
     let mut tried: Vec<Tried> = Vec::new();
     let mut try_one = |value: i64| -> Result<Option<bool>, Failure> {
-        let layout = study.tried(search, value)?;
-        layout.check(study.shaft_radius, work.method)?;
-        if work.kept(&layout).is_none() && !work.layout(&layout)? {
-            return Ok(None);
+        let mut closures = Vec::new();
+        for layout in study.tried(search, value)? {
+            let Some(pair) = work.made(&layout)? else { return Ok(None) };
+            closures.push(Answers::of(&layout.scene, &pair.fine, study.design_of(&layout)).closure);
         }
-        let Some(pair) = work.kept(&layout) else { return Ok(None) };
-        let closure_days = Answers::of(&layout.scene, &pair.fine, study.design).closure;
+        // A shaft is closed once it is closed at all horizons.
+        let closure_days =
+            closures.into_iter().collect::<Option<Vec<f64>>>().and_then(|days| days.into_iter().reduce(f64::max));
         let in_time = closure_days.is_some_and(|day| day <= search.closure_days);
         tried.push(Tried { value, closure_days, in_time, least: false });
         Ok(Some(in_time))

@@ -4,11 +4,12 @@ use std::path::Path;
 
 use frazil_core::scene::{Domain, PipeRing, Scene};
 use glam::DVec2;
-use rand::rngs::StdRng;
-use rand::{RngExt, SeedableRng};
 use serde::Deserialize;
 use toml::{Table, Value};
 
+use super::boreholes::{self, Borehole, Deviation};
+use super::critical::Critical;
+use super::horizons::{self, Horizon};
 use crate::failure::Failure;
 use crate::load::{self, Overrides};
 
@@ -30,12 +31,15 @@ struct File {
     shaft_radius_m: Option<f64>,
     design: Option<Design>,
     #[serde(default)]
+    horizons: Vec<horizons::Entry>,
+    #[serde(default)]
     layouts: Vec<Entry>,
     #[serde(default)]
     sweep: Table,
     sensitivity: Option<Sensitivity>,
     deviation: Option<Deviation>,
     search: Option<Search>,
+    critical: Option<Critical>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -47,16 +51,6 @@ struct Entry {
     #[serde(default)]
     boreholes: Vec<Borehole>,
     reference: Option<String>,
-}
-
-/// A borehole of the first ring that leaves the vertical.
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Borehole {
-    pipe: usize,
-    inclination_deg: f64,
-    azimuth_deg: f64,
-    depth_m: f64,
 }
 
 /// What a wall must come to.
@@ -74,15 +68,6 @@ pub struct Design {
 struct Sensitivity {
     percent: f64,
     keys: Vec<String>,
-}
-
-#[derive(Debug, Clone, Copy, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Deviation {
-    depth_m: f64,
-    percent: f64,
-    members: usize,
-    seed: u64,
 }
 
 /// The least whole number of a key at which the wall closes in time.
@@ -122,11 +107,15 @@ pub enum Role {
     },
 }
 
-/// One layout.
+/// One layout, at one horizon.
 #[derive(Debug, Clone)]
 pub struct Layout {
     /// Name, one of its kind.
     pub name: String,
+    /// Name without the horizon, which the same layout has at all horizons.
+    pub shaft: String,
+    /// Number of its horizon; none in a study without.
+    pub horizon: Option<usize>,
     /// What it is beside others.
     pub role: Role,
     /// What it changes of the scene.
@@ -154,6 +143,8 @@ pub struct Study {
     pub method: Option<String>,
     /// Frozen depth of the shaft (m), from which the load of the plant follows.
     pub depth: Option<f64>,
+    /// Layers of ground, downwards.
+    pub horizons: Vec<Horizon>,
     /// Radius of the shaft (m), for sketches.
     pub shaft_radius: Option<f64>,
     /// What a wall must come to.
@@ -162,18 +153,87 @@ pub struct Study {
     pub layouts: Vec<Layout>,
     /// What is searched.
     pub search: Option<Search>,
-    /// What all layouts change of the scene.
-    set: Overrides,
+    /// What is sought of each layout.
+    pub critical: Option<Critical>,
+    /// What all layouts change.
+    ground: Ground,
 }
 
 impl Study {
-    /// The layout with a value of the key that is searched.
-    pub fn tried(&self, search: &Search, value: i64) -> Result<Layout, Failure> {
-        let mut overrides = self.set.clone();
-        overrides.push((search.key.clone(), value.to_string()));
-        layout(&self.scene, format!("{} = {value}", search.key), Role::Tried, overrides)
+    /// A layout with another value of a key.
+    pub fn changed(&self, of: &Layout, key: &str, value: &str) -> Result<Layout, Failure> {
+        let own = vec![(key.to_owned(), value.to_owned())];
+        self.ground.again(of, &format!(", {key} = {value}"), Role::Tried, &own)
+    }
+
+    /// The layout with a value of the key that is searched, at each horizon.
+    pub fn tried(&self, search: &Search, value: i64) -> Result<Vec<Layout>, Failure> {
+        let name = format!("{} = {value}", search.key);
+        let own = vec![(search.key.clone(), value.to_string())];
+        self.ground.places().map(|at| self.ground.layout(&name, at, Role::Tried, &own)).collect()
+    }
+
+    /// Depth (m) over which a layout takes heat.
+    pub fn depth_of(&self, layout: &Layout) -> Option<f64> {
+        layout.horizon.map_or(self.depth, |at| self.horizons.get(at).map(Horizon::thickness))
+    }
+
+    /// What the wall of a layout must come to.
+    pub fn design_of(&self, layout: &Layout) -> Option<Design> {
+        layout.horizon.and_then(|at| self.horizons.get(at)?.design).or(self.design)
     }
 }
+
+/// The scene that all layouts change, and what else is changed of it at each horizon.
+#[derive(Debug)]
+struct Ground {
+    scene: String,
+    set: Overrides,
+    horizons: Vec<Horizon>,
+    /// What was asked for beside the file.
+    asked: Overrides,
+}
+
+impl Ground {
+    /// Numbers of the horizons, or none where there are none.
+    fn places(&self) -> impl Iterator<Item = Option<usize>> + use<> {
+        let count = self.horizons.len();
+        (0..count.max(1)).map(move |at| (count > 0).then_some(at))
+    }
+
+    /// A layout at a horizon.
+    fn layout(&self, shaft: &str, at: Option<usize>, role: Role, own: &Overrides) -> Result<Layout, Failure> {
+        let horizon = at.and_then(|at| self.horizons.get(at));
+        let name = horizon.map_or_else(|| shaft.to_owned(), |horizon| format!("{shaft}, {}", horizon.name));
+        let mut overrides = self.set.clone();
+        overrides.extend(horizon.iter().flat_map(|horizon| horizon.set.iter().cloned()));
+        overrides.extend(own.iter().cloned());
+        overrides.extend(self.asked.iter().cloned());
+        Ok(Layout { shaft: shaft.to_owned(), horizon: at, ..layout(&self.scene, name, role, overrides)? })
+    }
+
+    /// A layout once more, with more overrides.
+    fn again(&self, of: &Layout, words: &str, role: Role, more: &Overrides) -> Result<Layout, Failure> {
+        let mut overrides = of.overrides.clone();
+        overrides.extend(more.iter().cloned());
+        let read = layout(&self.scene, format!("{}{words}", of.name), role, overrides)?;
+        Ok(Layout { shaft: format!("{}{words}", of.shaft), horizon: of.horizon, ..read })
+    }
+
+    /// Depth at which boreholes are read (m), and the greatest of all: those of the horizons, or what the study says.
+    fn depths(&self, at: Option<usize>, otherwise: f64) -> (f64, f64) {
+        let deepest = self.horizons.last().map_or(otherwise, |horizon| horizon.to);
+        (at.and_then(|at| self.horizons.get(at)).map_or(otherwise, |horizon| horizon.depth), deepest)
+    }
+
+    /// Whether pipes of the first ring of a layout are out of their places as its file has it.
+    fn leans(&self, layout: &Layout) -> bool {
+        load::value(&self.scene, &layout.overrides, MOVED).is_some()
+    }
+}
+
+/// The key by which boreholes are out of their places.
+const MOVED: &str = "pipes.0.moved_m";
 
 /// Fewest spacings between two pipes: with less, a gap has no middle of its own.
 const FEWEST_SPACINGS: f64 = 2.0;
@@ -257,53 +317,67 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
              day above 0"
         )));
     }
+    if let Some(critical) = &read.critical {
+        critical.check().map_err(&bad)?;
+    }
     let base = load::scene(&read.scene, &[])?;
     if !matches!(base.domain, Domain::Ring { .. }) || base.rings.is_empty() {
         return Err(bad(format!("scene: found \"{}\", must be a ring with pipes", read.scene)));
     }
+    let horizons = horizons::read(&read.horizons, read.depth_m).map_err(&bad)?;
+    let ground = Ground {
+        scene: read.scene.clone(),
+        set: literals(&read.set),
+        horizons: horizons.clone(),
+        asked: overrides.to_vec(),
+    };
     let mut compared = Vec::new();
     let whole = Entry { name: read.scene.clone(), set: Table::new(), boreholes: Vec::new(), reference: None };
     let entries = if read.layouts.is_empty() { vec![whole] } else { read.layouts };
     let combinations = combinations(&read.sweep).map_err(&bad)?;
-    if entries.len() * combinations.len() > MOST {
-        return Err(bad(format!(
-            "sweep: found {} layouts, must be at most {MOST}",
-            entries.len() * combinations.len()
-        )));
+    let count = entries.len() * combinations.len() * horizons.len().max(1);
+    if count > MOST {
+        return Err(bad(format!("sweep: found {count} layouts, must be at most {MOST}")));
     }
     for entry in &entries {
         for (words, swept) in &combinations {
-            let mut own = literals(&read.set);
-            own.extend(literals(&entry.set));
+            let mut own = literals(&entry.set);
             own.extend(swept.iter().cloned());
-            own.extend(overrides.iter().cloned());
-            let name = match (read.sweep.is_empty(), entries.len()) {
+            let shaft = match (read.sweep.is_empty(), entries.len()) {
                 (true, _) => entry.name.clone(),
                 (false, 1) => words.clone(),
                 (false, _) => format!("{} {words}", entry.name),
             };
-            let mut layout = layout(&read.scene, name, Role::Compared, own)?;
-            if !entry.boreholes.is_empty() {
-                let moved = boreholes(&entry.boreholes, &layout).map_err(&bad)?;
-                layout.overrides.push(moved);
-                layout = self::layout(&read.scene, layout.name, Role::Compared, layout.overrides)?;
+            for at in ground.places() {
+                let reference = entry.reference.clone().or_else(|| read.reference.clone());
+                let layout = Layout { reference, ..ground.layout(&shaft, at, Role::Compared, &own)? };
+                compared.push(match &entry.boreholes[..] {
+                    [] => layout,
+                    boreholes => drilled(&ground, layout, boreholes).map_err(|failure| match failure {
+                        Failure::Request(message) => bad(message),
+                        other => other,
+                    })?,
+                });
             }
-            layout.reference = entry.reference.clone().or_else(|| read.reference.clone());
-            compared.push(layout);
         }
     }
     let mut layouts = compared.clone();
+    if let Some(sensitivity) = &read.sensitivity {
+        let unknown = |key: &&String| compared.iter().all(|one| number_of(&ground, one, key).is_none());
+        if let Some(key) = sensitivity.keys.iter().find(unknown) {
+            return Err(bad(format!("sensitivity: the scene has no number \"{key}\"")));
+        }
+    }
     for first in &compared {
         if let Some(sensitivity) = &read.sensitivity {
-            layouts.extend(changed(&read.scene, first, sensitivity).map_err(|failure| match failure {
+            layouts.extend(changed(&ground, first, sensitivity).map_err(|failure| match failure {
                 Failure::Request(message) => bad(message),
                 other => other,
             })?);
         }
         // Boreholes that are known do not deviate by chance.
-        let known = first.scene.rings.first().is_some_and(|ring| !ring.moved.is_empty());
-        if let Some(deviation) = read.deviation.as_ref().filter(|_| !known) {
-            layouts.extend(deviating(&read.scene, first, deviation, &bad)?);
+        if let Some(deviation) = read.deviation.as_ref().filter(|_| !ground.leans(first)) {
+            layouts.extend(deviating(&ground, first, deviation, &bad)?);
         }
     }
     let mut names: Vec<&str> = layouts.iter().map(|layout| layout.name.as_str()).collect();
@@ -318,16 +392,18 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
         scene: read.scene,
         method: read.method,
         depth: read.depth_m,
+        horizons,
         shaft_radius: read.shaft_radius_m,
         design: read.design,
         layouts,
-        set: literals(&read.set).into_iter().chain(overrides.iter().cloned()).collect(),
+        ground,
         search: read.search,
+        critical: read.critical,
     })
 }
 
 /// Keys and values of a table as overrides of a scene.
-fn literals(table: &Table) -> Overrides {
+pub(super) fn literals(table: &Table) -> Overrides {
     table.iter().map(|(key, value)| (key.clone(), value.to_string())).collect()
 }
 
@@ -373,102 +449,100 @@ fn layout(scene: &str, name: String, role: Role, overrides: Overrides) -> Result
     };
     let (sector, scene) = match other {
         Some(what) => (format!("the whole plan: {what} need no image"), whole),
-        None => match (at("quarter"), at("half")) {
-            (Ok(quarter), _) => ("a quarter: both axes are mirror planes of all pipes".into(), quarter),
-            (_, Ok(half)) => ("a half: the x axis is a mirror plane of all pipes".into(), half),
-            _ => ("the whole plan: no axis is a mirror plane of all pipes".into(), whole),
+        None => match at("quarter") {
+            Ok(quarter) => ("a quarter: both axes are mirror planes of all pipes".into(), quarter),
+            Err(_) => match at("half") {
+                Ok(half) => ("a half: the x axis is a mirror plane of all pipes".into(), half),
+                Err(_) => ("the whole plan: no axis is a mirror plane of all pipes".into(), whole),
+            },
         },
     };
-    Ok(Layout { name, role, overrides, sector, scene, reference: None })
+    Ok(Layout { shaft: name.clone(), horizon: None, name, role, overrides, sector, scene, reference: None })
 }
 
-/// The first ring with boreholes that leave the vertical, at their depth.
-fn boreholes(boreholes: &[Borehole], layout: &Layout) -> Result<(String, String), String> {
-    let count = layout.scene.rings.first().map_or(0, |ring| ring.count);
-    let mut moved = Vec::new();
-    for borehole in boreholes {
-        let Borehole { pipe, inclination_deg, azimuth_deg, depth_m } = *borehole;
-        if pipe >= count {
-            return Err(format!(
-                "layout \"{}\": boreholes: found pipe {pipe}, must be at most {}",
-                layout.name,
-                count - 1
-            ));
-        }
-        let numbers = depth_m >= 0.0 && depth_m.is_finite() && azimuth_deg.is_finite();
-        if !(numbers && (0.0..90.0).contains(&inclination_deg)) {
-            let name = &layout.name;
-            return Err(format!(
-                "layout \"{name}\": boreholes: pipe {pipe}: found inclination_deg {inclination_deg}, depth_m {depth_m}: must \
-                 be from 0 to below 90 and not below 0"
-            ));
-        }
-        let (way, azimuth) = (depth_m * inclination_deg.to_radians().tan(), azimuth_deg.to_radians());
-        moved.push((pipe, way * azimuth.cos(), way * azimuth.sin()));
+/// A layout with boreholes that leave the vertical, at their depth.
+fn drilled(ground: &Ground, layout: Layout, entries: &[Borehole]) -> Result<Layout, Failure> {
+    let bad = |message: String| Failure::Request(format!("layout \"{}\": boreholes: {message}", layout.name));
+    if ground.leans(&layout) {
+        return Err(bad(format!("beside {MOVED}, must be one of them")));
     }
-    Ok(as_moved(&moved))
+    let otherwise = match layout.horizon {
+        Some(_) => boreholes::without_depth(entries).map(|()| 0.0),
+        None => boreholes::depth(entries),
+    };
+    let (depth, deepest) = ground.depths(layout.horizon, otherwise.map_err(bad)?);
+    let moved = boreholes::moved(entries, &layout.scene.rings, depth, deepest).map_err(bad)?;
+    ground.again(&layout, "", Role::Compared, &as_moved(&moved))
 }
 
-fn as_moved(moved: &[(usize, f64, f64)]) -> (String, String) {
-    let rows: Vec<String> = moved.iter().map(|(pipe, x, y)| format!("[{pipe}, {x:.17e}, {y:.17e}]")).collect();
-    ("pipes.0.moved_m".into(), format!("[{}]", rows.join(", ")))
+fn as_moved(moved: &[(usize, DVec2)]) -> Overrides {
+    let rows: Vec<String> =
+        moved.iter().map(|(pipe, way)| format!("[{pipe}, {:.17e}, {:.17e}]", way.x, way.y)).collect();
+    vec![(MOVED.into(), format!("[{}]", rows.join(", ")))]
 }
 
-/// A layout with each key changed up and down.
-fn changed(scene: &str, of: &Layout, sensitivity: &Sensitivity) -> Result<Vec<Layout>, Failure> {
+/// A number of the scene of a layout.
+fn number_of(ground: &Ground, layout: &Layout, key: &str) -> Option<f64> {
+    match load::value(&ground.scene, &layout.overrides, key)? {
+        Value::Float(found) => Some(found),
+        Value::Integer(found) => Some(found as f64),
+        _ => None,
+    }
+}
+
+/// A layout with each key changed up and down; other horizons may be of other soils, which have other keys.
+fn changed(ground: &Ground, of: &Layout, sensitivity: &Sensitivity) -> Result<Vec<Layout>, Failure> {
     let Sensitivity { percent, keys } = sensitivity;
     if !(*percent > 0.0 && *percent < 100.0) {
         return Err(Failure::Request(format!("sensitivity: percent: found {percent}, must be above 0 and below 100")));
     }
     let mut found = Vec::new();
-    for key in keys {
-        let value = load::number(scene, &of.overrides, key)?;
+    for (key, value) in keys.iter().filter_map(|key| Some((key, number_of(ground, of, key)?))) {
         for factor in [1.0 - 0.01 * percent, 1.0 + 0.01 * percent] {
-            let mut overrides = of.overrides.clone();
-            overrides.push((key.clone(), format!("{:e}", value * factor)));
-            let name = format!("{}, {key} x {factor}", of.name);
-            found.push(layout(
-                scene,
-                name,
-                Role::Changed { of: of.name.clone(), key: key.clone(), factor },
-                overrides,
-            )?);
+            let role = Role::Changed { of: of.name.clone(), key: key.clone(), factor };
+            let more = vec![(key.clone(), format!("{:e}", value * factor))];
+            found.push(ground.again(of, &format!(", {key} x {factor}"), role, &more)?);
         }
     }
     Ok(found)
 }
 
-/// Members of a layout whose boreholes end anywhere in a circle around their places, as likely in all of it.
+/// Members of a layout whose boreholes end anywhere in a circle around their places, as likely in all of it. A member has the
+/// same boreholes at all horizons.
 fn deviating(
-    scene: &str,
+    ground: &Ground,
     of: &Layout,
     deviation: &Deviation,
     bad: &dyn Fn(String) -> Failure,
 ) -> Result<Vec<Layout>, Failure> {
     let Deviation { depth_m, percent, members, seed } = *deviation;
-    let numbers = depth_m > 0.0 && percent > 0.0 && percent < 100.0 && depth_m.is_finite();
+    let otherwise = match (depth_m, of.horizon) {
+        (Some(depth), None) => depth,
+        (None, Some(_)) => 0.0,
+        (None, None) => return Err(bad("deviation: depth_m is missing, of the horizon that is run".into())),
+        (Some(depth), Some(_)) => {
+            return Err(bad(format!(
+                "deviation: depth_m: found {depth}, must be left out: boreholes are read at the depth of each horizon"
+            )));
+        }
+    };
+    let (depth, deepest) = ground.depths(of.horizon, otherwise);
+    let numbers = deepest > 0.0 && percent > 0.0 && percent < 100.0 && deepest.is_finite();
     if !(numbers && (2..=1000).contains(&members)) {
         return Err(bad(format!(
-            "deviation: found depth_m {depth_m}, percent {percent}, members {members}: must be above 0, above 0 and below \
+            "deviation: found depth_m {deepest}, percent {percent}, members {members}: must be above 0, above 0 and below \
              100, 2 to 1000"
         )));
     }
     let Some(ring) = of.scene.rings.first() else { return Ok(Vec::new()) };
-    let most = 0.01 * percent * depth_m;
-    let mut random = StdRng::seed_from_u64(seed);
+    let mut random = boreholes::chance(seed);
     (1..=members)
         .map(|member| {
-            let draw = |_: usize| -> (f64, f64) {
-                let way = most * random.random::<f64>().sqrt();
-                let angle = std::f64::consts::TAU * random.random::<f64>();
-                (way * angle.cos(), way * angle.sin())
-            };
-            let moved: Vec<(usize, f64, f64)> =
-                (0..ring.count).map(draw).enumerate().map(|(k, (x, y))| (k, x, y)).collect();
-            let mut overrides = of.overrides.clone();
-            overrides.push(as_moved(&moved));
-            let name = format!("{}, deviating {member}", of.name);
-            layout(scene, name, Role::Deviating { of: of.name.clone() }, overrides)
+            let slopes = boreholes::draw(ring, percent, &mut random, deepest);
+            let slopes = slopes.map_err(|message| bad(format!("deviation: {message}")))?;
+            let moved: Vec<(usize, DVec2)> = slopes.iter().map(|slope| *slope * depth).enumerate().collect();
+            let role = Role::Deviating { of: of.name.clone() };
+            ground.again(of, &format!(", deviating {member}"), role, &as_moved(&moved))
         })
         .collect()
 }
@@ -476,25 +550,6 @@ fn deviating(
 /// Pipes of a ring that work.
 pub fn working(rings: &[PipeRing]) -> usize {
     rings.iter().map(|ring| ring.numbers().count()).sum()
-}
-
-/// A number in TOML by its path, as `pipes.0.temperature_c`.
-pub fn number(table: &Table, path: &str) -> Option<f64> {
-    let mut at: Option<&Value> = None;
-    for part in path.split('.') {
-        at = match at {
-            None => table.get(part),
-            Some(Value::Table(table)) => table.get(part),
-            Some(Value::Array(items)) => items.get(part.parse::<usize>().ok()?),
-            _ => None,
-        };
-        at?;
-    }
-    match at? {
-        Value::Float(found) => Some(*found),
-        Value::Integer(found) => Some(*found as f64),
-        _ => None,
-    }
 }
 
 #[cfg(test)]

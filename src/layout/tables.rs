@@ -6,6 +6,7 @@ use frazil_core::record::Outcome;
 use serde::Serialize;
 
 use super::answers::Answers;
+use super::shaft::{self, Shaft, shafts};
 use super::study::{Role, Study};
 use super::{Found, reference, write_rows};
 use crate::failure::Failure;
@@ -15,6 +16,9 @@ use crate::failure::Failure;
 struct LayoutRow<'a> {
     layout: &'a str,
     of: &'a str,
+    horizon: &'a str,
+    from_m: Option<f64>,
+    to_m: Option<f64>,
     method: &'a str,
     outcome: &'a str,
     pipes: usize,
@@ -106,6 +110,12 @@ pub(super) fn closure_error(found: &Found<'_>) -> Option<f64> {
     error(found.fine.closure, found.coarse.as_ref().and_then(|coarse| coarse.closure))
 }
 
+/// Width of the widest gap of a wall that is open (m); 0 once it is closed.
+pub(super) fn open_width(answers: &Answers) -> f64 {
+    let open = answers.weakest.as_ref().filter(|_| answers.closure.is_none());
+    open.map_or(0.0, |link| link.distance_m)
+}
+
 /// Writes all tables.
 pub(super) fn write(folder: &Path, study: &Study, method: &str, found: &[Found<'_>]) -> Result<(), Failure> {
     let rows: Vec<LayoutRow<'_>> = found.iter().filter_map(|one| row(study, method, one)).collect();
@@ -152,24 +162,29 @@ pub(super) fn write(folder: &Path, study: &Study, method: &str, found: &[Found<'
     if !changes.is_empty() {
         write_rows(folder, "sensitivity.csv", &changes)?;
     }
-    let spreads: Vec<DeviationRow<'_>> = found.iter().filter_map(|one| spread(found, one)).collect();
+    shaft::write(folder, study, found)?;
+    let spreads = spreads(study, found);
     if !spreads.is_empty() {
         write_rows(folder, "deviation.csv", &spreads)?;
     }
     Ok(())
 }
 
-fn row<'a>(study: &Study, method: &'a str, one: &'a Found<'_>) -> Option<LayoutRow<'a>> {
+fn row<'a>(study: &'a Study, method: &'a str, one: &'a Found<'_>) -> Option<LayoutRow<'a>> {
     let (fine, coarse) = (&one.fine, one.coarse.as_ref());
     let end = fine.days.last()?;
     let far = coarse.and_then(|coarse| coarse.days.last());
     let load = end.heat_per_pipe_w_per_m * fine.pipes as f64;
+    let horizon = one.layout.horizon.and_then(|at| study.horizons.get(at));
     Some(LayoutRow {
         layout: &one.layout.name,
         of: match &one.layout.role {
             Role::Compared | Role::Tried => "",
             Role::Changed { of, .. } | Role::Deviating { of } => of,
         },
+        horizon: horizon.map_or("", |horizon| &horizon.name),
+        from_m: horizon.map(|horizon| horizon.from),
+        to_m: horizon.map(|horizon| horizon.to),
         method,
         outcome: fine.outcome.name(),
         pipes: fine.pipes,
@@ -195,7 +210,7 @@ fn row<'a>(study: &Study, method: &'a str, one: &'a Found<'_>) -> Option<LayoutR
         heat_per_pipe_ring_formula_w_per_m: fine.formula.map(|formula| formula.1),
         load_w_per_m: load,
         load_peak_w_per_m: fine.peak,
-        plant_kw: study.depth.map(|depth| 1e-3 * depth * fine.peak),
+        plant_kw: study.depth_of(one.layout).map(|depth| 1e-3 * depth * fine.peak),
         energy_mj_per_m: end.energy_mj_per_m,
         energy_error_mj_per_m: error(Some(end.energy_mj_per_m), far.map(|far| far.energy_mj_per_m)),
         spacing_m: one.layout.scene.method(method).map_or(0.0, |settings| settings.numerics.spacing),
@@ -225,13 +240,24 @@ pub(super) fn change<'a>(found: &'a [Found<'_>], one: &'a Found<'_>) -> Option<S
     })
 }
 
-/// Days of closure of the deviating members of a layout: members whose wall stays open close after all others.
-pub(super) fn spread<'a>(found: &'a [Found<'_>], one: &'a Found<'_>) -> Option<DeviationRow<'a>> {
-    let members: Vec<Option<f64>> = found
-        .iter()
-        .filter(|other| matches!(&other.layout.role, Role::Deviating { of } if *of == one.layout.name))
-        .map(|other| other.fine.closure)
-        .collect();
+/// What deviating boreholes do to each layout, and to the shafts of a study with horizons.
+pub(super) fn spreads<'a>(study: &Study, found: &'a [Found<'a>]) -> Vec<DeviationRow<'a>> {
+    let deviates = |other: &Found<'_>, name: &str| matches!(&other.layout.role, Role::Deviating { of } if of == name);
+    let layouts = found.iter().filter_map(|one| {
+        let own = found.iter().filter(|other| deviates(other, &one.layout.name));
+        spread(&one.layout.name, &own.map(|other| other.fine.closure).collect::<Vec<_>>())
+    });
+    let all = shafts(study, found);
+    let whole = all.iter().filter_map(|shaft| {
+        let (base, _) = shaft.parts.first()?;
+        let own = all.iter().filter(|other| other.parts.iter().any(|(one, _)| deviates(one, &base.layout.name)));
+        spread(shaft.name, &own.map(Shaft::closure).collect::<Vec<_>>())
+    });
+    layouts.chain(whole).collect()
+}
+
+/// Days of closure of deviating members: members whose wall stays open close after all others.
+fn spread<'a>(layout: &'a str, members: &[Option<f64>]) -> Option<DeviationRow<'a>> {
     if members.is_empty() {
         return None;
     }
@@ -244,7 +270,7 @@ pub(super) fn spread<'a>(found: &'a [Found<'_>], one: &'a Found<'_>) -> Option<D
         Some(below + part * (above - below))
     };
     Some(DeviationRow {
-        layout: &one.layout.name,
+        layout,
         members: members.len(),
         closed: closed.len(),
         closure_p05_days: quantile(0.05),
@@ -272,6 +298,9 @@ pub(super) fn summary(study: &Study, method: &str, found: &[Found<'_>], folder: 
         let outcome =
             if fine.outcome == Outcome::Ok { String::new() } else { format!(", outcome {}", fine.outcome.name()) };
         text.push_str(&format!("  {}: {closure}{weakest}{load}{outcome}\n", one.layout.name));
+    }
+    for row in shafts(study, found).iter().filter(|one| one.compared()).filter_map(|shaft| shaft.row(study, found)) {
+        text.push_str(&format!("  {}\n", shaft::words(&row)));
     }
     text.push_str(&format!("  results: {}\n", folder.display()));
     text

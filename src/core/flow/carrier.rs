@@ -367,7 +367,7 @@ impl Carrier {
         for (opening, wall) in network.openings.iter().zip(state.openings) {
             let (own, image) = (opening.particle as usize, opening.image as usize);
             let image = state.temperature[image];
-            let ghost = wall.map_or(image, |wall| 2.0 * wall - image);
+            let ghost = wall.map_or(image, |wall| if opening.sign == 0.0 { wall } else { 2.0 * wall - image });
             self.gradients[own] += 0.5 * opening.weight * (ghost - state.temperature[own]) * opening.arm;
         }
     }

@@ -2,7 +2,8 @@
 //!
 //! A ghost behind a closed wall holds the pressure of its image: the pair with it is one more path to the image. A ghost
 //! behind a wall of given pressure holds twice that pressure less its image's: the pair with it is an opening, through
-//! which water enters or leaves.
+//! which water enters or leaves. Behind the curved wall of a ring the pressure is that of water which nothing disturbs: each
+//! pair that the wall cuts is an opening.
 
 use glam::DVec2;
 
@@ -24,7 +25,7 @@ pub const NONE: u32 = u32::MAX;
 pub struct Opening {
     /// The particle.
     pub particle: u32,
-    /// What the ghost mirrors.
+    /// What the ghost mirrors; the particle itself where it mirrors nothing.
     pub image: u32,
     /// The path from particle to image, or [`NONE`].
     pub path: u32,
@@ -32,12 +33,23 @@ pub struct Opening {
     pub wall: u8,
     /// Weight by volume (m^-2).
     pub weight: f64,
-    /// Sign with which the ghost follows its image.
+    /// Sign with which the ghost follows its image; 0 where it does not.
     pub sign: f64,
     /// How often each wall's pressure counts.
     pub multiples: [f64; MOST_WALLS],
     /// From particle to ghost (m).
     pub arm: DVec2,
+}
+
+/// A pair that a curved wall cuts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WayOut {
+    /// The particle.
+    pub particle: u32,
+    /// Weight by volume (m^-2).
+    pub weight: f64,
+    /// From the particle to the place behind the wall (m).
+    pub way: DVec2,
 }
 
 /// Paths in compressed rows, in both directions, with partners in order. What both directions share stands in columns by
@@ -104,7 +116,7 @@ impl Network {
     /// The paths of a list of pairs. `faces` are the walls of the boundary at the start.
     pub fn new(
         positions: &[DVec2],
-        pairs: &PairList,
+        (pairs, ways_out): (&PairList, &[WayOut]),
         ghosts: &Ghosts,
         boundary: &Boundary,
         faces: &[Face],
@@ -173,6 +185,23 @@ impl Network {
                 }
             }
             network.starts.push(network.partners.len());
+        }
+        if let Some((across, door)) = flow.across.as_ref().zip(network.doors.first()) {
+            for out in ways_out {
+                let mut multiples = [0.0; MOST_WALLS];
+                multiples[0] = across.share(positions[out.particle as usize] + out.way);
+                network.openings.push(Opening {
+                    particle: out.particle,
+                    image: out.particle,
+                    path: NONE,
+                    wall: 0,
+                    weight: out.weight,
+                    sign: 0.0,
+                    multiples,
+                    arm: out.way,
+                });
+                network.beside.push((out.particle, *door as u8));
+            }
         }
         network.beside.sort_unstable();
         network.beside.dedup();

@@ -1,5 +1,7 @@
 //! Groundwater of a scene: what drives it and how ice holds it up.
 
+use glam::DVec2;
+
 use super::Series;
 
 /// Groundwater that flows through all of the body.
@@ -9,6 +11,9 @@ pub struct Flow {
     pub viscosity: f64,
     /// Walls of given pressure; no water crosses the others.
     pub walls: Vec<PressureWall>,
+    /// In a ring, where water comes from afar and goes: the pressure of its outer wall is that of the point farthest
+    /// upstream, and falls evenly to the negative of it downstream.
+    pub across: Option<Across>,
     /// How ice holds water up.
     pub relative_permeability: RelativePermeability,
     /// Relative permeability that the coldest ground keeps.
@@ -21,10 +26,26 @@ pub struct Flow {
     pub cut: Option<f64>,
 }
 
+/// Groundwater that crosses a ring.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Across {
+    /// Where it flows to, of length 1.
+    pub direction: DVec2,
+    /// Outer radius (m).
+    pub radius: f64,
+}
+
+impl Across {
+    /// Share of the outer wall's pressure at a place, beyond it also.
+    pub fn share(&self, place: DVec2) -> f64 {
+        -place.dot(self.direction) / self.radius
+    }
+}
+
 /// A wall through which water enters or leaves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PressureWall {
-    /// `left`, `right`, `bottom` or `top`.
+    /// `left`, `right`, `bottom`, `top`; in a ring `outer`.
     pub name: &'static str,
     /// Pressure along it (Pa).
     pub pressure: Series,
@@ -53,6 +74,8 @@ impl Flow {
     /// Least and greatest pressure that walls hold at any time (Pa).
     pub fn pressures(&self) -> (f64, f64) {
         let ranges = self.walls.iter().map(|wall| wall.pressure.range());
-        ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, one| (all.0.min(one.0), all.1.max(one.1)))
+        let (least, most) =
+            ranges.fold((f64::INFINITY, f64::NEG_INFINITY), |all, one| (all.0.min(one.0), all.1.max(one.1)));
+        if self.across.is_some() { (least.min(-most), most.max(-least)) } else { (least, most) }
     }
 }

@@ -46,6 +46,16 @@ impl Series {
         }
     }
 
+    /// The series times a factor.
+    pub fn scaled(&self, factor: f64) -> Series {
+        let scale = |rows: &[(f64, f64)]| rows.iter().map(|(time, value)| (*time, factor * value)).collect();
+        match self {
+            Series::Constant(value) => Series::Constant(factor * value),
+            Series::Table(rows) => Series::Table(scale(rows)),
+            Series::Repeated { rows, period } => Series::Repeated { rows: scale(rows), period: *period },
+        }
+    }
+
     /// The first instant after `t` (s) at which the series bends or jumps.
     pub fn next_bend(&self, t: f64) -> Option<f64> {
         match self {

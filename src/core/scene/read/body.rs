@@ -194,10 +194,40 @@ pub(super) fn pipes(root: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Pipe
     rings
 }
 
+const FILM: (&str, &str) = ("coefficient", "W_per_m2_K");
+/// Key of the places of pipes that stand on no circle.
+const PLACES: (&str, &str) = ("places", "m");
+
+/// Where the pipes of a ring stand: how many, on a circle of which radius, from which angle (radians) on, and those that stand
+/// beside their places on it.
+type Circle = (usize, f64, f64, Vec<(usize, DVec2)>);
+
+fn circle(section: &mut Section<'_>) -> Option<Circle> {
+    let places = section.optional_points(PLACES, Some(2));
+    if !section.has(PLACES) {
+        let count = section.integer("count", 1..=MOST_PIPES);
+        let radius = section.number(("ring_radius", "m"), Range::NOT_NEGATIVE);
+        let first_angle = section.number_or(("first_angle", "deg"), 0.0, Range::ANY);
+        return Some((count?, radius?, first_angle.to_radians(), Vec::new()));
+    }
+    for key in [Key::from("count"), ("ring_radius", "m").into(), ("first_angle", "deg").into()] {
+        section.refuse(key, "the places of all pipes are given");
+    }
+    let places: Vec<DVec2> = places?.iter().map(|place| DVec2::new(place[0], place[1])).collect();
+    if places.is_empty() || places.len() > MOST_PIPES {
+        section.problem(PLACES, format!("found {} places, must be 1 to {MOST_PIPES}", places.len()));
+        return None;
+    }
+    // They stand around the circle of their mean distance from the centre, each beside its place on it.
+    let radius = places.iter().map(|place| place.length()).sum::<f64>() / places.len() as f64;
+    let first_angle = if places[0] == DVec2::ZERO { 0.0 } else { places[0].to_angle() };
+    let step = std::f64::consts::TAU / places.len() as f64;
+    let beside = |(k, place): (usize, &DVec2)| (k, *place - radius * DVec2::from_angle(first_angle + step * k as f64));
+    Some((places.len(), radius, first_angle, places.iter().enumerate().map(beside).collect()))
+}
+
 fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
-    let count = section.integer("count", 1..=MOST_PIPES);
-    let ring_radius = section.number(("ring_radius", "m"), Range::NOT_NEGATIVE);
-    let first_angle = section.number_or(("first_angle", "deg"), 0.0, Range::ANY);
+    let circle = circle(section);
     let one_particle = section.flag_or("one_particle", false);
     let pipe_radius = if one_particle {
         section.refuse(("pipe_radius", "m"), "a pipe of one particle has the radius that the lattice gives it");
@@ -206,16 +236,24 @@ fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
         section.positive(("pipe_radius", "m"))
     };
     let temperature = section.series(("temperature", "c"), temperatures(section.units().absolute_zero()));
+    let film = if one_particle {
+        section.refuse(FILM, "a pipe of one particle has no wall");
+        None
+    } else {
+        section.optional_number(FILM, Range::POSITIVE)
+    };
     let schedule = section.optional_schedule().map(Arc::new);
+    let (count, ring_radius, first_angle, moved) = circle?;
     let mut ring = PipeRing {
-        count: count?,
-        ring_radius: ring_radius?,
-        first_angle: first_angle.to_radians(),
+        count,
+        ring_radius,
+        first_angle,
         one_particle,
-        moved: Vec::new(),
+        moved,
         missing: Vec::new(),
         pipe_radius: pipe_radius?,
         temperature: temperature?,
+        film,
         schedule,
     };
     as_built(section, &mut ring);
@@ -238,19 +276,32 @@ fn as_built(section: &mut Section<'_>, ring: &mut PipeRing) {
     if ring.missing.len() == ring.count {
         section.problem("missing", "found all pipes, one must be left");
     }
+    let mut moved: Vec<usize> = Vec::new();
     for row in section.optional_points(MOVED, Some(3)).unwrap_or_default() {
         let [found, x, y] = row[..] else { continue };
         match number(found).filter(|_| found >= 0.0) {
-            Some(k) if ring.moved.iter().any(|(other, _)| *other == k) => {
-                section.problem(MOVED, format!("found pipe {k} twice"));
+            Some(k) if moved.contains(&k) => section.problem(MOVED, format!("found pipe {k} twice")),
+            Some(k) => {
+                moved.push(k);
+                match ring.moved.iter_mut().find(|(other, _)| *other == k) {
+                    Some((_, way)) => *way += DVec2::new(x, y),
+                    None => ring.moved.push((k, DVec2::new(x, y))),
+                }
             }
-            Some(k) => ring.moved.push((k, DVec2::new(x, y))),
             None => section.problem(MOVED, format!("found pipe {}, must be whole, 0 to {most}", plain(found))),
         }
     }
 }
 
 fn ring_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64, sector: Sector) {
+    if ring.one_particle && sector != Sector::Whole {
+        let message = "mirror planes may lie between particles: set domain.ring.sector = \"whole\"";
+        section.problem("one_particle", message);
+        return;
+    }
+    if section.has(PLACES) {
+        return uneven_in_domain(section, ring, outer_radius, sector);
+    }
     if ring.ring_radius + ring.pipe_radius >= outer_radius {
         let message = format!(
             "found {}, the pipes must lie inside the outer radius {}",
@@ -282,11 +333,6 @@ fn ring_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64,
         Sector::Half => across_x_axis,
         Sector::Quarter => across_x_axis && across_y_axis,
     };
-    if ring.one_particle && sector != Sector::Whole {
-        let message = "mirror planes may lie between particles: set domain.ring.sector = \"whole\"";
-        section.problem("one_particle", message);
-        return;
-    }
     if !ring.is_even() {
         return uneven_in_domain(section, ring, outer_radius, sector);
     }
@@ -309,11 +355,12 @@ fn ring_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64,
 /// A ring with pipes that are missing or out of place: all stand apart, inside the domain, and each has its image in mirrors.
 fn uneven_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64, sector: Sector) {
     let numbers: Vec<usize> = ring.numbers().collect();
+    let places: Key = if section.has(PLACES) { PLACES.into() } else { ("moved", "m").into() };
     for (at, k) in numbers.iter().enumerate() {
         let place = ring.place(*k);
         if place.length() + ring.pipe_radius >= outer_radius {
             let message = format!("pipe {k} must lie inside the outer radius {}", plain(outer_radius));
-            section.problem(("moved", "m"), message);
+            section.problem(places, message);
         }
         for other in &numbers[..at] {
             let distance = place.distance(ring.place(*other));
@@ -322,7 +369,7 @@ fn uneven_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f6
                     "pipes {other} and {k} overlap: their axes are {distance:.4} apart, must be more than {}",
                     plain(2.0 * ring.pipe_radius)
                 );
-                section.problem(("moved", "m"), message);
+                section.problem(places, message);
             }
         }
         let mirrors: &[DVec2] = match sector {
@@ -339,7 +386,7 @@ fn uneven_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f6
             if ring.moved.is_empty() {
                 section.problem("missing", message);
             } else {
-                section.problem(("moved", "m"), message);
+                section.problem(places, message);
             }
             return;
         }

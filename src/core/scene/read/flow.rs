@@ -1,12 +1,19 @@
 //! Groundwater.
 
+use glam::DVec2;
+
 use super::body::wall_names;
 use super::range::{Range, all_of};
 use super::section::Section;
 use crate::material::{FreezingLaw, Material};
-use crate::scene::{Domain, Flow, PressureWall, RelativePermeability};
+use crate::scene::{Across, Domain, Flow, PressureWall, RelativePermeability, Sector, Series};
 
 const PERMEABILITY: (&str, &str) = ("permeability", "m2");
+const VELOCITY: (&str, &str) = ("velocity", "m_per_day");
+const DIRECTION: (&str, &str) = ("direction", "deg");
+
+/// Seconds of a day.
+const DAY: f64 = 86400.0;
 
 /// Reads the section `flow`, if there is one; `materials` is empty where some could not be read. The
 /// flags tell of cracks and of surfaces, which water does not know.
@@ -29,9 +36,8 @@ pub(super) fn flow(
     }
     let mut section = root.optional_section("flow")?;
     let beside = match domain {
-        Some(Domain::Ring { .. }) => Some("in a ring: water needs straight walls to enter and leave by"),
         Some(Domain::Radial { .. } | Domain::Axial { .. }) => {
-            Some("where particles are shells: water flows through a line or a rectangle")
+            Some("where particles are shells: water flows through a line, a rectangle or a ring")
         }
         _ if cracks => Some("beside \"cracks\", which would cut the ways of water too"),
         _ if surfaces => Some("beside \"watch.surfaces\", which count what is conducted and not what water carries"),
@@ -44,14 +50,40 @@ pub(super) fn flow(
     }
     for material in materials {
         let missing = match material.pores {
-            None => "porosity, water, ice and solid instead of density, frozen and unfrozen".to_owned(),
+            None => {
+                "a table \"groundwater\", or porosity, water, ice and solid instead of density, frozen and unfrozen"
+                    .to_owned()
+            }
             Some(pores) if pores.permeability.is_none() => format!("\"{}_{}\"", PERMEABILITY.0, PERMEABILITY.1),
             Some(_) => continue,
         };
         section.section_problem(format!("water flows through \"{}\", which must have {missing}", material.name));
     }
+    let crosses = matches!(domain, Some(Domain::Ring { .. }));
     let viscosity = section.positive(("viscosity", "Pa_s"));
-    let walls = walls(&mut section, domain);
+    let crossing = match domain {
+        Some(Domain::Ring { outer_radius, sector }) => {
+            section.refuse("walls", "in a ring water comes from afar, with velocity_m_per_day");
+            Some(across(&mut section, *outer_radius, *sector))
+        }
+        _ => {
+            section.refuse(VELOCITY, "only in a ring water comes from afar");
+            section.refuse(DIRECTION, "only in a ring water comes from afar");
+            None
+        }
+    };
+    let (walls, across) = match crossing {
+        None => (walls(&mut section, domain), None),
+        Some(crossing) => {
+            let ground = materials.first().and_then(|material| material.pores?.permeability);
+            let wall = |(velocity, across): (Series, Across)| {
+                // Darcy's law in the first material.
+                let pressure = velocity.scaled(viscosity? * across.radius / (DAY * ground?));
+                Some((vec![PressureWall { name: "outer", pressure }], Some(across)))
+            };
+            crossing.and_then(wall).unwrap_or_default()
+        }
+    };
     let freezes = materials.iter().any(|material| material.law != FreezingLaw::None);
     let (law, least) = match section.optional_section("relative_permeability") {
         Some(mut table) => relative_permeability(&mut table),
@@ -68,14 +100,15 @@ pub(super) fn flow(
     let gravity = match domain {
         Some(Domain::Rectangle { .. }) => section.number_or(("gravity", "m_per_s2"), 0.0, Range::NOT_NEGATIVE),
         _ => {
-            section.refuse(("gravity", "m_per_s2"), "a line lies level");
+            let reason = if crosses { "the plan of a ring lies level" } else { "a line lies level" };
+            section.refuse(("gravity", "m_per_s2"), reason);
             0.0
         }
     };
     let cut = match domain {
         Some(Domain::Rectangle { height, .. }) => section.optional_number(("cut_y", "m"), Range::between(0.0, *height)),
         _ => {
-            section.refuse(("cut_y", "m"), "a line has no y");
+            section.refuse(("cut_y", "m"), if crosses { "a ring has rays" } else { "a line has no y" });
             None
         }
     };
@@ -83,11 +116,35 @@ pub(super) fn flow(
         cut,
         viscosity: viscosity?,
         walls,
+        across,
         relative_permeability: law?,
         least_relative_permeability: least,
         density_change,
         gravity,
     })
+}
+
+/// Groundwater that crosses a ring: its velocity (m a day) far from what freezes, and its direction.
+fn across(section: &mut Section<'_>, radius: f64, sector: Sector) -> Option<(Series, Across)> {
+    let velocity = section.series(VELOCITY, Range::NOT_NEGATIVE);
+    let degrees = section.number_or(DIRECTION, 0.0, Range::ANY);
+    let along_x = degrees.rem_euclid(180.0) == 0.0;
+    match sector {
+        Sector::Quarter => section.section_problem(
+            "must not be in a quarter, whose mirror planes water crosses: set domain.ring.sector = \"half\" or \"whole\"",
+        ),
+        Sector::Half if !along_x => section.problem(
+            DIRECTION,
+            format!("found {degrees}, must be 0 or 180 in a half, whose mirror plane is the x axis: set domain.ring.sector = \"whole\""),
+        ),
+        Sector::Half | Sector::Whole => {}
+    }
+    let direction = if along_x {
+        DVec2::new(if degrees.rem_euclid(360.0) == 0.0 { 1.0 } else { -1.0 }, 0.0)
+    } else {
+        DVec2::from_angle(degrees.to_radians())
+    };
+    Some((velocity?, Across { direction, radius }))
 }
 
 fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<PressureWall> {

@@ -64,11 +64,15 @@ fn material(name: &str, section: &mut Section<'_>) -> Option<Material> {
             pores: Some(porous.pores()),
         });
     }
-    section.refuse(("permeability", "m2"), "only a material given by porosity, solid, ice and water has pores");
+    section.refuse(
+        ("permeability", "m2"),
+        "only a material given by porosity, solid, ice and water has pores; others have it in a table \"groundwater\"",
+    );
     let density = section.positive(("density", "kg_per_m3"));
     let frozen = section.section("frozen").and_then(phase);
     let unfrozen = section.section("unfrozen").and_then(phase);
     let freezing = section.section("freezing").and_then(freezing);
+    let pores = section.optional_section("groundwater").and_then(porous::groundwater);
     if let (Some(frozen), Some(unfrozen)) = (&frozen, &unfrozen) {
         for (what, a, b) in [
             ("conductivities", frozen.conductivity, unfrozen.conductivity),
@@ -91,7 +95,7 @@ fn material(name: &str, section: &mut Section<'_>) -> Option<Material> {
         latent_heat: freezing.latent_heat,
         law: freezing.law,
         mixing: freezing.mixing,
-        pores: None,
+        pores,
     })
 }
 

@@ -96,7 +96,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     numerics.search = section.choice_or("search", &searches, numerics.search);
     numerics.integrator = integrator(section, numerics.integrator);
     numerics.flow = flow(section, setup.flow, setting);
-    numerics.conduction = conduction(section, &numerics);
+    numerics.conduction = conduction(section, &numerics, setup.domain);
     numerics.step = step(section, numerics.step, numerics.integrator.tolerance().is_some());
     combinations(section, &numerics, setup, kind);
     shells::combinations(section, &numerics, setup, kind);
@@ -262,13 +262,15 @@ fn flow(section: &mut Section<'_>, flows: bool, setting: Setting) -> Option<Flow
     Some(FlowNumerics { advection, mean, pressure_change, pressure_interval })
 }
 
-fn conduction(section: &mut Section<'_>, numerics: &Numerics) -> Conduction {
+fn conduction(section: &mut Section<'_>, numerics: &Numerics, domain: Option<&Domain>) -> Conduction {
     let Some(flow) = numerics.flow else { return Conduction::Plain };
-    // The correction is limited together with the heat that water carries.
+    // The correction is limited together with the heat that water carries; it knows neither pipes nor curved walls.
     let reason = if flow.advection != Advection::Limited {
         Some("advection = \"limited\"")
+    } else if numerics.layout != Layout::Lattice {
+        Some("layout = \"lattice\"")
     } else {
-        (numerics.layout != Layout::Lattice).then_some("layout = \"lattice\"")
+        matches!(domain, Some(Domain::Ring { .. })).then_some("a line or a rectangle")
     };
     let preset = if reason.is_some() { Conduction::Plain } else { numerics.conduction };
     let found = section.choice_or("conduction", &Conduction::WORDS, preset);

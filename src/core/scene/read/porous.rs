@@ -42,6 +42,7 @@ pub(super) fn porous(section: &mut Section<'_>, freezes: bool) -> Option<Porous>
     section.refuse(("density", "kg_per_m3"), reason);
     section.refuse("frozen", reason);
     section.refuse("unfrozen", reason);
+    section.refuse("groundwater", reason);
     let porosity = section.number("porosity", Range::above_to(0.0, 1.0));
     let water = section.section("water").and_then(part);
     let ice = if freezes {
@@ -66,6 +67,21 @@ pub(super) fn porous(section: &mut Section<'_>, freezes: bool) -> Option<Porous>
         permeability,
     };
     Some(Porous { pores, water, ice, solid })
+}
+
+/// The water in a material that is given as a whole. Its ice has the density of water.
+pub(super) fn groundwater(mut section: Section<'_>) -> Option<Pores> {
+    let porosity = section.number("porosity", Range::above_to(0.0, 1.0));
+    let density = section.positive(("density", "kg_per_m3"));
+    let heat_capacity = section.positive(("heat_capacity", "J_per_kg_K"));
+    let permeability = section.positive(("permeability", "m2"));
+    Some(Pores {
+        porosity: porosity?,
+        water_density: density?,
+        ice_density: density?,
+        water_heat_capacity: heat_capacity?,
+        permeability: Some(permeability?),
+    })
 }
 
 fn part(mut section: Section<'_>) -> Option<Part> {

@@ -1,0 +1,163 @@
+//! The shaft as a whole: the same layout at all horizons.
+
+use std::path::Path;
+
+use frazil_plots::layouts::{LayerView, ShaftView, between};
+use serde::Serialize;
+
+use super::answers::DAY;
+use super::study::{Role, Study};
+use super::tables::open_width;
+use super::{Found, write_rows};
+use crate::failure::Failure;
+
+/// A layout at all horizons, downwards.
+pub(super) struct Shaft<'a> {
+    /// Name of the layout.
+    pub(super) name: &'a str,
+    /// What it is at its horizons, with the thickness of their layers (m).
+    pub(super) parts: Vec<(&'a Found<'a>, f64)>,
+}
+
+/// One row of `shafts.csv`.
+#[derive(Debug, Serialize)]
+pub(super) struct ShaftRow<'a> {
+    pub(super) layout: &'a str,
+    of: &'a str,
+    pub(super) depth_m: f64,
+    pub(super) closure_days: Option<f64>,
+    pub(super) weakest_horizon: &'a str,
+    weakest_from: Option<&'a str>,
+    weakest_to: Option<&'a str>,
+    pub(super) open_horizons: usize,
+    pub(super) design_days: Option<f64>,
+    pub(super) thinnest_horizon: &'a str,
+    pub(super) thickness_interface_m: f64,
+    pub(super) warmest_horizon: &'a str,
+    pub(super) mean_temperature_c: Option<f64>,
+    pub(super) plant_peak_kw: f64,
+    pub(super) plant_kw: f64,
+    pub(super) energy_gj: f64,
+}
+
+/// All layouts over their horizons, in the order in which they come.
+pub(super) fn shafts<'a>(study: &Study, found: &'a [Found<'a>]) -> Vec<Shaft<'a>> {
+    let mut all: Vec<Shaft<'a>> = Vec::new();
+    for one in found {
+        let Some(thickness) = one.layout.horizon.and(study.depth_of(one.layout)) else { continue };
+        match all.iter_mut().find(|shaft| shaft.name == one.layout.shaft) {
+            Some(shaft) => shaft.parts.push((one, thickness)),
+            None => all.push(Shaft { name: &one.layout.shaft, parts: vec![(one, thickness)] }),
+        }
+    }
+    all
+}
+
+impl<'a> Shaft<'a> {
+    /// Day on which the wall stood closed at all horizons.
+    pub(super) fn closure(&self) -> Option<f64> {
+        let days: Option<Vec<f64>> = self.parts.iter().map(|(one, _)| one.fine.closure).collect();
+        days?.into_iter().reduce(f64::max)
+    }
+
+    /// The horizon that closed last; while some are open, that of the widest open gap.
+    pub(super) fn weakest(&self) -> Option<&'a Found<'a>> {
+        let all = || self.parts.iter().map(|(one, _)| *one);
+        let open = all().filter(|one| one.fine.closure.is_none());
+        // Of equal ones the uppermost.
+        let widest = open.reduce(|best, one| if open_width(&one.fine) > open_width(&best.fine) { one } else { best });
+        let day = |one: &Found<'_>| one.fine.closure.unwrap_or(0.0);
+        widest.or_else(|| all().reduce(|best, one| if day(one) > day(best) { one } else { best }))
+    }
+
+    /// Heat that all pipes take over time (s, kW), at the instants of the uppermost horizon.
+    pub(super) fn load(&self) -> Vec<(f64, f64)> {
+        let times = self.parts.first().map_or(&[][..], |(one, _)| &one.fine.load[..]);
+        let whole = |time: f64| {
+            let parts = self.parts.iter().map(|(one, thick)| Some(1e-3 * thick * between(&one.fine.load, time)?));
+            parts.sum::<Option<f64>>()
+        };
+        times.iter().filter_map(|(time, _)| Some((*time, whole(*time)?))).collect()
+    }
+
+    /// Name of the horizon of a part.
+    fn horizon(study: &'a Study, one: &Found<'_>) -> &'a str {
+        one.layout.horizon.and_then(|at| study.horizons.get(at)).map_or("", |horizon| horizon.name.as_str())
+    }
+
+    /// Its row, beside all layouts.
+    pub(super) fn row(&self, study: &'a Study, found: &'a [Found<'a>]) -> Option<ShaftRow<'a>> {
+        let weakest = self.weakest()?;
+        let ends: Vec<_> = self
+            .parts
+            .iter()
+            .map(|(one, thick)| Some((*one, *thick, *one.fine.days.last()?)))
+            .collect::<Option<_>>()?;
+        let thin = ends.iter().min_by(|a, b| a.2.thickness_interface_m.total_cmp(&b.2.thickness_interface_m))?;
+        let mean = |end: &super::answers::Day| end.mean_c.unwrap_or(f64::INFINITY);
+        let warm = ends.iter().max_by(|a, b| mean(&a.2).total_cmp(&mean(&b.2)))?;
+        let design: Option<Vec<f64>> = self.parts.iter().map(|(one, _)| one.fine.design).collect();
+        let load = self.load();
+        let of = match &weakest.layout.role {
+            Role::Compared | Role::Tried => "",
+            Role::Changed { of, .. } | Role::Deviating { of } => {
+                found.iter().find(|other| other.layout.name == *of).map_or("", |other| &other.layout.shaft)
+            }
+        };
+        Some(ShaftRow {
+            layout: self.name,
+            of,
+            depth_m: self.parts.iter().map(|(_, thick)| thick).sum(),
+            closure_days: self.closure(),
+            weakest_horizon: Shaft::horizon(study, weakest),
+            weakest_from: weakest.fine.weakest.as_ref().map(|link| link.from.as_str()),
+            weakest_to: weakest.fine.weakest.as_ref().map(|link| link.to.as_str()),
+            open_horizons: self.parts.iter().filter(|(one, _)| one.fine.closure.is_none()).count(),
+            design_days: design.and_then(|days| days.into_iter().reduce(f64::max)),
+            thinnest_horizon: Shaft::horizon(study, thin.0),
+            thickness_interface_m: thin.2.thickness_interface_m,
+            warmest_horizon: Shaft::horizon(study, warm.0),
+            mean_temperature_c: warm.2.mean_c,
+            plant_peak_kw: load.iter().filter(|(time, _)| *time > DAY).map(|(_, load)| *load).fold(0.0, f64::max),
+            plant_kw: load.last().map_or(0.0, |(_, load)| *load),
+            energy_gj: ends.iter().map(|(_, thick, end)| 1e-3 * thick * end.energy_mj_per_m).sum(),
+        })
+    }
+
+    /// What a figure over depth shows of it.
+    pub(super) fn view(&self, study: &Study) -> ShaftView {
+        let layer = |(one, _): &(&Found<'_>, f64)| {
+            let horizon = one.layout.horizon.and_then(|at| study.horizons.get(at))?;
+            Some(LayerView {
+                name: horizon.name.clone(),
+                from_m: horizon.from,
+                to_m: horizon.to,
+                closure_s: one.fine.closure.map(|day| day * DAY),
+                thickness_m: one.fine.days.last().map_or(0.0, |end| end.thickness_interface_m),
+                load_w_per_m: one.fine.peak,
+            })
+        };
+        ShaftView { name: self.name.to_owned(), layers: self.parts.iter().filter_map(layer).collect() }
+    }
+
+    /// Whether it is one of those compared.
+    pub(super) fn compared(&self) -> bool {
+        self.parts.iter().all(|(one, _)| one.layout.role == Role::Compared)
+    }
+}
+
+/// Writes the table of all shafts, where there are horizons.
+pub(super) fn write(folder: &Path, study: &Study, found: &[Found<'_>]) -> Result<(), Failure> {
+    let rows: Vec<ShaftRow<'_>> = shafts(study, found).iter().filter_map(|shaft| shaft.row(study, found)).collect();
+    if rows.is_empty() { Ok(()) } else { write_rows(folder, "shafts.csv", &rows) }
+}
+
+/// A shaft in words.
+pub(super) fn words(row: &ShaftRow<'_>) -> String {
+    let (name, depth, horizon) = (row.layout, row.depth_m, row.weakest_horizon);
+    let closure = match row.closure_days {
+        Some(day) => format!("closed on day {day:.2}, last in {horizon}"),
+        None => format!("open at {} of its horizons, widest in {horizon}", row.open_horizons),
+    };
+    format!("{name}, all {depth} m: {closure}, plant at most {:.0} kW", row.plant_peak_kw)
+}

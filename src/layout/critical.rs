@@ -269,7 +269,7 @@ pub(super) fn block(critical: &Critical, outcome: &Outcome, work: &Work<'_>) -> 
         })
         .collect();
     let canvas = critical_map(&views, &critical.key);
-    canvas.write(work.folder, "critical")?;
+    canvas.write(&work.folder, "critical")?;
     let figure = Figure::new(
         &canvas,
         format!(

@@ -99,8 +99,11 @@ pub struct LayoutTable {
     pub days: Vec<WallDay>,
 }
 
-/// Rings of the inner pipes beside the outer ring of [`PIPES`] on [`RING_RADIUS`]: number, radius, first angle (degrees).
-const INNER: [(&str, Option<(usize, f64, f64)>); 3] = [
+/// Pipes of a ring: number, radius of the ring (m), angle of the first (degrees).
+type Inner = (usize, f64, f64);
+
+/// Rings of the inner pipes beside the outer ring of [`PIPES`] on [`RING_RADIUS`].
+const INNER: [(&str, Option<Inner>); 3] = [
     ("single", None),
     ("three", Some((PIPES, 4.2, 180.0 / PIPES as f64))),
     ("four", Some((2 * PIPES, 4.2, 90.0 / PIPES as f64))),

@@ -157,13 +157,13 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     }
     let mut critical = None;
     if let Some(wanted) = &study.critical {
-        let Some(outcome) = critical::seek(&study, wanted, &work)? else {
+        let Some(outcome) = critical::seek(&study, wanted, work)? else {
             complain("interrupted: the same command goes on with the halving");
             return Ok(Verdict::Broken);
         };
         write_rows(&path, "critical.csv", &outcome.found)?;
         write_rows(&path, "critical_tried.csv", &outcome.tried)?;
-        critical = Some(critical::block(wanted, &outcome, &work)?);
+        critical = Some(critical::block(wanted, &outcome, work)?);
     }
     tables::write(&path, &study, method, &found)?;
     if all {

@@ -122,7 +122,9 @@ impl Search {
             return Err(format!("search: found from {from}, to {to}: from must be below to{kind}"));
         }
         let days = [("closure_days", closure_days), ("design_days", design_days)];
-        if let Some((key, day)) = days.iter().find_map(|(key, day)| Some((key, day.filter(|day| !(*day > 0.0))?))) {
+        if let Some((key, day)) =
+            days.iter().find_map(|(key, day)| Some((key, day.filter(|day| *day <= 0.0 || day.is_nan())?)))
+        {
             return Err(format!("search: {key}: found {day}, must be greater than 0"));
         }
         if closure_days.or(*design_days).is_none() {

@@ -61,6 +61,7 @@ pub(super) fn write(
         ..Block::default()
     });
     page.opening.push(Block { figures, ..Block::default() });
+    page.opening.extend(reference::block(found));
     if compared.len() <= SHOWN {
         page.opening.push(Block {
             heading: "Temperatures".into(),
@@ -76,7 +77,6 @@ pub(super) fn write(
             ..Block::default()
         });
     }
-    page.opening.extend(reference::block(found));
     page.opening.extend(what_if(study, found));
     page.opening.extend(critical);
     page.opening.extend(study.search.as_ref().map(|search| searched(search, tried)));

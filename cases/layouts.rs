@@ -99,11 +99,11 @@ pub struct LayoutTable {
     pub days: Vec<WallDay>,
 }
 
-/// Pipes of a ring: number, radius of the ring (m), angle of the first (degrees).
-type Inner = (usize, f64, f64);
+/// A ring: number of pipes, radius (m), first angle (degrees).
+type Ring = (usize, f64, f64);
 
 /// Rings of the inner pipes beside the outer ring of [`PIPES`] on [`RING_RADIUS`].
-const INNER: [(&str, Option<Inner>); 3] = [
+const INNER: [(&str, Option<Ring>); 3] = [
     ("single", None),
     ("three", Some((PIPES, 4.2, 180.0 / PIPES as f64))),
     ("four", Some((2 * PIPES, 4.2, 90.0 / PIPES as f64))),
@@ -136,7 +136,7 @@ pub fn by_name(name: &str, scene: &Scene, acting: Option<f64>) -> Result<LayoutT
     let inner = INNER.iter().find(|(own, _)| *own == kind).ok_or_else(wrong)?.1;
     let soil = SOILS.iter().find(|(own, _)| *own == soil).ok_or_else(wrong)?.1;
     let radius = radius.strip_suffix("mm").and_then(|text| text.parse::<f64>().ok()).map(|radius| 1e-3 * radius);
-    let rings: Vec<(usize, f64, f64)> = [Some((PIPES, RING_RADIUS, 0.0)), inner].into_iter().flatten().collect();
+    let rings: Vec<Ring> = [Some((PIPES, RING_RADIUS, 0.0)), inner].into_iter().flatten().collect();
     let differences = shaft_differences(soil, &rings, radius, scene);
     if let Some(first) = differences.first() {
         return Err(format!("the table '{name}' is about another problem: {first}"));

@@ -303,6 +303,9 @@ pub(crate) fn shaft_differences(
     if scene.rings.iter().any(|ring| ring.schedule.is_some()) {
         differences.push("the pipes always work there".into());
     }
+    if scene.rings.iter().any(|ring| ring.film.is_some()) {
+        differences.push("the pipes' walls have the temperature given there".into());
+    }
     if !scene.rings.iter().all(PipeRing::is_even) {
         differences.push("all pipes stand in their places there".into());
     }

@@ -14,6 +14,7 @@ mod fields;
 mod forecasts;
 mod groundwater;
 mod invariants;
+mod layout_references;
 mod layouts;
 mod moving;
 mod order;

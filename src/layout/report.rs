@@ -76,6 +76,7 @@ pub(super) fn write(
     let tables = vec![overview(study, work.method, &compared)];
     page.opening.push(Block { list: near, figures: first, tables, ..Block::default() });
     page.opening.push(Block { figures, ..Block::default() });
+    page.opening.extend(reference::block(found));
     if compared.len() <= SHOWN {
         page.opening.push(Block {
             heading: "Temperatures".into(),
@@ -91,7 +92,6 @@ pub(super) fn write(
             ..Block::default()
         });
     }
-    page.opening.extend(reference::block(found));
     page.opening.extend(methods_block(work, beside)?);
     page.opening.extend(what_if(study, found));
     page.opening.extend(critical);

@@ -220,6 +220,9 @@ fn frozen_in<'a>(
             let pipe = ring.temperature.at(time);
             let share: f64 = sunk.pipes.iter().map(|pipe| pipe.share).sum();
             let conductivity = particles.materials.of(first).curve.conductivity(pipe);
+            // Behind a film the wall is warmer than the brine.
+            let film = ring.film.map_or(0.0, |film| 1.0 / (film * TAU * ring.pipe_radius));
+            let pipe = pipe - rate / share * film;
             let heat = -rate / share / conductivity;
             cools.then_some(FrozenIn { pipes: &sunk.pipes, radius: ring.pipe_radius, temperature: pipe, heat })
         })

@@ -119,7 +119,11 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     }
     if missing + others > 0 {
         if !request.quiet {
-            answer(&format!("{} of {} layouts are left to other shards\n", missing + others, study.layouts.len() * works.len()))?;
+            answer(&format!(
+                "{} of {} layouts are left to other shards\n",
+                missing + others,
+                study.layouts.len() * works.len()
+            ))?;
         }
         return Ok(Verdict::Done);
     }

@@ -72,10 +72,12 @@ pub fn methods(layouts: &[MethodsView]) -> Canvas {
     let width = (WIDTH - left - 12.0) / LABELS.len() as f64;
     for (panel, label) in LABELS.iter().enumerate() {
         let answers = || layouts.iter().flat_map(|layout| &layout.methods).filter_map(|view| view.answers[panel]);
-        let x = spread(label, answers().flat_map(|(value, error)| [value - error.unwrap_or(0.0), value + error.unwrap_or(0.0)]));
+        let x = spread(
+            label,
+            answers().flat_map(|(value, error)| [value - error.unwrap_or(0.0), value + error.unwrap_or(0.0)]),
+        );
         let from = left + width * panel as f64;
-        let frame =
-            Frame { left: from + 14.0, top, right: from + width - 14.0, bottom, x, y: Axis::columns("", &[]) };
+        let frame = Frame { left: from + 14.0, top, right: from + width - 14.0, bottom, x, y: Axis::columns("", &[]) };
         frame.draw(&mut canvas);
         for (k, layout) in layouts.iter().enumerate() {
             let y = |place: usize| {
@@ -105,9 +107,9 @@ pub fn methods(layouts: &[MethodsView]) -> Canvas {
 
 /// An axis that holds all values and not zero, for differences are to be seen; few ticks fit.
 fn spread(label: &str, values: impl Iterator<Item = f64>) -> Axis {
-    let (low, high) = values.filter(|value| value.is_finite()).fold((f64::INFINITY, f64::NEG_INFINITY), |range, value| {
-        (range.0.min(value), range.1.max(value))
-    });
+    let (low, high) = values
+        .filter(|value| value.is_finite())
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |range, value| (range.0.min(value), range.1.max(value)));
     if low > high {
         return Axis::between_few(label, 0.0, 1.0);
     }

@@ -206,7 +206,8 @@ impl Far {
         }
         let (_, taken) = series.taken.last()?;
         let (_, given) = series.given.last()?;
-        let outermost = kept.profiles.iter().filter(|row| row.plane == "interface").max_by(|a, b| a.x_m.total_cmp(&b.x_m))?;
+        let outermost =
+            kept.profiles.iter().filter(|row| row.plane == "interface").max_by(|a, b| a.x_m.total_cmp(&b.x_m))?;
         let way = scene.initial_temperature - scene.materials[0].freezing_point;
         let cooled = (scene.initial_temperature - outermost.temperature_c) / way;
         let share = if *taken > 0.0 { given / taken } else { 0.0 };
@@ -278,7 +279,8 @@ impl Series {
             let Some(now) = lack(&day) else { continue };
             if now.iter().all(|lack| *lack <= 0.0) {
                 let Some((last, lacked)) = before else { return Some(day.day) };
-                let part = lacked.iter().zip(now).map(|(last, now)| if *last > 0.0 { last / (last - now) } else { 0.0 });
+                let part =
+                    lacked.iter().zip(now).map(|(last, now)| if *last > 0.0 { last / (last - now) } else { 0.0 });
                 return Some(last + part.fold(0.0, f64::max) * (day.day - last));
             }
             before = Some((day.day, now));

@@ -197,7 +197,10 @@ impl Work<'_> {
         {
             complain(&format!("figures: {error}"));
         }
-        output::write_json(&path.join(KEPT), &Pair { key: self.key(layout), fine: Kept::of(&layout.scene, &fine), coarse, refused })?;
+        output::write_json(
+            &path.join(KEPT),
+            &Pair { key: self.key(layout), fine: Kept::of(&layout.scene, &fine), coarse, refused },
+        )?;
         Ok(true)
     }
 

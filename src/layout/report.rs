@@ -71,7 +71,12 @@ pub(super) fn write(
         own.push(Figure::new(&drawing.canvas, drawing.caption, drawing.stem));
     }
     let near = compared.iter().filter_map(|one| near(one)).collect();
-    page.opening.push(Block { list: near, figures: first, tables: vec![overview(study, &compared)], ..Block::default() });
+    page.opening.push(Block {
+        list: near,
+        figures: first,
+        tables: vec![overview(study, &compared)],
+        ..Block::default()
+    });
     page.opening.push(Block { figures, ..Block::default() });
     if compared.len() <= SHOWN {
         page.opening.push(Block {
@@ -403,8 +408,8 @@ fn overview(study: &Study, compared: &[&Found<'_>]) -> Table {
     };
     Table {
         caption:
-            "± is the change from twice the spacing, not a bound. Thickness on the plane between two pipes; loads and \
-                  energy by metre of depth, greatest after the first day."
+            "± is the change from twice the spacing, not a bound. Thickness on planes midway between the places of \
+             pipes, mean over the ring, and on the line from the centre through the middle of the weakest gap; loads and energy by metre of depth, greatest after the first day."
                 .into(),
         heads,
         rows: compared.iter().map(row).collect(),

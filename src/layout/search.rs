@@ -62,11 +62,6 @@ impl Trials<'_> {
         let layouts = study.tried(search, value).map_err(Stop::Failed)?;
         for layout in &layouts {
             layout.check(study.shaft_radius, work.method).map_err(Stop::Failed)?;
-            let end = layout.scene.duration / DAY;
-            if end < search.last_day() {
-                let message = format!("search: found day {}, the run ends on day {end}", search.last_day());
-                return Err(Stop::Failed(Failure::Request(message)));
-            }
         }
         let run = |k: usize| {
             let layout = &layouts[k];

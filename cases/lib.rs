@@ -3,6 +3,7 @@
 pub mod corner;
 pub mod exact;
 pub mod fluids;
+pub mod layouts;
 pub mod paper;
 pub mod scenes;
 pub mod seepage;

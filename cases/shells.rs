@@ -336,7 +336,7 @@ impl ShellTable {
 }
 
 /// The cubic through the four nodes around a place; `None` outside the nodes.
-fn cubic(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
+pub(crate) fn cubic(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
     let count = x.len();
     // A place that is a node to rounding is inside.
     let slack = 1e-9 * (x[count - 1] - x[0]);

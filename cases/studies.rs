@@ -15,6 +15,8 @@ pub fn all() -> &'static [BundledScene] {
         "shaft-single-clay",
         "shaft-three-pipe",
         "shaft-four-pipe",
+        "shaft-clay",
+        "shaft-pipe-radius",
         "shaft-deviation",
         "shaft-horizons",
         "shaft-failed-pipe",
@@ -23,6 +25,7 @@ pub fn all() -> &'static [BundledScene] {
         "shaft-search",
         "shaft-energy",
         "shaft-seed",
+        "shaft-seepage",
     ]
 }
 

@@ -3,7 +3,7 @@
 use frazil_core::material::{FreezingLaw, Material};
 use frazil_core::record::ReferenceInfo;
 use frazil_core::reference::{Plane, Reference};
-use frazil_core::scene::{Condition, Domain, Scene, Units};
+use frazil_core::scene::{Condition, Domain, PipeRing, Scene, Units};
 
 use crate::exact::constant;
 use crate::{corner, seepage, shells};
@@ -121,7 +121,7 @@ fn interpolate_square(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
 }
 
 /// A material by the numbers that a table depends on.
-struct Soil {
+pub(crate) struct Soil {
     density: f64,
     frozen: (f64, f64),
     unfrozen: (f64, f64),
@@ -130,7 +130,7 @@ struct Soil {
 }
 
 /// Sand of Chen and Bai 2016.
-const SAND: Soil = Soil {
+pub(crate) const SAND: Soil = Soil {
     density: 2090.0,
     frozen: (2.56, 1088.4),
     unfrozen: (1.86, 1465.1),
@@ -139,7 +139,7 @@ const SAND: Soil = Soil {
 };
 
 /// Clay of Chen and Bai 2016 with the latent heat as printed.
-const CLAY: Soil = Soil {
+pub(crate) const CLAY: Soil = Soil {
     density: 2050.0,
     frozen: (2.05, 1172.1),
     unfrozen: (1.51, 1548.8),
@@ -148,7 +148,7 @@ const CLAY: Soil = Soil {
 };
 
 /// The same clay with a tenth of the latent heat.
-const CLAY_TENTH: Soil = Soil { latent_heat: 53_071.8, ..CLAY };
+pub(crate) const CLAY_TENTH: Soil = Soil { latent_heat: 53_071.8, ..CLAY };
 
 /// Soil of the column of Chen and Bai 2016.
 const COLUMN: Soil = Soil {
@@ -221,9 +221,9 @@ pub struct ShaftCase {
 }
 
 /// Pipes on the circle of every shaft.
-const PIPES: usize = 26;
+pub(crate) const PIPES: usize = 26;
 /// Radius of that circle (m).
-const RING_RADIUS: f64 = 5.0;
+pub(crate) const RING_RADIUS: f64 = 5.0;
 /// Temperature of the pipes and of the ground at the start.
 const SHAFT_TEMPERATURES: (f64, f64) = (-20.0, 15.0);
 /// Outer radius (m) beyond which it has no influence within 120 days: fronts at 120 days agree to 1 cm from
@@ -277,34 +277,59 @@ pub const SHAFT_CASES: [ShaftCase; 4] = [
 impl ShaftCase {
     /// What about a scene is not as in the table.
     fn differences(&self, scene: &Scene) -> Vec<String> {
-        let mut differences = self.soil.differences(scene);
-        let Domain::Ring { outer_radius, .. } = scene.domain else {
-            differences.push("the domain is a ring there".into());
-            return differences;
-        };
-        if outer_radius < LEAST_OUTER_RADIUS {
-            differences.push(format!("the outer radius is 15 there and {outer_radius} here"));
-        }
-        if !scene.cracks.is_empty() {
-            differences.push("there are no cracks there".into());
-        }
-        if scene.rings.iter().any(|ring| ring.schedule.is_some()) {
-            differences.push("the pipes always work there".into());
-        }
-        let mut number = |what: &str, own: Option<f64>, expected: f64| compare(&mut differences, what, own, expected);
-        let ring = match scene.rings.as_slice() {
-            [ring] => Some(ring),
-            _ => None,
-        };
-        let (pipe_temperature, initial) = SHAFT_TEMPERATURES;
-        number("the number of pipes", ring.map(|ring| ring.count as f64), PIPES as f64);
-        number("the radius of the pipe circle", ring.map(|ring| ring.ring_radius), RING_RADIUS);
-        number("the pipe radius", ring.map(|ring| ring.pipe_radius), self.pipe_radius);
-        number("the pipe temperature", ring.and_then(|ring| constant(&ring.temperature)), pipe_temperature);
-        number("the initial temperature", Some(scene.initial_temperature), initial);
-        number("the temperature of the outer wall", wall_temperature(scene, "outer"), initial);
-        differences
+        shaft_differences(self.soil, &[(PIPES, RING_RADIUS, 0.0)], Some(self.pipe_radius), scene)
     }
+}
+
+/// What about a scene is not as in shafts with these rings: number of pipes, radius (m) and first angle (degrees) of each,
+/// the angles from that of the first ring; pipes of a radius (m), or of any.
+pub(crate) fn shaft_differences(
+    soil: &Soil,
+    rings: &[(usize, f64, f64)],
+    pipe_radius: Option<f64>,
+    scene: &Scene,
+) -> Vec<String> {
+    let mut differences = soil.differences(scene);
+    let Domain::Ring { outer_radius, .. } = scene.domain else {
+        differences.push("the domain is a ring there".into());
+        return differences;
+    };
+    if outer_radius < LEAST_OUTER_RADIUS {
+        differences.push(format!("the outer radius is 15 there and {outer_radius} here"));
+    }
+    if !scene.cracks.is_empty() {
+        differences.push("there are no cracks there".into());
+    }
+    if scene.rings.iter().any(|ring| ring.schedule.is_some()) {
+        differences.push("the pipes always work there".into());
+    }
+    if !scene.rings.iter().all(PipeRing::is_even) {
+        differences.push("all pipes stand in their places there".into());
+    }
+    let mut number = |what: &str, own: Option<f64>, expected: f64| compare(&mut differences, what, own, expected);
+    number("the number of pipe circles", Some(scene.rings.len() as f64), rings.len() as f64);
+    let (pipe_temperature, initial) = SHAFT_TEMPERATURES;
+    for (place, (count, radius, angle)) in rings.iter().enumerate() {
+        let ring = scene.rings.get(place);
+        let of =
+            |what: &str| if rings.len() > 1 { format!("{what} of pipe circle {}", place + 1) } else { what.into() };
+        number(&of("the number of pipes"), ring.map(|ring| ring.count as f64), *count as f64);
+        number(&of("the radius of the pipe circle"), ring.map(|ring| ring.ring_radius), *radius);
+        if let Some(pipe_radius) = pipe_radius {
+            number(&of("the pipe radius"), ring.map(|ring| ring.pipe_radius), pipe_radius);
+        }
+        let temperature = ring.and_then(|ring| constant(&ring.temperature));
+        number(&of("the pipe temperature"), temperature, pipe_temperature);
+        if let Some((ring, first)) = ring.zip(scene.rings.first()).filter(|_| place > 0) {
+            // The same pipes may be counted from another one, of either ring.
+            let (own, spacing) = ((ring.first_angle - first.first_angle).to_degrees(), 360.0 / *count as f64);
+            let turns = ((own - angle) / spacing).round();
+            number(&of("the first angle (degrees)"), Some(own - turns * spacing), *angle);
+        }
+    }
+    number("the initial temperature", Some(scene.initial_temperature), initial);
+    number("the temperature of the outer wall", wall_temperature(scene, "outer"), initial);
+    differences
 }
 
 /// The frozen wall around a shaft with one circle of freeze pipes.

@@ -101,6 +101,7 @@ fn shaft() -> Scene {
             first_angle: 0.0,
             moved: Vec::new(),
             one_particle: false,
+            film: None,
             missing: Vec::new(),
             pipe_radius: 0.054,
             temperature: Series::Constant(-20.0),

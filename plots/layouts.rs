@@ -5,6 +5,7 @@ use frazil_core::record::{LinkRow, RunResult};
 use crate::canvas::{Canvas, Colour, Stroke, text_width};
 use crate::style::{Marker, MethodStyle};
 
+mod critical;
 mod curves;
 mod depth;
 mod methods;
@@ -13,6 +14,7 @@ mod polar;
 mod report;
 mod summary;
 
+pub use critical::{CriticalView, critical_map};
 pub use curves::{axis, load, mean_temperature, planes, thickness};
 pub use depth::{LayerView, ShaftView, over_depth};
 pub use methods::{Answer, MethodView, MethodsView, methods};

@@ -12,10 +12,13 @@ use crate::{load, output, parallel};
 pub mod answers;
 pub mod around;
 pub mod boreholes;
+mod check;
+pub mod critical;
 pub mod execute;
 pub mod formula;
 pub mod horizons;
 mod methods;
+pub mod reference;
 pub mod report;
 pub mod search;
 pub mod shaft;
@@ -24,6 +27,7 @@ pub mod tables;
 
 use answers::Answers;
 use execute::{Pair, Work};
+use reference::Compared;
 use study::Layout;
 
 /// What is to be studied.
@@ -39,6 +43,10 @@ pub struct LayoutRequest {
     pub threads: usize,
     /// Which part of the layouts is to be run, from 0, of how many.
     pub shard: (usize, usize),
+    /// Whether only to say what would be run.
+    pub check: bool,
+    /// Whether to draw frames of an animation.
+    pub frames: bool,
     /// Folder for the results; `out/<study>` if absent.
     pub out: Option<PathBuf>,
     /// Whether to say nothing but errors.
@@ -57,6 +65,8 @@ pub struct Found<'a> {
     pub fine: Answers,
     /// The same at twice the spacing.
     pub coarse: Option<Answers>,
+    /// What it is compared with.
+    pub reference: Option<Compared>,
 }
 
 /// Runs layouts and sets them beside each other.
@@ -67,8 +77,14 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     let all = request.method.as_deref() == Some(methods::ALL);
     let asked = request.method.as_deref().filter(|_| !all).or(study.method.as_deref());
     let method = load::method(&first.scene, asked)?;
+    let mut references = Vec::new();
     for layout in &study.layouts {
         layout.check(study.shaft_radius, method)?;
+        references.push(reference::table(&study, layout, method, &request.overrides)?);
+    }
+    if request.check {
+        check::print(&study, method, request.threads)?;
+        return Ok(Verdict::Done);
     }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
     let folder = Folder::make(&path)?;
@@ -79,6 +95,7 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         folder: if beside { path.join("methods").join(method) } else { path.clone() },
         threads: request.threads,
         shard: request.shard,
+        frames: request.frames,
         quiet: request.quiet,
     };
     let mut works = vec![work_of(method, false)];
@@ -106,7 +123,7 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         let design = study.design_of(layout);
         let fine = Answers::of(&layout.scene, &pair.fine, design);
         let coarse = pair.coarse.as_ref().map(|kept| Answers::of(&layout.scene, kept, design));
-        Some(Found { layout, pair, fine, coarse })
+        Some(Found { layout, pair, fine, coarse, reference: references[k].clone() })
     };
     let found: Vec<Found<'_>> =
         parallel::in_order(study.layouts.len(), request.threads, known).into_iter().flatten().collect();
@@ -138,11 +155,21 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         }
         write_rows(&path, "search.csv", &tried)?;
     }
+    let mut critical = None;
+    if let Some(wanted) = &study.critical {
+        let Some(outcome) = critical::seek(&study, wanted, work)? else {
+            complain("interrupted: the same command goes on with the halving");
+            return Ok(Verdict::Broken);
+        };
+        write_rows(&path, "critical.csv", &outcome.found)?;
+        write_rows(&path, "critical_tried.csv", &outcome.tried)?;
+        critical = Some(critical::block(wanted, &outcome, work)?);
+    }
     tables::write(&path, &study, method, &found)?;
     if all {
         methods::write(&path, &beside)?;
     }
-    report::write(request, &study, work, &report::Told { found: &found, tried: &tried, beside: &beside })?;
+    report::write(request, &study, work, report::Told { found: &found, tried: &tried, beside: &beside, critical })?;
     if !request.quiet {
         answer(&tables::summary(&study, method, &found, &path))?;
         for words in beside.iter().filter_map(methods::Beside::words) {

@@ -110,7 +110,7 @@ fn halves_and_turns_are_the_whole() {
         };
         for i in 0..lattice.len() {
             let (column, row) = lattice.cell(i);
-            let (x, y) = (column as i64 - lattice.columns as i64 / 2, row as i64 - lattice.rows as i64 / 2);
+            let (x, y) = (column - lattice.columns as i64 / 2, row - lattice.rows as i64 / 2);
             let own = whole.particles.enthalpy[i];
             let mirrored = half.particles.enthalpy[cell_at(&half, x, if y < 0 { -1 - y } else { y })];
             // A turn maps cell (x, y) to (-1 - y, x).
@@ -138,5 +138,33 @@ fn heat_is_neither_lost_nor_made_and_water_slows_freezing() {
         };
         let (still, slow, fast) = (ice(0.0), ice(0.5), ice(1.0));
         assert!(still > slow && slow > fast && fast > 0.0, "{}: ice {still}, {slow}, {fast} m2", kind.name);
+    }
+}
+
+/// What is tried between two velocities narrows the range in which the greatest lies that the wall still closes at.
+#[test]
+fn how_much_keeps_a_wall_open_is_found_by_halving() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = "title = \"Rings\"\nscene = \"frozen-wall-seepage\"\nmethod = \"local\"\n\
+                 set = { \"time.duration_days\" = 20, \"time.outputs\" = 40, \"time.profiles_days\" = [20], \
+                 \"method.local.spacing_m\" = 0.25, \"domain.ring.outer_radius_m\" = 8 }\n\
+                 [[layouts]]\nname = \"ring\"\n[critical]\nkey = \"flow.velocity_m_per_day\"\n\
+                 values = [0, 0.5, 1]\nwithin = 0.1\n";
+    std::fs::write(folder.path().join("rings.toml"), study).expect("written");
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_frazil"));
+    let output = command.args(["layout", "rings.toml", "--quiet", "--out", "out"]).current_dir(folder.path()).output();
+    let output = output.expect("the program starts");
+    assert!(output.status.success(), "{output:?}");
+    let rows = |name: &str| -> Vec<std::collections::BTreeMap<String, String>> {
+        let mut reader = csv::Reader::from_path(folder.path().join("out").join(name)).expect("a table");
+        reader.deserialize().map(|row| row.expect("a row")).collect()
+    };
+    let number = |text: &str| text.parse::<f64>().expect("a number");
+    let found = rows("critical.csv");
+    let (closes, open) = (number(&found[0]["closes_up_to"]), number(&found[0]["open_from"]));
+    assert!(closes < open && open - closes <= 0.1, "{found:?}");
+    for tried in rows("critical_tried.csv") {
+        let closed = !tried["closure_days"].is_empty();
+        assert_eq!(closed, number(&tried["value"]) <= closes, "{tried:?}");
     }
 }

@@ -1,6 +1,7 @@
 //! One binary for all tests of the program.
 
 mod bad_scenes;
+mod brine;
 mod broken_scenes;
 mod bundled_scenes;
 mod calibration;

@@ -21,6 +21,8 @@ pub struct Green {
     values: Vec<f64>,
     /// The constant c of the far field.
     pub far_constant: f64,
+    /// The integral (in cells) by which the function lies below that of the continuum: `sum w r^4 / 64`.
+    pub spread: f64,
 }
 
 impl Green {
@@ -30,6 +32,8 @@ impl Green {
         let scale = spacing * spacing / stencil.moment(spacing);
         let offsets: Vec<(usize, usize, f64)> =
             stencil.offsets().map(|(c, r, w)| (c, r, w * scale * Stencil::multiplicity(c, r) as f64)).collect();
+        let fourth = |c: usize, r: usize| ((c * c + r * r) * (c * c + r * r)) as f64;
+        let spread = offsets.iter().map(|(c, r, w)| w * fourth(*c, *r)).sum::<f64>() / 64.0;
         let mut values: Vec<f64> =
             (0..=reach).flat_map(|y| (0..=reach).map(move |x| nearest_neighbour(x, y))).collect();
         let nearest_constant = (EULER_GAMMA + 1.5 * 2f64.ln()) / (2.0 * PI);
@@ -53,7 +57,7 @@ impl Green {
                 }
             }
         }
-        Green { reach, values, far_constant: nearest_constant + constant }
+        Green { reach, values, far_constant: nearest_constant + constant, spread }
     }
 
     /// The function at an offset in cells.

@@ -384,7 +384,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
 
     /// The operator on small changes of potentials: walls and pipes hold still, and no heat is booked.
     fn tangent(&self) -> LatticeOperator<Identity> {
-        let still = |sink: &Sink| Sink { temperature: Series::Constant(0.0), ..sink.clone() };
+        let still = |sink: &Sink| Sink { temperature: Series::Constant(0.0), film: None, ..sink.clone() };
         let around = &self.around;
         let mut boundary = self.boundary.clone();
         boundary.hold_still();
@@ -478,8 +478,12 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             if sink.temperature.changes() {
                 *potential = thermal.potential_at(sink.temperature.at(time));
             }
-            let working = sink.works(time);
-            *heat = if working { sink.heat(|index| around.law.potential(enthalpy[index]), *potential) } else { 0.0 };
+            *heat = if sink.works(time) {
+                let sampled = sink.sampled(|index| around.law.potential(enthalpy[index]));
+                sink.heat(sampled, *potential, time, thermal)
+            } else {
+                0.0
+            };
         }
         let around = &self.around;
         for (pair, rate) in self.corners.iter().zip(&mut self.corner_rates) {
@@ -669,6 +673,10 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
             *linear = face.homogeneous();
         }
         tangent.around.slopes = Some(wall_slopes);
+        for (linear, sink) in tangent.sinks.iter_mut().zip(&self.sinks) {
+            let sampled = sink.sampled(|index| self.around.law.potential(enthalpy[index]));
+            linear.resistance = sink.resistance_to_changes(sampled, time, &self.around.thermal);
+        }
         self.tangent = Some(tangent);
     }
 
@@ -687,7 +695,7 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
     }
 
     fn is_constant(&self) -> bool {
-        self.boundary.is_linear() && self.sinks.iter().all(|sink| sink.schedule.is_none())
+        self.boundary.is_linear() && self.sinks.iter().all(|sink| sink.schedule.is_none() && sink.film.is_none())
     }
 
     fn bandwidth(&self) -> usize {
@@ -816,7 +824,7 @@ fn bound(
                 let at = lattice.position(index);
                 cause = format!(
                     "particle {index} at ({:.4}, {:.4}) m, which the pipe at ({:.4}, {:.4}) m cools",
-                    at.x, at.y, sink.extent.0.x, sink.extent.0.y
+                    at.x, at.y, sink.extent.centre.x, sink.extent.centre.y
                 );
             }
         }

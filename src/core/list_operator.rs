@@ -218,8 +218,12 @@ impl<T: PairTerm> ListOperator<T> {
         for (sink, heat) in parts.sinks.iter().zip(&mut self.sink_heat) {
             let material = parts.materials.of(sink.sample.first().map_or(0, |entry| entry.0 as usize));
             let wall = material.potential_at(sink.temperature.at(clock.time));
-            let working = sink.works(clock.time);
-            *heat = if working { sink.heat(|index| self.fields.potential[index], wall) } else { 0.0 };
+            *heat = if sink.works(clock.time) {
+                let sampled = sink.sampled(|index| self.fields.potential[index]);
+                sink.heat(sampled, wall, clock.time, material)
+            } else {
+                0.0
+            };
             let taken = *heat * sink.share;
             for (index, weight) in &sink.sample {
                 rate[*index as usize] -= taken * weight / parts.volumes.of(*index as usize);
@@ -430,6 +434,11 @@ impl<T: PairTerm> ListOperator<T> {
             };
             parts.contacts.slopes(slope, &mut tangent.views);
         }
+        tangent.pipes.clear();
+        tangent.pipes.extend(parts.sinks.iter().map(|sink| {
+            let material = parts.materials.of(sink.sample.first().map_or(0, |entry| entry.0 as usize));
+            sink.resistance_to_changes(sink.sampled(|index| self.fields.potential[index]), time, material)
+        }));
         tangent.touches.clear();
         tangent.touches.extend(parts.touches.iter().map(|touch| {
             let particle = touch.particle as usize;
@@ -451,7 +460,7 @@ impl<T: PairTerm> ListOperator<T> {
     /// Rates (W/m3) that small changes of the potentials (W/m) of particles cause.
     pub fn act(&self, tangent: &mut Tangent, potentials: &[f64], rate: &mut [f64]) {
         let parts = &self.parts;
-        let Tangent { changes, ghosts, shares, views, touches, time } = tangent;
+        let Tangent { changes, ghosts, shares, views, touches, pipes, time } = tangent;
         changes[..potentials.len()].copy_from_slice(potentials);
         parts.ghosts.fill_changes(changes, ghosts);
         let changes = &*changes;
@@ -486,8 +495,8 @@ impl<T: PairTerm> ListOperator<T> {
         for (touch, slope) in parts.touches.iter().zip(touches.iter()) {
             rate[touch.particle as usize] += slope * changes[touch.particle as usize];
         }
-        for sink in parts.sinks.iter().filter(|sink| sink.works(*time)) {
-            let heat = sink.heat(|index| changes[index], 0.0) * sink.share;
+        for (sink, resistance) in parts.sinks.iter().zip(pipes).filter(|(sink, _)| sink.works(*time)) {
+            let heat = sink.sampled(|index| changes[index]) / *resistance * sink.share;
             for (index, weight) in &sink.sample {
                 rate[*index as usize] -= heat * weight / parts.volumes.of(*index as usize);
             }
@@ -579,6 +588,8 @@ pub struct Tangent {
     views: Vec<f64>,
     /// How the gains at touching walls follow the particles.
     touches: Vec<f64>,
+    /// Resistances with which they meet pipes.
+    pipes: Vec<f64>,
     /// Time (s) of the linearisation.
     time: f64,
 }
@@ -628,7 +639,7 @@ impl Operator for EnthalpyList {
 
     fn is_constant(&self) -> bool {
         let parts = &self.operator.parts;
-        let scheduled = parts.sinks.iter().any(|sink| sink.schedule.is_some());
+        let scheduled = parts.sinks.iter().any(|sink| sink.schedule.is_some() || sink.film.is_some());
         !parts.materials.mixed() && parts.boundary.is_linear() && !scheduled && parts.cuts.is_empty()
     }
 

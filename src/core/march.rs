@@ -97,7 +97,7 @@ pub fn run(
     let setup = Stopwatch::start(threads);
     let settings = settings_of(scene, method)?;
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
-    let mut watches = Watches::new(scene, &plan.particles, options.fields);
+    let mut watches = Watches::new(scene, &plan.particles, &plan.pipe_extents, options.fields);
     let mut water = WaterSeries::new(scene, &plan.particles, plan.method.as_ref(), options.fields);
     let setup = setup.stop();
     let Plan { mut particles, mut method, step, bound, summary, pipe_extents } = plan;

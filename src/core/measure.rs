@@ -373,6 +373,7 @@ mod tests {
             first_angle: 0.0,
             moved: Vec::new(),
             one_particle: false,
+            film: None,
             missing: Vec::new(),
             pipe_radius: 0.05,
             temperature: Series::Constant(-20.0),

@@ -198,6 +198,7 @@ mod tests {
             first_angle: 0.0,
             moved: Vec::new(),
             one_particle: false,
+            film: None,
             missing: Vec::new(),
             pipe_radius: 0.1,
             temperature: Series::Constant(temperature),

@@ -3,6 +3,9 @@
 //! The ground is sampled and the heat spread with one regularised delta. The ground within the delta's own
 //! effective radius belongs to the sink; the annulus from there to the pipe's wall is a resistance:
 //! `q = (U_sampled - U_pipe) / R`, `R = S - c - ln(r/dx) / 2 pi`, `S = sum a_i a_j g_ij` (lattice Green's function).
+//!
+//! A film between brine and ground carries the same heat: `q = 2 pi r h (T_wall - T_brine)`, `q = (U_sampled - U(T_wall)) / R`.
+//! That is the film of a flat wall with a depth of `2 pi r R`.
 
 use std::sync::Arc;
 
@@ -11,13 +14,45 @@ use glam::DVec2;
 use crate::green::Green;
 use crate::lattice::Lattice;
 use crate::memory::Held;
+use crate::potential::Thermal;
+use crate::scene::settings::MethodSettings;
 use crate::scene::{Pipe, Schedule, Series};
+use crate::stencil::Stencil;
 
 /// Stretches of the delta that are tried, in order.
 const STRETCHES: [f64; 14] = [1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0];
 
 /// Least resistance (in units of 1 / conductivity) that is accepted: below, the sink would limit the step.
 const LEAST_RESISTANCE: f64 = 0.03;
+
+/// Where a pipe is at work on particles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// Ring to which the pipe belongs.
+    pub ring: usize,
+    /// Centre (m).
+    pub centre: DVec2,
+    /// Half width (m) of the particles that the heat is spread over.
+    pub half_width: f64,
+    /// Share of the pipe that belongs to this sector.
+    pub share: f64,
+    /// What the spread heat keeps from the field around the pipe (m2): the integral of the potential over the ground is
+    /// greater by that much, times the heat that the pipe takes, than if the pipe were a line.
+    pub smoothing: f64,
+}
+
+impl Extent {
+    /// The particles of the sector that lie in it.
+    pub fn particles(&self, lattice: &Lattice) -> Vec<u32> {
+        let cells = lattice.to_cells(self.centre);
+        let reach = (self.half_width / lattice.spacing).ceil() as i64;
+        let (column, row) = (cells.x as i64, cells.y as i64);
+        (row - reach..=row + reach)
+            .flat_map(|row| (column - reach..=column + reach).map(move |column| (column, row)))
+            .filter_map(|(column, row)| lattice.index(column, row).map(|index| index as u32))
+            .collect()
+    }
+}
 
 /// A pipe joined to particles.
 #[derive(Debug, Clone)]
@@ -30,13 +65,28 @@ pub struct Sink {
     pub share: f64,
     /// Resistance between the sampled ground and the pipe's wall, times conductivity (-).
     pub resistance: f64,
-    /// Temperature of the pipe's wall.
+    /// Temperature of the pipe's wall, or of the brine where there is a film.
     pub temperature: Series,
+    /// What lies between brine and ground.
+    pub film: Option<Film>,
     /// When the pipe works; always if absent.
     pub schedule: Option<Arc<Schedule>>,
-    /// Where the delta is at work: centre (m) and half width (m).
-    pub extent: (DVec2, f64),
+    /// Where the delta is at work.
+    pub extent: Extent,
 }
+
+/// A film at the wall of a pipe.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Film {
+    /// Coefficient (W/m2K).
+    pub coefficient: f64,
+    /// Perimeter of the pipe (m).
+    pub perimeter: f64,
+}
+
+/// Resistance (in units of 1 / conductivity) between a pipe of one particle and that particle: it makes the particle's
+/// radius 3 % smaller than if it were held, and the step of explicit integrators six times shorter than its neighbours need.
+const HELD_RESISTANCE: f64 = 0.005;
 
 /// Peskin's four-point delta in one direction, at a distance in cells.
 fn peskin(distance: f64) -> f64 {
@@ -93,12 +143,14 @@ pub fn immerse(
     if pipe.one_particle {
         let (x, y) = (in_cells.x.round() as i64, in_cells.y.round() as i64);
         let index = lattice.index(x, y).ok_or_else(|| outside(pipe, lattice, 1.0))?;
-        let extent = (centre, lattice.spacing);
+        let smoothing = -green.spread * lattice.spacing * lattice.spacing;
+        let extent = Extent { ring, centre, half_width: lattice.spacing, share, smoothing };
         let (temperature, schedule) = (pipe.temperature.clone(), pipe.schedule.clone());
         let sample = vec![(index as u32, 1.0)];
-        let resistance = LEAST_RESISTANCE;
-        return Ok(Some(Sink { ring, sample, share, resistance, temperature, schedule, extent }));
+        let resistance = HELD_RESISTANCE;
+        return Ok(Some(Sink { ring, sample, share, resistance, temperature, film: None, schedule, extent }));
     }
+    let film = pipe.film.map(|coefficient| Film { coefficient, perimeter: std::f64::consts::TAU * pipe.radius });
     for stretch in STRETCHES {
         let cells = delta(in_cells, stretch);
         let widest = cells
@@ -115,6 +167,11 @@ pub fn immerse(
         if resistance < LEAST_RESISTANCE {
             continue;
         }
+        // Both the delta and the stencil leave a field that is flatter, or steeper, than that of a line: in Fourier space
+        // (1 - M k^2 / 4) (1/k^2 + c) for 1/k^2, M the second moment of the delta.
+        let moment: f64 =
+            cells.iter().map(|((x, y), a)| a * DVec2::new(*x as f64, *y as f64).distance_squared(in_cells)).sum();
+        let smoothing = (0.25 * moment - green.spread) * lattice.spacing * lattice.spacing;
         let mut sample: Vec<(u32, f64)> = Vec::with_capacity(cells.len());
         for ((x, y), weight) in cells {
             let fold = |mirror: bool, cell: i64| if mirror && cell < 0 { -1 - cell } else { cell };
@@ -127,9 +184,9 @@ pub fn immerse(
             }
         }
         sample.sort_unstable_by_key(|entry| entry.0);
-        let extent = (centre, 2.0 * stretch * lattice.spacing);
+        let extent = Extent { ring, centre, half_width: 2.0 * stretch * lattice.spacing, share, smoothing };
         let (temperature, schedule) = (pipe.temperature.clone(), pipe.schedule.clone());
-        return Ok(Some(Sink { ring, sample, share, resistance, temperature, schedule, extent }));
+        return Ok(Some(Sink { ring, sample, share, resistance, temperature, film, schedule, extent }));
     }
     Err(format!(
         "the pipe of radius {} m is too wide for a line sink on particles {} m apart; a spacing of at least {:.3} m is needed",
@@ -152,7 +209,14 @@ fn outside(pipe: &Pipe, lattice: &Lattice, stretch: f64) -> String {
 /// Radius (m) as which a pipe of one particle acts: that of a particle held at the pipe's temperature, less what the
 /// resistance between both takes off.
 pub fn radius_of_one_particle(green: &Green, spacing: f64) -> f64 {
-    spacing * green.one_particle_radius() * (-2.0 * std::f64::consts::PI * LEAST_RESISTANCE).exp()
+    spacing * green.one_particle_radius() * (-2.0 * std::f64::consts::PI * HELD_RESISTANCE).exp()
+}
+
+/// The same of a method's settings.
+pub fn acting_radius(settings: &MethodSettings) -> f64 {
+    let spacing = settings.numerics.spacing;
+    let green = Green::new(&Stencil::new(settings.discretisation.as_ref(), spacing, 2), spacing, 1);
+    radius_of_one_particle(&green, spacing)
 }
 
 impl Held for Sink {
@@ -168,11 +232,26 @@ impl Sink {
         self.schedule.as_ref().is_none_or(|schedule| schedule.works(time))
     }
 
-    /// Heat (W/m) that the whole pipe takes from the ground, from the potentials of its particles.
+    /// What the pipe sees of a quantity of its particles.
     #[inline]
-    pub fn heat(&self, potential: impl Fn(usize) -> f64, pipe_potential: f64) -> f64 {
-        let sampled: f64 = self.sample.iter().map(|(index, weight)| weight * potential(*index as usize)).sum();
-        (sampled - pipe_potential) / self.resistance
+    pub fn sampled(&self, value: impl Fn(usize) -> f64) -> f64 {
+        self.sample.iter().map(|(index, weight)| weight * value(*index as usize)).sum()
+    }
+
+    /// Heat (W/m) that the whole pipe takes from the ground at `time` (s), by what it sees of potentials (W/m, relative)
+    /// and the potential of its own temperature.
+    #[inline]
+    pub fn heat(&self, sampled: f64, own: f64, time: f64, thermal: &Thermal) -> f64 {
+        let Some(Film { coefficient, perimeter }) = self.film else { return (sampled - own) / self.resistance };
+        let (inside, brine) = (sampled + thermal.initial_potential, self.temperature.at(time));
+        -perimeter * thermal.curve.film_flux(inside, perimeter * self.resistance, coefficient, brine)
+    }
+
+    /// Resistance with which small changes around a state meet the pipe.
+    pub fn resistance_to_changes(&self, sampled: f64, time: f64, thermal: &Thermal) -> f64 {
+        let Some(Film { coefficient, perimeter }) = self.film else { return self.resistance };
+        let (inside, brine) = (sampled + thermal.initial_potential, self.temperature.at(time));
+        -1.0 / (perimeter * thermal.curve.film_slope(inside, perimeter * self.resistance, coefficient, brine))
     }
 
     /// What the sink adds to the row sum of a particle (m^-2), by particle.

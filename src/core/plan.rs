@@ -27,7 +27,7 @@ use crate::moving::Crowd;
 use crate::neighbours::{NeighbourSearch, Period, all_pairs::AllPairs, cells::Cells, tree::Tree};
 use crate::operator::Operator;
 use crate::particles::{Particles, Places};
-use crate::pipe::{Sink, green_reach, immerse, radius_of_one_particle};
+use crate::pipe::{Extent, Sink, green_reach, immerse, radius_of_one_particle};
 use crate::potential::{Curve, Law, Thermal};
 use crate::predict::{StepCount, planned_steps};
 use crate::reference::Reference;
@@ -119,8 +119,8 @@ pub struct Plan {
     pub bound: Bound,
     /// The same in words.
     pub summary: PlanSummary,
-    /// Where pipes are at work: centre and half width (m), in the sector.
-    pub pipe_extents: Vec<(DVec2, f64)>,
+    /// Where pipes are at work, in the sector.
+    pub pipe_extents: Vec<Extent>,
 }
 
 /// Limits of explicit steps of a method on a scene.
@@ -537,7 +537,7 @@ fn cracks_out_of_place(
             ));
         }
         for sink in sinks {
-            let (centre, half) = sink.extent;
+            let Extent { centre, half_width: half, .. } = sink.extent;
             let corners =
                 [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| centre + half * DVec2::new(x, y));
             let edge = |k: usize| (corners[k], corners[(k + 1) % 4]);

@@ -215,7 +215,7 @@ pub fn forecast(
 /// Tries a plan by a clock (s).
 fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f64) -> Forecast {
     let Plan { mut particles, mut method, step, bound, mut summary, pipe_extents } = plan;
-    let mut watches = Watches::new(scene, &particles, true);
+    let mut watches = Watches::new(scene, &particles, &pipe_extents, true);
     summary.memory =
         Memory { watches: watches.held_at_the_end(&particles, method.ledger().names().len()), ..summary.memory };
     let mut guard = Guard::new(scene, &particles, &pipe_extents);

@@ -378,6 +378,9 @@ pub struct LinkRow {
     pub distance_m: f64,
     /// When their frozen bodies joined (s); absent if they did not.
     pub closure_s: Option<f64>,
+    /// When the middle of the arc between them was frozen (s), where both stand on a circle around the centre.
+    #[serde(default)]
+    pub closure_on_circle_s: Option<f64>,
 }
 
 /// One row of `planes.csv`: a section of the frozen wall at an output.
@@ -391,7 +394,7 @@ pub struct PlaneRow {
     pub inner_m: Option<f64>,
     /// Where it ends (m from the centre).
     pub outer_m: Option<f64>,
-    /// Mean temperature of what is frozen; absent where nothing is.
+    /// Mean temperature of what is frozen, on `main` with the pipes and on `wall` without them; absent where nothing is.
     pub mean_temperature_c: Option<f64>,
 }
 

@@ -149,9 +149,12 @@ fn larger(
     let mut plain = settings.clone();
     plain.numerics.integrator = IntegratorChoice::Euler;
     let plan = build(&larger, &plain, reference, 1, 1)?;
-    let borders = plan.pipe_extents.iter().find(|(centre, half)| straddles(&plan.particles, *centre, *half));
+    let borders = plan.pipe_extents.iter().find(|pipe| straddles(&plan.particles, pipe.centre, pipe.half_width));
     Ok(match borders {
-        Some((at, _)) => Larger::Differs(format!("the pipe at ({:.4}, {:.4}) m touches two materials", at.x, at.y)),
+        Some(pipe) => {
+            let at = pipe.centre;
+            Larger::Differs(format!("the pipe at ({:.4}, {:.4}) m touches two materials", at.x, at.y))
+        }
         None => Larger::Bound(Some(plan.bound)),
     })
 }

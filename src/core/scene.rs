@@ -282,8 +282,10 @@ pub struct Pipe {
     pub radius: f64,
     /// Whether it is the particle nearest to its place, and has the radius that the lattice gives it.
     pub one_particle: bool,
-    /// Temperature of the pipe's outer wall while it works.
+    /// Temperature of the pipe's outer wall while it works; of what flows in it, where there is a film.
     pub temperature: Series,
+    /// Coefficient (W/m2K) between what flows in it and the ground at its outer wall.
+    pub film: Option<f64>,
     /// When it works; always if absent. No heat crosses its wall at other times.
     pub schedule: Option<Arc<Schedule>>,
 }
@@ -305,8 +307,10 @@ pub struct PipeRing {
     pub pipe_radius: f64,
     /// Whether each pipe is the particle nearest to its place.
     pub one_particle: bool,
-    /// Temperature of the pipes' outer wall while they work.
+    /// Temperature of the pipes' outer wall while they work; of what flows in them, where there is a film.
     pub temperature: Series,
+    /// Coefficient (W/m2K) between what flows in them and the ground at their outer wall.
+    pub film: Option<f64>,
     /// When they work; always if absent. No heat crosses their walls at other times.
     pub schedule: Option<Arc<Schedule>>,
 }
@@ -349,6 +353,7 @@ impl PipeRing {
                     radius: self.pipe_radius,
                     one_particle: self.one_particle,
                     temperature: self.temperature.clone(),
+                    film: self.film,
                     schedule: self.schedule.clone(),
                 }
             })

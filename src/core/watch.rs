@@ -24,6 +24,7 @@ use crate::material::FreezingLaw;
 use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
 use crate::one_way::OneWay;
 use crate::particles::Particles;
+use crate::pipe::Extent;
 use crate::record::{
     BudgetRow, Field, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow, ProfileRow, SectionRow,
     StreamRow, SurfaceRow, WallRow,
@@ -55,6 +56,7 @@ impl Sample {
 struct Ray {
     /// How many rays of the whole ring it stands for.
     multiplicity: usize,
+    direction: DVec2,
     radii: Vec<f64>,
     samples: Vec<Sample>,
 }
@@ -121,7 +123,7 @@ impl Watches {
     pub(crate) const LOOK_SHARE: f64 = 1.0 / 4000.0;
 
     /// The watches that a scene asks for.
-    pub fn new(scene: &Scene, particles: &Particles, keep_fields: bool) -> Self {
+    pub fn new(scene: &Scene, particles: &Particles, pipes: &[Extent], keep_fields: bool) -> Self {
         let sampler = Sampler::new(scene, particles);
         let spacing = particles.lattice.spacing;
         let (sector, outer) = match scene.domain {
@@ -135,7 +137,7 @@ impl Watches {
             let radii: Vec<f64> = (0..=count).map(|k| from + (to - from) * k as f64 / count as f64).collect();
             let direction = DVec2::from_angle(angle);
             let samples = radii.iter().map(|radius| sampler.sample(direction * *radius)).collect();
-            Ray { multiplicity: multiplicity(angle), radii, samples }
+            Ray { multiplicity: multiplicity(angle), direction, radii, samples }
         };
         let (mut main, mut interface, mut gaps) = (Vec::new(), Vec::new(), Vec::new());
         // Walls are measured on the first ring; others are part of the layout around it.
@@ -176,7 +178,7 @@ impl Watches {
             main,
             interface,
             gaps,
-            wall: Wall::of(scene, &sampler),
+            wall: Wall::of(scene, &sampler, pipes),
             next_look: 0.0,
             look_every: scene.duration * Self::LOOK_SHARE,
             sector_count: sector.map_or(1.0, |sector| sector.images() as f64),
@@ -313,7 +315,7 @@ impl Watches {
                 heat_per_pipe_w_per_m: heat / pipes,
             });
         }
-        self.wall.output([&self.main, &self.interface], particles, time);
+        self.wall.output([&self.main, &self.interface], scene, particles, ledger, time);
         // Samples are of particles that stay where they are.
         let sampler = Sampler { lattice: &particles.lattice, mirrors: (false, false), cloud: particles.cloud() };
         for (place, sample) in &self.probes {

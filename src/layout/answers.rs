@@ -1,6 +1,6 @@
 //! What a run says about a layout.
 
-use frazil_core::record::{BudgetRow, LinkRow, Outcome, PlaneRow, ProfileRow, Record, RunResult, WallRow};
+use frazil_core::record::{BudgetRow, GapRow, LinkRow, Outcome, PlaneRow, ProfileRow, Record, RunResult, WallRow};
 use frazil_core::scene::{Domain, Scene};
 use frazil_plots::layouts::between;
 use serde::{Deserialize, Serialize};
@@ -29,6 +29,8 @@ pub struct Kept {
     pub budget: Vec<BudgetRow>,
     /// Names of its columns.
     pub budget_names: Vec<String>,
+    /// Gaps of the first ring, closed anywhere half-way between two pipes.
+    pub gaps: Vec<GapRow>,
     /// When a closed wall stood (s).
     pub wall_closure_s: Option<f64>,
     /// What its maps say of it, where it has maps.
@@ -55,6 +57,7 @@ impl Kept {
             profiles: result.profiles.iter().filter(|row| row.time_s == last).cloned().collect(),
             budget: result.budget.clone(),
             budget_names: result.budget_names.clone(),
+            gaps: result.gaps.clone(),
             wall_closure_s: result.wall_closure_s,
         }
     }
@@ -87,6 +90,10 @@ pub struct Day {
     pub inner_m: Option<f64>,
     /// Outer front on the interface plane (m from the centre).
     pub outer_m: Option<f64>,
+    /// Inner and outer front on the main plane (m from the centre).
+    pub main_m: Option<(f64, f64)>,
+    /// Frozen area (m2), pipes counted.
+    pub area_m2: f64,
     /// Mean temperature on the main plane.
     pub mean_main_c: Option<f64>,
     /// Mean temperature on the interface plane.
@@ -101,6 +108,13 @@ pub struct Day {
     pub heat_per_pipe_w_per_m: f64,
     /// Heat taken by all pipes since the start (MJ by metre of depth).
     pub energy_mj_per_m: f64,
+}
+
+impl Day {
+    /// Of a run of a scene, at a time (s) that it has outputs around.
+    pub fn at(scene: &Scene, kept: &Kept, time: f64) -> Day {
+        Series::of(scene, kept).day(time)
+    }
 }
 
 /// What an engineer asks of a layout.
@@ -139,15 +153,11 @@ pub struct Answers {
 impl Answers {
     /// From a run of a scene.
     pub fn of(scene: &Scene, kept: &Kept, design: Option<Design>) -> Answers {
-        let images = match scene.domain {
-            Domain::Ring { sector, .. } => sector.images() as f64,
-            _ => 1.0,
-        };
         let pipes = working(&scene.rings);
         let day = |time: f64| time / DAY;
         let closures = || kept.links.iter().filter_map(|link| link.closure_s);
         let open = kept.links.iter().filter(|link| link.closure_s.is_none()).count();
-        let series = Series::of(kept, images);
+        let series = Series::of(scene, kept);
         let load: Vec<(f64, f64)> = series.heat.iter().map(|(time, heat)| (*time, heat * pipes as f64)).collect();
         let mapped = |time: f64| kept.around.iter().find(|map| (map.time_s - time).abs() <= 1e-9 * scene.duration);
         let on = |time: &f64| Day {
@@ -226,6 +236,9 @@ struct Series {
     thickness_main: Vec<(f64, f64)>,
     inner: Vec<(f64, f64)>,
     outer: Vec<(f64, f64)>,
+    main_inner: Vec<(f64, f64)>,
+    main_outer: Vec<(f64, f64)>,
+    area: Vec<(f64, f64)>,
     mean_main: Vec<(f64, f64)>,
     mean_interface: Vec<(f64, f64)>,
     mean: Vec<(f64, f64)>,
@@ -238,8 +251,12 @@ struct Series {
 }
 
 impl Series {
-    /// From a run on a part of the plan that stands for `images` of it.
-    fn of(kept: &Kept, images: f64) -> Series {
+    /// From a run of a scene.
+    fn of(scene: &Scene, kept: &Kept) -> Series {
+        let images = match scene.domain {
+            Domain::Ring { sector, .. } => sector.images() as f64,
+            _ => 1.0,
+        };
         let wall = |value: fn(&WallRow) -> f64| kept.walls.iter().map(|row| (row.time_s, value(row))).collect();
         let plane = |name: &str, value: fn(&PlaneRow) -> Option<f64>| {
             let rows = kept.planes.iter().filter(|row| row.plane == name);
@@ -257,6 +274,9 @@ impl Series {
             thickness_main: wall(|row| row.thickness_main_m),
             inner: plane("interface", |row| row.inner_m),
             outer: plane("interface", |row| row.outer_m),
+            main_inner: plane("main", |row| row.inner_m),
+            main_outer: plane("main", |row| row.outer_m),
+            area: wall(|row| row.frozen_area_m2),
             mean_main: plane("main", |row| row.mean_temperature_c),
             mean_interface: plane("interface", |row| row.mean_temperature_c),
             mean: plane("wall", |row| row.mean_temperature_c),
@@ -297,6 +317,8 @@ impl Series {
             thickness_main_m: read(&self.thickness_main).unwrap_or(0.0),
             inner_m: read(&self.inner),
             outer_m: read(&self.outer),
+            main_m: read(&self.main_inner).zip(read(&self.main_outer)),
+            area_m2: read(&self.area).unwrap_or(0.0),
             mean_main_c: read(&self.mean_main),
             mean_interface_c: read(&self.mean_interface),
             mean_c: read(&self.mean),
@@ -321,7 +343,10 @@ fn formula(scene: &Scene, day: &Day) -> Option<(f64, f64)> {
         fronts: (inner, outer),
         conductivity: material.frozen.conductivity,
     };
-    let (mean, heat) =
-        if ring.is_even() && !ring.one_particle && steady.pipe < 0.0 { steady.mean_and_heat()? } else { return None };
+    let (mean, heat) = if ring.is_even() && !ring.one_particle && ring.film.is_none() && steady.pipe < 0.0 {
+        steady.mean_and_heat()?
+    } else {
+        return None;
+    };
     Some((mean + material.freezing_point, heat))
 }

@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use frazil_core::march::{self, Options};
+use frazil_core::march::{self, EachOutput, Options};
+use frazil_core::particles::Particles;
 use frazil_core::record::Outcome;
 use frazil_core::scene::Scene;
 use frazil_plots::{FigureOptions, run_figures};
@@ -16,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use super::answers::Kept;
 use super::study::{Layout, Role, Study};
 use crate::failure::{Failure, complain};
+use crate::fields::{self, Snapshots};
 use crate::progress::{Reporter, clock};
 use crate::{interrupt, load, output, parallel};
 
@@ -65,6 +67,8 @@ pub struct Work<'a> {
     pub threads: usize,
     /// Which part of the layouts is to be run, of how many.
     pub shard: (usize, usize),
+    /// Whether layouts that are compared leave frames of an animation.
+    pub frames: bool,
     /// Whether to say nothing but errors.
     pub quiet: bool,
 }
@@ -130,6 +134,14 @@ impl Work<'_> {
         format!("{version} {} {} {}", layout.name, self.method, layout.scene.hash)
     }
 
+    fn draws_frames(&self, layout: &Layout) -> bool {
+        self.frames && layout.role == Role::Compared && !self.beside
+    }
+
+    fn lacks_frames(&self, layout: &Layout) -> bool {
+        self.draws_frames(layout) && !self.folder_of(layout).join(fields::NAMES[2]).is_dir()
+    }
+
     /// A file of the folder of a layout, if it is of this layout.
     fn read<T: DeserializeOwned>(&self, layout: &Layout, name: &str, key: fn(&T) -> &str) -> Option<T> {
         let text = fs::read_to_string(self.folder_of(layout).join(name)).ok()?;
@@ -137,9 +149,9 @@ impl Work<'_> {
         (key(&found) == self.key(layout)).then_some(found)
     }
 
-    /// What is known of a layout.
+    /// What is known of a layout; nothing while frames are wanted that it has not left.
     pub fn kept(&self, layout: &Layout) -> Option<Pair> {
-        self.read(layout, KEPT, |pair: &Pair| &pair.key)
+        if self.lacks_frames(layout) { None } else { self.read(layout, KEPT, |pair: &Pair| &pair.key) }
     }
 
     /// Why the method cannot run a layout, where it has been found that it cannot.
@@ -149,12 +161,32 @@ impl Work<'_> {
     }
 
     fn is_done(&self, layout: &Layout) -> bool {
-        self.read(layout, KEPT, |known: &Known| &known.key).is_some() || self.refused(layout).is_some()
+        let known = || self.read(layout, KEPT, |known: &Known| &known.key).is_some();
+        (!self.lacks_frames(layout) && known()) || self.refused(layout).is_some()
+    }
+
+    /// What is known of a layout, which is run if nothing is; none if it was interrupted.
+    pub(super) fn made(&self, layout: &Layout) -> Result<Option<Pair>, Failure> {
+        layout.check(self.study.shaft_radius, self.method)?;
+        if let Some(pair) = self.kept(layout) {
+            return Ok(Some(pair));
+        }
+        Ok(if self.layout(layout)? { self.kept(layout) } else { None })
     }
 
     /// One layout; says whether it came to its end.
-    pub(super) fn layout(&self, layout: &Layout) -> Result<bool, Failure> {
+    fn layout(&self, layout: &Layout) -> Result<bool, Failure> {
         let named = |failure: Failure| Failure::Request(format!("layout \"{}\": {failure}", layout.name));
+        let path = self.folder_of(layout);
+        fs::create_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
+        let wanted = self.draws_frames(layout);
+        let frames =
+            if wanted { Some(Snapshots::new(&layout.scene, self.method, (false, true), &path)?) } else { None };
+        let see = |particles: &Particles, time: f64| {
+            if let Some(frames) = &frames {
+                frames.see(particles, time);
+            }
+        };
         let options = Options {
             threads: 1,
             seed: 1,
@@ -164,17 +196,18 @@ impl Work<'_> {
             fields: layout.role == Role::Compared && !self.beside,
             each_output: None,
         };
-        let run = |scene: &Scene| march::run(scene, self.method, None, &options).map_err(Failure::from);
-        let path = self.folder_of(layout);
-        let made = || fs::create_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error));
+        let run = |scene: &Scene, see: Option<&EachOutput<'_>>| {
+            let options = Options { each_output: see, ..options };
+            march::run(scene, self.method, None, &options).map_err(Failure::from)
+        };
+        let seen: Option<&EachOutput<'_>> = if frames.is_some() { Some(&see) } else { None };
         let tried = match self.beside {
-            true => layout.check(self.study.shaft_radius, self.method).and_then(|()| run(&layout.scene)),
-            false => run(&layout.scene).map_err(named),
+            true => layout.check(self.study.shaft_radius, self.method).and_then(|()| run(&layout.scene, seen)),
+            false => run(&layout.scene, seen).map_err(named),
         };
         let fine = match tried {
             Ok(fine) => fine,
             Err(failure) if self.beside => {
-                made()?;
                 let refusal = Refusal { key: self.key(layout), reason: failure.to_string() };
                 return output::write_json(&path.join(REFUSED), &refusal).map(|()| true);
             }
@@ -184,13 +217,12 @@ impl Work<'_> {
             return Ok(false);
         }
         let (mut coarse, mut refused) = (None, None);
-        match self.coarser(layout).and_then(|scene| Ok((run(&scene)?, scene))) {
+        match self.coarser(layout).and_then(|scene| Ok((run(&scene, None)?, scene))) {
             Ok((result, _)) if result.record.outcome == Outcome::Interrupted => return Ok(false),
             Ok((result, scene)) => coarse = Some(Kept::of(&scene, &result)),
             Err(failure) => refused = Some(failure.to_string()),
         }
-        made()?;
-        output::write_run(&path, &fine)?;
+        output::write_run_and(&path, &fine, || frames.map_or(Ok(()), |frames| frames.finish(&path)))?;
         if layout.role == Role::Compared
             && !self.beside
             && let Err(error) = run_figures(&fine, &path, &FigureOptions::of(&layout.scene))

@@ -14,7 +14,7 @@ use super::methods::Beside;
 use super::search::{self, Tried};
 use super::shaft::{ShaftRow, shafts};
 use super::study::{Design, Role, Search, Study};
-use super::{Found, LayoutRequest, tables};
+use super::{Found, LayoutRequest, reference, tables};
 use crate::failure::Failure;
 use crate::machine::Machine;
 use crate::parallel;
@@ -30,6 +30,8 @@ pub(super) struct Told<'a> {
     pub(super) tried: &'a [Tried],
     /// Layouts under all methods.
     pub(super) beside: &'a [Beside<'a>],
+    /// What has been sought of each layout.
+    pub(super) critical: Option<Block>,
 }
 
 /// Writes figures and page.
@@ -37,7 +39,7 @@ pub(super) fn write(
     request: &LayoutRequest,
     study: &Study,
     work: &Work<'_>,
-    &Told { found, tried, beside }: &Told<'_>,
+    Told { found, tried, beside, critical }: Told<'_>,
 ) -> Result<(), Failure> {
     let compared: Vec<&Found<'_>> = found.iter().filter(|one| one.layout.role == Role::Compared).collect();
     let mut page = Page {
@@ -71,12 +73,8 @@ pub(super) fn write(
         own.push(Figure::new(&drawing.canvas, drawing.caption, drawing.stem));
     }
     let near = compared.iter().filter_map(|one| near(one)).collect();
-    page.opening.push(Block {
-        list: near,
-        figures: first,
-        tables: vec![overview(study, &compared)],
-        ..Block::default()
-    });
+    let tables = vec![overview(study, work.method, &compared)];
+    page.opening.push(Block { list: near, figures: first, tables, ..Block::default() });
     page.opening.push(Block { figures, ..Block::default() });
     if compared.len() <= SHOWN {
         page.opening.push(Block {
@@ -93,8 +91,10 @@ pub(super) fn write(
             ..Block::default()
         });
     }
+    page.opening.extend(reference::block(found));
     page.opening.extend(methods_block(work, beside)?);
     page.opening.extend(what_if(study, found));
+    page.opening.extend(critical);
     page.opening.extend(study.search.as_ref().map(|search| searched(search, tried)));
     let list = assumptions(study, &compared);
     page.opening.push(Block { heading: "Assumptions".into(), list, ..Block::default() });
@@ -349,7 +349,7 @@ fn with_error(value: Option<f64>, error: Option<f64>, digits: usize, none: &str)
 }
 
 /// A row for each layout: what is asked first.
-fn overview(study: &Study, compared: &[&Found<'_>]) -> Table {
+fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
     let mut heads: Vec<String> = [
         "layout",
         "weakest gap",
@@ -371,6 +371,11 @@ fn overview(study: &Study, compared: &[&Found<'_>]) -> Table {
         let alike = designs.iter().all(|own| own.as_ref() == Some(design));
         let words = format!("{} m at {} °C (day)", design.thickness_m, design.mean_temperature_c);
         heads.push(if alike { words } else { "as designed (day)".into() });
+    }
+    let single = |one: &&Found<'_>| one.layout.scene.rings.iter().any(|ring| ring.one_particle);
+    let acting = compared.iter().any(single);
+    if acting {
+        heads.push("pipes act as (mm)".into());
     }
     if compared.iter().any(|one| study.depth_of(one.layout).is_some()) {
         heads.push("plant, greatest (kW)".into());
@@ -400,6 +405,9 @@ fn overview(study: &Study, compared: &[&Found<'_>]) -> Table {
         ];
         if designed.is_some() {
             cells.push(cell(fine.design, 1, "not reached"));
+        }
+        if acting {
+            cells.push(format!("{:.3}", 1e3 * reference::effective_radius(&one.layout.scene, method)));
         }
         if let Some(depth) = study.depth_of(one.layout) {
             cells.push(format!("{:.0}", 1e-3 * depth * fine.peak));
@@ -435,8 +443,18 @@ fn near(one: &Found<'_>) -> Option<String> {
 
 /// What holds for all layouts, and which part of the plan each was run on.
 fn assumptions(study: &Study, compared: &[&Found<'_>]) -> Vec<String> {
-    let mut facts =
-        vec!["Pipes are circles of their true radius, held at the temperature of their outer wall.".to_owned()];
+    let single = |one: &&Found<'_>| one.layout.scene.rings.iter().any(|ring| ring.one_particle);
+    let (some, all) = (compared.iter().any(single), compared.iter().all(single));
+    let mut facts = Vec::new();
+    if !all {
+        facts.push("Pipes are circles of their true radius, held at the temperature of their outer wall.".to_owned());
+    }
+    if some {
+        facts.push(
+            "A pipe of one particle acts as a thin one, of a radius that method and spacing give: finer particles close later."
+                .to_owned(),
+        );
+    }
     if !study.source.is_empty() {
         facts.insert(0, format!("Source: {}.", study.source));
     }

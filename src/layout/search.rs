@@ -60,16 +60,7 @@ impl Trials<'_> {
     fn one(&self, value: f64) -> Result<Tried, Stop> {
         let Trials { study, search, work, .. } = self;
         let layouts = study.tried(search, value).map_err(Stop::Failed)?;
-        for layout in &layouts {
-            layout.check(study.shaft_radius, work.method).map_err(Stop::Failed)?;
-        }
-        let run = |k: usize| {
-            let layout = &layouts[k];
-            if let Some(pair) = work.kept(layout) {
-                return Some(Ok(Some(pair)));
-            }
-            Some(work.layout(layout).map(|whole| if whole { work.kept(layout) } else { None }))
-        };
+        let run = |k: usize| Some(work.made(&layouts[k]));
         let mut parts = Vec::new();
         for (pair, layout) in parallel::in_order(layouts.len(), work.threads, run).into_iter().flatten().zip(&layouts) {
             let pair = pair.map_err(Stop::Failed)?.ok_or(Stop::Interrupted)?;

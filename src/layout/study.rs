@@ -9,6 +9,7 @@ use toml::{Table, Value};
 
 use super::answers::DAY;
 use super::boreholes::{self, Borehole, Deviation};
+use super::critical::Critical;
 use super::horizons::{self, Horizon};
 use crate::failure::Failure;
 use crate::load::{self, Overrides};
@@ -26,6 +27,7 @@ struct File {
     method: Option<String>,
     #[serde(default)]
     set: Table,
+    reference: Option<String>,
     depth_m: Option<f64>,
     shaft_radius_m: Option<f64>,
     design: Option<Design>,
@@ -38,6 +40,7 @@ struct File {
     sensitivity: Option<Sensitivity>,
     deviation: Option<Deviation>,
     search: Option<Search>,
+    critical: Option<Critical>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -48,6 +51,7 @@ struct Entry {
     set: Table,
     #[serde(default)]
     boreholes: Vec<Borehole>,
+    reference: Option<String>,
 }
 
 /// What a wall must come to.
@@ -182,6 +186,8 @@ pub struct Layout {
     pub sector: String,
     /// Its scene.
     pub scene: Scene,
+    /// The table that it is compared with.
+    pub reference: Option<String>,
 }
 
 /// A study.
@@ -209,11 +215,19 @@ pub struct Study {
     pub layouts: Vec<Layout>,
     /// What is searched.
     pub search: Option<Search>,
+    /// What is sought of each layout.
+    pub critical: Option<Critical>,
     /// What all layouts change.
     ground: Ground,
 }
 
 impl Study {
+    /// A layout with another value of a key.
+    pub fn changed(&self, of: &Layout, key: &str, value: &str) -> Result<Layout, Failure> {
+        let own = vec![(key.to_owned(), value.to_owned())];
+        self.ground.again(of, &format!(", {key} = {value}"), Role::Tried, &own)
+    }
+
     /// The layout with a value of the key that is searched, at each horizon.
     pub fn tried(&self, search: &Search, value: f64) -> Result<Vec<Layout>, Failure> {
         let name = format!("{} = {value}", search.key);
@@ -370,6 +384,9 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
         let designed = read.design.is_some() || read.horizons.iter().any(horizons::Entry::is_designed);
         search.check(designed).map_err(&bad)?;
     }
+    if let Some(critical) = &read.critical {
+        critical.check().map_err(&bad)?;
+    }
     let base = load::scene(&read.scene, &[])?;
     if !matches!(base.domain, Domain::Ring { .. }) || base.rings.is_empty() {
         return Err(bad(format!("scene: found \"{}\", must be a ring with pipes", read.scene)));
@@ -382,7 +399,7 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
         asked: overrides.to_vec(),
     };
     let mut compared = Vec::new();
-    let whole = Entry { name: read.scene.clone(), set: Table::new(), boreholes: Vec::new() };
+    let whole = Entry { name: read.scene.clone(), set: Table::new(), boreholes: Vec::new(), reference: None };
     let entries = if read.layouts.is_empty() { vec![whole] } else { read.layouts };
     let combinations = combinations(&read.sweep).map_err(&bad)?;
     let count = entries.len() * combinations.len() * horizons.len().max(1);
@@ -399,7 +416,8 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
                 (false, _) => format!("{} {words}", entry.name),
             };
             for at in ground.places() {
-                let layout = ground.layout(&shaft, at, Role::Compared, &own)?;
+                let reference = entry.reference.clone().or_else(|| read.reference.clone());
+                let layout = Layout { reference, ..ground.layout(&shaft, at, Role::Compared, &own)? };
                 compared.push(match &entry.boreholes[..] {
                     [] => layout,
                     boreholes => drilled(&ground, layout, boreholes).map_err(|failure| match failure {
@@ -453,6 +471,7 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
         layouts,
         ground,
         search: read.search,
+        critical: read.critical,
     })
 }
 
@@ -511,7 +530,7 @@ fn layout(scene: &str, name: String, role: Role, overrides: Overrides) -> Result
             },
         },
     };
-    Ok(Layout { shaft: name.clone(), horizon: None, name, role, overrides, sector, scene })
+    Ok(Layout { shaft: name.clone(), horizon: None, name, role, overrides, sector, scene, reference: None })
 }
 
 /// A layout with boreholes that leave the vertical, at their depth.

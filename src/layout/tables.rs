@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::answers::Answers;
 use super::shaft::{self, Shaft, shafts};
 use super::study::{Role, Study};
-use super::{Found, write_rows};
+use super::{Found, reference, write_rows};
 use crate::failure::Failure;
 
 /// One row of `layouts.csv`.
@@ -22,6 +22,7 @@ struct LayoutRow<'a> {
     method: &'a str,
     outcome: &'a str,
     pipes: usize,
+    effective_pipe_radius_m: f64,
     first_gap_days: Option<f64>,
     closure_days: Option<f64>,
     closure_error_days: Option<f64>,
@@ -162,6 +163,10 @@ pub(super) fn write(folder: &Path, study: &Study, method: &str, found: &[Found<'
         })
         .collect();
     write_rows(folder, "gaps.csv", &gaps)?;
+    let beside: Vec<_> = found.iter().flat_map(reference::rows).collect();
+    if !beside.is_empty() {
+        write_rows(folder, "reference.csv", &beside)?;
+    }
     let changes: Vec<SensitivityRow<'_>> = found.iter().filter_map(|one| change(found, one)).collect();
     if !changes.is_empty() {
         write_rows(folder, "sensitivity.csv", &changes)?;
@@ -192,6 +197,7 @@ fn row<'a>(study: &'a Study, method: &'a str, one: &'a Found<'_>) -> Option<Layo
         method,
         outcome: fine.outcome.name(),
         pipes: fine.pipes,
+        effective_pipe_radius_m: reference::effective_radius(&one.layout.scene, method),
         first_gap_days: fine.first_gap,
         closure_days: fine.closure,
         closure_error_days: closure_error(one),

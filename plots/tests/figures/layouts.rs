@@ -77,6 +77,7 @@ fn ring(name: &str, count: usize, missing: &[usize], inner: bool) -> Made {
             y_m: 0.5 * (from.y_m + to.y_m),
             distance_m: distance,
             closure_s: closure(distance).map(|day| day * DAY),
+            closure_on_circle_s: None,
         });
     };
     let first: Vec<&PipeView> = made.pipes.iter().filter(|pipe| pipe.name.starts_with("1.")).collect();

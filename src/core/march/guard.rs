@@ -1,9 +1,8 @@
 //! Watching over the range of temperatures while a run goes on.
 
-use glam::DVec2;
-
 use crate::method::{Bound, Clock};
 use crate::particles::Particles;
+use crate::pipe::Extent;
 use crate::scene::Scene;
 
 /// Watches over the range of temperatures.
@@ -18,17 +17,11 @@ pub struct Guard {
 
 impl Guard {
     /// A guard for a scene; `pipes` are the places where pipes are at work.
-    pub fn new(scene: &Scene, particles: &Particles, pipes: &[(DVec2, f64)]) -> Self {
+    pub fn new(scene: &Scene, particles: &Particles, pipes: &[Extent]) -> Self {
         let lattice = &particles.lattice;
         let mut inside_pipes = Vec::new();
-        for (centre, half_width) in pipes {
-            let cells = lattice.to_cells(*centre);
-            let reach = (half_width / lattice.spacing).ceil() as i64;
-            for row in cells.y as i64 - reach..=cells.y as i64 + reach {
-                for column in cells.x as i64 - reach..=cells.x as i64 + reach {
-                    inside_pipes.extend(lattice.index(column, row).map(|index| index as u32));
-                }
-            }
+        for pipe in pipes {
+            inside_pipes.extend(pipe.particles(lattice));
         }
         inside_pipes.sort_unstable();
         inside_pipes.dedup();

@@ -6,7 +6,9 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec2;
 
 use super::{Ray, Sample, Sampler};
+use crate::ledger::Ledger;
 use crate::particles::Particles;
+use crate::pipe::Extent;
 use crate::record::{LinkRow, PlaneRow};
 use crate::scene::{Domain, Scene, Sector};
 
@@ -46,6 +48,8 @@ struct Link {
     ends: [usize; 2],
     /// Which joint tells of it.
     joint: usize,
+    /// Which joint tells of the middle of the arc between both.
+    arc: Option<usize>,
 }
 
 /// A pipe of the whole plan.
@@ -61,13 +65,23 @@ pub(super) struct Wall {
     places: Vec<Place>,
     links: Vec<Link>,
     pub(super) joints: Vec<Joint>,
+    /// Rings of pipes, as the wall around them is read.
+    rings: Vec<Sunk>,
     /// Sections of the wall over time.
     pub(super) planes: Vec<PlaneRow>,
 }
 
+/// A ring of pipes sunk into particles.
+#[derive(Debug, Clone, Default)]
+struct Sunk {
+    pipes: Vec<Extent>,
+    /// Particles that the heat of its pipes is spread over.
+    near: Vec<u32>,
+}
+
 impl Wall {
     /// The neighbouring pipes of a scene that asks for them.
-    pub(super) fn of(scene: &Scene, sampler: &Sampler<'_>) -> Self {
+    pub(super) fn of(scene: &Scene, sampler: &Sampler<'_>, pipes: &[Extent]) -> Self {
         let Domain::Ring { sector, .. } = scene.domain else { return Wall::default() };
         if !scene.watch.frozen_wall {
             return Wall::default();
@@ -77,8 +91,15 @@ impl Wall {
             let name = |k: usize| format!("{}.{}", number + 1, k + 1);
             places.extend(ring.numbers().map(|k| Place { name: name(k), at: ring.place(k) }));
         }
-        let mut wall = Wall { places, ..Wall::default() };
+        let mut rings = vec![Sunk::default(); scene.rings.len()];
+        for pipe in pipes {
+            rings[pipe.ring].pipes.push(*pipe);
+            let inside = |i: &u32| sampler.lattice.position(*i as usize).distance(pipe.centre) <= pipe.half_width;
+            rings[pipe.ring].near.extend(pipe.particles(sampler.lattice).into_iter().filter(inside));
+        }
+        let mut wall = Wall { places, rings, ..Wall::default() };
         let mut lines: Vec<[DVec2; 2]> = Vec::new();
+        let mut joints: Vec<(usize, Option<usize>)> = Vec::new();
         for ends in neighbours(&wall.places) {
             let line = folded(ends.map(|end| wall.places[end].at), sector);
             let same = |a: DVec2, b: DVec2| a.distance(b) <= SAME_PLACE * scene.domain.extent();
@@ -86,26 +107,44 @@ impl Wall {
                 (same(line[0], other[0]) && same(line[1], other[1]))
                     || (same(line[0], other[1]) && same(line[1], other[0]))
             });
-            let joint = known.unwrap_or_else(|| {
+            let number = known.unwrap_or_else(|| {
                 lines.push(line);
-                wall.joints.push(Joint::new(vec![sampler.sample(0.5 * (line[0] + line[1]))]));
+                let middle = 0.5 * (line[0] + line[1]);
+                wall.joints.push(Joint::new(vec![sampler.sample(middle)]));
+                joints.push((wall.joints.len() - 1, None));
+                if (line[0].length() - line[1].length()).abs() <= SAME_PLACE * scene.domain.extent() {
+                    let arc = sampler.sample(middle.normalize_or_zero() * line[0].length());
+                    wall.joints.push(Joint::new(vec![arc]));
+                    joints[lines.len() - 1].1 = Some(wall.joints.len() - 1);
+                }
                 lines.len() - 1
             });
-            wall.links.push(Link { ends, joint });
+            let (joint, arc) = joints[number];
+            wall.links.push(Link { ends, joint, arc });
         }
         wall
     }
 
     /// Takes sections of the wall at a time: along the first rays through a pipe and between two, and of all that is frozen.
-    pub(super) fn output(&mut self, rays: [&[Ray]; 2], particles: &Particles, time: f64) {
+    pub(super) fn output(
+        &mut self,
+        rays: [&[Ray]; 2],
+        scene: &Scene,
+        particles: &Particles,
+        ledger: &Ledger,
+        time: f64,
+    ) {
         if self.places.is_empty() {
             return;
         }
+        let pipes = frozen_in(&self.rings, scene, particles, ledger, time);
         for (plane, ray) in ["main", "interface"].into_iter().zip(rays.map(<[Ray]>::first)) {
             let Some(ray) = ray else { continue };
             let fraction: Vec<f64> =
                 ray.samples.iter().map(|sample| sample.of(|i| particles.frozen_fraction(i))).collect();
-            let temperature: Vec<f64> = ray.samples.iter().map(|sample| sample.of(|i| particles.reading(i))).collect();
+            let mut temperature: Vec<f64> =
+                ray.samples.iter().map(|sample| sample.of(|i| particles.reading(i))).collect();
+            pipes.iter().for_each(|ring| ring.sharpen(ray, &mut temperature));
             let ends = ends(&ray.radii, &fraction);
             self.planes.push(PlaneRow {
                 time_s: time,
@@ -115,8 +154,10 @@ impl Wall {
                 mean_temperature_c: ends.and_then(|ends| mean(&ray.radii, &temperature, ends)),
             });
         }
-        let frozen = particles.integral(|i| particles.frozen_fraction(i));
-        let weighted = particles.integral(|i| particles.frozen_fraction(i) * particles.reading(i));
+        let area: f64 = pipes.iter().map(FrozenIn::area).sum();
+        let excess: f64 = pipes.iter().map(FrozenIn::excess).sum();
+        let frozen = particles.integral(|i| particles.frozen_fraction(i)) - area;
+        let weighted = particles.integral(|i| particles.frozen_fraction(i) * particles.reading(i)) - excess;
         let mean_temperature_c = (frozen > 0.0).then(|| weighted / frozen);
         self.planes.push(PlaneRow {
             time_s: time,
@@ -139,11 +180,95 @@ impl Wall {
                 y_m: middle.y,
                 distance_m: a.at.distance(b.at),
                 closure_s: self.joints[link.joint].closed,
+                closure_on_circle_s: link.arc.and_then(|arc| self.joints[arc].closed),
             }
         });
         let joined = self.links.iter().filter_map(|link| Some((link.ends, self.joints[link.joint].closed?)));
         let places: Vec<DVec2> = self.places.iter().map(|place| place.at).collect();
         (rows.collect(), closure(&places, joined.collect()))
+    }
+}
+
+/// Pipes of a ring in ground that is frozen around them. There the field of a pipe is that of a line sink,
+/// `T = T_p + q/(2 pi k) ln(r/r_p)`, but particles hold a smoothed one, over the pipe too.
+struct FrozenIn<'a> {
+    pipes: &'a [Extent],
+    /// Radius of the pipes (m); 0 of single particles.
+    radius: f64,
+    /// Temperature of their walls.
+    temperature: f64,
+    /// Heat that one of them takes over the conductivity of the ground (K).
+    heat: f64,
+}
+
+/// Rings that cool ground which is frozen as far as the heat of their pipes is spread.
+fn frozen_in<'a>(
+    rings: &'a [Sunk],
+    scene: &Scene,
+    particles: &Particles,
+    ledger: &Ledger,
+    time: f64,
+) -> Vec<FrozenIn<'a>> {
+    // Doors of rings come last, in their order.
+    let rates = ledger.rate();
+    let doors = &rates[rates.len() - rings.len()..];
+    let rings = rings.iter().zip(doors).zip(&scene.rings);
+    rings
+        .filter_map(|((sunk, rate), ring)| {
+            let first = *sunk.near.first()? as usize;
+            let cools = *rate < 0.0 && sunk.near.iter().all(|i| particles.frozen_fraction(*i as usize) >= 1.0);
+            let pipe = ring.temperature.at(time);
+            let share: f64 = sunk.pipes.iter().map(|pipe| pipe.share).sum();
+            let conductivity = particles.materials.of(first).curve.conductivity(pipe);
+            let heat = -rate / share / conductivity;
+            cools.then_some(FrozenIn { pipes: &sunk.pipes, radius: ring.pipe_radius, temperature: pipe, heat })
+        })
+        .collect()
+}
+
+impl FrozenIn<'_> {
+    fn share(&self) -> f64 {
+        self.pipes.iter().map(|pipe| pipe.share).sum()
+    }
+
+    /// Area of the pipes (m2), in the sector.
+    fn area(&self) -> f64 {
+        self.share() * PI * self.radius * self.radius
+    }
+
+    /// By how much the integral of the temperature over all particles is greater than over the ground outside the pipes
+    /// (K m2): what smoothing takes off the field, and what the field of a line has inside the pipes.
+    fn excess(&self) -> f64 {
+        let smoothed: f64 = self.pipes.iter().map(|pipe| pipe.share * pipe.smoothing).sum();
+        let inside = self.area() * self.temperature - self.share() * 0.25 * self.heat * self.radius * self.radius;
+        self.heat * smoothed + inside
+    }
+
+    /// Puts pipes and the field around them where readings along a ray through their axes are smoothed.
+    fn sharpen(&self, ray: &Ray, temperature: &mut [f64]) {
+        for pipe in self.pipes.iter().filter(|_| self.radius > 0.0) {
+            let axis = pipe.centre.dot(ray.direction);
+            if axis <= 0.0 || pipe.centre.distance(axis * ray.direction) > SAME_PLACE * axis {
+                continue;
+            }
+            // Beyond the particles that the heat is spread over the field is that of a line.
+            for side in [-1.0, 1.0] {
+                let far = |radius: f64| side * (radius - axis) >= pipe.half_width;
+                let edge = match side < 0.0 {
+                    true => ray.radii.iter().rposition(|radius| far(*radius)),
+                    false => ray.radii.iter().position(|radius| far(*radius)),
+                };
+                let Some(edge) = edge else { continue };
+                let width = (ray.radii[edge] - axis).abs();
+                let slope = (temperature[edge] - self.temperature) / (width / self.radius).ln();
+                for (radius, temperature) in ray.radii.iter().zip(temperature.iter_mut()) {
+                    let distance = side * (radius - axis);
+                    if (0.0..width).contains(&distance) {
+                        *temperature = self.temperature + slope * (distance / self.radius).ln().max(0.0);
+                    }
+                }
+            }
+        }
     }
 }
 

@@ -194,6 +194,7 @@ pub(super) fn pipes(root: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Pipe
     rings
 }
 
+const FILM: (&str, &str) = ("coefficient", "W_per_m2_K");
 /// Key of the places of pipes that stand on no circle.
 const PLACES: (&str, &str) = ("places", "m");
 
@@ -235,6 +236,12 @@ fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
         section.positive(("pipe_radius", "m"))
     };
     let temperature = section.series(("temperature", "c"), temperatures(section.units().absolute_zero()));
+    let film = if one_particle {
+        section.refuse(FILM, "a pipe of one particle has no wall");
+        None
+    } else {
+        section.optional_number(FILM, Range::POSITIVE)
+    };
     let schedule = section.optional_schedule().map(Arc::new);
     let (count, ring_radius, first_angle, moved) = circle?;
     let mut ring = PipeRing {
@@ -246,6 +253,7 @@ fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
         missing: Vec::new(),
         pipe_radius: pipe_radius?,
         temperature: temperature?,
+        film,
         schedule,
     };
     as_built(section, &mut ring);

@@ -1,0 +1,322 @@
+//! The greatest value of a key at which each layout still closes, as of the velocity of groundwater: by bisection.
+//!
+//! It takes for granted that more of it keeps a wall open that less of it keeps open.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use frazil_core::scene::Scene;
+use frazil_plots::layouts::{CriticalView, critical_map};
+use frazil_plots::page::{Block, Figure, Table};
+use serde::{Deserialize, Serialize};
+
+use super::answers::Answers;
+use super::execute::Work;
+use super::study::{Layout, Role, Study};
+use crate::failure::Failure;
+use crate::progress::{Reporter, clock};
+use crate::{interrupt, parallel};
+
+/// What is sought of each layout.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Critical {
+    /// The key, as `flow.velocity_m_per_day`.
+    pub key: String,
+    /// Values that are tried in any case, increasing.
+    pub values: Vec<f64>,
+    /// How closely the value is sought between them.
+    pub within: f64,
+}
+
+/// Most values, and most halvings between two of them.
+const MOST: usize = 30;
+
+impl Critical {
+    /// What cannot be meant.
+    pub fn check(&self) -> Result<(), String> {
+        let values = &self.values;
+        let gaps = || values.windows(2).map(|pair| pair[1] - pair[0]);
+        if !(2..=MOST).contains(&values.len()) || gaps().any(|gap| !(gap > 0.0 && gap.is_finite())) {
+            return Err(format!("critical: values: found {values:?}, must be 2 to {MOST} numbers, increasing"));
+        }
+        if !(self.within > 0.0 && halvings(gaps().fold(0.0, f64::max), self.within) <= MOST) {
+            return Err(format!(
+                "critical: within: found {}, must be above 0 and reached by {MOST} halvings",
+                self.within
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Halvings until a gap is this narrow.
+fn halvings(gap: f64, within: f64) -> usize {
+    // The cast of a value beyond the range gives the greatest there is.
+    (gap / within).log2().max(0.0).ceil() as usize
+}
+
+/// A value that was tried of a layout: a row of `critical_tried.csv`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Tried {
+    /// The layout.
+    pub layout: String,
+    /// The value.
+    pub value: f64,
+    /// Day on which the wall closed.
+    pub closure_days: Option<f64>,
+    /// The gap that closed the wall, or the widest open one.
+    pub weakest_from: String,
+    /// The other pipe of it.
+    pub weakest_to: String,
+    /// Where its middle lies, from the x axis (degrees).
+    pub weakest_deg: Option<f64>,
+    /// Day on which the wall closed at twice the spacing.
+    pub closure_at_twice_the_spacing_days: Option<f64>,
+}
+
+/// What was found of a layout: a row of `critical.csv`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Found {
+    /// The layout.
+    pub layout: String,
+    /// Widest distance of neighbours in the first ring (m).
+    pub pipe_spacing_m: f64,
+    /// The greatest value that was tried at which the wall closes; none if it never does.
+    pub closes_up_to: Option<f64>,
+    /// The least value that was tried at which it does not; none if it always closes.
+    pub open_from: Option<f64>,
+    /// Darcy velocity (m a day) whose heat a pipe beside a gap that has just closed can take, by a balance of heat.
+    pub heat_balance_m_per_day: Option<f64>,
+}
+
+/// What was tried and found of all layouts.
+#[derive(Debug, Clone, Default)]
+pub struct Outcome {
+    /// By layout and value.
+    pub tried: Vec<Tried>,
+    /// By layout.
+    pub found: Vec<Found>,
+}
+
+/// Seeks the value of each layout, runs side by side; none if it was interrupted.
+pub(super) fn seek(study: &Study, critical: &Critical, work: &Work<'_>) -> Result<Option<Outcome>, Failure> {
+    let layouts: Vec<&Layout> = study.layouts.iter().filter(|one| one.role == Role::Compared).collect();
+    let gap = critical.values.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    let attempts = Attempts {
+        study,
+        critical,
+        work,
+        failed: Mutex::new(None),
+        done: AtomicUsize::new(0),
+        // Of those between two values none is left where all close.
+        expected: layouts.len() * (critical.values.len() + halvings(gap, critical.within)),
+        began: Instant::now(),
+        reporter: Reporter::new(work.quiet),
+    };
+    let each = critical.values.len();
+    let first = parallel::in_order(layouts.len() * each, work.threads, |k| {
+        attempts.one(layouts[k / each], critical.values[k % each])
+    });
+    let sought = parallel::in_order(layouts.len(), work.threads, |k| {
+        let tried: Option<Vec<Tried>> = first[k * each..(k + 1) * each].iter().cloned().collect();
+        attempts.halve(layouts[k], tried?)
+    });
+    attempts.reporter.finish();
+    if let Some(failure) = attempts.failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
+        return Err(failure);
+    }
+    let mut outcome = Outcome::default();
+    for one in sought {
+        let Some((tried, found)) = one else { return Ok(None) };
+        outcome.tried.extend(tried);
+        outcome.found.push(found);
+    }
+    Ok(Some(outcome))
+}
+
+/// What is tried, by all threads.
+struct Attempts<'a> {
+    study: &'a Study,
+    critical: &'a Critical,
+    work: &'a Work<'a>,
+    failed: Mutex<Option<Failure>>,
+    done: AtomicUsize,
+    expected: usize,
+    began: Instant,
+    reporter: Reporter,
+}
+
+impl Attempts<'_> {
+    /// Tries a value; none if it was interrupted or failed, here or elsewhere.
+    fn one(&self, layout: &Layout, value: f64) -> Option<Tried> {
+        let failed = || self.failed.lock().unwrap_or_else(PoisonError::into_inner);
+        if failed().is_some() || interrupt::watch().load(Ordering::Relaxed) {
+            return None;
+        }
+        match self.run(layout, value) {
+            Ok(tried) => {
+                let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+                self.reporter.at(done as f64 / self.expected as f64, || {
+                    let left = self.expected.saturating_sub(done) as f64;
+                    let seconds = self.began.elapsed().as_secs_f64() / done as f64 * left;
+                    format!("{}: {done} of about {} runs, {} left", self.critical.key, self.expected, clock(seconds))
+                });
+                tried
+            }
+            Err(failure) => {
+                failed().get_or_insert(failure);
+                None
+            }
+        }
+    }
+
+    fn run(&self, layout: &Layout, value: f64) -> Result<Option<Tried>, Failure> {
+        let changed = self.study.changed(layout, &self.critical.key, &value.to_string())?;
+        let Some(pair) = self.work.made(&changed)? else { return Ok(None) };
+        let answers = Answers::of(&changed.scene, &pair.fine, None);
+        let weakest = answers.weakest;
+        Ok(Some(Tried {
+            layout: layout.name.clone(),
+            value,
+            closure_days: answers.closure,
+            weakest_deg: weakest.as_ref().map(|link| link.y_m.atan2(link.x_m).to_degrees()),
+            weakest_from: weakest.as_ref().map(|link| link.from.clone()).unwrap_or_default(),
+            weakest_to: weakest.map(|link| link.to).unwrap_or_default(),
+            closure_at_twice_the_spacing_days: pair
+                .coarse
+                .as_ref()
+                .and_then(|coarse| Answers::of(&changed.scene, coarse, None).closure),
+        }))
+    }
+
+    /// Halves between the greatest value below which all close and the next.
+    fn halve(&self, layout: &Layout, mut tried: Vec<Tried>) -> Option<(Vec<Tried>, Found)> {
+        let first_open = tried.iter().position(|one| one.closure_days.is_none());
+        let mut open = first_open.map(|k| tried[k].value);
+        let mut closes = match first_open {
+            None => tried.last().map(|one| one.value),
+            Some(k) => k.checked_sub(1).map(|k| tried[k].value),
+        };
+        while let Some((low, high)) = closes.zip(open).filter(|(low, high)| high - low > self.critical.within) {
+            let middle = 0.5 * (low + high);
+            let one = self.one(layout, middle)?;
+            match one.closure_days {
+                Some(_) => closes = Some(middle),
+                None => open = Some(middle),
+            }
+            tried.push(one);
+        }
+        tried.sort_by(|a, b| a.value.total_cmp(&b.value));
+        let found = Found {
+            layout: layout.name.clone(),
+            pipe_spacing_m: widest(&layout.scene),
+            closes_up_to: closes,
+            open_from: open,
+            heat_balance_m_per_day: (self.critical.key == VELOCITY).then(|| balance(&layout.scene)).flatten(),
+        };
+        Some((tried, found))
+    }
+}
+
+const VELOCITY: &str = "flow.velocity_m_per_day";
+
+/// Widest distance (m) of neighbours in the first ring.
+fn widest(scene: &Scene) -> f64 {
+    let Some(ring) = scene.rings.first() else { return 0.0 };
+    let numbers: Vec<usize> = ring.numbers().collect();
+    let next = |k: usize| numbers[(k + 1) % numbers.len()];
+    let chords = (0..numbers.len()).map(|k| ring.place(numbers[k]).distance(ring.place(next(k))));
+    chords.fold(0.0, f64::max)
+}
+
+/// Darcy velocity (m a day) at which the stream through a gap that has just closed brings as much heat as a pipe can take:
+/// `2 pi k (Tf - Tp) / (C S (T0 - Tf) ln(S / 4 r))`, with the conductivity k of frozen ground, the heat capacity C of
+/// water, the distance S and the radius r of pipes, and the temperatures of pipes, freezing and the ground. A balance of
+/// magnitudes: the stream may go around a wall that is nearly closed, and its cooled part may reach the next pipes.
+fn balance(scene: &Scene) -> Option<f64> {
+    let [ring] = &scene.rings[..] else { return None };
+    let material = scene.materials.first()?;
+    let pores = material.pores?;
+    let spacing = widest(scene);
+    let cold = material.freezing_point - ring.temperature.at(scene.duration);
+    let warm = scene.initial_temperature - material.freezing_point;
+    let slim = (spacing / (4.0 * ring.pipe_radius)).ln();
+    if ring.one_particle || ring.film.is_some() || cold <= 0.0 || warm <= 0.0 || slim <= 0.0 {
+        return None;
+    }
+    let water = pores.water_density * pores.water_heat_capacity;
+    let taken = std::f64::consts::TAU * material.frozen.conductivity * cold;
+    Some(taken / (water * spacing * warm * slim) * super::answers::DAY)
+}
+
+/// What was found, for the page, and its figure as a file.
+pub(super) fn block(critical: &Critical, outcome: &Outcome, work: &Work<'_>) -> Result<Block, Failure> {
+    let views: Vec<CriticalView> = outcome
+        .found
+        .iter()
+        .map(|found| CriticalView {
+            name: found.layout.clone(),
+            pipe_spacing_m: found.pipe_spacing_m,
+            estimate: found.heat_balance_m_per_day,
+            tried: outcome
+                .tried
+                .iter()
+                .filter(|one| one.layout == found.layout)
+                .map(|one| (one.value, one.closure_days))
+                .collect(),
+        })
+        .collect();
+    let canvas = critical_map(&views, &critical.key);
+    canvas.write(&work.folder, "critical")?;
+    let figure = Figure::new(
+        &canvas,
+        format!(
+            "Above: the day on which the wall closes, by {}. Below: filled where it closes before the run ends, hollow where it \
+             does not.",
+            critical.key
+        ),
+        "critical",
+    );
+    let number = |value: Option<f64>, none: &str| value.map_or(none.to_owned(), |value| format!("{value:.4}"));
+    let row = |one: &Found| {
+        vec![
+            one.layout.clone(),
+            format!("{:.3}", one.pipe_spacing_m),
+            number(one.closes_up_to, "never closes"),
+            number(one.open_from, "always closes"),
+            number(one.heat_balance_m_per_day, ""),
+        ]
+    };
+    let heads = ["layout", "widest pipe spacing (m)", "closes up to", "open from", "heat balance (m/day)"];
+    let summary = Table {
+        caption: format!("{} at which the wall closes before the run ends, and at which it does not.", critical.key),
+        heads: heads.map(String::from).into(),
+        rows: outcome.found.iter().map(row).collect(),
+        words: 1,
+        csv: Some("critical.csv".into()),
+    };
+    let row = |one: &Tried| {
+        let day = |day: Option<f64>| day.map_or("not closed".to_owned(), |day| format!("{day:.2}"));
+        vec![
+            one.layout.clone(),
+            format!("{} to {}", one.weakest_from, one.weakest_to),
+            one.weakest_deg.map_or(String::new(), |degrees| format!("{degrees:.0}")),
+            format!("{}", one.value),
+            day(one.closure_days),
+            day(one.closure_at_twice_the_spacing_days),
+        ]
+    };
+    let heads =
+        ["layout", "weakest gap", "at (degrees)", &critical.key, "wall closes (day)", "at twice the spacing (day)"];
+    let tried = Table {
+        caption: "All that was tried. The weakest gap is the one that closed the wall, or the widest open one.".into(),
+        heads: heads.map(String::from).into(),
+        rows: outcome.tried.iter().map(row).collect(),
+        words: 2,
+        csv: Some("critical_tried.csv".into()),
+    };
+    let heading = "How much keeps the wall open".into();
+    Ok(Block { heading, figures: vec![figure], tables: vec![summary, tried], ..Block::default() })
+}

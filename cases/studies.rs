@@ -23,6 +23,7 @@ pub fn all() -> &'static [BundledScene] {
         "shaft-sensitivity",
         "shaft-sweep",
         "shaft-search",
+        "shaft-energy",
         "shaft-seed",
         "shaft-seepage",
     ]

@@ -97,9 +97,11 @@ fn axis(map: &Map<'_>, ring: &PipeRing) -> Vec<OnAxis> {
         let angle = TAU * k as f64 / count as f64;
         let far = frazil_plots::layouts::between(&pipes, angle)?;
         let place = far * DVec2::from_angle(angle);
-        let temperature = map.at(&map.field.temperature_c, place)?;
+        let read = map.at(&map.field.temperature_c, place)?;
         let inside = ring.numbers().any(|k| ring.place(k).distance(place) < ring.pipe_radius);
-        Some(OnAxis { angle, temperature, inside })
+        // Particles are coarser than pipes; a pipe that is off has the temperature of the ground.
+        let pipe = ring.schedule.is_none().then(|| ring.temperature.at(map.field.time_s));
+        Some(OnAxis { angle, temperature: pipe.filter(|_| inside).unwrap_or(read), inside })
     };
     (0..=count).filter_map(sample).collect()
 }

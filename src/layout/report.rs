@@ -416,8 +416,8 @@ fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
     };
     Table {
         caption:
-            "± is the change from twice the spacing, not a bound. Thickness on the plane between two pipes; loads and \
-                  energy by metre of depth, greatest after the first day."
+            "± is the change from twice the spacing, not a bound. Thickness on planes midway between the places of \
+             pipes, mean over the ring, and on the line from the centre through the middle of the weakest gap; loads and energy by metre of depth, greatest after the first day."
                 .into(),
         heads,
         rows: compared.iter().map(row).collect(),

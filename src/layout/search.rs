@@ -60,13 +60,6 @@ impl Trials<'_> {
     fn one(&self, value: f64) -> Result<Tried, Stop> {
         let Trials { study, search, work, .. } = self;
         let layouts = study.tried(search, value).map_err(Stop::Failed)?;
-        for layout in &layouts {
-            let end = layout.scene.duration / DAY;
-            if end < search.last_day() {
-                let message = format!("search: found day {}, the run ends on day {end}", search.last_day());
-                return Err(Stop::Failed(Failure::Request(message)));
-            }
-        }
         let run = |k: usize| Some(work.made(&layouts[k]));
         let mut parts = Vec::new();
         for (pair, layout) in parallel::in_order(layouts.len(), work.threads, run).into_iter().flatten().zip(&layouts) {

@@ -7,6 +7,7 @@ use glam::DVec2;
 use serde::Deserialize;
 use toml::{Table, Value};
 
+use super::answers::DAY;
 use super::boreholes::{self, Borehole, Deviation};
 use super::critical::Critical;
 use super::horizons::{self, Horizon};
@@ -123,7 +124,7 @@ impl Search {
         }
         let days = [("closure_days", closure_days), ("design_days", design_days)];
         if let Some((key, day)) =
-            days.iter().find_map(|(key, day)| Some((key, day.filter(|day| *day <= 0.0 || day.is_nan())?)))
+            days.iter().find_map(|(key, day)| Some((key, day.filter(|day| !day.is_finite() || *day <= 0.0)?)))
         {
             return Err(format!("search: {key}: found {day}, must be greater than 0"));
         }
@@ -425,6 +426,12 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
                     })?,
                 });
             }
+        }
+    }
+    if let (Some(search), Some(first)) = (&read.search, compared.first()) {
+        let end = first.scene.duration / DAY;
+        if search.last_day() > end {
+            return Err(bad(format!("search: found day {}, but the runs end on day {end}", search.last_day())));
         }
     }
     let mut layouts = compared.clone();

@@ -82,6 +82,9 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         layout.check(study.shaft_radius, method)?;
         references.push(reference::table(&study, layout, method, &request.overrides)?);
     }
+    if let Some(wanted) = &study.critical {
+        critical::check(&study, wanted, method)?;
+    }
     if request.check {
         check::print(&study, method, request.threads)?;
         return Ok(Verdict::Done);

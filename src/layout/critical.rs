@@ -100,6 +100,16 @@ pub struct Outcome {
     pub found: Vec<Found>,
 }
 
+/// Refuses what cannot be run, before anything is.
+pub(super) fn check(study: &Study, critical: &Critical, method: &str) -> Result<(), Failure> {
+    for layout in study.layouts.iter().filter(|one| one.role == Role::Compared) {
+        for value in &critical.values {
+            study.changed(layout, &critical.key, &value.to_string())?.check(study.shaft_radius, method)?;
+        }
+    }
+    Ok(())
+}
+
 /// Seeks the value of each layout, runs side by side; none if it was interrupted.
 pub(super) fn seek(study: &Study, critical: &Critical, work: &Work<'_>) -> Result<Option<Outcome>, Failure> {
     let layouts: Vec<&Layout> = study.layouts.iter().filter(|one| one.role == Role::Compared).collect();

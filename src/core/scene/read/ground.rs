@@ -72,7 +72,7 @@ fn material(name: &str, section: &mut Section<'_>) -> Option<Material> {
     let frozen = section.section("frozen").and_then(phase);
     let unfrozen = section.section("unfrozen").and_then(phase);
     let freezing = section.section("freezing").and_then(freezing);
-    let pores = section.optional_section("groundwater").and_then(porous::groundwater);
+    let groundwater = section.optional_section("groundwater").map(porous::groundwater);
     if let (Some(frozen), Some(unfrozen)) = (&frozen, &unfrozen) {
         for (what, a, b) in [
             ("conductivities", frozen.conductivity, unfrozen.conductivity),
@@ -85,6 +85,10 @@ fn material(name: &str, section: &mut Section<'_>) -> Option<Material> {
             }
         }
     }
+    let pores = match groundwater {
+        Some(read) => Some(read?),
+        None => None,
+    };
     let freezing = freezing?;
     Some(Material {
         name: name.to_owned(),

@@ -15,9 +15,9 @@ mod report;
 mod summary;
 
 pub use critical::{CriticalView, critical_map};
-pub use curves::{load, mean_temperature, planes, thickness};
+pub use curves::{axis, load, mean_temperature, planes, thickness};
 pub use depth::{LayerView, ShaftView, over_depth};
-pub use methods::{MethodView, MethodsView, methods};
+pub use methods::{Answer, MethodView, MethodsView, methods};
 pub use plan::{maps, sketches};
 pub use polar::gaps_polar;
 pub use report::{Drawing, drawings};
@@ -62,6 +62,8 @@ pub struct LayoutView<'a> {
     pub result: &'a RunResult,
     /// Load of all pipes together over time (s, W per metre of depth).
     pub load: Vec<(f64, f64)>,
+    /// Temperature around the ring through the pipes at the last instant: degrees and temperatures; perhaps none.
+    pub axis: Vec<(f64, f64)>,
     /// When the wall stood closed (s); absent if it did not.
     pub closure_s: Option<f64>,
     /// When thickness and mean temperature were as designed (s); absent if never, or if nothing was asked for.

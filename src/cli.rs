@@ -105,6 +105,12 @@ struct LayoutArguments {
     /// Folder for the results; by default out/STUDY. Layouts that it holds already are not run again.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Says what would be run, on which part of the plan and why, and runs nothing.
+    #[arg(long, conflicts_with_all = ["shard", "out", "frames"])]
+    check: bool,
+    /// Draws a temperature map of each layout at every output, for an animation: layouts/*/frames/*.png.
+    #[arg(long)]
+    frames: bool,
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -398,6 +404,8 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             overrides: arguments.set,
             threads: arguments.threads.map_or_else(parallel::cores, usize::from),
             shard: arguments.shard.unwrap_or((0, 1)),
+            check: arguments.check,
+            frames: arguments.frames,
             out: arguments.out,
             quiet: arguments.quiet,
             command_line: std::env::args().collect::<Vec<_>>().join(" "),

@@ -7,14 +7,17 @@ use std::path::{Path, PathBuf};
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::output::Folder;
-use crate::{load, output};
+use crate::{load, output, parallel};
 
 pub mod answers;
+pub mod around;
 pub mod boreholes;
+mod check;
 pub mod critical;
 pub mod execute;
 pub mod formula;
 pub mod horizons;
+mod methods;
 pub mod reference;
 pub mod report;
 pub mod search;
@@ -40,6 +43,10 @@ pub struct LayoutRequest {
     pub threads: usize,
     /// Which part of the layouts is to be run, from 0, of how many.
     pub shard: (usize, usize),
+    /// Whether only to say what would be run.
+    pub check: bool,
+    /// Whether to draw frames of an animation.
+    pub frames: bool,
     /// Folder for the results; `out/<study>` if absent.
     pub out: Option<PathBuf>,
     /// Whether to say nothing but errors.
@@ -66,52 +73,80 @@ pub struct Found<'a> {
 pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     let study = study::read(&request.study, &request.overrides)?;
     let Some(first) = study.layouts.first() else { return Ok(Verdict::Done) };
-    let asked = request.method.as_deref().or(study.method.as_deref());
+    // Under all methods, one is that of the tables and figures, and the others stand beside it.
+    let all = request.method.as_deref() == Some(methods::ALL);
+    let asked = request.method.as_deref().filter(|_| !all).or(study.method.as_deref());
     let method = load::method(&first.scene, asked)?;
     let mut references = Vec::new();
     for layout in &study.layouts {
         layout.check(study.shaft_radius, method)?;
         references.push(reference::table(&study, layout, method, &request.overrides)?);
     }
+    if request.check {
+        check::print(&study, method, request.threads)?;
+        return Ok(Verdict::Done);
+    }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
     let folder = Folder::make(&path)?;
-    let work = Work {
+    let work_of = |method: &'static str, beside: bool| Work {
         study: &study,
         method,
-        folder: &path,
+        beside,
+        folder: if beside { path.join("methods").join(method) } else { path.clone() },
         threads: request.threads,
         shard: request.shard,
+        frames: request.frames,
         quiet: request.quiet,
     };
-    let made = match work.make() {
-        Ok(made) => made,
-        Err(failure) => {
-            folder.take_back();
-            return Err(failure);
+    let mut works = vec![work_of(method, false)];
+    if all {
+        let others = first.scene.methods.iter().map(|settings| settings.method).filter(|other| *other != method);
+        works.extend(others.map(|other| work_of(other, true)));
+    }
+    let mut made = Some(0);
+    for work in &works {
+        made = match work.make() {
+            Ok(made) => made,
+            Err(failure) => {
+                folder.take_back();
+                return Err(failure);
+            }
+        };
+        if made.is_none() {
+            break;
         }
-    };
-    let mut found = Vec::new();
-    for (layout, reference) in study.layouts.iter().zip(references) {
-        let Some(pair) = work.kept(layout) else { continue };
+    }
+    let work = &works[0];
+    let known = |k: usize| {
+        let layout = &study.layouts[k];
+        let pair = work.kept(layout)?;
         let design = study.design_of(layout);
         let fine = Answers::of(&layout.scene, &pair.fine, design);
         let coarse = pair.coarse.as_ref().map(|kept| Answers::of(&layout.scene, kept, design));
-        found.push(Found { layout, pair, fine, coarse, reference });
-    }
+        Some(Found { layout, pair, fine, coarse, reference: references[k].clone() })
+    };
+    let found: Vec<Found<'_>> =
+        parallel::in_order(study.layouts.len(), request.threads, known).into_iter().flatten().collect();
+    let beside = if all { methods::beside(&study, &works) } else { Vec::new() };
+    let others = beside.iter().map(|one| works.len() - one.said.len()).sum::<usize>();
     let missing = study.layouts.len() - found.len();
     if made.is_none() {
-        complain(&format!("interrupted: the same command runs the other {missing} layouts"));
+        complain(&format!("interrupted: the same command runs the other {} layouts", missing + others));
         return Ok(Verdict::Broken);
     }
-    if missing > 0 {
+    if missing + others > 0 {
         if !request.quiet {
-            answer(&format!("{missing} of {} layouts are left to other shards\n", study.layouts.len()))?;
+            answer(&format!(
+                "{} of {} layouts are left to other shards\n",
+                missing + others,
+                study.layouts.len() * works.len()
+            ))?;
         }
         return Ok(Verdict::Done);
     }
     let mut tried = Vec::new();
     if let Some(search) = &study.search {
-        match search::search(&study, search, &work)? {
+        match search::search(&study, search, work)? {
             Some(values) => tried = values,
             None => {
                 complain("interrupted: the same command goes on with the search");
@@ -122,18 +157,24 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     }
     let mut critical = None;
     if let Some(wanted) = &study.critical {
-        let Some(outcome) = critical::seek(&study, wanted, &work)? else {
+        let Some(outcome) = critical::seek(&study, wanted, work)? else {
             complain("interrupted: the same command goes on with the halving");
             return Ok(Verdict::Broken);
         };
         write_rows(&path, "critical.csv", &outcome.found)?;
         write_rows(&path, "critical_tried.csv", &outcome.tried)?;
-        critical = Some(critical::block(wanted, &outcome, &work)?);
+        critical = Some(critical::block(wanted, &outcome, work)?);
     }
     tables::write(&path, &study, method, &found)?;
-    report::write(request, &study, &work, &found, &tried, critical)?;
+    if all {
+        methods::write(&path, &beside)?;
+    }
+    report::write(request, &study, work, report::Told { found: &found, tried: &tried, beside: &beside, critical })?;
     if !request.quiet {
         answer(&tables::summary(&study, method, &found, &path))?;
+        for words in beside.iter().filter_map(methods::Beside::words) {
+            answer(&format!("  {words}\n"))?;
+        }
         if let Some(search) = &study.search {
             answer(&format!("  {}\n", search::words(search, &tried)))?;
         }

@@ -140,3 +140,31 @@ fn heat_is_neither_lost_nor_made_and_water_slows_freezing() {
         assert!(still > slow && slow > fast && fast > 0.0, "{}: ice {still}, {slow}, {fast} m2", kind.name);
     }
 }
+
+/// What is tried between two velocities narrows the range in which the greatest lies that the wall still closes at.
+#[test]
+fn how_much_keeps_a_wall_open_is_found_by_halving() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = "title = \"Rings\"\nscene = \"frozen-wall-seepage\"\nmethod = \"local\"\n\
+                 set = { \"time.duration_days\" = 20, \"time.outputs\" = 40, \"time.profiles_days\" = [20], \
+                 \"method.local.spacing_m\" = 0.25, \"domain.ring.outer_radius_m\" = 8 }\n\
+                 [[layouts]]\nname = \"ring\"\n[critical]\nkey = \"flow.velocity_m_per_day\"\n\
+                 values = [0, 0.5, 1]\nwithin = 0.1\n";
+    std::fs::write(folder.path().join("rings.toml"), study).expect("written");
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_frazil"));
+    let output = command.args(["layout", "rings.toml", "--quiet", "--out", "out"]).current_dir(folder.path()).output();
+    let output = output.expect("the program starts");
+    assert!(output.status.success(), "{output:?}");
+    let rows = |name: &str| -> Vec<std::collections::BTreeMap<String, String>> {
+        let mut reader = csv::Reader::from_path(folder.path().join("out").join(name)).expect("a table");
+        reader.deserialize().map(|row| row.expect("a row")).collect()
+    };
+    let number = |text: &str| text.parse::<f64>().expect("a number");
+    let found = rows("critical.csv");
+    let (closes, open) = (number(&found[0]["closes_up_to"]), number(&found[0]["open_from"]));
+    assert!(closes < open && open - closes <= 0.1, "{found:?}");
+    for tried in rows("critical_tried.csv") {
+        let closed = !tried["closure_days"].is_empty();
+        assert_eq!(closed, number(&tried["value"]) <= closes, "{tried:?}");
+    }
+}

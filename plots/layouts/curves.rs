@@ -126,6 +126,26 @@ pub fn planes(layouts: &[LayoutView<'_>], freezing_c: f64) -> Canvas {
     canvas
 }
 
+/// Temperature around the ring, through the pipes of the first ring, at the last instant of each layout.
+pub fn axis(layouts: &[LayoutView<'_>], freezing_c: f64) -> Canvas {
+    let mut entries: Vec<Entry> = layouts.iter().enumerate().map(|(k, layout)| entry(k, &layout.name)).collect();
+    entries.iter_mut().for_each(|entry| entry.marker = None);
+    let isotherm = Stroke::whole(REFERENCE, 1.6);
+    let freezing = format!("freezing point, {} °C", number(freezing_c, 3));
+    entries.push(Entry { text: freezing, stroke: Some(isotherm), marker: None });
+    let (mut canvas, top) = begun("Temperature around the ring, from pipe to pipe", &entries, 390.0);
+    let points = || layouts.iter().flat_map(|layout| &layout.axis);
+    let x = Axis::between("angle from the x axis (°)", 0.0, 360.0);
+    let y = Axis::linear("temperature (°C)", points().map(|(_, value)| *value).chain([freezing_c]));
+    let frame = Frame::inside((0.0, top), (canvas.width, canvas.height), x, y);
+    frame.draw(&mut canvas);
+    frame.curve(&mut canvas, [(frame.x.low, freezing_c), (frame.x.high, freezing_c)], isotherm);
+    for (k, layout) in layouts.iter().enumerate() {
+        frame.curve(&mut canvas, layout.axis.iter().copied(), look(k).stroke(2.0));
+    }
+    canvas
+}
+
 /// A drawing with its title and legend, and where they end (px).
 fn begun(heading: &str, entries: &[Entry], below: f64) -> (Canvas, f64) {
     // A legend takes as much room wherever it is drawn.

@@ -1,6 +1,6 @@
 //! All figures of a study.
 
-use super::{LayoutView, gaps_polar, load, maps, mean_temperature, planes, sketches, summary, thickness};
+use super::{LayoutView, axis, gaps_polar, load, maps, mean_temperature, planes, sketches, summary, thickness};
 use crate::canvas::Canvas;
 
 /// A figure with its file name (without ending) and caption.
@@ -64,6 +64,11 @@ pub fn drawings(layouts: &[LayoutView<'_>], freezing_c: f64) -> Vec<Drawing> {
         let caption = "Temperature from the centre outwards at the last instant, through the place of pipe 1.1 and \
                        midway to 1.2.";
         add("planes".into(), caption, planes(layouts, freezing_c), true);
+    }
+    if layouts.iter().any(|layout| !layout.axis.is_empty()) {
+        let caption = "Temperature on the axis plane, around the ring through the pipes of the first ring, at the last instant: \
+                       warmest where the wall is weakest.";
+        add("axis".into(), caption, axis(layouts, freezing_c), true);
     }
     for (k, layout) in layouts.iter().enumerate() {
         for (day, canvas) in maps(layout, freezing_c) {

@@ -5,6 +5,7 @@ use frazil_core::scene::{Domain, Scene};
 use frazil_plots::layouts::between;
 use serde::{Deserialize, Serialize};
 
+use super::around::{Around, Axis, around};
 use super::formula::SteadyRing;
 use super::study::{Design, working};
 
@@ -32,13 +33,23 @@ pub struct Kept {
     pub gaps: Vec<GapRow>,
     /// When a closed wall stood (s).
     pub wall_closure_s: Option<f64>,
+    /// What its maps say of it, where it has maps.
+    #[serde(default)]
+    pub around: Vec<Around>,
+    /// The axis plane at the last map: angles (degrees) and temperatures.
+    #[serde(default)]
+    pub axis: Axis,
 }
 
 impl Kept {
-    /// From a run.
-    pub fn of(result: &RunResult) -> Kept {
+    /// From a run of a scene.
+    pub fn of(scene: &Scene, result: &RunResult) -> Kept {
         let last = result.profiles.iter().map(|row| row.time_s).fold(f64::NEG_INFINITY, f64::max);
+        let weakest = weakest(&result.links, result.wall_closure_s);
+        let (around, axis) = around(scene, result, weakest);
         Kept {
+            around,
+            axis,
             record: result.record.clone(),
             links: result.links.clone(),
             planes: result.planes.clone(),
@@ -89,6 +100,10 @@ pub struct Day {
     pub mean_interface_c: Option<f64>,
     /// Mean temperature of all frozen ground.
     pub mean_c: Option<f64>,
+    /// Thickness at the weakest gap (m), where there is a map of this instant.
+    pub thickness_weakest_m: Option<f64>,
+    /// Mean temperature on the axis plane, where there is a map of this instant.
+    pub mean_axis_c: Option<f64>,
     /// Heat taken by a pipe, mean over all (W/m).
     pub heat_per_pipe_w_per_m: f64,
     /// Heat taken by all pipes since the start (MJ by metre of depth).
@@ -123,10 +138,14 @@ pub struct Answers {
     pub days: Vec<Day>,
     /// Heat taken by all pipes over time: seconds, W by metre of depth.
     pub load: Vec<(f64, f64)>,
+    /// Heat taken by all pipes since the start: seconds, MJ by metre of depth.
+    pub energy: Vec<(f64, f64)>,
     /// Greatest load after the first day (W/m).
     pub peak: f64,
     /// Mean temperature of the wall and heat per pipe (W/m) of the steady ring with the same fronts at the end.
     pub formula: Option<(f64, f64)>,
+    /// What the outer wall has done; none where water flows.
+    pub far: Option<Far>,
     /// How the run ended.
     pub outcome: Outcome,
 }
@@ -140,37 +159,75 @@ impl Answers {
         let open = kept.links.iter().filter(|link| link.closure_s.is_none()).count();
         let series = Series::of(scene, kept);
         let load: Vec<(f64, f64)> = series.heat.iter().map(|(time, heat)| (*time, heat * pipes as f64)).collect();
-        let days: Vec<Day> = scene.watch.profiles.iter().map(|time| series.day(*time)).collect();
-        let reached = |design: Design| {
-            let good = |day: &Day| {
-                day.thickness_interface_m >= design.thickness_m
-                    && day.mean_c.is_some_and(|mean| mean <= design.mean_temperature_c)
-            };
-            // Outputs are where thickness and temperature are known.
-            kept.walls.iter().map(|row| series.day(row.time_s)).find(good).map(|found| found.day)
+        let mapped = |time: f64| kept.around.iter().find(|map| (map.time_s - time).abs() <= 1e-9 * scene.duration);
+        let on = |time: &f64| Day {
+            thickness_weakest_m: mapped(*time).and_then(|map| map.thickness_weakest_m),
+            mean_axis_c: mapped(*time).and_then(|map| map.mean_axis_c),
+            ..series.day(*time)
         };
+        let days: Vec<Day> = scene.watch.profiles.iter().map(on).collect();
         Answers {
             pipes,
             first_gap: closures().reduce(f64::min).map(day),
             closure: kept.wall_closure_s.map(day),
-            weakest: weakest(kept),
+            weakest: weakest(&kept.links, kept.wall_closure_s).cloned(),
             open,
             all_gaps: if open == 0 { closures().reduce(f64::max).map(day) } else { None },
-            design: design.and_then(reached),
+            design: design.and_then(|design| series.reached(&kept.walls, design)),
+            far: Far::of(scene, kept, &series),
             formula: days.last().and_then(|last| formula(scene, last)),
             days,
             peak: load.iter().filter(|(time, _)| *time > DAY).map(|(_, load)| *load).fold(0.0, f64::max),
             load,
+            energy: series.taken.iter().map(|(time, taken)| (*time, 1e-6 * taken)).collect(),
             outcome: kept.record.outcome,
         }
     }
 }
 
 /// The link that was last to close the wall; while it is open, the widest open one.
-fn weakest(kept: &Kept) -> Option<LinkRow> {
-    let closing = kept.links.iter().find(|link| kept.wall_closure_s.is_some() && link.closure_s == kept.wall_closure_s);
-    let open = kept.links.iter().filter(|link| link.closure_s.is_none());
-    closing.or_else(|| open.max_by(|a, b| a.distance_m.total_cmp(&b.distance_m))).cloned()
+fn weakest(links: &[LinkRow], closure_s: Option<f64>) -> Option<&LinkRow> {
+    let closing = links.iter().find(|link| closure_s.is_some() && link.closure_s == closure_s);
+    let open = links.iter().filter(|link| link.closure_s.is_none());
+    closing.or_else(|| open.max_by(|a, b| a.distance_m.total_cmp(&b.distance_m)))
+}
+
+/// What the outer wall, which stands for ground without end, has done by the end of a run.
+///
+/// A wall of the ground's own temperature gives heat that ground beyond it would have kept, one that is insulated lacks it. What is
+/// false by that at the wall has to come the same way again to be felt by pipes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Far {
+    /// Heat that came through the wall over that taken by pipes.
+    pub share: f64,
+    /// How far ground at the wall has cooled from the start towards the freezing point, over all the way.
+    pub cooled: f64,
+}
+
+impl Far {
+    /// Share and cooling from which on the load is off by more than some 1 %: the guide has the numbers.
+    const SHARE: f64 = 0.1;
+    const COOLED: f64 = 0.6;
+
+    /// Of a run; none where water flows, which brings heat through the wall.
+    fn of(scene: &Scene, kept: &Kept, series: &Series) -> Option<Far> {
+        if scene.flow.is_some() {
+            return None;
+        }
+        let (_, taken) = series.taken.last()?;
+        let (_, given) = series.given.last()?;
+        let outermost =
+            kept.profiles.iter().filter(|row| row.plane == "interface").max_by(|a, b| a.x_m.total_cmp(&b.x_m))?;
+        let way = scene.initial_temperature - scene.materials[0].freezing_point;
+        let cooled = (scene.initial_temperature - outermost.temperature_c) / way;
+        let share = if *taken > 0.0 { given / taken } else { 0.0 };
+        Some(Far { share, cooled: if way > 0.0 { cooled } else { 0.0 } })
+    }
+
+    /// Whether it matters.
+    pub fn matters(&self) -> bool {
+        self.share > Far::SHARE || self.cooled > Far::COOLED
+    }
 }
 
 /// What is read of the wall over time: seconds and values.
@@ -189,6 +246,8 @@ struct Series {
     heat: Vec<(f64, f64)>,
     /// Heat taken by all pipes (J/m).
     taken: Vec<(f64, f64)>,
+    /// Heat given by the outer wall (J/m).
+    given: Vec<(f64, f64)>,
 }
 
 impl Series {
@@ -204,9 +263,12 @@ impl Series {
             rows.filter_map(|row| Some((row.time_s, value(row)?))).collect()
         };
         // Columns are named after doors: walls, pipes or pipes_2, perhaps what is inside.
-        let pipes: Vec<usize> =
-            (0..kept.budget_names.len()).filter(|k| kept.budget_names[*k].starts_with("pipes")).collect();
-        let taken = |row: &BudgetRow| -images * pipes.iter().filter_map(|k| row.in_j.get(*k)).sum::<f64>();
+        let entered = |name: &str, sign: f64| {
+            let doors: Vec<usize> =
+                (0..kept.budget_names.len()).filter(|k| kept.budget_names[*k].starts_with(name)).collect();
+            let sum = |row: &BudgetRow| sign * images * doors.iter().filter_map(|k| row.in_j.get(*k)).sum::<f64>();
+            kept.budget.iter().map(|row| (row.time_s, sum(row))).collect()
+        };
         Series {
             thickness_interface: wall(|row| row.thickness_interface_m),
             thickness_main: wall(|row| row.thickness_main_m),
@@ -219,8 +281,31 @@ impl Series {
             mean_interface: plane("interface", |row| row.mean_temperature_c),
             mean: plane("wall", |row| row.mean_temperature_c),
             heat: wall(|row| row.heat_per_pipe_w_per_m),
-            taken: kept.budget.iter().map(|row| (row.time_s, taken(row))).collect(),
+            taken: entered("pipes", -1.0),
+            given: entered("outer", 1.0),
         }
+    }
+
+    /// Day on which the wall first was as designed, between the outputs (rows of `walls`) that tell of it.
+    fn reached(&self, walls: &[WallRow], design: Design) -> Option<f64> {
+        // How far both are from what is wanted, as parts of it: 0 or less once they are there.
+        let lack = |day: &Day| {
+            let thin = design.thickness_m - day.thickness_interface_m;
+            day.mean_c.map(|mean| [thin, mean - design.mean_temperature_c])
+        };
+        let mut before: Option<(f64, [f64; 2])> = None;
+        for row in walls {
+            let day = self.day(row.time_s);
+            let Some(now) = lack(&day) else { continue };
+            if now.iter().all(|lack| *lack <= 0.0) {
+                let Some((last, lacked)) = before else { return Some(day.day) };
+                let part =
+                    lacked.iter().zip(now).map(|(last, now)| if *last > 0.0 { last / (last - now) } else { 0.0 });
+                return Some(last + part.fold(0.0, f64::max) * (day.day - last));
+            }
+            before = Some((day.day, now));
+        }
+        None
     }
 
     /// The wall at an instant; what is not there yet is absent, or 0.
@@ -237,6 +322,8 @@ impl Series {
             mean_main_c: read(&self.mean_main),
             mean_interface_c: read(&self.mean_interface),
             mean_c: read(&self.mean),
+            thickness_weakest_m: None,
+            mean_axis_c: None,
             heat_per_pipe_w_per_m: read(&self.heat).unwrap_or(0.0),
             energy_mj_per_m: 1e-6 * read(&self.taken).unwrap_or(0.0),
         }

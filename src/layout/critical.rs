@@ -87,7 +87,7 @@ pub struct Found {
     pub closes_up_to: Option<f64>,
     /// The least value that was tried at which it does not; none if it always closes.
     pub open_from: Option<f64>,
-    /// Darcy velocity (m a day) whose heat a pipe beside a gap that has just closed can take ([`balance`]).
+    /// Darcy velocity (m a day) whose heat a pipe beside a gap that has just closed can take, by a balance of heat.
     pub heat_balance_m_per_day: Option<f64>,
 }
 
@@ -269,7 +269,7 @@ pub(super) fn block(critical: &Critical, outcome: &Outcome, work: &Work<'_>) -> 
         })
         .collect();
     let canvas = critical_map(&views, &critical.key);
-    canvas.write(work.folder, "critical")?;
+    canvas.write(&work.folder, "critical")?;
     let figure = Figure::new(
         &canvas,
         format!(

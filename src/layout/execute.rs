@@ -1,20 +1,23 @@
 //! Runs of all layouts, side by side; those that a folder holds are not run again.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use frazil_core::march::{self, Options};
+use frazil_core::march::{self, EachOutput, Options};
+use frazil_core::particles::Particles;
 use frazil_core::record::Outcome;
 use frazil_core::scene::Scene;
 use frazil_plots::{FigureOptions, run_figures};
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::answers::Kept;
 use super::study::{Layout, Role, Study};
 use crate::failure::{Failure, complain};
+use crate::fields::{self, Snapshots};
 use crate::progress::{Reporter, clock};
 use crate::{interrupt, load, output, parallel};
 
@@ -31,8 +34,24 @@ pub struct Pair {
     pub refused: Option<String>,
 }
 
+/// By what a layout that is kept is known again.
+#[derive(Debug, Serialize, Deserialize)]
+struct Known {
+    key: String,
+}
+
+/// Why a method cannot run a layout.
+#[derive(Debug, Serialize, Deserialize)]
+struct Refusal {
+    key: String,
+    reason: String,
+}
+
 /// File of a layout that is whole.
 const KEPT: &str = "layout.json";
+
+/// File of a layout that the method cannot run.
+const REFUSED: &str = "refused.json";
 
 /// Runs of a study.
 pub struct Work<'a> {
@@ -40,12 +59,16 @@ pub struct Work<'a> {
     pub study: &'a Study,
     /// Method.
     pub method: &'static str,
+    /// Whether it stands beside another method: only layouts that are compared are run, and those that it cannot run are left.
+    pub beside: bool,
     /// Folder.
-    pub folder: &'a Path,
+    pub folder: PathBuf,
     /// Workers.
     pub threads: usize,
     /// Which part of the layouts is to be run, of how many.
     pub shard: (usize, usize),
+    /// Whether layouts that are compared leave frames of an animation.
+    pub frames: bool,
     /// Whether to say nothing but errors.
     pub quiet: bool,
 }
@@ -55,8 +78,13 @@ impl Work<'_> {
     pub fn make(&self) -> Result<Option<usize>, Failure> {
         let (shard, shards) = self.shard;
         let layouts = &self.study.layouts;
-        let wanted: Vec<usize> =
-            (0..layouts.len()).filter(|k| k % shards == shard && self.kept(&layouts[*k]).is_none()).collect();
+        let own: Vec<usize> = (0..layouts.len())
+            .filter(|k| k % shards == shard && (!self.beside || layouts[*k].role == Role::Compared))
+            .collect();
+        let open = |k: usize| (!self.is_done(&layouts[own[k]])).then_some(own[k]);
+        let mut wanted: Vec<usize> = parallel::in_order(own.len(), self.threads, open).into_iter().flatten().collect();
+        // The longest come first, so that none is left alone at the end.
+        wanted.sort_by_key(|k| layouts[*k].images());
         let reporter = Reporter::new(self.quiet);
         let (began, done, failed) = (Instant::now(), AtomicUsize::new(0), Mutex::new(None));
         let made = parallel::in_order(wanted.len(), self.threads, |k| {
@@ -106,11 +134,35 @@ impl Work<'_> {
         format!("{version} {} {} {}", layout.name, self.method, layout.scene.hash)
     }
 
-    /// What is known of a layout.
+    fn draws_frames(&self, layout: &Layout) -> bool {
+        self.frames && layout.role == Role::Compared && !self.beside
+    }
+
+    fn lacks_frames(&self, layout: &Layout) -> bool {
+        self.draws_frames(layout) && !self.folder_of(layout).join(fields::NAMES[2]).is_dir()
+    }
+
+    /// A file of the folder of a layout, if it is of this layout.
+    fn read<T: DeserializeOwned>(&self, layout: &Layout, name: &str, key: fn(&T) -> &str) -> Option<T> {
+        let text = fs::read_to_string(self.folder_of(layout).join(name)).ok()?;
+        let found: T = serde_json::from_str(&text).ok()?;
+        (key(&found) == self.key(layout)).then_some(found)
+    }
+
+    /// What is known of a layout; nothing while frames are wanted that it has not left.
     pub fn kept(&self, layout: &Layout) -> Option<Pair> {
-        let text = fs::read_to_string(self.folder_of(layout).join(KEPT)).ok()?;
-        let pair: Pair = serde_json::from_str(&text).ok()?;
-        (pair.key == self.key(layout)).then_some(pair)
+        if self.lacks_frames(layout) { None } else { self.read(layout, KEPT, |pair: &Pair| &pair.key) }
+    }
+
+    /// Why the method cannot run a layout, where it has been found that it cannot.
+    pub fn refused(&self, layout: &Layout) -> Option<String> {
+        let found = self.read(layout, REFUSED, |refusal: &Refusal| &refusal.key);
+        found.filter(|_| self.beside).map(|refusal| refusal.reason)
+    }
+
+    fn is_done(&self, layout: &Layout) -> bool {
+        let known = || self.read(layout, KEPT, |known: &Known| &known.key).is_some();
+        (!self.lacks_frames(layout) && known()) || self.refused(layout).is_some()
     }
 
     /// What is known of a layout, which is run if nothing is; none if it was interrupted.
@@ -125,35 +177,62 @@ impl Work<'_> {
     /// One layout; says whether it came to its end.
     fn layout(&self, layout: &Layout) -> Result<bool, Failure> {
         let named = |failure: Failure| Failure::Request(format!("layout \"{}\": {failure}", layout.name));
+        let path = self.folder_of(layout);
+        fs::create_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
+        let wanted = self.draws_frames(layout);
+        let frames =
+            if wanted { Some(Snapshots::new(&layout.scene, self.method, (false, true), &path)?) } else { None };
+        let see = |particles: &Particles, time: f64| {
+            if let Some(frames) = &frames {
+                frames.see(particles, time);
+            }
+        };
         let options = Options {
             threads: 1,
             seed: 1,
             interrupt: Some(interrupt::watch()),
             progress: None,
             time_limit_s: None,
-            fields: layout.role == Role::Compared,
+            fields: layout.role == Role::Compared && !self.beside,
             each_output: None,
         };
-        let run = |scene: &Scene| march::run(scene, self.method, None, &options).map_err(Failure::from);
-        let fine = run(&layout.scene).map_err(named)?;
+        let run = |scene: &Scene, see: Option<&EachOutput<'_>>| {
+            let options = Options { each_output: see, ..options };
+            march::run(scene, self.method, None, &options).map_err(Failure::from)
+        };
+        let seen: Option<&EachOutput<'_>> = if frames.is_some() { Some(&see) } else { None };
+        let tried = match self.beside {
+            true => layout.check(self.study.shaft_radius, self.method).and_then(|()| run(&layout.scene, seen)),
+            false => run(&layout.scene, seen).map_err(named),
+        };
+        let fine = match tried {
+            Ok(fine) => fine,
+            Err(failure) if self.beside => {
+                let refusal = Refusal { key: self.key(layout), reason: failure.to_string() };
+                return output::write_json(&path.join(REFUSED), &refusal).map(|()| true);
+            }
+            Err(failure) => return Err(failure),
+        };
         if matches!(fine.record.outcome, Outcome::Interrupted | Outcome::TimedOut) {
             return Ok(false);
         }
         let (mut coarse, mut refused) = (None, None);
-        match self.coarser(layout).and_then(|scene| run(&scene)) {
-            Ok(result) if result.record.outcome == Outcome::Interrupted => return Ok(false),
-            Ok(result) => coarse = Some(Kept::of(&result)),
+        match self.coarser(layout).and_then(|scene| Ok((run(&scene, None)?, scene))) {
+            Ok((result, _)) if result.record.outcome == Outcome::Interrupted => return Ok(false),
+            Ok((result, scene)) => coarse = Some(Kept::of(&scene, &result)),
             Err(failure) => refused = Some(failure.to_string()),
         }
-        let path = self.folder_of(layout);
-        fs::create_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
-        output::write_run(&path, &fine)?;
+        output::write_run_and(&path, &fine, || frames.map_or(Ok(()), |frames| frames.finish(&path)))?;
         if layout.role == Role::Compared
+            && !self.beside
             && let Err(error) = run_figures(&fine, &path, &FigureOptions::of(&layout.scene))
         {
             complain(&format!("figures: {error}"));
         }
-        output::write_json(&path.join(KEPT), &Pair { key: self.key(layout), fine: Kept::of(&fine), coarse, refused })?;
+        output::write_json(
+            &path.join(KEPT),
+            &Pair { key: self.key(layout), fine: Kept::of(&layout.scene, &fine), coarse, refused },
+        )?;
         Ok(true)
     }
 

@@ -22,6 +22,13 @@ pub(super) struct Entry {
     set: Table,
 }
 
+impl Entry {
+    /// Whether it has a design of its own.
+    pub(super) fn is_designed(&self) -> bool {
+        self.design.is_some()
+    }
+}
+
 /// A layer of ground and what it changes of the scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Horizon {

@@ -11,6 +11,9 @@ use super::study::{Layout, Role, Study};
 use super::write_rows;
 use crate::failure::Failure;
 
+/// What stands for all methods of a scene in place of the name of one.
+pub(super) const ALL: &str = "all";
+
 /// What a method says of a layout.
 #[derive(Debug, Clone)]
 pub(super) enum Said {
@@ -94,6 +97,15 @@ impl Beside<'_> {
             let range = (values.iter().copied().reduce(f64::min)?, values.iter().copied().reduce(f64::max)?);
             (values.len() > 1).then_some(range)
         })
+    }
+
+    /// How far its day of closure lies apart, in words.
+    pub(super) fn words(&self) -> Option<String> {
+        let (name, count) = (&self.layout.name, self.answers().len());
+        let (first, last) = self.range()[0]?;
+        let refused: Vec<&str> = self.refusals().map(|(method, _)| method).collect();
+        let without = if refused.is_empty() { String::new() } else { format!(", without {}", refused.join(", ")) };
+        Some(format!("{name}, {count} methods: closes on day {first:.2} to {last:.2}{without}"))
     }
 
     /// What a figure shows of it.

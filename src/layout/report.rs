@@ -6,27 +6,40 @@ use frazil_core::record::RunResult;
 use frazil_core::scene::Domain;
 use frazil_plots::layouts::{LayoutView, PipeView, drawings};
 use frazil_plots::page::{self, Block, Fact, Figure, Page, Table};
+use frazil_plots::style::number;
 
-use super::answers::DAY;
+use super::answers::{DAY, Far};
 use super::execute::Work;
+use super::methods::Beside;
 use super::search::{self, Tried};
 use super::shaft::{ShaftRow, shafts};
 use super::study::{Design, Role, Search, Study};
 use super::{Found, LayoutRequest, reference, tables};
 use crate::failure::Failure;
 use crate::machine::Machine;
+use crate::parallel;
 
 /// Layouts of which each has its own figures on the page; of more, they lie in the folders.
 const SHOWN: usize = 6;
+
+/// What a page tells of.
+pub(super) struct Told<'a> {
+    /// All layouts.
+    pub(super) found: &'a [Found<'a>],
+    /// What a search has tried.
+    pub(super) tried: &'a [Tried],
+    /// Layouts under all methods.
+    pub(super) beside: &'a [Beside<'a>],
+    /// What has been sought of each layout.
+    pub(super) critical: Option<Block>,
+}
 
 /// Writes figures and page.
 pub(super) fn write(
     request: &LayoutRequest,
     study: &Study,
     work: &Work<'_>,
-    found: &[Found<'_>],
-    tried: &[Tried],
-    critical: Option<Block>,
+    Told { found, tried, beside, critical }: Told<'_>,
 ) -> Result<(), Failure> {
     let compared: Vec<&Found<'_>> = found.iter().filter(|one| one.layout.role == Role::Compared).collect();
     let mut page = Page {
@@ -47,19 +60,21 @@ pub(super) fn write(
     let views: Vec<LayoutView<'_>> = compared.iter().zip(&runs).map(|(one, run)| view(study, one, run)).collect();
     let freezing = compared.first().map_or(0.0, |one| one.layout.scene.materials[0].freezing_point);
     let (mut first, mut figures) = (Vec::new(), Vec::new());
-    for drawing in drawings(&views, freezing) {
-        drawing.canvas.write(work.folder, &drawing.stem)?;
+    let drawings = drawings(&views, freezing);
+    let draw = |k: usize| Some(drawings[k].canvas.write(&work.folder, &drawings[k].stem));
+    for written in parallel::in_order(drawings.len(), work.threads, draw) {
+        written.transpose()?;
+    }
+    for drawing in drawings {
         if !drawing.together && views.len() > SHOWN {
             continue;
         }
         let own = if figures.is_empty() && first.is_empty() { &mut first } else { &mut figures };
         own.push(Figure::new(&drawing.canvas, drawing.caption, drawing.stem));
     }
-    page.opening.push(Block {
-        figures: first,
-        tables: vec![overview(study, work.method, &compared)],
-        ..Block::default()
-    });
+    let near = compared.iter().filter_map(|one| near(one)).collect();
+    let tables = vec![overview(study, work.method, &compared)];
+    page.opening.push(Block { list: near, figures: first, tables, ..Block::default() });
     page.opening.push(Block { figures, ..Block::default() });
     page.opening.extend(reference::block(found));
     if compared.len() <= SHOWN {
@@ -77,6 +92,7 @@ pub(super) fn write(
             ..Block::default()
         });
     }
+    page.opening.extend(methods_block(work, beside)?);
     page.opening.extend(what_if(study, found));
     page.opening.extend(critical);
     page.opening.extend(study.search.as_ref().map(|search| searched(search, tried)));
@@ -124,6 +140,7 @@ fn view<'a>(study: &Study, one: &Found<'_>, run: &'a RunResult) -> LayoutView<'a
         shaft_radius_m: study.shaft_radius,
         result: run,
         load: one.fine.load.clone(),
+        axis: one.pair.fine.axis.clone(),
         closure_s: one.fine.closure.map(|day| day * DAY),
         design: one.fine.design.map(|day| day * DAY),
     }
@@ -152,7 +169,7 @@ fn over_depth(study: &Study, work: &Work<'_>, found: &[Found<'_>]) -> Result<Opt
     }
     let views: Vec<_> = compared.iter().map(|shaft| shaft.view(study)).collect();
     let drawing = frazil_plots::layouts::over_depth(&views);
-    drawing.write(work.folder, "depth")?;
+    drawing.write(&work.folder, "depth")?;
     let caption = "Each horizon of the layouts; boreholes are read at the depth that stands in the table of horizons.";
     let figures = vec![Figure::new(&drawing, caption, "depth")];
     let heads =
@@ -198,6 +215,44 @@ fn over_depth(study: &Study, work: &Work<'_>, found: &[Found<'_>]) -> Result<Opt
     };
     let heading = "The shaft over its depth".into();
     Ok(Some(Block { heading, figures, tables: vec![shafts, horizons], ..Block::default() }))
+}
+
+/// The same layouts under several methods.
+fn methods_block(work: &Work<'_>, beside: &[Beside<'_>]) -> Result<Option<Block>, Failure> {
+    if beside.is_empty() {
+        return Ok(None);
+    }
+    let views: Vec<_> = beside.iter().map(Beside::view).collect();
+    let drawing = frazil_plots::layouts::methods(&views);
+    drawing.write(&work.folder, "methods")?;
+    let caption = "Day of closure, and thickness, mean temperature and load at the end, as each method has them.";
+    let figures = vec![Figure::new(&drawing, caption, "methods")];
+    let heads = ["layout", "methods", "wall closes (day)", "thickness (m)", "mean temperature (°C)", "load (W/m)"];
+    let row = |one: &Beside<'_>| {
+        let all = one.answers();
+        let names: Vec<&str> = all.iter().map(|(method, _)| *method).collect();
+        let span = |k: usize, digits: usize| match one.range()[k] {
+            Some((least, most)) => {
+                let open = all.iter().filter(|(_, answers)| answers[k].is_none()).count();
+                let open = if open > 0 { format!(", {open} not closed") } else { String::new() };
+                format!("{least:.digits$} to {most:.digits$} ({:.digits$} apart{open})", most - least)
+            }
+            None => "none, or of one method".into(),
+        };
+        vec![one.layout.name.clone(), names.join(", "), span(0, 2), span(1, 2), span(2, 2), span(3, 0)]
+    };
+    let table = Table {
+        caption: "How far the answers of the methods lie apart.".into(),
+        heads: heads.map(String::from).into(),
+        rows: beside.iter().map(row).collect(),
+        words: 2,
+        csv: Some("methods.csv".into()),
+    };
+    let refusals = beside.iter().flat_map(|one| {
+        one.refusals().map(|(method, reason)| format!("{} does not run under {method}: {reason}.", one.layout.name))
+    });
+    let (heading, list) = ("Methods beside each other".into(), refusals.collect());
+    Ok(Some(Block { heading, figures, tables: vec![table], list, ..Block::default() }))
 }
 
 /// What changes of one key and deviating boreholes do.
@@ -250,13 +305,27 @@ fn what_if(study: &Study, found: &[Found<'_>]) -> Vec<Block> {
 /// What a search has tried.
 fn searched(search: &Search, tried: &[Tried]) -> Block {
     let row = |one: &Tried| {
-        let in_time = if one.least { "the least" } else { "yes" };
+        let in_time = if one.least { "the best" } else { "yes" };
         let words = if one.in_time { in_time } else { "no" };
-        vec![one.value.to_string(), cell(one.closure_days, 2, "not closed"), words.to_owned()]
+        let mut cells = vec![
+            number(one.value, 5),
+            cell(one.closure_days, 2, "not closed"),
+            format!("{:.0}", one.energy_mj_per_m),
+            words.to_owned(),
+        ];
+        if search.design_days.is_some() {
+            cells.insert(2, cell(one.design_days, 1, "not reached"));
+        }
+        cells
     };
+    let energy = format!("energy to day {} (MJ/m)", search.last_day());
+    let mut heads = vec![search.key.clone(), "wall closes (day)".into(), energy, "in time".into()];
+    if search.design_days.is_some() {
+        heads.insert(2, "as designed (day)".into());
+    }
     let table = Table {
         caption: format!("{}.", search::words(search, tried)),
-        heads: vec![search.key.clone(), "wall closes (day)".into(), "in time".into()],
+        heads,
         rows: tried.iter().map(row).collect(),
         words: 0,
         csv: Some("search.csv".into()),
@@ -288,6 +357,7 @@ fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
         "wall closes (day)",
         "first gap (day)",
         "thickness at the end (m)",
+        "at the weakest gap (m)",
         "mean temperature (°C)",
         "load, greatest (W/m)",
         "load at the end (W/m)",
@@ -327,6 +397,7 @@ fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
             with_error(fine.closure, tables::closure_error(one), 2, "not closed"),
             cell(fine.first_gap, 2, "none"),
             with_error(thickness, off(thickness, far.map(|day| day.thickness_interface_m)), 2, ""),
+            cell(end.and_then(|day| day.thickness_weakest_m), 2, ""),
             with_error(mean, off(mean, far.and_then(|day| day.mean_c)), 2, ""),
             format!("{:.0}", fine.peak),
             cell(end.map(|day| day.heat_per_pipe_w_per_m * fine.pipes as f64), 0, ""),
@@ -353,6 +424,21 @@ fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
         words: 2,
         csv: Some("layouts.csv".into()),
     }
+}
+
+/// A warning where the outer wall is too near.
+fn near(one: &Found<'_>) -> Option<String> {
+    let far = one.fine.far.filter(Far::matters)?;
+    let said = if far.share > 0.0 {
+        format!("{:.0} % of the heat that pipes took came through it", 100.0 * far.share)
+    } else {
+        format!("ground at it has gone {:.0} % of the way to the freezing point", 100.0 * far.cooled)
+    };
+    Some(format!(
+        "{}: the outer wall is too near: {said} by the end, so load and thickness are off by more than some 1 %. A larger \
+         domain.ring.outer_radius_m mends it.",
+        one.layout.name
+    ))
 }
 
 /// What holds for all layouts, and which part of the plan each was run on.

@@ -1,74 +1,196 @@
-//! The least value of a key at which the wall closes in time, by halving the range in which it must lie.
+//! Search over one key: the least whole number that is in time, by halving, or the value of least energy that is, by Brent's
+//! method.
 //!
-//! It takes for granted that more closes earlier, as more pipes do; the value below the one found is always tried.
+//! Halving takes for granted that more is earlier, as more pipes are. Each value that is tried is a layout in a folder of its own, so a
+//! search that was stopped goes on where it stood: it asks for the same values again and finds them.
 
+use std::cell::RefCell;
+
+use argmin::core::{CostFunction, Executor};
+use argmin::solver::brent::BrentOpt;
+use frazil_plots::layouts::between;
 use serde::Serialize;
 
-use super::answers::Answers;
+use super::answers::{Answers, DAY};
 use super::execute::Work;
-use super::study::{Search, Study};
+use super::study::{Goal, Search, Study};
 use crate::failure::Failure;
+use crate::parallel;
 
 /// A value that was tried: a row of `search.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Tried {
     /// The value.
-    pub value: i64,
+    pub value: f64,
     /// Day on which the wall closed.
     pub closure_days: Option<f64>,
+    /// Day on which it was as designed.
+    pub design_days: Option<f64>,
+    /// Energy to the last day that is asked for (MJ by metre of depth).
+    pub energy_mj_per_m: f64,
     /// Whether in time.
     pub in_time: bool,
-    /// Whether it is the least that is.
+    /// Whether it is the one that was searched.
     pub least: bool,
 }
 
-/// Tries values until the least is known, in the order of the values; none if it was interrupted.
-pub(super) fn search(study: &Study, search: &Search, work: &Work<'_>) -> Result<Option<Vec<Tried>>, Failure> {
-    let mut tried: Vec<Tried> = Vec::new();
-    let mut try_one = |value: i64| -> Result<Option<bool>, Failure> {
-        let mut closures = Vec::new();
-        for layout in study.tried(search, value)? {
-            let Some(pair) = work.made(&layout)? else { return Ok(None) };
-            closures.push(Answers::of(&layout.scene, &pair.fine, study.design_of(&layout)).closure);
-        }
-        // A shaft is closed once it is closed at all horizons.
-        let closure_days =
-            closures.into_iter().collect::<Option<Vec<f64>>>().and_then(|days| days.into_iter().reduce(f64::max));
-        let in_time = closure_days.is_some_and(|day| day <= search.closure_days);
-        tried.push(Tried { value, closure_days, in_time, least: false });
-        Ok(Some(in_time))
-    };
-    let Some(most) = try_one(search.to)? else { return Ok(None) };
-    let mut least = most.then_some(search.to);
-    if most {
-        let Some(first) = try_one(search.from)? else { return Ok(None) };
-        let (mut late, mut in_time) = (search.from, if first { search.from } else { search.to });
-        while in_time - late > 1 {
-            let middle = late + (in_time - late) / 2;
-            match try_one(middle)? {
-                Some(true) => in_time = middle,
-                Some(false) => late = middle,
-                None => return Ok(None),
+/// How much more lateness weighs than energy: a day late by a thousandth outweighs all that is saved by it.
+const PENALTY: f64 = 100.0;
+
+/// Most values that a search for the least energy tries.
+const MOST: u64 = 60;
+
+/// What stops a search.
+enum Stop {
+    Interrupted,
+    Failed(Failure),
+}
+
+/// Tries values.
+struct Trials<'a> {
+    study: &'a Study,
+    search: &'a Search,
+    work: &'a Work<'a>,
+    tried: RefCell<Vec<Tried>>,
+    stopped: RefCell<Option<Stop>>,
+}
+
+impl Trials<'_> {
+    /// Runs a value, or finds it.
+    fn one(&self, value: f64) -> Result<Tried, Stop> {
+        let Trials { study, search, work, .. } = self;
+        let layouts = study.tried(search, value).map_err(Stop::Failed)?;
+        for layout in &layouts {
+            let end = layout.scene.duration / DAY;
+            if end < search.last_day() {
+                let message = format!("search: found day {}, the run ends on day {end}", search.last_day());
+                return Err(Stop::Failed(Failure::Request(message)));
             }
         }
-        least = Some(in_time);
+        let run = |k: usize| Some(work.made(&layouts[k]));
+        let mut parts = Vec::new();
+        for (pair, layout) in parallel::in_order(layouts.len(), work.threads, run).into_iter().flatten().zip(&layouts) {
+            let pair = pair.map_err(Stop::Failed)?.ok_or(Stop::Interrupted)?;
+            let thickness = study.depth_of(layout).filter(|_| layout.horizon.is_some()).unwrap_or(1.0);
+            parts.push((Answers::of(&layout.scene, &pair.fine, study.design_of(layout)), thickness));
+        }
+        // A shaft is closed once it is closed at all horizons.
+        let last = |day: fn(&Answers) -> Option<f64>| {
+            let days: Option<Vec<f64>> = parts.iter().map(|(answers, _)| day(answers)).collect();
+            days.and_then(|days| days.into_iter().reduce(f64::max))
+        };
+        let (closure_days, design_days) = (last(|answers| answers.closure), last(|answers| answers.design));
+        let energy = |answers: &Answers| between(&answers.energy, DAY * search.last_day()).unwrap_or(f64::NAN);
+        let depth: f64 = parts.iter().map(|(_, thick)| thick).sum();
+        let energy_mj_per_m = parts.iter().map(|(answers, thick)| thick * energy(answers)).sum::<f64>() / depth;
+        let by = |asked: Option<f64>, day: Option<f64>| asked.is_none_or(|asked| day.is_some_and(|day| day <= asked));
+        let in_time = by(search.closure_days, closure_days) && by(search.design_days, design_days);
+        let tried = Tried { value, closure_days, design_days, energy_mj_per_m, in_time, least: false };
+        self.tried.borrow_mut().push(tried.clone());
+        Ok(tried)
     }
-    tried.sort_by_key(|one| one.value);
-    tried.iter_mut().for_each(|one| one.least = Some(one.value) == least);
+
+    /// Energy over that of the first value tried, and how late it is: a smooth fall towards what is in time. What never comes is
+    /// later than all that comes, the less so the more energy was taken.
+    fn merit(&self, one: &Tried) -> f64 {
+        let first = self.tried.borrow().first().map_or(1.0, |first| first.energy_mj_per_m);
+        let energy = one.energy_mj_per_m / first;
+        let end = self.study.layouts.first().map_or(f64::INFINITY, |layout| layout.scene.duration / DAY);
+        let late = |asked: Option<f64>, day: Option<f64>| match (asked, day) {
+            (None, _) => 0.0,
+            (Some(asked), Some(day)) => (day / asked - 1.0).max(0.0),
+            (Some(asked), None) => end / asked + 1.0 / (1.0 + energy),
+        };
+        let late = late(self.search.closure_days, one.closure_days) + late(self.search.design_days, one.design_days);
+        energy + PENALTY * late
+    }
+}
+
+impl CostFunction for &Trials<'_> {
+    type Param = f64;
+    type Output = f64;
+
+    fn cost(&self, value: &f64) -> Result<f64, argmin::core::Error> {
+        match self.one(*value) {
+            Ok(one) => Ok(self.merit(&one)),
+            Err(stop) => {
+                *self.stopped.borrow_mut() = Some(stop);
+                Err(argmin::core::Error::msg("stopped"))
+            }
+        }
+    }
+}
+
+/// Tries values until the one searched is known, in the order of the values; none if it was interrupted.
+pub(super) fn search(study: &Study, search: &Search, work: &Work<'_>) -> Result<Option<Vec<Tried>>, Failure> {
+    let trials = Trials { study, search, work, tried: RefCell::default(), stopped: RefCell::default() };
+    let stop = match search.goal {
+        Goal::Least => halve(&trials).err(),
+        Goal::Energy => brent(&trials)?,
+    };
+    match stop {
+        Some(Stop::Interrupted) => return Ok(None),
+        Some(Stop::Failed(failure)) => return Err(failure),
+        None => {}
+    }
+    let mut tried = trials.tried.into_inner();
+    let cost = |one: &Tried| if search.goal == Goal::Least { one.value } else { one.energy_mj_per_m };
+    let best = tried.iter().filter(|one| one.in_time).map(cost).reduce(f64::min);
+    tried.iter_mut().for_each(|one| one.least = one.in_time && Some(cost(one)) == best);
+    tried.sort_by(|a, b| a.value.total_cmp(&b.value));
     Ok(Some(tried))
+}
+
+/// Halves the range in which the least value in time must lie; the one below it is always tried.
+fn halve(trials: &Trials<'_>) -> Result<(), Stop> {
+    let (from, to) = (trials.search.from, trials.search.to);
+    if !trials.one(to)?.in_time {
+        return Ok(());
+    }
+    let (mut late, mut in_time) = (from, if trials.one(from)?.in_time { from } else { to });
+    while in_time - late > 1.0 {
+        let middle = late + ((in_time - late) / 2.0).floor();
+        if trials.one(middle)?.in_time { in_time = middle } else { late = middle }
+    }
+    Ok(())
+}
+
+/// The least energy, where the lateness of what is not in time counts as energy.
+fn brent(trials: &Trials<'_>) -> Result<Option<Stop>, Failure> {
+    let Search { from, to, .. } = trials.search;
+    // Brent's method comes within three of its tolerances.
+    let solver = BrentOpt::new(*from, *to).set_tolerance(f64::EPSILON.sqrt(), trials.search.within() / 3.0);
+    let run = Executor::new(trials, solver).configure(|state| state.max_iters(MOST)).timer(false).run();
+    match (trials.stopped.take(), run) {
+        (Some(stop), _) => Ok(Some(stop)),
+        (None, Ok(_)) => Ok(None),
+        (None, Err(error)) => Err(Failure::Request(format!("search: {error}"))),
+    }
 }
 
 /// What was found, in words.
 pub(super) fn words(search: &Search, tried: &[Tried]) -> String {
-    let (key, day) = (&search.key, search.closure_days);
-    match tried.iter().find(|one| one.least) {
-        Some(one) => {
-            let closure = one.closure_days.map_or(String::new(), |closure| format!(", on day {closure:.2}"));
-            format!(
-                "{key} = {} is the least from {} to {} that closes by day {day}{closure}",
-                one.value, search.from, search.to
-            )
-        }
-        None => format!("{key} from {} to {}: none closes by day {day}", search.from, search.to),
+    let Search { key, from, to, .. } = search;
+    let asked = [
+        search.closure_days.map(|day| format!("closes by day {day}")),
+        search.design_days.map(|day| format!("is as designed by day {day}")),
+    ];
+    let asked = asked.into_iter().flatten().collect::<Vec<_>>().join(" and ");
+    let Some(one) = tried.iter().find(|one| one.least) else {
+        return format!("{key} from {from} to {to}: none {asked}");
+    };
+    let day = |words: &str, day: Option<f64>| day.map_or(String::new(), |day| format!(", {words} on day {day:.2}"));
+    let days = day("closed", one.closure_days.filter(|_| search.closure_days.is_some()))
+        + &day("as designed", one.design_days.filter(|_| search.design_days.is_some()));
+    match search.goal {
+        Goal::Least => format!("{key} = {} is the least from {from} to {to} that {asked}{days}", one.value),
+        Goal::Energy => format!(
+            "{key} = {:.4} takes the least energy from {from} to {to} of all that {asked}{days}: {:.0} MJ/m to day {}, {} values \
+             tried",
+            one.value,
+            one.energy_mj_per_m,
+            search.last_day(),
+            tried.len()
+        ),
     }
 }

@@ -70,18 +70,79 @@ struct Sensitivity {
     keys: Vec<String>,
 }
 
-/// The least whole number of a key at which the wall closes in time.
+/// What is searched.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Goal {
+    /// The least whole number.
+    #[default]
+    Least,
+    /// The value that takes the least energy.
+    Energy,
+}
+
+/// The value of a key that is best of all at which the wall is in time.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Search {
     /// The key, as `pipes.0.count`.
     pub key: String,
     /// The least value.
-    pub from: i64,
+    pub from: f64,
     /// The greatest value.
-    pub to: i64,
+    pub to: f64,
+    /// What is best.
+    #[serde(default)]
+    pub goal: Goal,
     /// Day by which the wall must have closed.
-    pub closure_days: f64,
+    pub closure_days: Option<f64>,
+    /// Day by which it must be as designed.
+    pub design_days: Option<f64>,
+    /// How near to the best value the search has to come.
+    pub within: Option<f64>,
+}
+
+impl Search {
+    /// The last of the days that are asked for.
+    pub fn last_day(&self) -> f64 {
+        self.closure_days.into_iter().chain(self.design_days).fold(0.0, f64::max)
+    }
+
+    /// How near to the best value the search has to come: a hundredth of the range, if nothing is said.
+    pub fn within(&self) -> f64 {
+        self.within.unwrap_or(0.01 * (self.to - self.from))
+    }
+
+    /// What cannot be meant.
+    fn check(&self, designed: bool) -> Result<(), String> {
+        let Search { from, to, goal, closure_days, design_days, within, .. } = self;
+        let whole = *goal == Goal::Energy || (from.fract() == 0.0 && to.fract() == 0.0 && to - from <= MOST as f64);
+        if !(from < to && from.is_finite() && to.is_finite() && whole) {
+            let kind = if *goal == Goal::Least { ", both whole, by at most 10000" } else { "" };
+            return Err(format!("search: found from {from}, to {to}: from must be below to{kind}"));
+        }
+        let days = [("closure_days", closure_days), ("design_days", design_days)];
+        if let Some((key, day)) =
+            days.iter().find_map(|(key, day)| Some((key, day.filter(|day| *day <= 0.0 || day.is_nan())?)))
+        {
+            return Err(format!("search: {key}: found {day}, must be greater than 0"));
+        }
+        if closure_days.or(*design_days).is_none() {
+            return Err("search: closure_days or design_days is missing".into());
+        }
+        if design_days.is_some() && !designed {
+            return Err("search: design_days needs a design".into());
+        }
+        match within {
+            Some(found) if *goal == Goal::Least => {
+                Err(format!("search: within: found {found}, but the least whole number is exact"))
+            }
+            Some(found) if !(*found > 0.0 && *found < to - from) => {
+                Err(format!("search: within: found {found}, must be greater than 0 and less than {}", to - from))
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 /// What a layout is beside others.
@@ -167,9 +228,10 @@ impl Study {
     }
 
     /// The layout with a value of the key that is searched, at each horizon.
-    pub fn tried(&self, search: &Search, value: i64) -> Result<Vec<Layout>, Failure> {
+    pub fn tried(&self, search: &Search, value: f64) -> Result<Vec<Layout>, Failure> {
         let name = format!("{} = {value}", search.key);
-        let own = vec![(search.key.clone(), value.to_string())];
+        let text = if search.goal == Goal::Least { format!("{value}") } else { format!("{value:?}") };
+        let own = vec![(search.key.clone(), text)];
         self.ground.places().map(|at| self.ground.layout(&name, at, Role::Tried, &own)).collect()
     }
 
@@ -239,6 +301,14 @@ const MOVED: &str = "pipes.0.moved_m";
 const FEWEST_SPACINGS: f64 = 2.0;
 
 impl Layout {
+    /// How often the part that is run stands in the whole plan.
+    pub fn images(&self) -> usize {
+        match self.scene.domain {
+            Domain::Ring { sector, .. } => sector.images(),
+            _ => 1,
+        }
+    }
+
     /// What cannot be meant, with the place that says so.
     pub fn check(&self, shaft_radius: Option<f64>, method: &str) -> Result<(), Failure> {
         let bad = |message: String| Err(Failure::Request(format!("layout \"{}\": {message}", self.name)));
@@ -309,13 +379,9 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
             return Err(bad(format!("{key}: found {found}, must be greater than 0")));
         }
     }
-    if let Some(Search { from, to, closure_days, .. }) = &read.search
-        && !(from < to && to - from <= MOST as i64 && *closure_days > 0.0)
-    {
-        return Err(bad(format!(
-            "search: found from {from}, to {to}, closure_days {closure_days}: from must be below to, by at most {MOST}, and the \
-             day above 0"
-        )));
+    if let Some(search) = &read.search {
+        let designed = read.design.is_some() || read.horizons.iter().any(horizons::Entry::is_designed);
+        search.check(designed).map_err(&bad)?;
     }
     if let Some(critical) = &read.critical {
         critical.check().map_err(&bad)?;

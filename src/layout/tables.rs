@@ -35,8 +35,10 @@ struct LayoutRow<'a> {
     thickness_interface_m: f64,
     thickness_interface_error_m: Option<f64>,
     thickness_main_m: f64,
+    thickness_weakest_m: Option<f64>,
     inner_m: Option<f64>,
     outer_m: Option<f64>,
+    mean_axis_c: Option<f64>,
     mean_temperature_c: Option<f64>,
     mean_temperature_error_k: Option<f64>,
     mean_temperature_ring_formula_c: Option<f64>,
@@ -47,6 +49,9 @@ struct LayoutRow<'a> {
     plant_kw: Option<f64>,
     energy_mj_per_m: f64,
     energy_error_mj_per_m: Option<f64>,
+    outer_wall_share: Option<f64>,
+    outer_wall_cooled: Option<f64>,
+    outer_wall_matters: Option<bool>,
     spacing_m: f64,
     particles: u64,
     part_of_plan: &'a str,
@@ -58,10 +63,12 @@ struct DayRow<'a> {
     day: f64,
     thickness_interface_m: f64,
     thickness_main_m: f64,
+    thickness_weakest_m: Option<f64>,
     inner_m: Option<f64>,
     outer_m: Option<f64>,
     mean_main_c: Option<f64>,
     mean_interface_c: Option<f64>,
+    mean_axis_c: Option<f64>,
     mean_c: Option<f64>,
     heat_per_pipe_w_per_m: f64,
     energy_mj_per_m: f64,
@@ -128,10 +135,12 @@ pub(super) fn write(folder: &Path, study: &Study, method: &str, found: &[Found<'
                 day: day.day,
                 thickness_interface_m: day.thickness_interface_m,
                 thickness_main_m: day.thickness_main_m,
+                thickness_weakest_m: day.thickness_weakest_m,
                 inner_m: day.inner_m,
                 outer_m: day.outer_m,
                 mean_main_c: day.mean_main_c,
                 mean_interface_c: day.mean_interface_c,
+                mean_axis_c: day.mean_axis_c,
                 mean_c: day.mean_c,
                 heat_per_pipe_w_per_m: day.heat_per_pipe_w_per_m,
                 energy_mj_per_m: day.energy_mj_per_m,
@@ -201,6 +210,8 @@ fn row<'a>(study: &'a Study, method: &'a str, one: &'a Found<'_>) -> Option<Layo
         thickness_interface_m: end.thickness_interface_m,
         thickness_interface_error_m: error(Some(end.thickness_interface_m), far.map(|far| far.thickness_interface_m)),
         thickness_main_m: end.thickness_main_m,
+        thickness_weakest_m: end.thickness_weakest_m,
+        mean_axis_c: end.mean_axis_c,
         inner_m: end.inner_m,
         outer_m: end.outer_m,
         mean_temperature_c: end.mean_c,
@@ -213,6 +224,9 @@ fn row<'a>(study: &'a Study, method: &'a str, one: &'a Found<'_>) -> Option<Layo
         plant_kw: study.depth_of(one.layout).map(|depth| 1e-3 * depth * fine.peak),
         energy_mj_per_m: end.energy_mj_per_m,
         energy_error_mj_per_m: error(Some(end.energy_mj_per_m), far.map(|far| far.energy_mj_per_m)),
+        outer_wall_share: fine.far.map(|far| far.share),
+        outer_wall_cooled: fine.far.map(|far| far.cooled),
+        outer_wall_matters: fine.far.map(|far| far.matters()),
         spacing_m: one.layout.scene.method(method).map_or(0.0, |settings| settings.numerics.spacing),
         particles: one.pair.fine.record.particles,
         part_of_plan: &one.layout.sector,
@@ -297,7 +311,8 @@ pub(super) fn summary(study: &Study, method: &str, found: &[Found<'_>], folder: 
         let load = format!(", load at most {:.0} W/m", fine.peak);
         let outcome =
             if fine.outcome == Outcome::Ok { String::new() } else { format!(", outcome {}", fine.outcome.name()) };
-        text.push_str(&format!("  {}: {closure}{weakest}{load}{outcome}\n", one.layout.name));
+        let near = if fine.far.is_some_and(|far| far.matters()) { ", outer wall too near" } else { "" };
+        text.push_str(&format!("  {}: {closure}{weakest}{load}{near}{outcome}\n", one.layout.name));
     }
     for row in shafts(study, found).iter().filter(|one| one.compared()).filter_map(|shaft| shaft.row(study, found)) {
         text.push_str(&format!("  {}\n", shaft::words(&row)));

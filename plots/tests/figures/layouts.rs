@@ -30,6 +30,7 @@ impl Made {
             shaft_radius_m: Some(4.0),
             result: &self.result,
             load: self.load.clone(),
+            axis: Vec::new(),
             closure_s: self.closure.map(|day| day * DAY),
             design: self.design.map(|day| day * DAY),
         }

@@ -181,7 +181,7 @@ fn over_depth(study: &Study, work: &Work<'_>, found: &[Found<'_>]) -> Result<Opt
         let mut cells = vec![
             row.layout.to_owned(),
             row.weakest_horizon.to_owned(),
-            cell(row.closure_days, 2, &format!("{} horizons open", row.open_horizons)),
+            with_error(row.closure_days, row.closure_error_days, 2, &format!("{} horizons open", row.open_horizons)),
             format!("{:.2} in {}", row.thickness_interface_m, row.thinnest_horizon),
             format!("{} in {}", cell(row.mean_temperature_c, 2, "none"), row.warmest_horizon),
             format!("{:.0}", row.plant_peak_kw),
@@ -193,7 +193,7 @@ fn over_depth(study: &Study, work: &Work<'_>, found: &[Found<'_>]) -> Result<Opt
     };
     let rows: Vec<ShaftRow<'_>> = compared.iter().filter_map(|shaft| shaft.row(study, found)).collect();
     let shafts = Table {
-        caption: "The shaft as a whole: closed once it is at all horizons; loads are sums over the layers.".into(),
+        caption: "The shaft as a whole: closed once it is at all horizons; loads are sums over the layers. ± is the change from twice the spacing.".into(),
         heads,
         rows: rows.iter().map(row).collect(),
         words: 2,

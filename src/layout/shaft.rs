@@ -26,6 +26,7 @@ pub(super) struct ShaftRow<'a> {
     of: &'a str,
     pub(super) depth_m: f64,
     pub(super) closure_days: Option<f64>,
+    pub(super) closure_error_days: Option<f64>,
     pub(super) weakest_horizon: &'a str,
     weakest_from: Option<&'a str>,
     weakest_to: Option<&'a str>,
@@ -57,6 +58,12 @@ impl<'a> Shaft<'a> {
     /// Day on which the wall stood closed at all horizons.
     pub(super) fn closure(&self) -> Option<f64> {
         let days: Option<Vec<f64>> = self.parts.iter().map(|(one, _)| one.fine.closure).collect();
+        days?.into_iter().reduce(f64::max)
+    }
+
+    /// The same at twice the spacing.
+    fn coarse_closure(&self) -> Option<f64> {
+        let days: Option<Vec<f64>> = self.parts.iter().map(|(one, _)| one.coarse.as_ref()?.closure).collect();
         days?.into_iter().reduce(f64::max)
     }
 
@@ -109,6 +116,7 @@ impl<'a> Shaft<'a> {
             of,
             depth_m: self.parts.iter().map(|(_, thick)| thick).sum(),
             closure_days: self.closure(),
+            closure_error_days: self.closure().zip(self.coarse_closure()).map(|(fine, coarse)| (fine - coarse).abs()),
             weakest_horizon: Shaft::horizon(study, weakest),
             weakest_from: weakest.fine.weakest.as_ref().map(|link| link.from.as_str()),
             weakest_to: weakest.fine.weakest.as_ref().map(|link| link.to.as_str()),

@@ -24,11 +24,12 @@ pub mod search;
 pub mod shaft;
 pub mod study;
 pub mod tables;
+pub mod variants;
 
 use answers::Answers;
 use execute::{Pair, Work};
 use reference::Compared;
-use study::Layout;
+use variants::Layout;
 
 /// What is to be studied.
 #[derive(Debug, Clone, PartialEq)]

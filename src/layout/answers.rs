@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use super::around::{Around, Axis, around};
 use super::formula::SteadyRing;
-use super::study::{Design, working};
+use super::study::Design;
+use super::variants::working;
 
 /// Seconds of a day.
 pub const DAY: f64 = 86400.0;

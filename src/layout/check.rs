@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use frazil_core::predict;
 
-use super::study::{Role, Study, working};
+use super::study::Study;
+use super::variants::{Role, working};
 use crate::failure::{Failure, answer};
 use crate::progress::clock;
 

@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 
 use super::answers::Answers;
 use super::execute::Work;
-use super::study::{Layout, Role, Study};
+use super::study::Study;
+use super::variants::{Layout, Role};
 use crate::failure::Failure;
 use crate::progress::{Reporter, clock};
 use crate::{interrupt, parallel};

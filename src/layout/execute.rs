@@ -15,7 +15,8 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::answers::Kept;
-use super::study::{Layout, Role, Study};
+use super::study::Study;
+use super::variants::{Layout, Role};
 use crate::failure::{Failure, complain};
 use crate::fields::{self, Snapshots};
 use crate::progress::{Reporter, clock};

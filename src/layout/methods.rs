@@ -7,7 +7,8 @@ use serde::Serialize;
 
 use super::answers::Answers;
 use super::execute::Work;
-use super::study::{Layout, Role, Study};
+use super::study::Study;
+use super::variants::{Layout, Role};
 use super::write_rows;
 use crate::failure::Failure;
 

@@ -13,7 +13,8 @@ use serde::Serialize;
 
 use super::Found;
 use super::answers::{DAY, Day, Kept};
-use super::study::{Layout, Study};
+use super::study::Study;
+use super::variants::Layout;
 use crate::failure::Failure;
 use crate::load::{self, Overrides};
 

@@ -6,8 +6,9 @@ use frazil_plots::layouts::{LayerView, ShaftView, between};
 use serde::Serialize;
 
 use super::answers::DAY;
-use super::study::{Role, Study};
+use super::study::Study;
 use super::tables::open_width;
+use super::variants::Role;
 use super::{Found, write_rows};
 use crate::failure::Failure;
 

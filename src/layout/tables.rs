@@ -7,7 +7,8 @@ use serde::Serialize;
 
 use super::answers::Answers;
 use super::shaft::{self, Shaft, shafts};
-use super::study::{Role, Study};
+use super::study::Study;
+use super::variants::Role;
 use super::{Found, reference, write_rows};
 use crate::failure::Failure;
 

@@ -83,6 +83,9 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         layout.check(study.shaft_radius, method)?;
         references.push(reference::table(&study, layout, method, &request.overrides)?);
     }
+    if let Some(wanted) = &study.search {
+        search::check(&study, wanted, method)?;
+    }
     if let Some(wanted) = &study.critical {
         critical::check(&study, wanted, method)?;
     }

@@ -34,6 +34,16 @@ pub struct Tried {
     pub least: bool,
 }
 
+/// Refuses what cannot be run, before anything is.
+pub(super) fn check(study: &Study, search: &Search, method: &str) -> Result<(), Failure> {
+    for value in [search.from, search.to] {
+        for layout in study.tried(search, value)? {
+            layout.check(study.shaft_radius, method)?;
+        }
+    }
+    Ok(())
+}
+
 /// How much more lateness weighs than energy: a day late by a thousandth outweighs all that is saved by it.
 const PENALTY: f64 = 100.0;
 

@@ -8,6 +8,7 @@ pub mod paper;
 pub mod scenes;
 pub mod seepage;
 pub mod shells;
+pub mod soils;
 pub mod studies;
 pub mod table;
 

@@ -22,6 +22,7 @@ pub mod reference;
 pub mod report;
 pub mod search;
 pub mod shaft;
+mod soils;
 pub mod study;
 pub mod tables;
 pub mod variants;

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 use toml::Table;
 
+use super::soils;
 use super::study::{Design, literals};
 use crate::load::Overrides;
 
@@ -18,6 +19,7 @@ pub(super) struct Entry {
     to_m: f64,
     depth_m: Option<f64>,
     design: Option<Design>,
+    soil: Option<String>,
     #[serde(default)]
     set: Table,
 }
@@ -57,7 +59,7 @@ impl Horizon {
 pub(super) fn read(entries: &[Entry], depth: Option<f64>) -> Result<Vec<Horizon>, String> {
     let mut found: Vec<Horizon> = Vec::new();
     for entry in entries {
-        let Entry { name, from_m, to_m, depth_m, design, set } = entry;
+        let Entry { name, from_m, to_m, depth_m, design, soil, set } = entry;
         let bad = |message: String| Err(format!("horizon \"{name}\": {message}"));
         if !(*from_m >= 0.0 && to_m > from_m && to_m.is_finite()) {
             return bad(format!("found from_m {from_m}, to_m {to_m}: must be 0 or more, and from above to below"));
@@ -81,7 +83,10 @@ pub(super) fn read(entries: &[Entry], depth: Option<f64>) -> Result<Vec<Horizon>
                 bad(format!("from_m: found {from_m}, overlaps \"{other}\", which ends at {to}"))
             };
         }
-        let (name, set) = (name.clone(), literals(set));
+        let soil = soils::overrides(soil.as_ref());
+        let mut changes = soil.map_err(|message| format!("horizon \"{name}\": {message}"))?;
+        changes.extend(literals(set));
+        let (name, set) = (name.clone(), changes);
         found.push(Horizon { name, from: *from_m, to: *to_m, depth, design: *design, set });
     }
     let all: f64 = found.iter().map(Horizon::thickness).sum();

@@ -10,6 +10,7 @@ use super::answers::DAY;
 use super::boreholes::{Borehole, Deviation};
 use super::critical::Critical;
 use super::horizons::{self, Horizon};
+use super::soils;
 use super::variants::{Ground, Layout, Role, Sensitivity, changed, deviating, drilled, number_of};
 use crate::failure::Failure;
 use crate::load::{self, Overrides};
@@ -25,6 +26,7 @@ struct File {
     source: Option<String>,
     scene: String,
     method: Option<String>,
+    soil: Option<String>,
     #[serde(default)]
     set: Table,
     reference: Option<String>,
@@ -47,6 +49,7 @@ struct File {
 #[serde(deny_unknown_fields)]
 struct Entry {
     name: String,
+    soil: Option<String>,
     #[serde(default)]
     set: Table,
     #[serde(default)]
@@ -243,12 +246,13 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
     let horizons = horizons::read(&read.horizons, read.depth_m).map_err(&bad)?;
     let ground = Ground {
         scene: read.scene.clone(),
-        set: literals(&read.set),
+        set: soils::overrides(read.soil.as_ref()).map_err(&bad)?.into_iter().chain(literals(&read.set)).collect(),
         horizons: horizons.clone(),
         asked: overrides.to_vec(),
     };
     let mut compared = Vec::new();
-    let whole = Entry { name: read.scene.clone(), set: Table::new(), boreholes: Vec::new(), reference: None };
+    let whole =
+        Entry { name: read.scene.clone(), soil: None, set: Table::new(), boreholes: Vec::new(), reference: None };
     let entries = if read.layouts.is_empty() { vec![whole] } else { read.layouts };
     let combinations = combinations(&read.sweep).map_err(&bad)?;
     let count = entries.len() * combinations.len() * horizons.len().max(1);
@@ -257,7 +261,9 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
     }
     for entry in &entries {
         for (words, swept) in &combinations {
-            let mut own = literals(&entry.set);
+            let soil = soils::overrides(entry.soil.as_ref());
+            let mut own = soil.map_err(|message| bad(format!("layout \"{}\": {message}", entry.name)))?;
+            own.extend(literals(&entry.set));
             own.extend(swept.iter().cloned());
             let shaft = match (read.sweep.is_empty(), entries.len()) {
                 (true, _) => entry.name.clone(),

@@ -78,6 +78,7 @@ pub(super) fn write(
     page.opening.push(Block { list: near, figures: first, tables, ..Block::default() });
     page.opening.push(Block { figures, ..Block::default() });
     page.opening.extend(reference::block(found));
+    page.opening.extend(critical);
     if compared.len() <= SHOWN {
         page.opening.push(Block {
             heading: "Temperatures".into(),
@@ -95,7 +96,6 @@ pub(super) fn write(
     }
     page.opening.extend(methods_block(work, beside)?);
     page.opening.extend(what_if(study, found));
-    page.opening.extend(critical);
     page.opening.extend(study.search.as_ref().map(|search| searched(search, tried)));
     let list = assumptions(study, &compared);
     page.opening.push(Block { heading: "Assumptions".into(), list, ..Block::default() });

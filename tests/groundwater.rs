@@ -141,6 +141,33 @@ fn heat_is_neither_lost_nor_made_and_water_slows_freezing() {
     }
 }
 
+/// Water at rest changes neither the wall nor what is said of it.
+#[test]
+fn still_water_changes_nothing() {
+    for kind in flowing() {
+        let end = |flows: bool| {
+            // Water makes Heun's steps, conduction alone Euler's: both are short here.
+            let mut sketch = with_pipes(crossed(SHARP, Sector::Half, 0.0, 0.0)).with("step_fraction = 0.1");
+            if !flows {
+                sketch.flow.clear();
+                sketch.materials = vec![("sand", crate::sketch::sand(SHARP))];
+            }
+            sketch.watch = "frozen_wall = true".into();
+            (sketch.duration_s, sketch.outputs) = (20.0 * 86400.0, 20);
+            let result = sketch.run(kind);
+            let mean =
+                result.planes.iter().rev().find(|row| row.plane == "wall").and_then(|row| row.mean_temperature_c);
+            let heat = result.walls.last().expect("a row").heat_per_pipe_w_per_m;
+            (mean.expect("frozen ground"), heat, result.record.setback_rel.expect("a rule"))
+        };
+        let (still, without) = (end(true), end(false));
+        // At the whole step the local method differs by 0.013 K and 0.03 %, of first order in it.
+        assert!((still.0 - without.0).abs() < 0.01, "{}: {still:?}, not {without:?}", kind.name);
+        assert!((still.1 / without.1 - 1.0).abs() < 5e-3, "{}: {still:?}, not {without:?}", kind.name);
+        assert!(still.2 <= without.2.max(1e-9), "{}: {still:?}, not {without:?}", kind.name);
+    }
+}
+
 /// What is tried between two velocities narrows the range in which the greatest lies that the wall still closes at.
 #[test]
 fn how_much_keeps_a_wall_open_is_found_by_halving() {

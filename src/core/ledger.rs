@@ -73,6 +73,11 @@ impl Hermite {
     }
 }
 
+/// Whether a door is a ring of pipes, by its name: `pipes`, or `pipes_2` of several. Others may come after them.
+pub fn is_ring(name: &str) -> bool {
+    name == "pipes" || name.starts_with("pipes_")
+}
+
 /// Heat in through each door (J per metre of each missing dimension).
 #[derive(Debug, Clone, Default)]
 pub struct Ledger {
@@ -119,6 +124,11 @@ impl Ledger {
     /// Heat in so far, by door (J).
     pub fn heat(&self) -> Vec<f64> {
         self.heat.iter().map(Sum::value).collect()
+    }
+
+    /// Rate of the latest step through each ring of pipes (W), in their order.
+    pub fn rings(&self) -> impl Iterator<Item = f64> + '_ {
+        self.names.iter().zip(&self.rate).filter(|(name, _)| is_ring(name)).map(|(_, rate)| *rate)
     }
 
     /// Rate of the latest step, by door (W).

@@ -38,8 +38,8 @@ impl OneWay {
         OneWay { frozen, grain, rings, watches, furthest: None, strongest: 0.0, setback: 0.0 }
     }
 
-    /// Takes note of the frozen volume and of the flow into the body (W) through each door: walls, then rings of pipes.
-    pub fn look(&mut self, frozen: f64, flows: &[f64]) {
+    /// Takes note of the frozen volume and of the flow into the body (W) through each door, and through each ring of pipes.
+    pub fn look(&mut self, frozen: f64, flows: &[f64], pipes: impl Iterator<Item = f64>) {
         if let Some(sign) = self.frozen {
             let (furthest, greatest) = self.furthest.unwrap_or((frozen, 0.0));
             let greatest = f64::max(greatest, frozen);
@@ -50,7 +50,6 @@ impl OneWay {
             self.furthest = Some((further, greatest));
         }
         self.strongest = flows.iter().fold(self.strongest, |strongest, flow| strongest.max(flow.abs()));
-        let pipes = &flows[flows.len().saturating_sub(self.rings.len())..];
         for (sign, flow) in self.rings.iter().zip(pipes).filter_map(|(sign, flow)| Some(((*sign)?, flow))) {
             if self.strongest > 0.0 {
                 self.setback = self.setback.max(-sign * flow / self.strongest);
@@ -159,7 +158,7 @@ mod tests {
     fn after(scene: &Scene, looks: &[(f64, &[f64])]) -> Option<f64> {
         let mut watch = OneWay::new(scene, 0.0);
         for (frozen, flows) in looks {
-            watch.look(*frozen, flows);
+            watch.look(*frozen, flows, flows[flows.len() - scene.rings.len()..].iter().copied());
         }
         watch.setback()
     }
@@ -177,7 +176,7 @@ mod tests {
         let cooled = scene(vec![("left", held(-20.0))]);
         let mut watch = OneWay::new(&cooled, 0.5);
         for (frozen, setback) in [(4.0, 0.0), (3.5, 0.0), (4.0, 0.0), (3.25, 0.0625)] {
-            watch.look(frozen, &[-1.0]);
+            watch.look(frozen, &[-1.0], std::iter::empty());
             assert_eq!(watch.setback(), Some(setback));
         }
     }

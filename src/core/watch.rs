@@ -267,7 +267,7 @@ impl Watches {
         let frozen = particles.integral(|i| particles.frozen_fraction(i));
         if landed {
             // The curve between two states may swing where steps do not.
-            self.one_way.look(frozen, ledger.rate());
+            self.one_way.look(frozen, ledger.rate(), ledger.rings());
         }
         if let Some(direction) = self.direction {
             // Where particles move, they may stand closer in one phase than in the other.
@@ -302,8 +302,7 @@ impl Watches {
                     / weights.max(1) as f64
             };
             let pipes = self.pipe_count as f64 / self.sector_count;
-            let heat: f64 =
-                ledger.names().iter().zip(ledger.rate()).filter(|d| d.0.starts_with("pipes")).map(|d| -d.1).sum();
+            let heat = -ledger.rings().sum::<f64>();
             self.walls.push(WallRow {
                 time_s: time,
                 thickness_main_m: length(&self.main),

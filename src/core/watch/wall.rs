@@ -209,14 +209,11 @@ fn frozen_in<'a>(
     ledger: &Ledger,
     time: f64,
 ) -> Vec<FrozenIn<'a>> {
-    // Doors of rings come last, in their order.
-    let rates = ledger.rate();
-    let doors = &rates[rates.len() - rings.len()..];
-    let rings = rings.iter().zip(doors).zip(&scene.rings);
+    let rings = rings.iter().zip(ledger.rings()).zip(&scene.rings);
     rings
         .filter_map(|((sunk, rate), ring)| {
             let first = *sunk.near.first()? as usize;
-            let cools = *rate < 0.0 && sunk.near.iter().all(|i| particles.frozen_fraction(*i as usize) >= 1.0);
+            let cools = rate < 0.0 && sunk.near.iter().all(|i| particles.frozen_fraction(*i as usize) >= 1.0);
             let pipe = ring.temperature.at(time);
             let share: f64 = sunk.pipes.iter().map(|pipe| pipe.share).sum();
             let conductivity = particles.materials.of(first).curve.conductivity(pipe);

@@ -20,6 +20,7 @@ pub fn all() -> &'static [BundledScene] {
         "shaft-deviation",
         "shaft-horizons",
         "shaft-failed-pipe",
+        "shaft-excavation",
         "shaft-sensitivity",
         "shaft-sweep",
         "shaft-search",

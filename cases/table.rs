@@ -300,6 +300,9 @@ pub(crate) fn shaft_differences(
     if !scene.cracks.is_empty() {
         differences.push("there are no cracks there".into());
     }
+    if scene.excavation.is_some() {
+        differences.push("no shaft is dug there".into());
+    }
     if scene.rings.iter().any(|ring| ring.schedule.is_some()) {
         differences.push("the pipes always work there".into());
     }

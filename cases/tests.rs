@@ -37,6 +37,7 @@ fn half_space(law: FreezingLaw) -> Scene {
         walls: vec![wall("left", temperature(-20.0)), wall("right", Condition::Symmetry)],
         wall_parts: Vec::new(),
         rings: Vec::new(),
+        excavation: None,
         flow: None,
         stream: None,
         watch: Watch {

@@ -14,6 +14,7 @@ pub mod around;
 pub mod boreholes;
 mod check;
 pub mod critical;
+mod dug;
 pub mod execute;
 pub mod formula;
 pub mod horizons;

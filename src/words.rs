@@ -80,17 +80,23 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
         let (from, to) = (with_point(crack.from.x, crack.from.y), with_point(crack.to.x, crack.to.y));
         facts.push(Fact::new(format!("Crack {number}"), format!("{from} to {to}, {growth}")));
     }
+    let condition = |condition: &Condition| match condition {
+        Condition::Symmetry => "mirror plane, no heat crosses".into(),
+        Condition::Temperature(value) => series(value, "°C"),
+        Condition::Flux(value) => format!("heat flux into the body: {}", series(value, "W/m²")),
+        Condition::Convection { coefficient, ambient } => {
+            format!("film coefficient {} to {}", series(coefficient, "W/m²K"), series(ambient, "°C"))
+        }
+        Condition::Exact => "temperature of the exact solution".into(),
+    };
     for wall in &scene.walls {
-        let condition = match &wall.condition {
-            Condition::Symmetry => "mirror plane, no heat crosses".into(),
-            Condition::Temperature(value) => series(value, "°C"),
-            Condition::Flux(value) => format!("heat flux into the body: {}", series(value, "W/m²")),
-            Condition::Convection { coefficient, ambient } => {
-                format!("film coefficient {} to {}", series(coefficient, "W/m²K"), series(ambient, "°C"))
-            }
-            Condition::Exact => "temperature of the exact solution".into(),
-        };
-        facts.push(Fact::new(format!("Wall {}", wall.name), condition));
+        facts.push(Fact::new(format!("Wall {}", wall.name), condition(&wall.condition)));
+    }
+    if let Some(shaft) = &scene.excavation {
+        let days = with(shaft.start / scene.time_unit.seconds(), scene.time_unit.symbol());
+        let face = condition(&shaft.condition);
+        facts
+            .push(Fact::new("Shaft", format!("of radius {}, dug after {days}; face: {face}", with(shaft.radius, "m"))));
     }
     for ring in &scene.rings {
         facts.push(Fact::new(

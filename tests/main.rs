@@ -9,6 +9,7 @@ mod command_line;
 mod cracks;
 mod documents;
 mod ensembles;
+mod excavation;
 mod extreme;
 mod fields;
 mod forecasts;

@@ -25,6 +25,8 @@ pub struct Sketch {
     pub walls: Vec<(&'static str, String)>,
     /// Lines of one ring of pipes each.
     pub pipes: Vec<String>,
+    /// Lines of the section `excavation`; no shaft is dug if empty.
+    pub excavation: String,
     /// Lines of the section `flow`; no water flows if empty.
     pub flow: String,
     /// Lines of the section `watch`.
@@ -74,6 +76,7 @@ impl Sketch {
             initial_c: 3.0,
             walls: Vec::new(),
             pipes: Vec::new(),
+            excavation: String::new(),
             flow: String::new(),
             watch: String::new(),
             spacing_m,
@@ -145,6 +148,9 @@ impl Sketch {
         }
         for ring in &self.pipes {
             put(format_args!("[[pipes]]\n{ring}\n"));
+        }
+        if !self.excavation.is_empty() {
+            put(format_args!("[excavation]\n{}\n", self.excavation));
         }
         if !self.flow.is_empty() {
             put(format_args!("[flow]\n{}\n", self.flow));

@@ -12,6 +12,9 @@ use crate::potential::{Curve, Thermal};
 use crate::reference::Reference;
 use crate::scene::{Condition, Domain, Scene, Sector, WallModel};
 
+/// Name of the face of a shaft in the heat balance.
+const FACE: &str = "shaft";
+
 /// A wall that heat may cross.
 #[derive(Clone)]
 pub struct Door {
@@ -222,6 +225,19 @@ pub struct Boundary {
     pub sides: [Side; 4],
     /// The curved outer wall: its door and radius (m).
     pub curved: Option<(usize, f64)>,
+    /// The face of a shaft that is dug.
+    pub dug: Option<Dug>,
+}
+
+/// The face of a shaft, from when it is dug on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dug {
+    /// Its door.
+    pub door: usize,
+    /// Radius (m).
+    pub radius: f64,
+    /// When (s).
+    pub start: f64,
 }
 
 impl Boundary {
@@ -237,8 +253,10 @@ impl Boundary {
         let whole = scene.walls.iter().map(|wall| (wall.name, wall.name.to_string(), &wall.condition));
         let parts = scene.wall_parts.iter().enumerate();
         let parts = parts.map(|(k, part)| (part.wall, format!("{}_part_{}", part.wall, k + 1), &part.condition));
+        let face = scene.excavation.iter().map(|shaft| (FACE, FACE.to_owned(), &shaft.condition));
         let doors: Vec<Door> = whole
             .chain(parts)
+            .chain(face)
             .map(|(wall, name, condition)| {
                 let at_end = matches!(wall, "right" | "top");
                 let distance = if at_end == cold_at_end { 0.0 } else { axis_length };
@@ -283,8 +301,10 @@ impl Boundary {
         let first = scene.walls.len();
         let parts = scene.wall_parts.iter().enumerate();
         let parts = parts.map(|(k, part)| (part.wall, part.from, part.to, first + k)).collect();
+        let door = scene.walls.len() + scene.wall_parts.len();
+        let dug = scene.excavation.as_ref().map(|shaft| Dug { door, radius: shaft.radius, start: shaft.start });
         let books_all = mirrors && scene.domain.symmetry().is_some();
-        Ok(Boundary { parts, books_all, doors, sides, curved })
+        Ok(Boundary { parts, books_all, doors, sides, curved, dug })
     }
 
     /// Whether walls are in parts.

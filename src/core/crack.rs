@@ -123,7 +123,7 @@ fn mirrored(point: DVec2, (x, y): (Option<f64>, Option<f64>)) -> DVec2 {
     DVec2::new(x.map_or(point.x, |x| x - point.x), y.map_or(point.y, |y| y - point.y))
 }
 
-/// Pairs that cracks cut while a run goes on.
+/// Pairs that cracks or shafts cut while a run goes on.
 #[derive(Debug, Clone, Default)]
 pub struct Cuts {
     /// When (s), which place in the list, and its weight before; in order of time.
@@ -174,9 +174,14 @@ impl Cuts {
         }
         kept.partners.shrink_to_fit();
         kept.weights.shrink_to_fit();
+        *pairs = kept;
+        Cuts::at(events)
+    }
+
+    /// Cuts by time (s), place in the list, and weight before.
+    pub fn at(mut events: Vec<(f64, usize, f64)>) -> Self {
         events.shrink_to_fit();
         events.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        *pairs = kept;
         Cuts { events, done: 0 }
     }
 

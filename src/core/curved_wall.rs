@@ -56,6 +56,25 @@ pub struct Contacts {
     views: Vec<View>,
 }
 
+/// A curved wall of a body.
+#[derive(Debug, Clone)]
+pub struct Rim {
+    /// Its door.
+    pub door: usize,
+    /// From when it is there (s).
+    pub from: f64,
+    /// Contacts of particles with it.
+    pub contacts: Contacts,
+}
+
+impl Rim {
+    /// Whether it is there at a time (s).
+    #[inline]
+    pub fn stands(&self, time: f64) -> bool {
+        time >= self.from
+    }
+}
+
 /// The pairs of one particle near a curved wall, while they are counted.
 #[derive(Debug, Clone)]
 pub struct Neighbourhood {

@@ -9,6 +9,7 @@ pub mod boundary;
 pub mod corner;
 pub mod crack;
 pub mod curved_wall;
+mod excavation;
 pub mod flow;
 pub mod ghosts;
 pub mod green;

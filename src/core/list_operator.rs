@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::boundary::{Boundary, Face};
 use crate::crack::Cuts;
-use crate::curved_wall::Contacts;
+use crate::curved_wall::Rim;
 use crate::ghosts::Ghosts;
 use crate::ledger::Sum;
 use crate::memory::{Held, shared};
@@ -90,14 +90,14 @@ pub struct ListParts {
     pub materials: Materials,
     /// Pairs.
     pub pairs: PairList,
-    /// What cracks do to them.
+    /// What cracks and shafts do to them.
     pub cuts: Cuts,
     /// Ghosts.
     pub ghosts: Ghosts,
     /// Walls.
     pub boundary: Boundary,
-    /// Contacts with the curved wall.
-    pub contacts: Contacts,
+    /// Contacts with curved walls.
+    pub rims: Vec<Rim>,
     /// Where walls touch a body of shells.
     pub touches: Vec<Touch>,
     /// Pipes.
@@ -211,7 +211,7 @@ impl<T: PairTerm> ListOperator<T> {
                 self.exchange(&|o, i, j| o.by_mean(i, j, |a, b| (a * b).sqrt()), rate, doors);
             }
         }
-        self.contact(rate, doors);
+        self.contact(clock.time, rate, doors);
         self.touch(rate, doors);
         let parts = &self.parts;
         let walls = parts.boundary.doors.len();
@@ -258,28 +258,29 @@ impl<T: PairTerm> ListOperator<T> {
         }
     }
 
-    /// Adds what the curved wall gives.
-    fn contact(&self, rate: &mut [f64], doors: &mut [f64]) {
-        let Some((door, _)) = self.parts.boundary.curved else { return };
+    /// Adds what curved walls give that are there at a time (s).
+    fn contact(&self, time: f64, rate: &mut [f64], doors: &mut [f64]) {
         let (materials, fields) = (&self.parts.materials, &self.fields);
-        let by_potential = |particle: usize, depth: f64| {
-            let material = materials.index(particle);
-            self.faces[material][door].flux(fields.potential[particle], depth, &materials.thermals[material])
-        };
-        let by_temperature = |particle: usize, depth: f64| {
-            let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
-            self.faces[0][door].flux_by_temperature(temperature, conductivity, depth)
-        };
-        let mut sum = Sum::default();
-        for contact in &self.parts.contacts.contacts {
-            let gain = match self.parts.exchange {
-                Exchange::Potential => self.parts.contacts.gain(contact, by_potential),
-                Exchange::Mean(_) => self.parts.contacts.gain(contact, by_temperature),
+        for Rim { door, contacts, .. } in self.parts.rims.iter().filter(|rim| rim.stands(time)) {
+            let by_potential = |particle: usize, depth: f64| {
+                let material = materials.index(particle);
+                self.faces[material][*door].flux(fields.potential[particle], depth, &materials.thermals[material])
             };
-            rate[contact.particle as usize] += gain;
-            sum.add(gain);
+            let by_temperature = |particle: usize, depth: f64| {
+                let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
+                self.faces[0][*door].flux_by_temperature(temperature, conductivity, depth)
+            };
+            let mut sum = Sum::default();
+            for contact in &contacts.contacts {
+                let gain = match self.parts.exchange {
+                    Exchange::Potential => contacts.gain(contact, by_potential),
+                    Exchange::Mean(_) => contacts.gain(contact, by_temperature),
+                };
+                rate[contact.particle as usize] += gain;
+                sum.add(gain);
+            }
+            doors[*door] = sum.value() * self.parts.volumes.unit();
         }
-        doors[door] = sum.value() * self.parts.volumes.unit();
     }
 
     #[inline(always)]
@@ -425,14 +426,15 @@ impl<T: PairTerm> ListOperator<T> {
             *slope = parts.materials.of(i).law.slope(*enthalpy);
         }
         tangent.time = time;
-        if let Some((door, _)) = parts.boundary.curved {
+        tangent.views.resize_with(parts.rims.len(), Vec::new);
+        for (Rim { door, contacts, .. }, views) in parts.rims.iter().zip(&mut tangent.views) {
             let potential = &self.fields.potential;
             let slope = |particle: usize, depth: f64| {
                 let material = parts.materials.index(particle);
                 let thermal = &parts.materials.thermals[material];
-                self.faces[material][door].flux_slope(potential[particle], depth, thermal)
+                self.faces[material][*door].flux_slope(potential[particle], depth, thermal)
             };
-            parts.contacts.slopes(slope, &mut tangent.views);
+            contacts.slopes(slope, views);
         }
         tangent.pipes.clear();
         tangent.pipes.extend(parts.sinks.iter().map(|sink| {
@@ -489,8 +491,10 @@ impl<T: PairTerm> ListOperator<T> {
             }
             _ => rate.chunks_mut(TASK).enumerate().for_each(task),
         }
-        for contact in &parts.contacts.contacts {
-            rate[contact.particle as usize] += parts.contacts.change(contact, views, |particle| changes[particle]);
+        for (rim, views) in parts.rims.iter().zip(views.iter()).filter(|(rim, _)| rim.stands(*time)) {
+            for contact in &rim.contacts.contacts {
+                rate[contact.particle as usize] += rim.contacts.change(contact, views, |particle| changes[particle]);
+            }
         }
         for (touch, slope) in parts.touches.iter().zip(touches.iter()) {
             rate[touch.particle as usize] += slope * changes[touch.particle as usize];
@@ -584,8 +588,8 @@ pub struct Tangent {
     ghosts: Vec<f64>,
     /// How the flux of each pair follows its own particle and its partner; empty for a single material.
     shares: Vec<(f64, f64)>,
-    /// How the gains at a curved wall follow what is seen of it.
-    views: Vec<f64>,
+    /// How the gains at each curved wall follow what is seen of it.
+    views: Vec<Vec<f64>>,
     /// How the gains at touching walls follow the particles.
     touches: Vec<f64>,
     /// Resistances with which they meet pipes.
@@ -632,7 +636,7 @@ impl Operator for EnthalpyList {
 
     fn is_symmetric(&self) -> bool {
         let parts = &self.operator.parts;
-        let curved = parts.boundary.curved.is_some_and(|(door, _)| self.operator.faces[0][door].holds() > 0.0);
+        let curved = parts.rims.iter().any(|rim| self.operator.faces[0][rim.door].holds() > 0.0);
         let even = parts.volumes.is_even();
         even && parts.ghosts.all_mirrored() && !parts.materials.mixed() && parts.boundary.is_linear() && !curved
     }
@@ -662,7 +666,8 @@ impl Operator for EnthalpyList {
             numbers.clone().max().unwrap_or(0) - numbers.min().unwrap_or(0)
         };
         let by_pairs = (0..count).map(farthest).max().unwrap_or(0);
-        by_pairs.max(parts.contacts.bandwidth()).max(parts.sinks.iter().map(sampled).max().unwrap_or(0))
+        let by_rims = parts.rims.iter().map(|rim| rim.contacts.bandwidth()).max().unwrap_or(0);
+        by_pairs.max(by_rims).max(parts.sinks.iter().map(sampled).max().unwrap_or(0))
     }
 
     fn steepest(&self) -> Vec<f64> {
@@ -688,7 +693,11 @@ impl Operator for EnthalpyList {
 
     fn held(&self) -> usize {
         let Tangent { changes, ghosts, shares, views, touches, .. } = &self.tangent;
-        let tangent = changes.held() + ghosts.held() + shares.held() + views.held() + touches.held();
+        let tangent = changes.held()
+            + ghosts.held()
+            + shares.held()
+            + views.iter().map(Held::held).sum::<usize>()
+            + touches.held();
         self.operator.held() + self.scheme.held() + self.rate.held() + tangent
     }
 }
@@ -707,7 +716,7 @@ impl<T> Held for ListOperator<T> {
             + fields
             + self.crossings.held()
             + self.across.iter().map(Held::held).sum::<usize>()
-            + parts.contacts.held()
+            + parts.rims.iter().map(|rim| rim.contacts.held()).sum::<usize>()
             + parts.touches.capacity() * size_of::<Touch>()
             + parts.sinks.held()
             + self.sink_heat.held()
@@ -777,9 +786,9 @@ fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
             own + mirrored.max(0.0)
         })
         .collect();
-    if let Some((door, _)) = parts.boundary.curved {
-        for contact in &parts.contacts.contacts {
-            sums[contact.particle as usize] += faces[door].holds() * contact.stiffness;
+    for rim in &parts.rims {
+        for contact in &rim.contacts.contacts {
+            sums[contact.particle as usize] += faces[rim.door].holds() * contact.stiffness;
         }
     }
     for touch in &parts.touches {

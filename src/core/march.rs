@@ -127,6 +127,8 @@ pub fn run(
             clock.turned = clock.time >= turn || clock.index == 0;
             if clock.turned {
                 turn = next_turn(scene, clock.time, dense);
+                particles.shaft =
+                    scene.excavation.as_ref().filter(|shaft| clock.time >= shaft.start).map(|shaft| shaft.radius);
             }
             let landing = instant.min(turn);
             let count = ((landing - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);

@@ -344,6 +344,7 @@ mod tests {
             walls: vec![Wall { name: "left", condition: Condition::Temperature(Series::Constant(-20.0)) }],
             wall_parts: Vec::new(),
             rings: Vec::new(),
+            excavation: None,
             flow: None,
             stream: None,
             watch: Watch {

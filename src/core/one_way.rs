@@ -66,8 +66,8 @@ impl OneWay {
 
 /// Which way the frozen volume goes, if all data pull one way from the uniform start and never let go.
 fn direction(scene: &Scene) -> Option<f64> {
-    // What a crack parts goes its own way.
-    if scene.has_regional_starts() || !scene.cracks.is_empty() {
+    // What a crack parts goes its own way, and what is dug out is frozen no more.
+    if scene.has_regional_starts() || !scene.cracks.is_empty() || scene.excavation.is_some() {
         return None;
     }
     let start = scene.initial_temperature;
@@ -130,6 +130,7 @@ mod tests {
             walls: walls.into_iter().map(|(name, condition)| Wall { name, condition }).collect(),
             wall_parts: Vec::new(),
             rings: Vec::new(),
+            excavation: None,
             flow: None,
             stream: None,
             watch: Watch {

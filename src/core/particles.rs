@@ -36,6 +36,8 @@ pub struct Particles {
     pub volumes: Volumes,
     /// Whether the front in a freezing particle is where its frozen fraction says.
     pub sub_cell: bool,
+    /// Radius (m) of the shaft around the centre, once it is dug. Its ground stays apart, for the balance of heat.
+    pub shaft: Option<f64>,
     /// Materials.
     pub materials: Materials,
 }
@@ -107,8 +109,16 @@ impl Particles {
         freezing + at_the_centre(&self.lattice, index, fraction, |other| self.temperature(other) - freezing)
     }
 
-    /// Frozen fraction of a particle.
+    /// Whether a particle's ground was dug out.
+    pub fn is_gone(&self, index: usize) -> bool {
+        self.shaft.is_some_and(|radius| self.position(index).length() < radius)
+    }
+
+    /// Frozen fraction of a particle; none of what was dug out.
     pub fn frozen_fraction(&self, index: usize) -> f64 {
+        if self.is_gone(index) {
+            return 0.0;
+        }
         self.materials.of(index).frozen_fraction(self.enthalpy[index])
     }
 

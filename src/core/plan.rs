@@ -10,7 +10,8 @@ use rayon::ThreadPool;
 use crate::boundary::{Boundary, Side};
 use crate::corner::strengthen;
 use crate::crack::{Barriers, Cuts};
-use crate::curved_wall::{Contacts, Neighbourhood, cells_behind};
+use crate::curved_wall::{Contacts, Neighbourhood, Rim, cells_behind};
+use crate::excavation;
 use crate::flow::FlowMethod;
 use crate::flow::network::WayOut;
 use crate::ghosts::Ghosts;
@@ -243,6 +244,11 @@ pub fn build(
     {
         return Err(refuse(reason));
     }
+    if let Some(reason) =
+        boundary.dug.as_ref().and_then(|dug| excavation::out_of_place(dug, numerics, &lattice, &sinks))
+    {
+        return Err(refuse(reason));
+    }
     let why_list = |flows| why_list(scene, numerics, discretisation, &stencil, narrow, flows);
     // Water needs the pairs; heat may be conducted without them.
     let conducts_on_lattice = why_list(false).is_none();
@@ -338,7 +344,13 @@ pub fn build(
             if numerics.walls == WallModel::InnerLayers {
                 touches = inner(&mut pairs, &mut ghosts, &body, stencil.reach).map_err(refuse)?;
             }
-            let cuts = if scene.cracks.is_empty() {
+            let outer = boundary.curved.map(|(door, _)| Rim { door, from: 0.0, contacts });
+            let mut rims: Vec<Rim> = outer.into_iter().collect();
+            let cuts = if let Some(dug) = &boundary.dug {
+                let (cuts, face) = excavation::face(&pairs, &positions, &ghosts, &materials, dug);
+                rims.push(face);
+                cuts
+            } else if scene.cracks.is_empty() {
                 Cuts::default()
             } else {
                 let barriers = Barriers::new(&scene.cracks, &lattice, &boundary);
@@ -353,7 +365,7 @@ pub fn build(
                 cuts,
                 ghosts,
                 boundary,
-                contacts,
+                rims,
                 touches,
                 surfaces: scene.watch.surfaces.clone(),
                 sinks,
@@ -414,6 +426,7 @@ pub fn build(
         velocity: Vec::new(),
         volumes,
         sub_cell: numerics.front == Front::SubCell,
+        shaft: None,
         lattice,
         materials,
     };
@@ -451,6 +464,7 @@ fn moving(scene: &Scene, settings: &MethodSettings, crowd: Crowd) -> Result<Plan
         lattice: Arc::new(Lattice::new(&scene.domain, numerics.spacing)),
         volumes: Volumes::even(volume),
         sub_cell: false,
+        shaft: None,
         materials: Materials { thermals: [thermal].into(), of_particle: Vec::new() },
     };
     method.publish(&mut particles);
@@ -491,6 +505,7 @@ fn why_list(
         ),
         (scene.has_regional_materials(), "there are several materials"),
         (!scene.cracks.is_empty(), "cracks cut pairs"),
+        (scene.excavation.is_some(), "a shaft cuts pairs"),
         (scene.domain.symmetry().is_some(), "particles are shells"),
         (!scene.watch.surfaces.is_empty(), "heat through surfaces is watched"),
         (flows, "water flows along the pairs"),

@@ -391,6 +391,24 @@ pub enum Growth {
     Table(Vec<(f64, f64)>),
 }
 
+/// Ground around the centre of a ring that is dug out: a shaft.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Excavation {
+    /// Radius (m) of the shaft.
+    pub radius: f64,
+    /// When the ground is gone (s).
+    pub start: f64,
+    /// What happens at the face from then on.
+    pub condition: Condition,
+}
+
+impl Excavation {
+    /// Whether a place (m) lies in the shaft.
+    pub fn holds(&self, place: DVec2) -> bool {
+        place.length() < self.radius
+    }
+}
+
 /// A plane, cylinder or sphere across the body through which heat is counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
@@ -509,6 +527,8 @@ pub struct Scene {
     pub wall_parts: Vec<WallPart>,
     /// Rings of freeze pipes.
     pub rings: Vec<PipeRing>,
+    /// The shaft, where it is dug during the run.
+    pub excavation: Option<Excavation>,
     /// Groundwater, where it flows.
     pub flow: Option<Flow>,
     /// What drives the liquid itself, where it moves.
@@ -524,10 +544,11 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// What happens at all walls and parts of them.
+    /// What happens at all walls and parts of them, and at the face of the shaft.
     pub fn conditions(&self) -> impl Iterator<Item = &Condition> {
         let parts = self.wall_parts.iter().map(|part| &part.condition);
-        self.walls.iter().map(|wall| &wall.condition).chain(parts)
+        let face = self.excavation.iter().map(|shaft| &shaft.condition);
+        self.walls.iter().map(|wall| &wall.condition).chain(parts).chain(face)
     }
 
     /// Least and greatest temperature that data of the scene name: start, walls, pipes.
@@ -587,10 +608,11 @@ impl Scene {
         self.conditions().any(|condition| matches!(condition, Condition::Flux(_) | Condition::Convection { .. }))
     }
 
-    /// The first instant after `t` (s) at which pipes are switched: steps land on it.
+    /// The first instant after `t` (s) at which pipes are switched or the shaft is dug: steps land on it.
     pub fn next_switch(&self, t: f64) -> Option<f64> {
         let schedules = self.rings.iter().filter_map(|ring| ring.schedule.as_ref());
-        schedules.filter_map(|schedule| schedule.next_switch(t)).reduce(f64::min)
+        let dug = self.excavation.iter().map(|shaft| shaft.start).filter(|start| *start > t);
+        schedules.filter_map(|schedule| schedule.next_switch(t)).chain(dug).reduce(f64::min)
     }
 
     /// The first instant after `t` (s) at which the temperature, flux or film of a wall or the temperature of pipes bends

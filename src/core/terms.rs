@@ -92,6 +92,9 @@ impl Parts<'_> {
         if !self.scene.cracks.is_empty() {
             used.push(format!("{} cracks, which cut pairs", self.scene.cracks.len()));
         }
+        if self.scene.excavation.is_some() {
+            used.push("a shaft, at whose face pairs are cut".to_string());
+        }
         let walls = self.open_walls();
         if !walls.is_empty() {
             used.push(format!("heat through {}, booked each step", walls.join(", ")));

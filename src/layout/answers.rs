@@ -334,6 +334,10 @@ impl Series {
 /// The steady ring of a scene with one even ring, with the fronts of a day.
 fn formula(scene: &Scene, day: &Day) -> Option<(f64, f64)> {
     let [ring] = &scene.rings[..] else { return None };
+    // Its fronts are at the freezing point.
+    if scene.excavation.is_some() {
+        return None;
+    }
     let material = &scene.materials[0];
     let (inner, outer) = day.inner_m.zip(day.outer_m)?;
     let steady = SteadyRing {

@@ -15,7 +15,7 @@ use super::search::{self, Tried};
 use super::shaft::{ShaftRow, shafts};
 use super::study::{Design, Search, Study};
 use super::variants::Role;
-use super::{Found, LayoutRequest, reference, tables};
+use super::{Found, LayoutRequest, dug, reference, tables};
 use crate::failure::Failure;
 use crate::machine::Machine;
 use crate::parallel;
@@ -73,10 +73,11 @@ pub(super) fn write(
         let own = if figures.is_empty() && first.is_empty() { &mut first } else { &mut figures };
         own.push(Figure::new(&drawing.canvas, drawing.caption, drawing.stem));
     }
-    let near = compared.iter().filter_map(|one| near(one)).collect();
+    let near = compared.iter().flat_map(|one| [near(one), dug::early(one)]).flatten().collect();
     let tables = vec![overview(study, work.method, &compared)];
     page.opening.push(Block { list: near, figures: first, tables, ..Block::default() });
     page.opening.push(Block { figures, ..Block::default() });
+    page.opening.extend(dug::block(found));
     page.opening.extend(reference::block(found));
     page.opening.extend(critical);
     if compared.len() <= SHOWN {
@@ -138,7 +139,7 @@ fn view<'a>(study: &Study, one: &Found<'_>, run: &'a RunResult) -> LayoutView<'a
             Domain::Ring { outer_radius, .. } => outer_radius,
             _ => 0.0,
         },
-        shaft_radius_m: study.shaft_radius,
+        shaft_radius_m: scene.excavation.as_ref().map(|shaft| shaft.radius).or(study.shaft_radius),
         result: run,
         load: one.fine.load.clone(),
         axis: one.pair.fine.axis.clone(),
@@ -339,7 +340,7 @@ fn signed(value: Option<f64>, digits: usize) -> String {
 }
 
 /// A number, or what stands in its place.
-fn cell(value: Option<f64>, digits: usize, none: &str) -> String {
+pub(super) fn cell(value: Option<f64>, digits: usize, none: &str) -> String {
     value.map_or_else(|| none.to_owned(), |value| format!("{value:.digits$}"))
 }
 

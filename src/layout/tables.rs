@@ -9,7 +9,7 @@ use super::answers::Answers;
 use super::shaft::{self, Shaft, shafts};
 use super::study::Study;
 use super::variants::Role;
-use super::{Found, reference, write_rows};
+use super::{Found, dug, reference, write_rows};
 use crate::failure::Failure;
 
 /// One row of `layouts.csv`.
@@ -164,6 +164,10 @@ pub(super) fn write(folder: &Path, study: &Study, method: &str, found: &[Found<'
         })
         .collect();
     write_rows(folder, "gaps.csv", &gaps)?;
+    let dug: Vec<_> = found.iter().filter_map(dug::row).collect();
+    if !dug.is_empty() {
+        write_rows(folder, "shaft.csv", &dug)?;
+    }
     let beside: Vec<_> = found.iter().flat_map(reference::rows).collect();
     if !beside.is_empty() {
         write_rows(folder, "reference.csv", &beside)?;

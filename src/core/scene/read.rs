@@ -2,6 +2,7 @@
 
 mod body;
 mod cracks;
+mod excavation;
 mod flow;
 mod ground;
 mod numerics;
@@ -125,11 +126,12 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let (walls, wall_parts) =
         wall_section.as_mut().map(|section| body::walls(section, domain.as_ref())).unwrap_or_default();
     let rings = body::pipes(&mut root, domain.as_ref());
+    let excavation = excavation::excavation(&mut root, domain.as_ref(), &rings);
     let cracks = cracks::cracks(&mut root, domain.as_ref());
     let watch = watch::watch(&mut root, domain.as_ref(), time.as_ref());
     let surfaces = watch.as_ref().is_some_and(|watch| !watch.surfaces.is_empty());
-    let beside = (!cracks.is_empty(), surfaces);
-    let flow = flow::flow(&mut root, domain.as_ref(), if complete { &materials } else { &[] }, beside);
+    let beside = flow::Beside { cracks: !cracks.is_empty(), surfaces, excavation: excavation.is_some() };
+    let flow = flow::flow(&mut root, domain.as_ref(), if complete { &materials } else { &[] }, &beside);
     let stream = stream::stream(&mut root, domain.as_ref(), &walls, time.as_ref().map(|time| &time.duration));
     let reference = watch::reference(&mut root, domain.as_ref());
     if let (Some(section), Some(domain)) = (&mut wall_section, &domain) {
@@ -162,6 +164,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         walls,
         wall_parts,
         rings,
+        excavation,
         flow,
         stream,
         watch: watch?,

@@ -36,12 +36,16 @@ pub(super) fn grid(lattice: &Lattice, radius: f64) -> Grid {
 /// Temperatures on a grid of at most [`FIELD_CELLS`] cells a side; particles off the lattice fill their nearest cell.
 pub(super) fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
     let Grid { least, spacing, nx, ny } = grid(&particles.lattice, radius);
-    let mut sums = vec![(0.0, 0.0, 0usize); nx * ny];
+    let mut sums = vec![(0.0, 0usize, 0.0, 0usize); nx * ny];
     particles.visit(|i, place| {
         let cell = ((place - least) / spacing).floor();
         if cell.x >= 0.0 && cell.y >= 0.0 && (cell.x as usize) < nx && (cell.y as usize) < ny {
             let sum = &mut sums[cell.y as usize * nx + cell.x as usize];
-            *sum = (sum.0 + particles.reading(i), sum.1 + particles.frozen_fraction(i), sum.2 + 1);
+            // What was dug out has no temperature, and is not frozen.
+            if !particles.is_gone(i) {
+                (sum.0, sum.1) = (sum.0 + particles.reading(i), sum.1 + 1);
+            }
+            (sum.2, sum.3) = (sum.2 + particles.frozen_fraction(i), sum.3 + 1);
         }
     });
     let mean = |sum: f64, count: usize| if count > 0 { sum / count as f64 } else { f64::NAN };
@@ -52,8 +56,8 @@ pub(super) fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
         x0_m: least.x + 0.5 * spacing,
         y0_m: least.y + 0.5 * spacing,
         spacing_m: spacing,
-        temperature_c: sums.iter().map(|sum| mean(sum.0, sum.2)).collect(),
-        frozen_fraction: sums.iter().map(|sum| mean(sum.1, sum.2)).collect(),
+        temperature_c: sums.iter().map(|sum| mean(sum.0, sum.1)).collect(),
+        frozen_fraction: sums.iter().map(|sum| mean(sum.2, sum.3)).collect(),
         temperature_ref_c: Vec::new(),
     }
 }

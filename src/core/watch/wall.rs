@@ -145,7 +145,8 @@ impl Wall {
             let mut temperature: Vec<f64> =
                 ray.samples.iter().map(|sample| sample.of(|i| particles.reading(i))).collect();
             pipes.iter().for_each(|ring| ring.sharpen(ray, &mut temperature));
-            let ends = ends(&ray.radii, &fraction);
+            let face = particles.shaft.unwrap_or(0.0);
+            let ends = ends(&ray.radii, &fraction).map(|(inner, outer)| (inner.max(face), outer));
             self.planes.push(PlaneRow {
                 time_s: time,
                 plane: plane.into(),

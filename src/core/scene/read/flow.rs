@@ -15,13 +15,19 @@ const DIRECTION: (&str, &str) = ("direction", "deg");
 /// Seconds of a day.
 const DAY: f64 = 86400.0;
 
-/// Reads the section `flow`, if there is one; `materials` is empty where some could not be read. The
-/// flags tell of cracks and of surfaces, which water does not know.
+/// What a scene has beside water that water does not know.
+pub(super) struct Beside {
+    pub(super) cracks: bool,
+    pub(super) surfaces: bool,
+    pub(super) excavation: bool,
+}
+
+/// Reads the section `flow`, if there is one; `materials` is empty where some could not be read.
 pub(super) fn flow(
     root: &mut Section<'_>,
     domain: Option<&Domain>,
     materials: &[Material],
-    (cracks, surfaces): (bool, bool),
+    beside: &Beside,
 ) -> Option<Flow> {
     if !root.has("flow") {
         for material in materials {
@@ -39,8 +45,11 @@ pub(super) fn flow(
         Some(Domain::Radial { .. } | Domain::Axial { .. }) => {
             Some("where particles are shells: water flows through a line, a rectangle or a ring")
         }
-        _ if cracks => Some("beside \"cracks\", which would cut the ways of water too"),
-        _ if surfaces => Some("beside \"watch.surfaces\", which count what is conducted and not what water carries"),
+        _ if beside.cracks => Some("beside \"cracks\", which would cut the ways of water too"),
+        _ if beside.surfaces => {
+            Some("beside \"watch.surfaces\", which count what is conducted and not what water carries")
+        }
+        _ if beside.excavation => Some("beside \"excavation\": a shaft is dug where no water flows in"),
         _ => None,
     };
     if let Some(beside) = beside {

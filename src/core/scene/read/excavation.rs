@@ -1,0 +1,53 @@
+//! The shaft that is dug inside a ring of pipes.
+
+use super::body;
+use super::range::{Range, plain};
+use super::section::Section;
+use crate::scene::{Condition, Domain, Excavation, PipeRing};
+
+const RADIUS: (&str, &str) = ("radius", "m");
+
+pub(super) fn excavation(root: &mut Section<'_>, domain: Option<&Domain>, rings: &[PipeRing]) -> Option<Excavation> {
+    if !root.has("excavation") {
+        return None;
+    }
+    let cracked = root.has("cracks");
+    let mut section = root.section("excavation")?;
+    let radius = section.positive(RADIUS);
+    let start = section.duration("start", Range::NOT_NEGATIVE);
+    let condition = body::condition(&mut section);
+    if domain.is_some_and(|domain| !matches!(domain, Domain::Ring { .. })) {
+        section.section_problem("a shaft is dug in the domain \"ring\" alone");
+        return None;
+    }
+    if cracked {
+        section.section_problem("a shaft and cracks are not known together: leave one out");
+        return None;
+    }
+    if condition == Some(Condition::Exact) {
+        section.problem("condition", "found \"exact\", the face of a shaft has no exact solution");
+        return None;
+    }
+    let radius = radius?;
+    if let Some(Domain::Ring { outer_radius, .. }) = domain
+        && radius >= *outer_radius
+    {
+        section.problem(
+            RADIUS,
+            format!("found {}, must be less than the outer radius {}", plain(radius), plain(*outer_radius)),
+        );
+        return None;
+    }
+    for (number, ring) in rings.iter().enumerate() {
+        if let Some(k) = ring.numbers().find(|k| ring.place(*k).length() - ring.pipe_radius <= radius) {
+            let message = format!(
+                "found {}, pipe {k} of \"pipes.{number}\" stands {:.4} from the centre, in the shaft or at its face",
+                plain(radius),
+                ring.place(k).length()
+            );
+            section.problem(RADIUS, message);
+            return None;
+        }
+    }
+    Some(Excavation { radius, start: start?.seconds, condition: condition? })
+}

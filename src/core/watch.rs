@@ -14,7 +14,7 @@ use corners::Corners;
 use field::field;
 use glam::DVec2;
 use shells::{Cut, RadialFront};
-use wall::{Joint, Wall};
+use wall::{Joint, Wall, Way};
 
 use crate::boundary::moving_least_squares;
 use crate::lattice::Lattice;
@@ -157,7 +157,9 @@ impl Watches {
                         number: k,
                         angle,
                         multiplicity: near.multiplicity,
-                        joint: Joint::new(near.samples),
+                        joint: Joint::new(
+                            near.samples.into_iter().map(|place| Way::Through(place, Vec::new())).collect(),
+                        ),
                     });
                 }
             }
@@ -229,11 +231,10 @@ impl Watches {
                 0.5 - sample.of(|i| particles.frozen_fraction(i))
             }
         };
-        joint.samples.iter().map(openness).fold(f64::INFINITY, f64::min)
+        joint.openness(openness)
     }
 
-    /// Looks at the gaps between pipes: closed once every point of the line between two pipes' neighbours, at some
-    /// radius, is frozen with its latent heat released.
+    /// Looks at the gaps between pipes, which close once ground there is frozen with its latent heat released.
     pub fn look(&mut self, particles: &Particles, time: f64) {
         self.next_look = time + self.look_every;
         if let Some(averages) = &mut self.averages {

@@ -22,7 +22,7 @@ impl Held for Ray {
 
 impl Held for Gap {
     fn held(&self) -> usize {
-        self.joint.samples.held()
+        self.joint.held()
     }
 }
 
@@ -79,7 +79,7 @@ impl Watches {
     /// Bytes that the watches will hold at the end of a run whose heat goes through `doors` doors.
     pub fn held_at_the_end(&self, particles: &Particles, doors: usize) -> usize {
         let cuts = self.cuts.iter().map(|cut| cut.plane.held() + cut.along.held() + cut.samples.held()).sum::<usize>();
-        let joints = self.wall.joints.iter().map(|joint| joint.samples.held()).sum::<usize>();
+        let joints = self.wall.joints.iter().map(Held::held).sum::<usize>();
         let samples = self.main.held() + self.interface.held() + self.gaps.held() + joints + cuts;
         let probes = self.probes.capacity() * size_of::<(DVec2, Sample)>()
             + self.probes.iter().map(|probe| probe.1.held()).sum::<usize>();

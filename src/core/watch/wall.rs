@@ -1,4 +1,4 @@
-//! The frozen wall of a ring: neighbouring pipes, joined once the middle between them is frozen through, the instant at which a closed wall stands around
+//! The frozen wall of a ring: neighbouring pipes, joined once a way between them is frozen through, the instant at which a closed wall stands around
 //! the centre, and sections of it.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -7,6 +7,8 @@ use glam::DVec2;
 
 use super::{Ray, Sample, Sampler};
 use crate::ledger::Ledger;
+use crate::material::FreezingLaw;
+use crate::memory::Held;
 use crate::particles::Particles;
 use crate::pipe::Extent;
 use crate::record::{LinkRow, PlaneRow};
@@ -15,18 +17,71 @@ use crate::scene::{Domain, Scene, Sector};
 /// Two places that are the same, over the size of the plan.
 const SAME_PLACE: f64 = 1e-9;
 
-/// Places of which the first to freeze joins two frozen bodies.
+/// Bends of ways that are tried to either side of the straight one, at most.
+const MOST_BENDS: f64 = 16.0;
+
+/// Openness of a place that the tip of open ground between two frozen bodies is leaving, over the difference of openness one
+/// spacing to either side of it, behind the tip and ahead: a tip is a parabola, as wide as the root of the distance from it, so with
+/// it at the place the cell there holds the integral of the root from 0 to 1/2, and the next one that from 1/2 to 3/2.
+const AT_A_TIP: f64 = 0.25;
+
+/// Places that all have to freeze for a way through them to be frozen.
+#[derive(Debug, Clone)]
+pub(super) enum Way {
+    /// The place half-way, likely to be the last, and the others.
+    Through(Sample, Vec<Sample>),
+    /// One place that a tip of open ground is leaving, and places a spacing to either side of it.
+    Tip(Sample, [Sample; 2]),
+}
+
+impl Way {
+    /// The greatest of a value along the way; less is not sought than a greatest value that is known.
+    fn greatest(&self, known: f64, value: impl Fn(&Sample) -> f64) -> f64 {
+        match self {
+            Way::Through(gate, rest) => {
+                let mut greatest = value(gate);
+                for sample in rest {
+                    if greatest >= known {
+                        break;
+                    }
+                    greatest = greatest.max(value(sample));
+                }
+                greatest
+            }
+            Way::Tip(place, [before, behind]) => {
+                let open = |sample: &Sample| value(sample).clamp(0.0, 1.0);
+                value(place) - AT_A_TIP * (open(before) - open(behind)).abs()
+            }
+        }
+    }
+}
+
+impl Held for Way {
+    fn held(&self) -> usize {
+        match self {
+            Way::Through(gate, rest) => gate.held() + rest.held(),
+            Way::Tip(place, beside) => place.held() + beside.iter().map(Held::held).sum::<usize>(),
+        }
+    }
+}
+
+/// Ways of which the first to freeze joins two frozen bodies.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Joint {
-    pub(super) samples: Vec<Sample>,
+    ways: Vec<Way>,
     /// Time and openness at the last look: positive while open.
     last: Option<(f64, f64)>,
     pub(super) closed: Option<f64>,
 }
 
 impl Joint {
-    pub(super) fn new(samples: Vec<Sample>) -> Self {
-        Joint { samples, ..Joint::default() }
+    pub(super) fn new(ways: Vec<Way>) -> Self {
+        Joint { ways, ..Joint::default() }
+    }
+
+    /// How far it is from being closed: positive while open.
+    pub(super) fn openness(&self, value: impl Fn(&Sample) -> f64) -> f64 {
+        self.ways.iter().fold(f64::INFINITY, |least, way| least.min(way.greatest(least, &value)))
     }
 
     /// Takes how far it is from being closed at a time. The instant of closing is interpolated between looks.
@@ -38,6 +93,12 @@ impl Joint {
             });
         }
         self.last = Some((time, now));
+    }
+}
+
+impl Held for Joint {
+    fn held(&self) -> usize {
+        self.ways.held()
     }
 }
 
@@ -110,11 +171,20 @@ impl Wall {
             let number = known.unwrap_or_else(|| {
                 lines.push(line);
                 let middle = 0.5 * (line[0] + line[1]);
-                wall.joints.push(Joint::new(vec![sampler.sample(middle)]));
+                wall.joints.push(Joint::new(ways(line, sampler)));
                 joints.push((wall.joints.len() - 1, None));
                 if (line[0].length() - line[1].length()).abs() <= SAME_PLACE * scene.domain.extent() {
-                    let arc = sampler.sample(middle.normalize_or_zero() * line[0].length());
-                    wall.joints.push(Joint::new(vec![arc]));
+                    let outwards = middle.normalize_or_zero();
+                    let arc = line[0].length() * outwards;
+                    let step = sampler.lattice.spacing * outwards;
+                    // Half frozen ground, by which other laws are judged, passes a place like any level.
+                    let way = match scene.materials[0].law {
+                        FreezingLaw::Isothermal => {
+                            Way::Tip(sampler.sample(arc), [arc - step, arc + step].map(|place| sampler.sample(place)))
+                        }
+                        _ => Way::Through(sampler.sample(arc), Vec::new()),
+                    };
+                    wall.joints.push(Joint::new(vec![way]));
                     joints[lines.len() - 1].1 = Some(wall.joints.len() - 1);
                 }
                 lines.len() - 1
@@ -271,6 +341,22 @@ impl FrozenIn<'_> {
             }
         }
     }
+}
+
+/// Ways from one pipe to another: straight to a point half-way between both, and straight on.
+fn ways([a, b]: [DVec2; 2], sampler: &Sampler<'_>) -> Vec<Way> {
+    let step = 0.5 * sampler.lattice.spacing;
+    let (middle, across) = (0.5 * (a + b), 0.5 * (b - a).perp());
+    let count = (across.length() / step).ceil().min(MOST_BENDS) as i64;
+    let leg = |from: DVec2, to: DVec2| {
+        let pieces = (from.distance(to) / step).ceil() as i64;
+        (0..pieces).map(move |k| from.lerp(to, k as f64 / pieces as f64))
+    };
+    let way = |bend: DVec2| {
+        let rest = leg(bend, a).chain(leg(bend, b)).map(|place| sampler.sample(place)).collect();
+        Way::Through(sampler.sample(bend), rest)
+    };
+    (-count..=count).map(|k| way(middle + k as f64 / count as f64 * across)).collect()
 }
 
 /// Pairs of pipes between which no other stands: none lies in the circle over the line between them. Pipes that see each

@@ -19,6 +19,7 @@ mod layout_references;
 mod layouts;
 mod moving;
 mod order;
+mod pipes;
 mod printed;
 mod properties;
 mod reductions;

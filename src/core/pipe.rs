@@ -71,6 +71,8 @@ pub struct Sink {
     pub film: Option<Film>,
     /// When the pipe works; always if absent.
     pub schedule: Option<Arc<Schedule>>,
+    /// Ground (m2) in whose place the pipe stands.
+    pub displaced: f64,
     /// Where the delta is at work.
     pub extent: Extent,
 }
@@ -148,7 +150,17 @@ pub fn immerse(
         let (temperature, schedule) = (pipe.temperature.clone(), pipe.schedule.clone());
         let sample = vec![(index as u32, 1.0)];
         let resistance = HELD_RESISTANCE;
-        return Ok(Some(Sink { ring, sample, share, resistance, temperature, film: None, schedule, extent }));
+        return Ok(Some(Sink {
+            ring,
+            sample,
+            share,
+            resistance,
+            temperature,
+            film: None,
+            schedule,
+            displaced: 0.0,
+            extent,
+        }));
     }
     let film = pipe.film.map(|coefficient| Film { coefficient, perimeter: std::f64::consts::TAU * pipe.radius });
     for stretch in STRETCHES {
@@ -186,7 +198,8 @@ pub fn immerse(
         sample.sort_unstable_by_key(|entry| entry.0);
         let extent = Extent { ring, centre, half_width: 2.0 * stretch * lattice.spacing, share, smoothing };
         let (temperature, schedule) = (pipe.temperature.clone(), pipe.schedule.clone());
-        return Ok(Some(Sink { ring, sample, share, resistance, temperature, film, schedule, extent }));
+        let displaced = std::f64::consts::PI * pipe.radius * pipe.radius;
+        return Ok(Some(Sink { ring, sample, share, resistance, temperature, film, schedule, displaced, extent }));
     }
     Err(format!(
         "the pipe of radius {} m is too wide for a line sink on particles {} m apart; a spacing of at least {:.3} m is needed",

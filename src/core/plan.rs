@@ -227,6 +227,8 @@ pub fn build(
     }
     let Pipes { sinks, rings, acting } = pipes(scene, numerics, &lattice, &boundary, &stencil)?;
     differences.extend(acting);
+    let count = cloud.as_ref().map_or(lattice.len(), |cloud| cloud.len());
+    let start = start::without_displaced(start, &sinks, &materials, &volumes, count);
     let sampled = sinks.iter().flat_map(|sink| sink.sample.iter().map(|entry| entry.0));
     let mut exempt: Vec<u32> = sampled.collect();
     exempt.sort_unstable();
@@ -266,7 +268,6 @@ pub fn build(
             Layout::Random => "at random".to_string(),
         }
     )];
-    let count = cloud.as_ref().map_or(lattice.len(), |cloud| cloud.len());
     let terms = Parts {
         scene,
         numerics,

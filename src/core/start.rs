@@ -5,8 +5,10 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::lattice::Lattice;
+use crate::pipe::Sink;
 use crate::scene::Scene;
 use crate::scene::region::Cell;
+use crate::symmetry::Volumes;
 use crate::uptake::Materials;
 
 /// Part of a region's volume by which its particles may differ from it without a word.
@@ -31,6 +33,30 @@ pub fn enthalpies(scene: &Scene, materials: &Materials, lattice: &Lattice, cloud
         Some(places) => places.iter().copied().enumerate().map(enthalpy).collect(),
         None => lattice.positions().into_iter().enumerate().map(enthalpy).collect(),
     }
+}
+
+/// The same without the heat of ground in whose place pipes stand that work from the start on: its particles start with what is
+/// left of them once it has come to the temperature of the pipe. It would have to be frozen before the ground around the pipe is.
+pub fn without_displaced(
+    start: Arc<[f64]>,
+    sinks: &[Sink],
+    materials: &Materials,
+    volumes: &Volumes,
+    count: usize,
+) -> Arc<[f64]> {
+    let mut sinks = sinks.iter().filter(|sink| sink.displaced > 0.0 && sink.works(0.0)).peekable();
+    if sinks.peek().is_none() {
+        return start;
+    }
+    let mut left = if start.is_empty() { vec![0.0; count] } else { start.to_vec() };
+    for sink in sinks {
+        for (index, weight) in &sink.sample {
+            let particle = *index as usize;
+            let taken = materials.of(particle).enthalpy(sink.temperature.at(0.0)) - left[particle];
+            left[particle] += taken * sink.share * weight * sink.displaced / volumes.of(particle);
+        }
+    }
+    left.into()
 }
 
 /// Regions whose particles of their material, which belong to them by their centres, fill another volume than the region, in

@@ -35,7 +35,6 @@ fn a_pipe_takes_the_heat_of_the_ground_around_it_alone() {
         let found = through(&result, "pipes");
         for (row, (found, truth)) in result.budget.iter().zip(found.iter().zip(&truth)) {
             let error = 4.0 * found / truth - 1.0;
-            println!("{} {} {error}", kind.name, row.time_s / DAY);
             // Ground in its own place would be 9 % more after half a day and 2 % after four.
             assert!(error.abs() < 0.02, "{}: {error} after {} d", kind.name, row.time_s / DAY);
         }

@@ -9,10 +9,12 @@ use serde::Deserialize;
 /// Times that a borehole is drawn anew because it would meet another, at most.
 const MOST_DRAWS: usize = 1000;
 
-/// A borehole of the first ring as a study file has it.
+/// A borehole as a study file has it.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Borehole {
+    #[serde(default)]
+    ring: usize,
     pipe: usize,
     inclination_deg: Option<f64>,
     azimuth_deg: Option<f64>,
@@ -30,8 +32,27 @@ pub(super) struct Deviation {
     pub(super) seed: u64,
 }
 
-/// How far a pipe stands from its place, by its number.
-pub(super) type Moved = Vec<(usize, DVec2)>;
+/// A pipe by the number of its ring and its own.
+type Number = (usize, usize);
+
+/// How far pipes stand from their places.
+pub(super) type Moved = Vec<(Number, DVec2)>;
+
+impl Borehole {
+    fn number(&self) -> Number {
+        (self.ring, self.pipe)
+    }
+}
+
+/// A pipe in messages, as files have it.
+fn named((ring, pipe): Number) -> String {
+    if ring == 0 { format!("pipe {pipe}") } else { format!("pipe {pipe} of ring {ring}") }
+}
+
+/// A pipe as tables have it.
+fn listed((ring, pipe): Number) -> String {
+    format!("{}.{}", ring + 1, pipe + 1)
+}
 
 /// The way of a borehole: how far it stands from its place (m) at depths (m), linear between them.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,14 +103,18 @@ impl Way {
 
 /// The depth at which boreholes without horizons are read, which all of them must name alike.
 pub(super) fn depth(boreholes: &[Borehole]) -> Result<f64, String> {
-    let mut common: Option<(usize, f64)> = None;
-    for Borehole { pipe, depth_m, .. } in boreholes {
-        let depth = depth_m.ok_or_else(|| format!("pipe {pipe}: depth_m is missing, of the horizon that is run"))?;
+    let mut common: Option<(Number, f64)> = None;
+    for borehole in boreholes {
+        let own = borehole.number();
+        let depth = borehole
+            .depth_m
+            .ok_or_else(|| format!("{}: depth_m is missing, of the horizon that is run", named(own)))?;
         match common {
             Some((other, known)) if known != depth => {
-                return Err(format!("found depth_m {known} of pipe {other} and {depth} of pipe {pipe}, must be one"));
+                let (other, own) = (named(other), named(own));
+                return Err(format!("found depth_m {known} of {other} and {depth} of {own}, must be one"));
             }
-            _ => common = Some((*pipe, depth)),
+            _ => common = Some((own, depth)),
         }
     }
     Ok(common.map_or(0.0, |(_, depth)| depth))
@@ -97,53 +122,53 @@ pub(super) fn depth(boreholes: &[Borehole]) -> Result<f64, String> {
 
 /// Refuses depths of boreholes where horizons have theirs.
 pub(super) fn without_depth(boreholes: &[Borehole]) -> Result<(), String> {
-    match boreholes.iter().find_map(|borehole| Some((borehole.pipe, borehole.depth_m?))) {
-        Some((pipe, depth)) => Err(format!(
-            "pipe {pipe}: depth_m: found {depth}, must be left out: boreholes are read at the depth of each horizon"
+    match boreholes.iter().find_map(|borehole| Some((borehole.number(), borehole.depth_m?))) {
+        Some((number, depth)) => Err(format!(
+            "{}: depth_m: found {depth}, must be left out: boreholes are read at the depth of each horizon",
+            named(number)
         )),
         None => Ok(()),
     }
 }
 
-/// Where the boreholes of the first ring stand at a depth, from what is known of them down to `deepest`.
+/// Where boreholes stand at a depth, from what is known of them down to `deepest`.
 pub(super) fn moved(boreholes: &[Borehole], rings: &[PipeRing], depth: f64, deepest: f64) -> Result<Moved, String> {
-    let Some(first) = rings.first() else { return Ok(Moved::new()) };
-    let mut ways: Vec<(usize, Way)> = Vec::new();
+    let mut ways: Vec<(Number, Way)> = Vec::new();
     for borehole in boreholes {
-        let pipe = borehole.pipe;
-        if pipe >= first.count {
-            return Err(format!("found pipe {pipe}, must be at most {}", first.count - 1));
+        let number = borehole.number();
+        let Some(ring) = rings.get(number.0) else {
+            return Err(format!("found ring {}, must be at most {}", number.0, rings.len().saturating_sub(1)));
+        };
+        if number.1 >= ring.count {
+            return Err(format!("found {}, must be at most {}", named(number), ring.count - 1));
         }
-        if ways.iter().any(|(other, _)| *other == pipe) {
-            return Err(format!("found pipe {pipe} twice"));
+        if ways.iter().any(|(other, _)| *other == number) {
+            return Err(format!("found {} twice", named(number)));
         }
-        ways.push((pipe, way(borehole, deepest).map_err(|message| format!("pipe {pipe}: {message}"))?));
+        ways.push((number, way(borehole, deepest).map_err(|message| format!("{}: {message}", named(number)))?));
     }
     let vertical = Way::vertical(deepest);
-    let of = |number: usize, k: usize| match ways.iter().find(|(pipe, _)| number == 0 && *pipe == k) {
-        Some((_, way)) => way,
-        None => &vertical,
-    };
-    for (pipe, way) in &ways {
-        for (number, ring) in rings.iter().enumerate() {
-            // Of two that lean, the later looks at the earlier.
-            let others = ring.numbers().filter(|k| number > 0 || (k != pipe && (k < pipe || *of(0, *k) == vertical)));
-            for k in others {
-                let (at, distance) = way.closest(first.place(*pipe), of(number, k), ring.place(k), deepest);
-                let least = first.pipe_radius + ring.pipe_radius;
-                if distance <= least {
-                    let mut names = [format!("1.{}", pipe + 1), format!("{}.{}", number + 1, k + 1)];
-                    names.sort();
-                    return Err(format!(
-                        "pipes {} and {} meet at a depth of {at:.1} m: their axes are {distance:.4} m apart, must be more than \
-                         {least}",
-                        names[0], names[1]
-                    ));
-                }
+    let leaning = |number: Number| ways.iter().find(|(other, _)| *other == number).map(|(_, way)| way);
+    let numbers = || rings.iter().enumerate().flat_map(|(at, ring)| ring.numbers().map(move |k| (at, k)));
+    for (own, way) in &ways {
+        let ring = &rings[own.0];
+        // Of two that lean, the later looks at the earlier.
+        for other in numbers().filter(|other| other != own && (other < own || leaning(*other).is_none())) {
+            let beside = &rings[other.0];
+            let other_way = leaning(other).unwrap_or(&vertical);
+            let (at, distance) = way.closest(ring.place(own.1), other_way, beside.place(other.1), deepest);
+            // To the nanometre, so that no rounding of the sum is told.
+            let least = ((ring.pipe_radius + beside.pipe_radius) * 1e9).round() / 1e9;
+            if distance <= least {
+                let (first, second) = (listed(other.min(*own)), listed(other.max(*own)));
+                return Err(format!(
+                    "pipes {first} and {second} meet at a depth of {at:.1} m: their axes are {distance:.4} m apart, must be \
+                     more than {least}"
+                ));
             }
         }
     }
-    Ok(ways.iter().map(|(pipe, way)| (*pipe, way.at(depth))).collect())
+    Ok(ways.iter().map(|(number, way)| (*number, way.at(depth))).collect())
 }
 
 /// The way of one borehole down to a depth.
@@ -183,28 +208,34 @@ fn surveyed(rows: &[[f64; 3]], depth: f64) -> Result<Way, String> {
     Ok(Way(points))
 }
 
-/// Slopes (m/m) of all boreholes of a ring, each to end anywhere in a circle, as likely in all of it. One that would meet
+/// Slopes (m/m) of all boreholes of all rings, each to end anywhere in a circle, as likely in all of it. One that would meet
 /// another down to a depth is drawn anew.
-pub(super) fn draw(ring: &PipeRing, percent: f64, random: &mut StdRng, depth: f64) -> Result<Vec<DVec2>, String> {
-    let mut slopes: Vec<DVec2> = Vec::new();
-    for k in 0..ring.count {
+pub(super) fn draw(rings: &[PipeRing], percent: f64, random: &mut StdRng, depth: f64) -> Result<Moved, String> {
+    let mut slopes = Moved::new();
+    let numbers = rings.iter().enumerate().flat_map(|(at, ring)| (0..ring.count).map(move |k| (at, k)));
+    for own in numbers {
+        let ring = &rings[own.0];
         let mut one = || {
             let way = 0.01 * percent * random.random::<f64>().sqrt();
             way * DVec2::from_angle(std::f64::consts::TAU * random.random::<f64>())
         };
+        let stands = |(at, k): Number| !rings[at].missing.contains(&k);
         let free = |slope: &DVec2| {
-            let own = Way::straight(*slope, depth);
-            (0..k).filter(|other| !ring.missing.contains(other) && !ring.missing.contains(&k)).all(|other| {
-                let way = Way::straight(slopes[other], depth);
-                own.closest(ring.place(k), &way, ring.place(other), depth).1 > 2.0 * ring.pipe_radius
+            let way = Way::straight(*slope, depth);
+            slopes.iter().filter(|(other, _)| stands(*other) && stands(own)).all(|(other, slope)| {
+                let beside = &rings[other.0];
+                let other_way = Way::straight(*slope, depth);
+                let (_, distance) = way.closest(ring.place(own.1), &other_way, beside.place(other.1), depth);
+                distance > ring.pipe_radius + beside.pipe_radius
             })
         };
-        let found = (0..MOST_DRAWS).map(|_| one()).find(free);
-        slopes.push(found.ok_or_else(|| {
+        let found = (0..MOST_DRAWS).map(|_| one()).find(free).ok_or_else(|| {
             format!(
-                "percent: found {percent}, so far do boreholes deviate that pipe {k} meets others in {MOST_DRAWS} draws"
+                "percent: found {percent}, so far do boreholes deviate that {} meets others in {MOST_DRAWS} draws",
+                named(own)
             )
-        })?);
+        })?;
+        slopes.push((own, found));
     }
     Ok(slopes)
 }

@@ -304,7 +304,7 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
             })?);
         }
         // Boreholes that are known do not deviate by chance.
-        if let Some(deviation) = read.deviation.as_ref().filter(|_| !ground.leans(first)) {
+        if let Some(deviation) = read.deviation.as_ref().filter(|_| ground.leans(first).is_none()) {
             layouts.extend(deviating(&ground, first, deviation, &bad)?);
         }
     }
@@ -394,6 +394,31 @@ mod tests {
             assert_eq!(ring.moved.len(), 26);
             assert!(ring.moved.iter().all(|(_, way)| way.length() <= 0.3));
         }
+    }
+
+    #[test]
+    fn boreholes_of_all_rings_lean() {
+        let rings = "title = \"t\"\nscene = \"frozen-wall-sand\"\n[set]\npipes = [\
+                     { count = 6, ring_radius_m = 5, pipe_radius_m = 0.054, temperature_c = -20 }, \
+                     { count = 4, ring_radius_m = 4, pipe_radius_m = 0.03, temperature_c = -20 }]\n";
+        let found = study(&format!("{rings}[deviation]\ndepth_m = 100\npercent = 0.3\nmembers = 2\nseed = 1"));
+        let moved = |layout: &Layout| layout.scene.rings.iter().map(|ring| ring.moved.len()).collect::<Vec<_>>();
+        assert_eq!(found.expect("a study").layouts.iter().map(moved).collect::<Vec<_>>(), [[0, 0], [6, 4], [6, 4]]);
+        let leaning = |borehole: &str| study(&format!("{rings}[[layouts]]\nname = \"a\"\nboreholes = [{borehole}]"));
+        let one = leaning("{ ring = 1, pipe = 2, surveyed_m = [[0, 0, 0], [200, 0.2, 0.4]], depth_m = 100 }");
+        let rings_of = |found: Study| found.layouts[0].scene.rings.clone();
+        let found = rings_of(one.expect("a study"));
+        assert_eq!((found[0].moved.len(), &found[1].moved[..]), (0, &[(2, glam::DVec2::new(0.1, 0.2))][..]));
+        let refused = |borehole: &str| leaning(borehole).map(|_| String::new()).unwrap_or_else(|message| message);
+        let found = refused("{ ring = 2, pipe = 0, inclination_deg = 0, azimuth_deg = 0, depth_m = 9 }");
+        assert_eq!(found, "s.toml: layout \"a\": boreholes: found ring 2, must be at most 1");
+        let found = refused("{ ring = 1, pipe = 4, inclination_deg = 0, azimuth_deg = 0, depth_m = 9 }");
+        assert_eq!(found, "s.toml: layout \"a\": boreholes: found pipe 4 of ring 1, must be at most 3");
+        // The pipe of the inner ring on the x axis goes out to that of the outer one.
+        let found = refused("{ ring = 1, pipe = 0, surveyed_m = [[0, 0, 0], [50, 1, 0]], depth_m = 50 }");
+        let expected =
+            "pipes 1.1 and 2.1 meet at a depth of 50.0 m: their axes are 0.0000 m apart, must be more than 0.084";
+        assert_eq!(found, format!("s.toml: layout \"a\": boreholes: {expected}"));
     }
 
     #[test]

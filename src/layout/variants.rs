@@ -1,17 +1,21 @@
 //! The layouts of a study: its scene, with what each changes of it, on the smallest part of the plan that holds all of it.
 
+use std::collections::BTreeMap;
+
 use frazil_core::scene::{Domain, PipeRing, Scene};
 use glam::DVec2;
 use serde::Deserialize;
 use toml::Value;
 
-use super::boreholes::{self, Borehole, Deviation};
+use super::boreholes::{self, Borehole, Deviation, Moved};
 use super::horizons::Horizon;
 use crate::failure::Failure;
 use crate::load::{self, Overrides};
 
-/// The key by which boreholes are out of their places.
-const MOVED: &str = "pipes.0.moved_m";
+/// The key by which boreholes of a ring are out of their places.
+fn moved_key(ring: usize) -> String {
+    format!("pipes.{ring}.moved_m")
+}
 
 /// Fewest spacings between two pipes: with less, a gap has no middle of its own.
 const FEWEST_SPACINGS: f64 = 2.0;
@@ -154,9 +158,10 @@ impl Ground {
         (at.and_then(|at| self.horizons.get(at)).map_or(otherwise, |horizon| horizon.depth), deepest)
     }
 
-    /// Whether pipes of the first ring of a layout are out of their places as its file has it.
-    pub(super) fn leans(&self, layout: &Layout) -> bool {
-        load::value(&self.scene, &layout.overrides, MOVED).is_some()
+    /// The key by which pipes of a layout are out of their places as its file has it, if any are.
+    pub(super) fn leans(&self, layout: &Layout) -> Option<String> {
+        let keys = (0..layout.scene.rings.len()).map(moved_key);
+        keys.into_iter().find(|key| load::value(&self.scene, &layout.overrides, key).is_some())
     }
 }
 
@@ -194,8 +199,8 @@ fn layout(scene: &str, name: String, role: Role, overrides: Overrides) -> Result
 /// A layout with boreholes that leave the vertical, at their depth.
 pub(super) fn drilled(ground: &Ground, layout: Layout, entries: &[Borehole]) -> Result<Layout, Failure> {
     let bad = |message: String| Failure::Request(format!("layout \"{}\": boreholes: {message}", layout.name));
-    if ground.leans(&layout) {
-        return Err(bad(format!("beside {MOVED}, must be one of them")));
+    if let Some(key) = ground.leans(&layout) {
+        return Err(bad(format!("beside {key}, must be one of them")));
     }
     let otherwise = match layout.horizon {
         Some(_) => boreholes::without_depth(entries).map(|()| 0.0),
@@ -206,10 +211,12 @@ pub(super) fn drilled(ground: &Ground, layout: Layout, entries: &[Borehole]) -> 
     ground.again(&layout, "", Role::Compared, &as_moved(&moved))
 }
 
-fn as_moved(moved: &[(usize, DVec2)]) -> Overrides {
-    let rows: Vec<String> =
-        moved.iter().map(|(pipe, way)| format!("[{pipe}, {:.17e}, {:.17e}]", way.x, way.y)).collect();
-    vec![(MOVED.into(), format!("[{}]", rows.join(", ")))]
+fn as_moved(moved: &Moved) -> Overrides {
+    let mut rings: BTreeMap<usize, Vec<String>> = BTreeMap::new();
+    for ((ring, pipe), way) in moved {
+        rings.entry(*ring).or_default().push(format!("[{pipe}, {:.17e}, {:.17e}]", way.x, way.y));
+    }
+    rings.into_iter().map(|(ring, rows)| (moved_key(ring), format!("[{}]", rows.join(", ")))).collect()
 }
 
 /// Keys that are changed up and down.
@@ -273,13 +280,12 @@ pub(super) fn deviating(
              100, 2 to 1000"
         )));
     }
-    let Some(ring) = of.scene.rings.first() else { return Ok(Vec::new()) };
     let mut random = boreholes::chance(seed);
     (1..=members)
         .map(|member| {
-            let slopes = boreholes::draw(ring, percent, &mut random, deepest);
+            let slopes = boreholes::draw(&of.scene.rings, percent, &mut random, deepest);
             let slopes = slopes.map_err(|message| bad(format!("deviation: {message}")))?;
-            let moved: Vec<(usize, DVec2)> = slopes.iter().map(|slope| *slope * depth).enumerate().collect();
+            let moved: Moved = slopes.iter().map(|(number, slope)| (*number, *slope * depth)).collect();
             let role = Role::Deviating { of: of.name.clone() };
             ground.again(of, &format!(", deviating {member}"), role, &as_moved(&moved))
         })

@@ -2,18 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use frazil::registry::methods;
-use frazil_core::method::MethodKind;
 use frazil_core::record::RunResult;
 use frazil_core::scene::{Domain, Sector};
 
-use crate::sketch::{Sketch, sand, steady_material};
-
-fn even() -> impl Iterator<Item = &'static MethodKind> {
-    methods().iter().copied().filter(|kind| !kind.stochastic)
-}
-
-const SHARP: &str = "law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 52875.8";
+use crate::sketch::{SHARP, Sketch, even, sand, steady_material};
 
 /// A ring of radius 1 m with a pipe in its middle.
 fn one_pipe(coefficient: &str) -> Sketch {

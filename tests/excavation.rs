@@ -5,21 +5,15 @@ use std::sync::Mutex;
 
 use frazil::registry::methods;
 use frazil_core::march::Options;
-use frazil_core::method::MethodKind;
 use frazil_core::particles::Particles;
 use frazil_core::record::RunResult;
 use frazil_core::scene::{Domain, Sector, Symmetry};
 use glam::DVec2;
 
-use crate::sketch::{Sketch, sand, steady_material};
+use crate::sketch::{SHARP, Sketch, even, sand, steady_material, through};
 
 const DAY: f64 = 86400.0;
-const SHARP: &str = "law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 52875.8";
 const FILM: &str = "coefficient_W_per_m2_K = 20\nambient_c = -20";
-
-fn even() -> impl Iterator<Item = &'static MethodKind> {
-    methods().iter().copied().filter(|kind| !kind.stochastic)
-}
 
 /// A disc of radius 2 m in which a shaft of 0.75 m is there from the start.
 fn dug_at_once(face: &str, sector: Sector, spacing_m: f64) -> Sketch {
@@ -42,15 +36,9 @@ fn ring(face: &str, sector: Sector) -> Sketch {
     sketch
 }
 
-/// Heat through a door (J/m), output by output, for the part that was run.
-fn through<'a>(result: &'a RunResult, door: &str) -> impl Iterator<Item = f64> + 'a {
-    let column = result.budget_names.iter().position(|name| name == door).expect("a door");
-    result.budget.iter().map(move |row| row.in_j[column])
-}
-
 /// Heat that enters through the face at the end (W/m), for the part that was run.
 fn rate(result: &RunResult) -> f64 {
-    let heat: Vec<f64> = through(result, "shaft").collect();
+    let heat = through(result, "shaft");
     let [.., before, last] = heat[..] else { unreachable!("two rows") };
     let [.., a, b] = &result.budget[..] else { unreachable!("two rows") };
     (last - before) / (b.time_s - a.time_s)
@@ -87,13 +75,13 @@ fn a_shaft_there_from_the_start_is_the_inner_wall_of_shells() {
     truth.initial_c = 10.0;
     let local = methods().iter().copied().find(|kind| kind.name == "local").expect("local");
     let truth = with(truth).run(local);
-    let exact = through(&truth, "inner").last().expect("rows");
+    let exact = *through(&truth, "inner").last().expect("rows");
     for kind in even() {
         let error = |spacing: f64| {
             let result = with(dug_at_once(FILM, Sector::Quarter, spacing)).run(kind);
             let balance = result.record.energy_balance_rel;
             assert!(balance.abs() < 1e-9, "{}: {balance}", kind.name);
-            (4.0 * through(&result, "shaft").last().expect("rows") / exact - 1.0).abs()
+            (4.0 * *through(&result, "shaft").last().expect("rows") / exact - 1.0).abs()
         };
         let (coarse, fine) = (error(0.1), error(0.05));
         assert!(fine < 0.02 && fine < 0.7 * coarse, "{}: {coarse} at 0.1 m, {fine} at 0.05 m", kind.name);
@@ -106,7 +94,7 @@ fn nothing_is_known_of_a_shaft_before_it_is_dug() {
     for kind in methods() {
         let run = |face: &str| ring(face, Sector::Quarter).with("search = \"tree\"\nstep_s = 600").run(kind);
         let (dug, whole) = (run("condition = \"symmetry\""), run(""));
-        let until = |result: &RunResult, door: &str| through(result, door).take(6).collect::<Vec<_>>();
+        let until = |result: &RunResult, door: &str| through(result, door)[..6].to_vec();
         for door in ["outer", "pipes"] {
             assert_eq!(until(&dug, door), until(&whole, door), "{}: {door}", kind.name);
         }
@@ -149,7 +137,7 @@ fn a_dug_shaft_keeps_heat_and_range_under_all_steps() {
                     kind.name
                 );
                 let images = sector.images() as f64;
-                ["pipes", "shaft"].map(|door| images * through(&result, door).last().expect("rows"))
+                ["pipes", "shaft"].map(|door| images * *through(&result, door).last().expect("rows"))
             };
             let euler = taken(Sector::Quarter, "step_s = 600");
             for (sector, numerics, allowed) in [

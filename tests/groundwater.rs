@@ -5,7 +5,7 @@ use frazil_core::method::MethodKind;
 use frazil_core::scene::{Domain, Sector};
 use glam::DVec2;
 
-use crate::sketch::{Sketch, advance};
+use crate::sketch::{SHARP, Sketch, advance};
 
 fn flowing() -> impl Iterator<Item = &'static MethodKind> {
     methods().iter().copied().filter(|kind| !kind.stochastic)
@@ -23,7 +23,6 @@ fn sand(law: &str) -> String {
 }
 
 const NEVER: &str = "law = \"none\", temperature_c = 0";
-const SHARP: &str = "law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 52875.8";
 
 /// A ring of radius 4 m that water crosses.
 fn crossed(law: &str, sector: Sector, velocity: f64, degrees: f64) -> Sketch {

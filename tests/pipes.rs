@@ -1,19 +1,11 @@
 //! Pipes of true radius against bodies of shells around a wall in their place.
 
 use frazil::registry::methods;
-use frazil_core::record::RunResult;
 use frazil_core::scene::{Domain, Sector, Symmetry};
 
-use crate::sketch::{Sketch, sand};
+use crate::sketch::{SHARP, Sketch, even, sand, through};
 
 const DAY: f64 = 86400.0;
-const SHARP: &str = "law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 52875.8";
-
-/// Heat through a door (J/m), output by output, for the part that was run.
-fn through(result: &RunResult, door: &str) -> Vec<f64> {
-    let column = result.budget_names.iter().position(|name| name == door).expect("a door");
-    result.budget.iter().map(|row| row.in_j[column]).collect()
-}
 
 /// Particles fill the place of the pipe too, but what it takes from the start on is the heat of the ground outside it.
 #[test]
@@ -25,7 +17,7 @@ fn a_pipe_takes_the_heat_of_the_ground_around_it_alone() {
     (truth.initial_c, truth.materials, truth.duration_s, truth.outputs) = (10.0, sand(), 4.0 * DAY, 8);
     let local = methods().iter().copied().find(|kind| kind.name == "local").expect("local");
     let truth = through(&truth.run(local), "inner");
-    for kind in methods().iter().copied().filter(|kind| !kind.stochastic) {
+    for kind in even() {
         let mut pipe = Sketch::new(Domain::Ring { outer_radius: outer, sector: Sector::Quarter }, 0.05)
             .wall("outer", "temperature_c = 10");
         (pipe.initial_c, pipe.materials, pipe.duration_s, pipe.outputs) = (10.0, sand(), 4.0 * DAY, 8);

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use frazil::registry::methods;
 use frazil_core::march::{self, Options};
 use frazil_core::method::{Clock, MethodKind};
 use frazil_core::plan::{self, Plan};
@@ -191,6 +192,20 @@ impl Sketch {
         march::run(&self.scene(kind), kind.name, None, options)
             .unwrap_or_else(|refused| unreachable!("{refused}\nin\n{}", self.text(kind.name)))
     }
+}
+
+/// Lines of sand's law of freezing, at one temperature.
+pub const SHARP: &str = "law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 52875.8";
+
+/// Methods without noise.
+pub fn even() -> impl Iterator<Item = &'static MethodKind> {
+    methods().iter().copied().filter(|kind| !kind.stochastic)
+}
+
+/// Heat through a door (J/m), output by output, for the part that was run.
+pub fn through(result: &RunResult, door: &str) -> Vec<f64> {
+    let column = result.budget_names.iter().position(|name| name == door).expect("a door");
+    result.budget.iter().map(|row| row.in_j[column]).collect()
 }
 
 /// Makes `count` steps of the length that was planned, from time zero.

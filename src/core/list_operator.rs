@@ -427,7 +427,9 @@ impl<T: PairTerm> ListOperator<T> {
         }
         tangent.time = time;
         tangent.views.resize_with(parts.rims.len(), Vec::new);
-        for (Rim { door, contacts, .. }, views) in parts.rims.iter().zip(&mut tangent.views) {
+        for (Rim { door, contacts, .. }, views) in
+            parts.rims.iter().zip(&mut tangent.views).filter(|of| of.0.stands(time))
+        {
             let potential = &self.fields.potential;
             let slope = |particle: usize, depth: f64| {
                 let material = parts.materials.index(particle);

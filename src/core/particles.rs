@@ -109,9 +109,14 @@ impl Particles {
         freezing + at_the_centre(&self.lattice, index, fraction, |other| self.temperature(other) - freezing)
     }
 
+    /// Whether ground at a distance (m) from the centre was dug out.
+    pub fn is_dug(&self, distance: f64) -> bool {
+        self.shaft.is_some_and(|radius| distance < radius)
+    }
+
     /// Whether a particle's ground was dug out.
     pub fn is_gone(&self, index: usize) -> bool {
-        self.shaft.is_some_and(|radius| self.position(index).length() < radius)
+        self.shaft.is_some() && self.is_dug(self.position(index).length())
     }
 
     /// Frozen fraction of a particle; none of what was dug out.

@@ -402,13 +402,6 @@ pub struct Excavation {
     pub condition: Condition,
 }
 
-impl Excavation {
-    /// Whether a place (m) lies in the shaft.
-    pub fn holds(&self, place: DVec2) -> bool {
-        place.length() < self.radius
-    }
-}
-
 /// A plane, cylinder or sphere across the body through which heat is counted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {

@@ -318,8 +318,7 @@ impl Watches {
         self.wall.output([&self.main, &self.interface], scene, particles, ledger, time);
         // Samples are of particles that stay where they are.
         let sampler = Sampler { lattice: &particles.lattice, mirrors: (false, false), cloud: particles.cloud() };
-        let stands = |place: &DVec2| particles.shaft.is_none_or(|radius| place.length() >= radius);
-        for (place, sample) in self.probes.iter().filter(|(place, _)| stands(place)) {
+        for (place, sample) in self.probes.iter().filter(|(place, _)| !particles.is_dug(place.length())) {
             let moved = if particles.move_about() { Some(sampler.sample(*place)) } else { None };
             let temperature_c = moved.as_ref().unwrap_or(sample).of(|i| particles.reading(i));
             self.probe_rows.push(ProbeRow { time_s: time, x_m: place.x, y_m: place.y, temperature_c });
@@ -341,8 +340,7 @@ impl Watches {
         self.profiles.extend(self.cuts.iter().flat_map(|cut| cut.rows(particles, time)));
         for (rays, plane) in [(&self.main, "main"), (&self.interface, "interface")] {
             let Some(ray) = rays.first() else { continue };
-            let stands = |radius: f64| particles.shaft.is_none_or(|shaft| radius >= shaft);
-            for (radius, sample) in ray.radii.iter().zip(&ray.samples).filter(|(radius, _)| stands(**radius)) {
+            for (radius, sample) in ray.radii.iter().zip(&ray.samples).filter(|at| !particles.is_dug(*at.0)) {
                 self.profiles.push(ProfileRow {
                     time_s: time,
                     x_m: *radius,

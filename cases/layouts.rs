@@ -2,6 +2,7 @@
 
 use frazil_core::scene::Scene;
 
+use crate::groundwater;
 use crate::shells::cubic;
 use crate::table::{CLAY, CLAY_TENTH, PIPES, RING_RADIUS, SAND, Soil, shaft_differences};
 
@@ -18,7 +19,7 @@ pub const TEMPERATURE_ERROR: f64 = 0.03;
 pub const HEAT_ERROR: f64 = 1e-3;
 
 /// Where frozen bodies join.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Gap {
     /// Anywhere half-way between two pipes of one ring.
     Touch,
@@ -30,10 +31,12 @@ pub enum Gap {
     CircleInnerInterface,
     /// Between an outer and an inner pipe.
     Zigzag,
+    /// Between two pipes of one ring, on either side so far around it (degrees) from where groundwater leaves it.
+    FromDownstream(f64),
 }
 
 impl Gap {
-    const ALL: [(&'static str, Gap); 5] = [
+    const NAMED: [(&'static str, Gap); 5] = [
         ("touch", Gap::Touch),
         ("circle_outer", Gap::CircleOuter),
         ("circle_inner_main", Gap::CircleInnerMain),
@@ -42,8 +45,13 @@ impl Gap {
     ];
 
     /// Its name in tables.
-    pub fn name(self) -> &'static str {
-        Gap::ALL.iter().find(|(_, gap)| *gap == self).map_or("", |(name, _)| name)
+    pub fn name(self) -> String {
+        match self {
+            Gap::FromDownstream(degrees) => format!("from_downstream_{degrees:.0}_deg"),
+            named => {
+                Gap::NAMED.iter().find(|(_, gap)| *gap == named).map_or_else(String::new, |(name, _)| (*name).into())
+            }
+        }
     }
 }
 
@@ -118,7 +126,7 @@ const DAYS: &str = include_str!("tables/shaft-layouts.csv");
 pub fn names() -> Vec<&'static str> {
     let mut names: Vec<&str> = lines(CLOSURES).skip(1).filter_map(|line| line.split(',').next()).collect();
     names.dedup();
-    names.push(BY_RADIUS);
+    names.extend([BY_RADIUS, groundwater::NAME]);
     names
 }
 
@@ -127,6 +135,11 @@ pub fn names() -> Vec<&'static str> {
 pub fn by_name(name: &str, scene: &Scene, acting: Option<f64>) -> Result<LayoutTable, String> {
     if !names().contains(&name) {
         return Err(format!("there is no table '{name}' of a layout; the tables are {}", names().join(", ")));
+    }
+    let another = |difference: String| format!("the table '{name}' is about another problem: {difference}");
+    if name == groundwater::NAME {
+        let closures = groundwater::closures(scene).map_err(another)?;
+        return Ok(LayoutTable { name: name.into(), closures, days: Vec::new() });
     }
     // shaft-KIND-SOIL-RADIUSmm
     let mut parts = name.splitn(4, '-').skip(1);
@@ -137,9 +150,8 @@ pub fn by_name(name: &str, scene: &Scene, acting: Option<f64>) -> Result<LayoutT
     let soil = SOILS.iter().find(|(own, _)| *own == soil).ok_or_else(wrong)?.1;
     let radius = radius.strip_suffix("mm").and_then(|text| text.parse::<f64>().ok()).map(|radius| 1e-3 * radius);
     let rings: Vec<Ring> = [Some((PIPES, RING_RADIUS, 0.0)), inner].into_iter().flatten().collect();
-    let differences = shaft_differences(soil, &rings, radius, scene);
-    if let Some(first) = differences.first() {
-        return Err(format!("the table '{name}' is about another problem: {first}"));
+    if let Some(first) = shaft_differences(soil, &rings, radius, scene).into_iter().next() {
+        return Err(another(first));
     }
     let counts = (PIPES as f64, inner.map_or(0.0, |inner| inner.0 as f64));
     if name == BY_RADIUS {
@@ -174,7 +186,7 @@ fn number(cell: &str) -> Result<Option<f64>, String> {
 
 fn closures(name: &str) -> Result<Vec<Closure>, String> {
     let closure = |cells: Vec<&str>| {
-        let gap = Gap::ALL.iter().find(|(own, _)| *own == cells[1]).map(|(_, gap)| *gap);
+        let gap = Gap::NAMED.iter().find(|(own, _)| *own == cells[1]).map(|(_, gap)| *gap);
         let gap = gap.ok_or_else(|| format!("'{}' is no gap", cells[1]))?;
         let day = number(cells[2])?.ok_or("a gap has no day")?;
         Ok(Closure { gap, day, error: number(cells[3])? })
@@ -239,7 +251,7 @@ mod tests {
     #[test]
     fn every_table_reads() {
         for name in names() {
-            if name == BY_RADIUS {
+            if [BY_RADIUS, groundwater::NAME].contains(&name) {
                 continue;
             }
             let closures = closures(name).unwrap_or_else(|error| unreachable!("{name}: {error}"));

@@ -3,6 +3,7 @@
 pub mod corner;
 pub mod exact;
 pub mod fluids;
+pub mod groundwater;
 pub mod layouts;
 pub mod paper;
 pub mod scenes;

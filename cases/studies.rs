@@ -26,6 +26,7 @@ pub fn all() -> &'static [BundledScene] {
         "shaft-search",
         "shaft-energy",
         "shaft-seed",
+        "shaft-groundwater",
         "shaft-seepage",
     ]
 }

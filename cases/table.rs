@@ -281,9 +281,23 @@ impl ShaftCase {
     }
 }
 
+/// What about a scene is not as in shafts with these rings in which nothing flows.
+pub(crate) fn shaft_differences(
+    soil: &Soil,
+    rings: &[(usize, f64, f64)],
+    pipe_radius: Option<f64>,
+    scene: &Scene,
+) -> Vec<String> {
+    let mut differences = ring_differences(soil, rings, pipe_radius, scene);
+    if scene.flow.is_some() {
+        differences.push("no water flows there".into());
+    }
+    differences
+}
+
 /// What about a scene is not as in shafts with these rings: number of pipes, radius (m) and first angle (degrees) of each,
 /// the angles from that of the first ring; pipes of a radius (m), or of any.
-pub(crate) fn shaft_differences(
+pub(crate) fn ring_differences(
     soil: &Soil,
     rings: &[(usize, f64, f64)],
     pipe_radius: Option<f64>,

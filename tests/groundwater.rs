@@ -1,8 +1,11 @@
 //! Groundwater that crosses a ring of freeze pipes.
 
 use frazil::registry::methods;
+use frazil_cases::groundwater;
+use frazil_cases::layouts::{self, Gap};
+use frazil_core::march::{self, Options};
 use frazil_core::method::MethodKind;
-use frazil_core::scene::{Domain, Sector};
+use frazil_core::scene::{Domain, Scene, Sector};
 use glam::DVec2;
 
 use crate::sketch::{SHARP, Sketch, advance};
@@ -192,5 +195,73 @@ fn how_much_keeps_a_wall_open_is_found_by_halving() {
     for tried in rows("critical_tried.csv") {
         let closed = !tried["closure_days"].is_empty();
         assert_eq!(closed, number(&tried["value"]) <= closes, "{tried:?}");
+    }
+}
+
+fn ring(changes: &[(&str, &str)]) -> Scene {
+    let bundled = frazil_cases::scenes::find("frozen-wall-seepage").expect("bundled");
+    let changes: Vec<(String, String)> =
+        changes.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    Scene::read(bundled.text, bundled.name, bundled.name, &changes, methods()).expect("a scene")
+}
+
+/// The table of gaps across which water flows has half a ring, from where water leaves it to where it comes from.
+#[test]
+fn the_table_of_groundwater_has_each_gap_of_half_a_ring() {
+    for (pipes, velocity) in [("26", "0.05"), ("26", "0.1"), ("26", "0.2"), ("26", "0.5"), ("20", "0.1"), ("32", "0.2")]
+    {
+        let scene = ring(&[("pipes.0.count", pipes), ("flow.velocity_m_per_day", velocity)]);
+        let table = layouts::by_name(groundwater::NAME, &scene, None).expect("a table");
+        let spacing = 360.0 / pipes.parse::<f64>().expect("a number");
+        assert_eq!((table.closures.len() as f64 * spacing).round(), 180.0, "{pipes} at {velocity}");
+        for (k, closure) in table.closures.iter().enumerate() {
+            let expected = (k as f64 + 0.5) * spacing;
+            assert!(matches!(closure.gap, Gap::FromDownstream(own) if (own - expected).abs() < 0.01), "{closure:?}");
+        }
+    }
+}
+
+#[test]
+fn the_table_of_groundwater_is_about_one_problem() {
+    for (key, value, expected) in [
+        ("flow.velocity_m_per_day", "0.3", "pipes at velocities (m/day) are "),
+        ("flow.relative_permeability.exponent", "2", "ground lets pass water in proportion to what is unfrozen there"),
+        ("pipes.0.first_angle_deg", "3", "a pipe stands farthest downstream there"),
+        ("pipes.0.temperature_c", "-25", "the pipe temperature is -20 there and -25 here"),
+        (
+            "materials.sand.groundwater.heat_capacity_J_per_kg_K",
+            "4000",
+            "the heat capacity of water by volume is 4190000 there and 4000000 here",
+        ),
+    ] {
+        let scene = ring(&[(key, value), ("domain.ring.sector", "whole")]);
+        let difference = layouts::by_name(groundwater::NAME, &scene, None).err().unwrap_or_default();
+        let (_, difference) = difference.split_once("another problem: ").expect("a difference");
+        assert!(difference.starts_with(expected), "{key}: {difference}");
+    }
+    let scene = ring(&[]);
+    let still = layouts::by_name("shaft-single-sand-54mm", &scene, None).err().unwrap_or_default();
+    assert!(still.ends_with("no water flows there"), "{still}");
+}
+
+/// A ring in groundwater closes as an independent program has it under every method: upstream last, where water comes warm.
+/// Particles of 0.2 m are a sixth of the distance of pipes; half of it moves the day by 1.3 %, and twice that is allowed.
+#[test]
+fn a_ring_in_groundwater_closes_upstream_last_on_the_day_of_the_table() {
+    let changes = [("flow.velocity_m_per_day", "0.2"), ("time.duration_days", "52"), ("time.profiles_days", "[52]")];
+    let scene = |kind: &MethodKind| {
+        let spacing = format!("method.{}.spacing_m", kind.name);
+        ring(&[&changes[..], &[("watch.frozen_wall", "true"), (&spacing, "0.2")]].concat())
+    };
+    for kind in flowing() {
+        let scene = scene(kind);
+        let table = layouts::by_name(groundwater::NAME, &scene, None).expect("a table");
+        let last = table.closures.iter().max_by(|a, b| a.day.total_cmp(&b.day)).expect("gaps");
+        let result = march::run(&scene, kind.name, None, &Options::default()).expect("a run");
+        let found = result.wall_closure_s.expect("a closed wall") / 86_400.0;
+        assert!((found / last.day - 1.0).abs() < 0.026, "{}: day {found}, not {}", kind.name, last.day);
+        let days = result.links.iter().map(|link| (link.closure_s.expect("closed"), link.x_m));
+        let weakest = days.max_by(|a, b| a.0.total_cmp(&b.0)).expect("gaps");
+        assert!(weakest.1 < -4.5, "{}: the gap at x = {} m", kind.name, weakest.1);
     }
 }

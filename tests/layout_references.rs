@@ -88,6 +88,7 @@ fn references_of_other_problems_are_refused_with_the_first_difference() {
         ("shaft-single-sand-54mm", "\"pipes.0.missing\" = [3]", "all pipes stand in their places there"),
         ("shaft-single-sand-54mm", "\"domain.ring.outer_radius_m\" = 8", "the outer radius is 15 there and 8 here"),
         ("shaft-single-sand-54mm", "\"initial.temperature_c\" = 12", "the initial temperature is 15 there and 12 here"),
+        ("shaft-groundwater", "", "water flows across the ring there"),
     ] {
         assert_eq!(study(name, set), format!("{}{difference}", other(name)));
     }

@@ -9,6 +9,7 @@ use frazil_core::pipe::acting_radius;
 use frazil_core::record::LinkRow;
 use frazil_core::scene::Scene;
 use frazil_plots::page::{Block, Table};
+use glam::DVec2;
 use serde::Serialize;
 
 use super::Found;
@@ -17,6 +18,9 @@ use super::study::Study;
 use super::variants::Layout;
 use crate::failure::Failure;
 use crate::load::{self, Overrides};
+
+/// Degrees within which a gap lies where a table has it; they are a tenth of those between gaps of a hundred pipes.
+const SAME_ANGLE: f64 = 0.36;
 
 /// What a layout is compared with.
 #[derive(Debug, Clone)]
@@ -166,6 +170,11 @@ fn closing(scene: &Scene, kept: &Kept, gap: Gap) -> Vec<(Option<f64>, usize)> {
         let rings = (ring(&link.from), ring(&link.to));
         match gap {
             Gap::Touch => None,
+            Gap::FromDownstream(degrees) => {
+                let across = scene.flow.as_ref().and_then(|flow| flow.across)?;
+                let own = across.direction.angle_to(DVec2::new(link.x_m, link.y_m)).to_degrees().abs();
+                ((own - degrees).abs() < SAME_ANGLE).then_some(link.closure_s)
+            }
             Gap::CircleOuter => (rings == (1, 1)).then_some(link.closure_on_circle_s),
             Gap::CircleInnerMain => (rings == (2, 2) && from_main(link) < 0.25).then_some(link.closure_on_circle_s),
             Gap::CircleInnerInterface => {

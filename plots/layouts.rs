@@ -68,6 +68,8 @@ pub struct LayoutView<'a> {
     pub closure_s: Option<f64>,
     /// When thickness and mean temperature were as designed (s); absent if never, or if nothing was asked for.
     pub design: Option<f64>,
+    /// When each gap of the run closes in a reference (s), where it tells of that gap; empty without one.
+    pub reference: Vec<Option<f64>>,
 }
 
 /// The gap that closed the wall, or the widest open one.

@@ -13,6 +13,10 @@ const LEFT: f64 = 24.0;
 /// The circle of the median.
 const MEDIAN: Stroke = Stroke { colour: REFERENCE, width: 2.0, dash: &[8.0, 5.0] };
 
+/// Days of a reference, and half the length of their bars (px).
+const BESIDE: Stroke = Stroke { colour: INK, width: 2.0, dash: &[] };
+const HALF_BAR: f64 = 7.5;
+
 /// Radius of the chart (px).
 const RADIUS: f64 = 180.0;
 
@@ -35,8 +39,14 @@ fn rings(link: &LinkRow) -> String {
     if a == b { format!("ring {a}") } else { format!("rings {}–{}", a.clone().min(b.clone()), a.max(b)) }
 }
 
-/// Day on which each gap of a layout closed, outwards from the centre, at its angle; the median as a circle. Open gaps
-/// stand on a rim of their own.
+/// Gaps of which a reference tells the day.
+fn known<'a>(layout: &LayoutView<'a>) -> Vec<(&'a LinkRow, f64)> {
+    let links: &'a [LinkRow] = &layout.result.links;
+    links.iter().zip(&layout.reference).filter_map(|(link, time)| Some((link, (*time)? / DAY))).collect()
+}
+
+/// Day on which each gap of a layout closed, outwards from the centre, at its angle; the median as a circle, days of a
+/// reference as bars across. Open gaps stand on a rim of their own.
 pub fn gaps_polar(layout: &LayoutView<'_>) -> Canvas {
     let links = &layout.result.links;
     let mut groups: Vec<String> = links.iter().map(rings).collect();
@@ -45,7 +55,8 @@ pub fn gaps_polar(layout: &LayoutView<'_>) -> Canvas {
     let mut days: Vec<f64> = links.iter().filter_map(|link| Some(link.closure_s? / DAY)).collect();
     days.sort_by(f64::total_cmp);
     let open = days.len() < links.len();
-    let most = days.last().copied().unwrap_or(0.0);
+    let known = known(layout);
+    let most = days.last().copied().into_iter().chain(known.iter().map(|(_, day)| *day)).fold(0.0, f64::max);
     let step = nice_step(if most > 0.0 { most / 4.0 } else { 0.25 });
     let ticks = (1.02 * most / step).ceil().max(1.0);
     let entries = entries(layout, &groups, &days);
@@ -70,6 +81,12 @@ pub fn gaps_polar(layout: &LayoutView<'_>) -> Canvas {
     legend(&mut canvas, (LEFT, below), WIDTH - 2.0 * LEFT, &entries);
     if !days.is_empty() {
         dashed_circle(&mut canvas, chart.centre, chart.far(median_of(&days)), MEDIAN);
+    }
+    for (link, day) in &known {
+        let (x, y) = chart.spot(chart.far(*day), angle(link));
+        let (sin, cos) = angle(link).sin_cos();
+        let end = |side: f64| (x - side * HALF_BAR * sin, y - side * HALF_BAR * cos);
+        canvas.line(vec![end(-1.0), end(1.0)], BESIDE);
     }
     let spot = |link: &LinkRow| chart.spot(link.closure_s.map_or(RADIUS, |time| chart.far(time / DAY)), angle(link));
     if let Some(gap) = layout.weakest().filter(|gap| !gap.alike) {
@@ -175,6 +192,13 @@ fn entries(layout: &LayoutView<'_>, groups: &[String], days: &[f64]) -> Vec<Entr
     if !days.is_empty() {
         let text = format!("median {} d", day(DAY * median_of(days)));
         entries.push(Entry { text, stroke: Some(MEDIAN), marker: None });
+    }
+    let mut told: Vec<String> = known(layout).iter().map(|(link, _)| rings(link)).collect();
+    told.sort();
+    told.dedup();
+    if !told.is_empty() {
+        let of = if told.len() < groups.len() { format!(" of {}", told.join(", ")) } else { String::new() };
+        entries.push(Entry { text: format!("reference{of}"), stroke: Some(BESIDE), marker: None });
     }
     let note = |text: String| Entry { text, stroke: None, marker: None };
     let open = layout.open();

@@ -157,33 +157,47 @@ fn closing(scene: &Scene, kept: &Kept, gap: Gap) -> Vec<(Option<f64>, usize)> {
     if gap == Gap::Touch {
         return kept.gaps.iter().map(|gap| (gap.closure_s.map(|time| time / DAY), gap.multiplicity)).collect();
     }
+    let days = |link: &LinkRow| match gap {
+        Gap::CircleOuter | Gap::CircleInnerMain | Gap::CircleInnerInterface => link.closure_on_circle_s,
+        _ => link.closure_s,
+    };
+    let alike = kept.links.iter().filter(|link| is_of(scene, link, gap));
+    alike.map(|link| (days(link).map(|time| time / DAY), 1)).collect()
+}
+
+/// Whether two neighbours are the pipes of a gap of a kind.
+fn is_of(scene: &Scene, link: &LinkRow, gap: Gap) -> bool {
     let first = scene.rings.first();
     let spacing = first.map_or(1.0, |ring| 2.0 * PI / ring.count as f64);
     let angle = first.map_or(0.0, |ring| ring.first_angle);
     // From the plane through a pipe of the first ring, in spacings: 0 to 1/2.
-    let from_main = |link: &LinkRow| {
-        let turns = (link.y_m.atan2(link.x_m) - angle) / spacing;
-        (turns - turns.round()).abs()
-    };
+    let turns = (link.y_m.atan2(link.x_m) - angle) / spacing;
+    let from_main = (turns - turns.round()).abs();
+    let ring = |name: &str| name.split('.').next().and_then(|ring| ring.parse::<usize>().ok()).unwrap_or(0);
+    let rings = (ring(&link.from), ring(&link.to));
+    match gap {
+        Gap::Touch | Gap::CircleOuter => rings == (1, 1),
+        Gap::CircleInnerMain => rings == (2, 2) && from_main < 0.25,
+        Gap::CircleInnerInterface => rings == (2, 2) && from_main > 0.25,
+        Gap::Zigzag => rings.0 != rings.1,
+        Gap::FromDownstream(degrees) => scene.flow.as_ref().and_then(|flow| flow.across).is_some_and(|across| {
+            let own = across.direction.angle_to(DVec2::new(link.x_m, link.y_m)).to_degrees().abs();
+            (own - degrees).abs() < SAME_ANGLE
+        }),
+    }
+}
+
+/// When each gap of a layout closes in its table (s); empty without one. What a table knows of the middle of an arc is another thing
+/// than when the gap closes.
+pub(super) fn of_links(one: &Found<'_>) -> Vec<Option<f64>> {
+    let Some(Compared::With(table)) = &one.reference else { return Vec::new() };
     let of = |link: &LinkRow| {
-        let ring = |name: &str| name.split('.').next().and_then(|ring| ring.parse::<usize>().ok()).unwrap_or(0);
-        let rings = (ring(&link.from), ring(&link.to));
-        match gap {
-            Gap::Touch => None,
-            Gap::FromDownstream(degrees) => {
-                let across = scene.flow.as_ref().and_then(|flow| flow.across)?;
-                let own = across.direction.angle_to(DVec2::new(link.x_m, link.y_m)).to_degrees().abs();
-                ((own - degrees).abs() < SAME_ANGLE).then_some(link.closure_s)
-            }
-            Gap::CircleOuter => (rings == (1, 1)).then_some(link.closure_on_circle_s),
-            Gap::CircleInnerMain => (rings == (2, 2) && from_main(link) < 0.25).then_some(link.closure_on_circle_s),
-            Gap::CircleInnerInterface => {
-                (rings == (2, 2) && from_main(link) > 0.25).then_some(link.closure_on_circle_s)
-            }
-            Gap::Zigzag => (rings.0 != rings.1).then_some(link.closure_s),
-        }
+        let tells = |gap: Gap| matches!(gap, Gap::Touch | Gap::Zigzag | Gap::FromDownstream(_));
+        let mut closures = table.closures.iter().filter(|closure| tells(closure.gap));
+        let known = closures.find(|closure| is_of(&one.layout.scene, link, closure.gap));
+        known.map(|closure| closure.day * DAY)
     };
-    kept.links.iter().filter_map(of).map(|closure| (closure.map(|time| time / DAY), 1)).collect()
+    one.pair.fine.links.iter().map(of).collect()
 }
 
 /// What the page says of layouts beside their tables: the greatest differences of each; none where no layout has a table.

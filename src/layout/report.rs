@@ -145,6 +145,7 @@ fn view<'a>(study: &Study, one: &Found<'_>, run: &'a RunResult) -> LayoutView<'a
         axis: one.pair.fine.axis.clone(),
         closure_s: one.fine.closure.map(|day| day * DAY),
         design: one.fine.design.map(|day| day * DAY),
+        reference: reference::of_links(one),
     }
 }
 

@@ -33,6 +33,7 @@ impl Made {
             axis: Vec::new(),
             closure_s: self.closure.map(|day| day * DAY),
             design: self.design.map(|day| day * DAY),
+            reference: Vec::new(),
         }
     }
 }
@@ -246,6 +247,18 @@ fn no_word_is_cut_off_or_written_over_another() {
     }
     let many: Vec<LayoutView<'_>> = (0..3).flat_map(|_| views.iter().cloned()).collect();
     check(&many);
+}
+
+/// Days of a reference are told by the legend and have their room, also beyond all gaps.
+#[test]
+fn days_of_a_reference_stand_beside_the_gaps() {
+    let made = ring("one ring", 26, &[], false);
+    let mut view = made.view();
+    assert!(!gaps_polar(&view).svg().contains("reference"));
+    let latest = made.result.links.iter().filter_map(|link| link.closure_s).fold(0.0, f64::max);
+    view.reference = vec![Some(2.0 * latest); made.result.links.len()];
+    assert!(gaps_polar(&view).svg().contains("reference"));
+    check(&[view]);
 }
 
 #[test]

@@ -6,7 +6,7 @@ use frazil_core::scene::{RelativePermeability, Scene};
 
 use crate::exact::constant;
 use crate::layouts::{Closure, Gap};
-use crate::table::{RING_RADIUS, SAND, Table, ring_differences};
+use crate::table::{RING_RADIUS, SAND, Table, shaft_differences};
 
 /// Name of the table, as a layout asks for it.
 pub const NAME: &str = "shaft-groundwater";
@@ -27,7 +27,7 @@ pub(crate) fn closures(scene: &Scene) -> Result<Vec<Closure>, String> {
     let (pipes, velocities) = (column("pipes")?, column("velocity_m_per_day")?);
     let count = scene.rings.first().map_or(0, |ring| ring.count);
     let rings = [(count, RING_RADIUS, 0.0)];
-    if let Some(first) = ring_differences(&SAND, &rings, Some(PIPE_RADIUS), scene).into_iter().next() {
+    if let Some(first) = shaft_differences(&SAND, &rings, Some(PIPE_RADIUS), true, scene).into_iter().next() {
         return Err(first);
     }
     let velocity = velocity(scene)?;

@@ -150,7 +150,7 @@ pub fn by_name(name: &str, scene: &Scene, acting: Option<f64>) -> Result<LayoutT
     let soil = SOILS.iter().find(|(own, _)| *own == soil).ok_or_else(wrong)?.1;
     let radius = radius.strip_suffix("mm").and_then(|text| text.parse::<f64>().ok()).map(|radius| 1e-3 * radius);
     let rings: Vec<Ring> = [Some((PIPES, RING_RADIUS, 0.0)), inner].into_iter().flatten().collect();
-    if let Some(first) = shaft_differences(soil, &rings, radius, scene).into_iter().next() {
+    if let Some(first) = shaft_differences(soil, &rings, radius, false, scene).into_iter().next() {
         return Err(another(first));
     }
     let counts = (PIPES as f64, inner.map_or(0.0, |inner| inner.0 as f64));

@@ -277,30 +277,17 @@ pub const SHAFT_CASES: [ShaftCase; 4] = [
 impl ShaftCase {
     /// What about a scene is not as in the table.
     fn differences(&self, scene: &Scene) -> Vec<String> {
-        shaft_differences(self.soil, &[(PIPES, RING_RADIUS, 0.0)], Some(self.pipe_radius), scene)
+        shaft_differences(self.soil, &[(PIPES, RING_RADIUS, 0.0)], Some(self.pipe_radius), false, scene)
     }
 }
 
-/// What about a scene is not as in shafts with these rings in which nothing flows.
+/// What about a scene is not as in shafts with these rings: number of pipes, radius (m) and first angle (degrees) of each,
+/// the angles from that of the first ring; pipes of a radius (m), or of any; whether water flows across them.
 pub(crate) fn shaft_differences(
     soil: &Soil,
     rings: &[(usize, f64, f64)],
     pipe_radius: Option<f64>,
-    scene: &Scene,
-) -> Vec<String> {
-    let mut differences = ring_differences(soil, rings, pipe_radius, scene);
-    if scene.flow.is_some() {
-        differences.push("no water flows there".into());
-    }
-    differences
-}
-
-/// What about a scene is not as in shafts with these rings: number of pipes, radius (m) and first angle (degrees) of each,
-/// the angles from that of the first ring; pipes of a radius (m), or of any.
-pub(crate) fn ring_differences(
-    soil: &Soil,
-    rings: &[(usize, f64, f64)],
-    pipe_radius: Option<f64>,
+    is_crossed: bool,
     scene: &Scene,
 ) -> Vec<String> {
     let mut differences = soil.differences(scene);
@@ -349,6 +336,9 @@ pub(crate) fn ring_differences(
     }
     number("the initial temperature", Some(scene.initial_temperature), initial);
     number("the temperature of the outer wall", wall_temperature(scene, "outer"), initial);
+    if scene.flow.is_some() != is_crossed {
+        differences.push(if is_crossed { "water flows across the ring there" } else { "no water flows there" }.into());
+    }
     differences
 }
 

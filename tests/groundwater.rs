@@ -1,6 +1,5 @@
 //! Groundwater that crosses a ring of freeze pipes.
 
-use frazil::registry::methods;
 use frazil_cases::groundwater;
 use frazil_cases::layouts::{self, Gap};
 use frazil_core::march::{self, Options};
@@ -8,11 +7,7 @@ use frazil_core::method::MethodKind;
 use frazil_core::scene::{Domain, Scene, Sector};
 use glam::DVec2;
 
-use crate::sketch::{SHARP, Sketch, advance};
-
-fn flowing() -> impl Iterator<Item = &'static MethodKind> {
-    methods().iter().copied().filter(|kind| !kind.stochastic)
-}
+use crate::sketch::{SHARP, Sketch, advance, bundled, even};
 
 /// Sand with water in it.
 fn sand(law: &str) -> String {
@@ -46,7 +41,7 @@ fn with_pipes(mut sketch: Sketch) -> Sketch {
 
 #[test]
 fn undisturbed_water_is_even() {
-    for kind in flowing() {
+    for kind in even() {
         for (sector, degrees) in [(Sector::Whole, 30.0), (Sector::Half, 0.0), (Sector::Half, 180.0)] {
             let plan = crossed(NEVER, sector, 0.1, degrees).plan(kind);
             let expected = 0.1 / 86400.0 * DVec2::from_angle(f64::to_radians(degrees));
@@ -65,7 +60,7 @@ fn undisturbed_water_is_even() {
 #[test]
 fn water_flows_around_ice_as_potentials_do() {
     let (ice, outer) = (1.0_f64, 4.0_f64);
-    for kind in flowing() {
+    for kind in even() {
         let error = |spacing: f64| {
             let mut sketch = crossed(SHARP, Sector::Half, 0.1, 0.0);
             sketch.spacing_m = spacing;
@@ -96,7 +91,7 @@ fn water_flows_around_ice_as_potentials_do() {
 /// bent profiles takes a pair and its mirror image as one.
 #[test]
 fn halves_and_turns_are_the_whole() {
-    for kind in flowing() {
+    for kind in even() {
         let state = |sector: Sector, degrees: f64| {
             let mut plan = with_pipes(crossed(SHARP, sector, 0.5, degrees)).with("advection = \"blended\"").plan(kind);
             advance(&mut plan, 40);
@@ -127,7 +122,7 @@ fn halves_and_turns_are_the_whole() {
 
 #[test]
 fn heat_is_neither_lost_nor_made_and_water_slows_freezing() {
-    for kind in flowing() {
+    for kind in even() {
         let ice = |velocity: f64| {
             let mut sketch = with_pipes(crossed(SHARP, Sector::Half, velocity, 0.0));
             sketch.duration_s = 5.0 * 86400.0;
@@ -146,7 +141,7 @@ fn heat_is_neither_lost_nor_made_and_water_slows_freezing() {
 /// Water at rest changes neither the wall nor what is said of it.
 #[test]
 fn still_water_changes_nothing() {
-    for kind in flowing() {
+    for kind in even() {
         let end = |flows: bool| {
             // Water makes Heun's steps, conduction alone Euler's: both are short here.
             let mut sketch = with_pipes(crossed(SHARP, Sector::Half, 0.0, 0.0)).with("step_fraction = 0.1");
@@ -199,10 +194,7 @@ fn how_much_keeps_a_wall_open_is_found_by_halving() {
 }
 
 fn ring(changes: &[(&str, &str)]) -> Scene {
-    let bundled = frazil_cases::scenes::find("frozen-wall-seepage").expect("bundled");
-    let changes: Vec<(String, String)> =
-        changes.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-    Scene::read(bundled.text, bundled.name, bundled.name, &changes, methods()).expect("a scene")
+    bundled("frozen-wall-seepage", changes)
 }
 
 /// The table of gaps across which water flows has half a ring, from where water leaves it to where it comes from.
@@ -253,7 +245,7 @@ fn a_ring_in_groundwater_closes_upstream_last_on_the_day_of_the_table() {
         let spacing = format!("method.{}.spacing_m", kind.name);
         ring(&[&changes[..], &[("watch.frozen_wall", "true"), (&spacing, "0.2")]].concat())
     };
-    for kind in flowing() {
+    for kind in even() {
         let scene = scene(kind);
         let table = layouts::by_name(groundwater::NAME, &scene, None).expect("a table");
         let last = table.closures.iter().max_by(|a, b| a.day.total_cmp(&b.day)).expect("gaps");

@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use frazil::registry::methods;
 use frazil_core::march::{self, Options};
 use frazil_core::pipe::acting_radius;
 use frazil_core::record::RunResult;
 use frazil_core::scene::Scene;
+
+use crate::sketch::bundled;
 
 type Row = BTreeMap<String, String>;
 
@@ -29,10 +30,7 @@ fn number(row: &Row, key: &str) -> f64 {
 }
 
 fn ring(changes: &[(&str, &str)]) -> Scene {
-    let bundled = frazil_cases::scenes::find("frozen-wall-sand").expect("bundled");
-    let changes: Vec<(String, String)> =
-        changes.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-    Scene::read(bundled.text, bundled.name, bundled.name, &changes, methods()).expect("a scene")
+    bundled("frozen-wall-sand", changes)
 }
 
 fn result(scene: &Scene, method: &str) -> RunResult {

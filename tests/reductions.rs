@@ -8,7 +8,7 @@ use frazil_core::reduce::{self, Finding, Reduction};
 use frazil_core::scene::{Domain, Scene, Sector};
 use rand::{RngExt, SeedableRng, rngs::StdRng, seq::IndexedRandom};
 
-use crate::sketch::{Sketch, sand, water, without_noise};
+use crate::sketch::{Sketch, even, sand, water, without_noise};
 
 const SPACING: f64 = 0.05;
 
@@ -16,11 +16,6 @@ const SPACING: f64 = 0.05;
 /// the largest heat of the run. Both runs make the same steps of the same sums in another order, and no step lets
 /// differences grow (maximum principle): some hundred roundings of 1e-16 each, and room for sums over particles.
 const SAME: f64 = 1e-10;
-
-/// Methods whose particles have no noise, so that nothing forbids a smaller scene.
-fn symmetric_methods() -> impl Iterator<Item = &'static MethodKind> {
-    methods().iter().copied().filter(|kind| !kind.stochastic)
-}
 
 fn found(scene: &Scene) -> Finding {
     reduce::find(scene, scene.methods[0].method, None).unwrap_or_else(|refused| unreachable!("{refused}"))
@@ -174,7 +169,7 @@ fn a_line_stands_for_a_plane_in_which_nothing_varies_across() {
         physics(&mut sketch, &mut random);
         let points = [(0.31, 0.77), (0.9, 0.2)].map(|(x, y)| format!("[{}, {}]", x * width, y * height));
         sketch.watch = format!("probes_m = [{}]\nprofile_length_m = {}", points.join(", "), 0.8 * along);
-        for kind in symmetric_methods() {
+        for kind in even() {
             assert_same(&sketch, kind);
         }
     }
@@ -206,7 +201,7 @@ fn half_of_a_line_and_a_half_or_a_quarter_of_a_rectangle_stand_for_the_whole() {
         if line {
             sketch.watch.push_str(&format!("\nprofile_length_m = {}", random.random_range(0.2..1.0) * width));
         }
-        for kind in symmetric_methods() {
+        for kind in even() {
             assert_same(&sketch, kind);
         }
     }
@@ -231,7 +226,7 @@ fn a_sector_stands_for_a_larger_one_and_all_gaps_are_told() {
                 "count = {count}\nring_radius_m = 0.6\nfirst_angle_deg = {first}\npipe_radius_m = 0.03\ntemperature_c = -30"
             )];
             sketch.watch = "probes_m = [[-0.4, 0.2], [0.7, 0.6]]".into();
-            for kind in symmetric_methods() {
+            for kind in even() {
                 assert_same(&sketch, kind);
             }
         }
@@ -339,7 +334,7 @@ fn symmetric_bodies_whose_particles_are_not_are_left_whole_with_the_reason() {
 #[test]
 fn the_printed_soil_column_is_a_line() {
     let bundled = frazil_cases::scenes::find("soil-column-printed").expect("bundled");
-    for kind in symmetric_methods() {
+    for kind in even() {
         // A hundred-odd steps: the plane is large.
         let overrides = [("time.duration_h", "0.004"), ("time.outputs", "4"), ("time.profiles_h", "[0.004]")]
             .map(|(key, value)| (key.to_owned(), value.to_owned()));

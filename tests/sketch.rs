@@ -208,6 +208,14 @@ pub fn through(result: &RunResult, door: &str) -> Vec<f64> {
     result.budget.iter().map(|row| row.in_j[column]).collect()
 }
 
+/// A scene that comes with the program, with some keys set.
+pub fn bundled(name: &str, changes: &[(&str, &str)]) -> Scene {
+    let bundled = frazil_cases::scenes::find(name).expect("bundled");
+    let changes: Vec<(String, String)> =
+        changes.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    Scene::read(bundled.text, bundled.name, bundled.name, &changes, methods()).expect("a scene")
+}
+
 /// Makes `count` steps of the length that was planned, from time zero.
 pub fn advance(plan: &mut Plan, count: u64) {
     for index in 0..count {

@@ -7,8 +7,8 @@ before each step. Heat that water carries is central, with as much more exchange
 cells near the pipes never need. Without water a wedge of half a pipe spacing, with it the half of the plan beside the x axis.
 
     pip install numpy scipy gmsh
-    python shaft_gaps.py --layout three --soil sand --cell 0.0025 --days 8
-    python shaft_gaps.py --pipes 26 --velocity 0.2 --cell 0.03 --days 60
+    python shaft_gaps.py --layout three --soil sand --cell 0.005 --days 12
+    python shaft_gaps.py --pipes 26 --velocity 0.2 --cell 0.04 --step 0.05 --days 60
 
 A gap counts as closed when nodes that are frozen through join its pipes ("closed"); when nodes of which half the latent heat is gone
 do ("half") says how much the cells matter.

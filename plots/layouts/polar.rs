@@ -59,7 +59,7 @@ pub fn gaps_polar(layout: &LayoutView<'_>) -> Canvas {
     let most = days.last().copied().into_iter().chain(known.iter().map(|(_, day)| *day)).fold(0.0, f64::max);
     let step = nice_step(if most > 0.0 { most / 4.0 } else { 0.25 });
     let ticks = (1.02 * most / step).ceil().max(1.0);
-    let entries = entries(layout, &groups, &days);
+    let entries = entries(layout, &groups, &days, &known);
     // A legend takes as much room wherever it is drawn.
     let foot = legend(&mut Canvas::new(WIDTH, 100.0, ""), (LEFT, 0.0), WIDTH - 2.0 * LEFT, &entries);
     let chart = Chart { centre: (0.5 * WIDTH, MIDDLE), radius: if open { 0.86 * RADIUS } else { RADIUS }, step, ticks };
@@ -183,7 +183,7 @@ fn median_of(sorted: &[f64]) -> f64 {
     0.5 * (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2])
 }
 
-fn entries(layout: &LayoutView<'_>, groups: &[String], days: &[f64]) -> Vec<Entry> {
+fn entries(layout: &LayoutView<'_>, groups: &[String], days: &[f64], known: &[(&LinkRow, f64)]) -> Vec<Entry> {
     let mark = |(k, group): (usize, &String)| {
         let (marker, hollow) = MARKS[k % MARKS.len()];
         Entry { text: group.clone(), stroke: None, marker: Some((marker, INK, hollow)) }
@@ -193,7 +193,7 @@ fn entries(layout: &LayoutView<'_>, groups: &[String], days: &[f64]) -> Vec<Entr
         let text = format!("median {} d", day(DAY * median_of(days)));
         entries.push(Entry { text, stroke: Some(MEDIAN), marker: None });
     }
-    let mut told: Vec<String> = known(layout).iter().map(|(link, _)| rings(link)).collect();
+    let mut told: Vec<String> = known.iter().map(|(link, _)| rings(link)).collect();
     told.sort();
     told.dedup();
     if !told.is_empty() {

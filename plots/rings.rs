@@ -21,18 +21,18 @@ pub(crate) fn wall(result: &RunResult, words: &Words) -> Canvas {
         Entry { text: "through a pipe".into(), stroke: Some(main), marker: None },
         Entry { text: "between two pipes".into(), stroke: Some(interface), marker: None },
     ];
-    let referred = result.walls.iter().any(|row| row.thickness_main_ref_m.is_some());
-    if referred || result.walls.iter().any(|row| row.thickness_interface_ref_m.is_some()) {
+    let referred = result.walls.iter().any(|row| row.thickness_main_mean_ref_m.is_some());
+    if referred || result.walls.iter().any(|row| row.thickness_interface_mean_ref_m.is_some()) {
         entries.push(reference_entry());
     }
     let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 8.0;
     let x = Axis::linear(words.time_label.as_str(), times(result, words));
     let values = result.walls.iter().flat_map(|row| {
         [
-            Some(row.thickness_main_m),
-            Some(row.thickness_interface_m),
-            row.thickness_main_ref_m,
-            row.thickness_interface_ref_m,
+            Some(row.thickness_main_mean_m),
+            Some(row.thickness_interface_mean_m),
+            row.thickness_main_mean_ref_m,
+            row.thickness_interface_mean_ref_m,
         ]
     });
     let label = if words.length_unit.is_some() { "wall thickness (m)" } else { "wall thickness (dimensionless)" };
@@ -43,10 +43,10 @@ pub(crate) fn wall(result: &RunResult, words: &Words) -> Canvas {
         let rows = result.walls.iter().filter_map(|row| Some((words.time(row.time_s), value(row)?)));
         frame.curve(&mut canvas, rows, stroke);
     };
-    draw(&|row| row.thickness_main_ref_m, reference);
-    draw(&|row| row.thickness_interface_ref_m, Stroke { dash: LONG, ..reference });
-    draw(&|row| Some(row.thickness_main_m), main);
-    draw(&|row| Some(row.thickness_interface_m), interface);
+    draw(&|row| row.thickness_main_mean_ref_m, reference);
+    draw(&|row| row.thickness_interface_mean_ref_m, Stroke { dash: LONG, ..reference });
+    draw(&|row| Some(row.thickness_main_mean_m), main);
+    draw(&|row| Some(row.thickness_interface_mean_m), interface);
     canvas
 }
 

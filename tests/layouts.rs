@@ -140,7 +140,7 @@ fn a_quarter_tells_of_the_whole_plan() {
     done(folder.path(), &[&["shaft-single-sand", "--out", "whole"], &arguments[..], &watched[..]].concat());
     let [quarter, whole] = ["quarter", "whole"].map(|name| rows(&folder.path().join(name), "layouts.csv").remove(0));
     assert!(whole["part_of_plan"].starts_with("the whole plan"));
-    for key in ["closure_days", "thickness_interface_m", "mean_temperature_c", "energy_mj_per_m"] {
+    for key in ["closure_days", "thickness_interface_mean_m", "mean_temperature_c", "energy_mj_per_m"] {
         assert!((number(&whole, key) / number(&quarter, key) - 1.0).abs() < 1e-9, "{key}");
     }
 }
@@ -272,7 +272,7 @@ fn boreholes_told_in_other_words_are_the_same() {
     done(folder.path(), &["told.toml", "--out", "out"]);
     let rows = rows(&folder.path().join("out"), "layouts.csv");
     for row in &rows[1..] {
-        let same = number(row, "thickness_interface_m") / number(&rows[0], "thickness_interface_m") - 1.0;
+        let same = number(row, "thickness_interface_mean_m") / number(&rows[0], "thickness_interface_mean_m") - 1.0;
         assert!(same.abs() < 1e-9, "{}", row["layout"]);
     }
 }
@@ -384,7 +384,7 @@ fn all_methods_stand_beside_that_of_the_study() {
     assert_eq!(methods, [["local", "pd", "sph", "edpd"]; 2].concat());
     for layout in rows.chunks(4) {
         assert_eq!(layout[3]["outcome"], "refused");
-        let energies = layout[..3].iter().map(|row| number(row, "thickness_interface_m"));
+        let energies = layout[..3].iter().map(|row| number(row, "thickness_interface_mean_m"));
         let (least, most) = energies.fold((f64::INFINITY, 0.0f64), |(a, b), now| (a.min(now), b.max(now)));
         assert_eq!(number(&layout[0], "thickness_apart_m"), most - least);
         assert!(most > least && most - least < 0.1 * most, "{least} {most}");
@@ -475,7 +475,7 @@ fn sections_and_warnings_tell_of_the_weakest_gap_and_the_outer_wall() {
         let days = self::rows(&folder.path().join(radius), "days.csv");
         assert!(number(&days[0], "mean_axis_c") < number(&days[0], "mean_interface_c"));
         assert!(number(&days[0], "mean_axis_c") > -20.0);
-        let thickness = ["thickness_weakest_m", "thickness_interface_m"].map(|key| number(&rows[0], key));
+        let thickness = ["thickness_weakest_m", "thickness_interface_mean_m"].map(|key| number(&rows[0], key));
         assert!((thickness[0] - thickness[1]).abs() < 0.1, "{thickness:?}");
         assert_eq!(number(&rows[1], "thickness_weakest_m"), 0.0);
         let page = fs::read_to_string(folder.path().join(radius).join("report.html")).expect("the page");

@@ -104,8 +104,8 @@ impl Reference for LocalReference {
 
     fn thickness(&self, plane: Plane, t: f64) -> Option<f64> {
         let value = |row: &frazil_core::record::WallRow| match plane {
-            Plane::Main => row.thickness_main_m,
-            Plane::Interface => row.thickness_interface_m,
+            Plane::Main => row.thickness_main_mean_m,
+            Plane::Interface => row.thickness_interface_mean_m,
         };
         between(&self.run.walls.iter().map(|row| (row.time_s, value(row))).collect::<Vec<_>>(), t)
     }

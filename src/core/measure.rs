@@ -93,8 +93,8 @@ pub fn attach(scene: &Scene, spacing: f64, result: &mut RunResult, reference: &d
             ProfilePlane::named(&row.plane).and_then(|plane| plane.temperature(reference, row.x_m, row.time_s));
     }
     for row in &mut result.walls {
-        row.thickness_main_ref_m = reference.thickness(Plane::Main, row.time_s);
-        row.thickness_interface_ref_m = reference.thickness(Plane::Interface, row.time_s);
+        row.thickness_main_mean_ref_m = reference.thickness(Plane::Main, row.time_s);
+        row.thickness_interface_mean_ref_m = reference.thickness(Plane::Interface, row.time_s);
         row.frozen_area_ref_m2 = reference.frozen_volume(row.time_s);
     }
     for row in &mut result.gaps {
@@ -178,10 +178,10 @@ pub fn errors(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn R
         front_constant_rel: front_constant(&window),
         frozen_volume_rms_rel: wall_error(Some(volume_from), |row| row.frozen_area_m2, &|t| reference.frozen_volume(t))
             .or_else(|| frozen_volume(scene, &result.frozen, reference)),
-        thickness_main_rms_rel: wall_error(thickness_from, |row| row.thickness_main_m, &|t| {
+        thickness_main_rms_rel: wall_error(thickness_from, |row| row.thickness_main_mean_m, &|t| {
             reference.thickness(Plane::Main, t)
         }),
-        thickness_interface_rms_rel: wall_error(thickness_from, |row| row.thickness_interface_m, &|t| {
+        thickness_interface_rms_rel: wall_error(thickness_from, |row| row.thickness_interface_mean_m, &|t| {
             reference.thickness(Plane::Interface, t)
         }),
         events: closure_errors(&result.gaps, reference),
@@ -512,10 +512,10 @@ mod tests {
         let mut result = empty_result();
         let wall = |day: f64, area: f64, main: f64, interface: f64| WallRow {
             time_s: day * DAY,
-            thickness_main_m: main,
-            thickness_main_ref_m: None,
-            thickness_interface_m: interface,
-            thickness_interface_ref_m: None,
+            thickness_main_mean_m: main,
+            thickness_main_mean_ref_m: None,
+            thickness_interface_mean_m: interface,
+            thickness_interface_mean_ref_m: None,
             frozen_area_m2: area,
             frozen_area_ref_m2: None,
             heat_per_pipe_w_per_m: 0.0,

@@ -333,13 +333,13 @@ pub struct WallRow {
     /// Time (s).
     pub time_s: f64,
     /// Frozen length on planes through a pipe, mean over the ring (m).
-    pub thickness_main_m: f64,
+    pub thickness_main_mean_m: f64,
     /// The reference's.
-    pub thickness_main_ref_m: Option<f64>,
+    pub thickness_main_mean_ref_m: Option<f64>,
     /// Frozen length on planes between pipes, mean over the ring (m).
-    pub thickness_interface_m: f64,
+    pub thickness_interface_mean_m: f64,
     /// The reference's.
-    pub thickness_interface_ref_m: Option<f64>,
+    pub thickness_interface_mean_ref_m: Option<f64>,
     /// Frozen area of the whole ring (m2).
     pub frozen_area_m2: f64,
     /// The reference's.

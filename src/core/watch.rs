@@ -306,10 +306,10 @@ impl Watches {
             let heat = -ledger.rings().sum::<f64>();
             self.walls.push(WallRow {
                 time_s: time,
-                thickness_main_m: length(&self.main),
-                thickness_main_ref_m: None,
-                thickness_interface_m: length(&self.interface),
-                thickness_interface_ref_m: None,
+                thickness_main_mean_m: length(&self.main),
+                thickness_main_mean_ref_m: None,
+                thickness_interface_mean_m: length(&self.interface),
+                thickness_interface_mean_ref_m: None,
                 frozen_area_m2: frozen * self.sector_count,
                 frozen_area_ref_m2: None,
                 heat_per_pipe_w_per_m: heat / pipes,

@@ -84,9 +84,9 @@ pub struct Day {
     /// The instant (days).
     pub day: f64,
     /// Thickness on the interface plane (m).
-    pub thickness_interface_m: f64,
+    pub thickness_interface_mean_m: f64,
     /// Thickness on the main plane (m).
-    pub thickness_main_m: f64,
+    pub thickness_main_mean_m: f64,
     /// Inner front on the interface plane (m from the centre).
     pub inner_m: Option<f64>,
     /// Outer front on the interface plane (m from the centre).
@@ -271,8 +271,8 @@ impl Series {
             kept.budget.iter().map(|row| (row.time_s, sum(row))).collect()
         };
         Series {
-            thickness_interface: wall(|row| row.thickness_interface_m),
-            thickness_main: wall(|row| row.thickness_main_m),
+            thickness_interface: wall(|row| row.thickness_interface_mean_m),
+            thickness_main: wall(|row| row.thickness_main_mean_m),
             inner: plane("interface", |row| row.inner_m),
             outer: plane("interface", |row| row.outer_m),
             main_inner: plane("main", |row| row.inner_m),
@@ -291,7 +291,7 @@ impl Series {
     fn reached(&self, walls: &[WallRow], design: Design) -> Option<f64> {
         // How far both are from what is wanted, as parts of it: 0 or less once they are there.
         let lack = |day: &Day| {
-            let thin = design.thickness_m - day.thickness_interface_m;
+            let thin = design.thickness_m - day.thickness_interface_mean_m;
             day.mean_c.map(|mean| [thin, mean - design.mean_temperature_c])
         };
         let mut before: Option<(f64, [f64; 2])> = None;
@@ -314,8 +314,8 @@ impl Series {
         let read = |series: &[(f64, f64)]| between(series, time);
         Day {
             day: time / DAY,
-            thickness_interface_m: read(&self.thickness_interface).unwrap_or(0.0),
-            thickness_main_m: read(&self.thickness_main).unwrap_or(0.0),
+            thickness_interface_mean_m: read(&self.thickness_interface).unwrap_or(0.0),
+            thickness_main_mean_m: read(&self.thickness_main).unwrap_or(0.0),
             inner_m: read(&self.inner),
             outer_m: read(&self.outer),
             main_m: read(&self.main_inner).zip(read(&self.main_outer)),

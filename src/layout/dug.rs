@@ -38,9 +38,9 @@ pub(super) fn row<'a>(one: &'a Found<'_>) -> Option<DugRow<'a>> {
     let (scene, kept) = (&one.layout.scene, &one.pair.fine);
     let shaft = scene.excavation.as_ref()?;
     let Domain::Ring { sector, .. } = scene.domain else { return None };
-    let series: Vec<(f64, f64)> = kept.walls.iter().map(|row| (row.time_s, row.thickness_interface_m)).collect();
+    let series: Vec<(f64, f64)> = kept.walls.iter().map(|row| (row.time_s, row.thickness_interface_mean_m)).collect();
     let after = |row: &&WallRow| row.time_s > shaft.start;
-    let thin = |a: &&WallRow, b: &&WallRow| a.thickness_interface_m.total_cmp(&b.thickness_interface_m);
+    let thin = |a: &&WallRow, b: &&WallRow| a.thickness_interface_mean_m.total_cmp(&b.thickness_interface_mean_m);
     let least = kept.walls.iter().filter(after).min_by(thin)?;
     let door = kept.budget_names.iter().position(|name| name == "shaft")?;
     let images = sector.images() as f64;
@@ -52,9 +52,9 @@ pub(super) fn row<'a>(one: &'a Found<'_>) -> Option<DugRow<'a>> {
         dug_days: shaft.start / DAY,
         closure_days: one.fine.closure,
         thickness_before_m: between(&series, shaft.start).unwrap_or(0.0),
-        thickness_least_m: least.thickness_interface_m,
+        thickness_least_m: least.thickness_interface_mean_m,
         thickness_least_days: least.time_s / DAY,
-        thickness_end_m: kept.walls.last().map_or(0.0, |row| row.thickness_interface_m),
+        thickness_end_m: kept.walls.last().map_or(0.0, |row| row.thickness_interface_mean_m),
         inner_end_m: one.fine.days.last().and_then(|day| day.inner_m),
         face_w_per_m2: rate / (std::f64::consts::TAU * shaft.radius),
         face_w_per_m: rate,

@@ -40,7 +40,7 @@ struct MethodRow<'a> {
     closure_days: Option<f64>,
     closure_error_days: Option<f64>,
     closure_apart_days: Option<f64>,
-    thickness_interface_m: Option<f64>,
+    thickness_interface_mean_m: Option<f64>,
     thickness_error_m: Option<f64>,
     thickness_apart_m: Option<f64>,
     mean_temperature_c: Option<f64>,
@@ -72,7 +72,7 @@ pub(super) fn numbers(answers: &Answers) -> [Option<f64>; 4] {
     let end = answers.days.last();
     [
         answers.closure,
-        end.map(|day| day.thickness_interface_m),
+        end.map(|day| day.thickness_interface_mean_m),
         end.and_then(|day| day.mean_c),
         end.map(|day| day.heat_per_pipe_w_per_m * answers.pipes as f64),
     ]
@@ -131,7 +131,7 @@ impl Beside<'_> {
                 closure_days: values[0],
                 closure_error_days: errors[0],
                 closure_apart_days: apart[0],
-                thickness_interface_m: values[1],
+                thickness_interface_mean_m: values[1],
                 thickness_error_m: errors[1],
                 thickness_apart_m: apart[1],
                 mean_temperature_c: values[2],

@@ -185,7 +185,7 @@ fn over_depth(study: &Study, work: &Work<'_>, found: &[Found<'_>]) -> Result<Opt
             row.layout.to_owned(),
             row.weakest_horizon.to_owned(),
             with_error(row.closure_days, row.closure_error_days, 2, &format!("{} horizons open", row.open_horizons)),
-            format!("{:.2} in {}", row.thickness_interface_m, row.thinnest_horizon),
+            format!("{:.2} in {}", row.thickness_interface_mean_m, row.thinnest_horizon),
             format!("{} in {}", cell(row.mean_temperature_c, 2, "none"), row.warmest_horizon),
             format!("{:.0}", row.plant_peak_kw),
             format!("{:.0}", row.plant_kw),
@@ -387,7 +387,7 @@ fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
         let (fine, coarse) = (&one.fine, one.coarse.as_ref());
         let (end, far) = (fine.days.last(), coarse.and_then(|coarse| coarse.days.last()));
         let off = |own: Option<f64>, other: Option<f64>| own.zip(other).map(|(own, other)| (own - other).abs());
-        let thickness = end.map(|day| day.thickness_interface_m);
+        let thickness = end.map(|day| day.thickness_interface_mean_m);
         let mean = end.and_then(|day| day.mean_c);
         let weakest = fine
             .weakest
@@ -399,7 +399,7 @@ fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
             fine.pipes.to_string(),
             with_error(fine.closure, tables::closure_error(one), 2, "not closed"),
             cell(fine.first_gap, 2, "none"),
-            with_error(thickness, off(thickness, far.map(|day| day.thickness_interface_m)), 2, ""),
+            with_error(thickness, off(thickness, far.map(|day| day.thickness_interface_mean_m)), 2, ""),
             cell(end.and_then(|day| day.thickness_weakest_m), 2, ""),
             with_error(mean, off(mean, far.and_then(|day| day.mean_c)), 2, ""),
             format!("{:.0}", fine.peak),

@@ -34,7 +34,7 @@ pub(super) struct ShaftRow<'a> {
     pub(super) open_horizons: usize,
     pub(super) design_days: Option<f64>,
     pub(super) thinnest_horizon: &'a str,
-    pub(super) thickness_interface_m: f64,
+    pub(super) thickness_interface_mean_m: f64,
     pub(super) warmest_horizon: &'a str,
     pub(super) mean_temperature_c: Option<f64>,
     pub(super) plant_peak_kw: f64,
@@ -101,7 +101,8 @@ impl<'a> Shaft<'a> {
             .iter()
             .map(|(one, thick)| Some((*one, *thick, *one.fine.days.last()?)))
             .collect::<Option<_>>()?;
-        let thin = ends.iter().min_by(|a, b| a.2.thickness_interface_m.total_cmp(&b.2.thickness_interface_m))?;
+        let thin =
+            ends.iter().min_by(|a, b| a.2.thickness_interface_mean_m.total_cmp(&b.2.thickness_interface_mean_m))?;
         let mean = |end: &super::answers::Day| end.mean_c.unwrap_or(f64::INFINITY);
         let warm = ends.iter().max_by(|a, b| mean(&a.2).total_cmp(&mean(&b.2)))?;
         let design: Option<Vec<f64>> = self.parts.iter().map(|(one, _)| one.fine.design).collect();
@@ -124,7 +125,7 @@ impl<'a> Shaft<'a> {
             open_horizons: self.parts.iter().filter(|(one, _)| one.fine.closure.is_none()).count(),
             design_days: design.and_then(|days| days.into_iter().reduce(f64::max)),
             thinnest_horizon: Shaft::horizon(study, thin.0),
-            thickness_interface_m: thin.2.thickness_interface_m,
+            thickness_interface_mean_m: thin.2.thickness_interface_mean_m,
             warmest_horizon: Shaft::horizon(study, warm.0),
             mean_temperature_c: warm.2.mean_c,
             plant_peak_kw: load.iter().filter(|(time, _)| *time > DAY).map(|(_, load)| *load).fold(0.0, f64::max),
@@ -142,7 +143,7 @@ impl<'a> Shaft<'a> {
                 from_m: horizon.from,
                 to_m: horizon.to,
                 closure_s: one.fine.closure.map(|day| day * DAY),
-                thickness_m: one.fine.days.last().map_or(0.0, |end| end.thickness_interface_m),
+                thickness_m: one.fine.days.last().map_or(0.0, |end| end.thickness_interface_mean_m),
                 load_w_per_m: one.fine.peak,
             })
         };

@@ -77,7 +77,7 @@ fn unknown_scene(asked: &str) -> String {
     }
 }
 
-/// What a scene's file has after overrides at a path, as `pipes.0.temperature_c`.
+/// What a scene's file has after overrides at a path, as `pipes.1.temperature_c`.
 pub fn value(argument: &str, overrides: &[(String, String)], path: &str) -> Option<toml::Value> {
     // An override of a table holds all that is below it.
     let within = |(key, value): &(String, String)| {
@@ -102,7 +102,7 @@ pub fn value(argument: &str, overrides: &[(String, String)], path: &str) -> Opti
 fn below<'a>(value: &'a toml::Value, path: &str) -> Option<&'a toml::Value> {
     path.split('.').filter(|part| !part.is_empty()).try_fold(value, |at, part| match at {
         toml::Value::Table(table) => table.get(part),
-        toml::Value::Array(items) => items.get(part.parse::<usize>().ok()?),
+        toml::Value::Array(items) => items.get(part.parse::<usize>().ok()?.checked_sub(1)?),
         _ => None,
     })
 }

@@ -89,8 +89,8 @@ proptest! {
         source in prop::sample::select(sources()),
         key in prop::sample::select(vec![
             "units", "domain", "domain.line", "domain.line.length_m", "domain.ring.sector", "time.duration_s", "materials",
-            "walls.left", "walls.outer.temperature_c", "pipes", "pipes.0", "pipes.0.count", "pipes.0.ring_radius_m",
-            "regions", "regions.0.x_min_m", "watch.probes_m", "method.pd.spacing_m", "method.edpd.spacing", "method",
+            "walls.left", "walls.outer.temperature_c", "pipes", "pipes.1", "pipes.1.count", "pipes.1.ring_radius_m",
+            "regions", "regions.1.x_min_m", "watch.probes_m", "method.pd.spacing_m", "method.edpd.spacing", "method",
             "method.pd.search", "method.pd.layout", "method.local.scheme", "method.sph.smoothing_ratio", "reference.kind",
         ]),
         value in values(),

@@ -202,7 +202,7 @@ fn ring(changes: &[(&str, &str)]) -> Scene {
 fn the_table_of_groundwater_has_each_gap_of_half_a_ring() {
     for (pipes, velocity) in [("26", "0.05"), ("26", "0.1"), ("26", "0.2"), ("26", "0.5"), ("20", "0.1"), ("32", "0.2")]
     {
-        let scene = ring(&[("pipes.0.count", pipes), ("flow.velocity_m_per_day", velocity)]);
+        let scene = ring(&[("pipes.1.count", pipes), ("flow.velocity_m_per_day", velocity)]);
         let table = layouts::by_name(groundwater::NAME, &scene, None).expect("a table");
         let spacing = 360.0 / pipes.parse::<f64>().expect("a number");
         assert_eq!((table.closures.len() as f64 * spacing).round(), 180.0, "{pipes} at {velocity}");
@@ -218,8 +218,8 @@ fn the_table_of_groundwater_is_about_one_problem() {
     for (key, value, expected) in [
         ("flow.velocity_m_per_day", "0.3", "pipes at velocities (m/day) are "),
         ("flow.relative_permeability.exponent", "2", "ground lets pass water in proportion to what is unfrozen there"),
-        ("pipes.0.first_angle_deg", "3", "a pipe stands farthest downstream there"),
-        ("pipes.0.temperature_c", "-25", "the pipe temperature is -20 there and -25 here"),
+        ("pipes.1.first_angle_deg", "3", "a pipe stands farthest downstream there"),
+        ("pipes.1.temperature_c", "-25", "the pipe temperature is -20 there and -25 here"),
         (
             "materials.sand.groundwater.heat_capacity_J_per_kg_K",
             "4000",

@@ -21,15 +21,15 @@ name = "ring"
 
 [[layouts]]
 name = "failed"
-set = { "pipes.0.missing" = [3] }
+set = { "pipes.1.missing" = ["1.4"] }
 
 [[layouts]]
 name = "leans"
-boreholes = [{ pipe = 5, inclination_deg = 0.0859, azimuth_deg = 170, depth_m = 200 }]
+boreholes = [{ pipe = "1.6", inclination_deg = 0.0859, azimuth_deg = 170, depth_m = 200 }]
 
 [[layouts]]
 name = "cold"
-set = { "pipes.0.temperature_c" = -30 }
+set = { "pipes.1.temperature_c" = -30 }
 "#;
 
 fn frazil(folder: &Path, arguments: &[&str]) -> Command {
@@ -157,9 +157,9 @@ fn a_search_finds_the_fewest_pipes_of_all() {
     let sweep = r#"
 title = "All"
 scene = "frozen-wall-sand"
-set = { "pipes.0.temperature_c" = -25, "time.duration_days" = 60, "time.profiles_days" = [60] }
+set = { "pipes.1.temperature_c" = -25, "time.duration_days" = 60, "time.profiles_days" = [60] }
 [sweep]
-"pipes.0.count" = [12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40]
+"pipes.1.count" = [12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40]
 "#;
     fs::write(folder.path().join("all.toml"), sweep).expect("written");
     done(folder.path(), &[&["all.toml", "--out", "all"], &coarse[..]].concat());
@@ -181,19 +181,19 @@ fn layouts_that_cannot_be_meant_are_refused_before_any_run() {
         String::from_utf8_lossy(&output.stderr).trim_end().to_owned()
     };
     let layout = "layout \"frozen-wall-sand\": ";
-    let found = refused(&["pipes.0.temperature_c=2"]);
-    let expected = "pipes.0.temperature_c: found 2, must come below 0, where the ground freezes";
+    let found = refused(&["pipes.1.temperature_c=2"]);
+    let expected = "pipes.1.temperature_c: found 2, must come below 0, where the ground freezes";
     assert_eq!(found, format!("{layout}{expected}"));
-    let found = refused(&["pipes.0.ring_radius_m=3.4"]);
+    let found = refused(&["pipes.1.ring_radius_m=3.4"]);
     let expected = "pipe 1.1 stands 3.400 m from the centre, inside the shaft: shaft_radius_m is 3.5";
     assert_eq!(found, format!("{layout}{expected}"));
     let found = refused(&["method.local.spacing_m=0.75"]);
     let expected = "method.local.spacing_m: found 0.75, must be at most 0.6027: two pipes stand 1.2054 m apart";
     assert_eq!(found, format!("{layout}{expected}"));
-    let found = refused(&["pipes.0.moved_m=[[0, -0.14, 1.15]]"]);
+    let found = refused(&["pipes.1.moved_m=[[\"1.1\", -0.14, 1.15]]"]);
     let expected = "pipes 0 and 1 overlap: their axes are 0.0469 apart, must be more than 0.108";
-    assert_eq!(found, format!("{layout}--set pipes.0.moved_m=[[0, -0.14, 1.15]]: {expected}"));
-    let found = refused(&["pipes.0.ring_radius_m=14.97"]);
+    assert_eq!(found, format!("{layout}--set pipes.1.moved_m=[[\"1.1\", -0.14, 1.15]]: {expected}"));
+    let found = refused(&["pipes.1.ring_radius_m=14.97"]);
     assert!(found.contains("the pipes must lie inside the outer radius 15"), "{found}");
 }
 
@@ -219,7 +219,7 @@ fn a_shaft_is_its_horizons_together() {
 name = "straight"
 [[layouts]]
 name = "leans"
-boreholes = [{ pipe = 5, surveyed_m = [[0, 0, 0], [80, 0, 0], [200, 0.2, 0.3]] }]
+boreholes = [{ pipe = "1.6", surveyed_m = [[0, 0, 0], [80, 0, 0], [200, 0.2, 0.3]] }]
 "#;
     fs::write(folder.path().join("deep.toml"), horizons(layouts)).expect("written");
     done(folder.path(), &["deep.toml", "--out", "out"]);
@@ -262,9 +262,9 @@ fn boreholes_told_in_other_words_are_the_same() {
     let text = format!(
         "title = \"t\"\nscene = \"frozen-wall-sand\"\nset = {{ \"time.duration_days\" = 20, \"time.outputs\" = 10, \
          \"time.profiles_days\" = [20], \"method.local.spacing_m\" = 0.25 }}\n\
-         [[layouts]]\nname = \"angles\"\nboreholes = [{{ pipe = 5, inclination_deg = 0.1, azimuth_deg = 50, depth_m = 100 }}]\n\
-         [[layouts]]\nname = \"survey\"\nboreholes = [{{ pipe = 5, surveyed_m = [[0, 0, 0], [200, {}, {}]], depth_m = 100 }}]\n\
-         [[layouts]]\nname = \"moved\"\nset = {{ \"pipes.0.moved_m\" = [[5, {x}, {y}]] }}\n",
+         [[layouts]]\nname = \"angles\"\nboreholes = [{{ pipe = \"1.6\", inclination_deg = 0.1, azimuth_deg = 50, depth_m = 100 }}]\n\
+         [[layouts]]\nname = \"survey\"\nboreholes = [{{ pipe = \"1.6\", surveyed_m = [[0, 0, 0], [200, {}, {}]], depth_m = 100 }}]\n\
+         [[layouts]]\nname = \"moved\"\nset = {{ \"pipes.1.moved_m\" = [[\"1.6\", {x}, {y}]] }}\n",
         2.0 * x,
         2.0 * y
     );
@@ -306,25 +306,25 @@ fn horizons_and_boreholes_that_cannot_be_are_refused() {
     let found = refused(&horizons("[deviation]\ndepth_m = 200\npercent = 0.1\nmembers = 2\nseed = 1"));
     assert_eq!(found, format!("s.toml: deviation: depth_m: found 200, {out_of_place}"));
     let layout = |boreholes: &str| format!("[[layouts]]\nname = \"a\"\nboreholes = [{boreholes}]\n");
-    let found = refused(&horizons(&layout("{ pipe = 5, inclination_deg = 0.1, azimuth_deg = 50, depth_m = 9 }")));
-    assert_eq!(found, format!("s.toml: layout \"a, upper\": boreholes: pipe 5: depth_m: found 9, {out_of_place}"));
-    let found = refused(&horizons(&layout("{ pipe = 5, surveyed_m = [[0, 0, 0], [150, 0.1, 0]] }")));
-    let expected = "boreholes: pipe 5: surveyed_m: ends at a depth of 150, must reach 200";
+    let found = refused(&horizons(&layout("{ pipe = \"1.6\", inclination_deg = 0.1, azimuth_deg = 50, depth_m = 9 }")));
+    assert_eq!(found, format!("s.toml: layout \"a, upper\": boreholes: pipe 1.6: depth_m: found 9, {out_of_place}"));
+    let found = refused(&horizons(&layout("{ pipe = \"1.6\", surveyed_m = [[0, 0, 0], [150, 0.1, 0]] }")));
+    let expected = "boreholes: pipe 1.6: surveyed_m: ends at a depth of 150, must reach 200";
     assert_eq!(found, format!("s.toml: layout \"a, upper\": {expected}"));
     // Pipes 1.1 and 1.2 stand 1.2054 m apart, along (-0.1453, 1.1966): one that goes all that way in 200 m passes the other's axis
     // within its diameter before; back in its place deeper, it still has met it.
     let found = refused(&horizons(&layout(
-        "{ pipe = 0, surveyed_m = [[0, 0, 0], [100, -0.14529091, 1.19657832], [200, 0, 0]] }",
+        "{ pipe = \"1.1\", surveyed_m = [[0, 0, 0], [100, -0.14529091, 1.19657832], [200, 0, 0]] }",
     )));
     let expected = "boreholes: pipes 1.1 and 1.2 meet at a depth of 100.0 m: their axes are 0.0000 m apart, must be more than 0.108";
     assert_eq!(found, format!("s.toml: layout \"a, upper\": {expected}"));
     let single = "title = \"t\"\nscene = \"frozen-wall-sand\"\n";
-    let found = refused(&format!("{single}{}", layout("{ pipe = 1, inclination_deg = 0.1, azimuth_deg = 50 }")));
-    assert_eq!(found, "s.toml: layout \"a\": boreholes: pipe 1: depth_m is missing, of the horizon that is run");
-    let two = "{ pipe = 1, inclination_deg = 0.1, azimuth_deg = 50, depth_m = 50 }, \
-               { pipe = 9, inclination_deg = 0.1, azimuth_deg = 50, depth_m = 60 }";
+    let found = refused(&format!("{single}{}", layout("{ pipe = \"1.2\", inclination_deg = 0.1, azimuth_deg = 50 }")));
+    assert_eq!(found, "s.toml: layout \"a\": boreholes: pipe 1.2: depth_m is missing, of the horizon that is run");
+    let two = "{ pipe = \"1.2\", inclination_deg = 0.1, azimuth_deg = 50, depth_m = 50 }, \
+               { pipe = \"1.10\", inclination_deg = 0.1, azimuth_deg = 50, depth_m = 60 }";
     let found = refused(&format!("{single}{}", layout(two)));
-    assert_eq!(found, "s.toml: layout \"a\": boreholes: found depth_m 50 of pipe 1 and 60 of pipe 9, must be one");
+    assert_eq!(found, "s.toml: layout \"a\": boreholes: found depth_m 50 of pipe 1.2 and 60 of pipe 1.10, must be one");
 }
 
 /// A ring told pipe by pipe, in any order, is the ring: on the same part of the plan, with the same answers to rounding.
@@ -343,8 +343,8 @@ fn pipes_told_by_their_places_are_the_ring() {
          [[layouts]]\nname = \"ring\"\n\
          [[layouts]]\nname = \"list\"\nset.pipes = [{{ places_m = [{}], {pipes} }}]\n\
          [[layouts]]\nname = \"turned\"\nset.pipes = [{{ places_m = [{}], {pipes} }}]\n\
-         [[layouts]]\nname = \"moved\"\nset.pipes = [{{ places_m = [{}], moved_m = [[3, 0.1, 0.2]], {pipes} }}]\n\
-         [[layouts]]\nname = \"ring moved\"\nset = {{ \"pipes.0.moved_m\" = [[3, 0.1, 0.2]] }}\n",
+         [[layouts]]\nname = \"moved\"\nset.pipes = [{{ places_m = [{}], moved_m = [[\"1.4\", 0.1, 0.2]], {pipes} }}]\n\
+         [[layouts]]\nname = \"ring moved\"\nset = {{ \"pipes.1.moved_m\" = [[\"1.4\", 0.1, 0.2]] }}\n",
         list(|k| k),
         list(|k| (31 - k) % 26),
         list(|k| k)
@@ -398,9 +398,9 @@ fn a_search_for_energy_finds_the_warmest_brine_in_time() {
     let folder = tempfile::tempdir().expect("a folder");
     let head = "title = \"t\"\nscene = \"frozen-wall-sand\"\nset = { \"time.duration_days\" = 30, \"time.outputs\" = 60, \
                 \"time.profiles_days\" = [20, 30], \"method.local.spacing_m\" = 0.25 }\n";
-    let search = "[search]\nkey = \"pipes.0.temperature_c\"\ngoal = \"energy\"\nfrom = -40\nto = -10\nclosure_days = 20\n\
+    let search = "[search]\nkey = \"pipes.1.temperature_c\"\ngoal = \"energy\"\nfrom = -40\nto = -10\nclosure_days = 20\n\
                   within = 0.25\n";
-    let sweep = "[sweep]\n\"pipes.0.temperature_c\" = [-19, -18, -17, -16, -15, -14]\n";
+    let sweep = "[sweep]\n\"pipes.1.temperature_c\" = [-19, -18, -17, -16, -15, -14]\n";
     fs::write(folder.path().join("search.toml"), format!("{head}{search}")).expect("written");
     fs::write(folder.path().join("sweep.toml"), format!("{head}{sweep}")).expect("written");
     done(folder.path(), &["search.toml", "--out", "search"]);
@@ -436,7 +436,7 @@ fn searches_that_cannot_be_meant_are_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let refused = |search: &str| {
         let head = "title = \"t\"\nscene = \"frozen-wall-sand\"\nset = { \"method.local.spacing_m\" = 0.3, \
-                    \"time.duration_days\" = 5, \"time.profiles_days\" = [5] }\n[search]\nkey = \"pipes.0.count\"\n";
+                    \"time.duration_days\" = 5, \"time.profiles_days\" = [5] }\n[search]\nkey = \"pipes.1.count\"\n";
         fs::write(folder.path().join("s.toml"), format!("{head}{search}")).expect("written");
         let output = frazil(folder.path(), &["s.toml", "--out", "out"]).output().expect("the program starts");
         assert_eq!(output.status.code(), Some(2), "{output:?}");

@@ -4,6 +4,7 @@
 //! temperature elsewhere. [`Units::absolute_zero`] maps them to an absolute scale where a law needs one.
 
 mod flow;
+mod pipe_name;
 pub mod read;
 pub mod region;
 mod series;
@@ -18,6 +19,7 @@ use crate::material::Material;
 pub use crate::symmetry::Symmetry;
 
 pub use flow::{Across, Flow, PressureWall, RelativePermeability};
+pub use pipe_name::{NoPipeName, PipeName};
 pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
 pub use region::{Region, Shape};
 pub use series::{Schedule, Series};

@@ -1,25 +1,57 @@
 //! Boreholes that leave the vertical: where they stand at a depth, and whether two of them meet on the way.
 
-use frazil_core::scene::PipeRing;
+use frazil_core::scene::{NoPipeName, PipeName, PipeRing};
 use glam::DVec2;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use serde::Deserialize;
+use toml::Value;
 
 /// Times that a borehole is drawn anew because it would meet another, at most.
 const MOST_DRAWS: usize = 1000;
 
-/// A borehole as a study file has it.
+/// A borehole that is known.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(try_from = "Written")]
 pub(super) struct Borehole {
-    #[serde(default)]
-    ring: usize,
-    pipe: usize,
+    pipe: PipeName,
     inclination_deg: Option<f64>,
     azimuth_deg: Option<f64>,
     surveyed_m: Option<Vec<[f64; 3]>>,
     depth_m: Option<f64>,
+}
+
+/// A borehole as a study file has it.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Written {
+    pipe: Value,
+    /// The ring of the pipe in older files.
+    ring: Option<Value>,
+    inclination_deg: Option<f64>,
+    azimuth_deg: Option<f64>,
+    surveyed_m: Option<Vec<[f64; 3]>>,
+    depth_m: Option<f64>,
+}
+
+impl TryFrom<Written> for Borehole {
+    type Error = String;
+
+    fn try_from(written: Written) -> Result<Self, String> {
+        let Written { pipe, ring, inclination_deg, azimuth_deg, surveyed_m, depth_m } = written;
+        // Files that count rings and pipes from 0 are told the name.
+        let number = |value: &Value| value.as_integer().and_then(|number| usize::try_from(number).ok());
+        let old = number(&pipe).zip(ring.as_ref().map_or(Some(0), number));
+        let old =
+            old.map(|(pipe, ring)| format!(": what was pipe {pipe} of ring {ring} is \"{}\"", PipeName { ring, pipe }));
+        let wrong = |message: String| format!("{message}{}", old.clone().unwrap_or_default());
+        let name = pipe.as_str().and_then(|name| name.parse().ok());
+        let pipe = name.ok_or_else(|| wrong(format!("pipe: found {pipe}, {NoPipeName}")))?;
+        if let Some(ring) = ring {
+            return Err(format!("ring: found {ring}, must be left out: the name of the pipe has it"));
+        }
+        Ok(Borehole { pipe, inclination_deg, azimuth_deg, surveyed_m, depth_m })
+    }
 }
 
 /// Boreholes that deviate by chance.
@@ -32,27 +64,8 @@ pub(super) struct Deviation {
     pub(super) seed: u64,
 }
 
-/// A pipe by the number of its ring and its own.
-type Number = (usize, usize);
-
 /// How far pipes stand from their places.
-pub(super) type Moved = Vec<(Number, DVec2)>;
-
-impl Borehole {
-    fn number(&self) -> Number {
-        (self.ring, self.pipe)
-    }
-}
-
-/// A pipe in messages, as files have it.
-fn named((ring, pipe): Number) -> String {
-    if ring == 0 { format!("pipe {pipe}") } else { format!("pipe {pipe} of ring {ring}") }
-}
-
-/// A pipe as tables have it.
-fn listed((ring, pipe): Number) -> String {
-    format!("{}.{}", ring + 1, pipe + 1)
-}
+pub(super) type Moved = Vec<(PipeName, DVec2)>;
 
 /// The way of a borehole: how far it stands from its place (m) at depths (m), linear between them.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,16 +116,14 @@ impl Way {
 
 /// The depth at which boreholes without horizons are read, which all of them must name alike.
 pub(super) fn depth(boreholes: &[Borehole]) -> Result<f64, String> {
-    let mut common: Option<(Number, f64)> = None;
+    let mut common: Option<(PipeName, f64)> = None;
     for borehole in boreholes {
-        let own = borehole.number();
-        let depth = borehole
-            .depth_m
-            .ok_or_else(|| format!("{}: depth_m is missing, of the horizon that is run", named(own)))?;
+        let own = borehole.pipe;
+        let depth =
+            borehole.depth_m.ok_or_else(|| format!("pipe {own}: depth_m is missing, of the horizon that is run"))?;
         match common {
             Some((other, known)) if known != depth => {
-                let (other, own) = (named(other), named(own));
-                return Err(format!("found depth_m {known} of {other} and {depth} of {own}, must be one"));
+                return Err(format!("found depth_m {known} of pipe {other} and {depth} of pipe {own}, must be one"));
             }
             _ => common = Some((own, depth)),
         }
@@ -122,10 +133,9 @@ pub(super) fn depth(boreholes: &[Borehole]) -> Result<f64, String> {
 
 /// Refuses depths of boreholes where horizons have theirs.
 pub(super) fn without_depth(boreholes: &[Borehole]) -> Result<(), String> {
-    match boreholes.iter().find_map(|borehole| Some((borehole.number(), borehole.depth_m?))) {
-        Some((number, depth)) => Err(format!(
-            "{}: depth_m: found {depth}, must be left out: boreholes are read at the depth of each horizon",
-            named(number)
+    match boreholes.iter().find_map(|borehole| Some((borehole.pipe, borehole.depth_m?))) {
+        Some((pipe, depth)) => Err(format!(
+            "pipe {pipe}: depth_m: found {depth}, must be left out: boreholes are read at the depth of each horizon"
         )),
         None => Ok(()),
     }
@@ -133,34 +143,35 @@ pub(super) fn without_depth(boreholes: &[Borehole]) -> Result<(), String> {
 
 /// Where boreholes stand at a depth, from what is known of them down to `deepest`.
 pub(super) fn moved(boreholes: &[Borehole], rings: &[PipeRing], depth: f64, deepest: f64) -> Result<Moved, String> {
-    let mut ways: Vec<(Number, Way)> = Vec::new();
+    let mut ways: Vec<(PipeName, Way)> = Vec::new();
     for borehole in boreholes {
-        let number = borehole.number();
-        let Some(ring) = rings.get(number.0) else {
-            return Err(format!("found ring {}, must be at most {}", number.0, rings.len().saturating_sub(1)));
+        let pipe = borehole.pipe;
+        let Some(ring) = rings.get(pipe.ring) else {
+            return Err(format!("found pipe {pipe}, must be of a ring from 1 to {}", rings.len()));
         };
-        if number.1 >= ring.count {
-            return Err(format!("found {}, must be at most {}", named(number), ring.count - 1));
+        if pipe.pipe >= ring.count {
+            let last = PipeName { pipe: ring.count - 1, ..pipe };
+            return Err(format!("found pipe {pipe}, must be at most {last}"));
         }
-        if ways.iter().any(|(other, _)| *other == number) {
-            return Err(format!("found {} twice", named(number)));
+        if ways.iter().any(|(other, _)| *other == pipe) {
+            return Err(format!("found pipe {pipe} twice"));
         }
-        ways.push((number, way(borehole, deepest).map_err(|message| format!("{}: {message}", named(number)))?));
+        ways.push((pipe, way(borehole, deepest).map_err(|message| format!("pipe {pipe}: {message}"))?));
     }
     let vertical = Way::vertical(deepest);
-    let leaning = |number: Number| ways.iter().find(|(other, _)| *other == number).map(|(_, way)| way);
-    let numbers = || rings.iter().enumerate().flat_map(|(at, ring)| ring.numbers().map(move |k| (at, k)));
+    let leaning = |pipe: PipeName| ways.iter().find(|(other, _)| *other == pipe).map(|(_, way)| way);
+    let pipes = || (0..).zip(rings).flat_map(|(at, ring)| ring.numbers().map(move |pipe| PipeName { ring: at, pipe }));
     for (own, way) in &ways {
-        let ring = &rings[own.0];
+        let ring = &rings[own.ring];
         // Of two that lean, the later looks at the earlier.
-        for other in numbers().filter(|other| other != own && (other < own || leaning(*other).is_none())) {
-            let beside = &rings[other.0];
+        for other in pipes().filter(|other| other != own && (other < own || leaning(*other).is_none())) {
+            let beside = &rings[other.ring];
             let other_way = leaning(other).unwrap_or(&vertical);
-            let (at, distance) = way.closest(ring.place(own.1), other_way, beside.place(other.1), deepest);
+            let (at, distance) = way.closest(ring.place(own.pipe), other_way, beside.place(other.pipe), deepest);
             // To the nanometre, so that no rounding of the sum is told.
             let least = ((ring.pipe_radius + beside.pipe_radius) * 1e9).round() / 1e9;
             if distance <= least {
-                let (first, second) = (listed(other.min(*own)), listed(other.max(*own)));
+                let (first, second) = (other.min(*own), other.max(*own));
                 return Err(format!(
                     "pipes {first} and {second} meet at a depth of {at:.1} m: their axes are {distance:.4} m apart, must be \
                      more than {least}"
@@ -168,7 +179,7 @@ pub(super) fn moved(boreholes: &[Borehole], rings: &[PipeRing], depth: f64, deep
             }
         }
     }
-    Ok(ways.iter().map(|(number, way)| (*number, way.at(depth))).collect())
+    Ok(ways.iter().map(|(pipe, way)| (*pipe, way.at(depth))).collect())
 }
 
 /// The way of one borehole down to a depth.
@@ -212,27 +223,27 @@ fn surveyed(rows: &[[f64; 3]], depth: f64) -> Result<Way, String> {
 /// another down to a depth is drawn anew.
 pub(super) fn draw(rings: &[PipeRing], percent: f64, random: &mut StdRng, depth: f64) -> Result<Moved, String> {
     let mut slopes = Moved::new();
-    let numbers = rings.iter().enumerate().flat_map(|(at, ring)| (0..ring.count).map(move |k| (at, k)));
-    for own in numbers {
-        let ring = &rings[own.0];
+    let pipes =
+        rings.iter().enumerate().flat_map(|(at, ring)| (0..ring.count).map(move |k| PipeName { ring: at, pipe: k }));
+    for own in pipes {
+        let ring = &rings[own.ring];
         let mut one = || {
             let way = 0.01 * percent * random.random::<f64>().sqrt();
             way * DVec2::from_angle(std::f64::consts::TAU * random.random::<f64>())
         };
-        let stands = |(at, k): Number| !rings[at].missing.contains(&k);
+        let stands = |one: PipeName| !rings[one.ring].missing.contains(&one.pipe);
         let free = |slope: &DVec2| {
             let way = Way::straight(*slope, depth);
             slopes.iter().filter(|(other, _)| stands(*other) && stands(own)).all(|(other, slope)| {
-                let beside = &rings[other.0];
+                let beside = &rings[other.ring];
                 let other_way = Way::straight(*slope, depth);
-                let (_, distance) = way.closest(ring.place(own.1), &other_way, beside.place(other.1), depth);
+                let (_, distance) = way.closest(ring.place(own.pipe), &other_way, beside.place(other.pipe), depth);
                 distance > ring.pipe_radius + beside.pipe_radius
             })
         };
         let found = (0..MOST_DRAWS).map(|_| one()).find(free).ok_or_else(|| {
             format!(
-                "percent: found {percent}, so far do boreholes deviate that {} meets others in {MOST_DRAWS} draws",
-                named(own)
+                "percent: found {percent}, so far do boreholes deviate that pipe {own} meets others in {MOST_DRAWS} draws"
             )
         })?;
         slopes.push((own, found));

@@ -82,7 +82,7 @@ pub enum Goal {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Search {
-    /// The key, as `pipes.0.count`.
+    /// The key, as `pipes.1.count`.
     pub key: String,
     /// The least value.
     pub from: f64,
@@ -293,7 +293,8 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
     if let Some(sensitivity) = &read.sensitivity {
         let unknown = |key: &&String| compared.iter().all(|one| number_of(&ground, one, key).is_none());
         if let Some(key) = sensitivity.keys.iter().find(unknown) {
-            return Err(bad(format!("sensitivity: the scene has no number \"{key}\"")));
+            let old = if key.split('.').any(|part| part == "0") { ": lists count from 1" } else { "" };
+            return Err(bad(format!("sensitivity: the scene has no number \"{key}\"{old}")));
         }
     }
     for first in &compared {
@@ -367,8 +368,8 @@ mod tests {
 
     #[test]
     fn sweeps_multiply_and_rings_run_on_the_smallest_part() {
-        let text = "title = \"t\"\nscene = \"frozen-wall-sand\"\n[sweep]\n\"pipes.0.count\" = [20, 25]\n\
-                    \"pipes.0.temperature_c\" = [-20, -30.5]";
+        let text = "title = \"t\"\nscene = \"frozen-wall-sand\"\n[sweep]\n\"pipes.1.count\" = [20, 25]\n\
+                    \"pipes.1.temperature_c\" = [-20, -30.5]";
         let found = study(text).expect("a study");
         let names: Vec<&str> = found.layouts.iter().map(|layout| layout.name.as_str()).collect();
         let expected = [
@@ -405,17 +406,25 @@ mod tests {
         let moved = |layout: &Layout| layout.scene.rings.iter().map(|ring| ring.moved.len()).collect::<Vec<_>>();
         assert_eq!(found.expect("a study").layouts.iter().map(moved).collect::<Vec<_>>(), [[0, 0], [6, 4], [6, 4]]);
         let leaning = |borehole: &str| study(&format!("{rings}[[layouts]]\nname = \"a\"\nboreholes = [{borehole}]"));
-        let one = leaning("{ ring = 1, pipe = 2, surveyed_m = [[0, 0, 0], [200, 0.2, 0.4]], depth_m = 100 }");
+        let one = leaning("{ pipe = \"2.3\", surveyed_m = [[0, 0, 0], [200, 0.2, 0.4]], depth_m = 100 }");
         let rings_of = |found: Study| found.layouts[0].scene.rings.clone();
         let found = rings_of(one.expect("a study"));
         assert_eq!((found[0].moved.len(), &found[1].moved[..]), (0, &[(2, glam::DVec2::new(0.1, 0.2))][..]));
         let refused = |borehole: &str| leaning(borehole).map(|_| String::new()).unwrap_or_else(|message| message);
-        let found = refused("{ ring = 2, pipe = 0, inclination_deg = 0, azimuth_deg = 0, depth_m = 9 }");
-        assert_eq!(found, "s.toml: layout \"a\": boreholes: found ring 2, must be at most 1");
-        let found = refused("{ ring = 1, pipe = 4, inclination_deg = 0, azimuth_deg = 0, depth_m = 9 }");
-        assert_eq!(found, "s.toml: layout \"a\": boreholes: found pipe 4 of ring 1, must be at most 3");
+        let found = refused("{ pipe = \"3.1\", inclination_deg = 0, azimuth_deg = 0, depth_m = 9 }");
+        assert_eq!(found, "s.toml: layout \"a\": boreholes: found pipe 3.1, must be of a ring from 1 to 2");
+        let found = refused("{ pipe = \"2.5\", inclination_deg = 0, azimuth_deg = 0, depth_m = 9 }");
+        assert_eq!(found, "s.toml: layout \"a\": boreholes: found pipe 2.5, must be at most 2.4");
+        // As older files have it, which count from 0.
+        let found = refused("{ ring = 1, pipe = 3, inclination_deg = 0, azimuth_deg = 0, depth_m = 9 }");
+        let name = "the name of a pipe as results have it, of its ring and its number on it from 1, as \"1.10\"";
+        assert_eq!(found, format!("s.toml:7: pipe: found 3, must be {name}: what was pipe 3 of ring 1 is \"2.4\""));
+        let found = refused("{ pipe = 0, inclination_deg = 0, azimuth_deg = 0, depth_m = 9 }");
+        assert_eq!(found, format!("s.toml:7: pipe: found 0, must be {name}: what was pipe 0 of ring 0 is \"1.1\""));
+        let found = refused("{ ring = 1, pipe = \"2.1\", inclination_deg = 0, azimuth_deg = 0, depth_m = 9 }");
+        assert_eq!(found, "s.toml:7: ring: found 1, must be left out: the name of the pipe has it");
         // The pipe of the inner ring on the x axis goes out to that of the outer one.
-        let found = refused("{ ring = 1, pipe = 0, surveyed_m = [[0, 0, 0], [50, 1, 0]], depth_m = 50 }");
+        let found = refused("{ pipe = \"2.1\", surveyed_m = [[0, 0, 0], [50, 1, 0]], depth_m = 50 }");
         let expected =
             "pipes 1.1 and 2.1 meet at a depth of 50.0 m: their axes are 0.0000 m apart, must be more than 0.084";
         assert_eq!(found, format!("s.toml: layout \"a\": boreholes: {expected}"));
@@ -427,14 +436,20 @@ mod tests {
         let found = refused("title = \"t\"\nscene = \"frozen-wall-sand\"\nlayout = 3");
         assert!(found.starts_with("s.toml:3: unknown field `layout`, expected one of `title`"), "{found}");
         let head = "title = \"t\"\nscene = \"frozen-wall-sand\"\n";
-        let found = refused(&format!("{head}[[layouts]]\nname = \"a\"\nset = {{ \"pipes.0.count\" = 0 }}"));
-        assert_eq!(found, "layout \"a\": --set pipes.0.count=0: found 0, must be an integer between 1 and 1000");
+        let found = refused(&format!("{head}[[layouts]]\nname = \"a\"\nset = {{ \"pipes.1.count\" = 0 }}"));
+        assert_eq!(found, "layout \"a\": --set pipes.1.count=0: found 0, must be an integer between 1 and 1000");
         let found = refused(&format!("{head}[[layouts]]\nname = \"a\"\n[[layouts]]\nname = \"a\""));
         assert_eq!(found, "s.toml: layouts: two have the name \"a\"");
-        let found = refused(&format!("{head}[sweep]\n\"pipes.0.count\" = 3"));
-        assert_eq!(found, "s.toml: sweep: pipes.0.count: must be a list of values");
-        let found = refused(&format!("{head}[sensitivity]\npercent = 20\nkeys = [\"pipes.0.colour\"]"));
-        assert_eq!(found, "s.toml: sensitivity: the scene has no number \"pipes.0.colour\"");
+        let found = refused(&format!("{head}[sweep]\n\"pipes.1.count\" = 3"));
+        assert_eq!(found, "s.toml: sweep: pipes.1.count: must be a list of values");
+        let found = refused(&format!("{head}[sensitivity]\npercent = 20\nkeys = [\"pipes.1.colour\"]"));
+        assert_eq!(found, "s.toml: sensitivity: the scene has no number \"pipes.1.colour\"");
+        // As older files have it, which count from 0.
+        let found = refused(&format!("{head}[sensitivity]\npercent = 20\nkeys = [\"pipes.0.temperature_c\"]"));
+        assert_eq!(found, "s.toml: sensitivity: the scene has no number \"pipes.0.temperature_c\": lists count from 1");
+        let found = refused(&format!("{head}[sweep]\n\"pipes.0.count\" = [20, 25]"));
+        let expected = "lists count from 1: what was \"pipes.0\" is \"pipes.1\"";
+        assert_eq!(found, format!("layout \"count = 20\": --set pipes.0.count=20: {expected}"));
         let found = refused("title = \"t\"\nscene = \"stefan-water\"");
         assert_eq!(found, "s.toml: scene: found \"stefan-water\", must be a ring with pipes");
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use frazil_core::scene::{Domain, PipeRing, Scene};
+use frazil_core::scene::{Domain, PipeName, PipeRing, Scene};
 use glam::DVec2;
 use serde::Deserialize;
 use toml::Value;
@@ -14,7 +14,7 @@ use crate::load::{self, Overrides};
 
 /// The key by which boreholes of a ring are out of their places.
 fn moved_key(ring: usize) -> String {
-    format!("pipes.{ring}.moved_m")
+    format!("pipes.{}.moved_m", ring + 1)
 }
 
 /// Fewest spacings between two pipes: with less, a gap has no middle of its own.
@@ -82,16 +82,16 @@ impl Layout {
             let (coldest, _) = ring.temperature.range();
             if coldest >= freezing {
                 return bad(format!(
-                    "pipes.{number}.temperature_c: found {coldest}, must come below {freezing}, where the ground freezes"
+                    "pipes.{}.temperature_c: found {coldest}, must come below {freezing}, where the ground freezes",
+                    number + 1
                 ));
             }
             places.extend(ring.numbers().map(|k| ring.place(k)));
             let Some(shaft) = shaft_radius else { continue };
             if let Some(inside) = ring.numbers().find(|k| ring.place(*k).length() <= shaft + ring.pipe_radius) {
                 return bad(format!(
-                    "pipe {}.{} stands {:.3} m from the centre, inside the shaft: shaft_radius_m is {shaft}",
-                    number + 1,
-                    inside + 1,
+                    "pipe {} stands {:.3} m from the centre, inside the shaft: shaft_radius_m is {shaft}",
+                    PipeName { ring: number, pipe: inside },
                     ring.place(inside).length()
                 ));
             }
@@ -213,8 +213,8 @@ pub(super) fn drilled(ground: &Ground, layout: Layout, entries: &[Borehole]) -> 
 
 fn as_moved(moved: &Moved) -> Overrides {
     let mut rings: BTreeMap<usize, Vec<String>> = BTreeMap::new();
-    for ((ring, pipe), way) in moved {
-        rings.entry(*ring).or_default().push(format!("[{pipe}, {:.17e}, {:.17e}]", way.x, way.y));
+    for (pipe, way) in moved {
+        rings.entry(pipe.ring).or_default().push(format!("[\"{pipe}\", {:.17e}, {:.17e}]", way.x, way.y));
     }
     rings.into_iter().map(|(ring, rows)| (moved_key(ring), format!("[{}]", rows.join(", ")))).collect()
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use super::range::{Range, all_of, plain, temperatures};
-use super::section::{Key, Section};
+use super::section::{Key, Names, Section};
 use super::shells;
 use crate::material::Material;
 use crate::scene::{Condition, Domain, PipeRing, ReferenceChoice, Region, Sector, Wall, WallPart};
@@ -176,16 +176,16 @@ pub(super) fn pipes(root: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Pipe
         root.problem("pipes", format!("found {} rings, must be at most {MOST_RINGS}", sections.len()));
         complete = false;
     }
-    for section in &mut sections {
-        let Some(ring) = ring(section) else {
+    for (number, section) in sections.iter_mut().enumerate() {
+        let Some(ring) = ring(section, number) else {
             complete = false;
             continue;
         };
         if let (Some(Domain::Ring { outer_radius, sector }), true) = (domain, complete) {
-            ring_in_domain(section, &ring, *outer_radius, *sector);
-            for (index, other) in rings.iter().enumerate() {
+            ring_in_domain(section, number, &ring, *outer_radius, *sector);
+            for (other_number, other) in (1..).zip(&rings) {
                 if overlap(&ring, other) {
-                    section.section_problem(format!("its pipes overlap those of \"pipes.{index}\""));
+                    section.section_problem(format!("its pipes overlap those of \"pipes.{other_number}\""));
                 }
             }
         }
@@ -226,7 +226,7 @@ fn circle(section: &mut Section<'_>) -> Option<Circle> {
     Some((places.len(), radius, first_angle, places.iter().enumerate().map(beside).collect()))
 }
 
-fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
+fn ring(section: &mut Section<'_>, number: usize) -> Option<PipeRing> {
     let circle = circle(section);
     let one_particle = section.flag_or("one_particle", false);
     let pipe_radius = if one_particle {
@@ -256,51 +256,33 @@ fn ring(section: &mut Section<'_>) -> Option<PipeRing> {
         film,
         schedule,
     };
-    as_built(section, &mut ring);
+    as_built(section, number, &mut ring);
     Some(ring)
 }
 
 /// Pipes that are missing, and those that do not stand in their places.
-fn as_built(section: &mut Section<'_>, ring: &mut PipeRing) {
-    const MOVED: (&str, &str) = ("moved", "m");
-    let number = |number: f64| (number.fract() == 0.0 && number < ring.count as f64).then_some(number as usize);
-    let most = ring.count - 1;
-    let missing = section.optional_numbers("missing", Range::NOT_NEGATIVE).unwrap_or_default();
-    for found in &missing {
-        match number(*found) {
-            Some(k) if ring.missing.contains(&k) => section.problem("missing", format!("found {k} twice")),
-            Some(k) => ring.missing.push(k),
-            None => section.problem("missing", format!("found {}, must be whole and at most {most}", plain(*found))),
-        }
-    }
+fn as_built(section: &mut Section<'_>, number: usize, ring: &mut PipeRing) {
+    let names = Names { ring: number, count: ring.count };
+    ring.missing = section.optional_pipes("missing", names).unwrap_or_default();
     if ring.missing.len() == ring.count {
         section.problem("missing", "found all pipes, one must be left");
     }
-    let mut moved: Vec<usize> = Vec::new();
-    for row in section.optional_points(MOVED, Some(3)).unwrap_or_default() {
-        let [found, x, y] = row[..] else { continue };
-        match number(found).filter(|_| found >= 0.0) {
-            Some(k) if moved.contains(&k) => section.problem(MOVED, format!("found pipe {k} twice")),
-            Some(k) => {
-                moved.push(k);
-                match ring.moved.iter_mut().find(|(other, _)| *other == k) {
-                    Some((_, way)) => *way += DVec2::new(x, y),
-                    None => ring.moved.push((k, DVec2::new(x, y))),
-                }
-            }
-            None => section.problem(MOVED, format!("found pipe {}, must be whole, 0 to {most}", plain(found))),
+    for (k, [x, y]) in section.optional_pipe_points(("moved", "m"), names).unwrap_or_default() {
+        match ring.moved.iter_mut().find(|(other, _)| *other == k) {
+            Some((_, way)) => *way += DVec2::new(x, y),
+            None => ring.moved.push((k, DVec2::new(x, y))),
         }
     }
 }
 
-fn ring_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64, sector: Sector) {
+fn ring_in_domain(section: &mut Section<'_>, number: usize, ring: &PipeRing, outer_radius: f64, sector: Sector) {
     if ring.one_particle && sector != Sector::Whole {
         let message = "mirror planes may lie between particles: set domain.ring.sector = \"whole\"";
         section.problem("one_particle", message);
         return;
     }
     if section.has(PLACES) {
-        return uneven_in_domain(section, ring, outer_radius, sector);
+        return uneven_in_domain(section, number, ring, outer_radius, sector);
     }
     if ring.ring_radius + ring.pipe_radius >= outer_radius {
         let message = format!(
@@ -334,7 +316,7 @@ fn ring_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64,
         Sector::Quarter => across_x_axis && across_y_axis,
     };
     if !ring.is_even() {
-        return uneven_in_domain(section, ring, outer_radius, sector);
+        return uneven_in_domain(section, number, ring, outer_radius, sector);
     }
     if symmetric {
         return;
@@ -353,20 +335,23 @@ fn ring_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64,
 }
 
 /// A ring with pipes that are missing or out of place: all stand apart, inside the domain, and each has its image in mirrors.
-fn uneven_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f64, sector: Sector) {
+fn uneven_in_domain(section: &mut Section<'_>, number: usize, ring: &PipeRing, outer_radius: f64, sector: Sector) {
     let numbers: Vec<usize> = ring.numbers().collect();
     let places: Key = if section.has(PLACES) { PLACES.into() } else { ("moved", "m").into() };
+    let names = Names { ring: number, count: ring.count };
     for (at, k) in numbers.iter().enumerate() {
+        let name = names.of(*k);
         let place = ring.place(*k);
         if place.length() + ring.pipe_radius >= outer_radius {
-            let message = format!("pipe {k} must lie inside the outer radius {}", plain(outer_radius));
+            let message = format!("pipe {name} must lie inside the outer radius {}", plain(outer_radius));
             section.problem(places, message);
         }
         for other in &numbers[..at] {
             let distance = place.distance(ring.place(*other));
             if distance <= 2.0 * ring.pipe_radius {
                 let message = format!(
-                    "pipes {other} and {k} overlap: their axes are {distance:.4} apart, must be more than {}",
+                    "pipes {} and {name} overlap: their axes are {distance:.4} apart, must be more than {}",
+                    names.of(*other),
                     plain(2.0 * ring.pipe_radius)
                 );
                 section.problem(places, message);
@@ -381,8 +366,9 @@ fn uneven_in_domain(section: &mut Section<'_>, ring: &PipeRing, outer_radius: f6
             numbers.iter().any(|other| ring.place(*other).distance(place * *mirror) < 1e-9 * outer_radius)
         };
         if !mirrors.iter().all(has_image) {
-            let message =
-                format!("pipe {k} has no image in the mirror planes of the sector: set domain.ring.sector = \"whole\"");
+            let message = format!(
+                "pipe {name} has no image in the mirror planes of the sector: set domain.ring.sector = \"whole\""
+            );
             if ring.moved.is_empty() {
                 section.problem("missing", message);
             } else {

@@ -3,7 +3,7 @@
 use super::body;
 use super::range::{Range, plain};
 use super::section::Section;
-use crate::scene::{Condition, Domain, Excavation, PipeRing};
+use crate::scene::{Condition, Domain, Excavation, PipeName, PipeRing};
 
 const RADIUS: (&str, &str) = ("radius", "m");
 
@@ -41,8 +41,9 @@ pub(super) fn excavation(root: &mut Section<'_>, domain: Option<&Domain>, rings:
     for (number, ring) in rings.iter().enumerate() {
         if let Some(k) = ring.numbers().find(|k| ring.place(*k).length() - ring.pipe_radius <= radius) {
             let message = format!(
-                "found {}, pipe {k} of \"pipes.{number}\" stands {:.4} from the centre, in the shaft or at its face",
+                "found {}, pipe {} stands {:.4} from the centre, in the shaft or at its face",
                 plain(radius),
+                PipeName { ring: number, pipe: k },
                 ring.place(k).length()
             );
             section.problem(RADIUS, message);

@@ -127,18 +127,18 @@ fn fault(corners: &[DVec2]) -> Option<String> {
     for (k, edge) in edges.iter().enumerate() {
         let next = edges[(k + 1) % count];
         if edge.0 == edge.1 {
-            return Some(format!("points {k} and {} are the same, must differ", (k + 1) % count));
+            return Some(format!("points {} and {} are the same, must differ", k + 1, (k + 1) % count + 1));
         }
         if side(*edge, next.1).is_eq() && (edge.1 - edge.0).dot(next.1 - next.0) < 0.0 {
-            return Some(format!("the polygon turns back on itself at point {}", (k + 1) % count));
+            return Some(format!("the polygon turns back on itself at point {}", (k + 1) % count + 1));
         }
     }
     for (k, edge) in edges.iter().enumerate() {
         // Neighbouring edges share a corner.
         let others = k + 2..count - usize::from(k == 0);
         if let Some(other) = others.into_iter().find(|other| meet(*edge, edges[*other])) {
-            let (to, last) = (k + 1, (other + 1) % count);
-            return Some(format!("the polygon crosses itself: points {k} to {to} meet points {other} to {last}"));
+            let (from, to, first, last) = (k + 1, k + 2, other + 1, (other + 1) % count + 1);
+            return Some(format!("the polygon crosses itself: points {from} to {to} meet points {first} to {last}"));
         }
     }
     (area(corners) == 0.0).then(|| "the polygon encloses no area".to_owned())

@@ -1,6 +1,7 @@
 //! A cursor over one table of a scene file.
 
 mod lists;
+mod pipes;
 
 use std::cell::RefCell;
 use std::ops::RangeInclusive;
@@ -11,6 +12,7 @@ use super::tree::{Entry, Node};
 use crate::scene::Units;
 
 pub use lists::Duration;
+pub(super) use pipes::Names;
 
 /// The name of a key. A quantity is given as `("spacing", "m")`: it is written `spacing_m` in SI scenes and
 /// `spacing` in scenes without units. A pure number or a word is given as `"horizon_ratio"`.
@@ -338,8 +340,8 @@ impl<'a> Section<'a> {
             return Vec::new();
         };
         let mut sections = Vec::with_capacity(items.len());
-        for (index, item) in items.iter().enumerate() {
-            let path = format!("{}.{index}", entry.key);
+        for (number, item) in (1..).zip(items) {
+            let path = format!("{}.{number}", entry.key);
             match &item.node {
                 Node::Table(entries) => sections.push(self.child(&path, item.place.clone(), entries)),
                 other => self.note_at(&item.place, &path, format!("found {}, must be a table", other.found())),

@@ -123,7 +123,12 @@ fn problems_of_set_name_the_option() {
     );
     assert_eq!(
         message(GOOD, &[("watch.probes_m.7", "x")]),
-        "--set watch.probes_m.7=x: \"probes_m\" is a list of 2, so \"7\" must be an index below 2"
+        "--set watch.probes_m.7=x: \"probes_m\" is a list of 2, so \"7\" must be a number from 1 to 2"
+    );
+    // As older commands have it, which count from 0.
+    assert_eq!(
+        message(GOOD, &[("watch.probes_m.0", "x")]),
+        "--set watch.probes_m.0=x: lists count from 1: what was \"probes_m.0\" is \"probes_m.1\""
     );
     assert_eq!(message(GOOD, &[("time", "3")]), "--set time=3: found 3, must be a table");
 }
@@ -169,7 +174,7 @@ fn half_ring() -> String {
 fn a_ring_in_days_is_read() {
     let text = half_ring()
         + "[[pipes]]\ncount = 5\nring_radius_m = 5\nfirst_angle_deg = 36\npipe_radius_m = 0.1\ntemperature_c = -20\n";
-    let scene = read(&text, &[("pipes.0.temperature_c", "-25")]).expect("the scene is good");
+    let scene = read(&text, &[("pipes.1.temperature_c", "-25")]).expect("the scene is good");
     assert_eq!((scene.duration, scene.time_unit, scene.watch.outputs), (172800.0, TimeUnit::Day, 60));
     assert_eq!(scene.watch.profiles, [172800.0]);
     assert_eq!(scene.pipes().len(), 5);
@@ -178,7 +183,7 @@ fn a_ring_in_days_is_read() {
     assert_eq!(
         message(&text, &[("domain.ring.sector", "quarter")]),
         "water.toml:25: watch.probes_m: found [-4, 3], must lie inside the domain\n\
-         water.toml:32: pipes.0.count: found 5, must be even for the mirror planes of a quarter"
+         water.toml:32: pipes.1.count: found 5, must be even for the mirror planes of a quarter"
     );
 }
 
@@ -204,11 +209,11 @@ fn tables_and_work_may_repeat() {
     let text = half_ring() + "[[pipes]]\ncount = 2\nring_radius_m = 5\npipe_radius_m = 0.1\ntemperature_c = -20\n";
     let schedule = |sets: &[(&str, &str)]| read(&text, sets).expect("the scene is good").rings[0].schedule.clone();
     assert_eq!(schedule(&[]), None);
-    let nights = schedule(&[("pipes.0.on_h", "[[0, 8], [20, 24]]"), ("pipes.0.on_period_days", "1")]);
+    let nights = schedule(&[("pipes.1.on_h", "[[0, 8], [20, 24]]"), ("pipes.1.on_period_days", "1")]);
     let nights = nights.expect("a schedule");
     assert_eq!(nights.on, [(0.0, 28_800.0), (72_000.0, 86_400.0)]);
     assert_eq!(nights.period, Some(86_400.0));
-    let late = schedule(&[("pipes.0.on_days", "[[10]]")]).expect("a schedule");
+    let late = schedule(&[("pipes.1.on_days", "[[10]]")]).expect("a schedule");
     assert_eq!((late.on.as_slice(), late.period), (&[(864_000.0, f64::INFINITY)][..], None));
 }
 

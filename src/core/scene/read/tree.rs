@@ -139,8 +139,13 @@ fn set_in_node(node: &mut Node, part: &str, rest: &[&str], new: Node, place: &Pl
         Node::Table(entries) => set_in_table(entries, rest, new, place),
         Node::List(items) => {
             let count = items.len();
-            let Some(item) = next.parse().ok().and_then(|index: usize| items.get_mut(index)) else {
-                return Err(format!("\"{part}\" is a list of {count}, so \"{next}\" must be an index below {count}"));
+            let numbered = next.parse().ok().and_then(|number: usize| items.get_mut(number.checked_sub(1)?));
+            let Some(item) = numbered else {
+                return Err(match (*next, count) {
+                    ("0", 1..) => format!("lists count from 1: what was \"{part}.0\" is \"{part}.1\""),
+                    (_, 0) => format!("\"{part}\" is an empty list, so it has no \"{next}\""),
+                    _ => format!("\"{part}\" is a list of {count}, so \"{next}\" must be a number from 1 to {count}"),
+                });
             };
             if after.is_empty() {
                 item.place = place.clone();

@@ -40,8 +40,8 @@ impl<'a> Section<'a> {
             return None;
         };
         let mut points = Vec::with_capacity(items.len());
-        for (index, item) in items.iter().enumerate() {
-            let path = format!("{}.{index}", entry.key);
+        for (number, item) in (1..).zip(items) {
+            let path = format!("{}.{number}", entry.key);
             let point = self.check_numbers_of(&path, item, Range::ANY)?;
             if point.is_empty() || dimension.is_some_and(|dimension| point.len() != dimension) {
                 let allowed = dimension.map_or_else(|| "1 or 2".into(), |dimension| dimension.to_string());
@@ -138,10 +138,10 @@ impl<'a> Section<'a> {
             return None;
         }
         let mut on: Vec<(f64, f64)> = Vec::with_capacity(items.len());
-        for (index, item) in items.iter().enumerate() {
-            let path = format!("{}.{index}", entry.key);
+        for (number, item) in (1..).zip(items) {
+            let path = format!("{}.{number}", entry.key);
             let ends = self.check_numbers_of(&path, item, Range::NOT_NEGATIVE)?;
-            let open = ends.len() == 1 && index + 1 == items.len() && period.is_none();
+            let open = ends.len() == 1 && number == items.len() && period.is_none();
             let message = match ends.as_slice() {
                 [_] if open => None,
                 [from, to] if from < to => None,
@@ -282,8 +282,13 @@ impl<'a> Section<'a> {
             self.wrong(key, node, "a list of numbers");
             return None;
         };
+        self.check_items(key, 1, items, range)
+    }
+
+    /// Elements of a list that are numbers, counted from `first`.
+    pub(super) fn check_items(&mut self, key: &str, first: usize, items: &[Item], range: Range) -> Option<Vec<f64>> {
         let mut numbers = Vec::with_capacity(items.len());
-        for (index, item) in items.iter().enumerate() {
+        for (number, item) in (first..).zip(items) {
             match &item.node {
                 Node::Number(_, value, _) if range.contains(*value) && unfit(*value).is_none() => numbers.push(*value),
                 other => {
@@ -292,7 +297,7 @@ impl<'a> Section<'a> {
                         _ => "a number".into(),
                     };
                     let message = format!("found {}, must be {allowed}", other.found());
-                    self.note_at(&item.place, &format!("{key}.{index}"), message);
+                    self.note_at(&item.place, &format!("{key}.{number}"), message);
                 }
             }
         }

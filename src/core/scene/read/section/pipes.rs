@@ -1,0 +1,113 @@
+//! Values of a section that name pipes of one ring.
+
+use super::super::range::Range;
+use super::super::tree::{Item, Node};
+use super::{Key, Section};
+use crate::scene::PipeName;
+
+/// Names that the pipes of one ring have.
+#[derive(Debug, Clone, Copy)]
+pub(in crate::scene::read) struct Names {
+    /// Number of the ring, from 0.
+    pub(in crate::scene::read) ring: usize,
+    /// Its pipes.
+    pub(in crate::scene::read) count: usize,
+}
+
+impl Names {
+    pub(in crate::scene::read) fn of(&self, pipe: usize) -> PipeName {
+        PipeName { ring: self.ring, pipe }
+    }
+
+    /// Completes "must be ...".
+    fn allowed(&self) -> String {
+        let (first, last) = (self.of(0), self.of(self.count.saturating_sub(1)));
+        if self.count == 1 { format!("\"{first}\"") } else { format!("a name, \"{first}\" to \"{last}\"") }
+    }
+
+    /// The pipe that a value names.
+    fn read(&self, node: &Node) -> Result<usize, String> {
+        let wrong = format!("found {}, must be {}", node.found(), self.allowed());
+        match node {
+            Node::Text(text) => match text.parse::<PipeName>() {
+                Ok(PipeName { ring, pipe }) if ring == self.ring && pipe < self.count => Ok(pipe),
+                _ => Err(wrong),
+            },
+            // Files that count pipes of a ring from 0 are told the name.
+            Node::Number(_, _, Some(old)) => match usize::try_from(*old) {
+                Ok(old) if old < self.count => {
+                    Err(format!("{wrong}, as results have it: what was {old} is \"{}\"", self.of(old)))
+                }
+                _ => Err(wrong),
+            },
+            _ => Err(wrong),
+        }
+    }
+}
+
+impl Section<'_> {
+    /// A list of pipes of a ring, none twice; it may be absent.
+    pub(in crate::scene::read) fn optional_pipes(&mut self, key: impl Into<Key>, names: Names) -> Option<Vec<usize>> {
+        let entry = self.ask(key.into())?;
+        let Node::List(items) = &entry.node else {
+            self.wrong(&entry.key, &entry.node, "a list of names of pipes");
+            return None;
+        };
+        let mut found = Vec::with_capacity(items.len());
+        for (number, item) in (1..).zip(items) {
+            self.pipe(&format!("{}.{number}", entry.key), item, names, &mut found);
+        }
+        (found.len() == items.len()).then_some(found)
+    }
+
+    /// A list of pipes of a ring, none twice, each with two numbers, as `[["1.4", 0.1, 0.2]]`; it may be absent.
+    pub(in crate::scene::read) fn optional_pipe_points(
+        &mut self,
+        key: impl Into<Key>,
+        names: Names,
+    ) -> Option<Vec<(usize, [f64; 2])>> {
+        let entry = self.ask(key.into())?;
+        let Node::List(items) = &entry.node else {
+            self.wrong(&entry.key, &entry.node, "a list of pipes, each with two numbers");
+            return None;
+        };
+        let (mut found, mut points) = (Vec::new(), Vec::with_capacity(items.len()));
+        for (number, item) in (1..).zip(items) {
+            let path = format!("{}.{number}", entry.key);
+            let row = match &item.node {
+                Node::List(row) => row.as_slice(),
+                _ => &[],
+            };
+            let [name, coordinates @ ..] = row else {
+                self.note_at(&item.place, &path, r#"must be a pipe with two numbers, as ["1.4", 0.1, 0.2]"#);
+                continue;
+            };
+            let pipe = self.pipe(&format!("{path}.1"), name, names, &mut found);
+            let Some(point) = self.check_items(&path, 2, coordinates, Range::ANY) else { continue };
+            let Ok(point) = <[f64; 2]>::try_from(point) else {
+                self.note_at(&item.place, &path, format!("found {} coordinates, must be 2", coordinates.len()));
+                continue;
+            };
+            points.extend(pipe.map(|pipe| (pipe, point)));
+        }
+        (points.len() == items.len()).then_some(points)
+    }
+
+    /// The pipe that an element of a list names, put to those found already.
+    fn pipe(&mut self, path: &str, item: &Item, names: Names, found: &mut Vec<usize>) -> Option<usize> {
+        let read = match names.read(&item.node) {
+            Ok(pipe) if found.contains(&pipe) => Err(format!("found {} twice", item.node.found())),
+            read => read,
+        };
+        match read {
+            Ok(pipe) => {
+                found.push(pipe);
+                Some(pipe)
+            }
+            Err(message) => {
+                self.note_at(&item.place, path, message);
+                None
+            }
+        }
+    }
+}

@@ -82,11 +82,7 @@ impl Corner {
 
 impl Reference for Corner {
     fn describe(&self) -> ReferenceInfo {
-        ReferenceInfo {
-            kind: "table".into(),
-            source: "similarity solution of a freezing corner, enthalpy finite volumes".into(),
-            error_estimate_rel: 1e-3,
-        }
+        ReferenceInfo::new("table", "similarity solution of a freezing corner, enthalpy finite volumes", 1e-3)
     }
 
     fn front(&self, t: f64) -> Option<f64> {

@@ -124,11 +124,7 @@ impl Reference for HalfSpace {
             Solution::Neumann(_) => ("exact", "Neumann solution", NEUMANN_ERROR),
             Solution::Similarity(_) => ("similarity", "similarity solution in x/sqrt(t)", SIMILARITY_ERROR),
         };
-        ReferenceInfo {
-            kind: kind.into(),
-            source: format!("{source} in a half space of {}", self.name),
-            error_estimate_rel: error,
-        }
+        ReferenceInfo::new(kind, format!("{source} in a half space of {}", self.name), error)
     }
 
     fn temperature(&self, x: f64, t: f64) -> Option<f64> {

@@ -14,24 +14,64 @@ pub mod studies;
 pub mod table;
 
 use frazil_core::reference::Reference;
-use frazil_core::scene::{ReferenceChoice, Scene};
+use frazil_core::scene::{Condition, ReferenceChoice, Scene};
+use table::Unfit;
 
-/// The reference that a scene asks for and that needs no run: a closed form, a similarity solution or a table.
-///
-/// `None` means that the truth has to come from a run of the local method, or that the scene leaves the choice
-/// open and nothing fits. An error says why what the scene asks for is not to be had.
-pub fn reference_for(scene: &Scene) -> Result<Option<Box<dyn Reference>>, String> {
+/// What is known of a scene without a run of its own.
+pub struct Truth {
+    /// A closed form, a similarity solution or a table; the truth has to come from a run of the local method where there is
+    /// none, unless none is asked for.
+    pub reference: Option<Box<dyn Reference>>,
+    /// Why it is not the one that the scene names, in words.
+    pub instead: Option<String>,
+}
+
+/// The reference that a scene asks for and that needs no run. Where the scene is not what its table or closed form is about,
+/// as where a key of it has been changed, whatever else fits stands in and it says so. An error says why what the scene asks
+/// for is not to be had at all.
+pub fn truth(scene: &Scene) -> Result<Truth, String> {
+    let found = |reference| Ok(Truth { reference, instead: None });
+    let instead = |reason: String| {
+        let reference = fitting(scene);
+        let stands_in = reference.as_ref().map_or("none that needs no run of its own fits".to_owned(), |reference| {
+            let info = reference.describe();
+            format!("in its place: {}, {}", info.kind, info.source)
+        });
+        Ok(Truth { reference, instead: Some(format!("another reference than the scene's: {reason}; {stands_in}")) })
+    };
     match &scene.reference {
-        ReferenceChoice::Exact if scene.flow.is_some() => Ok(Some(Box::new(exact::Advection::of_scene(scene)?))),
-        ReferenceChoice::Exact => Ok(Some(Box::new(exact::HalfSpace::of_scene(scene)?))),
-        ReferenceChoice::Table(name) => table::by_name(name, scene).map(Some),
-        ReferenceChoice::Local => Ok(None),
-        ReferenceChoice::Auto => Ok(match (exact::HalfSpace::of_scene(scene), exact::Advection::of_scene(scene)) {
-            (Ok(solution), _) => Some(Box::new(solution)),
-            (_, Ok(solution)) => Some(Box::new(solution)),
-            (Err(_), Err(_)) => table::names().find_map(|name| table::by_name(name, scene).ok()),
-        }),
+        ReferenceChoice::None | ReferenceChoice::Local => found(None),
+        ReferenceChoice::Auto => found(fitting(scene)),
+        ReferenceChoice::Exact => match exact_solution(scene) {
+            Ok(solution) => found(Some(solution)),
+            // A wall that follows the solution cannot be without it.
+            Err(reason) if scene.walls.iter().any(|wall| wall.condition == Condition::Exact) => Err(reason),
+            Err(reason) => instead(reason),
+        },
+        ReferenceChoice::Table(name) => match table::by_name(name, scene) {
+            Ok(table) => found(Some(table)),
+            Err(Unfit::Another(reason)) => instead(reason),
+            Err(Unfit::Broken(reason)) => Err(reason),
+        },
     }
+}
+
+/// The reference of [`truth`] alone.
+pub fn reference_for(scene: &Scene) -> Result<Option<Box<dyn Reference>>, String> {
+    truth(scene).map(|truth| truth.reference)
+}
+
+/// The closed form of a scene, or why it has none.
+fn exact_solution(scene: &Scene) -> Result<Box<dyn Reference>, String> {
+    Ok(match scene.flow {
+        Some(_) => Box::new(exact::Advection::of_scene(scene)?),
+        None => Box::new(exact::HalfSpace::of_scene(scene)?),
+    })
+}
+
+/// The first closed form or table that is about a scene.
+fn fitting(scene: &Scene) -> Option<Box<dyn Reference>> {
+    exact_solution(scene).ok().or_else(|| table::names().find_map(|name| table::by_name(name, scene).ok()))
 }
 
 #[cfg(test)]

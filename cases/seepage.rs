@@ -26,13 +26,9 @@ pub struct Inclusion {
 }
 
 impl Inclusion {
-    /// The tables of the law of a scene.
-    pub fn of_scene(scene: &Scene) -> Result<Self, String> {
-        let differences = differences(scene);
-        if !differences.is_empty() {
-            return Err(format!("the table '{NAME}' is about another problem: {}", differences.join("; ")));
-        }
-        let (law, temperature, pressure, history) = match scene.materials[0].mixing {
+    /// The tables of a law.
+    pub fn of_law(mixing: Mixing) -> Result<Self, String> {
+        let (law, temperature, pressure, history) = match mixing {
             Mixing::Geometric => (
                 "geometric",
                 include_str!("tables/thawing-inclusion-temperature.csv"),
@@ -71,11 +67,8 @@ fn at(table: &Table, x: f64, t: f64) -> Option<f64> {
 
 impl Reference for Inclusion {
     fn describe(&self) -> ReferenceInfo {
-        ReferenceInfo {
-            kind: "table".into(),
-            source: format!("finite volumes on 600 x 400 cells, {} mean of conductivities", self.law),
-            error_estimate_rel: ERROR,
-        }
+        let source = format!("finite volumes on 600 x 400 cells, {} mean of conductivities", self.law);
+        ReferenceInfo::new("table", source, ERROR)
     }
 
     fn cut(&self, x: f64, t: f64) -> Option<(f64, Option<f64>)> {
@@ -98,7 +91,7 @@ impl Reference for Inclusion {
 }
 
 /// What about a scene is not that of the tables.
-fn differences(scene: &Scene) -> Vec<String> {
+pub fn differences(scene: &Scene) -> Vec<String> {
     let mut found = Vec::new();
     let mut compare = |what: &str, own: Option<f64>, expected: f64| {
         if own.is_none_or(|own| (own - expected).abs() > SAME * expected.abs().max(1e-9)) {

@@ -278,6 +278,8 @@ struct ShellTable {
     beside: Option<LineSink>,
     /// Times (s), and radii of the front (m) or volumes (m3).
     series: Option<(&'static str, Vec<f64>, Vec<f64>)>,
+    /// Radius (m) from which a front starts, and the error of the front over how far it has come once it is judged.
+    front: Option<(f64, f64)>,
 }
 
 impl ShellTable {
@@ -311,8 +313,17 @@ impl ShellTable {
                 .map(|material| LineSink::new(material, case.initial, -flux * Symmetry::Axial.area(inner))),
             _ => None,
         };
+        let front = match (&series, case.domain) {
+            (Some(("front_m", times, radii)), Domain::Radial { inner, .. }) => {
+                let judged = times.partition_point(|time| *time < scene.watch.front_from.unwrap_or(0.0));
+                let radius = radii.get(judged).copied().unwrap_or(f64::NAN);
+                Some((inner, case.error_estimate_rel * radius / (radius - inner)))
+            }
+            _ => None,
+        };
         Ok(ShellTable {
             beside,
+            front,
             source: format!("table {}: {}", case.name, case.source),
             error_estimate_rel: case.error_estimate_rel,
             smooth: case.smooth,
@@ -355,7 +366,11 @@ pub(crate) fn cubic(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
 
 impl Reference for ShellTable {
     fn describe(&self) -> ReferenceInfo {
-        ReferenceInfo { kind: "table".into(), source: self.source.clone(), error_estimate_rel: self.error_estimate_rel }
+        let front = self.front.map(|(_, error)| ("front".to_owned(), error));
+        ReferenceInfo {
+            errors: front.into_iter().collect(),
+            ..ReferenceInfo::new("table", self.source.clone(), self.error_estimate_rel)
+        }
     }
 
     fn temperature(&self, x: f64, t: f64) -> Option<f64> {
@@ -367,7 +382,7 @@ impl Reference for ShellTable {
     }
 
     fn front(&self, t: f64) -> Option<f64> {
-        self.over_time("front_m", t)
+        self.over_time("front_m", t).or(self.front.filter(|_| t == 0.0).map(|(start, _)| start))
     }
 
     fn beside(&self, t: f64) -> Option<(&'static str, f64)> {

@@ -6,6 +6,7 @@ use frazil_core::reference::{Plane, Reference};
 use frazil_core::scene::{Condition, Domain, PipeRing, Scene, Units};
 
 use crate::exact::constant;
+use crate::layouts::{LENGTH_ERROR, TEMPERATURE_ERROR};
 use crate::{corner, seepage, shells};
 
 const DAY: f64 = 86_400.0;
@@ -27,40 +28,47 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     NAMES.into_iter().chain(shells::names()).chain([seepage::NAME, corner::NAME])
 }
 
+/// Why a table is not the reference of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Unfit {
+    /// It is about another problem, in words.
+    Another(String),
+    /// There is none of this name, or it cannot be read.
+    Broken(String),
+}
+
+impl From<String> for Unfit {
+    fn from(reason: String) -> Self {
+        Unfit::Broken(reason)
+    }
+}
+
 /// The table of the given name, if it is about the physics of the scene; else the reason.
-pub fn by_name(name: &str, scene: &Scene) -> Result<Box<dyn Reference>, String> {
+pub fn by_name(name: &str, scene: &Scene) -> Result<Box<dyn Reference>, Unfit> {
+    let other = |differences: Vec<String>| {
+        Unfit::Another(format!("the table '{name}' is about another problem: {}", differences.join("; ")))
+    };
+    let about = |differences: Vec<String>| if differences.is_empty() { Ok(()) } else { Err(other(differences)) };
     if name == seepage::NAME {
-        return Ok(Box::new(seepage::Inclusion::of_scene(scene)?));
+        about(seepage::differences(scene))?;
+        return Ok(Box::new(seepage::Inclusion::of_law(scene.materials[0].mixing)?));
     }
     if name == corner::NAME {
-        return match corner::Corner::of_scene(scene) {
-            Ok(corner) => Ok(Box::new(corner)),
-            Err(differences) => Err(not_about(name, &differences)),
-        };
+        return Ok(Box::new(corner::Corner::of_scene(scene).map_err(other)?));
     }
     if name == "soil-column" {
-        let differences = column_differences(scene);
-        return match differences.is_empty() {
-            true => Ok(Box::new(ColumnTable::bundled()?)),
-            false => Err(not_about(name, &differences)),
-        };
+        about(column_differences(scene))?;
+        return Ok(Box::new(ColumnTable::bundled()?));
     }
     if let Some(found) = shells::by_name(name, scene) {
-        return found.map_err(|differences| not_about(name, &differences));
+        return found.map_err(other);
     }
     let case = SHAFT_CASES.iter().find(|case| case.name == name).ok_or_else(|| {
         let all: Vec<&str> = names().collect();
         format!("there is no reference table '{name}'; the tables are {}", all.join(", "))
     })?;
-    let differences = case.differences(scene);
-    match differences.is_empty() {
-        true => Ok(Box::new(ShaftTable::bundled(case)?)),
-        false => Err(not_about(name, &differences)),
-    }
-}
-
-fn not_about(name: &str, differences: &[String]) -> String {
-    format!("the table '{name}' is about another problem: {}", differences.join("; "))
+    about(case.differences(scene))?;
+    Ok(Box::new(ShaftTable::bundled(case)?))
 }
 
 /// Columns of numbers under a line of names; lines that start with `#` are comments.
@@ -388,8 +396,8 @@ impl ShaftTable {
         }
         Ok(ShaftTable {
             source: format!(
-                "table {}: finite volumes on a mesh fitted to the pipes; closure known to {} d, thickness to 0.02 m, \
-                 temperature to 0.03 K",
+                "table {}: finite volumes on a mesh fitted to the pipes; closure known to {} d, thickness to \
+                 {LENGTH_ERROR} m, temperature to {TEMPERATURE_ERROR} K",
                 case.name, case.closure_error
             ),
             closure: seconds(case.closure),
@@ -418,10 +426,30 @@ impl ShaftTable {
 
 impl Reference for ShaftTable {
     fn describe(&self) -> ReferenceInfo {
+        let closure = self.closure_error / self.closure;
+        let (pipe, ground) = SHAFT_TEMPERATURES;
+        // Lengths are judged from some time after closure on, so what they are relative to is the wall between pipes then.
+        let last = self.times.last().copied().unwrap_or(self.closure);
+        let judged = self.times.iter().filter(|time| **time >= 1.25 * self.closure);
+        let shares: Vec<f64> = judged
+            .filter_map(|time| {
+                Some(LENGTH_ERROR / self.thickness(Plane::Interface, *time).filter(|length| *length > 0.0)?)
+            })
+            .collect();
+        let thickness = match shares.len() {
+            0 => LENGTH_ERROR / self.thickness(Plane::Main, last).unwrap_or(f64::INFINITY),
+            count => (shares.iter().map(|share| share * share).sum::<f64>() / count as f64).sqrt(),
+        };
+        let errors = [
+            ("closure", closure),
+            ("temperature", TEMPERATURE_ERROR / (ground - pipe)),
+            ("thickness", thickness),
+            // An area is a sum of lengths.
+            ("volume", thickness),
+        ];
         ReferenceInfo {
-            kind: "table".into(),
-            source: self.source.clone(),
-            error_estimate_rel: self.closure_error / self.closure,
+            errors: errors.map(|(measure, error)| (measure.to_owned(), error)).into(),
+            ..ReferenceInfo::new("table", self.source.clone(), closure)
         }
     }
 
@@ -485,11 +513,8 @@ impl ColumnTable {
 
 impl Reference for ColumnTable {
     fn describe(&self) -> ReferenceInfo {
-        ReferenceInfo {
-            kind: "table".into(),
-            source: "table soil-column: sharp front, each phase on its own moving grid of finite volumes".into(),
-            error_estimate_rel: COLUMN_ERROR / self.fronts[1],
-        }
+        let source = "table soil-column: sharp front, each phase on its own moving grid of finite volumes";
+        ReferenceInfo::new("table", source, COLUMN_ERROR / self.fronts[1])
     }
 
     fn front(&self, t: f64) -> Option<f64> {

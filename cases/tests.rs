@@ -7,7 +7,7 @@ use frazil_core::scene::{
 };
 
 use crate::exact::similarity::tests::water;
-use crate::{reference_for, table};
+use crate::{reference_for, table, truth};
 
 const HOUR: f64 = 3600.0;
 const DAY: f64 = 86_400.0;
@@ -51,11 +51,12 @@ fn half_space(law: FreezingLaw) -> Scene {
             corner_front: false,
             frozen_wall: false,
             profile_length: None,
-            front_from: 0.0,
+            front_from: None,
         },
         reference: ReferenceChoice::Exact,
         methods: Vec::new(),
         hash: String::new(),
+        remarks: Vec::new(),
     }
 }
 
@@ -117,8 +118,9 @@ fn kind(scene: &Scene) -> Option<String> {
     reference_for(scene).expect("no refusal").map(|reference| reference.describe().kind)
 }
 
+/// Why a scene has not the reference that it names: with another one, or none, in its place, or as an error.
 fn refusal(scene: &Scene) -> String {
-    reference_for(scene).err().unwrap_or_default()
+    truth(scene).map_or_else(|reason| reason, |truth| truth.instead.unwrap_or_default())
 }
 
 #[test]
@@ -218,7 +220,12 @@ fn a_table_is_found_for_its_own_scene_alone() {
     let mut scene = shaft();
     scene.reference = ReferenceChoice::Table("shaft-single-sand-6.38mm".into());
     assert!(refusal(&scene).contains("the pipe radius is 0.00638 there and 0.054 here"), "{}", refusal(&scene));
+    assert!(reference_for(&scene).expect("no refusal").expect("another").describe().source.contains("sand-54mm"));
+    scene.rings[0].temperature = Series::Constant(-21.0);
+    assert_eq!(kind(&scene), None);
+    assert!(refusal(&scene).contains("none that needs no run of its own fits"), "{}", refusal(&scene));
     scene.reference = ReferenceChoice::Table("shaft".into());
+    assert!(reference_for(&scene).is_err(), "a name that is none is an error");
     assert!(table::NAMES.iter().all(|name| refusal(&scene).contains(name)), "{}", refusal(&scene));
 
     let mut scene = column();
@@ -230,6 +237,19 @@ fn a_table_is_found_for_its_own_scene_alone() {
     assert!(reason.contains("cold end is -5 there and -7 here") && reason.contains("latent heat"), "{reason}");
     scene.reference = ReferenceChoice::Auto;
     assert_eq!(kind(&scene), None);
+}
+
+#[test]
+fn a_changed_table_gives_way_to_a_closed_form_and_none_to_nothing() {
+    // Without the other end the column is a half space.
+    let mut scene = column();
+    scene.reference = ReferenceChoice::Table("soil-column".into());
+    scene.domain = Domain::Line { length: 4.0 };
+    assert_eq!(kind(&scene).as_deref(), Some("exact"));
+    let said = refusal(&scene);
+    assert!(said.contains("the length is 0.2 there and 4 here") && said.contains("Neumann"), "{said}");
+    scene.reference = ReferenceChoice::None;
+    assert_eq!((kind(&scene), refusal(&scene)), (None, String::new()));
 }
 
 #[test]

@@ -117,13 +117,13 @@ fn notes<'a, I: Iterator<Item = &'a WorkPoint>>(points: impl Fn() -> I) -> Vec<E
     let mut notes = Vec::new();
     let mut note = |text: &str, marker| notes.push(Entry { text: text.into(), stroke: None, marker });
     if points().any(|point| point.hollow) {
-        note("hollow: below 10 × error of the reference", Some((Marker::Circle, REFERENCE, true)));
+        note("hollow: below 10 × error of the reference, a bound", Some((Marker::Circle, REFERENCE, true)));
     }
     if points().any(|point| point.ringed) {
         note("ringed (○): may be low by luck", None);
     }
     if points().any(|point| point.error.is_none() && point.cost.is_some()) {
-        note("× at the edge: failed or not run", None);
+        note("× at the edge: failed, or cut off for lack of time", None);
     }
     notes
 }

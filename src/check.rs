@@ -7,7 +7,7 @@ use frazil_core::reduce::{self, Finding};
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::load;
 use crate::progress::clock;
-use crate::run::{reference, why_not};
+use crate::run::{told_reference, why_not};
 
 /// What is to be checked.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,14 +26,17 @@ pub struct CheckRequest {
 
 /// Prints the plan of each method for a scene. A method that is refused does not hide the plans of the others.
 pub fn check(request: &CheckRequest) -> Result<Verdict, Failure> {
-    let scene = load::scene(&request.scene, &request.overrides)?;
+    let mut scene = load::scene(&request.scene, &request.overrides)?;
     let methods: Vec<&str> = if request.methods.is_empty() {
         scene.methods.iter().map(|settings| settings.method).collect()
     } else {
         request.methods.iter().map(|asked| load::method(&scene, Some(asked))).collect::<Result<_, _>>()?
     };
     answer(&format!("{}: {}\n", scene.name, scene.title))?;
-    let reference = reference(&scene)?;
+    let reference = told_reference(&mut scene)?;
+    for remark in &scene.remarks {
+        answer(&format!("warning: {remark}\n"))?;
+    }
     let mut verdict = Verdict::Done;
     for method in methods {
         let planned = reduce::find(&scene, method, reference.as_ref()).and_then(|finding| {

@@ -177,6 +177,9 @@ struct CompareArguments {
     /// repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     also: Vec<(String, String)>,
+    /// Overrides a key of every scene, as in `time.duration_h=2`; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
+    set: Vec<(String, String)>,
     /// Runs smaller scenes that give the same answer, where there are any.
     #[arg(long)]
     reduce: bool,
@@ -394,6 +397,7 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
                 .map(Variant::standard)
                 .chain(arguments.also.iter().map(|(key, value)| Variant::changed(key, value)))
                 .collect(),
+            overrides: arguments.set,
             reduce: arguments.reduce,
             quiet: arguments.quiet,
             command_line: std::env::args().collect::<Vec<_>>().join(" "),

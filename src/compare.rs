@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use frazil_cases::Truth;
 use frazil_core::march::{Options, Refused};
 use frazil_core::method::MethodKind;
 use frazil_core::record::RunResult;
@@ -29,6 +30,7 @@ pub mod report;
 pub mod tables;
 #[cfg(test)]
 mod tests;
+pub mod turns;
 pub mod vary;
 
 /// Wall time that is spent on one scene unless told otherwise (s).
@@ -57,6 +59,8 @@ pub struct CompareRequest {
     pub vary: Option<vary::Vary>,
     /// Settings of the methods.
     pub settings: Vec<plan::Variant>,
+    /// Pairs of key path and value that override every scene.
+    pub overrides: load::Overrides,
     /// Whether smaller scenes that give the same answer are to be run instead.
     pub reduce: bool,
     /// Whether to say nothing but errors.
@@ -74,8 +78,8 @@ impl CompareRequest {
 
 /// Reads a scene by name or path with overrides.
 pub type SceneAt<'a> = dyn Fn(&str, &[(String, String)]) -> Result<Scene, String> + 'a;
-/// The reference of a scene that needs no run.
-pub type ReferenceFor<'a> = dyn Fn(&Scene) -> Result<Option<Box<dyn Reference>>, String> + 'a;
+/// The reference of a scene that needs no run, and why it is not the one that the scene names.
+pub type ReferenceFor<'a> = dyn Fn(&Scene) -> Result<Truth, String> + 'a;
 /// Makes one run.
 pub type Run<'a> =
     dyn Fn(&Scene, &str, Option<&Arc<dyn Reference>>, &Options<'_>) -> Result<RunResult, Refused> + Sync + 'a;
@@ -97,8 +101,11 @@ pub struct Parts<'a> {
 /// Compares.
 pub fn compare(request: &CompareRequest) -> Result<Verdict, Failure> {
     let parts = Parts {
-        scene_at: &|name, overrides| load::scene(name, overrides).map_err(|failure| failure.to_string()),
-        reference_for: &frazil_cases::reference_for,
+        scene_at: &|name, overrides| {
+            let all = [request.overrides.as_slice(), overrides].concat();
+            load::scene(name, &all).map_err(|failure| failure.to_string())
+        },
+        reference_for: &frazil_cases::truth,
         run: if request.reduce { &frazil_core::reduce::run } else { &frazil_core::march::run },
         methods: registry::methods(),
         interrupt: interrupt::watch(),
@@ -112,9 +119,10 @@ pub fn compare(request: &CompareRequest) -> Result<Verdict, Failure> {
 /// Compares with given parts.
 pub fn compare_with(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failure> {
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join("compare"));
-    // Every scene is read before the first run, so that a misspelt name costs no time.
+    // Every scene is read under every method and setting before the first run, so that a misspelt word costs no time.
     for name in &request.scenes {
-        (parts.scene_at)(name, &[]).map_err(Failure::Request)?;
+        let scene = (parts.scene_at)(name, &[]).map_err(Failure::Request)?;
+        plan::check(request, parts, name, &scene).map_err(Failure::Request)?;
     }
     let folder = Folder::make(&path)?;
     let machine = Machine::now();

@@ -31,14 +31,17 @@ use runs::{EnsembleRuns, Tables};
 
 /// Runs `count` members, the first with the seed of the request.
 pub fn run(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
-    let scene = load::scene(&request.scene, &request.overrides)?;
+    let mut scene = load::scene(&request.scene, &request.overrides)?;
     let method = load::method(&scene, request.method.as_deref())?;
+    let reference = run::told_reference(&mut scene)?;
+    if !request.quiet {
+        run::warn(&scene);
+    }
     let Some(settings) = scene.method(method) else {
         return Err(Failure::Request(format!("--method {method}: the scene has no settings for it")));
     };
     chance(settings, count)?;
     let seeds = seeds(request.seed, count)?;
-    let reference = run::reference(&scene)?;
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&scene.name));
     let folder = Folder::make(&path)?;
     let members = Members {
@@ -162,6 +165,7 @@ impl Study {
             wall_s,
             threads: members.threads,
             differences: first.differences,
+            remarks: first.remarks,
             members: entries,
         };
         Ok(Study { record, means, members: tables, runs })

@@ -45,9 +45,12 @@ pub struct RunRequest {
 
 /// Runs and writes the results, whole even if the run was interrupted.
 pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
-    let scene = load::scene(&request.scene, &request.overrides)?;
+    let mut scene = load::scene(&request.scene, &request.overrides)?;
     let method = load::method(&scene, request.method.as_deref())?;
-    let reference = reference(&scene)?;
+    let reference = told_reference(&mut scene)?;
+    if !request.quiet {
+        warn(&scene);
+    }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&scene.name));
     let folder = Folder::make(&path)?;
     let wanted = (request.fields, request.frames);
@@ -131,9 +134,24 @@ pub fn why_not(finding: &Finding) -> &str {
 
 /// The truth about a scene, if there is one that needs no run of its own.
 pub fn reference(scene: &Scene) -> Result<Option<Arc<dyn Reference>>, Failure> {
-    match frazil_cases::reference_for(scene) {
-        Ok(reference) => Ok(reference.map(Arc::from)),
+    told_reference(&mut scene.clone())
+}
+
+/// The same. Why it is not the one that the scene names is among the scene's remarks afterwards.
+pub fn told_reference(scene: &mut Scene) -> Result<Option<Arc<dyn Reference>>, Failure> {
+    match frazil_cases::truth(scene) {
+        Ok(truth) => {
+            scene.remarks.extend(truth.instead);
+            Ok(truth.reference.map(Arc::from))
+        }
         Err(reason) => Err(Refused { reason: format!("the reference of scene `{}`: {reason}", scene.name) }.into()),
+    }
+}
+
+/// Warns of what is not taken as the scene has it.
+pub fn warn(scene: &Scene) {
+    for remark in &scene.remarks {
+        complain(&format!("{}: warning: {remark}", scene.name));
     }
 }
 

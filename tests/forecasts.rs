@@ -178,7 +178,7 @@ fn shortened(bundled: &BundledScene, kind: &MethodKind, finer: f64) -> Scene {
     let key = if own.units == Units::Si { "spacing_m" } else { "spacing" };
     let mut scene = read(&[(format!("method.{}.{key}", kind.name), spacing.to_string())]);
     scene.duration *= SHARE;
-    scene.watch.front_from *= SHARE;
+    scene.watch.front_from = scene.watch.front_from.map(|from| SHARE * from);
     scene.watch.profiles.iter_mut().for_each(|instant| *instant *= SHARE);
     scene
 }

@@ -6,6 +6,7 @@ mod broken_scenes;
 mod bundled_scenes;
 mod calibration;
 mod command_line;
+mod comparisons;
 mod cracks;
 mod documents;
 mod ensembles;

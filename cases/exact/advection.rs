@@ -86,8 +86,8 @@ impl Advection {
 
 impl Reference for Advection {
     fn describe(&self) -> ReferenceInfo {
-        let source = "Ogata and Banks 1961, a half space into which water flows".into();
-        ReferenceInfo { kind: "exact".into(), source, error_estimate_rel: ERROR }
+        let source = "Ogata and Banks 1961, a half space into which water flows";
+        ReferenceInfo::new("exact", source, ERROR)
     }
 
     fn temperature(&self, x: f64, t: f64) -> Option<f64> {

@@ -51,6 +51,7 @@ fn record(title: &str, method: &str) -> Record {
         stream: None,
         spared: Vec::new(),
         differences: Vec::new(),
+        remarks: Vec::new(),
         state_hash: "0123456789abcdef".into(),
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use frazil_core::statistics::{self, Interval, Order};
 use rand::SeedableRng;
 
-use super::curve::{Clock, Curve, Kind};
+use super::curve::{Clock, Curve, Kind, Point};
 use super::execute::SceneRuns;
 use super::measured::Measured;
 use crate::ensemble::runs::Headline;
@@ -24,8 +24,12 @@ const QUIET: f64 = 1.05;
 pub enum Reached {
     /// There, by interpolation between its points.
     At(f64),
-    /// Its coarsest (quickest) run is beyond already, at this value.
+    /// A run is beyond already, at this value: its true error is known to be no greater, but not by how much less.
     Within(f64),
+    /// A run is beyond as it was measured, at this value, but neither the reference nor the other runs tell for sure.
+    Untold(f64),
+    /// Not by the runs that were made; finer ones were left out for lack of time.
+    LeftOut,
     /// Not in the range that was run.
     Not,
 }
@@ -50,6 +54,8 @@ pub struct AtError {
     pub curve: usize,
     /// Time (s).
     pub time: Reached,
+    /// What the true error of the run behind a time that is no interpolation does not exceed.
+    pub error_at_most: Option<f64>,
     /// Interval of the time.
     pub interval: Option<Interval>,
     /// Against the baseline, where both reach the error.
@@ -101,7 +107,7 @@ impl Study {
             .map(|headline| {
                 let curves = group(&runs.measured)
                     .iter()
-                    .flat_map(|same| Curve::of(same, headline, clock, runs.reference_error))
+                    .flat_map(|same| Curve::of(same, headline, clock, runs.reference_error(headline)))
                     .collect();
                 Comparison::of(headline, curves)
             })
@@ -156,13 +162,13 @@ impl Comparison {
                 let costs = |k: usize| -> Vec<Option<f64>> {
                     drawn[k].iter().map(|front| statistics::cost_at_error(front, target)).collect()
                 };
-                let time = time_at(&curve.front(), target);
+                let (time, error_at_most) = time_at(curve, target);
                 let interval = match time {
                     Reached::At(_) => spread(costs(k).into_iter()),
                     _ => None,
                 };
                 let speed_up = baseline.filter(|base| *base != k).and_then(|base| {
-                    let (Reached::At(own), Reached::At(other)) = (time, time_at(&curves[base].front(), target)) else {
+                    let (Reached::At(own), Reached::At(other)) = (time, time_at(&curves[base], target).0) else {
                         return None;
                     };
                     let ratio = other / own;
@@ -174,14 +180,12 @@ impl Comparison {
                     let within = interval.is_some_and(|interval| interval.contains(1.0));
                     Some(SpeedUp { ratio, interval, resolved: !within && (ratio - 1.0).abs() > floor })
                 });
-                equal_error.push(AtError { target, curve: k, time, interval, speed_up });
+                equal_error.push(AtError { target, curve: k, time, error_at_most, interval, speed_up });
             }
         }
         let equal_time = TIMES
             .iter()
-            .flat_map(|time| {
-                curves.iter().enumerate().map(move |(k, curve)| (*time, k, error_in(&curve.front(), *time)))
-            })
+            .flat_map(|time| curves.iter().enumerate().map(move |(k, curve)| (*time, k, error_in(curve, *time))))
             .collect();
         let orders = curves.iter().map(order).collect();
         Comparison { headline, curves, baseline, equal_error, equal_time, orders }
@@ -208,24 +212,32 @@ fn baseline(curves: &[Curve]) -> Option<usize> {
     })
 }
 
-/// When a front reaches an error.
-pub fn time_at(front: &[(f64, f64)], target: f64) -> Reached {
-    if let Some(time) = statistics::cost_at_error(front, target) {
-        return Reached::At(time);
-    }
-    match front.iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
-        Some((error, time)) if *error < target => Reached::Within(*time),
-        _ => Reached::Not,
+/// When a curve reaches an error, and what the true error of the run does not exceed that tells so.
+pub fn time_at(curve: &Curve, target: f64) -> (Reached, Option<f64>) {
+    let cheapest = |reaches: &dyn Fn(&Point) -> bool| {
+        let runs = curve.points.iter().filter(|point| reaches(point)).filter_map(|point| Some((point.cost()?, point)));
+        runs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(cost, point)| (cost, point.at_most))
+    };
+    let bounded = cheapest(&|point| point.at_most.is_some_and(|error| error <= target));
+    match (statistics::cost_at_error(&curve.front(), target), bounded) {
+        (Some(time), None) => (Reached::At(time), None),
+        (Some(time), Some((cost, _))) if time <= cost => (Reached::At(time), None),
+        (_, Some((cost, error))) => (Reached::Within(cost), error),
+        (None, None) => match cheapest(&|point| point.error().is_some_and(|error| error <= target)) {
+            Some((cost, error)) => (Reached::Untold(cost), error),
+            None if curve.points.iter().any(|point| point.status.is_lack_of_time()) => (Reached::LeftOut, None),
+            None => (Reached::Not, None),
+        },
     }
 }
 
-/// Which error a front reaches in a time.
-pub fn error_in(front: &[(f64, f64)], time: f64) -> Reached {
-    if let Some(error) = statistics::error_at_cost(front, time) {
-        return Reached::At(error);
-    }
-    match front.iter().max_by(|a, b| a.1.total_cmp(&b.1)) {
-        Some((error, cost)) if *cost < time => Reached::Within(*error),
+/// Which error a curve reaches in a time.
+pub fn error_in(curve: &Curve, time: f64) -> Reached {
+    let in_time = curve.points.iter().filter(|point| point.cost().is_some_and(|cost| cost <= time));
+    let bound = in_time.filter_map(|point| point.at_most).reduce(f64::min);
+    match (statistics::error_at_cost(&curve.front(), time), bound) {
+        (Some(error), bound) if bound.is_none_or(|bound| error <= bound) => Reached::At(error),
+        (_, Some(bound)) => Reached::Within(bound),
         _ => Reached::Not,
     }
 }
@@ -284,20 +296,23 @@ pub struct Overall {
     pub scenes: usize,
     /// Scenes where the method was the quickest to reach the error.
     pub wins: usize,
-    /// Scenes where it did not reach the error.
+    /// Scenes where it did not reach the error, with no run left out.
     pub not_reached: usize,
+    /// Scenes where it is not told: runs were left out, or the reference is not known well enough.
+    pub not_told: usize,
 }
 
 /// Takes scenes together, by headline measure.
 pub fn overall(studies: &[Study]) -> Vec<Overall> {
-    let mut rows: BTreeMap<(usize, String), (Vec<f64>, usize, usize)> = BTreeMap::new();
+    // Ratios, and numbers of wins, of errors not reached, and of those not told.
+    let mut rows: BTreeMap<(usize, String), (Vec<f64>, [usize; 3])> = BTreeMap::new();
     for comparison in studies.iter().filter_map(|study| study.comparisons.first()) {
         for (t, target) in TARGETS.iter().enumerate() {
             let entries: Vec<&AtError> =
                 (0..comparison.curves.len()).filter_map(|k| comparison.at(*target, k)).collect();
             let time = |entry: &AtError| match entry.time {
                 Reached::At(time) | Reached::Within(time) => Some(time),
-                Reached::Not => None,
+                Reached::Untold(_) | Reached::LeftOut | Reached::Not => None,
             };
             let best = entries.iter().filter_map(|entry| time(entry)).fold(f64::INFINITY, f64::min);
             for entry in entries {
@@ -308,21 +323,23 @@ pub fn overall(studies: &[Study]) -> Vec<Overall> {
                 let method = frazil_plots::style::method_title(curve.method);
                 let row = rows.entry((t, format!("{method} {}", curve.setting.name))).or_default();
                 row.0.extend(entry.speed_up.map(|speed_up| speed_up.ratio));
-                match time(entry) {
-                    Some(time) => row.1 += usize::from(time <= best),
-                    None => row.2 += 1,
+                match (time(entry), entry.time) {
+                    (Some(time), _) => row.1[0] += usize::from(time <= best),
+                    (None, Reached::Not) => row.1[1] += 1,
+                    (None, _) => row.1[2] += 1,
                 }
             }
         }
     }
     rows.into_iter()
-        .map(|((t, label), (ratios, wins, not_reached))| Overall {
+        .map(|((t, label), (ratios, [wins, not_reached, not_told]))| Overall {
             label,
             target: TARGETS[t],
             mean: statistics::geometric_mean(&ratios).map(|mean| mean.mean),
             scenes: ratios.len(),
             wins,
             not_reached,
+            not_told,
         })
         .collect()
 }
@@ -330,6 +347,7 @@ pub fn overall(studies: &[Study]) -> Vec<Overall> {
 #[cfg(test)]
 mod tests {
     use super::super::curve::made_up;
+    use super::super::measured::Status;
     use super::*;
 
     /// Error = constant times spacing to the order, cost = constant over spacing cubed.
@@ -372,8 +390,29 @@ mod tests {
         let within = comparison.at(0.05, 1).map(|entry| entry.time);
         assert!(matches!(within, Some(Reached::Within(time)) if (time - 1.0 / 64.0).abs() < 1e-9), "{within:?}");
         assert_eq!(comparison.at(0.05, 1).and_then(|entry| entry.speed_up), None);
-        assert_eq!(error_in(&comparison.curves[0].front(), 1e-6), Reached::Not);
-        assert!(matches!(error_in(&comparison.curves[0].front(), 1e6), Reached::Within(error) if error == 0.005));
+        assert_eq!(error_in(&comparison.curves[0], 1e-6), Reached::Not);
+        assert!(matches!(error_in(&comparison.curves[0], 1e6), Reached::Within(error) if error == 0.005));
+    }
+
+    /// A run below what the reference resolves has reached every error down to that: each cell that a run reaches says so.
+    #[test]
+    fn what_the_reference_does_not_resolve_is_reached_at_most_in_a_time() {
+        // As of the closure of a shaft: 29, 1.2, 0.3 and 0.05 % beside a table that is known to 0.2 %.
+        let mut curve =
+            made_up("local", &[(0.4, 0.29, 0.01), (0.2, 0.012, 0.05), (0.1, 0.003, 0.2), (0.05, 0.0005, 3.0)]);
+        curve.judge(Some(0.002));
+        let times: Vec<_> = TARGETS.iter().map(|target| time_at(&curve, *target)).collect();
+        let within = |time: f64, error: f64| (Reached::Within(time), Some(error));
+        assert_eq!(times[..4], [within(0.05, 0.014), within(0.05, 0.014), within(0.2, 0.005), within(0.2, 0.005)]);
+        // 0.05 % was measured: 0.2 and 0.1 % are reached as far as the reference tells, which is 0.25 %.
+        assert_eq!(times[4..], [(Reached::Untold(3.0), Some(0.0025)); 2]);
+        assert_eq!(error_in(&curve, 1.0), Reached::Within(0.005));
+        // Without a run below, there is nothing to say.
+        let mut coarse = made_up("pd", &[(0.4, 0.3, 0.01), (0.2, 0.07, 0.05)]);
+        coarse.judge(Some(0.002));
+        assert_eq!(time_at(&coarse, 0.01), (Reached::Not, None));
+        coarse.points[1].status = Status::LeftOut;
+        assert_eq!(time_at(&coarse, 0.01), (Reached::LeftOut, None));
     }
 
     #[test]

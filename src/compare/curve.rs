@@ -3,11 +3,11 @@
 use frazil_core::statistics::{self, Interval};
 use rand::{Rng, RngExt};
 
-use super::measured::{Measured, Timing};
+use super::measured::{Measured, Status, Timing};
 use super::plan::Variant;
 use crate::ensemble::runs::Headline;
 
-/// Errors below this multiple of the reference's own say nothing.
+/// Errors below this multiple of the reference's own are not read off: they are bounds.
 pub const REFERENCE_MARGIN: f64 = 10.0;
 /// Factor within which two norms must go together.
 const NORMS_AGREE: f64 = 3.0;
@@ -51,10 +51,15 @@ pub struct Point {
     pub costs: Vec<f64>,
     /// Particles updated in all.
     pub updates: Option<f64>,
+    /// What became of the run.
+    pub status: Status,
     /// Below ten times the error of the reference.
     pub hollow: bool,
     /// Possibly low by luck.
     pub ringed: bool,
+    /// What the true error does not exceed, as far as the reference, finer runs and the other norm tell; absent where
+    /// nothing tells.
+    pub at_most: Option<f64>,
     /// On the lower left envelope.
     pub on_front: bool,
 }
@@ -161,12 +166,16 @@ impl Curve {
 
     /// Marks the points that do not count and the envelope of those that do.
     pub fn judge(&mut self, reference_error: Option<f64>) {
-        let lucky = lucky(&self.points);
-        for (point, lucky) in self.points.iter_mut().zip(lucky) {
-            point.ringed = lucky || matches!(&point.chance, Chance::Runs(runs) if runs.len() == 1);
+        let unlucky = without_luck(&self.points);
+        for (point, unlucky) in self.points.iter_mut().zip(unlucky) {
+            let by_chance = matches!(&point.chance, Chance::Runs(runs) if runs.len() == 1);
+            point.ringed = unlucky.is_some() || by_chance;
             point.hollow = reference_error
                 .zip(point.error())
                 .is_some_and(|(reference, error)| error < REFERENCE_MARGIN * reference);
+            let own = if point.hollow { reference_error.unwrap_or(0.0) } else { 0.0 };
+            // A single seed bounds nothing.
+            point.at_most = unlucky.or(point.error()).filter(|_| !by_chance).map(|error| error + own);
         }
         let spots: Vec<Option<(f64, f64)>> =
             self.points.iter().map(|p| if p.counts() { p.error().zip(p.cost()) } else { None }).collect();
@@ -193,25 +202,25 @@ impl Curve {
     }
 }
 
-/// Points whose error may be low by luck: a finer one is worse, or two norms do not go together.
+/// The errors that points would have without luck, for those that may be low by it: a finer one is worse, or two norms do
+/// it is far lower than the other norm makes expect.
 ///
-/// Norms are made relative to different things, so what must agree is their ratio with that of the other points.
-fn lucky(points: &[Point]) -> Vec<bool> {
+/// Norms are made relative to different things, so what must agree is their ratio with that of the other points. One that is
+/// higher than expected is no luck.
+fn without_luck(points: &[Point]) -> Vec<Option<f64>> {
     let ratio = |point: &Point| Some(point.error()? / point.second.filter(|second| *second > 0.0)?);
     let ratios: Vec<f64> = points.iter().filter_map(ratio).collect();
     let usual = if ratios.len() > 2 { statistics::median(&ratios) } else { None };
-    let mut marks = Vec::new();
-    for (k, point) in points.iter().enumerate() {
-        let Some(error) = point.error() else {
-            marks.push(false);
-            continue;
-        };
-        let finer_is_worse = points[k + 1..].iter().find_map(Point::error).is_some_and(|finer| finer > error);
-        let norms_differ =
-            ratio(point).zip(usual).is_some_and(|(own, usual)| own > NORMS_AGREE * usual || usual > NORMS_AGREE * own);
-        marks.push(finer_is_worse || norms_differ || error == 0.0);
-    }
-    marks
+    let one = |(k, point): (usize, &Point)| {
+        let error = point.error()?;
+        let finer = points[k + 1..].iter().find_map(Point::error).filter(|finer| *finer > error);
+        let too_low = |(own, usual): &(f64, f64)| *usual > NORMS_AGREE * own;
+        let by_norm =
+            ratio(point).zip(usual).filter(too_low).zip(point.second).map(|((_, usual), second)| usual * second);
+        let exact = (error == 0.0).then_some(0.0);
+        [finer, by_norm, exact].into_iter().flatten().reduce(f64::max).map(|other| other.max(error))
+    };
+    points.iter().enumerate().map(one).collect()
 }
 
 fn point(one: &Measured, headline: Headline, clock: Clock, kind: Kind) -> Point {
@@ -230,8 +239,10 @@ fn point(one: &Measured, headline: Headline, clock: Clock, kind: Kind) -> Point 
         chance: Chance::Fixed,
         costs: one.timings.iter().map(times).collect(),
         updates: one.result.as_ref().map(|result| result.record.particle_updates as f64),
+        status: one.status(),
         hollow: false,
         ringed: false,
+        at_most: None,
         on_front: false,
     };
     if point.costs.is_empty() {
@@ -309,8 +320,10 @@ pub fn made_up(method: &'static str, rows: &[(f64, f64, f64)]) -> Curve {
             chance: Chance::Fixed,
             costs: [0.99, 1.0, 1.0, 1.0, 1.0, 1.01, 1.02].map(|factor| factor * cost).to_vec(),
             updates: None,
+            status: Status::Done,
             hollow: false,
             ringed: false,
+            at_most: None,
             on_front: false,
         })
         .collect();
@@ -333,6 +346,7 @@ mod tests {
         let ringed: Vec<bool> = curve.points.iter().map(|point| point.ringed).collect();
         assert_eq!(ringed, [false, false, true, false]);
         assert_eq!(curve.front().len(), 3);
+        assert_eq!(curve.points[2].at_most, curve.points[3].error(), "the finer run tells what it is worth");
     }
 
     #[test]
@@ -343,6 +357,11 @@ mod tests {
         }
         curve.judge(None);
         assert_eq!(curve.points.iter().map(|point| point.ringed).collect::<Vec<_>>(), [false, false, true, false]);
+        assert_eq!(curve.points[2].at_most, Some(0.02), "what the other norm makes of it");
+        // An error that is higher than the other norm makes expect is not low by luck.
+        curve.points[0].signed = Some(0.8);
+        curve.judge(None);
+        assert!(!curve.points[0].ringed);
     }
 
     #[test]
@@ -351,6 +370,8 @@ mod tests {
         curve.judge(Some(0.001));
         assert_eq!(curve.points.iter().map(|point| point.hollow).collect::<Vec<_>>(), [false, true]);
         assert_eq!(curve.front(), [(0.02, 1.0)]);
+        // What they bound is known as well as the reference is.
+        assert_eq!(curve.points.iter().map(|point| point.at_most).collect::<Vec<_>>(), [Some(0.02), Some(0.006)]);
     }
 
     #[test]

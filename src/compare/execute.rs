@@ -1,21 +1,23 @@
-//! The runs of one scene: a first one each, ensembles, then repeated runs in shuffled rounds.
+//! The runs of one scene: a first one each, cheap ones first, ensembles, then repeated runs in shuffled rounds.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use frazil_core::march::Options;
-use frazil_core::record::Outcome;
+use frazil_core::march::{Options, outputs};
+use frazil_core::measure;
+use frazil_core::record::{Outcome, ReferenceInfo};
 use frazil_core::reference::Reference;
-use frazil_core::scene::Scene;
+use frazil_core::scene::{ReferenceChoice, Scene};
 use frazil_core::statistics;
 use frazil_plots::style::{duration, percent};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 
-use super::measured::{Measured, Timing};
+use super::measured::{Measured, Status, Timing};
 use super::plan::{Configuration, configurations};
 use super::reference::local_reference;
+use super::turns::{self, FIRST_RUNS, Line, Turn};
 use super::{CompareRequest, Parts};
 use crate::ensemble::runs::{EnsembleRuns, Headline};
 use crate::failure::Failure;
@@ -29,9 +31,6 @@ pub const SEEDS: usize = 10;
 const MOST_REPEATS: usize = 15;
 /// Scatter (interquartile range over median) above which runs are repeated further.
 const SCATTER: f64 = 0.05;
-/// Runs shorter than this are too short to tell how cost grows with resolution (s).
-const SHORT: f64 = 0.02;
-
 /// Why a scene, or the whole comparison, ends early.
 pub enum Stop {
     /// This scene cannot be compared.
@@ -46,14 +45,21 @@ pub struct SceneRuns {
     pub scene: Scene,
     /// What came of each configuration, from coarse to fine.
     pub measured: Vec<Measured>,
-    /// The reference's own relative error, if there is a reference.
-    pub reference_error: Option<f64>,
+    /// The reference, if there is one.
+    pub reference: Option<ReferenceInfo>,
     /// What the reference is, in words.
     pub reference_words: String,
     /// Order of the repeated runs, as a list of rounds.
     pub rounds: usize,
     /// Wall time spent (s).
     pub spent: f64,
+}
+
+impl SceneRuns {
+    /// The reference's own error for a measure.
+    pub fn reference_error(&self, headline: Headline) -> Option<f64> {
+        self.reference.as_ref().map(|info| info.error_of(headline.name()))
+    }
 }
 
 /// Compares one scene. `say` tells the user where it stands; `written` stores what is there so far.
@@ -64,25 +70,33 @@ pub fn scene(
     say: &dyn Fn(&str),
     written: &dyn Fn(&SceneRuns) -> Result<(), Failure>,
 ) -> Result<SceneRuns, Stop> {
-    let base = (parts.scene_at)(name, &[]).map_err(Stop::Scene)?;
-    let plan = configurations(request, parts, name, &base).map_err(Stop::Scene)?;
+    let mut base = (parts.scene_at)(name, &[]).map_err(Stop::Scene)?;
+    let mut plan = configurations(request, parts, name, &base).map_err(Stop::Scene)?;
     say(&format!(
         "{}: {} configurations, at most about {} for them",
         base.name,
         plan.len(),
         duration(request.budget())
     ));
-    let finest = plan.iter().map(|one| one.spacing).fold(f64::INFINITY, f64::min);
-    let reference = truth(request, parts, name, &base, finest, say)?;
+    let spacings = || plan.iter().map(|one| one.spacing);
+    let (finest, coarsest) = (spacings().fold(f64::INFINITY, f64::min), spacings().fold(0.0, f64::max));
+    let reference = truth(request, parts, name, &mut base, (finest, coarsest), say)?;
+    if let Some(reference) = &reference {
+        judge_alike(&mut base, coarsest, reference.as_ref());
+    }
+    for scene in plan.iter_mut().filter_map(|one| one.scene.as_mut().ok()) {
+        scene.watch.front_from = base.watch.front_from;
+        scene.remarks.clone_from(&base.remarks);
+    }
+    for remark in &base.remarks {
+        say(&format!("{}: warning: {remark}", base.name));
+    }
     let info = reference.as_ref().map(|reference| reference.describe());
-    let reference_words = info.as_ref().map_or("none: errors are not known".into(), |info| {
-        format!("{}, {}; its own error is about {}", info.kind, info.source, percent(info.error_estimate_rel, 2))
-    });
     let mut runs = SceneRuns {
         measured: plan.iter().map(Measured::planned).collect(),
         scene: base,
-        reference_error: info.map(|info| info.error_estimate_rel),
-        reference_words,
+        reference_words: words(info.as_ref()),
+        reference: info,
         rounds: 0,
         spent: 0.0,
     };
@@ -94,22 +108,50 @@ pub fn scene(
     Ok(runs)
 }
 
-/// The reference of a scene: a closed form or a table or, where there is none, fine local runs.
+/// Judges all runs of a scene over one window, in which the front has left the first particles of the coarsest spacing (m),
+/// where the scene does not say another.
+pub fn judge_alike(scene: &mut Scene, coarsest: f64, reference: &dyn Reference) {
+    if scene.watch.front_from.is_none() {
+        let from = measure::front::window_start(scene, coarsest, outputs(scene).into_iter(), reference);
+        scene.watch.front_from = Some(from);
+    }
+}
+
+/// What a reference is, in words.
+fn words(info: Option<&ReferenceInfo>) -> String {
+    let Some(info) = info else { return "none: errors are not known".into() };
+    let of = |(measure, error): (&String, &f64)| format!("{} ({measure})", percent(*error, 2));
+    let errors: Vec<String> = info.errors.iter().map(of).collect();
+    let errors = if errors.is_empty() { percent(info.error_estimate_rel, 2) } else { errors.join(", ") };
+    format!("{}, {}; its own error is about {errors}", info.kind, info.source)
+}
+
+/// The reference of a scene: a closed form or a table or, where there is none, fine local runs; none if the scene asks for none.
+/// What stands in for the one that the scene names is among its remarks afterwards. `spacings` are the finest and the
+/// coarsest of the comparison (m).
 pub fn truth(
     request: &CompareRequest,
     parts: &Parts<'_>,
     name: &str,
-    base: &Scene,
-    finest: f64,
+    base: &mut Scene,
+    spacings: (f64, f64),
     say: &dyn Fn(&str),
 ) -> Result<Option<Arc<dyn Reference>>, Stop> {
-    if let Some(closed) = (parts.reference_for)(base).map_err(Stop::Scene)? {
+    let known = (parts.reference_for)(base).map_err(Stop::Scene)?;
+    base.remarks.extend(known.instead);
+    if let Some(closed) = known.reference {
         return Ok(Some(Arc::from(closed)));
     }
-    Ok(match local_reference(parts, name, base, finest, request.budget(), say) {
-        Ok(reference) => Some(Arc::new(reference)),
+    if base.reference == ReferenceChoice::None {
+        return Ok(None);
+    }
+    Ok(match local_reference(parts, name, base, spacings, request.budget(), say) {
+        Ok(reference) => {
+            base.remarks.extend(reference.unknown.iter().cloned());
+            Some(Arc::new(reference))
+        }
         Err(reason) => {
-            say(&format!("{}: no reference: {reason}", base.name));
+            base.remarks.push(format!("no reference: {reason}"));
             None
         }
     })
@@ -133,48 +175,118 @@ impl Work<'_> {
         self.parts.interrupt.load(Ordering::Relaxed)
     }
 
-    fn options(&self, seed: u64, threads: usize, fields: bool) -> Options<'_> {
-        let time_limit_s = Some(self.left().max(1.0));
+    fn options(&self, seed: u64, threads: usize, fields: bool, limit: f64) -> Options<'_> {
+        let time_limit_s = Some(limit.max(1.0));
         Options { threads, seed, interrupt: Some(self.parts.interrupt), time_limit_s, fields, ..Options::default() }
     }
 
-    /// One run of each configuration, from coarse to fine: it warms up, gives the error and tells the time.
+    /// One run of each configuration, cheap ones first: it warms up, gives the error and tells the time.
     fn first_runs(
         &self,
         runs: &mut SceneRuns,
         written: &dyn Fn(&SceneRuns) -> Result<(), Failure>,
     ) -> Result<(), Stop> {
-        for (k, one) in self.plan.iter().enumerate() {
-            let Ok(scene) = &one.scene else {
-                continue;
+        let curves = self.curves();
+        let growth = 2f64.powi(runs.scene.domain.dimension() as i32 + 2);
+        let waits = |k: &usize| if self.plan[*k].scene.is_ok() { Turn::Waiting } else { Turn::Refused };
+        let mut lines: Vec<Line> =
+            curves.iter().map(|curve| Line { turns: curve.iter().map(waits).collect(), growth }).collect();
+        let mut made = 0;
+        while let Some((line, level, expected)) = turns::next(&lines) {
+            let left = FIRST_RUNS * self.request.budget() - self.started.elapsed().as_secs_f64();
+            let k = curves[line][level];
+            let why = if self.stopped() {
+                Some((Status::Interrupted, "the comparison was stopped before it".to_owned()))
+            } else if expected > left {
+                Some((Status::LeftOut, self.too_long(expected, left)))
+            } else {
+                None
             };
-            if self.stopped() {
-                runs.measured[k].note = Some("interrupted".into());
+            if let Some(why) = why {
+                // Finer runs take longer still.
+                for finer in lines[line].leave_out(level) {
+                    runs.measured[curves[line][finer]].unmade = Some(why.clone());
+                }
                 continue;
             }
-            let expected = self.expected(&runs.measured, k, scene);
-            if expected > 0.5 * self.request.budget() || expected > self.left() {
-                let budget = duration(self.request.budget());
-                runs.measured[k].note =
-                    Some(format!("skipped: about {} expected, of {budget} for the whole scene", duration(expected)));
-                continue;
+            let share = turns::allowed(&lines, expected, left);
+            lines[line].turns[level] = self.first_run(k, share, &mut runs.measured[k]);
+            if runs.measured[k].status() == Status::CutOff {
+                let reason = format!("a coarser run was cut off after {}", duration(share));
+                for finer in lines[line].leave_out(level) {
+                    runs.measured[curves[line][finer]].unmade = Some((Status::LeftOut, reason.clone()));
+                }
             }
-            let options = self.options(1, self.request.threads, true);
-            match (self.parts.run)(scene, one.method, self.reference, &options) {
-                Ok(result) => runs.measured[k].result = Some(result),
-                Err(refused) => runs.measured[k].note = Some(format!("refused: {refused}")),
-            }
-            if one.stochastic && runs.measured[k].is_ok() {
-                self.ensemble(one, scene, &mut runs.measured[k]);
-            }
-            self.tell(k, &runs.measured[k]);
+            made += 1;
+            self.tell(made, &runs.measured[k]);
             written(runs).map_err(Stop::Files)?;
         }
+        self.tell_left_out(runs);
         Ok(())
     }
 
-    fn tell(&self, k: usize, measured: &Measured) {
-        let head = format!("[{}/{}] {}, {}", k + 1, self.plan.len(), measured.label(), measured.spacing_words());
+    /// Places in the plan of each method and setting, from coarse to fine.
+    fn curves(&self) -> Vec<Vec<usize>> {
+        let mut curves: Vec<Vec<usize>> = Vec::new();
+        for (k, one) in self.plan.iter().enumerate() {
+            let same = |curve: &&mut Vec<usize>| {
+                let first = &self.plan[curve[0]];
+                first.method == one.method && first.setting == one.setting
+            };
+            match curves.iter_mut().find(same) {
+                Some(curve) => curve.push(k),
+                None => curves.push(vec![k]),
+            }
+        }
+        curves
+    }
+
+    /// The first run of a configuration, with its other seeds.
+    fn first_run(&self, k: usize, share: f64, measured: &mut Measured) -> Turn {
+        let one = &self.plan[k];
+        let Ok(scene) = &one.scene else { return Turn::Refused };
+        let began = Instant::now();
+        match (self.parts.run)(scene, one.method, self.reference, &self.options(1, self.request.threads, true, share)) {
+            Ok(result) => {
+                let alone = Timing::of(&result.record).wall();
+                measured.result = Some(result);
+                if one.stochastic && measured.is_ok() {
+                    self.ensemble(one, scene, measured, share - began.elapsed().as_secs_f64());
+                }
+                Turn::Made(alone)
+            }
+            Err(refused) => {
+                measured.unmade = Some((Status::Refused, refused.to_string()));
+                Turn::Refused
+            }
+        }
+    }
+
+    fn too_long(&self, expected: f64, left: f64) -> String {
+        format!(
+            "about {} expected, {} left of {} for first runs",
+            duration(expected),
+            if left > 0.0 { duration(left) } else { "nothing".into() },
+            duration(FIRST_RUNS * self.request.budget())
+        )
+    }
+
+    /// Says what the time did not suffice for.
+    fn tell_left_out(&self, runs: &SceneRuns) {
+        let lacking: Vec<String> = (runs.measured.iter().filter(|one| one.status().is_lack_of_time()))
+            .map(|one| format!("{} at {}", one.label(), one.spacing_words()))
+            .collect();
+        if !lacking.is_empty() && !self.stopped() {
+            (self.say)(&format!(
+                "{}: left out for lack of time: {} (--budget-s gives more)",
+                runs.scene.name,
+                lacking.join(", ")
+            ));
+        }
+    }
+
+    fn tell(&self, made: usize, measured: &Measured) {
+        let head = format!("[{made}/{}] {}, {}", self.plan.len(), measured.label(), measured.spacing_words());
         let error = measured
             .errors()
             .and_then(|errors| Headline::ALL.iter().find_map(|headline| Some((headline, headline.of(errors)?))))
@@ -186,55 +298,42 @@ impl Work<'_> {
         (self.say)(&format!("{head}: {rest}; at most {} left", duration(self.left().max(0.0))));
     }
 
-    /// Time of a run from those of the coarser ones: it grows by the ratio seen, or by what an explicit step makes
-    /// of half the spacing.
-    fn expected(&self, measured: &[Measured], k: usize, scene: &Scene) -> f64 {
-        let one = &self.plan[k];
-        let time = |level: usize| {
-            let same =
-                |other: &&Measured| other.method == one.method && other.setting == one.setting && other.level == level;
-            let result = measured.iter().find(same)?.result.as_ref()?;
-            Some(Timing::of(&result.record).wall())
-        };
-        let explicit = 2f64.powi(scene.domain.dimension() as i32 + 2);
-        let Some(last) = one.level.checked_sub(1).and_then(time) else {
-            // A coarser run that was skipped or refused says that this one would take longer still.
-            let tried = measured.iter().any(|other| {
-                other.method == one.method
-                    && other.setting == one.setting
-                    && other.level + 1 == one.level
-                    && other.result.is_none()
-                    && other.note.as_deref().is_some_and(|note| note.starts_with("skipped"))
-            });
-            return if tried { f64::INFINITY } else { 0.0 };
-        };
-        let before = one.level.checked_sub(2).and_then(time).filter(|before| *before > SHORT);
-        last * before.map_or(explicit, |before| (last / before).clamp(2.0, 2.0 * explicit))
-    }
-
     /// Runs with further seeds on all cores. Their times are not used: they share the machine.
-    fn ensemble(&self, one: &Configuration, scene: &Scene, measured: &mut Measured) {
+    fn ensemble(&self, one: &Configuration, scene: &Scene, measured: &mut Measured, share: f64) {
         let Some(first) = measured.result.clone() else {
             return;
         };
         let workers = parallel::cores();
         let single = Timing::of(&first.record).wall().max(1e-4);
-        let allowed = (0.4 * self.left() / single * workers as f64) as usize;
+        let allowed = 1 + (share.max(0.0) / single * workers as f64) as usize;
         let wanted = self.request.seeds.unwrap_or(SEEDS.min(allowed));
         if wanted < FEWEST_SEEDS.min(self.request.seeds.unwrap_or(FEWEST_SEEDS)) {
             measured.note = Some(format!("one run only: the time does not allow {FEWEST_SEEDS} seeds"));
             return;
         }
         let (run, reference) = (self.parts.run, self.reference);
-        // The first run had seed 1.
-        let limits: Vec<_> = (2..=wanted).map(|seed| self.options(seed as u64, 1, false)).collect();
-        let others = parallel::in_order(limits.len(), workers, |k| run(scene, one.method, reference, &limits[k]).ok());
+        // The first run had seed 1. As many at once as there are cores, so that a machine that is busy with other work takes
+        // fewer seeds and not more time.
         let mut all = vec![first];
-        all.extend(others.into_iter().flatten());
+        let began = Instant::now();
+        let others: Vec<u64> = (2..=wanted as u64).collect();
+        for (turn, seeds) in others.chunks(workers).enumerate() {
+            let used = began.elapsed().as_secs_f64();
+            let next = used / turn.max(1) as f64;
+            if self.request.seeds.is_none() && turn > 0 && all.len() >= FEWEST_SEEDS && used + next > share {
+                break;
+            }
+            let limits: Vec<_> = seeds.iter().map(|seed| self.options(*seed, 1, false, self.left())).collect();
+            let found =
+                parallel::in_order(limits.len(), workers, |k| run(scene, one.method, reference, &limits[k]).ok());
+            all.extend(found.into_iter().flatten());
+        }
         let made = all.len();
         all.retain(|run| run.record.outcome == Outcome::Ok);
-        if all.len() < wanted {
-            measured.note = Some(format!("{} of {wanted} seeds ended well", all.len()));
+        if all.len() < made {
+            measured.note = Some(format!("{} of {made} seeds ended well", all.len()));
+        } else if made < wanted {
+            measured.note = Some(format!("{made} of {wanted} seeds: the time did not suffice for more"));
         }
         if all.len() < made.min(wanted) && all.len() < 2 {
             return;
@@ -298,7 +397,7 @@ impl Work<'_> {
         let Ok(scene) = &one.scene else {
             return;
         };
-        let options = Options { time_limit_s: None, ..self.options(1, self.request.threads, false) };
+        let options = Options { time_limit_s: None, ..self.options(1, self.request.threads, false, 0.0) };
         // The reference goes along because walls may take their temperature from it; errors are not timed.
         if let Ok(result) = (self.parts.run)(scene, one.method, self.reference, &options)
             && result.record.outcome != Outcome::Interrupted

@@ -26,7 +26,9 @@ pub fn work_figure(study: &Study, comparison: &Comparison, cost: Cost) -> WorkFi
     let curves: Vec<Curve> = match cost {
         Cost::Time(clock) if clock != study.clock => group(&study.runs.measured)
             .iter()
-            .flat_map(|same| Curve::of(same, comparison.headline, clock, study.runs.reference_error))
+            .flat_map(|same| {
+                Curve::of(same, comparison.headline, clock, study.runs.reference_error(comparison.headline))
+            })
             .collect(),
         Cost::Time(_) => comparison.curves.clone(),
         Cost::Updates => comparison
@@ -37,7 +39,7 @@ pub fn work_figure(study: &Study, comparison: &Comparison, cost: Cost) -> WorkFi
                 for point in &mut curve.points {
                     point.costs = point.updates.into_iter().collect();
                 }
-                curve.judge(study.runs.reference_error);
+                curve.judge(study.runs.reference_error(comparison.headline));
                 curve
             })
             .collect(),
@@ -50,7 +52,7 @@ pub fn work_figure(study: &Study, comparison: &Comparison, cost: Cost) -> WorkFi
             Cost::Time(Clock::Cpu) => format!("CPU time, setup and solve, {threads} (s)"),
             Cost::Updates => "particle updates".into(),
         },
-        reference_error: study.runs.reference_error,
+        reference_error: study.runs.reference_error(comparison.headline),
         curves: curves.iter().map(work_curve).collect(),
     }
 }

@@ -42,6 +42,42 @@ impl Timing {
     }
 }
 
+/// What became of a configuration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// A run that ended as it should.
+    Done,
+    /// No run was begun: it would not have fitted into the time allowed.
+    LeftOut,
+    /// A run that the time allowed cut off.
+    CutOff,
+    /// The user stopped the comparison before or during it.
+    Interrupted,
+    /// The scene cannot be had, or not be run, with these settings.
+    Refused,
+    /// A run that went wrong.
+    Failed,
+}
+
+impl Status {
+    /// The word of `comparison.csv`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Status::Done => "done",
+            Status::LeftOut => "left out",
+            Status::CutOff => "cut off",
+            Status::Interrupted => "interrupted",
+            Status::Refused => "refused",
+            Status::Failed => "failed",
+        }
+    }
+
+    /// Whether it was the time that did not suffice, and not the method.
+    pub fn is_lack_of_time(self) -> bool {
+        matches!(self, Status::LeftOut | Status::CutOff | Status::Interrupted)
+    }
+}
+
 /// One configuration and what came of it.
 #[derive(Debug, Clone)]
 pub struct Measured {
@@ -57,7 +93,9 @@ pub struct Measured {
     pub units: Units,
     /// The first run, if one was made.
     pub result: Option<RunResult>,
-    /// Why there is none, or what else is to be said.
+    /// What became of it where no run was made, and why.
+    pub unmade: Option<(Status, String)>,
+    /// What else is to be said of a run that was made.
     pub note: Option<String>,
     /// Times of the repeated runs.
     pub timings: Vec<Timing>,
@@ -79,7 +117,8 @@ impl Measured {
             spacing: configuration.spacing,
             units: configuration.units,
             result: None,
-            note: configuration.scene.as_ref().err().cloned(),
+            unmade: configuration.scene.as_ref().err().map(|reason| (Status::Refused, reason.clone())),
+            note: None,
             timings: Vec::new(),
             cold: false,
             repeatable: true,
@@ -100,6 +139,20 @@ impl Measured {
     /// How the run ended; `not_run` if there was none.
     pub fn outcome(&self) -> &'static str {
         self.result.as_ref().map_or("not_run", |result| result.record.outcome.name())
+    }
+
+    /// What became of it.
+    pub fn status(&self) -> Status {
+        match (&self.result, &self.unmade) {
+            (Some(result), _) => match result.record.outcome {
+                Outcome::Ok => Status::Done,
+                Outcome::TimedOut => Status::CutOff,
+                Outcome::Interrupted => Status::Interrupted,
+                _ => Status::Failed,
+            },
+            (None, Some((status, _))) => *status,
+            (None, None) => Status::LeftOut,
+        }
     }
 
     /// Whether the run ended as it should.
@@ -124,7 +177,11 @@ impl Measured {
                 result.record.outcome.name().replace('_', " "),
                 result.record.cause.as_deref().unwrap_or("no cause is given")
             )),
-            None => Some(self.note.clone().unwrap_or_else(|| "not run".into())),
+            None => Some(
+                self.unmade
+                    .as_ref()
+                    .map_or("not run".into(), |(status, reason)| format!("{}: {reason}", status.name())),
+            ),
         }
     }
 }

@@ -102,10 +102,41 @@ pub fn configurations(
     Ok(all)
 }
 
+/// Whether the methods that are asked for are known, and each setting is one that at least one of them takes on a scene; if
+/// not, why.
+pub fn check(request: &CompareRequest, parts: &Parts<'_>, name: &str, base: &Scene) -> Result<(), String> {
+    let methods = methods(request, parts, base)?;
+    if methods.is_empty() {
+        return Err(format!("{name}: the scene has settings for no method"));
+    }
+    let own = |kind: &MethodKind| base.method(kind.name).or(base.methods.first()).map(|own| own.numerics.spacing);
+    for setting in &request.settings {
+        let mut refusals = Vec::new();
+        for kind in &methods {
+            let Some(spacing) = own(kind) else { continue };
+            match (parts.scene_at)(name, &overrides(base.units, kind.name, spacing, setting)) {
+                Ok(_) => refusals.clear(),
+                Err(reason) => refusals.push(reason),
+            }
+            if refusals.is_empty() {
+                break;
+            }
+        }
+        if let Some(first) = refusals.first() {
+            // The reader says `--set`, by whose way the key came there.
+            let (key, value) = &setting.key;
+            let flag = if key == "setting" { "--settings" } else { "--also" };
+            let asked = if key == "setting" { value.clone() } else { format!("{key}={value}") };
+            return Err(format!("{flag} {asked}: no method of scene `{}` takes it: {first}", base.name));
+        }
+    }
+    Ok(())
+}
+
 fn methods(request: &CompareRequest, parts: &Parts<'_>, base: &Scene) -> Result<Vec<&'static MethodKind>, String> {
     if let Some(unknown) = request.methods.iter().find(|name| !parts.methods.iter().any(|kind| kind.name == **name)) {
         let known: Vec<&str> = parts.methods.iter().map(|kind| kind.name).collect();
-        return Err(format!("unknown method \"{unknown}\"; there are {}", known.join(", ")));
+        return Err(format!("--methods {unknown}: there are {}", known.join(", ")));
     }
     let asked = |kind: &MethodKind| match request.methods.as_slice() {
         [] => base.method(kind.name).is_some(),

@@ -1,5 +1,8 @@
 //! A reference from fine runs of the local method, accepted only if they are shown converged.
 
+mod blame;
+
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use frazil_core::march::Options;
@@ -10,6 +13,7 @@ use frazil_core::scene::{Scene, Setting};
 use frazil_plots::style::{duration, percent};
 
 use super::Parts;
+use super::execute::judge_alike;
 use super::plan::{Variant, overrides};
 use crate::ensemble::runs::Headline;
 use crate::words::length_words;
@@ -24,14 +28,18 @@ type Profile = (f64, String, Vec<(f64, f64)>);
 
 /// The series of a fine run, read between their rows.
 pub struct LocalReference {
+    /// Measures that are not known well enough, and why, in words.
+    pub unknown: Vec<String>,
+    /// Measures that are known.
+    known: Vec<Headline>,
     info: ReferenceInfo,
     run: RunResult,
     profiles: Vec<Profile>,
 }
 
 impl LocalReference {
-    /// Takes a run as a reference.
-    pub fn new(run: RunResult, source: String, error_estimate_rel: f64) -> LocalReference {
+    /// Takes a run as a reference of everything that it has.
+    pub fn new(run: RunResult) -> LocalReference {
         let mut profiles: Vec<Profile> = Vec::new();
         for row in &run.profiles {
             let point = (row.x_m, row.temperature_c);
@@ -43,10 +51,18 @@ impl LocalReference {
         for (.., points) in &mut profiles {
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
-        LocalReference { info: ReferenceInfo { kind: "local".into(), source, error_estimate_rel }, run, profiles }
+        let info = ReferenceInfo::new("local", "", 0.0);
+        LocalReference { unknown: Vec::new(), known: Headline::ALL.to_vec(), info, run, profiles }
+    }
+
+    fn knows(&self, headline: Headline) -> bool {
+        self.known.contains(&headline)
     }
 
     fn profile(&self, plane: &str, x: f64, t: f64) -> Option<f64> {
+        if !self.knows(Headline::Temperature) {
+            return None;
+        }
         let same = |(time, own, _): &&Profile| own == plane && (time - t).abs() <= SAME_INSTANT * t.abs().max(1.0);
         between(self.profiles.iter().find(same).map(|(.., points)| points.as_slice())?, x)
     }
@@ -95,11 +111,17 @@ impl Reference for LocalReference {
     }
 
     fn front(&self, t: f64) -> Option<f64> {
-        between(&self.run.front.iter().map(|row| (row.time_s, row.front_m)).collect::<Vec<_>>(), t)
+        let start = self.run.start.front_m.map(|front| (0.0, front));
+        let rows = start.into_iter().chain(self.run.front.iter().map(|row| (row.time_s, row.front_m)));
+        if self.knows(Headline::Front) { between(&rows.collect::<Vec<_>>(), t) } else { None }
     }
 
     fn frozen_volume(&self, t: f64) -> Option<f64> {
-        between(&self.run.walls.iter().map(|row| (row.time_s, row.frozen_area_m2)).collect::<Vec<_>>(), t)
+        let start = (0.0, self.run.start.frozen_volume);
+        let walls = self.run.walls.iter().map(|row| (row.time_s, row.frozen_area_m2));
+        let volumes = self.run.frozen.iter().map(|row| (row.time_s, row.frozen_volume));
+        let rows: Vec<(f64, f64)> = std::iter::once(start).chain(walls).chain(volumes).collect();
+        if self.knows(Headline::Volume) && rows.len() > 1 { between(&rows, t) } else { None }
     }
 
     fn thickness(&self, plane: Plane, t: f64) -> Option<f64> {
@@ -111,6 +133,9 @@ impl Reference for LocalReference {
     }
 
     fn event(&self, name: &str) -> Option<f64> {
+        if !self.knows(Headline::Closure) {
+            return None;
+        }
         let closures: Option<Vec<(f64, f64)>> =
             self.run.gaps.iter().map(|gap| Some((gap.closure_s?, gap.multiplicity as f64))).collect();
         match name {
@@ -127,15 +152,74 @@ impl Reference for LocalReference {
 }
 
 /// Runs the local method at the finest spacing of a comparison and finer, as far as the time allows, and takes the
-/// finest run, with the error that the difference of the two finest suggests.
+/// finest run, with the errors that the difference of the two finest suggests. Measures in which they differ too much it does
+/// not know. `spacings` are the finest and the coarsest of the comparison (m).
 pub fn local_reference(
+    parts: &Parts<'_>,
+    name: &str,
+    base: &Scene,
+    (finest, coarsest): (f64, f64),
+    seconds: f64,
+    say: &dyn Fn(&str),
+) -> Result<LocalReference, String> {
+    let mut runs = fine_runs(parts, name, base, finest, seconds, say)?;
+    let Some((spacing, fine)) = runs.pop() else {
+        return Err("no local run ended well".into());
+    };
+    let Some((_, coarser)) = runs.last() else {
+        return Err(format!("{} allow one local run only; give more time with --budget-s", duration(seconds)));
+    };
+    let mut truth = LocalReference::new(fine);
+    let mut judged = base.clone();
+    judge_alike(&mut judged, coarsest, &truth);
+    let difference = |run: &RunResult, headline: Headline| {
+        headline.of(&measure::errors(&judged, 2.0 * spacing, run, &truth)).map(f64::abs)
+    };
+    let (mut known, mut unknown, mut errors) = (Vec::new(), Vec::new(), BTreeMap::new());
+    for headline in Headline::ALL {
+        let Some(estimate) = difference(coarser, headline) else { continue };
+        // With a third run the order is seen; without, first order is the cautious guess.
+        let order = match runs.len().checked_sub(2).and_then(|k| difference(&runs[k].1, headline)) {
+            Some(coarse) if estimate > 0.0 => (coarse / estimate - 1.0).max(1.0).log2().clamp(1.0, 2.0),
+            _ => 1.0,
+        };
+        let error = estimate / (2f64.powf(order) - 1.0);
+        if error > WORST {
+            unknown.push(format!(
+                "local runs at {} and {} still differ by {} in the {}: not converged; {}",
+                length_words(base.units, 2.0 * spacing),
+                length_words(base.units, spacing),
+                percent(estimate, 2),
+                headline.name(),
+                blame::outputs(headline, &judged, 2.0 * spacing, coarser, &truth)
+            ));
+        } else {
+            known.push(headline);
+            errors.insert(headline.name().to_owned(), error);
+        }
+    }
+    let Some(first) = known.first() else {
+        return Err(if unknown.is_empty() {
+            "the local runs have nothing to compare".into()
+        } else {
+            unknown.join("; ")
+        });
+    };
+    let source = format!("finest of {} local runs, at {}", runs.len() + 1, length_words(base.units, spacing));
+    truth.info = ReferenceInfo { errors: errors.clone(), ..ReferenceInfo::new("local", source, errors[first.name()]) };
+    (truth.known, truth.unknown) = (known, unknown);
+    Ok(truth)
+}
+
+/// Local runs from twice the finest spacing (m) on, each at half of the one before, as far as the time (s) allows.
+fn fine_runs(
     parts: &Parts<'_>,
     name: &str,
     base: &Scene,
     finest: f64,
     seconds: f64,
     say: &dyn Fn(&str),
-) -> Result<LocalReference, String> {
+) -> Result<Vec<(f64, RunResult)>, String> {
     if !parts.methods.iter().any(|kind| kind.name == "local") {
         return Err("there is no local method to make one".into());
     }
@@ -166,34 +250,7 @@ pub fn local_reference(
         last = begun.elapsed().as_secs_f64();
         runs.push((spacing, result));
     }
-    let Some((spacing, fine)) = runs.pop() else {
-        return Err("no local run ended well".into());
-    };
-    let Some((_, coarser)) = runs.last() else {
-        return Err(format!("{} allow one local run only; give more time with --budget-s", duration(seconds)));
-    };
-    let truth = LocalReference::new(fine, String::new(), 0.0);
-    let difference = |run: &RunResult| {
-        let errors = measure::errors(base, 2.0 * spacing, run, &truth);
-        Headline::ALL.iter().find_map(|headline| headline.of(&errors)).map(f64::abs)
-    };
-    let estimate = difference(coarser).ok_or("the local runs have nothing to compare")?;
-    // With a third run the order is seen; without, first order is the cautious guess.
-    let order = match runs.len().checked_sub(2).and_then(|k| difference(&runs[k].1)) {
-        Some(coarse) if estimate > 0.0 => (coarse / estimate - 1.0).max(1.0).log2().clamp(1.0, 2.0),
-        _ => 1.0,
-    };
-    let error = estimate / (2f64.powf(order) - 1.0);
-    if error > WORST {
-        return Err(format!(
-            "local runs at {} and {} still differ by {}: not converged",
-            length_words(base.units, 2.0 * spacing),
-            length_words(base.units, spacing),
-            percent(estimate, 2)
-        ));
-    }
-    let source = format!("finest of {} local runs, at {}", runs.len() + 1, length_words(base.units, spacing));
-    Ok(LocalReference::new(truth.run, source, error))
+    Ok(runs)
 }
 
 #[cfg(test)]

@@ -84,7 +84,8 @@ fn section(folder: &Path, study: &Study) -> Result<SceneSection, Failure> {
         let file = format!("convergence_{word}");
         let canvas = order_figure(study, comparison);
         canvas.write(&own, &file)?;
-        let caption = "Error against particle spacing. Hollow points lie below ten times the error of the reference.";
+        let caption = "Error against particle spacing. Hollow points lie below ten times the error of the \
+                       reference: how far below their true error lies is not known.";
         blocks.push(Block {
             heading: format!("Convergence: {}", comparison.headline.label()),
             figures: vec![Figure::new(&canvas, caption, format!("{name}/{file}"))],
@@ -96,7 +97,7 @@ fn section(folder: &Path, study: &Study) -> Result<SceneSection, Failure> {
     blocks.push(run_table(study));
     blocks.extend(finest_runs(&own, study)?);
     blocks.push(gates(study));
-    blocks.push(failures(study));
+    blocks.extend(failures(study));
     blocks.push(settings(study));
     Ok(SceneSection {
         title: study.runs.scene.title.clone(),

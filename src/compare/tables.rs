@@ -8,6 +8,7 @@ use serde::Serialize;
 use super::analysis::{Comparison, Reached, Study};
 use super::execute::SceneRuns;
 use super::measured::{Measured, Timing};
+use crate::ensemble::runs::Headline;
 use crate::failure::Failure;
 use crate::output::write_rows;
 
@@ -62,10 +63,15 @@ struct Row {
     cause: String,
     repeatable: bool,
     state_hash: String,
+    status: &'static str,
+    reference_error_front_rel: Option<f64>,
+    reference_error_closure_rel: Option<f64>,
+    reference_error_volume_rel: Option<f64>,
+    reference_error_temperature_rel: Option<f64>,
 }
 
 impl Row {
-    fn of(scene: &str, one: &Measured) -> Row {
+    fn of(runs: &SceneRuns, one: &Measured) -> Row {
         let record = one.result.as_ref().map(|result| &result.record);
         let errors = one.errors();
         let event = |name: &str| errors.and_then(|errors| errors.events.get(name).copied());
@@ -78,7 +84,7 @@ impl Row {
             statistics::mean(&runs?).map(|mean| mean.mean)
         };
         Row {
-            scene: scene.into(),
+            scene: runs.scene.name.clone(),
             method: one.method.into(),
             setting: one.setting.name.clone(),
             level: one.level,
@@ -127,9 +133,18 @@ impl Row {
             energy_balance_rel: record.map(|record| record.energy_balance_rel),
             bounds_violation_rel: record.and_then(|record| record.bounds_violation_rel),
             outcome: one.outcome().into(),
-            cause: record.and_then(|record| record.cause.clone()).or_else(|| one.note.clone()).unwrap_or_default(),
+            cause: record
+                .and_then(|record| record.cause.clone())
+                .or_else(|| one.unmade.as_ref().map(|(_, reason)| reason.clone()))
+                .or_else(|| one.note.clone())
+                .unwrap_or_default(),
             repeatable: one.repeatable,
             state_hash: record.map(|record| record.state_hash.clone()).unwrap_or_default(),
+            status: one.status().name(),
+            reference_error_front_rel: runs.reference_error(Headline::Front),
+            reference_error_closure_rel: runs.reference_error(Headline::Closure),
+            reference_error_volume_rel: runs.reference_error(Headline::Volume),
+            reference_error_temperature_rel: runs.reference_error(Headline::Temperature),
         }
     }
 }
@@ -151,6 +166,7 @@ struct EqualErrorRow {
     speed_up_low: Option<f64>,
     speed_up_high: Option<f64>,
     verdict: &'static str,
+    error_at_most: Option<f64>,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -182,12 +198,14 @@ struct ConvergenceRow {
     order_low: Option<f64>,
     order_high: Option<f64>,
     r_squared: Option<f64>,
+    status: &'static str,
+    error_at_most: Option<f64>,
 }
 
 /// Writes `comparison.csv` from the finished scenes and the one that is under way.
 pub fn write_comparison(folder: &Path, finished: &[Study], current: &SceneRuns) -> Result<(), Failure> {
     let all = finished.iter().map(|study| &study.runs).chain([current]);
-    rows(folder, all.flat_map(|runs| runs.measured.iter().map(|one| Row::of(&runs.scene.name, one))).collect())
+    rows(folder, all.flat_map(|runs| runs.measured.iter().map(|one| Row::of(runs, one))).collect())
 }
 
 fn rows(folder: &Path, rows: Vec<Row>) -> Result<(), Failure> {
@@ -197,7 +215,7 @@ fn rows(folder: &Path, rows: Vec<Row>) -> Result<(), Failure> {
 /// Writes every table of the finished scenes.
 pub fn write_all(folder: &Path, studies: &[Study]) -> Result<(), Failure> {
     let runs = studies.iter().map(|study| &study.runs);
-    rows(folder, runs.flat_map(|runs| runs.measured.iter().map(|one| Row::of(&runs.scene.name, one))).collect())?;
+    rows(folder, runs.flat_map(|runs| runs.measured.iter().map(|one| Row::of(runs, one))).collect())?;
     let pairs: Vec<(&Study, &Comparison)> =
         studies.iter().flat_map(|study| study.comparisons.iter().map(move |comparison| (study, comparison))).collect();
     let errors: Vec<_> = pairs.iter().flat_map(|(study, comparison)| equal_error(study.name(), comparison)).collect();
@@ -233,6 +251,7 @@ fn equal_error(scene: &str, comparison: &Comparison) -> Vec<EqualErrorRow> {
                 Some(speed_up) if speed_up.ratio > 1.0 => "faster",
                 Some(_) => "slower",
             },
+            error_at_most: entry.error_at_most,
         }
     };
     comparison.equal_error.iter().map(row).collect()
@@ -260,6 +279,8 @@ fn status(reached: Reached) -> (&'static str, Option<f64>) {
     match reached {
         Reached::At(value) => ("reached", Some(value)),
         Reached::Within(value) => ("at most", Some(value)),
+        Reached::Untold(value) => ("not told", Some(value)),
+        Reached::LeftOut => ("left out", None),
         Reached::Not => ("not reached", None),
     }
 }
@@ -283,6 +304,8 @@ fn convergence(scene: &str, comparison: &Comparison) -> Vec<ConvergenceRow> {
             order_low: order.map(|order| order.interval.low),
             order_high: order.map(|order| order.interval.high),
             r_squared: order.map(|order| order.r_squared),
+            status: point.status.name(),
+            error_at_most: point.at_most,
         }));
     }
     rows

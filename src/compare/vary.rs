@@ -20,8 +20,9 @@ use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
 use frazil_plots::style::{duration, number};
 
-use super::execute::{Stop, truth};
+use super::execute::{Stop, judge_alike, truth};
 use super::plan::{Variant, overrides, spacings};
+use super::turns::{self, Turn};
 use super::{CompareRequest, Parts};
 use crate::failure::{Failure, Verdict, complain};
 use crate::machine::Machine;
@@ -272,20 +273,14 @@ fn own_ratio(scene: &Scene, method: &str, key: &str) -> Option<f64> {
     }
 }
 
-fn runs(
-    request: &CompareRequest,
-    vary: &Vary,
-    parts: &Parts<'_>,
-    (name, scene): (&str, Scene),
-    methods: &[&'static MethodKind],
-    say: &dyn Fn(&str),
-) -> Result<Grid, Stop> {
+/// All runs of a scene, none of them made.
+fn planned(request: &CompareRequest, vary: &Vary, scene: &Scene, methods: &[&'static MethodKind]) -> Vec<Run> {
     let mut grid = Vec::new();
     for level in 0..request.levels.max(1) {
         for kind in methods {
             let Some(settings) = scene.method(kind.name) else { continue };
             let spacing = spacings(settings.numerics.spacing, request.levels)[level];
-            let own = own_ratio(&scene, kind.name, &vary.key).unwrap_or(1.0);
+            let own = own_ratio(scene, kind.name, &vary.key).unwrap_or(1.0);
             let ratios: Vec<f64> = if vary.ratios.is_empty() {
                 SPREAD.map(|share| plain(share * own)).to_vec()
             } else {
@@ -304,62 +299,121 @@ fn runs(
             }
         }
     }
-    let finest = grid.iter().map(|run| run.spacing).fold(f64::INFINITY, f64::min);
-    let reference = truth(request, parts, name, &scene, finest, say)?;
+    grid
+}
+
+fn runs(
+    request: &CompareRequest,
+    vary: &Vary,
+    parts: &Parts<'_>,
+    (name, mut scene): (&str, Scene),
+    methods: &[&'static MethodKind],
+    say: &dyn Fn(&str),
+) -> Result<Grid, Stop> {
+    let mut grid = planned(request, vary, &scene, methods);
+    let spacings = || grid.iter().map(|run| run.spacing);
+    let ends = (spacings().fold(f64::INFINITY, f64::min), spacings().fold(0.0, f64::max));
+    let reference = truth(request, parts, name, &mut scene, ends, say)?;
+    if let Some(reference) = &reference {
+        judge_alike(&mut scene, ends.1, reference.as_ref());
+    }
+    for remark in &scene.remarks {
+        say(&format!("{}: warning: {remark}", scene.name));
+    }
     let words = reference.as_ref().map_or("none: errors are not known".to_owned(), |reference| {
         let info = reference.describe();
         format!("{}, {}", info.kind, info.source)
     });
-    let started = Instant::now();
-    let left = || request.budget() - started.elapsed().as_secs_f64();
-    let dimension = scene.domain.dimension() as i32;
-    let mut took: Vec<(usize, f64)> = vec![(0, 0.0); grid.len()];
-    for k in 0..grid.len() {
-        let (run, before) = (&grid[k], &grid[..k]);
-        // An explicit step makes half the spacing cost 2^(d + 2); a finer run of one that did not fit fits even less.
-        let coarser = before
-            .iter()
-            .position(|other| other.method == run.method && other.level + 1 == run.level && other.ratio == run.ratio);
-        let expected = coarser.map_or(0.0, |place| match grid[place].note.as_deref() {
-            Some(note) if note.starts_with("left out") => f64::INFINITY,
-            _ => took[place].1 * 2f64.powi(dimension + 2),
-        });
-        let label = format!(
-            "[{}/{}] {}, {} m, {} {}",
-            k + 1,
-            grid.len(),
-            run.method,
-            number(run.spacing, 4),
-            vary.key,
-            number(run.ratio, 4)
-        );
-        let note = if parts.interrupt.load(Ordering::Relaxed) {
-            Some("interrupted".to_owned())
-        } else if expected > left() {
-            Some(format!("left out: about {} expected, {} left", duration(expected), duration(left().max(0.0))))
-        } else {
-            let begin = Instant::now();
-            let made = one(request, vary, parts, (name, &scene), &grid[k], reference.as_ref(), left());
-            took[k] = (k, begin.elapsed().as_secs_f64());
-            match made {
-                Ok(result) => {
-                    let outcome = result.record.outcome;
-                    let run = &mut grid[k];
-                    run.temperature = mean_error(&scene, &result);
-                    let note = (outcome != Outcome::Ok).then(|| outcome.name().to_owned());
-                    run.result = Some(result).filter(|_| outcome == Outcome::Ok);
-                    run.temperature = run.temperature.filter(|_| outcome == Outcome::Ok);
-                    note
-                }
-                Err(reason) => Some(reason),
-            }
-        };
-        let signed = |measure: Measure| Some(format!("{} {:+.3} %", measure.name(), 100.0 * measure.signed(&grid[k])?));
-        let words: Vec<String> = Measure::ALL.into_iter().filter_map(signed).chain(note.clone()).collect();
-        say(&format!("{label}: {}", words.join(", ")));
-        grid[k].note = note;
-    }
+    let work = Work { request, vary, parts, name, scene: &scene, reference: reference.as_ref(), say };
+    work.all(&mut grid);
     Ok(Grid { scene, key: vary.key.clone(), runs: grid, reference: words })
+}
+
+/// What the runs of a scene share.
+struct Work<'a> {
+    request: &'a CompareRequest,
+    vary: &'a Vary,
+    parts: &'a Parts<'a>,
+    name: &'a str,
+    scene: &'a Scene,
+    reference: Option<&'a Arc<dyn Reference>>,
+    say: &'a dyn Fn(&str),
+}
+
+impl Work<'_> {
+    /// Makes all runs, cheap ones first over all methods and ratios, as far as the time allows.
+    fn all(&self, grid: &mut [Run]) {
+        let started = Instant::now();
+        let growth = 2f64.powi(self.scene.domain.dimension() as i32 + 2);
+        // Runs of one method and ratio, from coarse to fine.
+        let mut curves: Vec<Vec<usize>> = Vec::new();
+        for (k, run) in grid.iter().enumerate() {
+            let same =
+                |curve: &&mut Vec<usize>| grid[curve[0]].method == run.method && grid[curve[0]].ratio == run.ratio;
+            match curves.iter_mut().find(same) {
+                Some(curve) => curve.push(k),
+                None => curves.push(vec![k]),
+            }
+        }
+        let mut lines: Vec<turns::Line> =
+            curves.iter().map(|curve| turns::Line { turns: vec![Turn::Waiting; curve.len()], growth }).collect();
+        let mut count = 0;
+        while let Some((line, level, expected)) = turns::next(&lines) {
+            let left = self.request.budget() - started.elapsed().as_secs_f64();
+            let stopped = self.parts.interrupt.load(Ordering::Relaxed);
+            if stopped || expected > left {
+                let left = if left > 0.0 { duration(left) } else { "nothing".into() };
+                let note = if stopped {
+                    "interrupted".to_owned()
+                } else {
+                    format!("left out: about {} expected, {left} left", duration(expected))
+                };
+                for finer in lines[line].leave_out(level) {
+                    let run = &mut grid[curves[line][finer]];
+                    (self.say)(&format!("{}: {note}", self.label(run)));
+                    run.note = Some(note.clone());
+                }
+                continue;
+            }
+            count += 1;
+            let limit = turns::allowed(&lines, expected, left);
+            let begin = Instant::now();
+            let run = &mut grid[curves[line][level]];
+            let was_made = self.make(run, limit);
+            let took = begin.elapsed().as_secs_f64();
+            lines[line].turns[level] = if was_made { Turn::Made(took) } else { Turn::Refused };
+            let signed = |measure: Measure| Some(format!("{} {:+.3} %", measure.name(), 100.0 * measure.signed(run)?));
+            let words: Vec<String> = Measure::ALL.into_iter().filter_map(signed).chain(run.note.clone()).collect();
+            (self.say)(&format!(
+                "[{count}/{}] {}: {}",
+                grid.len(),
+                self.label(&grid[curves[line][level]]),
+                words.join(", ")
+            ));
+        }
+    }
+
+    fn label(&self, run: &Run) -> String {
+        format!("{}, {} m, {} {}", run.method, number(run.spacing, 4), self.vary.key, number(run.ratio, 4))
+    }
+
+    /// Makes one run, and says whether it was one.
+    fn make(&self, run: &mut Run, limit: f64) -> bool {
+        let Work { request, vary, parts, name, scene, reference, .. } = *self;
+        match one(request, vary, parts, (name, scene), run, reference, limit) {
+            Ok(result) => {
+                let outcome = result.record.outcome;
+                run.temperature = mean_error(scene, &result).filter(|_| outcome == Outcome::Ok);
+                run.result = Some(result).filter(|_| outcome == Outcome::Ok);
+                run.note = (outcome != Outcome::Ok).then(|| outcome.name().to_owned());
+                true
+            }
+            Err(reason) => {
+                run.note = Some(reason);
+                false
+            }
+        }
+    }
 }
 
 /// Makes one run.
@@ -376,8 +430,9 @@ fn one(
         request.settings.first().cloned().unwrap_or_else(|| Variant::standard(frazil_core::scene::Setting::Best));
     let mut pairs = overrides(base.units, run.method, run.spacing, &setting);
     pairs.push((format!("method.{}.{}", run.method, vary.key), format!("{}", run.ratio)));
-    let scene =
+    let mut scene =
         (parts.scene_at)(name, &pairs).map_err(|reason| reason.lines().next().unwrap_or_default().to_owned())?;
+    scene.watch.front_from = base.watch.front_from;
     let options = Options {
         threads: request.threads,
         interrupt: Some(parts.interrupt),

@@ -20,7 +20,8 @@ use crate::scene::{Scene, Uptake};
 use crate::watch::Watches;
 
 use guard::Guard;
-use instants::{next_turn, outputs, stops};
+pub use instants::outputs;
+use instants::{next_turn, stops};
 
 /// What is told the state at an output and its time (s).
 pub type EachOutput<'a> = dyn Fn(&Particles, f64) + Sync + 'a;
@@ -108,6 +109,7 @@ pub fn run(
     let mut clock = Clock { time: 0.0, step: 0.0, index: 0, turned: true };
     let mut longest: f64 = 0.0;
     let mut stop: Option<(Outcome, String)> = None;
+    watches.begin(&particles);
     watches.look(&particles, 0.0);
     let show = |particles: &Particles, time: f64| {
         if let Some(see) = options.each_output {
@@ -270,12 +272,14 @@ pub fn run(
         stream: crate::stream::judge(scene, &stream, &mut sections),
         spared: summary.spared,
         differences: summary.differences,
+        remarks: scene.remarks.clone(),
         state_hash: particles.state_hash(),
     };
     let (links, planes, wall_closure_s) = watches.wall();
     let mut result = RunResult {
         record,
         front: watches.front,
+        start: watches.start,
         beside: Vec::new(),
         frozen: watches.frozen,
         phases: watches.phases,
@@ -319,6 +323,13 @@ fn larger_magnitude(a: f64, b: f64) -> f64 {
     if b.abs() > a.abs() { b } else { a }
 }
 
+/// Heat not accounted for, over that exchanged, up to which a run is `ok`.
+pub const BALANCE_TOLERANCE: f64 = 1e-3;
+/// How far temperatures of a run that is `ok` may leave the range of the data, over that range.
+pub const RANGE_TOLERANCE: f64 = 0.01;
+/// How far what can only go one way may go back in a run that is `ok`, over the greatest before.
+pub const SETBACK_TOLERANCE: f64 = 0.01;
+
 /// How a run that came to its end is to be called. Balances that rounding explains lie below 1e-10; a lost latent
 /// heat shows as more than a thousandth.
 fn judge(
@@ -328,7 +339,7 @@ fn judge(
     setback: Option<f64>,
     noise: f64,
 ) -> (Outcome, Option<String>) {
-    if balance.abs() > 1e-3 {
+    if balance.abs() > BALANCE_TOLERANCE {
         let cause = format!("the heat balance misses {:.3e} of the heat exchanged", balance);
         return match uptake {
             Uptake::ApparentCapacity { .. } => {
@@ -337,12 +348,12 @@ fn judge(
             Uptake::Enthalpy | Uptake::Flags => (Outcome::EnergyDrift, Some(cause)),
         };
     }
-    if let Some(violation) = violation.filter(|violation| *violation > 0.01 + noise) {
+    if let Some(violation) = violation.filter(|violation| *violation > RANGE_TOLERANCE + noise) {
         let cause = format!("temperatures left the range of the data by {:.2} % of it", 100.0 * violation);
         return (Outcome::Oscillating, Some(cause));
     }
     // Noise may push a front or a flow back for a moment.
-    if let Some(setback) = setback.filter(|setback| *setback > 0.01 && noise == 0.0) {
+    if let Some(setback) = setback.filter(|setback| *setback > SETBACK_TOLERANCE && noise == 0.0) {
         let cause = format!(
             "the front, or the heat through the coldest or warmest pipes, went back by {:.2} %",
             100.0 * setback

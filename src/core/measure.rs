@@ -3,6 +3,8 @@
 //! All measures are pure functions of the series that a run leaves, so a record can be judged again later. A
 //! measure that does not apply, or that the reference does not know, is absent and never zero.
 
+pub mod front;
+
 use std::collections::BTreeMap;
 
 use crate::record::{BesideRow, Errors, FrontRow, FrozenRow, GapRow, RunResult, WallRow};
@@ -20,12 +22,6 @@ const VOLUME_FROM: f64 = 86_400.0;
 /// Thicknesses are judged from this multiple of the reference's closure on. At closure itself the wall between
 /// pipes has no thickness to be relative to, and the time of closure is a measure of its own.
 const THICKNESS_FROM: f64 = 1.25;
-
-/// Relative change of front^2/t over the window below which the reference's front follows the root of time.
-const ROOT_OF_TIME: f64 = 1e-6;
-
-/// Share of the duration by which the last row may miss the end.
-const AT_THE_END: f64 = 1e-9;
 
 /// Plane of a profile row, by its name in the series.
 enum ProfilePlane {
@@ -148,14 +144,9 @@ pub fn errors(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn R
     let largest = points.iter().map(|(own, expected)| (own - expected).abs()).reduce(f64::max);
     let scale = points.iter().map(|(_, expected)| expected.abs()).reduce(f64::max);
 
-    let window: Vec<(f64, f64, f64)> = result
-        .front
-        .iter()
-        .filter(|row| row.time_s >= scene.watch.front_from)
-        .filter_map(|row| Some((row.time_s, row.front_m, positive(reference.front(row.time_s)?)?)))
-        .collect();
+    let window = front::window(scene, spacing, &result.front, reference);
 
-    let volume_from = scene.watch.front_from.max(VOLUME_FROM.min(0.1 * scene.duration));
+    let volume_from = scene.watch.front_from.unwrap_or(0.0).max(VOLUME_FROM.min(0.1 * scene.duration));
     let closure = reference.event("closure_day");
     let thickness_from = closure.map(|closure| THICKNESS_FROM * closure);
     let wall_error = |from: Option<f64>, own: fn(&WallRow) -> f64, expected: &dyn Fn(f64) -> Option<f64>| {
@@ -173,10 +164,10 @@ pub fn errors(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn R
         temperature_mean_rel: mean.and_then(|mean| finite(mean / positive(greatest - least)?)),
         temperature_rms_over_max_abs: over(deviation, scale),
         temperature_max_rel: over(largest, Some(greatest - least)),
-        front_rms_rel: relative_rms(window.iter().map(|&(_, own, expected)| (own, expected))),
-        front_last_rel: front_last(scene, &result.front, reference),
-        front_constant_rel: front_constant(&window),
-        frozen_volume_rms_rel: wall_error(Some(volume_from), |row| row.frozen_area_m2, &|t| reference.frozen_volume(t))
+        front_rms_rel: rms(window.iter().map(front::Judged::error)),
+        front_last_rel: front::last(scene, &result.front, reference),
+        front_constant_rel: front::constant(&window),
+        frozen_volume_rms_rel: frozen_area(&result.walls, volume_from, reference)
             .or_else(|| frozen_volume(scene, &result.frozen, reference)),
         thickness_main_rms_rel: wall_error(thickness_from, |row| row.thickness_main_mean_m, &|t| {
             reference.thickness(Plane::Main, t)
@@ -215,34 +206,26 @@ fn over(value: Option<f64>, scale: Option<f64>) -> Option<f64> {
     finite(value? / positive(scale?)?)
 }
 
-/// Rms over the window of the error of the frozen volume of shells, over the greatest of the reference.
+/// Rms from an instant (s) on of the error of the frozen area of a ring, over how much more (or less) there is of the
+/// reference's than at the start.
+fn frozen_area(rows: &[WallRow], from: f64, reference: &dyn Reference) -> Option<f64> {
+    let start = reference.frozen_volume(0.0).unwrap_or(0.0);
+    rms(rows.iter().filter(|row| row.time_s >= from).filter_map(|row| {
+        let expected = reference.frozen_volume(row.time_s)?;
+        Some((row.frozen_area_m2 - expected) / positive((expected - start).abs())?)
+    }))
+}
+
+/// Rms over the window of the error of a frozen volume, over the greatest change of the reference's since the start: a thaw
+/// is judged by what has thawed.
 fn frozen_volume(scene: &Scene, rows: &[FrozenRow], reference: &dyn Reference) -> Option<f64> {
-    let window = || rows.iter().filter(|row| row.time_s >= scene.watch.front_from);
-    let known = || window().filter_map(|row| Some((row.frozen_volume, reference.frozen_volume(row.time_s)?)));
-    let greatest = known().map(|(_, expected)| expected).reduce(f64::max);
-    over(rms(known().map(|(own, expected)| own - expected)), greatest)
-}
-
-/// Signed relative error of the front at the end of the scene; absent for a run that did not get there.
-fn front_last(scene: &Scene, front: &[FrontRow], reference: &dyn Reference) -> Option<f64> {
-    let last = front.last().filter(|row| row.time_s >= scene.duration * (1.0 - AT_THE_END))?;
-    let expected = positive(reference.front(last.time_s)?)?;
-    finite(last.front_m / expected - 1.0)
-}
-
-/// Signed relative error of the constant in `front = constant sqrt(t)`, fitted to the squares over a window of
-/// (time, front, reference); absent unless the reference's own front follows the root of time.
-fn front_constant(window: &[(f64, f64, f64)]) -> Option<f64> {
-    let rate = |&(time, _, expected): &(f64, f64, f64)| expected * expected / time;
-    let first = window.iter().find(|row| row.0 > 0.0).map(rate)?;
-    let is_root = |row: &(f64, f64, f64)| row.0 <= 0.0 || (rate(row) / first - 1.0).abs() < ROOT_OF_TIME;
-    if !window.iter().all(is_root) {
-        return None;
-    }
-    // Both fits go through the origin and share their denominator.
-    let moment = |of: fn(&(f64, f64, f64)) -> f64| window.iter().map(|row| row.0 * of(row) * of(row)).sum::<f64>();
-    let ratio = moment(|row| row.1) / positive(moment(|row| row.2))?;
-    finite(ratio.sqrt() - 1.0)
+    let from = scene.watch.front_from.unwrap_or(0.0);
+    let known =
+        || rows.iter().filter_map(|row| Some((row.time_s, row.frozen_volume, reference.frozen_volume(row.time_s)?)));
+    let start = reference.frozen_volume(0.0).unwrap_or(0.0);
+    let greatest = known().map(|(.., expected)| (expected - start).abs()).reduce(f64::max);
+    let window = known().filter(|(time, ..)| *time >= from);
+    over(rms(window.map(|(_, own, expected)| own - expected)), greatest)
 }
 
 /// Signed relative errors of closure: of the mean over all gaps of the ring, and of the first and the last gap.
@@ -283,7 +266,7 @@ mod tests {
 
     impl Reference for Truth {
         fn describe(&self) -> ReferenceInfo {
-            ReferenceInfo { kind: "exact".into(), source: "made up".into(), error_estimate_rel: 0.0 }
+            ReferenceInfo::new("exact", "made up", 0.0)
         }
         fn temperature(&self, x: f64, _t: f64) -> Option<f64> {
             Some(-20.0 + 10.0 * x)
@@ -310,7 +293,7 @@ mod tests {
 
     impl Reference for Slowing {
         fn describe(&self) -> ReferenceInfo {
-            ReferenceInfo { kind: "table".into(), source: "made up".into(), error_estimate_rel: 0.0 }
+            ReferenceInfo::new("table", "made up", 0.0)
         }
         fn front(&self, t: f64) -> Option<f64> {
             Some(t.sqrt() / (1.0 + 1e-3 * t))
@@ -358,11 +341,12 @@ mod tests {
                 corner_front: false,
                 frozen_wall: false,
                 profile_length: None,
-                front_from: 0.0,
+                front_from: None,
             },
             reference: ReferenceChoice::Auto,
             methods: Vec::new(),
             hash: String::new(),
+            remarks: Vec::new(),
         }
     }
 
@@ -422,6 +406,7 @@ mod tests {
             stream: None,
             spared: Vec::new(),
             differences: Vec::new(),
+            remarks: Vec::new(),
             state_hash: String::new(),
         })
     }
@@ -484,7 +469,7 @@ mod tests {
     #[test]
     fn the_front_is_judged_inside_its_window() {
         let mut scene = scene(Domain::Line { length: 3.0 }, 16.0);
-        scene.watch.front_from = 4.0;
+        scene.watch.front_from = Some(4.0);
         let mut result = empty_result();
         result.front = vec![front(1.0, 9.9), front(4.0, 0.2 * 1.03), front(9.0, 0.3), front(16.0, 0.4 * 0.96)];
         let found = errors(&scene, 0.1, &result, &Truth);

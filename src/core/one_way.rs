@@ -144,11 +144,12 @@ mod tests {
                 corner_front: false,
                 frozen_wall: false,
                 profile_length: None,
-                front_from: 0.0,
+                front_from: None,
             },
             reference: ReferenceChoice::Auto,
             methods: Vec::new(),
             hash: String::new(),
+            remarks: Vec::new(),
         }
     }
 

@@ -71,17 +71,17 @@ pub struct Errors {
     /// Greatest temperature error over the range of the scene's temperatures.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub temperature_max_rel: Option<f64>,
-    /// Rms over the window of the relative error of the front.
+    /// Rms over the window of the error of the front, over how far the reference's has come since the start.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub front_rms_rel: Option<f64>,
-    /// Signed relative error of the front at the end.
+    /// Signed error of the front at the end, over how far the reference's has come: positive where it has come too far.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub front_last_rel: Option<f64>,
     /// Signed relative error of the front constant fitted over the window.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub front_constant_rel: Option<f64>,
-    /// Rms over the window of the relative error of the frozen volume; of shells, of its error over the greatest of the
-    /// reference.
+    /// Rms over the window of the relative error of the frozen area of a ring; of other bodies, of the error of the frozen
+    /// volume over the greatest change of the reference's since the start.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub frozen_volume_rms_rel: Option<f64>,
     /// Rms relative error of the wall thickness on the plane through a pipe, once closed.
@@ -102,8 +102,25 @@ pub struct ReferenceInfo {
     pub kind: String,
     /// Paper, file or spacings.
     pub source: String,
-    /// Estimated relative error of the reference itself.
+    /// Estimated relative error of the reference itself: of the measure by which its scene is known, and of all others that
+    /// `errors` does not name.
     pub error_estimate_rel: f64,
+    /// Estimated error of the reference by measure, in the terms of that measure: `front`, `closure`, `volume`,
+    /// `temperature`, `thickness`.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub errors: BTreeMap<String, f64>,
+}
+
+impl ReferenceInfo {
+    /// A reference that knows all measures equally well.
+    pub fn new(kind: &str, source: impl Into<String>, error_estimate_rel: f64) -> Self {
+        ReferenceInfo { kind: kind.into(), source: source.into(), error_estimate_rel, errors: BTreeMap::new() }
+    }
+
+    /// Its own error for a measure.
+    pub fn error_of(&self, measure: &str) -> f64 {
+        self.errors.get(measure).copied().unwrap_or(self.error_estimate_rel)
+    }
 }
 
 /// The record of one run: `record.json`.
@@ -195,6 +212,10 @@ pub struct Record {
     pub spared: Vec<String>,
     /// How the method differs from the scene, in words.
     pub differences: Vec<String>,
+    /// What of the scene was not taken as it stands, in words: another reference than the one it names, or instants after
+    /// the end.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub remarks: Vec<String>,
     /// Hash of the final enthalpies, as 16 hexadecimal digits.
     pub state_hash: String,
 }
@@ -209,6 +230,15 @@ pub struct FrontRow {
     pub front_m: f64,
     /// The reference's.
     pub front_ref_m: Option<f64>,
+}
+
+/// What is frozen at the start of a run, from which on fronts and frozen volumes are judged.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Start {
+    /// The front (m), where there is one.
+    pub front_m: Option<f64>,
+    /// The frozen volume (m3; m2 of a plane, m of a line).
+    pub frozen_volume: f64,
 }
 
 /// One row of `front_beside.csv`: the front of another solution, which is drawn beside the reference and not judged by.
@@ -428,6 +458,8 @@ pub struct RunResult {
     pub record: Record,
     /// Front over time; empty where no front is defined.
     pub front: Vec<FrontRow>,
+    /// What was frozen at the start.
+    pub start: Start,
     /// The front of a solution that is shown beside the reference; mostly empty.
     pub beside: Vec<BesideRow>,
     /// Frozen volume of a body of shells over time; empty elsewhere.
@@ -470,6 +502,7 @@ impl RunResult {
         RunResult {
             record,
             front: Vec::new(),
+            start: Start::default(),
             beside: Vec::new(),
             frozen: Vec::new(),
             phases: Vec::new(),

@@ -40,7 +40,8 @@ pub trait Reference: Send + Sync {
     fn plane_temperature(&self, _plane: Plane, _r: f64, _t: f64) -> Option<f64> {
         None
     }
-    /// Integral of the frozen fraction along the freezing direction (m) at time `t` (s).
+    /// Integral of the frozen fraction along the freezing direction (m) at time `t` (s). At 0 it is that of the start, from
+    /// which on a front is judged; who does not know it starts unfrozen.
     fn front(&self, _t: f64) -> Option<f64> {
         None
     }

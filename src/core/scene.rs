@@ -461,8 +461,8 @@ pub struct Watch {
     pub corner_front: bool,
     /// Profiles and their errors end at this distance (m) from the wall; the whole domain if absent.
     pub profile_length: Option<f64>,
-    /// Start (s) of the window over which the front is judged.
-    pub front_from: f64,
+    /// Start (s) of the window over which the front is judged; where it has come some spacings if absent.
+    pub front_from: Option<f64>,
 }
 
 /// Where the truth about a scene comes from.
@@ -476,6 +476,8 @@ pub enum ReferenceChoice {
     Local,
     /// Whatever of the above fits first, in that order.
     Auto,
+    /// Nothing: no errors are asked for.
+    None,
 }
 
 /// Where a plane front runs.
@@ -536,6 +538,8 @@ pub struct Scene {
     pub methods: Vec<settings::MethodSettings>,
     /// Hash of the effective file (after `--set`), as 16 hexadecimal digits.
     pub hash: String,
+    /// What of the file was not taken as it stands, in words.
+    pub remarks: Vec<String>,
 }
 
 impl Scene {

@@ -27,7 +27,7 @@ use crate::particles::Particles;
 use crate::pipe::Extent;
 use crate::record::{
     BudgetRow, Field, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow, ProfileRow, SectionRow,
-    StreamRow, SurfaceRow, WallRow,
+    Start, StreamRow, SurfaceRow, WallRow,
 };
 use crate::scene::{Domain, FreezingDirection, Scene, Sector};
 
@@ -100,6 +100,8 @@ pub struct Watches {
     pub one_way: OneWay,
     /// Front over time.
     pub front: Vec<FrontRow>,
+    /// What was frozen at the start.
+    pub start: Start,
     /// Frozen volume over time.
     pub frozen: Vec<FrozenRow>,
     /// Phases over time.
@@ -191,6 +193,7 @@ impl Watches {
             isothermal: matches!(scene.materials[0].law, FreezingLaw::Isothermal),
             one_way: OneWay::new(scene, particles.volumes.largest()),
             front: Vec::new(),
+            start: Start::default(),
             frozen: Vec::new(),
             phases: Vec::new(),
             profiles: Vec::new(),
@@ -263,16 +266,18 @@ impl Watches {
         }
     }
 
-    /// Takes everything that is due at an output, on which a step has landed or over which it has passed.
-    pub fn output(&mut self, scene: &Scene, particles: &Particles, ledger: &Ledger, time: f64, landed: bool) {
+    /// Takes what is frozen at the start.
+    pub fn begin(&mut self, particles: &Particles) {
         let frozen = particles.integral(|i| particles.frozen_fraction(i));
-        if landed {
-            // The curve between two states may swing where steps do not.
-            self.one_way.look(frozen, ledger.rate(), ledger.rings());
-        }
+        let front_m = self.front_of(particles, frozen, 0.0);
+        self.start = Start { front_m, frozen_volume: frozen * self.sector_count };
+    }
+
+    /// The front (m) of a body of which so much is frozen, where there is one.
+    fn front_of(&self, particles: &Particles, frozen: f64, time: f64) -> Option<f64> {
         if let Some(direction) = self.direction {
             // Where particles move, they may stand closer in one phase than in the other.
-            let front_m = match particles.move_about() {
+            return Some(match particles.move_about() {
                 true => {
                     layers(particles, &direction, direction.length, time)
                         .iter()
@@ -281,14 +286,21 @@ impl Watches {
                         * particles.lattice.spacing
                 }
                 false => frozen / direction.across,
-            };
+            });
+        }
+        let radius = self.radial.map(|radial| radial.radius(frozen));
+        radius.or_else(|| Some(self.corners.as_ref()?.front(particles)))
+    }
+
+    /// Takes everything that is due at an output, on which a step has landed or over which it has passed.
+    pub fn output(&mut self, scene: &Scene, particles: &Particles, ledger: &Ledger, time: f64, landed: bool) {
+        let frozen = particles.integral(|i| particles.frozen_fraction(i));
+        if landed {
+            // The curve between two states may swing where steps do not.
+            self.one_way.look(frozen, ledger.rate(), ledger.rings());
+        }
+        if let Some(front_m) = self.front_of(particles, frozen, time) {
             self.front.push(FrontRow { time_s: time, front_m, front_ref_m: None });
-        }
-        if let Some(radial) = self.radial {
-            self.front.push(FrontRow { time_s: time, front_m: radial.radius(frozen), front_ref_m: None });
-        }
-        if let Some(corners) = &self.corners {
-            self.front.push(FrontRow { time_s: time, front_m: corners.front(particles), front_ref_m: None });
         }
         if let Some(part) = self.phased {
             self.phases.push(phases::shares(particles, part, time));

@@ -134,6 +134,9 @@ pub struct EnsembleRecord {
     pub threads: usize,
     /// How the method differs from the scene, in words.
     pub differences: Vec<String>,
+    /// What of the scene was not taken as it stands, in words.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub remarks: Vec<String>,
 }
 
 /// Numbers by name; those of events after the name of their group.

@@ -130,14 +130,11 @@ impl Headline {
     /// Relative errors of one run point by point, whose rms over the points is the headline error. A single
     /// number where the measure is one.
     pub fn points(self, scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn Reference) -> Vec<f64> {
-        let relative = |own: f64, expected: Option<f64>| Some(own / expected.filter(|value| *value > 0.0)? - 1.0);
         match self {
-            Headline::Front => result
-                .front
-                .iter()
-                .filter(|row| row.time_s >= scene.watch.front_from)
-                .filter_map(|row| relative(row.front_m, reference.front(row.time_s)))
-                .collect(),
+            Headline::Front => {
+                let window = measure::front::window(scene, spacing, &result.front, reference);
+                window.iter().map(measure::front::Judged::error).collect()
+            }
             Headline::Temperature => {
                 let (least, greatest) = scene.temperature_range();
                 let points = measure::profile_points(scene, spacing, result, reference);

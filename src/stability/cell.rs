@@ -151,7 +151,7 @@ impl Probe {
         scene.watch.outputs = outputs as usize;
         scene.watch.profiles = vec![scene.duration];
         scene.watch.probes.clear();
-        scene.watch.front_from = 0.0;
+        scene.watch.front_from = None;
         scene
     }
 }

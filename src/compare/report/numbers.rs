@@ -7,13 +7,16 @@ use frazil_plots::page::{Block, Table};
 use frazil_plots::style::{duration, number, percent};
 
 use crate::compare::analysis::{self, Comparison, Reached, Study};
-use crate::compare::measured::Timing;
+use crate::compare::curve::Point;
+use crate::compare::measured::{Measured, Timing};
 use crate::words::length_words;
 
 fn reached(value: Reached, show: fn(f64) -> String, within: &str) -> String {
     match value {
         Reached::At(value) => show(value),
         Reached::Within(value) => format!("{within} {}", show(value)),
+        Reached::Untold(value) => format!("perhaps {}", show(value)),
+        Reached::LeftOut => "left out".into(),
         Reached::Not => "not reached".into(),
     }
 }
@@ -43,18 +46,27 @@ pub(super) fn equal_error_table(comparison: &Comparison) -> Table {
                 });
                 format!("\n{}× {word}{interval}", times(speed_up.ratio))
             });
-            row.push(format!("{time}{}", speed_up.unwrap_or_default()));
+            let beyond = match (entry.time, entry.error_at_most) {
+                (Reached::Within(_) | Reached::Untold(_), Some(error)) => {
+                    format!("\nerror at most {}", percent(error, 2))
+                }
+                _ => String::new(),
+            };
+            row.push(format!("{time}{beyond}{}", speed_up.unwrap_or_default()));
         }
         rows.push(row);
     }
     let against = base.map_or(String::new(), |base| {
         format!(
             " Below it: how many times faster or slower than {base}, with the 95 % interval of 2000 draws of the \
-             repeated runs (and seeds); \"at most\": the coarsest run is better already."
+             repeated runs (and seeds)."
         )
     });
+    let marks = "\"At most\": a run is there already, and its error is known to be no greater than said below it: it is the \
+                 coarsest, or lies below what the reference resolves. \"Perhaps\": there as measured, but what is known for \
+                 sure is the error below it. \"Left out\": only finer runs would tell, for which the time did not suffice.";
     Table {
-        caption: format!("Time to reach an error, by interpolation between neighbouring points.{against}"),
+        caption: format!("Time to reach an error, by interpolation between neighbouring points. {marks}{against}"),
         heads: heads.collect(),
         rows,
         words: 1,
@@ -63,20 +75,24 @@ pub(super) fn equal_error_table(comparison: &Comparison) -> Table {
 }
 
 pub(super) fn equal_time_table(comparison: &Comparison) -> Table {
-    let some = |time: f64| {
-        comparison.equal_time.iter().any(|(other, _, error)| *other == time && matches!(error, Reached::At(_)))
-    };
-    // Times that no method brackets say nothing.
-    let times: Vec<f64> = analysis::TIMES.into_iter().filter(|time| some(*time)).collect();
+    // Times below the quickest run and above the longest say nothing.
+    let costs = || comparison.curves.iter().flat_map(|curve| &curve.points).filter_map(Point::cost);
+    let (least, most) = (costs().fold(f64::INFINITY, f64::min), costs().fold(0.0, f64::max));
+    let times: Vec<f64> = analysis::TIMES.into_iter().filter(|time| (least..=most).contains(time)).collect();
     let rows = comparison.curves.iter().enumerate().map(|(k, curve)| {
         let cell = |time: &f64| {
             let entry = comparison.equal_time.iter().find(|(other, curve, _)| other == time && *curve == k);
-            entry.map_or(String::new(), |(.., error)| reached(*error, |error| percent(error, 2), "at most"))
+            entry.map_or(String::new(), |(.., error)| match error {
+                Reached::Not => "no run so quick".into(),
+                error => reached(*error, |error| percent(error, 2), "at most"),
+            })
         };
         std::iter::once(curve.label()).chain(times.iter().map(cell)).collect()
     });
     Table {
-        caption: "Error reached in a time. \"At most\": the finest run took less.".into(),
+        caption:
+            "Error reached in a time. \"At most\": the best run took less, or lies below what the reference resolves."
+                .into(),
         rows: rows.collect(),
         heads: std::iter::once("method".into()).chain(times.iter().map(|time| duration(*time))).collect(),
         words: 1,
@@ -97,7 +113,7 @@ pub(super) fn order_table(units: Units, comparison: &Comparison) -> Table {
         });
         let points = curve.points.iter().map(|point| {
             let mark = if point.ringed { " (○)" } else { "" };
-            let error = point.signed.map_or("failed".into(), |error| percent(error, 2));
+            let error = point.signed.map_or_else(|| point.status.name().to_owned(), |error| percent(error, 2));
             format!("{}: {error}{mark}", length_words(units, point.spacing))
         });
         rows.push(vec![curve.label(), points.collect::<Vec<_>>().join("; "), order]);
@@ -237,17 +253,26 @@ pub(super) fn gates(study: &Study) -> Block {
     }
 }
 
-pub(super) fn failures(study: &Study) -> Block {
-    let list: Vec<String> = study
-        .runs
-        .measured
-        .iter()
-        .filter_map(|one| {
-            Some(format!("{} at {}: {}", one.label(), one.spacing_words(), one.trouble().or_else(|| one.note.clone())?))
-        })
-        .collect();
-    let text = if list.is_empty() { vec!["Every planned run ended as it should.".into()] } else { Vec::new() };
-    Block { heading: "Failed and left out".into(), text, list, ..Block::default() }
+/// What was left out for lack of time, apart from what failed.
+pub(super) fn failures(study: &Study) -> Vec<Block> {
+    let told = |one: &Measured| {
+        let reason = one.trouble().or_else(|| one.note.clone())?;
+        Some(format!("{} at {}: {reason}", one.label(), one.spacing_words()))
+    };
+    let of = |lack: bool| -> Vec<String> {
+        let all = study.runs.measured.iter().filter(|one| one.status().is_lack_of_time() == lack);
+        all.filter_map(told).collect()
+    };
+    let block = |heading: &str, list: Vec<String>, none: &str| Block {
+        heading: heading.into(),
+        text: if list.is_empty() { vec![none.into()] } else { Vec::new() },
+        list,
+        ..Block::default()
+    };
+    vec![
+        block("Left out for lack of time", of(true), "Nothing: every run was made."),
+        block("Failed or refused", of(false), "Every run that was made ended as it should."),
+    ]
 }
 
 pub(super) fn settings(study: &Study) -> Block {
@@ -289,9 +314,18 @@ pub(super) fn overall(studies: &[Study]) -> Block {
             row.scenes.to_string(),
             row.wins.to_string(),
             row.not_reached.to_string(),
+            row.not_told.to_string(),
         ]);
     }
-    let heads = ["method", "error", "faster than the baseline", "scenes in the mean", "quickest in", "not reached in"];
+    let heads = [
+        "method",
+        "error",
+        "faster than the baseline",
+        "scenes in the mean",
+        "quickest in",
+        "not reached in",
+        "not told in",
+    ];
     Block {
         heading: "All scenes".into(),
         tables: vec![Table {

@@ -6,11 +6,15 @@ use frazil_plots::style::{duration, percent};
 use crate::compare::CompareRequest;
 use crate::compare::analysis::Study;
 use crate::compare::curve::{Clock, Kind, REFERENCE_MARGIN};
+use crate::compare::turns::FIRST_RUNS;
 use crate::words;
 
 pub(super) fn parameters(study: &Study) -> Vec<Fact> {
     let mut facts = words::parameters(&study.runs.scene);
     facts.push(Fact::new("Reference", study.runs.reference_words.clone()));
+    for remark in &study.runs.scene.remarks {
+        facts.push(Fact::new("Not as the file has it", remark.clone()));
+    }
     facts.push(Fact::new("Wall time spent", duration(study.runs.spent)));
     facts
 }
@@ -54,7 +58,12 @@ pub(super) fn fairness(request: &CompareRequest, studies: &[Study]) -> Vec<Fact>
         ),
         Fact::new(
             "Time allowed",
-            format!("{} for each scene; what would not fit is listed as left out", duration(request.budget())),
+            format!(
+                "{} for each scene, of which {} for first runs, cheap ones first over all methods; what would not fit is \
+                 listed as left out",
+                duration(request.budget()),
+                percent(FIRST_RUNS, 2)
+            ),
         ),
         Fact::new(
             "Tuning",
@@ -64,7 +73,7 @@ pub(super) fn fairness(request: &CompareRequest, studies: &[Study]) -> Vec<Fact>
         Fact::new(
             "Excluded from speed-ups",
             format!(
-                "points below {REFERENCE_MARGIN} × the error of the reference, points that may be low by luck (the next finer run is worse, or the ratio of two norms is off by more than a factor 3), failed runs"
+                "points below {REFERENCE_MARGIN} × the error of the reference (they are bounds: \"at most\"), points that may be low by luck (the next finer run is worse, or the ratio to another norm is lower by more than a factor 3), failed runs"
             ),
         ),
         Fact::new(

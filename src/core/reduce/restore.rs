@@ -18,6 +18,7 @@ impl Fold {
             Fold::Half { along_y, length } => {
                 if larger.freezing_direction().is_some_and(|direction| direction.along_y == along_y) {
                     result.front.iter_mut().for_each(|row| row.front_m *= 2.0);
+                    result.start.front_m = result.start.front_m.map(|front| 2.0 * front);
                     let end = larger.watch.profile_length.unwrap_or(length);
                     result.profiles = mirrored(&result.profiles, length, end);
                 }
@@ -77,6 +78,7 @@ impl Fold {
                 (own.and_then(|own| result.budget_names.iter().position(|name| *name == own)), times)
             })
             .collect();
+        result.start.frozen_volume *= if let Fold::Sector { .. } = self { 1.0 } else { scale };
         for row in &mut result.budget {
             row.stored_j *= scale;
             row.in_j = sources.iter().map(|(own, times)| own.map_or(0.0, |own| times * row.in_j[own])).collect();

@@ -103,7 +103,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let title = root.text("title");
     let source = root.text("source");
     let domain = body::domain(&mut root);
-    let time = watch::time(&mut root);
+    let mut time = watch::time(&mut root);
 
     let mut material_section = root.section("materials");
     let found = material_section.as_mut().map(ground::materials).unwrap_or_default();
@@ -128,7 +128,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let rings = body::pipes(&mut root, domain.as_ref());
     let excavation = excavation::excavation(&mut root, domain.as_ref(), &rings);
     let cracks = cracks::cracks(&mut root, domain.as_ref());
-    let watch = watch::watch(&mut root, domain.as_ref(), time.as_ref());
+    let watch = watch::watch(&mut root, domain.as_ref(), time.as_mut());
     let surfaces = watch.as_ref().is_some_and(|watch| !watch.surfaces.is_empty());
     let beside = flow::Beside { cracks: !cracks.is_empty(), surfaces, excavation: excavation.is_some() };
     let flow = flow::flow(&mut root, domain.as_ref(), if complete { &materials } else { &[] }, &beside);
@@ -171,6 +171,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         reference,
         methods,
         hash,
+        remarks: time.remarks,
     };
     ground::latent_heats(&mut root, &scene.materials, scene.temperature_range());
     Some(scene)

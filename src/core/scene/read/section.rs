@@ -134,6 +134,11 @@ impl<'a> Section<'a> {
         self.entries.iter().any(|entry| entry.key == written)
     }
 
+    /// Whether the value of a key comes from the command line.
+    pub(super) fn is_set(&self, key: &'static str) -> bool {
+        self.find(key).is_some_and(|entry| matches!(entry.place, Place::Set(_)))
+    }
+
     /// Records a problem of a key, or of the section itself where the key is not there.
     pub fn problem(&mut self, key: impl Into<Key>, message: impl Into<String>) {
         let written = key.into().written(self.units);

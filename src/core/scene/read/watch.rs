@@ -10,6 +10,8 @@ pub(super) struct Time {
     pub(super) duration: Duration,
     outputs: usize,
     profiles: Vec<f64>,
+    /// What of the file is left out, in words.
+    pub(super) remarks: Vec<String>,
 }
 
 pub(super) fn time(root: &mut Section<'_>) -> Option<Time> {
@@ -18,31 +20,31 @@ pub(super) fn time(root: &mut Section<'_>) -> Option<Time> {
     let outputs = section.integer_or("outputs", 60, 1..=100_000);
     let profiles = section.optional_times("profiles");
     let duration = duration?;
-    let mut instants = vec![duration.seconds];
+    let (mut instants, mut remarks) = (vec![duration.seconds], Vec::new());
     if let Some(profiles) = profiles {
-        for profile in &profiles {
-            within(&mut section, "profiles", profile, &duration);
-            if profile.seconds == 0.0 {
-                section.time_problem("profiles", "found 0, must be greater than 0");
-            }
+        if profiles.iter().any(|profile| profile.seconds == 0.0) {
+            section.time_problem("profiles", "found 0, must be greater than 0");
         }
-        instants = profiles.iter().map(|profile| profile.seconds).collect();
+        let (kept, late): (Vec<&Duration>, Vec<&Duration>) =
+            profiles.iter().partition(|profile| profile.seconds <= duration.seconds);
+        if let Some(first) = late.first() {
+            let all: Vec<String> = late.iter().map(|late| plain(late.seconds / late.unit.seconds())).collect();
+            let end = plain(duration.seconds / first.unit.seconds());
+            remarks.push(format!("time.profiles: {} left out, after the end of the run at {end}", all.join(", ")));
+        }
+        // A run whose profiles all lie after its end keeps its end, as one that names none.
+        if !kept.is_empty() {
+            instants = kept.iter().map(|profile| profile.seconds).collect();
+        }
     }
-    Some(Time { duration, outputs, profiles: instants })
+    Some(Time { duration, outputs, profiles: instants, remarks })
 }
 
-fn within(section: &mut Section<'_>, base: &'static str, time: &Duration, duration: &Duration) {
-    if time.seconds > duration.seconds {
-        let (found, end) = (time.seconds / time.unit.seconds(), duration.seconds / time.unit.seconds());
-        section.time_problem(base, format!("found {}, must be at most the duration {}", plain(found), plain(end)));
-    }
-}
-
-pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Option<&Time>) -> Option<Watch> {
+pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Option<&mut Time>) -> Option<Watch> {
     const PROBES: (&str, &str) = ("probes", "m");
     const CUTS: [(&str, &str); 2] = [("cuts_z", "m"), ("cuts_r", "m")];
     const PROFILE_LENGTH: (&str, &str) = ("profile_length", "m");
-    let (mut probes, mut profile_length, mut front_from) = (Vec::new(), None, 0.0);
+    let (mut probes, mut profile_length, mut front_from) = (Vec::new(), None, None);
     let mut cuts = [Vec::new(), Vec::new()];
     let mut surfaces = Vec::new();
     let (mut phases, mut corner_front, mut frozen_wall) = (None, false, false);
@@ -91,14 +93,15 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
                 section.problem(PROFILE_LENGTH, message);
             }
         }
-        if let Some(from) = section.optional_duration("front_from", Range::NOT_NEGATIVE) {
-            if let Some(time) = time {
-                within(&mut section, "front_from", &from, &time.duration);
-            }
-            front_from = from.seconds;
-        }
+        front_from = section.optional_duration("front_from", Range::NOT_NEGATIVE);
     }
     let time = time?;
+    if let Some(from) = front_from.take_if(|from| from.seconds > time.duration.seconds) {
+        let (found, end) = (from.seconds / from.unit.seconds(), time.duration.seconds / from.unit.seconds());
+        let (found, end) = (plain(found), plain(end));
+        time.remarks.push(format!("watch.front_from: {found} left out, after the end of the run at {end}"));
+    }
+    let front_from = front_from.map(|from| from.seconds);
     let [cuts_z, cuts_r] = cuts;
     let (outputs, profiles) = (time.outputs, time.profiles.clone());
     Some(Watch {
@@ -152,15 +155,18 @@ fn inside(domain: &Domain, x: f64, y: f64) -> bool {
 
 pub(super) fn reference(root: &mut Section<'_>, domain: Option<&Domain>) -> ReferenceChoice {
     let Some(mut section) = root.optional_section("reference") else { return ReferenceChoice::Auto };
-    let kinds = [("exact", 0), ("table", 1), ("local", 2), ("auto", 3)];
+    let kinds = [("exact", 0), ("table", 1), ("local", 2), ("auto", 3), ("none", 4)];
     let kind = section.choice("kind", &kinds);
     if kind == Some(1) {
         return section.text("table").map_or(ReferenceChoice::Auto, ReferenceChoice::Table);
     }
-    if kind.is_some() {
-        section.refuse("table", "only the kind \"table\" reads one");
-    } else {
+    if kind.is_none() {
         section.abandon();
+    } else if section.is_set("kind") {
+        // The table of the file, which another kind stands in for.
+        section.optional_text("table");
+    } else {
+        section.refuse("table", "only the kind \"table\" reads one");
     }
     if let (Some(0), Some(Domain::Ring { .. })) = (kind, domain) {
         section.problem("kind", "found \"exact\", but a ring has no exact solution");
@@ -171,6 +177,7 @@ pub(super) fn reference(root: &mut Section<'_>, domain: Option<&Domain>) -> Refe
     match kind {
         Some(0) => ReferenceChoice::Exact,
         Some(2) => ReferenceChoice::Local,
+        Some(4) => ReferenceChoice::None,
         _ => ReferenceChoice::Auto,
     }
 }

@@ -1,11 +1,12 @@
 //! Maps of outcomes over the step and one parameter, and the boundaries of RKL2.
 
+use frazil_core::march::{BALANCE_TOLERANCE, RANGE_TOLERANCE};
 use frazil_core::record::Outcome;
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, Text, text_width};
 use crate::run::{MARGIN, title};
-use crate::style::{INK, LABEL, Marker, method_style, method_title};
+use crate::style::{INK, LABEL, Marker, method_style, method_title, percent};
 
 /// A cell of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,7 +76,7 @@ fn fill(class: Outcome) -> Fill {
     use Hatch::{Falling, Level, Rising, Upright};
     let fill = |word, colour, hatch, ink| Fill { word, colour, hatch, ink };
     match class {
-        Outcome::Ok => fill("exact", Colour(0xe6, 0xf2, 0xea), &[], INK),
+        Outcome::Ok => fill("within tolerance", Colour(0xe6, 0xf2, 0xea), &[], INK),
         Outcome::Oscillating => fill("oscillating", Colour(0xf5, 0xc2, 0x6b), &[Rising], Colour(0x8a, 0x5a, 0x10)),
         Outcome::EnergyDrift => fill("energy drift", Colour(0x8f, 0xbb, 0xdd), &[Level], Colour(0x1b, 0x4f, 0x7a)),
         Outcome::PhaseSkipped => fill("phase skipped", Colour(0xb9, 0x8c, 0xc9), &[Upright], Colour(0x50, 0x1f, 0x66)),
@@ -121,6 +122,15 @@ fn paint(canvas: &mut Canvas, (left, top): Spot, (right, bottom): Spot, class: O
 const BOUND: Stroke = Stroke { colour: INK, width: 2.2, dash: &[9.0, 5.0] };
 const SHARP: Stroke = Stroke { colour: INK, width: 3.0, dash: &[] };
 
+/// What tolerance is, in a line.
+fn tolerance() -> String {
+    format!(
+        "tolerance: {} of the data's range, {} of the heat exchanged",
+        percent(RANGE_TOLERANCE, 2),
+        percent(BALANCE_TOLERANCE, 2)
+    )
+}
+
 /// Draws the maps, two to a row.
 pub fn stability(figure: &StabilityFigure) -> Canvas {
     const SIZE: (f64, f64) = (540.0, 430.0);
@@ -148,13 +158,16 @@ fn entries(figure: &StabilityFigure) -> Vec<Entry> {
         |text: &str, marker, hollow| Entry { text: text.into(), stroke: None, marker: Some((marker, INK, hollow)) };
     let line = |text: &str, stroke| Entry { text: text.into(), stroke: Some(stroke), marker: None };
     let columns = || figure.panels.iter().flat_map(|panel| &panel.columns);
-    let mut entries =
-        vec![line("bound by row sums (Gershgorin)", BOUND), line("linear stability limit (sharp)", SHARP)];
+    let mut entries = vec![
+        Entry { text: tolerance(), stroke: None, marker: None },
+        line("bound by row sums (Gershgorin)", BOUND),
+        line("linear stability limit (sharp)", SHARP),
+    ];
     if columns().any(|column| column.first_loss.is_some()) {
-        entries.push(mark("measured: first step that is not exact", Marker::Wedge, true));
+        entries.push(mark("measured: first step beyond tolerance", Marker::Wedge, true));
     }
     if columns().any(|column| column.last_exact.is_some()) {
-        entries.push(mark("last step that is exact", Marker::Triangle, false));
+        entries.push(mark("last step within tolerance", Marker::Triangle, false));
     }
     if columns().any(|column| column.divergence.is_some()) {
         entries.push(mark("first step that diverges", Marker::Diamond, true));
@@ -292,7 +305,7 @@ pub fn super_steps(heading: &str, curves: &[StagesCurve]) -> Canvas {
             let text = format!("{}: {text}", method_title(&curve.method));
             entries.push(Entry { text, stroke, marker });
         };
-        entry("last exact step", None, Some((style.marker, style.colour, false)));
+        entry("last step within tolerance", None, Some((style.marker, style.colour, false)));
         entry("first that diverges", None, Some((style.marker, style.colour, true)));
         entry("limit of linear stability", Some(style.stroke(1.6)), None);
     }

@@ -160,3 +160,20 @@ fn a_refuted_bound_fails_the_check_and_refused_columns_are_listed() {
     assert_eq!(refused.len(), 1);
     assert!(refused[0]["refused"].contains("must be between 1 and 12"), "{refused:?}");
 }
+
+/// The page prints what the scene says, and not what one of its columns made of it; and it says first what it calls exact.
+#[test]
+fn the_page_has_the_scenes_own_values_and_states_its_tolerance_first() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let arguments = ["stefan-water", "--axes", "stefan", "--methods", "local", "--values", "3", "--grid", "2"];
+    let output = stability(folder.path(), &arguments);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let page = fs::read_to_string(folder.path().join("out/stability/report.html")).expect("a page");
+    assert!(page.contains("latent heat 334000") || page.contains("latent heat 3.34e5"), "the scene has 334 kJ/kg");
+    assert!(!page.contains("1336000") && !page.contains("83500"), "values of columns");
+    let tolerance = page.find("of the heat exchanged at every output").expect("the tolerance");
+    // What the document says before its first use of the word.
+    let body = page.find("<body").expect("a body");
+    let exact = body + page[body..].find("exact").expect("the word");
+    assert!(tolerance < exact, "{tolerance} and {exact}");
+}

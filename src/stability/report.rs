@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
+use frazil_core::march::{BALANCE_TOLERANCE, RANGE_TOLERANCE, SETBACK_TOLERANCE};
 use frazil_core::record::Outcome;
+use frazil_core::scene::Scene;
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection, Table};
 use frazil_plots::style::{method_title, number, percent};
 
@@ -13,6 +15,7 @@ use super::execute::Mapped;
 use super::search::{Cell, Edge};
 use super::{figures, super_steps};
 use crate::failure::Failure;
+use crate::load;
 use crate::machine::Machine;
 use crate::words::{self, length_words};
 
@@ -37,9 +40,11 @@ pub fn write(request: &StabilityRequest, machine: &Machine, folder: &Path, colum
     let mut page = Page {
         title: "Where methods break".into(),
         lead: vec![
+            format!("Within tolerance means here: {}.", tolerance()),
             "Each cell is one run: upwards the step over the bound that the row sums of the weights give, across one \
-             parameter of the scene. Up to the bound every run must be exact. Above the linear stability limit none \
-             can be; between the two it depends on the scene."
+             parameter of the scene. Up to the bound every run must be within tolerance. Above the linear stability limit \
+             none can be; between the two it depends on the scene. Tables and files call such a run, and such a step, \
+             exact: stable within tolerance, not free of the errors that spacing and step make."
                 .into(),
         ],
         command: request.command_line.clone(),
@@ -49,14 +54,16 @@ pub fn write(request: &StabilityRequest, machine: &Machine, folder: &Path, colum
     };
     for name in &request.scenes {
         let own: Vec<&Mapped> = columns.iter().filter(|mapped| mapped.job.scene == *name).collect();
-        page.scenes.extend(section(folder, &own)?);
+        // Columns have values of their own in place of the scene's.
+        page.scenes.extend(section(folder, &load::scene(name, &request.overrides)?, &own)?);
     }
     Ok(page::write(&page, &folder.join("report.html"))?)
 }
 
-fn section(folder: &Path, columns: &[&Mapped]) -> Result<Option<SceneSection>, Failure> {
-    let Some(first) = columns.iter().find_map(|mapped| mapped.found.as_ref().ok()) else { return Ok(None) };
-    let scene = &first.probe.scene;
+fn section(folder: &Path, scene: &Scene, columns: &[&Mapped]) -> Result<Option<SceneSection>, Failure> {
+    if columns.iter().all(|mapped| mapped.found.is_err()) {
+        return Ok(None);
+    }
     let own = folder.join(&scene.name);
     std::fs::create_dir_all(&own).map_err(|error| Failure::file(&own, "cannot be made a folder", error))?;
     let mut blocks = Vec::new();
@@ -71,7 +78,7 @@ fn section(folder: &Path, columns: &[&Mapped]) -> Result<Option<SceneSection>, F
             let caption = "Steps of RKL2 over the stated one, which is (s² + s − 2)/4 Euler bounds for s stages.";
             (figures::stages(&title, &along), caption, vec![stages_table(&along)])
         } else {
-            let caption = "Where the two triangles of a column lie on one height, exactness is lost once and for all. \
+            let caption = "Where the two triangles of a column lie on one height, tolerance is left once and for all. \
                            A column without cells was refused.";
             let tables = [Some(boundary_table(&along)), noise_table(&along)];
             (figures::map(&title, axis, &along), caption, tables.into_iter().flatten().collect())
@@ -141,8 +148,8 @@ fn boundary_table(columns: &[&Mapped]) -> Table {
         "divergence / bound",
     ];
     Table {
-        caption: "Boundaries, each enclosed within 2 % of the step. First loss: below it every run is exact. Last \
-                  exact: above it none is. Sharp: two over the largest rate of decay of the linear operator."
+        caption: "Boundaries, each enclosed within 2 % of the step. First loss: below it every run is within \
+                  tolerance. Last exact: above it none is. Sharp: two over the largest rate of decay of the linear operator."
             .into(),
         heads: heads.map(Into::into).into(),
         rows: rows.collect(),
@@ -169,7 +176,8 @@ fn noise_table(columns: &[&Mapped]) -> Option<Table> {
         }
     }
     (!rows.is_empty()).then(|| Table {
-        caption: "Noisy cells: seeds that were not exact, and the 95 % interval of their share (Wilson).".into(),
+        caption: "Noisy cells: seeds that were not within tolerance, and the 95 % interval of their share (Wilson)."
+            .into(),
         heads: ["method", "value", "step / bound", "class", "failed", "interval"].map(Into::into).into(),
         rows,
         words: 1,
@@ -209,7 +217,7 @@ fn stages_table(columns: &[&Mapped]) -> Table {
     Table {
         caption:
             "Limit: where the polynomial of the scheme leaves the unit interval, for the largest rate of decay. RKL2 \
-                  is stable below it, but not monotone: a run may overshoot, and lose exactness, before."
+                  is stable below it, but not monotone: a run may overshoot, and leave tolerance, before."
                 .into(),
         heads: heads.map(Into::into).into(),
         rows: rows.collect(),
@@ -246,16 +254,23 @@ fn promises(columns: &[&Mapped]) -> Block {
     Block { heading: "Stated steps that were refuted".into(), text, list, ..Block::default() }
 }
 
+/// What a run must keep to be called exact.
+fn tolerance() -> String {
+    format!(
+        "temperatures within the range of the data to {} of it, the heat balance closed to {} of the heat exchanged at every \
+         output, and what can only go one way (the front of a body that is cooled from all sides, the heat through its \
+         coldest pipes) never back by more than {}; noise may take temperatures further, by eight of its standard deviations",
+        percent(RANGE_TOLERANCE, 2),
+        percent(BALANCE_TOLERANCE, 2),
+        percent(SETBACK_TOLERANCE, 2)
+    )
+}
+
 fn facts(request: &StabilityRequest) -> Vec<Fact> {
     vec![
-        Fact::new(
-            "Exact",
-            "to tolerance: temperatures within the range of the data to 1 % of it, the heat balance closed to 0.1 % of \
-             the heat exchanged at every output, and what can only go one way (the front of a body that is cooled from \
-             all sides, the heat through its coldest pipes) never back by more than 1 %",
-        ),
+        Fact::new("Exact", format!("within tolerance: {}", tolerance())),
         Fact::new("Oscillating", "beyond these tolerances, but within ten ranges of the data"),
-        Fact::new("Energy drift", "the heat balance is open by more than 0.1 %"),
+        Fact::new("Energy drift", format!("the heat balance is open by more than {}", percent(BALANCE_TOLERANCE, 2))),
         Fact::new("Phase skipped", "the same where a latent-heat scheme can step over the freezing interval"),
         Fact::new("Diverged", "a value that is not finite, or more than ten ranges out of the data"),
         Fact::new("Timed out", format!("not at its end after {} s", number(request.time_limit_s, 3))),

@@ -175,7 +175,7 @@ struct CompareArguments {
     settings: Vec<Setting>,
     /// Also compares the best setting with a key of the methods' sections changed, as in `mean=harmonic`; may be
     /// repeated.
-    #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value, conflicts_with = "vary")]
     also: Vec<(String, String)>,
     /// Overrides a key of every scene, as in `time.duration_h=2`; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]

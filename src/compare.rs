@@ -14,7 +14,7 @@ use frazil_core::record::RunResult;
 use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
 
-use crate::failure::{Failure, Verdict, complain};
+use crate::failure::{Failure, Verdict, answer, complain};
 use crate::machine::Machine;
 use crate::output::Folder;
 use crate::{interrupt, load, registry};
@@ -32,6 +32,7 @@ pub mod tables;
 mod tests;
 pub mod turns;
 pub mod vary;
+pub mod verdict;
 
 /// Wall time that is spent on one scene unless told otherwise (s).
 const BUDGET: f64 = 45.0;
@@ -136,7 +137,13 @@ pub fn compare_with(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdi
         };
         let written = |runs: &execute::SceneRuns| tables::write_comparison(folder.path(), &finished, runs);
         match execute::scene(request, parts, name, &say, &written) {
-            Ok(runs) => finished.push(analysis::Study::of(runs)),
+            Ok(runs) => {
+                let study = analysis::Study::of(runs);
+                if !request.quiet {
+                    answer(&verdict::text(&study))?;
+                }
+                finished.push(study);
+            }
             Err(execute::Stop::Scene(reason)) => {
                 complain(&format!("{name}: {reason}"));
                 broken = true;

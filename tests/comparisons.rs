@@ -49,6 +49,9 @@ fn every_cell_that_a_finished_run_reaches_says_so() {
     spacings.iter().for_each(|set| arguments.extend(["--set", set]));
     let output = frazil(folder.path(), &arguments);
     assert!(output.status.success(), "{output:?}");
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(told.contains("time to an error of the time of closure, by a reference that is known to 0.2 %"), "{told}");
+    assert!(told.lines().any(|line| line.contains("local best") && line.contains("at most")), "{told}");
     let runs = rows(folder.path(), "comparison.csv");
     let cells = rows(folder.path(), "equal_error.csv");
     assert_eq!((runs.len(), cells.len()), (9, 2 * 6 * 3));
@@ -103,6 +106,10 @@ fn what_no_scene_takes_is_refused_before_anything_runs() {
         assert!(said.contains(&wanted), "{flag} {value}: {said}");
         assert!(!said.contains("configurations"), "{said}");
     }
+    // Settings beside each other have no place where errors keep their signs.
+    let vary = ["compare", "stefan-unit", "--vary", "spacing,horizon_ratio", "--also", "mean=harmonic"];
+    assert_eq!(frazil(folder.path(), &vary).status.code(), Some(2));
+    assert_eq!(frazil(folder.path(), &[&vary[..4], &["--methods", "pdd"]].concat()).status.code(), Some(2));
     assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 0);
     // What one of the methods takes is taken.
     let arguments = ["compare", "stefan-unit", "--methods", "local,pd", "--levels", "1", "--also", "horizon_ratio=4"];
@@ -121,7 +128,7 @@ fn a_bundled_scene_can_be_varied() {
     assert!(output.status.success(), "{output:?}");
     let said_of = said(&output);
     assert!(said_of.contains("the latent heat is 33500 there and 50000 here"), "{said_of}");
-    assert!(said_of.contains("time.profiles: 35, 60 left out, after the end of the run at 20"), "{said_of}");
+    assert!(said_of.contains("time.profiles_h: 35, 60 left out, after the end of the run at 20"), "{said_of}");
     let found = record(&folder.path().join("out/compare/soil-column/local_best/record.json"));
     assert_eq!(found.reference.map(|info| info.kind).as_deref(), Some("local"));
     assert!(found.remarks.iter().any(|remark| remark.contains("50000 here")), "{:?}", found.remarks);
@@ -167,7 +174,7 @@ fn a_copy_of_a_bundled_scene_can_be_varied() {
     assert!(output.status.success(), "{output:?}");
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(told.contains("warning: another reference than the scene's"), "{told}");
-    assert!(told.contains("warning: time.profiles: 20, 35, 60 left out"), "{told}");
+    assert!(told.contains("warning: time.profiles_h: 20, 35, 60 left out"), "{told}");
 }
 
 /// Frozen soil that thaws from one end, in a body of a length.

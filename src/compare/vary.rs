@@ -23,7 +23,7 @@ use frazil_plots::style::{duration, number};
 use super::execute::{Stop, judge_alike, truth};
 use super::plan::{Variant, overrides, spacings};
 use super::turns::{self, Turn};
-use super::{CompareRequest, Parts};
+use super::{CompareRequest, Parts, plan};
 use crate::failure::{Failure, Verdict, complain};
 use crate::machine::Machine;
 use crate::output::Folder;
@@ -209,6 +209,7 @@ pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<
     let mut jobs = Vec::new();
     for name in &request.scenes {
         let scene = (parts.scene_at)(name, &[]).map_err(Failure::Request)?;
+        plan::check(request, parts, name, &scene).map_err(Failure::Request)?;
         let methods = methods(request, vary, parts, &scene)?;
         jobs.push((name, scene, methods));
     }

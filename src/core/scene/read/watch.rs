@@ -30,7 +30,8 @@ pub(super) fn time(root: &mut Section<'_>) -> Option<Time> {
         if let Some(first) = late.first() {
             let all: Vec<String> = late.iter().map(|late| plain(late.seconds / late.unit.seconds())).collect();
             let end = plain(duration.seconds / first.unit.seconds());
-            remarks.push(format!("time.profiles: {} left out, after the end of the run at {end}", all.join(", ")));
+            let key = section.time_key("profiles");
+            remarks.push(format!("time.{key}: {} left out, after the end of the run at {end}", all.join(", ")));
         }
         // A run whose profiles all lie after its end keeps its end, as one that names none.
         if !kept.is_empty() {
@@ -45,6 +46,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
     const CUTS: [(&str, &str); 2] = [("cuts_z", "m"), ("cuts_r", "m")];
     const PROFILE_LENGTH: (&str, &str) = ("profile_length", "m");
     let (mut probes, mut profile_length, mut front_from) = (Vec::new(), None, None);
+    let mut front_key = String::new();
     let mut cuts = [Vec::new(), Vec::new()];
     let mut surfaces = Vec::new();
     let (mut phases, mut corner_front, mut frozen_wall) = (None, false, false);
@@ -94,12 +96,13 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
             }
         }
         front_from = section.optional_duration("front_from", Range::NOT_NEGATIVE);
+        front_key = section.time_key("front_from");
     }
     let time = time?;
     if let Some(from) = front_from.take_if(|from| from.seconds > time.duration.seconds) {
         let (found, end) = (from.seconds / from.unit.seconds(), time.duration.seconds / from.unit.seconds());
         let (found, end) = (plain(found), plain(end));
-        time.remarks.push(format!("watch.front_from: {found} left out, after the end of the run at {end}"));
+        time.remarks.push(format!("watch.{front_key}: {found} left out, after the end of the run at {end}"));
     }
     let front_from = front_from.map(|from| from.seconds);
     let [cuts_z, cuts_r] = cuts;

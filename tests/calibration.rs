@@ -115,7 +115,7 @@ fn the_critical_cutoff_is_the_least() {
     let refused = calibrate(folder.path(), &["--cutoff", "1.9520"]);
     let message = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_eq!(refused.status.code(), Some(2));
-    assert!(message.starts_with("water.toml:13: rows.0.schmidt: found a Schmidt number of 10355.66, must be at most "));
+    assert!(message.starts_with("water.toml:13: rows.1.schmidt: found a Schmidt number of 10355.66, must be at most "));
     assert!(message.ends_with("a cut-off of 1.9521 would do\n") && message.lines().count() == 1, "{message}");
 }
 

@@ -112,7 +112,7 @@ fn bad_requests_are_refused_with_their_messages() {
         (&["bad.toml"], "bad.toml:".into()),
         (
             &["--cutoff", "1.9"],
-            "water.toml:13: rows.0.schmidt: found a Schmidt number of 10355.66, must be at most".into(),
+            "water.toml:13: rows.1.schmidt: found a Schmidt number of 10355.66, must be at most".into(),
         ),
         (
             &["--temperatures-c", "warm"],

@@ -64,15 +64,21 @@ pub struct LayoutView<'a> {
     pub load: Vec<(f64, f64)>,
     /// Temperature around the ring through the pipes at the last instant: degrees and temperatures; perhaps none.
     pub axis: Vec<(f64, f64)>,
-    /// When the wall stood closed (s); absent if it did not.
+    /// Temperature along the plane through the weakest gap at the last instant: m from the centre and temperatures; perhaps none.
+    pub weakest_plane: Vec<(f64, f64)>,
+    /// When a closed wall first stood (s); absent if none did.
     pub closure_s: Option<f64>,
+    /// From when to when it stood (s); without an end where it stands at the end.
+    pub standing: Vec<(f64, Option<f64>)>,
     /// When thickness and mean temperature were as designed (s); absent if never, or if nothing was asked for.
     pub design: Option<f64>,
+    /// When they were so no more (s); absent if they stayed so.
+    pub design_left: Option<f64>,
     /// When each gap of the run closes in a reference (s), where it tells of that gap; empty without one.
     pub reference: Vec<Option<f64>>,
 }
 
-/// The gap that closed the wall, or the widest open one.
+/// The gap where the wall is weakest at the end, or the widest open one.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Weakest<'a> {
     link: &'a LinkRow,
@@ -107,20 +113,16 @@ impl LayoutView<'_> {
         self.result.links.iter().filter(|link| link.closure_s.is_none()).count()
     }
 
-    /// The gap with which the wall closed; while that is open, the widest open gap. Absent where no gaps were watched.
+    /// Whether the wall stands closed at the end.
+    fn closed(&self) -> bool {
+        self.standing.last().is_some_and(|period| period.1.is_none())
+    }
+
+    /// The gap where the wall is weakest; while it has never closed, the widest open gap. Absent where no gaps were watched.
     fn weakest(&self) -> Option<Weakest<'_>> {
         let links = &self.result.links;
-        // Of equal ones the first is named.
-        let closing = links.iter().find(|link| {
-            link.closure_s.zip(self.closure_s).is_some_and(|(own, wall)| (own - wall).abs() <= ROUNDING * wall)
-        });
-        let most = |open: bool, key: fn(&LinkRow) -> f64| {
-            let some = links.iter().filter(|link| link.closure_s.is_none() == open);
-            some.reduce(|best, link| if key(link) > (1.0 + ROUNDING) * key(best) { link } else { best })
-        };
-        let link = closing
-            .or_else(|| most(true, |link| link.distance_m))
-            .or_else(|| most(false, |link| link.closure_s.unwrap_or(0.0)))?;
+        let [from, to] = self.result.record.wall.as_ref()?.weakest_gap.as_ref()?;
+        let link = links.iter().find(|link| link.from == *from && link.to == *to)?;
         let like = |other: &&LinkRow| match (link.closure_s, other.closure_s) {
             (Some(own), Some(time)) => (own - time).abs() <= ALIKE * own,
             // Open gaps can be told apart by their widths only.

@@ -5,9 +5,11 @@
 
 use std::path::{Path, PathBuf};
 
+pub use dug::beside_open;
+
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::output::Folder;
-use crate::{load, output, parallel};
+use crate::{journal, load, output, parallel};
 
 pub mod answers;
 pub mod around;
@@ -97,6 +99,7 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
     let folder = Folder::make(&path)?;
+    let build = journal::stamp();
     let work_of = |method: &'static str, beside: bool| Work {
         study: &study,
         method,
@@ -106,6 +109,7 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         shard: request.shard,
         frames: request.frames,
         quiet: request.quiet,
+        build: &build,
     };
     let mut works = vec![work_of(method, false)];
     if all {
@@ -179,6 +183,7 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         methods::write(&path, &beside)?;
     }
     report::write(request, &study, work, report::Told { found: &found, tried: &tried, beside: &beside, critical })?;
+    found.iter().filter_map(dug::warning).for_each(|warning| complain(&format!("WARNING: {warning}")));
     if !request.quiet {
         answer(&tables::summary(&study, method, &found, &path))?;
         for words in beside.iter().filter_map(methods::Beside::words) {

@@ -102,6 +102,9 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
         // The numbers are safe: a figure that cannot be drawn does not undo them.
         complain(&format!("figures: {error}"));
     }
+    if let Some(said) = crate::layout::beside_open(&scene, &result.record) {
+        complain(&format!("WARNING: {}: {said}", scene.name));
+    }
     if !request.quiet {
         answer(&summary(&result, folder.path()))?;
     }

@@ -250,7 +250,7 @@ fn a_ring_in_groundwater_closes_upstream_last_on_the_day_of_the_table() {
         let table = layouts::by_name(groundwater::NAME, &scene, None).expect("a table");
         let last = table.closures.iter().max_by(|a, b| a.day.total_cmp(&b.day)).expect("gaps");
         let result = march::run(&scene, kind.name, None, &Options::default()).expect("a run");
-        let found = result.wall_closure_s.expect("a closed wall") / 86_400.0;
+        let found = result.record.wall.and_then(|wall| wall.closure_s).expect("a closed wall") / 86_400.0;
         assert!((found / last.day - 1.0).abs() < 0.026, "{}: day {found}, not {}", kind.name, last.day);
         let days = result.links.iter().map(|link| (link.closure_s.expect("closed"), link.x_m));
         let weakest = days.max_by(|a, b| a.0.total_cmp(&b.0)).expect("gaps");

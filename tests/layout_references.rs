@@ -207,7 +207,7 @@ fn parts_of_the_plan_have_the_states_of_the_whole_at_mirrored_points() {
                 let (own, all) = (own.closure_s.unwrap_or(f64::NAN), all.closure_s.unwrap_or(f64::NAN));
                 assert!((own / all - 1.0).abs() < 2e-3, "{method}: {own} against {all}");
             }
-            assert!(part.wall_closure_s.is_some());
+            assert!(part.record.wall.as_ref().is_some_and(|wall| wall.closed));
         }
     }
 }

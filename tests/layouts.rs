@@ -191,7 +191,7 @@ fn layouts_that_cannot_be_meant_are_refused_before_any_run() {
     let expected = "method.local.spacing_m: found 0.75, must be at most 0.6027: two pipes stand 1.2054 m apart";
     assert_eq!(found, format!("{layout}{expected}"));
     let found = refused(&["pipes.1.moved_m=[[\"1.1\", -0.14, 1.15]]"]);
-    let expected = "pipes 0 and 1 overlap: their axes are 0.0469 apart, must be more than 0.108";
+    let expected = "pipes 1.1 and 1.2 overlap: their axes are 0.0469 apart, must be more than 0.108";
     assert_eq!(found, format!("{layout}--set pipes.1.moved_m=[[\"1.1\", -0.14, 1.15]]: {expected}"));
     let found = refused(&["pipes.1.ring_radius_m=14.97"]);
     assert!(found.contains("the pipes must lie inside the outer radius 15"), "{found}");
@@ -243,7 +243,7 @@ boreholes = [{ pipe = "1.6", surveyed_m = [[0, 0, 0], [80, 0, 0], [200, 0.2, 0.3
             .iter()
             .map(|row| 1e-3 * (number(row, "to_m") - number(row, "from_m")) * number(row, "load_w_per_m"))
             .sum();
-        assert!((number(shaft, "plant_kw") / load - 1.0).abs() < 1e-12);
+        assert!((number(shaft, "plant_end_kw") / load - 1.0).abs() < 1e-12);
     }
     // The same soil and pipes in their places: the same plan. The survey leaves the vertical below 80 m.
     let closure = |k: usize| number(&parts[k], "closure_days");
@@ -384,10 +384,13 @@ fn all_methods_stand_beside_that_of_the_study() {
     assert_eq!(methods, [["local", "pd", "sph", "edpd"]; 2].concat());
     for layout in rows.chunks(4) {
         assert_eq!(layout[3]["outcome"], "refused");
-        let energies = layout[..3].iter().map(|row| number(row, "thickness_interface_mean_m"));
+        let energies = layout[..3].iter().map(|row| number(row, "thickness_weakest_m"));
         let (least, most) = energies.fold((f64::INFINITY, 0.0f64), |(a, b), now| (a.min(now), b.max(now)));
         assert_eq!(number(&layout[0], "thickness_apart_m"), most - least);
-        assert!(most > least && most - least < 0.1 * most, "{least} {most}");
+        // The wall with a missing pipe stays open under all of them.
+        let open = layout[0]["closure_days"].is_empty();
+        let alike = if open { most == 0.0 } else { most > least && most - least < 0.1 * most };
+        assert!(alike, "{least} {most}");
     }
 }
 

@@ -33,3 +33,4 @@ mod sketch;
 mod stability;
 mod steps_by_error;
 mod wall_models;
+mod walls;

@@ -9,33 +9,45 @@ use crate::style::{LABEL, REFERENCE, number};
 /// Height of a frame with its labels (px).
 const HEIGHT: f64 = 520.0;
 
-/// Thickness of the wall between two pipes over time; zero until something is frozen there.
+/// Thickness of the wall where it is weakest over time; nothing while it is open.
 pub fn thickness(layouts: &[LayoutView<'_>]) -> Canvas {
     let series = |layout: &LayoutView<'_>| -> Vec<(f64, f64)> {
-        let rows = layout.result.planes.iter().filter(|row| row.plane == "interface");
-        let all: Vec<(f64, f64)> = rows
-            .map(|row| (row.time_s, row.outer_m.zip(row.inner_m).map_or(0.0, |(outer, inner)| outer - inner)))
-            .collect();
-        // Lines along the axis, one over the other, would say nothing.
-        let start = all.iter().position(|(_, thick)| *thick > 0.0).unwrap_or(all.len()).saturating_sub(1);
-        all[start..].to_vec()
+        let rows = layout.result.walls.iter().filter(|row| row.closed == Some(true));
+        let closed = rows.filter_map(|row| Some((row.time_s, row.thickness_weakest_m?)));
+        // It begins with nothing when it closes, and ends with nothing when it opens.
+        let ends = layout.standing.iter().flat_map(|(from, to)| [Some(*from), *to]).flatten().map(|time| (time, 0.0));
+        let mut all: Vec<(f64, f64)> = closed.chain(ends).collect();
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all
     };
-    over_time(layouts, "Thickness of the frozen wall between two pipes", "wall thickness (m)", &series, false)
+    let heading = "Thickness of the frozen wall where it is weakest";
+    over_time(layouts, heading, "wall thickness (m)", &series, &weakest_name, false)
 }
 
-/// Mean temperature of all frozen ground over time.
+/// Mean temperature on the least frozen way through the wall over time.
 pub fn mean_temperature(layouts: &[LayoutView<'_>]) -> Canvas {
     let series = |layout: &LayoutView<'_>| -> Vec<(f64, f64)> {
-        let rows = layout.result.planes.iter().filter(|row| row.plane == "wall");
+        let rows = layout.result.planes.iter().filter(|row| row.plane == "weakest");
         rows.filter_map(|row| Some((row.time_s, row.mean_temperature_c?))).collect()
     };
-    over_time(layouts, "Mean temperature of the frozen ground", "mean temperature (°C)", &series, false)
+    let heading = "Mean temperature of the wall where it is weakest";
+    over_time(layouts, heading, "mean temperature (°C)", &series, &weakest_name, false)
+}
+
+/// The name of a layout with that of the gap where it is weakest.
+fn weakest_name(layout: &LayoutView<'_>) -> String {
+    match layout.weakest() {
+        Some(gap) if gap.alike => format!("{}, all gaps alike", layout.name),
+        Some(gap) => format!("{}, {}", layout.name, gap.name()),
+        None => layout.name.clone(),
+    }
 }
 
 /// Load of all pipes of a layout over time.
 pub fn load(layouts: &[LayoutView<'_>]) -> Canvas {
     let series = |layout: &LayoutView<'_>| layout.load.clone();
-    over_time(layouts, "Load of all pipes by metre of depth", "load (W/m)", &series, true)
+    let name = |layout: &LayoutView<'_>| layout.name.clone();
+    over_time(layouts, "Load of all pipes by metre of depth", "load (W/m)", &series, &name, true)
 }
 
 /// One curve for each layout; its marker stands where the wall closes, or hollow at the end where it does not.
@@ -44,16 +56,20 @@ fn over_time(
     heading: &str,
     label: &str,
     series: &dyn Fn(&LayoutView<'_>) -> Vec<(f64, f64)>,
+    name: &dyn Fn(&LayoutView<'_>) -> String,
     spiked: bool,
 ) -> Canvas {
     let curves: Vec<Vec<(f64, f64)>> = layouts.iter().map(series).collect();
-    let mut entries: Vec<Entry> = layouts.iter().enumerate().map(|(k, layout)| entry(k, &layout.name)).collect();
+    let mut entries: Vec<Entry> = layouts.iter().enumerate().map(|(k, layout)| entry(k, &name(layout))).collect();
     let note = |text: &str| Entry { text: text.into(), stroke: None, marker: None };
     if layouts.iter().any(|layout| layout.closure_s.is_some()) {
         entries.push(note("marker: wall closed"));
     }
     if layouts.iter().any(|layout| layout.closure_s.is_none()) {
         entries.push(note("hollow marker at the end: not closed"));
+    }
+    if layouts.iter().any(|layout| layout.closure_s.is_some() && !layout.closed()) {
+        entries.push(note("cross: opens again"));
     }
     let (mut canvas, top) = begun(heading, &entries, HEIGHT);
     let points = || curves.iter().flatten();
@@ -76,6 +92,10 @@ fn over_time(
             let at = frame.spot(time / DAY, value);
             canvas.marker(at, look(k).marker, 6.5, look(k).colour, layout.closure_s.is_none());
         }
+        for time in layout.standing.iter().filter_map(|period| period.1) {
+            let value = between(curve, time).unwrap_or(0.0).clamp(frame.y.low, frame.y.high);
+            canvas.cross(frame.spot(time / DAY, value), 7.0, Stroke::whole(look(k).colour, 2.6));
+        }
     }
     if points().next().is_none() {
         nothing(&mut canvas, &frame);
@@ -83,7 +103,7 @@ fn over_time(
     canvas
 }
 
-/// Temperature along the plane through a pipe and along that between two, at the last instant of each layout.
+/// Temperature along the plane through a pipe and along that through the weakest gap, at the last instant of each layout.
 pub fn planes(layouts: &[LayoutView<'_>], freezing_c: f64) -> Canvas {
     const EACH: f64 = 390.0;
     let last = |layout: &LayoutView<'_>| layout.result.profiles.iter().map(|row| row.time_s).max_by(f64::total_cmp);
@@ -91,7 +111,7 @@ pub fn planes(layouts: &[LayoutView<'_>], freezing_c: f64) -> Canvas {
         let instant = last(layout).map_or_else(|| "no profile".into(), |time| format!("{} d", day(time)));
         let mut entry = entry(k, &layout.name);
         entry.marker = None;
-        entry.text = format!("{}, {instant}", entry.text);
+        entry.text = format!("{}, {instant}", fitted(&weakest_name(layout), LABEL, false, 420.0));
         entry
     };
     let mut entries: Vec<Entry> = layouts.iter().enumerate().map(named).collect();
@@ -99,13 +119,16 @@ pub fn planes(layouts: &[LayoutView<'_>], freezing_c: f64) -> Canvas {
     let freezing = format!("freezing point, {} °C", number(freezing_c, 3));
     entries.push(Entry { text: freezing, stroke: Some(isotherm), marker: None });
     let (mut canvas, mut top) = begun("Temperature along the planes of the wall", &entries, 2.0 * EACH);
-    for (plane, label) in [
-        ("main", "distance from the centre, through a pipe (m)"),
-        ("interface", "distance from the centre, between two pipes (m)"),
+    for (main, label) in [
+        (true, "distance from the centre, through a pipe (m)"),
+        (false, "distance from the centre, through the weakest gap (m)"),
     ] {
         let rows = |layout: &LayoutView<'_>| -> Vec<(f64, f64)> {
+            if !main {
+                return layout.weakest_plane.clone();
+            }
             let time = last(layout);
-            let rows = layout.result.profiles.iter().filter(|row| row.plane == plane && Some(row.time_s) == time);
+            let rows = layout.result.profiles.iter().filter(|row| row.plane == "main" && Some(row.time_s) == time);
             rows.map(|row| (row.x_m, row.temperature_c)).collect()
         };
         let curves: Vec<Vec<(f64, f64)>> = layouts.iter().map(rows).collect();

@@ -25,8 +25,8 @@ pub fn drawings(layouts: &[LayoutView<'_>], freezing_c: f64) -> Vec<Drawing> {
     let mut add = |stem: String, caption: &str, canvas: Canvas, together: bool| {
         all.push(Drawing { stem, caption: caption.into(), canvas, together });
     };
-    let caption = "When the first gap of each layout closes and when the wall does, the gap with which it closes, and \
-                   the load then.";
+    let caption = "When the first gap of each layout closes, from when to when the wall stands closed, the gap where it is weakest, and \
+                   the load when it closes.";
     add("summary".into(), caption, summary(layouts), true);
     for (k, canvas) in sketches(layouts).into_iter().enumerate() {
         let caption = "Pipes, all to one scale: the weakest gap in bold, missing pipes as crosses, the shaft dashed; \
@@ -34,13 +34,13 @@ pub fn drawings(layouts: &[LayoutView<'_>], freezing_c: f64) -> Vec<Drawing> {
         add(if k == 0 { "sketches".into() } else { format!("sketches_{}", k + 1) }, caption, canvas, true);
     }
     let some = |plane: &str| layouts.iter().any(|layout| layout.result.planes.iter().any(|row| row.plane == plane));
-    if some("interface") {
-        let caption = "Thickness of the wall midway between the places of pipes 1.1 and 1.2, where it is thinnest in a \
-                       perfect ring.";
+    if layouts.iter().any(|layout| layout.closure_s.is_some()) {
+        let caption = "Thickness of the wall where it is weakest: frozen length on the least frozen way through it, from the day on which it \
+                       closes. The gap that this way crosses at the end stands beside each name.";
         add("thickness".into(), caption, thickness(layouts), true);
     }
-    if some("wall") {
-        let caption = "Mean temperature of all ground that is frozen.";
+    if some("weakest") && layouts.iter().any(|layout| layout.closure_s.is_some()) {
+        let caption = "Mean temperature on the least frozen way through the wall, at the gap beside each name.";
         add("mean_temperature".into(), caption, mean_temperature(layouts), true);
     }
     if layouts.iter().any(|layout| !layout.load.is_empty()) {
@@ -61,8 +61,8 @@ pub fn drawings(layouts: &[LayoutView<'_>], freezing_c: f64) -> Vec<Drawing> {
         add(format!("gaps_{}", k + 1), &caption, Canvas::beside(&charts), false);
     }
     if layouts.iter().any(|layout| !layout.result.profiles.is_empty()) {
-        let caption = "Temperature from the centre outwards at the last instant, through the place of pipe 1.1 and \
-                       midway to 1.2.";
+        let caption = "Temperature from the centre outwards at the last instant, through the first pipe and through the middle of the \
+                       weakest gap, which stands beside each name.";
         add("planes".into(), caption, planes(layouts, freezing_c), true);
     }
     if layouts.iter().any(|layout| !layout.axis.is_empty()) {

@@ -14,6 +14,8 @@ const BAR: f64 = 20.0;
 const WAITING: Colour = Colour(0xd3, 0xdc, 0xea);
 const CLOSING: Colour = Colour(0x7f, 0x9c, 0xc9);
 const GROWING: Colour = Colour(0x0b, 0x3c, 0x8c);
+/// Where the wall has opened again.
+const OPEN: Colour = Colour(0xf2, 0xc4, 0x8a);
 
 /// A column of numbers beside the bars.
 struct Column {
@@ -22,7 +24,7 @@ struct Column {
 }
 
 /// One bar a layout, from the start: when its first gap closes, when the wall does, and when the wall is as designed.
-/// Beside it stand the day, the weakest gap, with which the wall closed, and the load.
+/// Beside it stand the day, the gap where the wall is weakest, and the load.
 pub fn summary(layouts: &[LayoutView<'_>]) -> Canvas {
     const WIDTH: f64 = 1000.0;
     let entries = entries(layouts);
@@ -84,15 +86,16 @@ fn entries(layouts: &[LayoutView<'_>]) -> Vec<Entry> {
         |text: &str, colour| Entry { text: text.into(), stroke: Some(Stroke::whole(colour, 12.0)), marker: None };
     let mark =
         |text: &str, marker, hollow| Entry { text: text.into(), stroke: None, marker: Some((marker, INK, hollow)) };
-    let mut entries = vec![
-        band("all gaps open", WAITING),
-        band("gaps closing", CLOSING),
-        band("wall closed", GROWING),
-        mark("first gap closed", Marker::Triangle, false),
-        mark("last gap closed", Marker::Wedge, false),
-    ];
+    let mut entries = vec![band("all gaps open", WAITING), band("gaps closing", CLOSING), band("wall closed", GROWING)];
+    if layouts.iter().any(reopens) {
+        entries.push(band("wall open again", OPEN));
+    }
+    entries.extend([mark("first gap closed", Marker::Triangle, false), mark("last gap closed", Marker::Wedge, false)]);
     if layouts.iter().any(|layout| layout.design.is_some()) {
         entries.push(mark("thick and cold as designed", Marker::Diamond, true));
+    }
+    if layouts.iter().any(|layout| layout.design_left.is_some()) {
+        entries.push(Entry { text: "+ no more as designed".into(), stroke: None, marker: None });
     }
     if layouts.iter().any(|layout| layout.closure_s.is_some() && layout.open() > 0) {
         entries.push(mark("a gap beside the wall still open", Marker::Wedge, true));
@@ -100,15 +103,23 @@ fn entries(layouts: &[LayoutView<'_>]) -> Vec<Entry> {
     if layouts.iter().filter_map(LayoutView::weakest).any(|gap| gap.others > 0 && !gap.alike) {
         entries.push(Entry { text: "(+n) n more gaps like it".into(), stroke: None, marker: None });
     }
-    if layouts.iter().any(|layout| layout.closure_s.is_none()) {
-        entries.push(Entry { text: "→ wall still open at the end".into(), stroke: None, marker: None });
+    if layouts.iter().any(|layout| !layout.closed()) {
+        entries.push(Entry { text: "→ wall open at the end".into(), stroke: None, marker: None });
     }
     entries
 }
 
+/// Whether a wall that had closed is open at some time.
+fn reopens(layout: &LayoutView<'_>) -> bool {
+    layout.standing.iter().any(|period| period.1.is_some())
+}
+
 fn columns(layouts: &[LayoutView<'_>]) -> Vec<Column> {
-    let closed =
-        |layout: &LayoutView<'_>| layout.closure_s.map_or_else(|| "open".into(), |time| format!("{} d", day(time)));
+    let closed = |layout: &LayoutView<'_>| match layout.standing.first() {
+        None => "never".into(),
+        Some((from, None)) => format!("{} d", day(*from)),
+        Some((from, Some(to))) => format!("{} – {} d", day(*from), day(*to)),
+    };
     let weakest = |layout: &LayoutView<'_>| match layout.weakest() {
         Some(gap) if gap.alike => "all alike".into(),
         Some(gap) => gap.name(),
@@ -124,8 +135,11 @@ fn columns(layouts: &[LayoutView<'_>]) -> Vec<Column> {
         Column { heads: ["load then", "(at the end)"], cells: layouts.iter().map(load).collect() },
     ];
     if layouts.iter().any(|layout| layout.design.is_some()) {
-        let design =
-            |layout: &LayoutView<'_>| layout.design.map_or_else(|| "–".into(), |time| format!("{} d", day(time)));
+        let design = |layout: &LayoutView<'_>| match (layout.design, layout.design_left) {
+            (None, _) => "never".into(),
+            (Some(from), None) => format!("{} d", day(from)),
+            (Some(from), Some(to)) => format!("{} – {} d", day(from), day(to)),
+        };
         columns.push(Column { heads: ["as", "designed"], cells: layouts.iter().map(design).collect() });
     }
     if layouts.iter().all(|layout| layout.closure_s.is_some()) {
@@ -155,7 +169,10 @@ fn bar(canvas: &mut Canvas, frame: &Frame, layout: &LayoutView<'_>, y: f64) {
     piece(0.0, waited, WAITING);
     piece(waited, closed, CLOSING);
     if layout.closure_s.is_some() {
-        piece(closed, end, GROWING);
+        piece(closed, end, OPEN);
+    }
+    for (from, to) in &layout.standing {
+        piece(*from, to.unwrap_or(end), GROWING);
     }
     let rim = Stroke::whole(INK, 1.2);
     let last = place(end);
@@ -171,18 +188,23 @@ fn bar(canvas: &mut Canvas, frame: &Frame, layout: &LayoutView<'_>, y: f64) {
         }
         None => {}
     }
-    match layout.closure_s {
-        Some(time) => {
-            let x = place(time);
-            canvas.line(vec![(x, upper - 2.0), (x, lower + 2.0)], Stroke::whole(INK, 3.6));
-        }
-        None => {
-            let (stroke, tip) = (Stroke::whole(INK, 2.2), place(end) + 16.0);
-            canvas.line(vec![(place(end), y), (tip, y)], stroke);
-            canvas.line(vec![(tip - 9.0, y - 7.0), (tip, y), (tip - 9.0, y + 7.0)], stroke);
-        }
+    for time in layout.standing.iter().flat_map(|(from, to)| [Some(*from), *to]).flatten() {
+        let x = place(time);
+        canvas.line(vec![(x, upper - 2.0), (x, lower + 2.0)], Stroke::whole(INK, 3.6));
+    }
+    if !layout.closed() {
+        let (stroke, tip) = (Stroke::whole(INK, 2.2), place(end) + 16.0);
+        canvas.line(vec![(place(end), y), (tip, y)], stroke);
+        canvas.line(vec![(tip - 9.0, y - 7.0), (tip, y), (tip - 9.0, y + 7.0)], stroke);
     }
     if let Some(time) = layout.design {
         canvas.marker((place(time), y), Marker::Diamond, 7.0, INK, true);
+    }
+    if let Some(time) = layout.design_left {
+        let (x, white) = (place(time), Stroke::whole(Colour::WHITE, 5.0));
+        for stroke in [white, Stroke::whole(INK, 2.4)] {
+            canvas.line(vec![(x - 6.0, y), (x + 6.0, y)], stroke);
+            canvas.line(vec![(x, y - 6.0), (x, y + 6.0)], stroke);
+        }
     }
 }

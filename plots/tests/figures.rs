@@ -48,6 +48,7 @@ fn record(title: &str, method: &str) -> Record {
         reference: None,
         reduced_from: None,
         water: None,
+        wall: None,
         stream: None,
         spared: Vec::new(),
         differences: Vec::new(),
@@ -100,11 +101,15 @@ fn ring_run() -> RunResult {
             frozen_area_m2: day,
             frozen_area_ref_m2: None,
             heat_per_pipe_w_per_m: 80.0 + 400.0 / day.sqrt(),
+            closed: None,
+            thickness_weakest_m: None,
         });
     }
     for gap in 0..7 {
         run.gaps.push(GapRow {
             gap,
+            from: format!("1.{}", gap + 1),
+            to: format!("1.{}", gap + 2),
             angle_deg: 6.9 + 13.8 * gap as f64,
             multiplicity: 4,
             closure_s: (gap != 5).then_some(86400.0 * (15.5 + 0.1 * (gap % 3) as f64)),

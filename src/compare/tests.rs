@@ -109,6 +109,7 @@ fn blank(scene: &Scene, method: &str) -> Record {
         reference: None,
         reduced_from: None,
         water: None,
+        wall: None,
         stream: None,
         spared: Vec::new(),
         differences: Vec::new(),

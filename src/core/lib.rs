@@ -6,6 +6,7 @@
 //! `U(H) = integral of k dT` (W/m) and symmetric geometric weights `w_ij >= 0` (m^(d-2)).
 
 pub mod boundary;
+pub mod closing;
 pub mod corner;
 pub mod crack;
 pub mod curved_wall;

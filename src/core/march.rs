@@ -270,12 +270,13 @@ pub fn run(
         reduced_from: None,
         water: water.as_mut().map(|water| water.judge(scene, reference.map(|reference| reference.as_ref()))),
         stream: crate::stream::judge(scene, &stream, &mut sections),
+        wall: watches.wall_record(),
         spared: summary.spared,
         differences: summary.differences,
         remarks: scene.remarks.clone(),
         state_hash: particles.state_hash(),
     };
-    let (links, planes, wall_closure_s) = watches.wall();
+    let (links, planes) = watches.wall();
     let mut result = RunResult {
         record,
         front: watches.front,
@@ -294,7 +295,6 @@ pub fn run(
         gaps,
         links,
         planes,
-        wall_closure_s,
         fields: watches.fields,
         water,
     };

@@ -403,6 +403,7 @@ mod tests {
             reference: None,
             reduced_from: None,
             water: None,
+            wall: None,
             stream: None,
             spared: Vec::new(),
             differences: Vec::new(),
@@ -422,7 +423,15 @@ mod tests {
 
     fn gap(gap: usize, multiplicity: usize, days: Option<f64>) -> GapRow {
         let closure_s = days.map(|days| days * DAY);
-        GapRow { gap, angle_deg: 0.0, multiplicity, closure_s, closure_ref_s: None }
+        GapRow {
+            gap,
+            from: String::new(),
+            to: String::new(),
+            angle_deg: 0.0,
+            multiplicity,
+            closure_s,
+            closure_ref_s: None,
+        }
     }
 
     fn close(own: Option<f64>, expected: f64) {
@@ -504,6 +513,8 @@ mod tests {
             frozen_area_m2: area,
             frozen_area_ref_m2: None,
             heat_per_pipe_w_per_m: 0.0,
+            closed: None,
+            thickness_weakest_m: None,
         };
         // Half a day does not count at all, eleven days not for thickness.
         result.walls =

@@ -109,6 +109,11 @@ impl Particles {
         freezing + at_the_centre(&self.lattice, index, fraction, |other| self.temperature(other) - freezing)
     }
 
+    /// Temperature of what is frozen of a particle: where the front passes through it, its place may lie in what is not.
+    pub fn frozen_reading(&self, index: usize) -> f64 {
+        self.reading(index).min(self.materials.of(index).curve.freezing_point())
+    }
+
     /// Whether ground at a distance (m) from the centre was dug out.
     pub fn is_dug(&self, distance: f64) -> bool {
         self.shaft.is_some_and(|radius| distance < radius)

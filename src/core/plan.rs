@@ -8,6 +8,7 @@ use rand_distr::{Distribution, Uniform};
 use rayon::ThreadPool;
 
 use crate::boundary::{Boundary, Side};
+use crate::closing::dug_too_early;
 use crate::corner::strengthen;
 use crate::crack::{Barriers, Cuts};
 use crate::curved_wall::{Contacts, Neighbourhood, Rim, cells_behind};
@@ -183,6 +184,9 @@ pub fn build(
         return Err(refuse(
             "parts of the walls of a rectangle need particles that move (method.edpd.motion = true) or an axis".into(),
         ));
+    }
+    if let Some(reason) = dug_too_early(scene) {
+        return Err(refuse(reason));
     }
     let lattice = Arc::new(Lattice::new(&scene.domain, numerics.spacing));
     if lattice.is_empty() {

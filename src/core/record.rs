@@ -208,6 +208,9 @@ pub struct Record {
     /// What a driven liquid came to.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub stream: Option<StreamRecord>,
+    /// What has become of the frozen wall, where it is watched.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub wall: Option<WallRecord>,
     /// What the scene did not need and was spared.
     pub spared: Vec<String>,
     /// How the method differs from the scene, in words.
@@ -218,6 +221,27 @@ pub struct Record {
     pub remarks: Vec<String>,
     /// Hash of the final enthalpies, as 16 hexadecimal digits.
     pub state_hash: String,
+}
+
+/// The frozen wall around the centre of a ring.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct WallRecord {
+    /// Whether it stands closed at the end.
+    pub closed: bool,
+    /// When it first closed (s); absent if it never did.
+    pub closure_s: Option<f64>,
+    /// When it first opened again after that (s); absent if it did not.
+    pub reopening_s: Option<f64>,
+    /// From when to when it stood closed (s); without an end where it stands at the end of the run.
+    pub standing_s: Vec<(f64, Option<f64>)>,
+    /// Thickness at the end where it is weakest: frozen length on the least frozen way through it (m); 0 where it is open.
+    pub thickness_m: f64,
+    /// Mean temperature on that way; absent where the wall is open.
+    pub mean_temperature_c: Option<f64>,
+    /// The pipes between which it is weakest at the end, as `1.3`: the gap that the least frozen way crosses, or the widest open one.
+    pub weakest_gap: Option<[String; 2]>,
+    /// The pipes that were last to join all around; absent if they never did.
+    pub last_gap: Option<[String; 2]>,
 }
 
 /// One row of `front.csv`.
@@ -376,6 +400,12 @@ pub struct WallRow {
     pub frozen_area_ref_m2: Option<f64>,
     /// Heat taken by one pipe, mean over the ring (W/m).
     pub heat_per_pipe_w_per_m: f64,
+    /// Whether a closed wall stands around the centre; absent where that is not watched.
+    #[serde(default)]
+    pub closed: Option<bool>,
+    /// Thickness of the wall where it is weakest: frozen length on the least frozen way through it (m); 0 while it is open.
+    #[serde(default)]
+    pub thickness_weakest_m: Option<f64>,
 }
 
 /// One row of `gaps.csv`: when the gap between two neighbouring pipes closed.
@@ -383,6 +413,12 @@ pub struct WallRow {
 pub struct GapRow {
     /// Number of the gap, counted from the first pipe.
     pub gap: usize,
+    /// The pipe before it, as `1.3`.
+    #[serde(default)]
+    pub from: String,
+    /// The pipe after it.
+    #[serde(default)]
+    pub to: String,
     /// Angle of its middle (degrees).
     pub angle_deg: f64,
     /// How many gaps of the whole ring it stands for.
@@ -414,11 +450,12 @@ pub struct LinkRow {
 }
 
 /// One row of `planes.csv`: a section of the frozen wall at an output.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct PlaneRow {
     /// Time (s).
     pub time_s: f64,
-    /// `main` through the first pipe of the first ring, `interface` between it and the next, `wall` for all frozen ground.
+    /// `main` through the first pipe of the first ring, `interface` between it and the next, `wall` for all frozen ground, `weakest` along the
+    /// least frozen way through the wall.
     pub plane: String,
     /// Where the frozen wall begins (m from the centre); absent where nothing is frozen, and for all frozen ground.
     pub inner_m: Option<f64>,
@@ -426,6 +463,12 @@ pub struct PlaneRow {
     pub outer_m: Option<f64>,
     /// Mean temperature of what is frozen, on `main` with the pipes and on `wall` without them; absent where nothing is.
     pub mean_temperature_c: Option<f64>,
+    /// On `weakest`, the pipes between which it is: the gap that the way crosses, or the widest open one.
+    #[serde(default)]
+    pub from: String,
+    /// The other pipe.
+    #[serde(default)]
+    pub to: String,
 }
 
 /// A temperature field on a regular grid; NaN outside the body.
@@ -488,8 +531,6 @@ pub struct RunResult {
     pub links: Vec<LinkRow>,
     /// Sections of the frozen wall, where the scene asks for them.
     pub planes: Vec<PlaneRow>,
-    /// When a closed wall stood around the centre (s), where the scene asks for it and one did.
-    pub wall_closure_s: Option<f64>,
     /// Temperature fields at the profile instants; empty on a line.
     pub fields: Vec<Field>,
     /// Water over time, where it flows.
@@ -517,7 +558,6 @@ impl RunResult {
             gaps: Vec::new(),
             links: Vec::new(),
             planes: Vec::new(),
-            wall_closure_s: None,
             fields: Vec::new(),
             water: None,
         }

@@ -3,18 +3,21 @@
 mod corners;
 mod field;
 mod held;
+pub(crate) mod loops;
+mod passage;
 mod phases;
+pub(crate) mod rays;
 mod shells;
+mod standing;
 mod stream;
 mod wall;
-
-use std::f64::consts::PI;
 
 use corners::Corners;
 use field::field;
 use glam::DVec2;
+use rays::{Gap, Planes, Ray, frozen_length, planes};
 use shells::{Cut, RadialFront};
-use wall::{Joint, Wall, Way};
+use wall::{Joint, Wall};
 
 use crate::boundary::moving_least_squares;
 use crate::lattice::Lattice;
@@ -27,18 +30,20 @@ use crate::particles::Particles;
 use crate::pipe::Extent;
 use crate::record::{
     BudgetRow, Field, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow, ProfileRow, SectionRow,
-    Start, StreamRow, SurfaceRow, WallRow,
+    Start, StreamRow, SurfaceRow, WallRecord, WallRow,
 };
-use crate::scene::{Domain, FreezingDirection, Scene, Sector};
+use crate::scene::{Domain, FreezingDirection, PipeRing, Scene, Sector};
 
 /// The map of a state of a scene, as fields are kept.
 pub fn map(scene: &Scene, particles: &Particles, time: f64) -> Field {
     field(particles, time, field_radius(scene))
 }
 
-/// Radius (m) around the origin within which maps are kept; zero for all of the body.
+/// Radius (m) around the origin within which maps are kept: beyond the pipes as far as a wall comes to; zero for all of the body.
 fn field_radius(scene: &Scene) -> f64 {
-    scene.rings.iter().map(|ring| 1.6 * ring.ring_radius).fold(0.0, f64::max)
+    let apart = |ring: &PipeRing| 2.0 * ring.ring_radius * (std::f64::consts::PI / ring.count as f64).sin();
+    let reach = |ring: &PipeRing| (1.6 * ring.ring_radius).max(ring.ring_radius + 1.5 * apart(ring));
+    scene.rings.iter().map(reach).fold(0.0, f64::max)
 }
 
 /// A point read as a weighted sum over particles.
@@ -49,25 +54,6 @@ impl Sample {
     fn of(&self, value: impl Fn(usize) -> f64) -> f64 {
         self.0.iter().map(|(index, weight)| weight * value(*index as usize)).sum()
     }
-}
-
-/// A ray of evenly spaced samples.
-#[derive(Debug, Clone)]
-struct Ray {
-    /// How many rays of the whole ring it stands for.
-    multiplicity: usize,
-    direction: DVec2,
-    radii: Vec<f64>,
-    samples: Vec<Sample>,
-}
-
-/// A gap between two pipes and whether it has closed.
-#[derive(Debug, Clone)]
-struct Gap {
-    number: usize,
-    angle: f64,
-    multiplicity: usize,
-    joint: Joint,
 }
 
 /// All watches of a run and what they have seen.
@@ -132,40 +118,7 @@ impl Watches {
             Domain::Ring { outer_radius, sector } => (Some(sector), outer_radius),
             _ => (None, 0.0),
         };
-        let in_sector = |angle: f64| sector.is_some_and(|sector| sector.holds(angle));
-        let multiplicity = |angle: f64| sector.map_or(1, |sector| sector.multiplicity(angle));
-        let ray = |angle: f64, from: f64, to: f64, step: f64| {
-            let count = ((to - from) / step).ceil().max(1.0) as usize;
-            let radii: Vec<f64> = (0..=count).map(|k| from + (to - from) * k as f64 / count as f64).collect();
-            let direction = DVec2::from_angle(angle);
-            let samples = radii.iter().map(|radius| sampler.sample(direction * *radius)).collect();
-            Ray { multiplicity: multiplicity(angle), direction, radii, samples }
-        };
-        let (mut main, mut interface, mut gaps) = (Vec::new(), Vec::new(), Vec::new());
-        // Walls are measured on the first ring; others are part of the layout around it.
-        if let Some(ring) = scene.rings.first() {
-            let chord = 2.0 * ring.ring_radius * (PI / ring.count as f64).sin();
-            for k in 0..ring.count {
-                if in_sector(ring.angle(k)) {
-                    main.push(ray(ring.angle(k), 0.0, outer - spacing, 0.5 * spacing));
-                }
-                if in_sector(ring.gap_angle(k)) {
-                    let angle = ring.gap_angle(k);
-                    interface.push(ray(angle, 0.0, outer - spacing, 0.5 * spacing));
-                    // Columns meet a little inside the ring; look where they can.
-                    let (from, to) = (ring.ring_radius - 0.5 * chord, ring.ring_radius + 0.3 * chord);
-                    let near = ray(angle, from.max(0.0), to.min(outer), 0.25 * spacing);
-                    gaps.push(Gap {
-                        number: k,
-                        angle,
-                        multiplicity: near.multiplicity,
-                        joint: Joint::new(
-                            near.samples.into_iter().map(|place| Way::Through(place, Vec::new())).collect(),
-                        ),
-                    });
-                }
-            }
-        }
+        let Planes { main, interface, gaps } = planes(scene, &sampler);
         let probes =
             scene.watch.probes.iter().map(|(x, y)| (DVec2::new(*x, *y), sampler.sample(DVec2::new(*x, *y)))).collect();
         let direction = scene.freezing_direction();
@@ -308,6 +261,7 @@ impl Watches {
         if self.shelled {
             self.frozen.push(FrozenRow { time_s: time, frozen_volume: frozen, frozen_volume_ref: None });
         }
+        let stand = self.wall.stand(particles, time);
         if !self.main.is_empty() {
             let length = |rays: &[Ray]| {
                 let weights: usize = rays.iter().map(|ray| ray.multiplicity).sum();
@@ -325,6 +279,8 @@ impl Watches {
                 frozen_area_m2: frozen * self.sector_count,
                 frozen_area_ref_m2: None,
                 heat_per_pipe_w_per_m: heat / pipes,
+                closed: stand.map(|(closed, _)| closed),
+                thickness_weakest_m: stand.map(|(_, thickness)| thickness),
             });
         }
         self.wall.output([&self.main, &self.interface], scene, particles, ledger, time);
@@ -371,10 +327,14 @@ impl Watches {
         averages.map(|averages| (averages.stream(particles), averages.sections())).unwrap_or_default()
     }
 
-    /// When neighbouring pipes of all rings joined, sections of the wall over time, and when it closed around the centre.
-    pub fn wall(&mut self) -> (Vec<LinkRow>, Vec<PlaneRow>, Option<f64>) {
-        let (links, closure) = self.wall.rows();
-        (links, std::mem::take(&mut self.wall.planes), closure)
+    /// When neighbouring pipes of all rings joined, and sections of the wall over time.
+    pub fn wall(&mut self) -> (Vec<LinkRow>, Vec<PlaneRow>) {
+        (self.wall.rows(), std::mem::take(&mut self.wall.planes))
+    }
+
+    /// What has become of the frozen wall, where it is watched.
+    pub fn wall_record(&self) -> Option<WallRecord> {
+        self.wall.record()
     }
 
     /// When each gap closed.
@@ -383,6 +343,8 @@ impl Watches {
             .iter()
             .map(|gap| GapRow {
                 gap: gap.number,
+                from: gap.ends[0].clone(),
+                to: gap.ends[1].clone(),
                 angle_deg: gap.angle.to_degrees(),
                 multiplicity: gap.multiplicity,
                 closure_s: gap.joint.closed,
@@ -390,13 +352,6 @@ impl Watches {
             })
             .collect()
     }
-}
-
-/// Frozen length of a ray: the integral of the frozen fraction along it (m).
-fn frozen_length(ray: &Ray, particles: &Particles) -> f64 {
-    let fractions: Vec<f64> = ray.samples.iter().map(|sample| sample.of(|i| particles.frozen_fraction(i))).collect();
-    let step = ray.radii[1] - ray.radii[0];
-    step * (fractions.iter().sum::<f64>() - 0.5 * (fractions[0] + fractions[fractions.len() - 1]))
 }
 
 /// The heat balance at a time.

@@ -5,7 +5,7 @@ use frazil_core::scene::{Domain, Scene};
 use frazil_plots::layouts::between;
 use serde::{Deserialize, Serialize};
 
-use super::around::{Around, Axis, around};
+use super::around::{Around, Line, Mapped, around};
 use super::formula::SteadyRing;
 use super::study::Design;
 use super::variants::working;
@@ -32,25 +32,27 @@ pub struct Kept {
     pub budget_names: Vec<String>,
     /// Gaps of the first ring, closed anywhere half-way between two pipes.
     pub gaps: Vec<GapRow>,
-    /// When a closed wall stood (s).
-    pub wall_closure_s: Option<f64>,
     /// What its maps say of it, where it has maps.
     #[serde(default)]
     pub around: Vec<Around>,
     /// The axis plane at the last map: angles (degrees) and temperatures.
     #[serde(default)]
-    pub axis: Axis,
+    pub axis: Line,
+    /// The plane through the weakest gap at the last map: distances from the centre (m) and temperatures.
+    #[serde(default)]
+    pub weakest_plane: Line,
 }
 
 impl Kept {
     /// From a run of a scene.
     pub fn of(scene: &Scene, result: &RunResult) -> Kept {
         let last = result.profiles.iter().map(|row| row.time_s).fold(f64::NEG_INFINITY, f64::max);
-        let weakest = weakest(&result.links, result.wall_closure_s);
-        let (around, axis) = around(scene, result, weakest);
+        let weakest = weakest(&result.record, &result.links);
+        let Mapped { around, axis, weakest_plane } = around(scene, result, weakest);
         Kept {
             around,
             axis,
+            weakest_plane,
             record: result.record.clone(),
             links: result.links.clone(),
             planes: result.planes.clone(),
@@ -59,7 +61,6 @@ impl Kept {
             budget: result.budget.clone(),
             budget_names: result.budget_names.clone(),
             gaps: result.gaps.clone(),
-            wall_closure_s: result.wall_closure_s,
         }
     }
 
@@ -72,7 +73,6 @@ impl Kept {
             walls: self.walls.clone(),
             links: self.links.clone(),
             planes: self.planes.clone(),
-            wall_closure_s: self.wall_closure_s,
             ..RunResult::bare(self.record.clone())
         }
     }
@@ -83,14 +83,20 @@ impl Kept {
 pub struct Day {
     /// The instant (days).
     pub day: f64,
-    /// Thickness on the interface plane (m).
+    /// Thickness on interface planes, mean over the ring (m).
     pub thickness_interface_mean_m: f64,
-    /// Thickness on the main plane (m).
+    /// Thickness on main planes, mean over the ring (m).
     pub thickness_main_mean_m: f64,
-    /// Inner front on the interface plane (m from the centre).
-    pub inner_m: Option<f64>,
-    /// Outer front on the interface plane (m from the centre).
-    pub outer_m: Option<f64>,
+    /// Whether the wall stands closed.
+    pub closed: bool,
+    /// Thickness where the wall is weakest: frozen length on the least frozen way through it (m); 0 while it is open.
+    pub thickness_weakest_m: f64,
+    /// Mean temperature on that way; none while it is open.
+    pub temperature_weakest_c: Option<f64>,
+    /// Where the frozen ground on that way begins and ends (m from the centre).
+    pub weakest_m: Option<(f64, f64)>,
+    /// Inner and outer front on the interface plane between the first two pipes (m from the centre).
+    pub interface_m: Option<(f64, f64)>,
     /// Inner and outer front on the main plane (m from the centre).
     pub main_m: Option<(f64, f64)>,
     /// Frozen area (m2), pipes counted.
@@ -101,8 +107,6 @@ pub struct Day {
     pub mean_interface_c: Option<f64>,
     /// Mean temperature of all frozen ground.
     pub mean_c: Option<f64>,
-    /// Thickness at the weakest gap (m), where there is a map of this instant.
-    pub thickness_weakest_m: Option<f64>,
     /// Mean temperature on the axis plane, where there is a map of this instant.
     pub mean_axis_c: Option<f64>,
     /// Heat taken by a pipe, mean over all (W/m).
@@ -125,16 +129,26 @@ pub struct Answers {
     pub pipes: usize,
     /// Day on which the first two neighbours joined.
     pub first_gap: Option<f64>,
-    /// Day on which a closed wall stood around the centre.
+    /// Day on which a closed wall first stood around the centre.
     pub closure: Option<f64>,
-    /// The link that was last to close the wall, or the widest that is open.
+    /// Day on which it first opened again.
+    pub reopening: Option<f64>,
+    /// From what day to what day it stood closed; without an end where it stands at the end.
+    pub standing: Vec<(f64, Option<f64>)>,
+    /// Whether it stands closed at the end.
+    pub closed: bool,
+    /// The link between whose pipes the wall is weakest at the end, or the widest that is open.
     pub weakest: Option<LinkRow>,
+    /// The pipes that were last to join when the wall closed.
+    pub last: Option<[String; 2]>,
     /// Links that are open at the end.
     pub open: usize,
     /// Day on which all neighbours had joined.
     pub all_gaps: Option<f64>,
-    /// Day on which the wall had the wanted thickness and mean temperature.
+    /// Day on which the closed wall first had the wanted thickness and mean temperature where it is weakest.
     pub design: Option<f64>,
+    /// Day on which it first had them no more.
+    pub design_left: Option<f64>,
     /// The wall on the days of the profiles.
     pub days: Vec<Day>,
     /// Heat taken by all pipes over time: seconds, W by metre of depth.
@@ -161,20 +175,25 @@ impl Answers {
         let series = Series::of(scene, kept);
         let load: Vec<(f64, f64)> = series.heat.iter().map(|(time, heat)| (*time, heat * pipes as f64)).collect();
         let mapped = |time: f64| kept.around.iter().find(|map| (map.time_s - time).abs() <= 1e-9 * scene.duration);
-        let on = |time: &f64| Day {
-            thickness_weakest_m: mapped(*time).and_then(|map| map.thickness_weakest_m),
-            mean_axis_c: mapped(*time).and_then(|map| map.mean_axis_c),
-            ..series.day(*time)
-        };
+        let on = |time: &f64| Day { mean_axis_c: mapped(*time).and_then(|map| map.mean_axis_c), ..series.day(*time) };
         let days: Vec<Day> = scene.watch.profiles.iter().map(on).collect();
+        let wall = kept.record.wall.as_ref();
+        let (design, design_left) = design.map_or((None, None), |design| series.designed(design));
         Answers {
             pipes,
             first_gap: closures().reduce(f64::min).map(day),
-            closure: kept.wall_closure_s.map(day),
-            weakest: weakest(&kept.links, kept.wall_closure_s).cloned(),
+            closure: wall.and_then(|wall| wall.closure_s).map(day),
+            reopening: wall.and_then(|wall| wall.reopening_s).map(day),
+            standing: wall.map_or(Vec::new(), |wall| {
+                wall.standing_s.iter().map(|(from, to)| (day(*from), to.map(day))).collect()
+            }),
+            closed: wall.is_some_and(|wall| wall.closed),
+            weakest: weakest(&kept.record, &kept.links).cloned(),
+            last: wall.and_then(|wall| wall.last_gap.clone()),
             open,
             all_gaps: if open == 0 { closures().reduce(f64::max).map(day) } else { None },
-            design: design.and_then(|design| series.reached(&kept.walls, design)),
+            design,
+            design_left,
             far: Far::of(scene, kept, &series),
             formula: days.last().and_then(|last| formula(scene, last)),
             days,
@@ -186,11 +205,10 @@ impl Answers {
     }
 }
 
-/// The link that was last to close the wall; while it is open, the widest open one.
-fn weakest(links: &[LinkRow], closure_s: Option<f64>) -> Option<&LinkRow> {
-    let closing = links.iter().find(|link| closure_s.is_some() && link.closure_s == closure_s);
-    let open = links.iter().filter(|link| link.closure_s.is_none());
-    closing.or_else(|| open.max_by(|a, b| a.distance_m.total_cmp(&b.distance_m)))
+/// The link between whose pipes the wall of a run is weakest.
+fn weakest<'a>(record: &Record, links: &'a [LinkRow]) -> Option<&'a LinkRow> {
+    let [from, to] = record.wall.as_ref()?.weakest_gap.as_ref()?;
+    links.iter().find(|link| link.from == *from && link.to == *to)
 }
 
 /// What the outer wall, which stands for ground without end, has done by the end of a run.
@@ -233,6 +251,10 @@ impl Far {
 
 /// What is read of the wall over time: seconds and values.
 struct Series {
+    /// The wall where it is weakest: time (s), whether it is closed, thickness (m), mean temperature.
+    weakest: Vec<(f64, bool, f64, Option<f64>)>,
+    weakest_inner: Vec<(f64, f64)>,
+    weakest_outer: Vec<(f64, f64)>,
     thickness_interface: Vec<(f64, f64)>,
     thickness_main: Vec<(f64, f64)>,
     inner: Vec<(f64, f64)>,
@@ -270,7 +292,16 @@ impl Series {
             let sum = |row: &BudgetRow| sign * images * doors.iter().filter_map(|k| row.in_j.get(*k)).sum::<f64>();
             kept.budget.iter().map(|row| (row.time_s, sum(row))).collect()
         };
+        let row = |wall: &WallRow| {
+            let plane = kept.planes.iter().find(|row| row.plane == "weakest" && row.time_s == wall.time_s);
+            let closed = wall.closed.unwrap_or(false);
+            let temperature = plane.and_then(|plane| plane.mean_temperature_c);
+            (wall.time_s, closed, wall.thickness_weakest_m.unwrap_or(0.0), temperature)
+        };
         Series {
+            weakest: kept.walls.iter().map(row).collect(),
+            weakest_inner: plane("weakest", |row| row.inner_m),
+            weakest_outer: plane("weakest", |row| row.outer_m),
             thickness_interface: wall(|row| row.thickness_interface_mean_m),
             thickness_main: wall(|row| row.thickness_main_mean_m),
             inner: plane("interface", |row| row.inner_m),
@@ -287,48 +318,68 @@ impl Series {
         }
     }
 
-    /// Day on which the wall first was as designed, between the outputs (rows of `walls`) that tell of it.
-    fn reached(&self, walls: &[WallRow], design: Design) -> Option<f64> {
-        // How far both are from what is wanted, as parts of it: 0 or less once they are there.
-        let lack = |day: &Day| {
-            let thin = design.thickness_m - day.thickness_interface_mean_m;
-            day.mean_c.map(|mean| [thin, mean - design.mean_temperature_c])
-        };
-        let mut before: Option<(f64, [f64; 2])> = None;
-        for row in walls {
-            let day = self.day(row.time_s);
-            let Some(now) = lack(&day) else { continue };
-            if now.iter().all(|lack| *lack <= 0.0) {
-                let Some((last, lacked)) = before else { return Some(day.day) };
-                let part =
-                    lacked.iter().zip(now).map(|(last, now)| if *last > 0.0 { last / (last - now) } else { 0.0 });
-                return Some(last + part.fold(0.0, f64::max) * (day.day - last));
+    /// Day on which the wall first was as designed, and the day on which it first was so no more: closed, as thick as wanted where it is
+    /// weakest, and as cold there in the mean. Between two outputs that both tell of a closed wall it is reckoned by its thickness and
+    /// temperature, else the later of the two is taken to come to it, and the earlier to leave it.
+    fn designed(&self, design: Design) -> (Option<f64>, Option<f64>) {
+        let (mut before, mut reached): (Option<(f64, [f64; 2])>, Option<f64>) = (None, None);
+        for (time, closed, thickness, temperature) in &self.weakest {
+            // How far both are from what is wanted: 0 or less once they are there.
+            let lack = temperature
+                .filter(|_| *closed)
+                .map(|mean| [design.thickness_m - thickness, mean - design.mean_temperature_c]);
+            let is_designed = lack.is_some_and(|lack| lack.iter().all(|lack| *lack <= 0.0));
+            if is_designed == reached.is_none() {
+                let (last, part) = match (before, lack) {
+                    (Some((last, lacked)), Some(now)) => (last, crossing(lacked, now, is_designed)),
+                    (Some((last, _)), None) => (last, 0.0),
+                    (None, _) => (*time, 1.0),
+                };
+                let day = (last + part * (time - last)) / DAY;
+                if !is_designed {
+                    return (reached, Some(day));
+                }
+                reached = Some(day);
             }
-            before = Some((day.day, now));
+            before = lack.map(|lack| (*time, lack));
         }
-        None
+        (reached, None)
     }
 
     /// The wall at an instant; what is not there yet is absent, or 0.
     fn day(&self, time: f64) -> Day {
         let read = |series: &[(f64, f64)]| between(series, time);
+        // At the last output that is not after it: a wall that closes between two outputs is not there at the first.
+        let room = 1e-9 * time.abs();
+        let weakest = self.weakest.iter().rev().find(|row| row.0 <= time + room);
         Day {
             day: time / DAY,
             thickness_interface_mean_m: read(&self.thickness_interface).unwrap_or(0.0),
             thickness_main_mean_m: read(&self.thickness_main).unwrap_or(0.0),
-            inner_m: read(&self.inner),
-            outer_m: read(&self.outer),
+            closed: weakest.is_some_and(|(_, closed, ..)| *closed),
+            thickness_weakest_m: weakest.map_or(0.0, |(_, _, thickness, _)| *thickness),
+            temperature_weakest_c: weakest.and_then(|(.., temperature)| *temperature),
+            weakest_m: read(&self.weakest_inner)
+                .zip(read(&self.weakest_outer))
+                .filter(|_| weakest.is_some_and(|row| row.1)),
+            interface_m: read(&self.inner).zip(read(&self.outer)),
             main_m: read(&self.main_inner).zip(read(&self.main_outer)),
             area_m2: read(&self.area).unwrap_or(0.0),
             mean_main_c: read(&self.mean_main),
             mean_interface_c: read(&self.mean_interface),
             mean_c: read(&self.mean),
-            thickness_weakest_m: None,
             mean_axis_c: None,
             heat_per_pipe_w_per_m: read(&self.heat).unwrap_or(0.0),
             energy_mj_per_m: 1e-6 * read(&self.taken).unwrap_or(0.0),
         }
     }
+}
+
+/// The part of a way between two looks at which the last of what is lacked is there, or the first of what was there is lost.
+fn crossing(before: [f64; 2], now: [f64; 2], comes: bool) -> f64 {
+    let crossed = before.into_iter().zip(now).filter(|(before, now)| (*before <= 0.0) != (*now <= 0.0));
+    let parts = crossed.map(|(before, now)| before / (before - now));
+    if comes { parts.fold(0.0, f64::max) } else { parts.fold(1.0, f64::min) }
 }
 
 /// The steady ring of a scene with one even ring, with the fronts of a day.
@@ -339,7 +390,7 @@ fn formula(scene: &Scene, day: &Day) -> Option<(f64, f64)> {
         return None;
     }
     let material = &scene.materials[0];
-    let (inner, outer) = day.inner_m.zip(day.outer_m)?;
+    let (inner, outer) = day.interface_m?;
     let steady = SteadyRing {
         count: ring.count,
         ring_radius: ring.ring_radius,

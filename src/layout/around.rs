@@ -15,30 +15,46 @@ const MOST: usize = 2000;
 pub struct Around {
     /// The instant (s).
     pub time_s: f64,
-    /// Frozen length on the line from the centre through the middle of the weakest gap (m).
-    pub thickness_weakest_m: Option<f64>,
     /// Mean temperature on the axis plane, through the pipes of the first ring, outside them.
     pub mean_axis_c: Option<f64>,
 }
 
-/// The axis plane at an instant: angles (degrees) and temperatures.
-pub type Axis = Vec<(f64, f64)>;
+/// Places along a line (degrees or m) and temperatures there.
+pub type Line = Vec<(f64, f64)>;
 
-/// The wall at each map of a run, and the axis plane at the last.
-pub(super) fn around(scene: &Scene, result: &RunResult, weakest: Option<&LinkRow>) -> (Vec<Around>, Axis) {
-    let Domain::Ring { sector, .. } = scene.domain else { return (Vec::new(), Vec::new()) };
+/// What the maps of a run say.
+pub(super) struct Mapped {
+    /// At each map.
+    pub(super) around: Vec<Around>,
+    /// The axis plane at the last: degrees.
+    pub(super) axis: Line,
+    /// The plane through the weakest gap at the last: m from the centre.
+    pub(super) weakest_plane: Line,
+}
+
+/// The wall at each map of a run, and lines through it at the last.
+pub(super) fn around(scene: &Scene, result: &RunResult, weakest: Option<&LinkRow>) -> Mapped {
+    let Domain::Ring { sector, .. } = scene.domain else {
+        return Mapped { around: Vec::new(), axis: Vec::new(), weakest_plane: Vec::new() };
+    };
     let axis = |field: &Field| scene.rings.first().map_or(Vec::new(), |ring| axis(&Map { field, sector }, ring));
     let one = |field: &Field| {
-        let map = Map { field, sector };
         let free: Vec<f64> = axis(field).iter().filter(|at| !at.inside).map(|at| at.temperature).collect();
         Around {
             time_s: field.time_s,
-            thickness_weakest_m: weakest.and_then(|gap| thickness(&map, DVec2::new(gap.x_m, gap.y_m))),
             mean_axis_c: (!free.is_empty()).then(|| free.iter().sum::<f64>() / free.len() as f64),
         }
     };
-    let last = result.fields.last().map_or(Vec::new(), axis);
-    (result.fields.iter().map(one).collect(), last.iter().map(|at| (at.angle.to_degrees(), at.temperature)).collect())
+    let last = result.fields.last();
+    let outwards = |field: &Field| {
+        let gap = weakest?;
+        Some(outwards(&Map { field, sector }, DVec2::new(gap.x_m, gap.y_m)))
+    };
+    Mapped {
+        around: result.fields.iter().map(one).collect(),
+        axis: last.map_or(Vec::new(), axis).iter().map(|at| (at.angle.to_degrees(), at.temperature)).collect(),
+        weakest_plane: last.and_then(outwards).unwrap_or_default(),
+    }
 }
 
 /// A map of a part of the plan.
@@ -106,26 +122,22 @@ fn axis(map: &Map<'_>, ring: &PipeRing) -> Vec<OnAxis> {
     (0..=count).filter_map(sample).collect()
 }
 
-/// Frozen length outwards through a place, as far as the map reaches; none at the centre.
-fn thickness(map: &Map<'_>, through: DVec2) -> Option<f64> {
-    let direction = through.try_normalize()?;
-    let step = 0.5 * map.field.spacing_m;
-    let far = |k: usize| map.at(&map.field.frozen_fraction, step * k as f64 * direction);
-    let fractions: Vec<f64> = (0..).map_while(far).collect();
-    // Of a piece between two samples the part beyond one half is frozen.
-    let piece = |pair: &[f64]| match (pair[0] - 0.5, pair[1] - 0.5) {
-        (a, b) if a >= 0.0 && b >= 0.0 => step,
-        (a, b) if a < 0.0 && b < 0.0 => 0.0,
-        (a, b) => step * a.max(b) / (a - b).abs(),
-    };
-    Some(fractions.windows(2).map(piece).sum())
+/// Temperatures outwards through a place, as far as the map reaches; none at the centre.
+fn outwards(map: &Map<'_>, through: DVec2) -> Line {
+    let Some(direction) = through.try_normalize() else { return Vec::new() };
+    let far = |k: usize| 0.5 * map.field.spacing_m * k as f64;
+    let read = |k: usize| Some((far(k), map.at(&map.field.temperature_c, far(k) * direction)));
+    let reach = map.field.spacing_m * (map.field.nx + map.field.ny) as f64;
+    let read = (0..).take_while(|k| far(*k) <= reach).filter_map(read);
+    // Ground that was dug out has no temperature.
+    read.filter_map(|(far, temperature)| Some((far, temperature?))).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// A field that is linear in the quarter is read exactly at any place, by mirrors too, and frozen lengths end between cells.
+    /// A field that is linear in the quarter is read exactly at any place, by mirrors too.
     #[test]
     fn maps_are_read_between_cells_and_in_mirrors() {
         let (n, spacing) = (40, 0.1);
@@ -139,10 +151,7 @@ mod tests {
             y0_m: 0.5 * spacing,
             spacing_m: spacing,
             temperature_c: cells().map(|place| place.x + 2.0 * place.y).collect(),
-            // Frozen between 1.03 and 2.57 m along x, with slopes of a cell.
-            frozen_fraction: cells()
-                .map(|place| (0.5 + 5.0 * (place.x - 1.03).min(2.57 - place.x)).clamp(0.0, 1.0))
-                .collect(),
+            frozen_fraction: vec![0.0; n * n],
             temperature_ref_c: Vec::new(),
         };
         let map = Map { field: &field, sector: Sector::Quarter };
@@ -151,7 +160,7 @@ mod tests {
             assert!((value - (1.234 + 2.0 * 2.345)).abs() < 1e-12, "{value}");
         }
         assert_eq!(map.at(&field.temperature_c, DVec2::new(4.01, 1.0)), None);
-        let found = thickness(&map, DVec2::new(0.5, 1e-3)).expect("a length");
-        assert!((found - 1.54).abs() < 0.02, "{found}");
+        let line = outwards(&map, DVec2::new(0.0, 0.5));
+        assert!(line.iter().all(|(far, temperature)| (temperature - (2.0 * far).max(0.1)).abs() < 0.06), "{line:?}");
     }
 }

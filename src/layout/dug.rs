@@ -1,22 +1,24 @@
 //! Shafts that are dug while the wall is kept frozen: what that does to it.
 
-use frazil_core::record::WallRow;
-use frazil_core::scene::Domain;
-use frazil_plots::layouts::between;
+use frazil_core::record::{Record, WallRow};
+use frazil_core::scene::{Domain, Scene};
 use frazil_plots::page::{Block, Table};
 use serde::Serialize;
 
 use super::Found;
-use super::answers::DAY;
+use super::answers::{DAY, Day};
 use super::report::cell;
 
-/// A row of `shaft.csv`. Thicknesses are those on the interface plane.
+/// A row of `shaft.csv`. Thicknesses are those where the wall is weakest, 0 while it is open.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub(super) struct DugRow<'a> {
     layout: &'a str,
     radius_m: f64,
     dug_days: f64,
     closure_days: Option<f64>,
+    reopened_days: Option<f64>,
+    /// Whether a closed wall stood when the shaft was dug and from then on to the end.
+    closed_while_dug: bool,
     /// On the day of digging.
     thickness_before_m: f64,
     /// Least from the first output after it on.
@@ -38,9 +40,9 @@ pub(super) fn row<'a>(one: &'a Found<'_>) -> Option<DugRow<'a>> {
     let (scene, kept) = (&one.layout.scene, &one.pair.fine);
     let shaft = scene.excavation.as_ref()?;
     let Domain::Ring { sector, .. } = scene.domain else { return None };
-    let series: Vec<(f64, f64)> = kept.walls.iter().map(|row| (row.time_s, row.thickness_interface_mean_m)).collect();
+    let thickness = |row: &WallRow| row.thickness_weakest_m.unwrap_or(0.0);
     let after = |row: &&WallRow| row.time_s > shaft.start;
-    let thin = |a: &&WallRow, b: &&WallRow| a.thickness_interface_mean_m.total_cmp(&b.thickness_interface_mean_m);
+    let thin = |a: &&WallRow, b: &&WallRow| thickness(a).total_cmp(&thickness(b));
     let least = kept.walls.iter().filter(after).min_by(thin)?;
     let door = kept.budget_names.iter().position(|name| name == "shaft")?;
     let images = sector.images() as f64;
@@ -51,26 +53,42 @@ pub(super) fn row<'a>(one: &'a Found<'_>) -> Option<DugRow<'a>> {
         radius_m: shaft.radius,
         dug_days: shaft.start / DAY,
         closure_days: one.fine.closure,
-        thickness_before_m: between(&series, shaft.start).unwrap_or(0.0),
-        thickness_least_m: least.thickness_interface_mean_m,
+        reopened_days: one.fine.reopening,
+        closed_while_dug: beside_open(scene, &kept.record).is_none(),
+        thickness_before_m: Day::at(scene, kept, shaft.start).thickness_weakest_m,
+        thickness_least_m: thickness(least),
         thickness_least_days: least.time_s / DAY,
-        thickness_end_m: kept.walls.last().map_or(0.0, |row| row.thickness_interface_mean_m),
-        inner_end_m: one.fine.days.last().and_then(|day| day.inner_m),
+        thickness_end_m: kept.walls.last().map_or(0.0, thickness),
+        inner_end_m: one.fine.days.last().and_then(|day| day.weakest_m).map(|ends| ends.0),
         face_w_per_m2: rate / (std::f64::consts::TAU * shaft.radius),
         face_w_per_m: rate,
         face_mj_per_m: 1e-6 * images * last.in_j[door],
     })
 }
 
-/// A warning where a shaft is dug before the wall has closed.
-pub(super) fn early(one: &Found<'_>) -> Option<String> {
-    let found = row(one)?;
-    let closes = match found.closure_days {
-        Some(day) if day <= found.dug_days => return None,
-        Some(day) => format!("closes on day {day:.2} only"),
-        None => "does not close".to_owned(),
-    };
-    Some(format!("{}: the shaft is dug on day {}, but the wall {closes}.", found.layout, found.dug_days))
+/// What is wrong where a shaft is dug before the wall has closed, or the wall opens beside it; none where it is closed while the shaft
+/// is there, or no shaft is dug before the end.
+pub fn beside_open(scene: &Scene, record: &Record) -> Option<String> {
+    let (shaft, wall) =
+        (scene.excavation.as_ref().filter(|shaft| shaft.start < scene.duration)?, record.wall.as_ref()?);
+    let day = |time: f64| format!("day {:.2}", time / DAY);
+    let dug = format!("the shaft is dug on {} ", day(shaft.start));
+    let standing =
+        wall.standing_s.iter().find(|(from, to)| *from <= shaft.start && to.is_none_or(|to| to > shaft.start));
+    let next = wall.standing_s.iter().map(|period| period.0).find(|from| *from > shaft.start);
+    match (standing, next, wall.closure_s) {
+        (Some((_, None)), ..) => None,
+        (Some((_, Some(to))), ..) => Some(format!("{dug}and the wall beside it opens on {}", day(*to))),
+        (None, _, None) => Some(format!("{dug}beside a wall that does not close")),
+        (None, Some(from), Some(_)) => Some(format!("{dug}beside an open wall, which closes on {} only", day(from))),
+        (None, None, Some(_)) => Some(format!("{dug}beside a wall that has opened again")),
+    }
+}
+
+/// The same of a layout.
+pub(super) fn warning(one: &Found<'_>) -> Option<String> {
+    let said = beside_open(&one.layout.scene, &one.pair.fine.record)?;
+    Some(format!("{}: {said}.", one.layout.name))
 }
 
 /// The table of the page; none where no shaft is dug.
@@ -97,7 +115,13 @@ pub(super) fn block(found: &[Found<'_>]) -> Option<Block> {
             row.layout.to_owned(),
             row.radius_m.to_string(),
             row.dug_days.to_string(),
-            cell(row.closure_days, 2, "not closed"),
+            match (row.closed_while_dug, row.reopened_days) {
+                (false, Some(opens)) => {
+                    format!("{}, OPENS AGAIN on {opens:.2}", cell(row.closure_days, 2, "not closed"))
+                }
+                (false, None) => format!("{}, NOT IN TIME", cell(row.closure_days, 2, "not closed")),
+                (true, _) => cell(row.closure_days, 2, "not closed"),
+            },
             format!("{:.2}", row.thickness_before_m),
             format!("{:.2}", row.thickness_least_m),
             format!("{:.1}", row.thickness_least_days),
@@ -108,8 +132,8 @@ pub(super) fn block(found: &[Found<'_>]) -> Option<Block> {
         ]
     };
     let table = Table {
-        caption: "Thickness on planes midway between the places of pipes, mean over the ring. Ground that is dug out counts no \
-                  more; heat through the face is positive into the ground."
+        caption: "Thickness where the wall is weakest, 0 while it is open. Ground that is dug out counts no more; heat through the \
+                  face is positive into the ground."
             .into(),
         heads: heads.map(String::from).into(),
         rows: rows.iter().map(cells).collect(),

@@ -72,6 +72,8 @@ pub struct Work<'a> {
     pub frames: bool,
     /// Whether to say nothing but errors.
     pub quiet: bool,
+    /// What tells this build of the program from others: what another has left is made anew.
+    pub build: &'a str,
 }
 
 impl Work<'_> {
@@ -131,8 +133,7 @@ impl Work<'_> {
     }
 
     fn key(&self, layout: &Layout) -> String {
-        let version = env!("CARGO_PKG_VERSION");
-        format!("{version} {} {} {}", layout.name, self.method, layout.scene.hash)
+        format!("{} {} {} {}", self.build, layout.name, self.method, layout.scene.hash)
     }
 
     fn draws_frames(&self, layout: &Layout) -> bool {

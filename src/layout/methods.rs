@@ -40,12 +40,12 @@ struct MethodRow<'a> {
     closure_days: Option<f64>,
     closure_error_days: Option<f64>,
     closure_apart_days: Option<f64>,
-    thickness_interface_mean_m: Option<f64>,
+    thickness_weakest_m: Option<f64>,
     thickness_error_m: Option<f64>,
     thickness_apart_m: Option<f64>,
-    mean_temperature_c: Option<f64>,
-    mean_temperature_error_k: Option<f64>,
-    mean_temperature_apart_k: Option<f64>,
+    temperature_weakest_c: Option<f64>,
+    temperature_weakest_error_k: Option<f64>,
+    temperature_weakest_apart_k: Option<f64>,
     load_w_per_m: Option<f64>,
     load_error_w_per_m: Option<f64>,
     load_apart_w_per_m: Option<f64>,
@@ -67,13 +67,13 @@ pub(super) fn beside<'a>(study: &'a Study, works: &[Work<'_>]) -> Vec<Beside<'a>
         .collect()
 }
 
-/// Day of closure, thickness, mean temperature and load at the end.
+/// Day of closure; thickness and mean temperature where the wall is weakest, and load, at the end.
 pub(super) fn numbers(answers: &Answers) -> [Option<f64>; 4] {
     let end = answers.days.last();
     [
         answers.closure,
-        end.map(|day| day.thickness_interface_mean_m),
-        end.and_then(|day| day.mean_c),
+        end.map(|day| day.thickness_weakest_m),
+        end.and_then(|day| day.temperature_weakest_c),
         end.map(|day| day.heat_per_pipe_w_per_m * answers.pipes as f64),
     ]
 }
@@ -131,12 +131,12 @@ impl Beside<'_> {
                 closure_days: values[0],
                 closure_error_days: errors[0],
                 closure_apart_days: apart[0],
-                thickness_interface_mean_m: values[1],
+                thickness_weakest_m: values[1],
                 thickness_error_m: errors[1],
                 thickness_apart_m: apart[1],
-                mean_temperature_c: values[2],
-                mean_temperature_error_k: errors[2],
-                mean_temperature_apart_k: apart[2],
+                temperature_weakest_c: values[2],
+                temperature_weakest_error_k: errors[2],
+                temperature_weakest_apart_k: apart[2],
                 load_w_per_m: values[3],
                 load_error_w_per_m: errors[3],
                 load_apart_w_per_m: apart[3],

@@ -73,7 +73,7 @@ pub(super) fn write(
         let own = if figures.is_empty() && first.is_empty() { &mut first } else { &mut figures };
         own.push(Figure::new(&drawing.canvas, drawing.caption, drawing.stem));
     }
-    let near = compared.iter().flat_map(|one| [near(one), dug::early(one)]).flatten().collect();
+    let near = compared.iter().flat_map(|one| [dug::warning(one), opened(one), near(one)]).flatten().collect();
     let tables = vec![overview(study, work.method, &compared)];
     page.opening.push(Block { list: near, figures: first, tables, ..Block::default() });
     page.opening.push(Block { figures, ..Block::default() });
@@ -143,8 +143,11 @@ fn view<'a>(study: &Study, one: &Found<'_>, run: &'a RunResult) -> LayoutView<'a
         result: run,
         load: one.fine.load.clone(),
         axis: one.pair.fine.axis.clone(),
+        weakest_plane: one.pair.fine.weakest_plane.clone(),
         closure_s: one.fine.closure.map(|day| day * DAY),
+        standing: one.fine.standing.iter().map(|(from, to)| (from * DAY, to.map(|day| day * DAY))).collect(),
         design: one.fine.design.map(|day| day * DAY),
+        design_left: one.fine.design_left.map(|day| day * DAY),
         reference: reference::of_links(one),
     }
 }
@@ -184,19 +187,32 @@ fn over_depth(study: &Study, work: &Work<'_>, found: &[Found<'_>]) -> Result<Opt
         let mut cells = vec![
             row.layout.to_owned(),
             row.weakest_horizon.to_owned(),
-            with_error(row.closure_days, row.closure_error_days, 2, &format!("{} horizons open", row.open_horizons)),
-            format!("{:.2} in {}", row.thickness_interface_mean_m, row.thinnest_horizon),
-            format!("{} in {}", cell(row.mean_temperature_c, 2, "none"), row.warmest_horizon),
+            stood(
+                with_error(
+                    row.closure_days,
+                    row.closure_error_days,
+                    2,
+                    &format!("{} horizons open", row.open_horizons),
+                ),
+                row.reopened_days,
+            ),
+            format!("{:.2} in {}", row.thickness_weakest_m, row.thinnest_horizon),
+            match row.warmest_horizon {
+                Some(horizon) => format!("{} in {horizon}", cell(row.temperature_weakest_c, 2, "none")),
+                None => "none".into(),
+            },
             format!("{:.0}", row.plant_peak_kw),
-            format!("{:.0}", row.plant_kw),
+            format!("{:.0}", row.plant_end_kw),
             format!("{:.0}", row.energy_gj),
         ];
-        cells.extend(designed.then(|| cell(row.design_days, 1, "not reached")));
+        cells.extend(designed.then(|| designed_on(row.design_days, row.design_left_days)));
         cells
     };
     let rows: Vec<ShaftRow<'_>> = compared.iter().filter_map(|shaft| shaft.row(study, found)).collect();
     let shafts = Table {
-        caption: "The shaft as a whole: closed once it is at all horizons; loads are sums over the layers. ± is the change from twice the spacing.".into(),
+        caption: "The shaft as a whole: closed once it is at all horizons; thickness and mean temperature where the wall is weakest; loads \
+                  are sums over the layers. ± is the change from twice the spacing."
+            .into(),
         heads,
         rows: rows.iter().map(row).collect(),
         words: 2,
@@ -228,7 +244,7 @@ fn methods_block(work: &Work<'_>, beside: &[Beside<'_>]) -> Result<Option<Block>
     let views: Vec<_> = beside.iter().map(Beside::view).collect();
     let drawing = frazil_plots::layouts::methods(&views);
     drawing.write(&work.folder, "methods")?;
-    let caption = "Day of closure, and thickness, mean temperature and load at the end, as each method has them.";
+    let caption = "Day of closure, thickness and mean temperature where the wall is weakest, and load at the end, as each method has them.";
     let figures = vec![Figure::new(&drawing, caption, "methods")];
     let heads = ["layout", "methods", "wall closes (day)", "thickness (m)", "mean temperature (°C)", "load (W/m)"];
     let row = |one: &Beside<'_>| {
@@ -278,7 +294,7 @@ fn what_if(study: &Study, found: &[Found<'_>]) -> Vec<Block> {
         let heads =
             ["layout", "key", "factor", "wall closes (day)", "closure (d)", "thickness (m)", "mean temperature (K)"];
         let heads = heads.into_iter().chain(["energy (MJ/m)"]).map(String::from).collect();
-        let caption = "Changes against the layout itself; thickness, temperature and energy at the end.".into();
+        let caption = "Changes against the layout itself; thickness and temperature where the wall is weakest, and energy, at the end.".into();
         let csv = Some("sensitivity.csv".into());
         let table = Table { caption, heads, rows: changes.iter().map(row).collect(), words: 2, csv };
         blocks.push(Block { heading: "Sensitivity".into(), tables: vec![table], ..Block::default() });
@@ -289,7 +305,11 @@ fn what_if(study: &Study, found: &[Found<'_>]) -> Vec<Block> {
             vec![
                 row.layout.to_owned(),
                 row.members.to_string(),
-                row.closed.to_string(),
+                if row.reopened > 0 {
+                    format!("{}, {} OPEN AGAIN", row.closed, row.reopened)
+                } else {
+                    row.closed.to_string()
+                },
                 cell(row.closure_p05_days, 2, "not closed"),
                 cell(row.closure_p50_days, 2, "not closed"),
                 cell(row.closure_p95_days, 2, "not closed"),
@@ -312,12 +332,12 @@ fn searched(search: &Search, tried: &[Tried]) -> Block {
         let words = if one.in_time { in_time } else { "no" };
         let mut cells = vec![
             number(one.value, 5),
-            cell(one.closure_days, 2, "not closed"),
+            stood(cell(one.closure_days, 2, "not closed"), one.reopened_days),
             format!("{:.0}", one.energy_mj_per_m),
             words.to_owned(),
         ];
         if search.design_days.is_some() {
-            cells.insert(2, cell(one.design_days, 1, "not reached"));
+            cells.insert(2, designed_on(one.design_days, one.design_left_days));
         }
         cells
     };
@@ -345,6 +365,24 @@ pub(super) fn cell(value: Option<f64>, digits: usize, none: &str) -> String {
     value.map_or_else(|| none.to_owned(), |value| format!("{value:.digits$}"))
 }
 
+/// When a wall closed, and that it opened again.
+fn stood(closed: String, reopened: Option<f64>) -> String {
+    reopened.map_or_else(|| closed.clone(), |day| format!("{closed}, OPENS AGAIN on {day:.2}"))
+}
+
+/// When a wall was as designed, and when no more.
+fn designed_on(design: Option<f64>, left: Option<f64>) -> String {
+    let from = cell(design, 1, "never");
+    left.map_or_else(|| from.clone(), |day| format!("{from}, NO MORE from {day:.1}"))
+}
+
+/// A warning where a wall opens again.
+fn opened(one: &Found<'_>) -> Option<String> {
+    let opens = one.fine.reopening?;
+    let ends = if one.fine.closed { "closed again at the end" } else { "open at the end" };
+    Some(format!("{}: the wall OPENS AGAIN on day {opens:.2} and is {ends}.", one.layout.name))
+}
+
 /// A number and how far off it may be.
 fn with_error(value: Option<f64>, error: Option<f64>, digits: usize, none: &str) -> String {
     let error = value.and(error).map_or(String::new(), |error| format!(" ± {error:.digits$}"));
@@ -360,8 +398,9 @@ fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
         "wall closes (day)",
         "first gap (day)",
         "thickness at the end (m)",
-        "at the weakest gap (m)",
-        "mean temperature (°C)",
+        "mean temperature there (°C)",
+        "thickness, mean over the ring (m)",
+        "all frozen ground, mean (°C)",
         "load, greatest (W/m)",
         "load at the end (W/m)",
         "energy (MJ/m)",
@@ -387,8 +426,8 @@ fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
         let (fine, coarse) = (&one.fine, one.coarse.as_ref());
         let (end, far) = (fine.days.last(), coarse.and_then(|coarse| coarse.days.last()));
         let off = |own: Option<f64>, other: Option<f64>| own.zip(other).map(|(own, other)| (own - other).abs());
-        let thickness = end.map(|day| day.thickness_interface_mean_m);
-        let mean = end.and_then(|day| day.mean_c);
+        let thickness = end.map(|day| day.thickness_weakest_m);
+        let mean = end.and_then(|day| day.temperature_weakest_c);
         let weakest = fine
             .weakest
             .as_ref()
@@ -397,17 +436,18 @@ fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
             one.layout.name.clone(),
             weakest,
             fine.pipes.to_string(),
-            with_error(fine.closure, tables::closure_error(one), 2, "not closed"),
+            stood(with_error(fine.closure, tables::closure_error(one), 2, "not closed"), fine.reopening),
             cell(fine.first_gap, 2, "none"),
-            with_error(thickness, off(thickness, far.map(|day| day.thickness_interface_mean_m)), 2, ""),
-            cell(end.and_then(|day| day.thickness_weakest_m), 2, ""),
-            with_error(mean, off(mean, far.and_then(|day| day.mean_c)), 2, ""),
+            with_error(thickness, off(thickness, far.map(|day| day.thickness_weakest_m)), 2, ""),
+            with_error(mean, off(mean, far.and_then(|day| day.temperature_weakest_c)), 2, "open"),
+            cell(end.map(|day| day.thickness_interface_mean_m), 2, ""),
+            cell(end.and_then(|day| day.mean_c), 2, "none"),
             format!("{:.0}", fine.peak),
             cell(end.map(|day| day.heat_per_pipe_w_per_m * fine.pipes as f64), 0, ""),
             cell(end.map(|day| day.energy_mj_per_m), 0, ""),
         ];
         if designed.is_some() {
-            cells.push(cell(fine.design, 1, "not reached"));
+            cells.push(designed_on(fine.design, fine.design_left));
         }
         if acting {
             cells.push(format!("{:.3}", 1e3 * reference::effective_radius(&one.layout.scene, method)));
@@ -419,8 +459,9 @@ fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
     };
     Table {
         caption:
-            "± is the change from twice the spacing, not a bound. Thickness on planes midway between the places of \
-             pipes, mean over the ring, and on the line from the centre through the middle of the weakest gap; loads and energy by metre of depth, greatest after the first day."
+            "± is the change from twice the spacing, not a bound. Thickness is the frozen length on the least frozen way through the wall, at the \
+             weakest gap, 0 while it is open, and the mean temperature is that on this way; means over planes midway between pipes and of \
+             all frozen ground stand beside them. Loads and energy by metre of depth, greatest after the first day."
                 .into(),
         heads,
         rows: compared.iter().map(row).collect(),

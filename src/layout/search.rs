@@ -24,11 +24,15 @@ pub struct Tried {
     pub value: f64,
     /// Day on which the wall closed.
     pub closure_days: Option<f64>,
+    /// Day on which it first opened again.
+    pub reopened_days: Option<f64>,
     /// Day on which it was as designed.
     pub design_days: Option<f64>,
+    /// Day on which it first was so no more.
+    pub design_left_days: Option<f64>,
     /// Energy to the last day that is asked for (MJ by metre of depth).
     pub energy_mj_per_m: f64,
-    /// Whether in time.
+    /// Whether in time: closed by the day that is asked for, if one is, and to the end of the run, and designed likewise.
     pub in_time: bool,
     /// Whether it is the one that was searched.
     pub least: bool,
@@ -77,18 +81,34 @@ impl Trials<'_> {
             let thickness = study.depth_of(layout).filter(|_| layout.horizon.is_some()).unwrap_or(1.0);
             parts.push((Answers::of(&layout.scene, &pair.fine, study.design_of(layout)), thickness));
         }
-        // A shaft is closed once it is closed at all horizons.
+        // A shaft is closed once it is closed at all horizons, and open once it is at one.
         let last = |day: fn(&Answers) -> Option<f64>| {
             let days: Option<Vec<f64>> = parts.iter().map(|(answers, _)| day(answers)).collect();
             days.and_then(|days| days.into_iter().reduce(f64::max))
         };
+        let first =
+            |day: fn(&Answers) -> Option<f64>| parts.iter().filter_map(|(answers, _)| day(answers)).reduce(f64::min);
         let (closure_days, design_days) = (last(|answers| answers.closure), last(|answers| answers.design));
+        let (reopened_days, design_left_days) =
+            (first(|answers| answers.reopening), first(|answers| answers.design_left));
         let energy = |answers: &Answers| between(&answers.energy, DAY * search.last_day()).unwrap_or(f64::NAN);
         let depth: f64 = parts.iter().map(|(_, thick)| thick).sum();
         let energy_mj_per_m = parts.iter().map(|(answers, thick)| thick * energy(answers)).sum::<f64>() / depth;
         let by = |asked: Option<f64>, day: Option<f64>| asked.is_none_or(|asked| day.is_some_and(|day| day <= asked));
-        let in_time = by(search.closure_days, closure_days) && by(search.design_days, design_days);
-        let tried = Tried { value, closure_days, design_days, energy_mj_per_m, in_time, least: false };
+        let stays = closure_days.is_some() && reopened_days.is_none();
+        let designed =
+            by(search.design_days, design_days) && (search.design_days.is_none() || design_left_days.is_none());
+        let in_time = stays && by(search.closure_days, closure_days) && designed;
+        let tried = Tried {
+            value,
+            closure_days,
+            reopened_days,
+            design_days,
+            design_left_days,
+            energy_mj_per_m,
+            in_time,
+            least: false,
+        };
         self.tried.borrow_mut().push(tried.clone());
         Ok(tried)
     }
@@ -104,7 +124,9 @@ impl Trials<'_> {
             (Some(asked), Some(day)) => (day / asked - 1.0).max(0.0),
             (Some(asked), None) => end / asked + 1.0 / (1.0 + energy),
         };
-        let late = late(self.search.closure_days, one.closure_days) + late(self.search.design_days, one.design_days);
+        let days = late(self.search.closure_days, one.closure_days) + late(self.search.design_days, one.design_days);
+        // What is in time but does not last is as bad as what never comes.
+        let late = if days == 0.0 && !one.in_time { end / self.search.last_day() + 1.0 / (1.0 + energy) } else { days };
         energy + PENALTY * late
     }
 }

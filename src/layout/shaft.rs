@@ -28,17 +28,19 @@ pub(super) struct ShaftRow<'a> {
     pub(super) depth_m: f64,
     pub(super) closure_days: Option<f64>,
     pub(super) closure_error_days: Option<f64>,
+    pub(super) reopened_days: Option<f64>,
     pub(super) weakest_horizon: &'a str,
     weakest_from: Option<&'a str>,
     weakest_to: Option<&'a str>,
     pub(super) open_horizons: usize,
     pub(super) design_days: Option<f64>,
+    pub(super) design_left_days: Option<f64>,
     pub(super) thinnest_horizon: &'a str,
-    pub(super) thickness_interface_mean_m: f64,
-    pub(super) warmest_horizon: &'a str,
-    pub(super) mean_temperature_c: Option<f64>,
+    pub(super) thickness_weakest_m: f64,
+    pub(super) warmest_horizon: Option<&'a str>,
+    pub(super) temperature_weakest_c: Option<f64>,
     pub(super) plant_peak_kw: f64,
-    pub(super) plant_kw: f64,
+    pub(super) plant_end_kw: f64,
     pub(super) energy_gj: f64,
 }
 
@@ -62,7 +64,12 @@ impl<'a> Shaft<'a> {
         days?.into_iter().reduce(f64::max)
     }
 
-    /// The same at twice the spacing.
+    /// Day on which it first opened again at one of them.
+    pub(super) fn reopening(&self) -> Option<f64> {
+        self.parts.iter().filter_map(|(one, _)| one.fine.reopening).reduce(f64::min)
+    }
+
+    /// Its closure at twice the spacing.
     fn coarse_closure(&self) -> Option<f64> {
         let days: Option<Vec<f64>> = self.parts.iter().map(|(one, _)| one.coarse.as_ref()?.closure).collect();
         days?.into_iter().reduce(f64::max)
@@ -101,10 +108,10 @@ impl<'a> Shaft<'a> {
             .iter()
             .map(|(one, thick)| Some((*one, *thick, *one.fine.days.last()?)))
             .collect::<Option<_>>()?;
-        let thin =
-            ends.iter().min_by(|a, b| a.2.thickness_interface_mean_m.total_cmp(&b.2.thickness_interface_mean_m))?;
-        let mean = |end: &super::answers::Day| end.mean_c.unwrap_or(f64::INFINITY);
-        let warm = ends.iter().max_by(|a, b| mean(&a.2).total_cmp(&mean(&b.2)))?;
+        let thin = ends.iter().min_by(|a, b| a.2.thickness_weakest_m.total_cmp(&b.2.thickness_weakest_m))?;
+        // Where the wall is open it has no temperature.
+        let closed = ends.iter().filter_map(|(one, _, end)| Some((*one, end.temperature_weakest_c?)));
+        let warm = closed.max_by(|a, b| a.1.total_cmp(&b.1));
         let design: Option<Vec<f64>> = self.parts.iter().map(|(one, _)| one.fine.design).collect();
         let load = self.load();
         let of = match &weakest.layout.role {
@@ -119,17 +126,19 @@ impl<'a> Shaft<'a> {
             depth_m: self.parts.iter().map(|(_, thick)| thick).sum(),
             closure_days: self.closure(),
             closure_error_days: self.closure().zip(self.coarse_closure()).map(|(fine, coarse)| (fine - coarse).abs()),
+            reopened_days: self.reopening(),
             weakest_horizon: Shaft::horizon(study, weakest),
             weakest_from: weakest.fine.weakest.as_ref().map(|link| link.from.as_str()),
             weakest_to: weakest.fine.weakest.as_ref().map(|link| link.to.as_str()),
             open_horizons: self.parts.iter().filter(|(one, _)| one.fine.closure.is_none()).count(),
             design_days: design.and_then(|days| days.into_iter().reduce(f64::max)),
+            design_left_days: self.parts.iter().filter_map(|(one, _)| one.fine.design_left).reduce(f64::min),
             thinnest_horizon: Shaft::horizon(study, thin.0),
-            thickness_interface_mean_m: thin.2.thickness_interface_mean_m,
-            warmest_horizon: Shaft::horizon(study, warm.0),
-            mean_temperature_c: warm.2.mean_c,
+            thickness_weakest_m: thin.2.thickness_weakest_m,
+            warmest_horizon: warm.map(|warm| Shaft::horizon(study, warm.0)),
+            temperature_weakest_c: warm.map(|warm| warm.1),
             plant_peak_kw: load.iter().filter(|(time, _)| *time > DAY).map(|(_, load)| *load).fold(0.0, f64::max),
-            plant_kw: load.last().map_or(0.0, |(_, load)| *load),
+            plant_end_kw: load.last().map_or(0.0, |(_, load)| *load),
             energy_gj: ends.iter().map(|(_, thick, end)| 1e-3 * thick * end.energy_mj_per_m).sum(),
         })
     }
@@ -143,7 +152,7 @@ impl<'a> Shaft<'a> {
                 from_m: horizon.from,
                 to_m: horizon.to,
                 closure_s: one.fine.closure.map(|day| day * DAY),
-                thickness_m: one.fine.days.last().map_or(0.0, |end| end.thickness_interface_mean_m),
+                thickness_m: one.fine.days.last().map_or(0.0, |end| end.thickness_weakest_m),
                 load_w_per_m: one.fine.peak,
             })
         };
@@ -166,7 +175,10 @@ pub(super) fn write(folder: &Path, study: &Study, found: &[Found<'_>]) -> Result
 pub(super) fn words(row: &ShaftRow<'_>) -> String {
     let (name, depth, horizon) = (row.layout, row.depth_m, row.weakest_horizon);
     let closure = match row.closure_days {
-        Some(day) => format!("closed on day {day:.2}, last in {horizon}"),
+        Some(day) => match row.reopened_days {
+            Some(opens) => format!("closed on day {day:.2}, last in {horizon}, OPENS AGAIN on day {opens:.2}"),
+            None => format!("closed on day {day:.2}, last in {horizon}"),
+        },
         None => format!("open at {} of its horizons, widest in {horizon}", row.open_horizons),
     };
     format!("{name}, all {depth} m: {closure}, plant at most {:.0} kW", row.plant_peak_kw)

@@ -61,9 +61,9 @@ struct Entry {
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Design {
-    /// Thickness on the interface plane (m).
+    /// Thickness where the wall is weakest: frozen length on the least frozen way through it (m).
     pub thickness_m: f64,
-    /// Mean temperature of the wall.
+    /// Mean temperature on that way.
     pub mean_temperature_c: f64,
 }
 
@@ -342,7 +342,6 @@ fn combinations(sweep: &Table) -> Result<Vec<(String, Overrides)>, String> {
     for (key, values) in sweep {
         let values = values.as_array().filter(|values| !values.is_empty());
         let values = values.ok_or_else(|| format!("sweep: {key}: must be a list of values"))?;
-        let short = key.rsplit('.').next().unwrap_or(key);
         found = found
             .iter()
             .flat_map(|(words, overrides)| {
@@ -350,7 +349,7 @@ fn combinations(sweep: &Table) -> Result<Vec<(String, Overrides)>, String> {
                     let gap = if words.is_empty() { "" } else { ", " };
                     let mut overrides = overrides.clone();
                     overrides.push((key.clone(), value.to_string()));
-                    (format!("{words}{gap}{short} = {value}"), overrides)
+                    (format!("{words}{gap}{key} = {value}"), overrides)
                 })
             })
             .collect();
@@ -373,10 +372,10 @@ mod tests {
         let found = study(text).expect("a study");
         let names: Vec<&str> = found.layouts.iter().map(|layout| layout.name.as_str()).collect();
         let expected = [
-            "count = 20, temperature_c = -20",
-            "count = 20, temperature_c = -30.5",
-            "count = 25, temperature_c = -20",
-            "count = 25, temperature_c = -30.5",
+            "pipes.0.count = 20, pipes.0.temperature_c = -20",
+            "pipes.0.count = 20, pipes.0.temperature_c = -30.5",
+            "pipes.0.count = 25, pipes.0.temperature_c = -20",
+            "pipes.0.count = 25, pipes.0.temperature_c = -30.5",
         ];
         assert_eq!(names, expected);
         assert!(found.layouts[0].sector.starts_with("a quarter"));

@@ -6,7 +6,7 @@ use frazil_core::record::Outcome;
 use serde::Serialize;
 
 use super::answers::Answers;
-use super::shaft::{self, Shaft, shafts};
+use super::shaft::{self, shafts};
 use super::study::Study;
 use super::variants::Role;
 use super::{Found, dug, reference, write_rows};
@@ -27,16 +27,24 @@ struct LayoutRow<'a> {
     first_gap_days: Option<f64>,
     closure_days: Option<f64>,
     closure_error_days: Option<f64>,
+    reopened_days: Option<f64>,
+    closed_at_end: bool,
+    last_from: Option<&'a str>,
+    last_to: Option<&'a str>,
     weakest_from: Option<&'a str>,
     weakest_to: Option<&'a str>,
     open_gaps: usize,
     all_gaps_days: Option<f64>,
     design_days: Option<f64>,
+    design_left_days: Option<f64>,
     end_days: f64,
+    thickness_weakest_m: f64,
+    thickness_weakest_error_m: Option<f64>,
+    temperature_weakest_c: Option<f64>,
+    temperature_weakest_error_k: Option<f64>,
     thickness_interface_mean_m: f64,
     thickness_interface_mean_error_m: Option<f64>,
     thickness_main_mean_m: f64,
-    thickness_weakest_m: Option<f64>,
     inner_m: Option<f64>,
     outer_m: Option<f64>,
     mean_axis_c: Option<f64>,
@@ -47,7 +55,8 @@ struct LayoutRow<'a> {
     heat_per_pipe_ring_formula_w_per_m: Option<f64>,
     load_w_per_m: f64,
     load_peak_w_per_m: f64,
-    plant_kw: Option<f64>,
+    plant_peak_kw: Option<f64>,
+    plant_end_kw: Option<f64>,
     energy_mj_per_m: f64,
     energy_error_mj_per_m: Option<f64>,
     outer_wall_share: Option<f64>,
@@ -62,9 +71,11 @@ struct LayoutRow<'a> {
 struct DayRow<'a> {
     layout: &'a str,
     day: f64,
+    closed: bool,
+    thickness_weakest_m: f64,
+    temperature_weakest_c: Option<f64>,
     thickness_interface_mean_m: f64,
     thickness_main_mean_m: f64,
-    thickness_weakest_m: Option<f64>,
     inner_m: Option<f64>,
     outer_m: Option<f64>,
     mean_main_c: Option<f64>,
@@ -103,6 +114,7 @@ pub(super) struct DeviationRow<'a> {
     pub(super) layout: &'a str,
     pub(super) members: usize,
     pub(super) closed: usize,
+    pub(super) reopened: usize,
     pub(super) closure_p05_days: Option<f64>,
     pub(super) closure_p50_days: Option<f64>,
     pub(super) closure_p95_days: Option<f64>,
@@ -134,11 +146,13 @@ pub(super) fn write(folder: &Path, study: &Study, method: &str, found: &[Found<'
             one.fine.days.iter().map(|day| DayRow {
                 layout: &one.layout.name,
                 day: day.day,
+                closed: day.closed,
+                thickness_weakest_m: day.thickness_weakest_m,
+                temperature_weakest_c: day.temperature_weakest_c,
                 thickness_interface_mean_m: day.thickness_interface_mean_m,
                 thickness_main_mean_m: day.thickness_main_mean_m,
-                thickness_weakest_m: day.thickness_weakest_m,
-                inner_m: day.inner_m,
-                outer_m: day.outer_m,
+                inner_m: day.weakest_m.map(|ends| ends.0),
+                outer_m: day.weakest_m.map(|ends| ends.1),
                 mean_main_c: day.mean_main_c,
                 mean_interface_c: day.mean_interface_c,
                 mean_axis_c: day.mean_axis_c,
@@ -206,22 +220,30 @@ fn row<'a>(study: &'a Study, method: &'a str, one: &'a Found<'_>) -> Option<Layo
         first_gap_days: fine.first_gap,
         closure_days: fine.closure,
         closure_error_days: closure_error(one),
+        reopened_days: fine.reopening,
+        closed_at_end: fine.closed,
+        last_from: fine.last.as_ref().map(|last| last[0].as_str()),
+        last_to: fine.last.as_ref().map(|last| last[1].as_str()),
         weakest_from: fine.weakest.as_ref().map(|link| link.from.as_str()),
         weakest_to: fine.weakest.as_ref().map(|link| link.to.as_str()),
         open_gaps: fine.open,
         all_gaps_days: fine.all_gaps,
         design_days: fine.design,
+        design_left_days: fine.design_left,
         end_days: end.day,
+        thickness_weakest_m: end.thickness_weakest_m,
+        thickness_weakest_error_m: error(Some(end.thickness_weakest_m), far.map(|far| far.thickness_weakest_m)),
+        temperature_weakest_c: end.temperature_weakest_c,
+        temperature_weakest_error_k: error(end.temperature_weakest_c, far.and_then(|far| far.temperature_weakest_c)),
         thickness_interface_mean_m: end.thickness_interface_mean_m,
         thickness_interface_mean_error_m: error(
             Some(end.thickness_interface_mean_m),
             far.map(|far| far.thickness_interface_mean_m),
         ),
         thickness_main_mean_m: end.thickness_main_mean_m,
-        thickness_weakest_m: end.thickness_weakest_m,
         mean_axis_c: end.mean_axis_c,
-        inner_m: end.inner_m,
-        outer_m: end.outer_m,
+        inner_m: end.weakest_m.map(|ends| ends.0),
+        outer_m: end.weakest_m.map(|ends| ends.1),
         mean_temperature_c: end.mean_c,
         mean_temperature_error_k: error(end.mean_c, far.and_then(|far| far.mean_c)),
         mean_temperature_ring_formula_c: fine.formula.map(|formula| formula.0),
@@ -229,7 +251,8 @@ fn row<'a>(study: &'a Study, method: &'a str, one: &'a Found<'_>) -> Option<Layo
         heat_per_pipe_ring_formula_w_per_m: fine.formula.map(|formula| formula.1),
         load_w_per_m: load,
         load_peak_w_per_m: fine.peak,
-        plant_kw: study.depth_of(one.layout).map(|depth| 1e-3 * depth * fine.peak),
+        plant_peak_kw: study.depth_of(one.layout).map(|depth| 1e-3 * depth * fine.peak),
+        plant_end_kw: study.depth_of(one.layout).map(|depth| 1e-3 * depth * load),
         energy_mj_per_m: end.energy_mj_per_m,
         energy_error_mj_per_m: error(Some(end.energy_mj_per_m), far.map(|far| far.energy_mj_per_m)),
         outer_wall_share: fine.far.map(|far| far.share),
@@ -254,10 +277,13 @@ pub(super) fn change<'a>(found: &'a [Found<'_>], one: &'a Found<'_>) -> Option<S
         closure_days: one.fine.closure,
         closure_change_days: difference(one.fine.closure, base.closure),
         thickness_change_m: difference(
-            own.map(|day| day.thickness_interface_mean_m),
-            other.map(|day| day.thickness_interface_mean_m),
+            own.map(|day| day.thickness_weakest_m),
+            other.map(|day| day.thickness_weakest_m),
         ),
-        mean_temperature_change_k: difference(own.and_then(|day| day.mean_c), other.and_then(|day| day.mean_c)),
+        mean_temperature_change_k: difference(
+            own.and_then(|day| day.temperature_weakest_c),
+            other.and_then(|day| day.temperature_weakest_c),
+        ),
         energy_change_mj_per_m: difference(own.map(|day| day.energy_mj_per_m), other.map(|day| day.energy_mj_per_m)),
     })
 }
@@ -267,23 +293,24 @@ pub(super) fn spreads<'a>(study: &Study, found: &'a [Found<'a>]) -> Vec<Deviatio
     let deviates = |other: &Found<'_>, name: &str| matches!(&other.layout.role, Role::Deviating { of } if of == name);
     let layouts = found.iter().filter_map(|one| {
         let own = found.iter().filter(|other| deviates(other, &one.layout.name));
-        spread(&one.layout.name, &own.map(|other| other.fine.closure).collect::<Vec<_>>())
+        let days: Vec<_> = own.map(|other| (other.fine.closure, other.fine.reopening)).collect();
+        spread(&one.layout.name, &days)
     });
     let all = shafts(study, found);
     let whole = all.iter().filter_map(|shaft| {
         let (base, _) = shaft.parts.first()?;
         let own = all.iter().filter(|other| other.parts.iter().any(|(one, _)| deviates(one, &base.layout.name)));
-        spread(shaft.name, &own.map(Shaft::closure).collect::<Vec<_>>())
+        spread(shaft.name, &own.map(|shaft| (shaft.closure(), shaft.reopening())).collect::<Vec<_>>())
     });
     layouts.chain(whole).collect()
 }
 
-/// Days of closure of deviating members: members whose wall stays open close after all others.
-fn spread<'a>(layout: &'a str, members: &[Option<f64>]) -> Option<DeviationRow<'a>> {
+/// Days of closure of deviating members, and of opening again: members whose wall stays open close after all others.
+fn spread<'a>(layout: &'a str, members: &[(Option<f64>, Option<f64>)]) -> Option<DeviationRow<'a>> {
     if members.is_empty() {
         return None;
     }
-    let mut closed: Vec<f64> = members.iter().flatten().copied().collect();
+    let mut closed: Vec<f64> = members.iter().filter_map(|(closure, _)| *closure).collect();
     closed.sort_by(f64::total_cmp);
     let quantile = |share: f64| {
         let place = share * (members.len() - 1) as f64;
@@ -295,6 +322,7 @@ fn spread<'a>(layout: &'a str, members: &[Option<f64>]) -> Option<DeviationRow<'
         layout,
         members: members.len(),
         closed: closed.len(),
+        reopened: members.iter().filter(|(_, reopening)| reopening.is_some()).count(),
         closure_p05_days: quantile(0.05),
         closure_p50_days: quantile(0.5),
         closure_p95_days: quantile(0.95),
@@ -313,6 +341,16 @@ pub(super) fn summary(study: &Study, method: &str, found: &[Found<'_>], folder: 
             }
             None => "does not close".into(),
         };
+        let closure = match fine.reopening {
+            Some(day) => format!("{closure}, OPENS AGAIN on day {day:.2}"),
+            None => closure,
+        };
+        let designed = match (study.design_of(one.layout), fine.design, fine.design_left) {
+            (None, ..) => String::new(),
+            (_, None, _) => ", never as designed".into(),
+            (_, Some(day), None) => format!(", as designed on day {day:.2}"),
+            (_, Some(day), Some(left)) => format!(", as designed on day {day:.2} and NO MORE from day {left:.2}"),
+        };
         let weakest = fine.weakest.as_ref().map_or(String::new(), |link| {
             format!(", weakest between {} and {} ({:.2} m apart)", link.from, link.to, link.distance_m)
         });
@@ -320,7 +358,7 @@ pub(super) fn summary(study: &Study, method: &str, found: &[Found<'_>], folder: 
         let outcome =
             if fine.outcome == Outcome::Ok { String::new() } else { format!(", outcome {}", fine.outcome.name()) };
         let near = if fine.far.is_some_and(|far| far.matters()) { ", outer wall too near" } else { "" };
-        text.push_str(&format!("  {}: {closure}{weakest}{load}{near}{outcome}\n", one.layout.name));
+        text.push_str(&format!("  {}: {closure}{designed}{weakest}{load}{near}{outcome}\n", one.layout.name));
     }
     for row in shafts(study, found).iter().filter(|one| one.compared()).filter_map(|shaft| shaft.row(study, found)) {
         text.push_str(&format!("  {}\n", shaft::words(&row)));

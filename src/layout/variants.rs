@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use frazil_core::closing::dug_too_early;
 use frazil_core::scene::{Domain, PipeName, PipeRing, Scene};
 use glam::DVec2;
 use serde::Deserialize;
@@ -76,6 +77,9 @@ impl Layout {
     /// What cannot be meant, with the place that says so.
     pub fn check(&self, shaft_radius: Option<f64>, method: &str) -> Result<(), Failure> {
         let bad = |message: String| Err(Failure::Request(format!("layout \"{}\": {message}", self.name)));
+        if let Some(reason) = dug_too_early(&self.scene) {
+            return bad(reason);
+        }
         let freezing = self.scene.materials[0].freezing_point;
         let mut places: Vec<DVec2> = Vec::new();
         for (number, ring) in self.scene.rings.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use frazil_core::record::{Field, LinkRow, PlaneRow, ProfileRow, RunResult};
+use frazil_core::record::{Field, LinkRow, PlaneRow, ProfileRow, RunResult, WallRecord, WallRow};
 use frazil_plots::canvas::text_width;
 use frazil_plots::layouts::{LayoutView, PipeView, drawings, gaps_polar, sketches, summary};
 
@@ -16,7 +16,9 @@ struct Made {
     missing: Vec<(f64, f64)>,
     result: RunResult,
     load: Vec<(f64, f64)>,
+    weakest_plane: Vec<(f64, f64)>,
     closure: Option<f64>,
+    reopening: Option<f64>,
     design: Option<f64>,
 }
 
@@ -31,8 +33,11 @@ impl Made {
             result: &self.result,
             load: self.load.clone(),
             axis: Vec::new(),
+            weakest_plane: self.weakest_plane.clone(),
             closure_s: self.closure.map(|day| day * DAY),
+            standing: self.closure.map(|day| (day * DAY, self.reopening.map(|day| day * DAY))).into_iter().collect(),
             design: self.design.map(|day| day * DAY),
+            design_left: self.reopening.and(self.design).map(|day| 1.2 * day * DAY),
             reference: Vec::new(),
         }
     }
@@ -51,7 +56,9 @@ fn ring(name: &str, count: usize, missing: &[usize], inner: bool) -> Made {
         missing: Vec::new(),
         result: super::empty(name, "sph"),
         load: Vec::new(),
+        weakest_plane: Vec::new(),
         closure: None,
+        reopening: None,
         design: None,
     };
     let place = |radius: f64, k: f64| {
@@ -91,6 +98,21 @@ fn ring(name: &str, count: usize, missing: &[usize], inner: bool) -> Made {
     }
     let last = made.result.links.iter().map(|link| link.closure_s).reduce(|a, b| a.zip(b).map(|(a, b)| a.max(b)));
     made.closure = last.flatten().map(|time| time / DAY);
+    let later = |a: &&LinkRow, b: &&LinkRow| {
+        let day = |link: &LinkRow| link.closure_s.unwrap_or(link.distance_m * 1e12);
+        day(a).total_cmp(&day(b))
+    };
+    let weakest = made.result.links.iter().max_by(later).map(|link| [link.from.clone(), link.to.clone()]);
+    made.result.record.wall = Some(WallRecord {
+        closed: made.closure.is_some(),
+        closure_s: made.closure.map(|day| day * DAY),
+        reopening_s: None,
+        standing_s: Vec::new(),
+        thickness_m: 0.0,
+        mean_temperature_c: None,
+        weakest_gap: weakest.clone(),
+        last_gap: weakest,
+    });
     made.design = made.closure.map(|day| 1.7 * day).filter(|day| *day < LAST);
     for k in 1..=120 {
         let day = LAST * f64::from(k) / 120.0;
@@ -102,24 +124,38 @@ fn ring(name: &str, count: usize, missing: &[usize], inner: bool) -> Made {
             inner_m: (thick > 0.0).then_some(5.5 - 0.45 * thick),
             outer_m: (thick > 0.0).then_some(5.5 + 0.55 * thick),
             mean_temperature_c: (thick > 0.0).then_some(mean),
+            from: String::new(),
+            to: String::new(),
         };
         let mean = -14.0 * (1.0 - (-day * count as f64 / 400.0).exp());
         made.result.planes.push(wall("main", 0.3 * day.sqrt(), mean));
-        made.result.planes.push(wall("interface", thick, mean));
+        made.result.planes.push(wall("weakest", thick, mean));
+        made.result.walls.push(WallRow {
+            time_s: day * DAY,
+            thickness_main_mean_m: 0.3 * day.sqrt(),
+            thickness_main_mean_ref_m: None,
+            thickness_interface_mean_m: thick,
+            thickness_interface_mean_ref_m: None,
+            frozen_area_m2: day,
+            frozen_area_ref_m2: None,
+            heat_per_pipe_w_per_m: 70.0,
+            closed: Some(thick > 0.0),
+            thickness_weakest_m: Some(thick),
+        });
         made.result.planes.push(PlaneRow { inner_m: None, outer_m: None, ..wall("wall", 1.0, mean) });
     }
-    for (plane, coldest) in [("main", -25.0), ("interface", -1.2 * count as f64 / 2.0)] {
-        for k in 0..120 {
-            let x = 0.1 * f64::from(k);
-            made.result.profiles.push(ProfileRow {
-                time_s: LAST * DAY,
-                x_m: x,
-                temperature_c: 12.0 + (coldest - 12.0) * (-(x - 5.5).abs() / 1.5).exp(),
-                temperature_ref_c: None,
-                frozen_fraction: 0.0,
-                plane: plane.into(),
-            });
-        }
+    for k in 0..120 {
+        let x = 0.1 * f64::from(k);
+        let temperature = |coldest: f64| 12.0 + (coldest - 12.0) * (-(x - 5.5).abs() / 1.5).exp();
+        made.weakest_plane.push((x, temperature(-1.2 * count as f64 / 2.0)));
+        made.result.profiles.push(ProfileRow {
+            time_s: LAST * DAY,
+            x_m: x,
+            temperature_c: temperature(-25.0),
+            temperature_ref_c: None,
+            frozen_fraction: 0.0,
+            plane: "main".into(),
+        });
     }
     made.result.fields.push(field(&made.pipes));
     made
@@ -269,7 +305,9 @@ fn layouts_of_which_little_is_known_are_drawn() -> Result<(), Box<dyn std::error
         missing: Vec::new(),
         result: super::empty("nothing", "pd"),
         load: Vec::new(),
+        weakest_plane: Vec::new(),
         closure: None,
+        reopening: None,
         design: None,
     };
     let mut view = bare.view();

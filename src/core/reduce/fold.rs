@@ -73,8 +73,7 @@ impl Fold {
                 }
             }
             Domain::Ring { sector, .. } => {
-                // Links have names of their own in each plan.
-                let even = !scene.watch.frozen_wall && scene.rings.iter().all(PipeRing::is_even);
+                let even = scene.rings.iter().all(PipeRing::is_even);
                 let in_x = even && scene.rings.iter().all(|ring| is_mirrored(ring, true));
                 let in_y = even && scene.rings.iter().all(|ring| is_mirrored(ring, false));
                 let smaller = match sector {

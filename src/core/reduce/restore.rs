@@ -1,8 +1,11 @@
 //! The way back: what a smaller body leaves, in terms of the larger one.
 
+use std::f64::consts::PI;
+
 use super::fold::{Fold, folded, same_direction};
 use crate::record::{Field, GapRow, ProfileRow, RunResult};
 use crate::scene::{Scene, Sector};
+use crate::watch::rays::pairs;
 
 impl Fold {
     /// Turns what the smaller body left into what `larger`, the scene before this fold, would have left. Counts and
@@ -27,8 +30,9 @@ impl Fold {
                     *field = unfold(field, along_y, middle);
                 }
             }
-            Fold::Sector { from, to, .. } => {
+            Fold::Sector { from, to, first_angle } => {
                 result.gaps = gaps(larger, from, to, &result.gaps);
+                rename(larger, first_angle, result);
                 for field in &mut result.fields {
                     if from != Sector::Half {
                         *field = unfold(field, true, 0.0);
@@ -105,12 +109,16 @@ fn mirrored(half: &[ProfileRow], length: f64, end: f64) -> Vec<ProfileRow> {
 
 /// Gaps of the larger sector, each closed when its image was.
 fn gaps(larger: &Scene, from: Sector, to: Sector, found: &[GapRow]) -> Vec<GapRow> {
-    let Some(ring) = larger.rings.first() else { return Vec::new() };
-    let gaps = (0..ring.count).map(|gap| (gap, ring.gap_angle(gap))).filter(|(_, angle)| from.holds(*angle));
-    gaps.map(|(gap, angle)| {
+    let pairs = larger.rings.first().map_or(Vec::new(), pairs);
+    let gaps = pairs.into_iter().filter(|pair| from.holds(pair.angle()));
+    gaps.map(|pair| {
+        let angle = pair.angle();
         let is_image = |row: &&GapRow| same_direction(row.angle_deg.to_radians(), folded(angle, to));
+        let [first, second] = pair.names();
         GapRow {
-            gap,
+            gap: pair.first(),
+            from: first,
+            to: second,
             angle_deg: angle.to_degrees(),
             multiplicity: from.multiplicity(angle),
             closure_s: found.iter().find(is_image).and_then(|row| row.closure_s),
@@ -118,6 +126,28 @@ fn gaps(larger: &Scene, from: Sector, to: Sector, found: &[GapRow]) -> Vec<GapRo
         }
     })
     .collect()
+}
+
+/// Gives pipes the names that they have in the larger sector: its first ring may count from another pipe.
+fn rename(larger: &Scene, first_angle: f64, result: &mut RunResult) {
+    let Some(ring) = larger.rings.first() else { return };
+    let turned = ((first_angle - ring.first_angle) / (2.0 * PI / ring.count as f64)).round() as i64;
+    let own = |name: &mut String| {
+        if let Some(number) = name.strip_prefix("1.").and_then(|number| number.parse::<i64>().ok()) {
+            *name = format!("1.{}", (number - 1 + turned).rem_euclid(ring.count as i64) + 1);
+        }
+    };
+    for link in &mut result.links {
+        own(&mut link.from);
+        own(&mut link.to);
+    }
+    for plane in &mut result.planes {
+        own(&mut plane.from);
+        own(&mut plane.to);
+    }
+    if let Some(wall) = &mut result.record.wall {
+        wall.weakest_gap.iter_mut().chain(&mut wall.last_gap).flatten().for_each(own);
+    }
 }
 
 /// A field continued behind a plane of y, or of x, at `plane` (m): on its far side if the field lies before it, on its

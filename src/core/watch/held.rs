@@ -3,7 +3,8 @@
 use glam::DVec2;
 
 use super::field::grid;
-use super::{Gap, Ray, Sample, Watches};
+use super::rays::{Gap, Ray};
+use super::{Sample, Watches};
 use crate::memory::Held;
 use crate::particles::Particles;
 use crate::record::{BudgetRow, Field, FrontRow, FrozenRow, PlaneRow, ProbeRow, ProfileRow, SurfaceRow, WallRow};
@@ -55,7 +56,7 @@ impl Watches {
         self.front.reserve_exact(only(self.direction.is_some() || self.radial.is_some(), outputs));
         self.frozen.reserve_exact(only(self.shelled, outputs));
         self.walls.reserve_exact(only(!self.main.is_empty(), outputs));
-        self.wall.planes.reserve_exact(only(!self.wall.joints.is_empty(), 3 * outputs));
+        self.wall.planes.reserve_exact(only(!self.wall.joints.is_empty(), 4 * outputs));
         self.budget.reserve_exact(outputs);
         self.surfaces.reserve_exact(self.surface_rows);
         self.probe_rows.reserve_exact(self.probes.len() * outputs);
@@ -79,8 +80,7 @@ impl Watches {
     /// Bytes that the watches will hold at the end of a run whose heat goes through `doors` doors.
     pub fn held_at_the_end(&self, particles: &Particles, doors: usize) -> usize {
         let cuts = self.cuts.iter().map(|cut| cut.plane.held() + cut.along.held() + cut.samples.held()).sum::<usize>();
-        let joints = self.wall.joints.iter().map(Held::held).sum::<usize>();
-        let samples = self.main.held() + self.interface.held() + self.gaps.held() + joints + cuts;
+        let samples = self.main.held() + self.interface.held() + self.gaps.held() + self.wall.held() + cuts;
         let probes = self.probes.capacity() * size_of::<(DVec2, Sample)>()
             + self.probes.iter().map(|probe| probe.1.held()).sum::<usize>();
         let Rows { outputs, profiles, points } = self.rows;

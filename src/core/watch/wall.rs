@@ -1,17 +1,20 @@
-//! The frozen wall of a ring: neighbouring pipes, joined once a way between them is frozen through, the instant at which a closed wall stands around
-//! the centre, and sections of it.
+//! The frozen wall of a ring: neighbouring pipes, joined once a way between them is frozen through, when a closed wall stands around
+//! the centre and how thick it is where it is weakest, and sections of it.
 
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 use glam::DVec2;
 
+use super::loops::{closure, neighbours};
+use super::passage::{March, Passage};
+use super::standing::Standing;
 use super::{Ray, Sample, Sampler};
 use crate::ledger::Ledger;
 use crate::material::FreezingLaw;
 use crate::memory::Held;
 use crate::particles::Particles;
 use crate::pipe::Extent;
-use crate::record::{LinkRow, PlaneRow};
+use crate::record::{LinkRow, PlaneRow, WallRecord};
 use crate::scene::{Domain, Scene, Sector};
 
 /// Two places that are the same, over the size of the plan.
@@ -109,6 +112,8 @@ struct Link {
     ends: [usize; 2],
     /// Which joint tells of it.
     joint: usize,
+    /// Its line in the part of the plan that is run.
+    line: usize,
     /// Which joint tells of the middle of the arc between both.
     arc: Option<usize>,
 }
@@ -125,11 +130,30 @@ struct Place {
 pub(super) struct Wall {
     places: Vec<Place>,
     links: Vec<Link>,
+    /// Lines between pipes, as mirrors bring them into the part of the plan that is run.
+    lines: Vec<[DVec2; 2]>,
     pub(super) joints: Vec<Joint>,
     /// Rings of pipes, as the wall around them is read.
     rings: Vec<Sunk>,
     /// Sections of the wall over time.
     pub(super) planes: Vec<PlaneRow>,
+    /// What finds the least frozen way through it.
+    march: March,
+    /// Whether its ground freezes at one temperature.
+    sharp: bool,
+    standing: Standing,
+    /// The wall where it is weakest, at the last output.
+    weakest: Option<Weakest>,
+}
+
+/// The wall where it is weakest.
+#[derive(Debug, Clone, PartialEq)]
+struct Weakest {
+    /// Number of the link between whose pipes it is weakest.
+    link: usize,
+    /// Frozen length on the least frozen way through it (m), and the mean temperature on it.
+    thickness: f64,
+    mean_temperature: Option<f64>,
 }
 
 /// A ring of pipes sunk into particles.
@@ -158,18 +182,20 @@ impl Wall {
             let inside = |i: &u32| sampler.lattice.position(*i as usize).distance(pipe.centre) <= pipe.half_width;
             rings[pipe.ring].near.extend(pipe.particles(sampler.lattice).into_iter().filter(inside));
         }
-        let mut wall = Wall { places, rings, ..Wall::default() };
-        let mut lines: Vec<[DVec2; 2]> = Vec::new();
+        let sharp = matches!(scene.materials[0].law, FreezingLaw::Isothermal);
+        let march = March::over(sampler.lattice);
+        let mut wall = Wall { places, rings, march, sharp, ..Wall::default() };
+        let stand: Vec<DVec2> = wall.places.iter().map(|place| place.at).collect();
         let mut joints: Vec<(usize, Option<usize>)> = Vec::new();
-        for ends in neighbours(&wall.places) {
+        for ends in neighbours(&stand) {
             let line = folded(ends.map(|end| wall.places[end].at), sector);
             let same = |a: DVec2, b: DVec2| a.distance(b) <= SAME_PLACE * scene.domain.extent();
-            let known = lines.iter().position(|other| {
+            let known = wall.lines.iter().position(|other| {
                 (same(line[0], other[0]) && same(line[1], other[1]))
                     || (same(line[0], other[1]) && same(line[1], other[0]))
             });
             let number = known.unwrap_or_else(|| {
-                lines.push(line);
+                wall.lines.push(line);
                 let middle = 0.5 * (line[0] + line[1]);
                 wall.joints.push(Joint::new(ways(line, sampler)));
                 joints.push((wall.joints.len() - 1, None));
@@ -185,12 +211,12 @@ impl Wall {
                         _ => Way::Through(sampler.sample(arc), Vec::new()),
                     };
                     wall.joints.push(Joint::new(vec![way]));
-                    joints[lines.len() - 1].1 = Some(wall.joints.len() - 1);
+                    joints[wall.lines.len() - 1].1 = Some(wall.joints.len() - 1);
                 }
-                lines.len() - 1
+                wall.lines.len() - 1
             });
             let (joint, arc) = joints[number];
-            wall.links.push(Link { ends, joint, arc });
+            wall.links.push(Link { ends, joint, line: number, arc });
         }
         wall
     }
@@ -223,12 +249,14 @@ impl Wall {
                 inner_m: ends.map(|ends| ends.0),
                 outer_m: ends.map(|ends| ends.1),
                 mean_temperature_c: ends.and_then(|ends| mean(&ray.radii, &temperature, ends)),
+                from: String::new(),
+                to: String::new(),
             });
         }
         let area: f64 = pipes.iter().map(FrozenIn::area).sum();
         let excess: f64 = pipes.iter().map(FrozenIn::excess).sum();
         let frozen = particles.integral(|i| particles.frozen_fraction(i)) - area;
-        let weighted = particles.integral(|i| particles.frozen_fraction(i) * particles.reading(i)) - excess;
+        let weighted = particles.integral(|i| particles.frozen_fraction(i) * particles.frozen_reading(i)) - excess;
         let mean_temperature_c = (frozen > 0.0).then(|| weighted / frozen);
         self.planes.push(PlaneRow {
             time_s: time,
@@ -236,11 +264,88 @@ impl Wall {
             inner_m: None,
             outer_m: None,
             mean_temperature_c,
+            from: String::new(),
+            to: String::new(),
         });
     }
 
-    /// All links, and when a closed wall stood around the centre.
-    pub(super) fn rows(&self) -> (Vec<LinkRow>, Option<f64>) {
+    /// Takes the wall where it is weakest at a time: whether it stands closed, and how thick it is (m); none where it is not watched.
+    pub(super) fn stand(&mut self, particles: &Particles, time: f64) -> Option<(bool, f64)> {
+        if self.places.is_empty() {
+            return None;
+        }
+        let mut row = PlaneRow { time_s: time, plane: "weakest".into(), ..PlaneRow::default() };
+        // Until its pipes have joined all around, the wall is open whatever else is frozen.
+        let joined = self.joined();
+        if let Some(joined) = joined {
+            let passage = self.march.passage(particles, self.sharp);
+            self.standing.look(time, passage.thickness, joined);
+            let link = self.crossed(&passage, joined);
+            (row.inner_m, row.outer_m) = (passage.ends.map(|ends| ends.0), passage.ends.map(|ends| ends.1));
+            row.mean_temperature_c = passage.mean_temperature;
+            self.weakest = link.map(|link| Weakest {
+                link,
+                thickness: passage.thickness,
+                mean_temperature: passage.mean_temperature,
+            });
+        }
+        if let Some(link) = self.weakest.as_ref().map(|weakest| weakest.link).or_else(|| self.widest_open()) {
+            let [from, to] = self.links[link].ends.map(|end| self.places[end].name.clone());
+            (row.from, row.to) = (from, to);
+        }
+        self.planes.push(row);
+        let thickness = self.weakest.as_ref().map_or(0.0, |weakest| weakest.thickness);
+        Some((self.standing.stands(), thickness))
+    }
+
+    /// When the frozen bodies of its pipes joined all around the centre (s).
+    fn joined(&self) -> Option<f64> {
+        let joined = self.links.iter().filter_map(|link| Some((link.ends, self.joints[link.joint].closed?)));
+        let places: Vec<DVec2> = self.places.iter().map(|place| place.at).collect();
+        closure(&places, joined.collect())
+    }
+
+    /// The link that was last to close the wall, at this time.
+    fn last_to_close(&self, joined: f64) -> Option<usize> {
+        self.links.iter().position(|link| self.joints[link.joint].closed == Some(joined))
+    }
+
+    /// The widest of the links that have not closed; of those as wide the first.
+    fn widest_open(&self) -> Option<usize> {
+        let open = (0..self.links.len()).filter(|link| self.joints[self.links[*link].joint].closed.is_none());
+        open.reduce(|best, link| if self.width(link) > (1.0 + SAME_PLACE) * self.width(best) { link } else { best })
+    }
+
+    /// Distance of the pipes of a link (m).
+    fn width(&self, link: usize) -> f64 {
+        let [a, b] = self.links[link].ends.map(|end| self.places[end].at);
+        a.distance(b)
+    }
+
+    /// The link between whose pipes a way goes. Where the wall is hardly thicker at the link that was last to close it, that one: by how
+    /// they lie to the lattice, places that are alike differ by less than half a spacing.
+    fn crossed(&self, passage: &Passage, joined: f64) -> Option<usize> {
+        let last = self.last_to_close(joined);
+        if let Some(last) = last.filter(|_| passage.thickness > 0.0) {
+            let [a, b] = self.lines[self.links[last].line];
+            if self.march.along(0.5 * (a + b)) <= passage.thickness + 0.5 * self.march.spacing() {
+                return Some(last);
+            }
+        }
+        let off = |link: &Link| {
+            let [a, b] = self.lines[link.line];
+            passage.places.iter().map(|place| from_segment(*place, a, b)).fold(f64::INFINITY, f64::min)
+        };
+        let near: Vec<f64> = self.links.iter().map(off).collect();
+        let least = near.iter().copied().fold(f64::INFINITY, f64::min).max(self.march.spacing());
+        // A way through several rings crosses a link of each: the last of them to close is the weakest.
+        let closed = |link: usize| self.joints[self.links[link].joint].closed.unwrap_or(f64::INFINITY);
+        let crossed = (0..self.links.len()).filter(|link| near[*link] <= least);
+        crossed.reduce(|best, link| if closed(link) > closed(best) { link } else { best })
+    }
+
+    /// All links.
+    pub(super) fn rows(&self) -> Vec<LinkRow> {
         let rows = self.links.iter().map(|link| {
             let [a, b] = link.ends.map(|end| &self.places[end]);
             let middle = 0.5 * (a.at + b.at);
@@ -254,9 +359,33 @@ impl Wall {
                 closure_on_circle_s: link.arc.and_then(|arc| self.joints[arc].closed),
             }
         });
-        let joined = self.links.iter().filter_map(|link| Some((link.ends, self.joints[link.joint].closed?)));
-        let places: Vec<DVec2> = self.places.iter().map(|place| place.at).collect();
-        (rows.collect(), closure(&places, joined.collect()))
+        rows.collect()
+    }
+
+    /// What has become of the wall; none where it was not watched.
+    pub(super) fn record(&self) -> Option<WallRecord> {
+        if self.places.is_empty() {
+            return None;
+        }
+        let named = |link: usize| self.links[link].ends.map(|end| self.places[end].name.clone());
+        let link = self.weakest.as_ref().map(|weakest| weakest.link).or_else(|| self.widest_open());
+        let periods = &self.standing.periods;
+        Some(WallRecord {
+            closed: self.standing.stands(),
+            closure_s: periods.first().map(|period| period.0),
+            reopening_s: periods.first().and_then(|period| period.1),
+            standing_s: periods.clone(),
+            thickness_m: self.weakest.as_ref().map_or(0.0, |weakest| weakest.thickness),
+            mean_temperature_c: self.weakest.as_ref().and_then(|weakest| weakest.mean_temperature),
+            weakest_gap: link.map(named),
+            last_gap: self.joined().and_then(|joined| self.last_to_close(joined)).map(named),
+        })
+    }
+}
+
+impl Held for Wall {
+    fn held(&self) -> usize {
+        self.joints.iter().map(Held::held).sum::<usize>() + self.march.held()
     }
 }
 
@@ -359,32 +488,6 @@ fn ways([a, b]: [DVec2; 2], sampler: &Sampler<'_>) -> Vec<Way> {
     (-count..=count).map(|k| way(middle + k as f64 / count as f64 * across)).collect()
 }
 
-/// Pairs of pipes between which no other stands: none lies in the circle over the line between them. Pipes that see each
-/// other across more than a quarter of the plan are no neighbours.
-fn neighbours(places: &[Place]) -> Vec<[usize; 2]> {
-    let mut found = Vec::new();
-    for a in 0..places.len() {
-        for b in a + 1..places.len() {
-            let ends = [places[a].at, places[b].at];
-            if turn(ends[0], ends[1]).abs() > FRAC_PI_2 + SAME_PLACE {
-                continue;
-            }
-            let (middle, radius) = (0.5 * (ends[0] + ends[1]), 0.5 * ends[0].distance(ends[1]));
-            let between = |k: usize| k != a && k != b && places[k].at.distance(middle) < radius * (1.0 - SAME_PLACE);
-            if !(0..places.len()).any(between) {
-                found.push([a, b]);
-            }
-        }
-    }
-    found
-}
-
-/// Angle from one place to another as seen from the centre, at most half a turn.
-fn turn(from: DVec2, to: DVec2) -> f64 {
-    let angle = to.to_angle() - from.to_angle();
-    angle - TAU * (angle / TAU).round()
-}
-
 /// A line's image in a sector, by the mirrors that bring its middle there.
 fn folded(line: [DVec2; 2], sector: Sector) -> [DVec2; 2] {
     let middle = 0.5 * (line[0] + line[1]);
@@ -395,29 +498,10 @@ fn folded(line: [DVec2; 2], sector: Sector) -> [DVec2; 2] {
     line.map(|place| place * flip)
 }
 
-/// When links that join one after the other first make a loop around the centre.
-fn closure(places: &[DVec2], mut joined: Vec<([usize; 2], f64)>) -> Option<f64> {
-    joined.sort_by(|a, b| a.1.total_cmp(&b.1));
-    // Groups of joined pipes: each pipe's next towards the head of its group, and the angle to it.
-    let mut heads: Vec<(usize, f64)> = (0..places.len()).map(|k| (k, 0.0)).collect();
-    fn head(heads: &[(usize, f64)], mut at: usize) -> (usize, f64) {
-        let mut angle = 0.0;
-        while heads[at].0 != at {
-            angle += heads[at].1;
-            at = heads[at].0;
-        }
-        (at, angle)
-    }
-    for ([a, b], time) in joined {
-        let (from, to) = (head(&heads, a), head(&heads, b));
-        let around = turn(places[a], places[b]) + to.1 - from.1;
-        if from.0 != to.0 {
-            heads[from.0] = (to.0, around);
-        } else if around.abs() > PI {
-            return Some(time);
-        }
-    }
-    None
+/// Distance (m) of a place from the segment between two others.
+fn from_segment(place: DVec2, a: DVec2, b: DVec2) -> f64 {
+    let along = ((place - a).dot(b - a) / a.distance_squared(b)).clamp(0.0, 1.0);
+    place.distance(a.lerp(b, along))
 }
 
 /// First and last radius at which a ray is frozen; none where nothing is.
@@ -447,40 +531,6 @@ fn mean(radii: &[f64], values: &[f64], (inner, outer): (f64, f64)) -> Option<f64
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn ring(count: usize, radius: f64, first: f64) -> Vec<Place> {
-        let at = |k: usize| radius * DVec2::from_angle(first + TAU * k as f64 / count as f64);
-        (0..count).map(|k| Place { name: k.to_string(), at: at(k) }).collect()
-    }
-
-    #[test]
-    fn neighbours_of_a_ring_are_those_beside_each_other() {
-        for count in [4, 5, 26] {
-            let mut found = neighbours(&ring(count, 5.0, 0.1));
-            found.sort();
-            let mut expected: Vec<_> = (0..count).map(|k| [k.min((k + 1) % count), k.max((k + 1) % count)]).collect();
-            expected.sort();
-            assert_eq!(found, expected);
-        }
-        // Two staggered rings: each ring's own, and twice as many between them.
-        let mut both = ring(26, 5.0, 0.0);
-        both.extend(ring(26, 4.2, PI / 26.0));
-        let between = |pair: &&[usize; 2]| (pair[0] < 26) != (pair[1] < 26);
-        let found = neighbours(&both);
-        assert_eq!(found.iter().filter(between).count(), 52);
-    }
-
-    #[test]
-    fn a_wall_is_closed_once_a_loop_runs_around_the_centre() {
-        let places: Vec<DVec2> = ring(6, 5.0, 0.0).iter().map(|place| place.at).collect();
-        let around: Vec<_> = (0..6).map(|k| ([k, (k + 1) % 6], k as f64)).collect();
-        assert_eq!(closure(&places, around.clone()), Some(5.0));
-        assert_eq!(closure(&places, around[..5].to_vec()), None);
-        // A loop beside the centre is none around it.
-        let mut beside = places.clone();
-        beside.extend([DVec2::new(6.0, 0.0), DVec2::new(6.0, 1.0)]);
-        assert_eq!(closure(&beside, vec![([0, 6], 1.0), ([6, 7], 2.0), ([7, 0], 3.0)]), None);
-    }
 
     #[test]
     fn ends_lie_between_samples() {

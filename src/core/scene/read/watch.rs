@@ -49,7 +49,8 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
     let mut front_key = String::new();
     let mut cuts = [Vec::new(), Vec::new()];
     let mut surfaces = Vec::new();
-    let (mut phases, mut corner_front, mut frozen_wall) = (None, false, false);
+    let mut frozen_wall = domain.is_some_and(|domain| matches!(domain, Domain::Ring { .. }));
+    let (mut phases, mut corner_front) = (None, false);
     if let Some(mut section) = root.optional_section("watch") {
         let dimension = domain.map(Domain::dimension);
         let points = section.optional_points(PROBES, dimension).unwrap_or_default();
@@ -82,7 +83,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
         if corner_front && domain.is_some_and(|domain| !matches!(domain, Domain::Rectangle { .. })) {
             section.problem("corner_front", "only the domain \"rectangle\" has corners");
         }
-        frozen_wall = section.flag_or("frozen_wall", false);
+        frozen_wall = section.flag_or("frozen_wall", frozen_wall);
         if frozen_wall && domain.is_some_and(|domain| !matches!(domain, Domain::Ring { .. })) {
             section.problem("frozen_wall", "only the domain \"ring\" has a frozen wall");
         }

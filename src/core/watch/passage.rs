@@ -1,0 +1,402 @@
+//! The least frozen way through a wall: of all ways from the centre to the outer wall that with the least frozen ground on it. The
+//! length of that ground is how thick the wall is where it is weakest, and nothing where a way leads through open ground.
+//!
+//! A way is found by fast marching: the arrival at a cell is the least frozen length from the centre to it, so `|grad D|` is the
+//! frozen share of the cell, solved upwind in the order of arrivals (Sethian 1996, PNAS 93, 1591).
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use glam::DVec2;
+
+use crate::lattice::Lattice;
+use crate::memory::Held;
+use crate::particles::Particles;
+
+/// Frozen share of a cell from which on it bars a way.
+const BARS: f64 = 0.5;
+
+/// No cell.
+const NONE: u32 = u32::MAX;
+
+/// A way through the wall.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Passage {
+    /// Frozen length on it (m); 0 where a way leads through open ground from cell to cell, also across corners.
+    pub(super) thickness: f64,
+    /// Where the frozen ground on the way begins and ends (m from the centre); none where the way is open.
+    pub(super) ends: Option<(f64, f64)>,
+    /// Mean temperature of the frozen ground on the way; none where it is open.
+    pub(super) mean_temperature: Option<f64>,
+    /// Where its frozen cells are, or all cells of an open way (m).
+    pub(super) places: Vec<DVec2>,
+}
+
+/// Finds ways over the cells of a plan. What it needs is kept from one time to the next.
+#[derive(Debug, Clone, Default)]
+pub(super) struct March {
+    columns: usize,
+    rows: usize,
+    corner: DVec2,
+    spacing: f64,
+    /// Frozen share of each cell; NaN where there is none.
+    share: Vec<f64>,
+    /// Particle of each cell.
+    particle: Vec<u32>,
+    /// Least frozen length from the centre (m), once it is known.
+    arrival: Vec<f64>,
+    known: Vec<bool>,
+    /// The cell before this one on its way.
+    before: Vec<u32>,
+    heap: BinaryHeap<Reverse<(u64, u32)>>,
+    /// Cells that are reached at no cost, or by the flood through open ground.
+    stack: Vec<u32>,
+}
+
+impl Held for March {
+    fn held(&self) -> usize {
+        let cells = self.share.len();
+        let kept = size_of::<f64>() + size_of::<bool>() + 2 * size_of::<u32>();
+        self.share.held() + self.particle.held() + cells * kept
+    }
+}
+
+impl March {
+    /// Over the cells of a lattice.
+    pub(super) fn over(lattice: &Lattice) -> Self {
+        let cells = lattice.columns * lattice.rows;
+        March {
+            columns: lattice.columns,
+            rows: lattice.rows,
+            corner: lattice.corner,
+            spacing: lattice.spacing,
+            share: vec![f64::NAN; cells],
+            particle: vec![NONE; cells],
+            arrival: vec![f64::INFINITY; cells],
+            known: vec![false; cells],
+            before: vec![NONE; cells],
+            heap: BinaryHeap::new(),
+            stack: Vec::with_capacity(cells),
+        }
+    }
+
+    /// The least frozen way through the ground as it is. `sharp`: ground freezes at one temperature, so that the frozen fraction of a
+    /// cell is the part of it that is frozen; else what is half frozen bars a way, and a cell is cut where the fraction passes that.
+    pub(super) fn passage(&mut self, particles: &Particles, sharp: bool) -> Passage {
+        self.read(particles, sharp);
+        let (start, far) = (self.start(), self.far());
+        match self.flood(start, far) {
+            Some(last) => self.open(last),
+            None => {
+                let last = self.march(start, far);
+                self.barred(particles, last)
+            }
+        }
+    }
+
+    /// Size of a cell (m).
+    pub(super) fn spacing(&self) -> f64 {
+        self.spacing
+    }
+
+    /// Frozen length outwards through a place (m), as the ground was at the last passage.
+    pub(super) fn along(&self, through: DVec2) -> f64 {
+        let step = 0.25 * self.spacing;
+        let share = |k: usize| {
+            let place = (k as f64 + 0.5) * step * through.normalize_or(DVec2::X);
+            let cell = ((place - self.corner) / self.spacing).floor();
+            let inside =
+                cell.cmpge(DVec2::ZERO).all() && (cell.x as usize) < self.columns && (cell.y as usize) < self.rows;
+            let share = inside.then(|| self.share[cell.y as usize * self.columns + cell.x as usize])?;
+            (!share.is_nan()).then_some(share)
+        };
+        step * (0..).map_while(share).sum::<f64>()
+    }
+
+    /// Takes the frozen shares of all cells.
+    fn read(&mut self, particles: &Particles, sharp: bool) {
+        let (corner, spacing, columns) = (self.corner, self.spacing, self.columns);
+        particles.visit(|i, place| {
+            let cell = ((place - corner) / spacing).floor();
+            let at = cell.y as usize * columns + cell.x as usize;
+            let gone = particles.is_dug(place.length());
+            let fraction = particles.materials.of(i).frozen_fraction(particles.enthalpy[i]);
+            self.share[at] = if gone { 0.0 } else { fraction };
+            self.particle[at] = i as u32;
+        });
+        if !sharp {
+            // Arrivals are not needed yet: they hold the shares meanwhile.
+            for at in 0..self.share.len() {
+                self.arrival[at] = self.beyond_half(at);
+            }
+            std::mem::swap(&mut self.share, &mut self.arrival);
+        }
+        self.arrival.fill(f64::INFINITY);
+        self.known.fill(false);
+        self.before.fill(NONE);
+        self.heap.clear();
+    }
+
+    /// The part of a cell whose fraction is beyond one half, if it is linear in the cell.
+    fn beyond_half(&self, at: usize) -> f64 {
+        let own = self.share[at];
+        let [left, right, below, above] =
+            self.beside(at).map(|other| other.map_or(own, |other| self.share[other as usize]));
+        if own.is_nan() {
+            return own;
+        }
+        let slope = (0.5 * (right - left)).hypot(0.5 * (above - below));
+        if slope > 0.0 { (0.5 + (own - 0.5) / slope).clamp(0.0, 1.0) } else { f64::from(u8::from(own >= 0.5)) }
+    }
+
+    /// Cells to the left, right, below and above.
+    fn beside(&self, at: usize) -> [Option<u32>; 4] {
+        let (column, row) = (at % self.columns, at / self.columns);
+        let cell = |there: bool, other: usize| {
+            let other = if there { other } else { at };
+            (there && !self.share[other].is_nan()).then_some(other as u32)
+        };
+        [
+            cell(column > 0, at.wrapping_sub(1)),
+            cell(column + 1 < self.columns, at + 1),
+            cell(row > 0, at.wrapping_sub(self.columns)),
+            cell(row + 1 < self.rows, at + self.columns),
+        ]
+    }
+
+    fn place(&self, at: usize) -> DVec2 {
+        let cell = DVec2::new((at % self.columns) as f64, (at / self.columns) as f64);
+        self.corner + self.spacing * (cell + 0.5)
+    }
+
+    /// The cell at the centre.
+    fn start(&self) -> usize {
+        let cell = (-self.corner / self.spacing).floor().max(DVec2::ZERO);
+        (cell.y as usize).min(self.rows - 1) * self.columns + (cell.x as usize).min(self.columns - 1)
+    }
+
+    /// Distance from the centre (m) from which on nothing is frozen, or that of the outermost cells.
+    fn far(&self) -> f64 {
+        let cells = || (0..self.share.len()).filter(|at| !self.share[*at].is_nan());
+        let most = |some: &mut dyn Iterator<Item = usize>| some.map(|at| self.place(at).length()).fold(0.0, f64::max);
+        let frozen = most(&mut cells().filter(|at| self.share[*at] > 0.0));
+        let all = most(&mut cells());
+        (frozen + 1.5 * self.spacing).min(all - self.spacing)
+    }
+
+    /// Goes through open ground from the centre, also across corners; the cell beyond all frozen ground that it comes to, if any.
+    fn flood(&mut self, start: usize, far: f64) -> Option<usize> {
+        let open = |share: f64| share < BARS;
+        if !open(self.share[start]) {
+            return None;
+        }
+        self.stack.clear();
+        self.stack.push(start as u32);
+        self.known[start] = true;
+        let mut found = None;
+        // First in, first out: the way that is found is a short one.
+        let mut next = 0;
+        while let Some(at) = self.stack.get(next).map(|at| *at as usize) {
+            next += 1;
+            if self.place(at).length() >= far {
+                found = Some(at);
+                break;
+            }
+            let (column, row) = ((at % self.columns) as i64, (at / self.columns) as i64);
+            for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)] {
+                let (x, y) = (column + dx, row + dy);
+                if x < 0 || y < 0 || x >= self.columns as i64 || y >= self.rows as i64 {
+                    continue;
+                }
+                let other = y as usize * self.columns + x as usize;
+                // Where there is no cell the share is NaN, which is not open.
+                if !self.known[other] && open(self.share[other]) {
+                    self.known[other] = true;
+                    self.before[other] = at as u32;
+                    self.stack.push(other as u32);
+                }
+            }
+        }
+        if found.is_none() {
+            self.known.fill(false);
+            self.before.fill(NONE);
+        }
+        found
+    }
+
+    /// Marches from the centre; the first cell beyond all frozen ground that it comes to.
+    fn march(&mut self, start: usize, far: f64) -> usize {
+        self.stack.clear();
+        self.arrival[start] = 0.5 * self.share[start] * self.spacing;
+        self.heap.push(Reverse((self.arrival[start].to_bits(), start as u32)));
+        let mut last = start;
+        // Ground without ice is reached at no cost, so before all that waits.
+        while let Some(at) = self.stack.pop().or_else(|| self.heap.pop().map(|Reverse((_, at))| at)) {
+            let at = at as usize;
+            if std::mem::replace(&mut self.known[at], true) {
+                continue;
+            }
+            last = at;
+            if self.place(at).length() >= far {
+                break;
+            }
+            for other in self.beside(at).into_iter().flatten().map(|other| other as usize) {
+                if !self.known[other] {
+                    self.reach(other, at);
+                }
+            }
+        }
+        last
+    }
+
+    /// Takes the arrival at a cell from those beside it that are known, of which one has just become so.
+    fn reach(&mut self, at: usize, from: usize) {
+        let beside = self.beside(at).map(|other| match other {
+            Some(other) if self.known[other as usize] => self.arrival[other as usize],
+            _ => f64::INFINITY,
+        });
+        let (across, along) = (beside[0].min(beside[1]), beside[2].min(beside[3]));
+        let (low, high) = (across.min(along), across.max(along));
+        let cost = self.share[at] * self.spacing;
+        // Positive numbers stand in the order of their bits.
+        let arrival = if high - low >= cost {
+            low + cost
+        } else {
+            0.5 * (low + high + (2.0 * cost * cost - (high - low) * (high - low)).sqrt())
+        };
+        if arrival < self.arrival[at] {
+            self.arrival[at] = arrival;
+            let least = |a: Option<u32>, b: Option<u32>| match (a, b) {
+                (Some(a), Some(b)) if self.arrival[b as usize] < self.arrival[a as usize] => Some(b),
+                (a, b) => a.or(b),
+            };
+            let known = self.beside(at).map(|other| other.filter(|other| self.known[*other as usize]));
+            self.before[at] = known.into_iter().reduce(least).flatten().unwrap_or(from as u32);
+            if cost == 0.0 {
+                self.stack.push(at as u32);
+            } else {
+                self.heap.push(Reverse((arrival.to_bits(), at as u32)));
+            }
+        }
+    }
+
+    /// The cells on the way to one, from the centre on.
+    fn way(&self, last: usize) -> Vec<usize> {
+        let mut way = vec![last];
+        while let Some(before) = way.last().map(|at| self.before[*at]).filter(|before| *before != NONE) {
+            way.push(before as usize);
+        }
+        way.reverse();
+        way
+    }
+
+    /// A way through open ground.
+    fn open(&self, last: usize) -> Passage {
+        let places = self.way(last).into_iter().map(|at| self.place(at)).collect();
+        Passage { thickness: 0.0, ends: None, mean_temperature: None, places }
+    }
+
+    /// The way to a cell beyond the wall.
+    fn barred(&self, particles: &Particles, last: usize) -> Passage {
+        let way = self.way(last);
+        let thickness = self.arrival[last];
+        let frozen: Vec<usize> = way.iter().copied().filter(|at| self.share[*at] >= BARS).collect();
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for at in &way {
+            let i = self.particle[*at] as usize;
+            sum += self.share[*at] * particles.frozen_reading(i);
+            weight += self.share[*at];
+        }
+        // The cells at both ends are frozen in part, as are perhaps those before them.
+        let part = |at: Option<&usize>| at.map_or(0.0, |at| self.share[*at]);
+        let ends = frozen.first().zip(frozen.last()).map(|(first, last)| {
+            let within = way.iter().position(|at| at == first).and_then(|k| k.checked_sub(1)).map(|k| &way[k]);
+            let without = way.iter().rposition(|at| at == last).and_then(|k| way.get(k + 1));
+            let frozen = |own: &usize, beside: Option<&usize>| self.spacing * (part(Some(own)) - 0.5 + part(beside));
+            (
+                (self.place(*first).length() - frozen(first, within)).max(0.0),
+                self.place(*last).length() + frozen(last, without),
+            )
+        });
+        Passage {
+            thickness,
+            ends,
+            mean_temperature: (weight > 0.0).then(|| sum / weight),
+            places: frozen.iter().map(|at| self.place(*at)).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Domain, Sector};
+
+    /// Cells of 0.1 m over a disc of 6 m whose frozen share is given.
+    fn ground(share: impl Fn(DVec2) -> f64) -> March {
+        let lattice = Lattice::new(&Domain::Ring { outer_radius: 6.0, sector: Sector::Whole }, 0.1);
+        let mut march = March::over(&lattice);
+        for place in lattice.positions() {
+            let cell = ((place - march.corner) / march.spacing).floor();
+            march.share[cell.y as usize * march.columns + cell.x as usize] = share(place);
+        }
+        march
+    }
+
+    /// Share of a cell inside an area, from 10 x 10 places in it.
+    fn covered(inside: impl Fn(DVec2) -> bool) -> impl Fn(DVec2) -> f64 {
+        move |place| {
+            let at = |k: usize| 0.1 * ((k as f64 + 0.5) / 10.0 - 0.5);
+            let all = (0..100).filter(|k| inside(place + DVec2::new(at(k % 10), at(k / 10))));
+            all.count() as f64 / 100.0
+        }
+    }
+
+    /// Between a circle of 2 m and one of 4 m whose centre is 0.5 m aside, in any direction, the wall is 1.5 m thick on the other side.
+    #[test]
+    fn a_wall_is_as_thick_as_at_its_thinnest_place() {
+        for angle in [0.0, 0.3, 0.8, 2.0, 4.0] {
+            let aside = 0.5 * DVec2::from_angle(angle);
+            let wall = covered(move |place| place.length() > 2.0 && place.distance(aside) < 4.0);
+            let mut march = ground(wall);
+            let (start, far) = (march.start(), march.far());
+            assert_eq!(march.flood(start, far), None);
+            let last = march.march(start, far);
+            // Half a cell: fronts are cut into cells.
+            assert!((march.arrival[last] - 1.5).abs() < 0.05, "{angle}: {}", march.arrival[last]);
+            let on_the_way = march.way(last).into_iter().map(|at| march.place(at)).find(|place| place.length() > 2.75);
+            let off = on_the_way.expect("a place").angle_to(-aside).abs();
+            // The thickness is the same to half a cell over some 30 degrees.
+            assert!(off < 0.6, "{angle}: {off}");
+            // Straight outwards it is as thick as geometry says.
+            assert!((march.along(aside) - 2.5).abs() < 0.05 && (march.along(-aside) - 1.5).abs() < 0.05);
+        }
+    }
+
+    /// A way through one cell, or from corner to corner of cells, opens a wall.
+    #[test]
+    fn a_wall_with_a_hole_of_a_cell_is_open() {
+        let wall = |place: DVec2| (2.0..4.0).contains(&place.length());
+        let slit = |place: DVec2| wall(place) && !(place.x > 0.0 && (0.0..0.1).contains(&place.y));
+        let mut march = ground(|place| f64::from(u8::from(slit(place))));
+        assert!(march.flood(march.start(), march.far()).is_some());
+        // Cells on a diagonal are open, and those beside them frozen.
+        let cell = |place: DVec2| ((place.x / 0.1).floor(), (place.y / 0.1).floor());
+        let diagonal = |place: DVec2| wall(place) && cell(place).0 != cell(place).1;
+        let mut march = ground(|place| f64::from(u8::from(diagonal(place))));
+        assert!(march.flood(march.start(), march.far()).is_some());
+    }
+
+    /// Where ground freezes over a range, cells count from where they are half frozen on.
+    #[test]
+    fn what_is_half_frozen_counts() {
+        // From half to whole within 0.5 m: half frozen from 2 m to 4 m.
+        let mut march = ground(|place| (0.5 + (place.length() - 2.0).min(4.0 - place.length())).clamp(0.0, 1.0));
+        let shares: Vec<f64> = (0..march.share.len()).map(|at| march.beyond_half(at)).collect();
+        march.share = shares;
+        let (start, far) = (march.start(), march.far());
+        assert_eq!(march.flood(start, far), None);
+        let last = march.march(start, far);
+        assert!((march.arrival[last] - 2.0).abs() < 0.05, "{}", march.arrival[last]);
+    }
+}

@@ -289,12 +289,9 @@ impl ShellTable {
         for name in table.names().iter().skip(1) {
             let wrong = || format!("column {name} names no cut and instant");
             let (plane, time) = name.split_once('@').ok_or_else(wrong)?;
-            let cut = match plane.split_once('=') {
-                None => None,
-                Some((axis, at)) => {
-                    let at = at.parse().map_err(|_| wrong())?;
-                    Some(if axis == "z" { Cut::Z(at) } else { Cut::R(at) })
-                }
+            let cut = match plane.contains('=') {
+                false => None,
+                true => Some(Cut::named(plane).ok_or_else(wrong)?),
             };
             profiles.push((cut, time.parse().map_err(|_| wrong())?, table.column(name)?.to_vec()));
         }

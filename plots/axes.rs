@@ -167,10 +167,11 @@ impl Frame {
     pub fn draw(&self, canvas: &mut Canvas) {
         let grid = Stroke::whole(GRID, 1.0);
         let rim = Stroke::whole(INK, 1.3);
-        for (value, text) in &self.x.ticks {
+        let labelled = self.labelled();
+        for (k, (value, text)) in self.x.ticks.iter().enumerate() {
             let (px, _) = self.spot(*value, self.y.low);
             canvas.line(vec![(px, self.top), (px, self.bottom)], grid);
-            if !self.x.label.is_empty() {
+            if !self.x.label.is_empty() && labelled(k) {
                 canvas.text((px, self.bottom + 1.45 * TICK), text.as_str(), TICK, Align::Middle);
             }
         }
@@ -207,6 +208,24 @@ impl Frame {
             upward: true,
             colour: INK,
         });
+    }
+
+    /// Which ticks of the axis to the right have labels: every one, or every second, fifth, tenth from zero on, so that no
+    /// two labels touch.
+    fn labelled(&self) -> impl Fn(usize) -> bool {
+        let ticks = &self.x.ticks;
+        let zero = ticks.iter().position(|(value, _)| *value == 0.0).unwrap_or(0);
+        let clear = |stride: usize| {
+            let shown: Vec<(f64, f64)> = ticks
+                .iter()
+                .enumerate()
+                .filter(|(k, _)| k.abs_diff(zero) % stride == 0)
+                .map(|(_, (value, text))| (self.spot(*value, self.y.low).0, 0.5 * text_width(text, TICK, false)))
+                .collect();
+            shown.windows(2).all(|pair| pair[1].0 - pair[0].0 >= pair[0].1 + pair[1].1 + 0.5 * TICK)
+        };
+        let stride = [1, 2, 5, 10, 20, 50, 100].into_iter().find(|stride| clear(*stride)).unwrap_or(usize::MAX);
+        move |k| k.abs_diff(zero) % stride == 0
     }
 
     /// A line through data points, cut at the frame; a point that is no number breaks it.
@@ -323,6 +342,33 @@ mod tests {
         assert!(labels.contains(&"0.1 %") && labels.contains(&"1 %"), "{labels:?}");
         let axis = Axis::log("time (s)", [1e-6, 1e3].into_iter());
         assert!(axis.tick_labels().any(|text| text == "10⁻⁶"));
+    }
+
+    #[test]
+    fn labels_do_not_touch_however_narrow_the_frame() {
+        for width in [150.0, 220.0, 300.0, 500.0, 1000.0] {
+            for high in [0.5, 12.0, 10_000.0, 200_000.0, 3e8] {
+                for low in [0.0, -0.37 * high] {
+                    let mut canvas = Canvas::new(width, 300.0, "t");
+                    let axis = |label: &str, low: f64, high: f64| Axis::between(label, low, high);
+                    let frame = Frame::inside((0.0, 0.0), (width, 300.0), axis("x", low, high), axis("", 0.0, 1.0));
+                    frame.draw(&mut canvas);
+                    let below = |item: &crate::canvas::Item| match item {
+                        crate::canvas::Item::Text(text)
+                            if text.at.1 > frame.bottom && text.align == Align::Middle && text.size == TICK =>
+                        {
+                            Some((text.at.0, 0.5 * text_width(&text.text, TICK, false)))
+                        }
+                        _ => None,
+                    };
+                    let labels: Vec<(f64, f64)> = canvas.items.iter().filter_map(below).collect();
+                    assert!(!labels.is_empty());
+                    for pair in labels.windows(2) {
+                        assert!(pair[1].0 - pair[0].0 > pair[0].1 + pair[1].1, "{width} {high}: {labels:?}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]

@@ -4,24 +4,28 @@ use frazil_core::flow::series::{FlowPoint, WaterRow};
 use frazil_core::record::Field;
 
 use crate::axes::{Axis, Entry, Frame, legend};
-use crate::canvas::{Align, Canvas, Stroke};
-use crate::map::{Look, draw_in};
-use crate::run::{MARGIN, Words, reference_entry, reference_stroke, title};
-use crate::style::{INK, LABEL, TICK, method_style, method_title, number};
+use crate::canvas::{Align, Canvas};
+use crate::ground_plan::arrow;
+use crate::map::{Look, draw_in, notes_at};
+use crate::run::{FigureOptions, MARGIN, Words, reference_entry, reference_stroke, title};
+use crate::style::{LABEL, method_style, method_title, number};
 
 /// Distance between arrows, and length of that of the fastest water (px).
 const BETWEEN: f64 = 52.0;
 const LONGEST: f64 = 40.0;
-
-/// Head of an arrow (px); shorter arrows have smaller ones.
-const HEAD: f64 = 9.0;
 
 /// Arrows below this share of the longest are left out.
 const LEAST: f64 = 0.02;
 
 /// The map of pressures of an instant. Ice, in which freezing makes pressures that move no water, is left white; colours lie
 /// between the pressures of walls.
-pub(crate) fn pressure_map(field: &Field, points: &[FlowPoint], walls: (f64, f64), words: &Words) -> Option<Canvas> {
+pub(crate) fn pressure_map(
+    field: &Field,
+    points: &[FlowPoint],
+    options: &FigureOptions,
+    words: &Words,
+) -> Option<Canvas> {
+    let walls = options.pressures;
     let (nx, ny) = (field.nx, field.ny);
     let mut pressures = vec![f64::NAN; nx * ny];
     let mut velocities = vec![(0.0, 0.0); nx * ny];
@@ -64,25 +68,19 @@ pub(crate) fn pressure_map(field: &Field, points: &[FlowPoint], walls: (f64, f64
             }
         }
     }
-    note(&mut canvas, &frame, fastest);
+    options.plan.draw(&mut canvas, &frame, field.time_s);
+    let undisturbed = options.plan.water.as_ref().map(|water| water.words(field.time_s));
+    note(&mut canvas, &frame, fastest, undisturbed);
     Some(canvas)
 }
 
-fn arrow(canvas: &mut Canvas, from: (f64, f64), arm: (f64, f64)) {
-    let length = arm.0.hypot(arm.1);
-    let head = HEAD.min(0.6 * length);
-    let (along, tip) = ((arm.0 / length, arm.1 / length), (from.0 + arm.0, from.1 + arm.1));
-    let neck = (tip.0 - head * along.0, tip.1 - head * along.1);
-    canvas.line(vec![from, neck], Stroke::whole(INK, 1.4));
-    let side = (-0.4 * head * along.1, 0.4 * head * along.0);
-    canvas.area(vec![tip, (neck.0 + side.0, neck.1 + side.1), (neck.0 - side.0, neck.1 - side.1), tip], INK);
-}
-
-/// Says how fast the longest arrow is, under the map.
-fn note(canvas: &mut Canvas, frame: &Frame, fastest: f64) {
-    let y = frame.bottom + 2.0 * TICK + LABEL;
+/// Says how fast the longest arrow is, under the map, and how fast water is that nothing disturbs.
+fn note(canvas: &mut Canvas, frame: &Frame, fastest: f64, undisturbed: Option<String>) {
+    let y = notes_at(frame);
     arrow(canvas, (frame.left, y - 0.34 * LABEL), (LONGEST, 0.0));
-    canvas.text((frame.left + LONGEST + 8.0, y), format!("{} µm/s", number(1e6 * fastest, 2)), LABEL, Align::Start);
+    let of_all = undisturbed.map_or(String::new(), |words| format!(", undisturbed {words}"));
+    let words = format!("{} µm/s{of_all}", number(1e6 * fastest, 2));
+    canvas.text((frame.left + LONGEST + 8.0, y), words, LABEL, Align::Start);
 }
 
 /// Ice over time, beside the reference's.

@@ -3,6 +3,7 @@
 use frazil_core::record::{LinkRow, RunResult};
 
 use crate::canvas::{Canvas, Colour, Stroke, text_width};
+use crate::ground_plan::WaterMark;
 use crate::style::{Marker, MethodStyle};
 
 mod critical;
@@ -58,6 +59,10 @@ pub struct LayoutView<'a> {
     pub outer_radius_m: f64,
     /// Radius of the shaft to be sunk (m).
     pub shaft_radius_m: Option<f64>,
+    /// When it is dug (s), where it is during the run.
+    pub dug_s: Option<f64>,
+    /// The water that crosses the plan.
+    pub water: Option<WaterMark>,
     /// The run.
     pub result: &'a RunResult,
     /// Load of all pipes together over time (s, W per metre of depth).

@@ -12,6 +12,7 @@ pub mod convergence;
 mod draw;
 pub mod ensemble;
 mod flow_map;
+pub mod ground_plan;
 pub mod layouts;
 pub mod map;
 pub mod page;

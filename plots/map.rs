@@ -5,6 +5,7 @@ use frazil_core::record::Field;
 
 use crate::axes::{Axis, Frame, nice_step};
 use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, Text, text_width};
+use crate::ground_plan::GroundPlan;
 use crate::run::{Words, title};
 use crate::style::{INK, LABEL, TICK, number};
 
@@ -13,6 +14,14 @@ const GRID: usize = 240;
 
 /// Width of the line of the front (px).
 const FRONT_WIDTH: f64 = 3.2;
+
+/// Height of the line of notes, which stands below the name of the axis (px).
+const NOTES: f64 = 1.5 * LABEL;
+
+/// Where that line is (px).
+pub(crate) fn notes_at(frame: &Frame) -> f64 {
+    frame.bottom + 2.0 * TICK + LABEL + NOTES
+}
 
 /// Least length of either side of a map (px).
 const SHORTEST: f64 = 260.0;
@@ -31,7 +40,8 @@ pub(crate) struct Look {
 }
 
 /// The map of a run and, where the reference has one, beside it the reference and the difference.
-pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
+pub(crate) fn temperature_map(field: &Field, plan: &GroundPlan, words: &Words) -> Canvas {
+    let draw = |field: &Field, words: &Words, look: &Look| draw_over(field, plan, words, look);
     let heading = format!("{}, {}", words.heading, words.instant(field.time_s));
     if field.temperature_ref_c.is_empty() {
         return draw(field, words, &Look::temperatures(heading, words, None));
@@ -67,9 +77,9 @@ pub(crate) fn temperature_map(field: &Field, words: &Words) -> Canvas {
 }
 
 /// One frame of an animation: colours between the same ends in all frames.
-pub(crate) fn frame_map(field: &Field, words: &Words, range: (f64, f64)) -> Canvas {
+pub(crate) fn frame_map(field: &Field, plan: &GroundPlan, words: &Words, range: (f64, f64)) -> Canvas {
     let heading = format!("{}, {}", words.heading, words.instant(field.time_s));
-    draw(field, words, &Look::temperatures(heading, words, Some(range)))
+    draw_over(field, plan, words, &Look::temperatures(heading, words, Some(range)))
 }
 
 impl Look {
@@ -83,8 +93,12 @@ fn extremes<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
     present.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
 }
 
-fn draw(field: &Field, words: &Words, look: &Look) -> Canvas {
-    draw_in(field, words, look).0
+/// A map with what stands in its plan.
+pub(crate) fn draw_over(field: &Field, plan: &GroundPlan, words: &Words, look: &Look) -> Canvas {
+    let (mut canvas, frame) = draw_in(field, words, look);
+    plan.draw(&mut canvas, &frame, field.time_s);
+    plan.note(&mut canvas, &frame, field.time_s);
+    canvas
 }
 
 /// A map, and the frame that it is in.
@@ -95,7 +109,8 @@ pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Fra
     // Both directions have one scale, but for bodies so long that their labels would not fit beside them.
     let (frame_width, frame_height) = ((width * side).max(SHORTEST), (height * side).max(SHORTEST));
     let canvas_width = (frame_width + 250.0).max(620.0);
-    let mut canvas = Canvas::new(canvas_width, frame_height + 132.0, &format!("{} map: {heading}", look.kind));
+    let canvas_height = frame_height + 132.0 + NOTES;
+    let mut canvas = Canvas::new(canvas_width, canvas_height, &format!("{} map: {heading}", look.kind));
     title(&mut canvas, heading);
     let (x0, y0) = (field.x0_m - 0.5 * field.spacing_m, field.y0_m - 0.5 * field.spacing_m);
     let unit = if words.length_unit.is_some() { "m" } else { "dimensionless" };
@@ -239,7 +254,7 @@ fn front_note(canvas: &mut Canvas, frame: &Frame, frozen: bool, words: &Words) {
     } else {
         format!("{}{}, freezing point", number(words.freezing_point, 3), words.degree)
     };
-    let y = frame.bottom + 2.0 * TICK + LABEL;
+    let y = notes_at(frame);
     let swatch = 44.0;
     let left = frame.right + 30.0 + 26.0 + 8.0 + 3.4 * TICK - swatch - 8.0 - text_width(&text, LABEL, false);
     canvas.line(vec![(left, y - 0.34 * LABEL), (left + swatch, y - 0.34 * LABEL)], Stroke::whole(INK, FRONT_WIDTH));

@@ -4,18 +4,21 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use frazil_core::flow::series::CutRow;
-use frazil_core::record::{Field, ProfileRow, RunResult};
+use frazil_core::record::{Field, MeanOver, ProfileRow, RunResult};
 use frazil_core::scene::{Scene, TimeUnit};
 
 use crate::PlotError;
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas, Colour, Stroke, Text};
+use crate::ground_plan::GroundPlan;
 use crate::style::{INK, LABEL, REFERENCE, TITLE, method_style, method_title, number};
 use crate::{flow_map, map, rings, stream};
 
 /// What figures of a run need beyond the run itself.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FigureOptions {
+    /// What figures are called; the title of the run if absent.
+    pub name: Option<String>,
     /// Unit of times on axes.
     pub time_unit: TimeUnit,
     /// Temperature of the isotherm that is drawn heavy: where the ground freezes.
@@ -26,17 +29,21 @@ pub struct FigureOptions {
     pub pressures: (f64, f64),
     /// Height of the cut through flowing water (m).
     pub cut: f64,
+    /// What is drawn over maps.
+    pub plan: GroundPlan,
 }
 
 impl FigureOptions {
     /// What a scene asks of its figures.
     pub fn of(scene: &Scene) -> FigureOptions {
         FigureOptions {
+            name: None,
             time_unit: scene.time_unit,
             freezing_point: scene.materials.first().map_or(0.0, |material| material.freezing_point),
             axes: scene.domain.axes(),
             pressures: scene.flow.as_ref().map_or((0.0, 0.0), |flow| flow.pressures()),
             cut: scene.flow.as_ref().and_then(|flow| flow.cut).unwrap_or(0.0),
+            plan: GroundPlan::of(scene),
         }
     }
 }
@@ -79,10 +86,10 @@ pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Can
     all.extend(stream::drawings(result, &words));
     for field in &result.fields {
         let time = number(words.time(field.time_s), 4).replace([' ', '·'], "").replace('−', "-");
-        all.push((format!("map_{time}{}", words.time_symbol), map::temperature_map(field, &words)));
+        all.push((format!("map_{time}{}", words.time_symbol), map::temperature_map(field, &options.plan, &words)));
         let mut points = result.water.iter().flat_map(|water| water.maps.chunk_by(|a, b| a.time_s == b.time_s));
         if let Some(points) = points.find(|points| points[0].time_s == field.time_s) {
-            let drawn = flow_map::pressure_map(field, points, options.pressures, &words);
+            let drawn = flow_map::pressure_map(field, points, options, &words);
             all.extend(drawn.map(|canvas| (format!("pressure_{time}{}", words.time_symbol), canvas)));
         }
     }
@@ -96,7 +103,7 @@ pub fn frame(
     options: &FigureOptions,
     range: (f64, f64),
 ) -> Canvas {
-    map::frame_map(field, &Words::new((heading, method, units), 0.0, options), range)
+    map::frame_map(field, &options.plan, &Words::new((heading, method, units), 0.0, options), range)
 }
 
 /// How a run speaks of its units.
@@ -118,7 +125,8 @@ impl Words {
     pub(crate) fn of(result: &RunResult, options: &FigureOptions) -> Words {
         let record = &result.record;
         let reach = result.front.iter().map(|row| row.front_m).fold(0.0, f64::max);
-        Words::new((&record.title, &record.method, &record.units), reach, options)
+        let heading = options.name.as_ref().unwrap_or(&record.title);
+        Words::new((heading, &record.method, &record.units), reach, options)
     }
 
     /// `reach` is how far fronts go (m).
@@ -245,10 +253,13 @@ fn cut_row(row: &CutRow, y: f64) -> ProfileRow {
     ProfileRow {
         plane: format!("y={}", number(y, 4)),
         time_s: row.time_s,
-        x_m: row.x_m,
+        x_m: Some(row.x_m),
         temperature_c: row.temperature_c,
         temperature_ref_c: row.temperature_ref_c,
         frozen_fraction: row.frozen_fraction,
+        y_m: Some(y),
+        along_m: row.x_m,
+        mean_over: None,
     }
 }
 
@@ -287,7 +298,7 @@ fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
     let mut top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 10.0;
     const GAP: f64 = 0.9 * LABEL;
     let each = (height - top - GAP * (planes.len() - 1) as f64) / planes.len() as f64;
-    let reach = profiles.iter().map(|row| row.x_m).fold(0.0, f64::max);
+    let reach = profiles.iter().map(|row| row.along_m.abs()).fold(0.0, f64::max);
     let (scale, symbol) = if words.length_unit.is_none() {
         (1.0, "dimensionless")
     } else if reach < 0.2 {
@@ -304,16 +315,21 @@ fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
                 Some((axis, at)) => {
                     let along = match axis {
                         "z" => "r",
+                        "r" => "z",
                         "y" => "x",
-                        _ => "z",
+                        _ => "y",
                     };
                     let unit = if words.length_unit.is_some() { " m" } else { "" };
                     format!("{along} at {axis} = {at}{unit} ({symbol})")
                 }
-                None => format!("distance ({symbol})"),
+                None => match rows.first().and_then(|row| row.mean_over) {
+                    Some(MeanOver::X) => format!("y, means over all x ({symbol})"),
+                    Some(MeanOver::Y) => format!("x, means over all y ({symbol})"),
+                    None => format!("x ({symbol})"),
+                },
             },
         };
-        let x = Axis::linear(x_label, rows.iter().map(|row| scale * row.x_m));
+        let x = Axis::linear(x_label, rows.iter().map(|row| scale * row.along_m));
         let values = rows.iter().flat_map(|row| [Some(row.temperature_c), row.temperature_ref_c]).flatten();
         let y = Axis::linear(words.temperature_label.as_str(), values.chain([words.freezing_point]));
         let frame = Frame::inside((0.0, top), (1000.0, top + each), x, y);
@@ -321,8 +337,8 @@ fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
         frame.curve(&mut canvas, [(frame.x.low, words.freezing_point), (frame.x.high, words.freezing_point)], isotherm);
         for (k, time) in instants.iter().enumerate() {
             let rows: Vec<_> = rows.iter().filter(|row| row.time_s == *time).collect();
-            frame.curve(&mut canvas, rows.iter().map(|row| (scale * row.x_m, row.temperature_c)), stroke_at(k));
-            let references = rows.iter().filter_map(|row| Some((scale * row.x_m, row.temperature_ref_c?)));
+            frame.curve(&mut canvas, rows.iter().map(|row| (scale * row.along_m, row.temperature_c)), stroke_at(k));
+            let references = rows.iter().filter_map(|row| Some((scale * row.along_m, row.temperature_ref_c?)));
             frame.curve(&mut canvas, references, thin);
         }
         top += each + GAP;

@@ -68,7 +68,7 @@ struct RunArguments {
     /// intervals. Members that the folder holds already are not run again.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000), conflicts_with_all = ["reduce", "fields", "frames"])]
     seeds: Option<u16>,
-    /// Folder for the results; by default out/SCENE.
+    /// Folder for the results; by default out/SCENE/METHOD.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Runs the smaller scene that gives the same answer, if there is one.

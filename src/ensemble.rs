@@ -15,9 +15,9 @@ use frazil_core::scene::settings::MethodSettings;
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::output::{self, Folder};
-use crate::progress::clock;
+use crate::progress::{clock, forewarn};
 use crate::run::{self, RunRequest};
-use crate::{interrupt, load};
+use crate::{answers, expect, interrupt, load};
 
 pub mod figures;
 pub mod members;
@@ -42,7 +42,7 @@ pub fn run(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
     };
     chance(settings, count)?;
     let seeds = seeds(request.seed, count)?;
-    let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&scene.name));
+    let path = request.out.clone().unwrap_or_else(|| run::folder_of(&scene, method));
     let folder = Folder::make(&path)?;
     let members = Members {
         scene: &scene,
@@ -52,6 +52,12 @@ pub fn run(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
         seeds: &seeds,
         threads: request.threads.min(count),
     };
+    if !request.quiet {
+        let open = seeds.iter().filter(|seed| members.record_of(**seed).is_none()).count();
+        let rounds = open.div_ceil(members.threads.max(1)) as f64;
+        let seconds = expect::seconds(&scene, method, reference.as_ref(), 1).map(|seconds| rounds * seconds);
+        forewarn(&format!("{} under {method}, {open} members", scene.name), seconds);
+    }
     let began = Instant::now();
     let made = match members.make(request.quiet) {
         Ok(made) => made,
@@ -198,19 +204,20 @@ impl Study {
         let record = &self.record;
         let count = record.seeds.len();
         let ends = record.seeds.first().zip(record.seeds.last()).map(|(first, last)| format!("{first} to {last}"));
-        let mut text = format!(
+        let head = format!(
             "{} under {}: {count} members, seeds {}, {} of them taken over\n",
             record.scene,
             record.method,
             ends.unwrap_or_default(),
             record.taken_over
         );
-        let mut line = |title: &str, value: String| text.push_str(&format!("  {title:<13} {value}\n"));
+        let mut lines = Vec::new();
+        let mut line = |title: &str, value: String| lines.push((title.to_owned(), value));
         for member in record.members.iter().filter(|member| member.outcome != Outcome::Ok) {
             let cause = member.cause.as_ref().map_or_else(String::new, |cause| format!(": {cause}"));
             line(&format!("seed {}", member.seed), format!("{}{cause}", member.outcome.name()));
         }
-        for (title, name) in run::HEADLINES {
+        for (title, name) in answers::HEADLINES {
             let Some(found) = record.errors.get(name) else { continue };
             let half = found.interval.map_or(String::new(), |[low, high]| format!(" +- {:.3}", 50.0 * (high - low)));
             let mut words = format!("{:.3}{half} % of one member", 100.0 * found.mean);
@@ -223,7 +230,7 @@ impl Study {
                     None => ", bias not resolved".into(),
                 });
             }
-            line(title, words);
+            line(&format!("{title} error"), words);
         }
         if let Some(reference) = &record.reference {
             let own = 100.0 * reference.error_estimate_rel;
@@ -236,7 +243,7 @@ impl Study {
             line("difference", difference.clone());
         }
         line("results", folder.display().to_string());
-        text
+        head + &answers::text(&lines)
     }
 }
 

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 pub use dug::beside_open;
 
 use crate::failure::{Failure, Verdict, answer, complain};
+use crate::machine::Machine;
 use crate::output::Folder;
 use crate::{journal, load, output, parallel};
 
@@ -100,6 +101,7 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
     let folder = Folder::make(&path)?;
     let build = journal::stamp();
+    let machine = Machine::now();
     let work_of = |method: &'static str, beside: bool| Work {
         study: &study,
         method,
@@ -110,6 +112,7 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         frames: request.frames,
         quiet: request.quiet,
         build: &build,
+        machine: machine.clone(),
     };
     let mut works = vec![work_of(method, false)];
     if all {

@@ -1,10 +1,12 @@
 //! The program `frazil`: what a user runs, as functions.
 
+pub mod answers;
 pub mod calibrate;
 pub mod check;
 pub mod cli;
 pub mod compare;
 pub mod ensemble;
+pub mod expect;
 pub mod failure;
 pub mod fields;
 pub mod interrupt;

@@ -42,7 +42,10 @@ impl Machine {
                 },
             ),
             threads,
-            Fact::new("Load average at the start and the end", format!("{}; {}", self.load, load())),
+            Fact::new(
+                "Load averages over 1, 5 and 15 minutes at the start; at the end",
+                format!("{}; {}", self.load, load()),
+            ),
             Fact::new("Date", self.date.clone()),
         ]
     }

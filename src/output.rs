@@ -198,16 +198,19 @@ mod tests {
         assert_eq!(read("front.csv"), "time_s,front_m,front_ref_m\n1.0,0.25,\n");
         let profile = [ProfileRow {
             time_s: 1.0,
-            x_m: 0.5,
+            x_m: Some(0.5),
             temperature_c: -2.0,
             temperature_ref_c: Some(-2.5),
             frozen_fraction: 1.0,
             plane: "line".into(),
+            y_m: None,
+            along_m: 0.5,
+            mean_over: None,
         }];
         write_rows(&folder.path().join("profiles.csv"), &profile).expect("written");
         assert_eq!(
             read("profiles.csv"),
-            "time_s,x_m,temperature_c,temperature_ref_c,frozen_fraction,plane\n1.0,0.5,-2.0,-2.5,1.0,line\n"
+            "time_s,x_m,temperature_c,temperature_ref_c,frozen_fraction,plane,y_m,along_m,mean_over\n1.0,0.5,-2.0,-2.5,1.0,line,,0.5,\n"
         );
         let budget = [BudgetRow { time_s: 1.0, stored_j: -3.0, in_j: vec![-4.0, 1.0], balance_rel: 0.0 }];
         let names = ["left".to_owned(), "right".to_owned()];

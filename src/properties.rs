@@ -14,6 +14,7 @@ use crate::failure::{Failure, Verdict, answer, complain};
 use crate::interrupt;
 use crate::journal::{self, Journal};
 use crate::output::Folder;
+use crate::progress::forewarn;
 
 pub mod equilibrium;
 pub mod execute;
@@ -96,6 +97,9 @@ fn measure(
     let folder = Folder::make(path)?;
     let journal = Journal::open(&path.join("jobs.journal"), &journal::stamp())?;
     let stop = interrupt::watch();
+    if !request.quiet {
+        forewarn("properties", Some(execute::seconds(jobs, &journal, request.threads)));
+    }
     let found = execute::jobs(request, jobs, &journal, stop)?;
     if stop.load(Ordering::Relaxed) {
         complain("interrupted: the same command goes on from here");

@@ -5,18 +5,17 @@ use std::sync::Arc;
 
 use frazil_core::march::{self, Options, Progress, Refused};
 use frazil_core::particles::Particles;
-use frazil_core::record::{Errors, Outcome, RunResult};
+use frazil_core::record::{Outcome, RunResult};
 use frazil_core::reduce::{self, Finding};
 use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
 use frazil_plots::{FigureOptions, run_figures};
 
-use crate::ensemble::record::by_name;
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::fields::Snapshots;
 use crate::output::{self, Folder};
-use crate::progress::{Reporter, clock};
-use crate::{interrupt, load};
+use crate::progress::{Reporter, clock, forewarn};
+use crate::{answers, expect, interrupt, load};
 
 /// What is to be run.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +30,7 @@ pub struct RunRequest {
     pub threads: usize,
     /// Seed.
     pub seed: u64,
-    /// Folder for the results; `out/<scene>` if absent.
+    /// Folder for the results; `out/<scene>/<method>` if absent.
     pub out: Option<PathBuf>,
     /// Whether a smaller scene that gives the same answer is to be run instead.
     pub reduce: bool,
@@ -51,7 +50,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     if !request.quiet {
         warn(&scene);
     }
-    let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&scene.name));
+    let path = request.out.clone().unwrap_or_else(|| folder_of(&scene, method));
     let folder = Folder::make(&path)?;
     let wanted = (request.fields, request.frames);
     let snapshots = if request.fields || request.frames {
@@ -70,6 +69,10 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
             snapshots.see(particles, time);
         }
     };
+    if !request.quiet {
+        let seconds = expect::seconds(&scene, method, reference.as_ref(), request.threads);
+        forewarn(&format!("{} under {method}", scene.name), seconds);
+    }
     let reporter = Reporter::new(request.quiet);
     let show = |progress: &Progress| reporter.show(progress);
     let options = Options {
@@ -106,9 +109,14 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
         complain(&format!("WARNING: {}: {said}", scene.name));
     }
     if !request.quiet {
-        answer(&summary(&result, folder.path()))?;
+        answer(&summary(&scene, &result, folder.path()))?;
     }
     Ok(verdict(result.record.outcome))
+}
+
+/// Where results of a scene under a method go unless another folder is asked for.
+pub fn folder_of(scene: &Scene, method: &str) -> PathBuf {
+    Path::new("out").join(&scene.name).join(method)
 }
 
 /// Runs the smaller scene, or says why there is none.
@@ -167,11 +175,17 @@ pub fn verdict(outcome: Outcome) -> Verdict {
     }
 }
 
-fn summary(result: &RunResult, folder: &Path) -> String {
+fn summary(scene: &Scene, result: &RunResult, folder: &Path) -> String {
     let record = &result.record;
     let cause = record.cause.as_ref().map_or_else(String::new, |cause| format!(": {cause}"));
-    let mut text = format!("{} under {}: {}{cause}\n", record.scene, record.method, record.outcome.name());
-    let mut line = |title: &str, value: String| text.push_str(&format!("  {title:<13} {value}\n"));
+    let mut lines = answers::answers(scene, result);
+    if let Some(reference) = &record.reference {
+        lines.extend(answers::errors(&record.errors, record.water.as_ref()));
+        let own = 100.0 * reference.error_estimate_rel;
+        let words = format!("{}, {}; its own error about {own:.1e} %", reference.kind, reference.source);
+        lines.push(("reference".into(), words));
+    }
+    let mut line = |title: &str, value: String| lines.push((title.to_owned(), value));
     if let Some(words) = &record.reduced_from {
         line("reduced", words.clone());
     }
@@ -181,29 +195,10 @@ fn summary(result: &RunResult, folder: &Path) -> String {
     let (setup, solve) = (clock(record.setup_wall_s), clock(record.solve_wall_s));
     line("time", format!("{solve}, and {setup} of preparation; threads {}", record.threads));
     line("heat balance", format!("{:.1e} of the heat exchanged", record.energy_balance_rel));
-    if let Some(reference) = &record.reference {
-        for (title, error) in errors(&record.errors) {
-            line(title, format!("{:.3} %", 100.0 * error));
-        }
-        let own = 100.0 * reference.error_estimate_rel;
-        line("reference", format!("{}, {}; its own error about {own:.1e} %", reference.kind, reference.source));
-    }
     for difference in &record.differences {
         line("difference", difference.clone());
     }
     line("results", folder.display().to_string());
-    text
-}
-
-/// The errors that people ask for first: their titles, and their names in records.
-pub const HEADLINES: [(&str, &str); 4] = [
-    ("front", "front_rms_rel"),
-    ("temperature", "temperature_rms_rel"),
-    ("frozen area", "frozen_volume_rms_rel"),
-    ("closure", "events.closure_day"),
-];
-
-fn errors(errors: &Errors) -> Vec<(&'static str, f64)> {
-    let all = by_name(errors);
-    HEADLINES.into_iter().filter_map(|(title, name)| Some((title, *all.get(name)?))).collect()
+    let outcome = record.outcome.name();
+    format!("{} under {}: {outcome}{cause}\n{}", record.scene, record.method, answers::text(&lines))
 }

@@ -211,9 +211,12 @@ fn moving_particles_and_uneven_ones_have_ensembles() {
     let [a, b] = [1, 2].map(|seed| rows(&all.join(format!("seed-{seed}/profiles.csv"))));
     let means = rows(&all.join("profiles.csv"));
     assert!(a.len() == b.len() && means.len() == a.len() && a.len() > 30);
-    assert!(a.iter().zip(&b).any(|(a, b)| a["x_m"] != b["x_m"]), "nothing moves");
+    assert!(a.iter().zip(&b).any(|(a, b)| a["along_m"] != b["along_m"]), "nothing moves");
     for ((mean, a), b) in means.iter().zip(&a).zip(&b) {
-        assert_eq!(number(mean, "x_m"), (number(a, "x_m") + number(b, "x_m")) / 2.0);
+        for place in ["y_m", "along_m"] {
+            assert_eq!(number(mean, place), (number(a, place) + number(b, place)) / 2.0);
+        }
+        assert!(mean["x_m"].is_empty() && mean["mean_over"] == "x");
         assert_eq!(number(mean, "temperature_c"), (number(a, "temperature_c") + number(b, "temperature_c")) / 2.0);
         // The reference is taken at the mean place: between those of the members, for it rises with distance.
         let known = [a, b].map(|row| number(row, "temperature_ref_c"));

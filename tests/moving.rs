@@ -117,7 +117,7 @@ fn walls_let_heat_through_as_a_wall_at_their_temperature() {
     assert!((rate / expected - 1.0).abs() < 0.04, "{rate} {expected}");
     let row = result.profiles.first().expect("a profile");
     // Half a layer from the wall: 0.0025 * 2 above it; the mean of 48 particles has a standard deviation of 0.0005.
-    assert!((row.temperature_c - 1.0 - 0.02 * row.x_m).abs() < 0.0025, "{row:?}");
+    assert!((row.temperature_c - 1.0 - 0.02 * row.along_m).abs() < 0.0025, "{row:?}");
 }
 
 #[test]

@@ -65,7 +65,7 @@ fn largest_difference(scene: &Scene, own: &RunResult, other: &RunResult) -> f64 
     [
         of("profiles", range, &|run| run.profiles.iter().map(|row| row.temperature_c).collect()),
         of("fractions", 1.0, &|run| run.profiles.iter().map(|row| row.frozen_fraction).collect()),
-        of("places of profiles", length, &|run| run.profiles.iter().map(|row| row.x_m).collect()),
+        of("places of profiles", length, &|run| run.profiles.iter().map(|row| row.along_m).collect()),
         of("times", scene.duration, &|run| run.profiles.iter().map(|row| row.time_s).collect()),
         of("probes", range, &|run| run.probes.iter().map(|row| row.temperature_c).collect()),
         of("places of probes", length, &|run| run.probes.iter().flat_map(|row| [row.x_m, row.y_m]).collect()),

@@ -99,7 +99,7 @@ fn check_steady(sketch: &Sketch, kind: &'static MethodKind, potential: impl Fn(f
     let result = sketch.run(kind);
     assert!(result.profiles.len() == 24);
     for row in &result.profiles {
-        let wanted = potential(row.x_m);
+        let wanted = potential(row.along_m);
         let wanted = if wanted < 0.0 { wanted / FROZEN } else { wanted / UNFROZEN };
         // The exchange and all walls are exact for a potential that is linear; what remains of the start is below
         // 25 K exp(-25) = 4e-10 K.

@@ -173,7 +173,7 @@ fn a_step_of_temperature_spreads_by_its_closed_form_wherever_it_falls() {
             sketch.duration_s = 0.01 / 1e-6;
             let result = sketch.run(kind);
             let errors = result.profiles.iter().map(|row| {
-                let exact = 5.0 + 5.0 * erf((row.x_m - place) / 0.2);
+                let exact = 5.0 + 5.0 * erf((row.along_m - place) / 0.2);
                 (row.temperature_c - exact).powi(2)
             });
             (errors.sum::<f64>() / result.profiles.len() as f64).sqrt()

@@ -129,7 +129,7 @@ pub fn planes(layouts: &[LayoutView<'_>], freezing_c: f64) -> Canvas {
             }
             let time = last(layout);
             let rows = layout.result.profiles.iter().filter(|row| row.plane == "main" && Some(row.time_s) == time);
-            rows.map(|row| (row.x_m, row.temperature_c)).collect()
+            rows.map(|row| (row.along_m, row.temperature_c)).collect()
         };
         let curves: Vec<Vec<(f64, f64)>> = layouts.iter().map(rows).collect();
         let points = || curves.iter().flatten();

@@ -3,6 +3,7 @@
 use super::{LayoutView, backed, dashed_circle, day, wrapped};
 use crate::axes::nice_step;
 use crate::canvas::{Align, Canvas, Spot, Stroke, Text};
+use crate::ground_plan::{GroundPlan, LEAST, ShaftMark, arrow_around};
 use crate::map::{self, Look};
 use crate::run::{FigureOptions, Words, title};
 use crate::style::{INK, REFERENCE, TICK, number};
@@ -11,9 +12,6 @@ use frazil_core::scene::TimeUnit;
 /// Sketches in a row, and in a figure.
 const COLUMNS: usize = 3;
 const MOST: usize = 6;
-
-/// Least radius at which a pipe is drawn (px).
-const LEAST: f64 = 2.2;
 
 /// Side of a sketch (px), and what stands above and below it.
 const SIDE: f64 = 300.0;
@@ -92,6 +90,10 @@ fn sketch(canvas: &mut Canvas, layout: &LayoutView<'_>, (left, top): Spot, reach
     for (x, y) in &layout.missing {
         canvas.cross(spot(*x, *y), 6.0, Stroke::whole(INK, 2.2));
     }
+    if let Some(water) = &layout.water {
+        // A ring leaves the corners of its square free.
+        arrow_around(canvas, (left + 24.0, top + HEAD + 24.0), water.direction);
+    }
     notes(canvas, layout, (left, top + HEAD + SIDE), scale);
 }
 
@@ -105,6 +107,9 @@ fn notes(canvas: &mut Canvas, layout: &LayoutView<'_>, (left, top): Spot, scale:
     let mut count = format!("{} pipes", layout.pipes.len());
     if !layout.missing.is_empty() {
         count += &format!(", {} missing (×)", layout.missing.len());
+    }
+    if let Some(water) = &layout.water {
+        count += &format!(", water {}", water.words(0.0));
     }
     canvas.text((left, top + 1.4 * TICK), count, TICK, Align::Start);
     let words = match layout.weakest() {
@@ -132,11 +137,17 @@ fn notes(canvas: &mut Canvas, layout: &LayoutView<'_>, (left, top): Spot, scale:
 /// Maps of the temperature of a layout at every instant that has one, by the day: the front heavy, pipes drawn in.
 pub fn maps(layout: &LayoutView<'_>, freezing_c: f64) -> Vec<(String, Canvas)> {
     let options = FigureOptions {
+        name: Some(layout.name.clone()),
         time_unit: TimeUnit::Day,
         freezing_point: freezing_c,
         axes: ("x", "y"),
         pressures: (0.0, 0.0),
         cut: 0.0,
+        plan: GroundPlan {
+            pipes: layout.pipes.iter().map(|pipe| (pipe.x_m, pipe.y_m, pipe.radius_m)).collect(),
+            shaft: layout.shaft_radius_m.map(|radius| ShaftMark { radius, dug: layout.dug_s }),
+            water: layout.water.clone(),
+        },
     };
     let mut words = Words::of(layout.result, &options);
     words.heading.clone_from(&layout.name);
@@ -148,18 +159,7 @@ pub fn maps(layout: &LayoutView<'_>, freezing_c: f64) -> Vec<(String, Canvas)> {
             range: None,
             zero: freezing_c,
         };
-        let (mut canvas, frame) = map::draw_in(field, &words, &look);
-        let scale = (frame.right - frame.left) / (frame.x.high - frame.x.low);
-        for pipe in &layout.pipes {
-            let inside = pipe.x_m >= frame.x.low
-                && pipe.x_m <= frame.x.high
-                && pipe.y_m >= frame.y.low
-                && pipe.y_m <= frame.y.high;
-            if inside {
-                let at = frame.spot(pipe.x_m, pipe.y_m);
-                canvas.marker(at, crate::style::Marker::Circle, (scale * pipe.radius_m).max(LEAST), INK, true);
-            }
-        }
+        let canvas = map::draw_over(field, &options.plan, &words, &look);
         (number(words.time(field.time_s), 4), canvas)
     };
     layout.result.fields.iter().map(drawn).collect()

@@ -3,9 +3,11 @@
 //! With `FRAZIL_FIGURES=folder` the files stay there to be looked at.
 
 use frazil_core::record::{Errors, Field, FrontRow, GapRow, Outcome, ProfileRow, Record, RunResult, WallRow};
+use frazil_core::scene::Series;
 use frazil_core::scene::TimeUnit;
 use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint, work_precision};
 use frazil_plots::convergence::{OrderCurve, convergence};
+use frazil_plots::ground_plan::{GroundPlan, ShaftMark, WaterMark};
 use frazil_plots::run::drawings;
 use frazil_plots::{FigureOptions, run_figures};
 
@@ -76,11 +78,14 @@ fn line_run() -> RunResult {
             let exact = if x < front { -10.0 * (1.0 - x / front) } else { 4.0 * (1.0 - (-(x - front) / 0.02).exp()) };
             run.profiles.push(ProfileRow {
                 time_s: time,
-                x_m: x,
+                x_m: Some(x),
                 temperature_c: exact + 0.15 * (x * 300.0).sin(),
                 temperature_ref_c: Some(exact),
                 frozen_fraction: f64::from(u8::from(x < front)),
                 plane: "line".into(),
+                y_m: None,
+                along_m: x,
+                mean_over: None,
             });
         }
     }
@@ -199,6 +204,8 @@ fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn s
         &line_run(),
         &folder,
         &FigureOptions {
+            name: None,
+            plan: Default::default(),
             time_unit: TimeUnit::Hour,
             freezing_point: 0.0,
             axes: ("x", "y"),
@@ -210,6 +217,8 @@ fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn s
         &ring_run(),
         &folder,
         &FigureOptions {
+            name: None,
+            plan: Default::default(),
             time_unit: TimeUnit::Day,
             freezing_point: -0.5,
             axes: ("x", "y"),
@@ -253,6 +262,8 @@ fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn s
 fn a_run_without_rows_has_no_figures() -> Result<(), Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let options = FigureOptions {
+        name: None,
+        plan: Default::default(),
         time_unit: TimeUnit::Second,
         freezing_point: 0.0,
         axes: ("x", "y"),
@@ -263,10 +274,42 @@ fn a_run_without_rows_has_no_figures() -> Result<(), Box<dyn std::error::Error>>
     Ok(())
 }
 
+/// A map of a layout has its name, its shaft, and the water that crosses it.
+#[test]
+fn a_map_names_its_layout_and_shows_shaft_and_water() {
+    let map = |dug: Option<f64>, plan: bool| {
+        let water = WaterMark { drive: (Series::Constant(2.0), 0.05 / 86_400.0), direction: (0.6, 0.8) };
+        let shaft = Some(ShaftMark { radius: 3.5, dug });
+        let marks = GroundPlan { pipes: vec![(5.0, 0.0, 0.1)], shaft, water: Some(water) };
+        let options = FigureOptions {
+            name: plan.then(|| "26 pipes, dug late".into()),
+            plan: if plan { marks } else { GroundPlan::default() },
+            time_unit: TimeUnit::Day,
+            freezing_point: -0.5,
+            axes: ("x", "y"),
+            pressures: (0.0, 0.0),
+            cut: 0.0,
+        };
+        let maps = drawings(&ring_run(), &options).into_iter().find(|(name, _)| name.starts_with("map_"));
+        maps.expect("a map").1.svg()
+    };
+    let bare = map(None, false);
+    for words in ["shaft", "groundwater", "26 pipes"] {
+        assert!(!bare.contains(words), "{words}");
+    }
+    let early = map(Some(1e9), true);
+    for words in ["26 pipes, dug late", ">\nshaft", "groundwater, 0.1 m/day"] {
+        assert!(early.contains(words), "{words} in {early}");
+    }
+    assert!(map(Some(0.0), true).contains("shaft, dug out"));
+}
+
 /// Where the reference has a map, it stands beside that of the run, and the difference beside both.
 #[test]
 fn maps_stand_beside_those_of_the_reference() {
     let options = FigureOptions {
+        name: None,
+        plan: Default::default(),
         time_unit: TimeUnit::Day,
         freezing_point: -0.5,
         axes: ("x", "y"),

@@ -8,7 +8,7 @@ use std::time::Instant;
 use frazil_core::march::Options;
 use frazil_core::measure;
 use frazil_core::record::{Field, Outcome, ReferenceInfo, RunResult};
-use frazil_core::reference::{Plane, Reference};
+use frazil_core::reference::{Cut, Plane, Reference};
 use frazil_core::scene::{Scene, Setting};
 use frazil_plots::style::{duration, percent};
 
@@ -38,11 +38,15 @@ pub struct LocalReference {
 }
 
 impl LocalReference {
-    /// Takes a run as a reference of everything that it has.
-    pub fn new(run: RunResult) -> LocalReference {
+    /// Takes a run of a scene as a reference of everything that it has.
+    pub fn new(scene: &Scene, run: RunResult) -> LocalReference {
         let mut profiles: Vec<Profile> = Vec::new();
+        let direction = scene.freezing_direction();
         for row in &run.profiles {
-            let point = (row.x_m, row.temperature_c);
+            // Plane fronts are known by the distance from the wall at which they start.
+            let start = direction.filter(|_| row.plane == "line");
+            let along = start.map_or(row.along_m, |direction| direction.distance(row.along_m));
+            let point = (along, row.temperature_c);
             match profiles.iter_mut().find(|(time, plane, _)| *time == row.time_s && *plane == row.plane) {
                 Some((.., points)) => points.push(point),
                 None => profiles.push((row.time_s, row.plane.clone(), vec![point])),
@@ -99,6 +103,13 @@ impl Reference for LocalReference {
 
     fn temperature(&self, x: f64, t: f64) -> Option<f64> {
         self.profile("line", x, t)
+    }
+
+    fn cut_temperature(&self, cut: Cut, x: f64, t: f64) -> Option<f64> {
+        let same = |(time, own, _): &&Profile| {
+            Cut::named(own) == Some(cut) && (time - t).abs() <= SAME_INSTANT * t.abs().max(1.0)
+        };
+        between(self.profiles.iter().find(same).map(|(.., points)| points.as_slice())?, x)
     }
 
     fn point_temperature(&self, x: f64, y: f64, t: f64) -> Option<f64> {
@@ -169,7 +180,7 @@ pub fn local_reference(
     let Some((_, coarser)) = runs.last() else {
         return Err(format!("{} allow one local run only; give more time with --budget-s", duration(seconds)));
     };
-    let mut truth = LocalReference::new(fine);
+    let mut truth = LocalReference::new(base, fine);
     let mut judged = base.clone();
     judge_alike(&mut judged, coarsest, &truth);
     let difference = |run: &RunResult, headline: Headline| {

@@ -61,11 +61,14 @@ fn made_up(
             let truth = reference.temperature(x_m, time_s).unwrap_or(0.0);
             result.profiles.push(ProfileRow {
                 time_s,
-                x_m,
+                x_m: Some(x_m),
                 temperature_c: truth + 3.0 * (wrong + noise),
                 temperature_ref_c: None,
                 frozen_fraction: 0.0,
                 plane: "line".into(),
+                y_m: None,
+                along_m: x_m,
+                mean_over: None,
             });
         }
         measure::attach(scene, spacing, &mut result, reference.as_ref());

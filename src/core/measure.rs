@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use crate::record::{BesideRow, Errors, FrontRow, FrozenRow, GapRow, RunResult, WallRow};
 use crate::reference::{Cut, Plane, Reference};
-use crate::scene::Scene;
+use crate::scene::{FreezingDirection, Scene};
 
 /// Temperatures on a plane count only farther than this many particle spacings from the wall of a pipe: an
 /// immersed pipe is smeared over them.
@@ -38,26 +38,39 @@ impl ProfilePlane {
             "main" => Some(ProfilePlane::Ring(Plane::Main)),
             "interface" => Some(ProfilePlane::Ring(Plane::Interface)),
             "radius" => Some(ProfilePlane::Radius),
-            _ => {
-                let (axis, at) = name.split_once('=')?;
-                let at = at.parse().ok()?;
-                Some(ProfilePlane::Cut(if axis == "z" { Cut::Z(at) } else { Cut::R(at) }))
-            }
+            _ => Cut::named(name).map(ProfilePlane::Cut),
         }
     }
 
-    fn temperature(&self, reference: &dyn Reference, x: f64, t: f64) -> Option<f64> {
+    /// What the reference has at a place along it (m).
+    fn temperature(
+        &self,
+        direction: Option<FreezingDirection>,
+        reference: &dyn Reference,
+        along: f64,
+        t: f64,
+    ) -> Option<f64> {
         match self {
-            ProfilePlane::Line | ProfilePlane::Radius => reference.temperature(x, t),
-            ProfilePlane::Cut(cut) => reference.cut_temperature(*cut, x, t),
-            ProfilePlane::Ring(plane) => reference.plane_temperature(*plane, x, t),
+            ProfilePlane::Line => reference.temperature(direction?.distance(along), t),
+            ProfilePlane::Radius => reference.temperature(along, t),
+            ProfilePlane::Cut(cut) => reference.cut_temperature(*cut, along, t).or_else(|| {
+                // A plane front is known on all lines through it.
+                let direction = direction?;
+                let (x, y) = cut.point(along);
+                reference.temperature(direction.distance(if direction.along_y { y } else { x }), t)
+            }),
+            ProfilePlane::Ring(plane) => reference.plane_temperature(*plane, along, t),
         }
     }
 
     /// Whether a point of the profile counts.
     fn counts(&self, scene: &Scene, spacing: f64, x: f64) -> bool {
         match self {
-            ProfilePlane::Line => scene.watch.profile_length.is_none_or(|length| x <= length),
+            // A body without a direction has no such profile.
+            ProfilePlane::Line => {
+                let reach = scene.watch.profile_length.zip(scene.freezing_direction());
+                reach.is_none_or(|(length, direction)| direction.distance(x) <= length)
+            }
             ProfilePlane::Radius | ProfilePlane::Cut(_) => true,
             // With several rings the plane between two pipes of one may pass through a pipe of another.
             ProfilePlane::Ring(Plane::Interface) if scene.rings.len() < 2 => true,
@@ -84,9 +97,11 @@ pub fn attach(scene: &Scene, spacing: f64, result: &mut RunResult, reference: &d
     for row in &mut result.frozen {
         row.frozen_volume_ref = reference.frozen_volume(row.time_s);
     }
+    let direction = scene.freezing_direction();
     for row in &mut result.profiles {
+        let plane = ProfilePlane::named(&row.plane);
         row.temperature_ref_c =
-            ProfilePlane::named(&row.plane).and_then(|plane| plane.temperature(reference, row.x_m, row.time_s));
+            plane.and_then(|plane| plane.temperature(direction, reference, row.along_m, row.time_s));
     }
     for row in &mut result.walls {
         row.thickness_main_mean_ref_m = reference.thickness(Plane::Main, row.time_s);
@@ -117,32 +132,75 @@ pub fn attach(scene: &Scene, spacing: f64, result: &mut RunResult, reference: &d
 /// Temperatures of a run and of the reference at all profile points that count. `spacing` is the particle spacing of
 /// the run (m).
 pub fn profile_points(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn Reference) -> Vec<(f64, f64)> {
-    let rows = result.profiles.iter().filter_map(|row| {
+    points(scene, spacing, result, reference).collect()
+}
+
+fn points(
+    scene: &Scene,
+    spacing: f64,
+    result: &RunResult,
+    reference: &dyn Reference,
+) -> impl Iterator<Item = (f64, f64)> {
+    let direction = scene.freezing_direction();
+    let rows = result.profiles.iter().filter_map(move |row| {
         let plane = ProfilePlane::named(&row.plane)?;
-        let expected = plane.temperature(reference, row.x_m, row.time_s)?;
-        plane.counts(scene, spacing, row.x_m).then_some((row.temperature_c, expected))
+        let expected = plane.temperature(direction, reference, row.along_m, row.time_s)?;
+        plane.counts(scene, spacing, row.along_m).then_some((row.temperature_c, expected))
     });
     // Where water flows, those of its cut, after the start.
     let cut = result.water.iter().flat_map(|water| &water.cut).filter(|row| row.time_s > 0.0);
-    rows.chain(cut.filter_map(|row| Some((row.temperature_c, reference.cut(row.x_m, row.time_s)?.0)))).collect()
+    rows.chain(cut.filter_map(|row| Some((row.temperature_c, reference.cut(row.x_m, row.time_s)?.0))))
+}
+
+/// What temperatures at many points come to beside those of a reference, one after the other.
+struct Deviation {
+    count: usize,
+    squares: f64,
+    sum: f64,
+    largest: f64,
+    /// Greatest magnitude of the reference.
+    scale: f64,
+    /// Least and greatest of the reference.
+    range: (f64, f64),
+}
+
+impl Deviation {
+    fn of(points: impl Iterator<Item = (f64, f64)>) -> Option<Deviation> {
+        let range = (f64::INFINITY, f64::NEG_INFINITY);
+        let none = Deviation { count: 0, squares: 0.0, sum: 0.0, largest: 0.0, scale: 0.0, range };
+        let all = points.fold(none, |sum, (own, expected)| Deviation {
+            count: sum.count + 1,
+            squares: sum.squares + (own - expected).powi(2),
+            sum: sum.sum + (own - expected),
+            largest: sum.largest.max((own - expected).abs()),
+            scale: sum.scale.max(expected.abs()),
+            range: (sum.range.0.min(expected), sum.range.1.max(expected)),
+        });
+        (all.count > 0).then_some(all)
+    }
+
+    fn rms(&self) -> Option<f64> {
+        finite((self.squares / self.count as f64).sqrt())
+    }
+
+    fn mean(&self) -> Option<f64> {
+        finite(self.sum / self.count as f64)
+    }
 }
 
 /// Errors of a run against a reference. `spacing` is the particle spacing of the run (m).
 pub fn errors(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn Reference) -> Errors {
-    let points = profile_points(scene, spacing, result, reference);
+    let found = Deviation::of(points(scene, spacing, result, reference));
     let (mut least, mut greatest) = scene.temperature_range();
-    if scene.has_flux() {
+    if let Some(found) = found.as_ref().filter(|_| scene.has_flux()) {
         // A flux drives temperatures beyond the data: the reference tells how far.
-        let expected = points.iter().map(|point| point.1);
-        (least, greatest) = expected.fold((least, greatest), |(low, high), t| (low.min(t), high.max(t)));
+        (least, greatest) = (least.min(found.range.0), greatest.max(found.range.1));
     }
-    let deviation = rms(points.iter().map(|(own, expected)| own - expected));
-    let mean = match points.len() {
-        0 => None,
-        count => finite(points.iter().map(|(own, expected)| own - expected).sum::<f64>() / count as f64),
-    };
-    let largest = points.iter().map(|(own, expected)| (own - expected).abs()).reduce(f64::max);
-    let scale = points.iter().map(|(_, expected)| expected.abs()).reduce(f64::max);
+    let deviation = found.as_ref().and_then(Deviation::rms);
+    let mean = found.as_ref().and_then(Deviation::mean);
+    // A point that is no number has no error, and a run that has one has none that is known.
+    let largest = found.as_ref().filter(|_| deviation.is_some()).map(|found| found.largest);
+    let scale = found.as_ref().map(|found| found.scale);
 
     let window = front::window(scene, spacing, &result.front, reference);
 
@@ -335,8 +393,7 @@ mod tests {
                 profiles: Vec::new(),
                 probes: Vec::new(),
                 surfaces: Vec::new(),
-                cuts_z: Vec::new(),
-                cuts_r: Vec::new(),
+                cuts: Vec::new(),
                 phases: None,
                 corner_front: false,
                 frozen_wall: false,
@@ -412,9 +469,19 @@ mod tests {
         })
     }
 
-    fn profile(plane: &str, x_m: f64, temperature_c: f64) -> ProfileRow {
+    fn profile(plane: &str, along_m: f64, temperature_c: f64) -> ProfileRow {
         let plane = plane.into();
-        ProfileRow { time_s: 1.0, x_m, temperature_c, temperature_ref_c: None, frozen_fraction: 0.0, plane }
+        ProfileRow {
+            time_s: 1.0,
+            x_m: Some(along_m),
+            temperature_c,
+            temperature_ref_c: None,
+            frozen_fraction: 0.0,
+            plane,
+            y_m: None,
+            along_m,
+            mean_over: None,
+        }
     }
 
     fn front(time_s: f64, front_m: f64) -> FrontRow {

@@ -324,22 +324,40 @@ pub struct SectionRow {
     pub temperature_ref_c: Option<f64>,
 }
 
+/// The direction over all of which a row of a profile is a mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MeanOver {
+    /// All x at one y.
+    X,
+    /// All y at one x.
+    Y,
+}
+
 /// One row of `profiles.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ProfileRow {
     /// Time (s).
     pub time_s: f64,
-    /// Distance along the profile (m); in a ring, from its centre; of shells, r or z.
-    pub x_m: f64,
+    /// Where the point is (m): x, or r of shells; absent of a mean over x.
+    pub x_m: Option<f64>,
     /// Temperature.
     pub temperature_c: f64,
     /// The reference's.
     pub temperature_ref_c: Option<f64>,
     /// Frozen fraction.
     pub frozen_fraction: f64,
-    /// `line`, or in a ring `main` (through a pipe) or `interface` (between two), or of shells `radius`, `z=` or `r=`
-    /// with where the cut is.
+    /// `line` along the freezing direction, in a ring `main` (through a pipe) or `interface` (between two), of radial bodies
+    /// `radius`, of cuts as `z=0.4`, where it is.
     pub plane: String,
+    /// Where the point is (m): y, or z of shells; absent of a mean over y, and of bodies that have none.
+    #[serde(default)]
+    pub y_m: Option<f64>,
+    /// Place along the profile (m): the coordinate along which it runs; in a ring, the distance from its centre.
+    pub along_m: f64,
+    /// Over what the row is a mean; absent for a point.
+    #[serde(default)]
+    pub mean_over: Option<MeanOver>,
 }
 
 /// One row of `probes.csv`.

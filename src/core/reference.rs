@@ -11,24 +11,46 @@ pub enum Plane {
     Interface,
 }
 
-/// A line through a plane around an axis.
+/// A line through a body of two dimensions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cut {
-    /// Along r at a height (m).
-    Z(f64),
-    /// Along z at a radius (m).
-    R(f64),
+    /// Along x at a y (m), or along r at a height z.
+    Across(f64),
+    /// Along y at an x (m), or along z at a radius r.
+    Up(f64),
+}
+
+impl Cut {
+    /// A cut by its name in the series, as `z=0.4`.
+    pub fn named(name: &str) -> Option<Self> {
+        let (axis, at) = name.split_once('=')?;
+        let at = at.parse().ok()?;
+        match axis {
+            "y" | "z" => Some(Cut::Across(at)),
+            "x" | "r" => Some(Cut::Up(at)),
+            _ => None,
+        }
+    }
+
+    /// The point of it at a place along it (m).
+    pub fn point(self, along: f64) -> (f64, f64) {
+        match self {
+            Cut::Across(y) => (along, y),
+            Cut::Up(x) => (x, along),
+        }
+    }
 }
 
 /// A solution to compare with. What it does not know it answers with `None`.
 pub trait Reference: Send + Sync {
     /// Kind, source and estimated error.
     fn describe(&self) -> ReferenceInfo;
-    /// Temperature at a distance `x` (m) along the freezing direction, at time `t` (s); of a radial body, at radius `x`.
+    /// Temperature at a distance `x` (m) from the wall at which a plane front starts, at time `t` (s); of a radial body, at
+    /// radius `x`.
     fn temperature(&self, _x: f64, _t: f64) -> Option<f64> {
         None
     }
-    /// Temperature on a cut through a plane around an axis, at the place `x` (m) along it and time `t` (s).
+    /// Temperature on a cut, at the place `x` (m) along it and time `t` (s).
     fn cut_temperature(&self, _cut: Cut, _x: f64, _t: f64) -> Option<f64> {
         None
     }

@@ -404,7 +404,7 @@ pub struct Excavation {
     pub condition: Condition,
 }
 
-/// A plane, cylinder or sphere across the body through which heat is counted.
+/// A plane, cylinder or sphere across the body: heat is counted through it, or a profile kept along it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Surface {
     /// Whether it lies across y or z instead of x or r.
@@ -449,10 +449,8 @@ pub struct Watch {
     pub probes: Vec<(f64, f64)>,
     /// Surfaces through which heat is counted at every output.
     pub surfaces: Vec<Surface>,
-    /// Heights (m) at which profiles along r are kept, in a plane around an axis.
-    pub cuts_z: Vec<f64>,
-    /// Radii (m) at which profiles along z are kept, in a plane around an axis.
-    pub cuts_r: Vec<f64>,
+    /// Lines along which profiles are kept, in bodies of two dimensions; [`Scene::cuts`] has those of every scene.
+    pub cuts: Vec<Surface>,
     /// Part of the body (m along x) whose shares of liquid, freezing and solid particles are kept at every output.
     pub phases: Option<(f64, f64)>,
     /// Whether neighbouring pipes and sections of the frozen wall are watched, in a ring.
@@ -489,8 +487,15 @@ pub struct FreezingDirection {
     pub length: f64,
     /// Extent across it (m); 1 on a line.
     pub across: f64,
-    /// Whether distances count from the far wall (right or top).
+    /// Whether the front starts at the far wall (right or top).
     pub from_end: bool,
+}
+
+impl FreezingDirection {
+    /// Distance (m) from the wall at which the front starts to a coordinate (m).
+    pub fn distance(&self, coordinate: f64) -> f64 {
+        if self.from_end { self.length - coordinate } else { coordinate }
+    }
 }
 
 /// A whole checked scene.
@@ -577,13 +582,12 @@ impl Scene {
     }
 
     /// The direction in which a plane front runs, if the scene has one: along a line, or along the one axis of a
-    /// rectangle whose walls let heat through. It starts at the colder of the two walls.
+    /// rectangle in which nothing varies across it. It starts at the wall that drives harder.
     pub fn freezing_direction(&self) -> Option<FreezingDirection> {
-        let closed = |name: &str| self.wall(name).is_none_or(|condition| *condition == Condition::Symmetry);
         let (along_y, length, across) = match self.domain {
             Domain::Line { length } => (false, length, 1.0),
-            Domain::Rectangle { width, height } if closed("bottom") && closed("top") => (false, width, height),
-            Domain::Rectangle { width, height } if closed("left") && closed("right") => (true, height, width),
+            Domain::Rectangle { width, height } if self.is_even_along(true) => (false, width, height),
+            Domain::Rectangle { width, height } if self.is_even_along(false) => (true, height, width),
             _ => return None,
         };
         let (near, far) = if along_y { ("bottom", "top") } else { ("left", "right") };
@@ -595,6 +599,43 @@ impl Scene {
             _ => 0.0,
         };
         Some(FreezingDirection { along_y, length, across, from_end: drive(far) > drive(near) })
+    }
+
+    /// Whether nothing in a rectangle varies along y, or along x: no heat and no water crosses its walls there, regions
+    /// reach from one to the other, and there are neither cracks nor parts of walls nor parts of the body that are driven.
+    fn is_even_along(&self, y: bool) -> bool {
+        let Domain::Rectangle { width, height } = self.domain else { return false };
+        let ends = if y { ["bottom", "top"] } else { ["left", "right"] };
+        let closed = |name: &str| self.wall(name).is_none_or(|condition| *condition == Condition::Symmetry);
+        let dry = |flow: &Flow| {
+            let through = flow.walls.iter().any(|wall| ends.contains(&wall.name));
+            !through && (flow.gravity == 0.0 || !y)
+        };
+        let reaches = |region: &Region| match &region.shape {
+            Shape::Box(cell) if y => cell.low.y <= 0.0 && cell.high.y >= height,
+            Shape::Box(cell) => cell.low.x <= 0.0 && cell.high.x >= width,
+            Shape::Circle { .. } | Shape::Polygon(_) => false,
+        };
+        let driven = |stream: &Stream| stream.pump.is_some() || stream.reset.is_some();
+        ends.into_iter().all(closed)
+            && self.flow.as_ref().is_none_or(dry)
+            && self.regions.iter().all(reaches)
+            && self.cracks.is_empty()
+            && self.wall_parts.is_empty()
+            && !self.stream.as_ref().is_some_and(driven)
+    }
+
+    /// Lines along which profiles are kept: those that the scene names, or, in a rectangle without a plane front, those
+    /// through its middle.
+    pub fn cuts(&self) -> Vec<Surface> {
+        match self.domain {
+            Domain::Rectangle { width, height }
+                if self.watch.cuts.is_empty() && self.freezing_direction().is_none() =>
+            {
+                vec![Surface { across_y: true, at: 0.5 * height }, Surface { across_y: false, at: 0.5 * width }]
+            }
+            _ => self.watch.cuts.clone(),
+        }
     }
 
     /// Whether a flux condition can drive temperatures beyond [`Scene::temperature_range`].

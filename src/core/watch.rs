@@ -6,7 +6,9 @@ mod held;
 pub(crate) mod loops;
 mod passage;
 mod phases;
+mod profiles;
 pub(crate) mod rays;
+mod sampler;
 mod shells;
 mod standing;
 mod stream;
@@ -15,16 +17,15 @@ mod wall;
 use corners::Corners;
 use field::field;
 use glam::DVec2;
+use profiles::{Line, layers};
 use rays::{Gap, Planes, Ray, frozen_length, planes};
-use shells::{Cut, RadialFront};
+use sampler::{Sample, Sampler};
+use shells::RadialFront;
 use wall::{Joint, Wall};
 
-use crate::boundary::moving_least_squares;
-use crate::lattice::Lattice;
 use crate::ledger::{Ledger, Sum};
 use crate::march::instants::outputs;
 use crate::material::FreezingLaw;
-use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
 use crate::one_way::OneWay;
 use crate::particles::Particles;
 use crate::pipe::Extent;
@@ -32,7 +33,7 @@ use crate::record::{
     BudgetRow, Field, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow, ProfileRow, SectionRow,
     Start, StreamRow, SurfaceRow, WallRecord, WallRow,
 };
-use crate::scene::{Domain, FreezingDirection, PipeRing, Scene, Sector};
+use crate::scene::{Domain, FreezingDirection, PipeRing, Scene};
 
 /// The map of a state of a scene, as fields are kept.
 pub fn map(scene: &Scene, particles: &Particles, time: f64) -> Field {
@@ -46,26 +47,19 @@ fn field_radius(scene: &Scene) -> f64 {
     scene.rings.iter().map(reach).fold(0.0, f64::max)
 }
 
-/// A point read as a weighted sum over particles.
-#[derive(Debug, Clone, Default)]
-struct Sample(Vec<(u32, f64)>);
-
-impl Sample {
-    fn of(&self, value: impl Fn(usize) -> f64) -> f64 {
-        self.0.iter().map(|(index, weight)| weight * value(*index as usize)).sum()
-    }
-}
-
 /// All watches of a run and what they have seen.
 pub struct Watches {
+    dimension: usize,
     direction: Option<FreezingDirection>,
     radial: Option<RadialFront>,
-    cuts: Vec<Cut>,
+    /// Lines along which profiles are kept, beside means over layers.
+    lines: Vec<Line>,
     corners: Option<Corners>,
     /// Part of the body (m along x) whose phases are watched.
     phased: Option<(f64, f64)>,
     averages: Option<stream::Averages>,
-    shelled: bool,
+    /// Whether the frozen volume is kept: there is neither a front nor a wall that tells how much is frozen.
+    volumed: bool,
     /// Rows of surfaces at one output, and from the start on in all.
     surface_rows: usize,
     profile_length: f64,
@@ -122,15 +116,20 @@ impl Watches {
         let probes =
             scene.watch.probes.iter().map(|(x, y)| (DVec2::new(*x, *y), sampler.sample(DVec2::new(*x, *y)))).collect();
         let direction = scene.freezing_direction();
+        let mut lines = Line::all(scene, particles, &sampler);
+        for (rays, plane) in [(&main, "main"), (&interface, "interface")] {
+            lines.extend(rays.first().map(|ray| Line::along(plane, ray)));
+        }
         let mut watches = Watches {
             profile_length: scene.watch.profile_length.or(direction.map(|d| d.length)).unwrap_or(outer),
+            dimension: scene.domain.dimension(),
             direction,
             radial: RadialFront::of(scene),
-            cuts: Cut::all(scene, particles, &sampler),
+            lines,
             corners: Corners::of(scene, spacing),
             phased: scene.watch.phases,
             averages: stream::Averages::of(scene, particles),
-            shelled: scene.domain.symmetry().is_some(),
+            volumed: scene.domain.symmetry().is_some() || direction.is_none() && scene.rings.is_empty(),
             surface_rows: scene.watch.surfaces.len(),
             main,
             interface,
@@ -232,8 +231,7 @@ impl Watches {
             // Where particles move, they may stand closer in one phase than in the other.
             return Some(match particles.move_about() {
                 true => {
-                    layers(particles, &direction, direction.length, time)
-                        .iter()
+                    layers(particles, &direction, direction.length, time, self.dimension)
                         .map(|row| row.frozen_fraction)
                         .sum::<f64>()
                         * particles.lattice.spacing
@@ -258,8 +256,12 @@ impl Watches {
         if let Some(part) = self.phased {
             self.phases.push(phases::shares(particles, part, time));
         }
-        if self.shelled {
-            self.frozen.push(FrozenRow { time_s: time, frozen_volume: frozen, frozen_volume_ref: None });
+        if self.volumed {
+            self.frozen.push(FrozenRow {
+                time_s: time,
+                frozen_volume: frozen * self.sector_count,
+                frozen_volume_ref: None,
+            });
         }
         let stand = self.wall.stand(particles, time);
         if !self.main.is_empty() {
@@ -285,7 +287,7 @@ impl Watches {
         }
         self.wall.output([&self.main, &self.interface], scene, particles, ledger, time);
         // Samples are of particles that stay where they are.
-        let sampler = Sampler { lattice: &particles.lattice, mirrors: (false, false), cloud: particles.cloud() };
+        let sampler = Sampler::free(particles);
         for (place, sample) in self.probes.iter().filter(|(place, _)| !particles.is_dug(place.length())) {
             let moved = if particles.move_about() { Some(sampler.sample(*place)) } else { None };
             let temperature_c = moved.as_ref().unwrap_or(sample).of(|i| particles.reading(i));
@@ -303,21 +305,10 @@ impl Watches {
 
     fn profile(&mut self, particles: &Particles, time: f64) {
         if let Some(direction) = self.direction {
-            self.profiles.extend(layers(particles, &direction, self.profile_length, time));
+            self.profiles.extend(layers(particles, &direction, self.profile_length, time, self.dimension));
         }
-        self.profiles.extend(self.cuts.iter().flat_map(|cut| cut.rows(particles, time)));
-        for (rays, plane) in [(&self.main, "main"), (&self.interface, "interface")] {
-            let Some(ray) = rays.first() else { continue };
-            for (radius, sample) in ray.radii.iter().zip(&ray.samples).filter(|at| !particles.is_dug(*at.0)) {
-                self.profiles.push(ProfileRow {
-                    time_s: time,
-                    x_m: *radius,
-                    temperature_c: sample.of(|i| particles.reading(i)),
-                    temperature_ref_c: None,
-                    frozen_fraction: sample.of(|i| particles.frozen_fraction(i)),
-                    plane: plane.to_string(),
-                });
-            }
+        for line in &self.lines {
+            line.read(self.dimension, particles, time, &mut self.profiles);
         }
     }
 
@@ -375,100 +366,5 @@ fn taken_up(particles: &Particles) -> (f64, f64) {
             let change = |i: usize| particles.enthalpy[i] - start[i];
             (particles.integral(change), particles.integral(|i| change(i).abs()))
         }
-    }
-}
-
-/// Means over layers one spacing thick across the freezing direction.
-fn layers(particles: &Particles, direction: &FreezingDirection, length: f64, time: f64) -> Vec<ProfileRow> {
-    let spacing = particles.lattice.spacing;
-    let count = (direction.length / spacing).round() as usize;
-    let mut sums = vec![(0.0, 0.0, 0.0, 0usize); count];
-    particles.visit(|i, place| {
-        let along = if direction.along_y { place.y } else { place.x };
-        let along = if direction.from_end { direction.length - along } else { along };
-        let layer = ((along / spacing) as usize).min(count - 1);
-        let sum = &mut sums[layer];
-        *sum = (sum.0 + along, sum.1 + particles.reading(i), sum.2 + particles.frozen_fraction(i), sum.3 + 1);
-    });
-    sums.into_iter()
-        .filter(|sum| sum.3 > 0)
-        .map(|(along, temperature, fraction, number)| {
-            let number = number as f64;
-            ProfileRow {
-                time_s: time,
-                x_m: along / number,
-                temperature_c: temperature / number,
-                temperature_ref_c: None,
-                frozen_fraction: fraction / number,
-                plane: "line".into(),
-            }
-        })
-        .filter(|row| row.x_m <= length)
-        .collect()
-}
-
-/// Turns points into samples: bilinear on a lattice, moving least squares elsewhere.
-struct Sampler<'a> {
-    lattice: &'a Lattice,
-    mirrors: (bool, bool),
-    cloud: Option<&'a [DVec2]>,
-}
-
-impl<'a> Sampler<'a> {
-    fn new(scene: &Scene, particles: &'a Particles) -> Self {
-        let mirrors = match scene.domain {
-            Domain::Ring { sector, .. } => (sector == Sector::Quarter, sector != Sector::Whole),
-            _ => (false, false),
-        };
-        Sampler { lattice: &particles.lattice, mirrors, cloud: particles.cloud() }
-    }
-
-    fn sample(&self, place: DVec2) -> Sample {
-        match self.cloud {
-            Some(positions) => self.fitted(positions, place),
-            None => self.bilinear(place),
-        }
-    }
-
-    /// The four cells around a point, folded at mirror planes and clamped at walls.
-    fn bilinear(&self, place: DVec2) -> Sample {
-        let cells = self.lattice.to_cells(place);
-        let base = cells.floor();
-        let part = cells - base;
-        let mut entries: Vec<(u32, f64)> = Vec::with_capacity(4);
-        let mut missing = 0.0;
-        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            let weight = (if dx == 1 { part.x } else { 1.0 - part.x }) * (if dy == 1 { part.y } else { 1.0 - part.y });
-            if weight == 0.0 {
-                continue;
-            }
-            let fold = |mirror: bool, cell: i64| if mirror && cell < 0 { -1 - cell } else { cell };
-            let column = fold(self.mirrors.0, base.x as i64 + dx).clamp(0, self.lattice.columns as i64 - 1);
-            let row = fold(self.mirrors.1, base.y as i64 + dy).clamp(0, self.lattice.rows as i64 - 1);
-            match self.lattice.index(column, row) {
-                Some(index) => entries.push((index as u32, weight)),
-                None => missing += weight,
-            }
-        }
-        if missing > 0.0 && missing < 1.0 {
-            entries.iter_mut().for_each(|entry| entry.1 /= 1.0 - missing);
-        }
-        Sample(entries)
-    }
-
-    fn fitted(&self, positions: &[DVec2], place: DVec2) -> Sample {
-        let mut points = vec![place];
-        points.extend_from_slice(positions);
-        let mut range = 2.0 * self.lattice.spacing;
-        let found: Vec<u32> = loop {
-            let list = Tree.neighbours(&points, 1, range, Period::NONE);
-            if list.partners.len() > self.lattice.dimension + 1 || list.partners.len() == positions.len() {
-                break list.partners.iter().map(|j| j - 1).collect();
-            }
-            range *= 1.5;
-        };
-        let near: Vec<DVec2> = found.iter().map(|j| positions[*j as usize]).collect();
-        let weights = moving_least_squares(place, &near, 0.6 * range, self.lattice.dimension);
-        Sample(found.into_iter().zip(weights).collect())
     }
 }

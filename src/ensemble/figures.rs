@@ -9,7 +9,7 @@ use frazil_plots::ensemble::{BandFigure, Curve, Look, Panel, Point, bands};
 use frazil_plots::style::number;
 
 use super::Study;
-use super::table::{INTERVAL, PLACE, Role, Table, reference_of};
+use super::table::{ALONG, INTERVAL, PLACE, Role, Table, reference_of};
 
 /// Instants of rows.
 const TIME: &str = "time_s";
@@ -83,6 +83,7 @@ impl<'a> Series<'a> {
         let quantities = self.quantities();
         let has = |name: &str| self.means.column(name).is_some();
         match (has(TIME), has(PLACE), has(HEIGHT)) {
+            (true, ..) if has(ALONG) => self.profiles(ALONG, TIME, &quantities),
             (true, true, false) => self.profiles(PLACE, TIME, &quantities),
             (false, _, true) => self.profiles(HEIGHT, PLACE, &quantities),
             (true, ..) => self.over_time(&quantities),

@@ -15,7 +15,7 @@ use frazil_core::scene::settings::MethodSettings;
 use super::runs::Tables;
 use super::table::Table;
 use crate::failure::Failure;
-use crate::progress::{Reporter, clock};
+use crate::progress::{Reporter, clock, countdown};
 use crate::{interrupt, output, parallel};
 
 /// States of single particles, which stand elsewhere in every member: no series.
@@ -193,11 +193,7 @@ impl Work<'_> {
         self.reporter.at(sum / all as f64, || {
             let (elapsed, own) =
                 (self.began.elapsed().as_secs_f64(), sum - self.taken_over.load(Ordering::Relaxed) as f64);
-            let left = if own > 0.0 && elapsed >= 1.0 {
-                format!(", about {} left", clock(elapsed * (all as f64 - sum) / own))
-            } else {
-                String::new()
-            };
+            let left = countdown(elapsed, own / (own + all as f64 - sum).max(f64::MIN_POSITIVE));
             let whole = shares().filter(|share| *share == 1.0).count();
             format!("{whole} of {all} members, {}{left}", clock(elapsed))
         });

@@ -11,9 +11,12 @@ use frazil_core::statistics::{HalfWidths, moments};
 use serde::de::DeserializeOwned;
 
 /// Numbers that tell rows apart.
-const KEYS: [&str; 7] = ["time_s", "y_m", "z_m", "r_m", "gap", "angle_deg", "multiplicity"];
+const KEYS: [&str; 8] = ["time_s", "y_m", "z_m", "r_m", "gap", "angle_deg", "multiplicity", "mean_over"];
 
 /// The place along a profile. Of moving particles it is a mean over a layer of them, and differs between members.
+pub const ALONG: &str = "along_m";
+
+/// The place in series that have no profiles.
 pub const PLACE: &str = "x_m";
 
 /// Endings of the columns of a mean.
@@ -38,6 +41,8 @@ pub enum Role {
     Key,
     /// The place along a profile.
     Place,
+    /// Where that place is.
+    Point,
     /// Known without any run.
     Reference,
     /// What runs give.
@@ -111,8 +116,11 @@ impl Table {
     pub fn role(&self, column: usize) -> Role {
         let name = &self.columns[column];
         let is_text = |row: &StringRecord| !row[column].is_empty() && row[column].parse::<f64>().is_err();
-        if name == PLACE {
+        let has_along = self.column(ALONG).is_some();
+        if name == if has_along { ALONG } else { PLACE } {
             Role::Place
+        } else if has_along && matches!(name, "x_m" | "y_m") {
+            Role::Point
         } else if KEYS.contains(&name) || self.rows.iter().any(is_text) {
             Role::Key
         } else if reference_of(name).is_some() {

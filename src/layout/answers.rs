@@ -235,8 +235,11 @@ impl Far {
         }
         let (_, taken) = series.taken.last()?;
         let (_, given) = series.given.last()?;
-        let outermost =
-            kept.profiles.iter().filter(|row| row.plane == "interface").max_by(|a, b| a.x_m.total_cmp(&b.x_m))?;
+        let outermost = kept
+            .profiles
+            .iter()
+            .filter(|row| row.plane == "interface")
+            .max_by(|a, b| a.along_m.total_cmp(&b.along_m))?;
         let way = scene.initial_temperature - scene.materials[0].freezing_point;
         let cooled = (scene.initial_temperature - outermost.temperature_c) / way;
         let share = if *taken > 0.0 { given / taken } else { 0.0 };

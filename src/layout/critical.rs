@@ -16,7 +16,7 @@ use super::execute::Work;
 use super::study::Study;
 use super::variants::{Layout, Role};
 use crate::failure::Failure;
-use crate::progress::{Reporter, clock};
+use crate::progress::{Reporter, countdown};
 use crate::{interrupt, parallel};
 
 /// What is sought of each layout.
@@ -169,10 +169,10 @@ impl Attempts<'_> {
         match self.run(layout, value) {
             Ok(tried) => {
                 let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-                self.reporter.at(done as f64 / self.expected as f64, || {
-                    let left = self.expected.saturating_sub(done) as f64;
-                    let seconds = self.began.elapsed().as_secs_f64() / done as f64 * left;
-                    format!("{}: {done} of about {} runs, {} left", self.critical.key, self.expected, clock(seconds))
+                let share = done as f64 / self.expected as f64;
+                self.reporter.at(share, || {
+                    let left = countdown(self.began.elapsed().as_secs_f64(), share);
+                    format!("{}: {done} of about {} runs{left}", self.critical.key, self.expected)
                 });
                 tried
             }

@@ -10,6 +10,7 @@ use frazil_core::march::{self, EachOutput, Options};
 use frazil_core::particles::Particles;
 use frazil_core::record::Outcome;
 use frazil_core::scene::Scene;
+use frazil_plots::ground_plan::ShaftMark;
 use frazil_plots::{FigureOptions, run_figures};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -19,7 +20,8 @@ use super::study::Study;
 use super::variants::{Layout, Role};
 use crate::failure::{Failure, complain};
 use crate::fields::{self, Snapshots};
-use crate::progress::{Reporter, clock};
+use crate::machine::Machine;
+use crate::progress::{Reporter, countdown};
 use crate::{interrupt, load, output, parallel};
 
 /// What a folder keeps of a layout: a run, and the same at twice the spacing.
@@ -74,6 +76,8 @@ pub struct Work<'a> {
     pub quiet: bool,
     /// What tells this build of the program from others: what another has left is made anew.
     pub build: &'a str,
+    /// The machine, as it was at the start.
+    pub machine: Machine,
 }
 
 impl Work<'_> {
@@ -98,9 +102,10 @@ impl Work<'_> {
             match self.layout(&layouts[wanted[k]]) {
                 Ok(true) => {
                     let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-                    reporter.at(count as f64 / wanted.len() as f64, || {
-                        let left = began.elapsed().as_secs_f64() / count as f64 * (wanted.len() - count) as f64;
-                        format!("{count} of {} layouts, about {} left", wanted.len(), clock(left))
+                    let share = count as f64 / wanted.len() as f64;
+                    reporter.at(share, || {
+                        let left = countdown(began.elapsed().as_secs_f64(), share);
+                        format!("{count} of {} layouts{left}", wanted.len())
                     });
                     Some(())
                 }
@@ -227,7 +232,7 @@ impl Work<'_> {
         output::write_run_and(&path, &fine, || frames.map_or(Ok(()), |frames| frames.finish(&path)))?;
         if layout.role == Role::Compared
             && !self.beside
-            && let Err(error) = run_figures(&fine, &path, &FigureOptions::of(&layout.scene))
+            && let Err(error) = run_figures(&fine, &path, &self.figure_options(layout))
         {
             complain(&format!("figures: {error}"));
         }
@@ -236,6 +241,15 @@ impl Work<'_> {
             &Pair { key: self.key(layout), fine: Kept::of(&layout.scene, &fine), coarse, refused },
         )?;
         Ok(true)
+    }
+
+    /// Figures of a layout have its name, and the shaft also where it is not dug.
+    fn figure_options(&self, layout: &Layout) -> FigureOptions {
+        let mut options = FigureOptions::of(&layout.scene);
+        options.name = Some(layout.name.clone());
+        let planned = self.study.shaft_radius.map(|radius| ShaftMark { radius, dug: None });
+        options.plan.shaft = options.plan.shaft.or(planned);
+        options
     }
 
     /// The scene of a layout at twice the spacing.

@@ -4,6 +4,7 @@ use std::fs;
 
 use frazil_core::record::RunResult;
 use frazil_core::scene::Domain;
+use frazil_plots::ground_plan::WaterMark;
 use frazil_plots::layouts::{LayoutView, PipeView, drawings};
 use frazil_plots::page::{self, Block, Fact, Figure, Page, Table};
 use frazil_plots::style::number;
@@ -17,7 +18,6 @@ use super::study::{Design, Search, Study};
 use super::variants::Role;
 use super::{Found, LayoutRequest, dug, reference, tables};
 use crate::failure::Failure;
-use crate::machine::Machine;
 use crate::parallel;
 
 /// Layouts of which each has its own figures on the page; of more, they lie in the folders.
@@ -53,7 +53,7 @@ pub(super) fn write(
             study.scene
         )],
         command: request.command_line.clone(),
-        machine: Machine::now().facts(Fact::new("Layouts at once", work.threads.to_string())),
+        machine: work.machine.facts(Fact::new("Layouts at once", work.threads.to_string())),
         ..Page::default()
     };
     page.opening.extend(over_depth(study, work, found)?);
@@ -140,6 +140,8 @@ fn view<'a>(study: &Study, one: &Found<'_>, run: &'a RunResult) -> LayoutView<'a
             _ => 0.0,
         },
         shaft_radius_m: scene.excavation.as_ref().map(|shaft| shaft.radius).or(study.shaft_radius),
+        dug_s: scene.excavation.as_ref().map(|shaft| shaft.start),
+        water: WaterMark::of(scene),
         result: run,
         load: one.fine.load.clone(),
         axis: one.pair.fine.axis.clone(),
@@ -157,13 +159,14 @@ fn maps(work: &Work<'_>, one: &Found<'_>) -> Vec<Figure> {
     let folder = work.folder_of(one.layout);
     let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let instants = one.fine.days.iter().map(|day| day.day);
-    let figure = |day: f64| {
-        let stem = format!("map_{day}d");
+    let figure = |kind: &str, words: &str, day: f64| {
+        let stem = format!("{kind}_{day}d");
         let svg = fs::read_to_string(folder.join(format!("{stem}.svg"))).ok()?;
-        let caption = format!("{}, day {day}.", one.layout.name);
+        let caption = format!("{}, day {day}{words}.", one.layout.name);
         Some(Figure { svg, caption, file: format!("layouts/{name}/{stem}") })
     };
-    instants.filter_map(figure).collect()
+    let water = ": pressure and velocity of the water";
+    instants.flat_map(|day| [figure("map", "", day), figure("pressure", water, day)]).flatten().collect()
 }
 
 /// Layouts over their horizons, and what the shaft as a whole comes to.

@@ -13,7 +13,7 @@ use super::plan::{Job, Measurement, celsius};
 use crate::failure::Failure;
 use crate::journal::Journal;
 use crate::parallel;
-use crate::progress::{Reporter, clock};
+use crate::progress::{Reporter, clock, countdown};
 
 /// What a job found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -61,9 +61,8 @@ impl<'a> Meter<'a> {
         let share = (made + known) as f64 / self.all as f64;
         self.reporter.at(share.min(1.0), || {
             let gone = self.began.elapsed().as_secs_f64();
-            // All steps of particles cost the same: density and reach are.
-            let left = gone * self.all.saturating_sub(made + known) as f64 / made as f64;
-            let left = if gone >= 2.0 { format!(", about {} left", clock(left)) } else { String::new() };
+            // All steps of particles cost the same: density and reach are. Those that were known took no time.
+            let left = countdown(gone, made as f64 / self.all.saturating_sub(known).max(1) as f64);
             format!("{:.0} million particle steps, {}{left}", (made + known) as f64 * 1e-6, clock(gone))
         });
         !self.stop.load(Ordering::Relaxed)
@@ -73,6 +72,15 @@ impl<'a> Meter<'a> {
     pub fn finish(&self) {
         self.reporter.finish();
     }
+}
+
+/// Steps of particles that a core makes in a second, about: [`Meter`] measures how many it really makes.
+const PACE: f64 = 1.1e6;
+
+/// About how long (s) the jobs will take that the journal does not know.
+pub fn seconds(jobs: &[Job], journal: &Journal<Finding>, threads: usize) -> f64 {
+    let open = jobs.iter().filter(|job| journal.find(&job.key()).is_none());
+    open.map(Job::particle_steps).sum::<u64>() as f64 / PACE / threads.min(parallel::cores()).max(1) as f64
 }
 
 /// Runs all jobs, or takes them from the journal; in their order. What they find does not depend on how many run at once.

@@ -16,7 +16,7 @@ use super::search::{Ladder, climb, grid};
 use super::super_steps;
 use crate::failure::Failure;
 use crate::journal::Journal;
-use crate::progress::{Reporter, clock};
+use crate::progress::{self, Reporter};
 use crate::{load, parallel};
 
 /// Ends of a map, in theoretical bounds.
@@ -212,7 +212,7 @@ impl Study<'_> {
         let (done, all) = tally.counts();
         let left = tally.seconds_left(self.request.threads).filter(|_| done < all);
         self.reporter.at(done as f64 / all as f64, || {
-            let left = left.map_or(String::new(), |left| format!(", about {} left", clock(left)));
+            let left = left.map_or_else(String::new, progress::left);
             format!("{done} of {all} columns{left}")
         });
     }

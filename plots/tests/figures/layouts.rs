@@ -25,6 +25,8 @@ struct Made {
 impl Made {
     fn view(&self) -> LayoutView<'_> {
         LayoutView {
+            dug_s: None,
+            water: None,
             name: self.name.clone(),
             pipes: self.pipes.clone(),
             missing: self.missing.clone(),
@@ -150,11 +152,14 @@ fn ring(name: &str, count: usize, missing: &[usize], inner: bool) -> Made {
         made.weakest_plane.push((x, temperature(-1.2 * count as f64 / 2.0)));
         made.result.profiles.push(ProfileRow {
             time_s: LAST * DAY,
-            x_m: x,
+            x_m: Some(x),
             temperature_c: temperature(-25.0),
             temperature_ref_c: None,
             frozen_fraction: 0.0,
             plane: "main".into(),
+            y_m: None,
+            along_m: x,
+            mean_over: None,
         });
     }
     made.result.fields.push(field(&made.pipes));

@@ -59,10 +59,12 @@ impl Fold {
                 }
             }
             Domain::Rectangle { width, height } => {
-                if closed("bottom") && closed("top") {
+                // A line has no points beside it along which a profile could be kept.
+                let along_line = scene.watch.cuts.is_empty();
+                if along_line && closed("bottom") && closed("top") {
                     found.push(Fold::Line { along_y: false, across: height });
                 }
-                if closed("left") && closed("right") {
+                if along_line && closed("left") && closed("right") {
                     found.push(Fold::Line { along_y: true, across: width });
                 }
                 if same("left", "right") {
@@ -73,7 +75,8 @@ impl Fold {
                 }
             }
             Domain::Ring { sector, .. } => {
-                let even = scene.rings.iter().all(PipeRing::is_even);
+                // Cuts cross the plan.
+                let even = scene.watch.cuts.is_empty() && scene.rings.iter().all(PipeRing::is_even);
                 let in_x = even && scene.rings.iter().all(|ring| is_mirrored(ring, true));
                 let in_y = even && scene.rings.iter().all(|ring| is_mirrored(ring, false));
                 let smaller = match sector {
@@ -125,6 +128,10 @@ impl Fold {
                 for (x, y) in &mut smaller.watch.probes {
                     let coordinate = if along_y { y } else { x };
                     *coordinate = coordinate.min(length - *coordinate);
+                }
+                smaller.watch.cuts = scene.cuts();
+                for cut in smaller.watch.cuts.iter_mut().filter(|cut| cut.across_y == along_y) {
+                    cut.at = cut.at.min(length - cut.at);
                 }
                 if smaller.freezing_direction().is_some_and(|direction| direction.along_y == along_y) {
                     smaller.watch.profile_length = smaller.watch.profile_length.filter(|end| *end < half);

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::fold::{Fold, folded, same_direction};
-use crate::record::{Field, GapRow, ProfileRow, RunResult};
+use crate::record::{Field, GapRow, MeanOver, ProfileRow, RunResult};
 use crate::scene::{Scene, Sector};
 use crate::watch::rays::pairs;
 
@@ -17,14 +17,19 @@ impl Fold {
             (row.x_m, row.y_m) = larger.watch.probes[k % count];
         }
         match *self {
-            Fold::Line { .. } => {}
+            Fold::Line { along_y, .. } => {
+                for row in &mut result.profiles {
+                    (row.x_m, row.y_m) = if along_y { (None, Some(row.along_m)) } else { (Some(row.along_m), None) };
+                    row.mean_over = Some(if along_y { MeanOver::X } else { MeanOver::Y });
+                }
+            }
             Fold::Half { along_y, length } => {
+                result.frozen.iter_mut().for_each(|row| row.frozen_volume *= 2.0);
                 if larger.freezing_direction().is_some_and(|direction| direction.along_y == along_y) {
                     result.front.iter_mut().for_each(|row| row.front_m *= 2.0);
                     result.start.front_m = result.start.front_m.map(|front| 2.0 * front);
-                    let end = larger.watch.profile_length.unwrap_or(length);
-                    result.profiles = mirrored(&result.profiles, length, end);
                 }
+                result.profiles = profiles(larger, along_y, length, &result.profiles);
                 for field in &mut result.fields {
                     let middle = 0.5 * length;
                     *field = unfold(field, along_y, middle);
@@ -96,15 +101,43 @@ fn images(from: Sector, to: Sector) -> f64 {
     to.images() as f64 / from.images() as f64
 }
 
-/// Profiles of half a body of `length` (m), continued to `end`.
-fn mirrored(half: &[ProfileRow], length: f64, end: f64) -> Vec<ProfileRow> {
-    let mut whole = Vec::with_capacity(2 * half.len());
-    for rows in half.chunk_by(|a, b| a.time_s == b.time_s && a.plane == b.plane) {
-        whole.extend_from_slice(rows);
-        let images = rows.iter().rev().map(|row| ProfileRow { x_m: length - row.x_m, ..row.clone() });
-        whole.extend(images.filter(|row| row.x_m <= end));
+/// Profiles of half a body of `length` (m) in one direction, in terms of the whole.
+fn profiles(larger: &Scene, along_y: bool, length: f64, half: &[ProfileRow]) -> Vec<ProfileRow> {
+    let cuts = larger.cuts();
+    let mut found = Vec::with_capacity(2 * half.len());
+    for instant in half.chunk_by(|a, b| a.time_s == b.time_s) {
+        let mut next_cut = cuts.iter();
+        // Each profile runs towards greater coordinates; two cuts may lie on the same line of the half.
+        for rows in instant.chunk_by(|a, b| a.plane == b.plane && a.along_m < b.along_m) {
+            if rows[0].plane == "line" {
+                let direction = larger.freezing_direction();
+                let runs = direction.is_some_and(|direction| direction.along_y == along_y);
+                let end = larger.watch.profile_length.unwrap_or(length);
+                mirror(rows, (along_y, length), runs, end, &mut found);
+            } else if let Some(cut) = next_cut.next() {
+                let own = rows.iter().map(|row| {
+                    let (x_m, y_m) = if cut.across_y { (row.x_m, Some(cut.at)) } else { (Some(cut.at), row.y_m) };
+                    ProfileRow { plane: cut.name(&larger.domain), x_m, y_m, ..row.clone() }
+                });
+                mirror(&own.collect::<Vec<_>>(), (along_y, length), cut.across_y != along_y, length, &mut found);
+            }
+        }
     }
-    whole
+    found
+}
+
+/// Adds a profile of half a body, and its image where it runs (m) in the direction that is halved, as far as `end`.
+fn mirror(rows: &[ProfileRow], (along_y, length): (bool, f64), runs: bool, end: f64, found: &mut Vec<ProfileRow>) {
+    found.extend_from_slice(rows);
+    if !runs {
+        return;
+    }
+    let image = |row: &ProfileRow| {
+        let along_m = length - row.along_m;
+        let (x_m, y_m) = if along_y { (row.x_m, Some(along_m)) } else { (Some(along_m), row.y_m) };
+        ProfileRow { along_m, x_m, y_m, ..row.clone() }
+    };
+    found.extend(rows.iter().rev().map(image).filter(|row| row.along_m <= end));
 }
 
 /// Gaps of the larger sector, each closed when its image was.

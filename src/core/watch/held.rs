@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::field::grid;
+use super::profiles::Line;
 use super::rays::{Gap, Ray};
 use super::{Sample, Watches};
 use crate::memory::Held;
@@ -47,14 +48,12 @@ impl Watches {
             let count = (direction.length / spacing).round();
             count.min((self.profile_length / spacing + 0.5).floor()) as usize
         });
-        let along = |rays: &[Ray]| rays.first().map_or(0, |ray| ray.radii.len());
-        let cuts: usize = self.cuts.iter().map(|cut| cut.along.len()).sum();
-        let points = layers + cuts + along(&self.main) + along(&self.interface);
+        let points = layers + self.lines.iter().map(|line| line.along.len()).sum::<usize>();
         self.surface_rows *= outputs;
         self.rows = Rows { outputs, profiles, points };
         let only = |wanted: bool, count: usize| if wanted { count } else { 0 };
         self.front.reserve_exact(only(self.direction.is_some() || self.radial.is_some(), outputs));
-        self.frozen.reserve_exact(only(self.shelled, outputs));
+        self.frozen.reserve_exact(only(self.volumed, outputs));
         self.walls.reserve_exact(only(!self.main.is_empty(), outputs));
         self.wall.planes.reserve_exact(only(!self.wall.joints.is_empty(), 4 * outputs));
         self.budget.reserve_exact(outputs);
@@ -79,8 +78,8 @@ impl Watches {
 
     /// Bytes that the watches will hold at the end of a run whose heat goes through `doors` doors.
     pub fn held_at_the_end(&self, particles: &Particles, doors: usize) -> usize {
-        let cuts = self.cuts.iter().map(|cut| cut.plane.held() + cut.along.held() + cut.samples.held()).sum::<usize>();
-        let samples = self.main.held() + self.interface.held() + self.gaps.held() + self.wall.held() + cuts;
+        let lines = self.lines.iter().map(Line::held).sum::<usize>();
+        let samples = self.main.held() + self.interface.held() + self.gaps.held() + self.wall.held() + lines;
         let probes = self.probes.capacity() * size_of::<(DVec2, Sample)>()
             + self.probes.iter().map(|probe| probe.1.held()).sum::<usize>();
         let Rows { outputs, profiles, points } = self.rows;
@@ -99,9 +98,8 @@ impl Watches {
             0
         };
         let fields = self.fields.capacity() * size_of::<Field>() + 2 * profiles * cells * size_of::<f64>();
-        // Not at once: the sums from which a field is taken, and in the end the points at which errors are.
+        // The sums from which a field is taken.
         let sums = cells * size_of::<(f64, f64, usize)>();
-        let errors = (profiles * points).next_power_of_two() * size_of::<(f64, f64)>();
-        samples + probes + rows + fields + sums.max(errors)
+        samples + probes + rows + fields + sums
     }
 }

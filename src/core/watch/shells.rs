@@ -1,11 +1,6 @@
-//! What is read off bodies of shells: profiles along r and along cuts, fronts as radii.
+//! What is read off bodies of shells: fronts as radii.
 
-use glam::DVec2;
-
-use super::{Sample, Sampler};
 use crate::material::FreezingLaw;
-use crate::particles::Particles;
-use crate::record::ProfileRow;
 use crate::scene::{Condition, Domain, Scene, Symmetry};
 
 /// Where the front of a radial body starts, and how it is measured.
@@ -39,47 +34,5 @@ impl RadialFront {
     pub(super) fn radius(&self, frozen: f64) -> f64 {
         let whole = self.symmetry.volume(self.inner, self.outer);
         self.symmetry.radius(self.inner, if self.from_outer { whole - frozen } else { frozen })
-    }
-}
-
-/// A line of samples.
-#[derive(Debug, Clone)]
-pub(super) struct Cut {
-    /// Name in the series: `radius`, `z=0.4` or `r=0.1`.
-    pub(super) plane: String,
-    /// Places along the line (m).
-    pub(super) along: Vec<f64>,
-    pub(super) samples: Vec<Sample>,
-}
-
-impl Cut {
-    /// The lines of a scene: of a radial body the whole radius, of others the cuts that it asks for.
-    pub(super) fn all(scene: &Scene, particles: &Particles, sampler: &Sampler<'_>) -> Vec<Cut> {
-        let lattice = &particles.lattice;
-        let radii = || (0..lattice.columns).map(|column| lattice.centre(column as i64, 0).x);
-        let heights = || (0..lattice.rows).map(|row| lattice.centre(0, row as i64).y);
-        let cut = |plane: String, places: Vec<(f64, DVec2)>| Cut {
-            plane,
-            along: places.iter().map(|place| place.0).collect(),
-            samples: places.iter().map(|place| sampler.sample(place.1)).collect(),
-        };
-        if let Domain::Radial { .. } = scene.domain {
-            return vec![cut("radius".into(), radii().map(|r| (r, DVec2::new(r, 0.0))).collect())];
-        }
-        let at_height = |z: &f64| cut(format!("z={z}"), radii().map(|r| (r, DVec2::new(r, *z))).collect());
-        let at_radius = |r: &f64| cut(format!("r={r}"), heights().map(|z| (z, DVec2::new(*r, z))).collect());
-        scene.watch.cuts_z.iter().map(at_height).chain(scene.watch.cuts_r.iter().map(at_radius)).collect()
-    }
-
-    /// Temperatures and frozen fractions along the line.
-    pub(super) fn rows(&self, particles: &Particles, time: f64) -> impl Iterator<Item = ProfileRow> {
-        self.along.iter().zip(&self.samples).map(move |(along, sample)| ProfileRow {
-            time_s: time,
-            x_m: *along,
-            temperature_c: sample.of(|i| particles.temperature(i)),
-            temperature_ref_c: None,
-            frozen_fraction: sample.of(|i| particles.frozen_fraction(i)),
-            plane: self.plane.clone(),
-        })
     }
 }

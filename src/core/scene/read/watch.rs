@@ -3,7 +3,7 @@
 use super::range::{Range, plain};
 use super::section::{Duration, Section};
 use super::shells;
-use crate::scene::{Domain, ReferenceChoice, Sector, Watch};
+use crate::scene::{Domain, ReferenceChoice, Sector, Surface, Watch};
 
 /// End of the run and the instants of the observations.
 pub(super) struct Time {
@@ -43,11 +43,10 @@ pub(super) fn time(root: &mut Section<'_>) -> Option<Time> {
 
 pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Option<&mut Time>) -> Option<Watch> {
     const PROBES: (&str, &str) = ("probes", "m");
-    const CUTS: [(&str, &str); 2] = [("cuts_z", "m"), ("cuts_r", "m")];
     const PROFILE_LENGTH: (&str, &str) = ("profile_length", "m");
     let (mut probes, mut profile_length, mut front_from) = (Vec::new(), None, None);
     let mut front_key = String::new();
-    let mut cuts = [Vec::new(), Vec::new()];
+    let mut cuts = Vec::new();
     let mut surfaces = Vec::new();
     let mut frozen_wall = domain.is_some_and(|domain| matches!(domain, Domain::Ring { .. }));
     let (mut phases, mut corner_front) = (None, false);
@@ -63,20 +62,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
             }
             probes.push((x, y));
         }
-        for (axis, key) in CUTS.into_iter().enumerate() {
-            let Some(Domain::Axial { inner, outer, height }) = domain else {
-                if domain.is_some() {
-                    section.refuse(key, "only the domain \"axial\" has cuts");
-                }
-                continue;
-            };
-            let (least, most) = if axis == 0 { (0.0, *height) } else { (*inner, *outer) };
-            cuts[axis] = section.optional_numbers(key, Range::ANY).unwrap_or_default();
-            if let Some(outside) = cuts[axis].iter().find(|at| !(least..=most).contains(*at)) {
-                let (found, least, most) = (plain(*outside), plain(least), plain(most));
-                section.problem(key, format!("found {found}, must lie between {least} and {most}"));
-            }
-        }
+        cuts = self::cuts(&mut section, domain);
         surfaces = shells::surfaces(&mut section, domain);
         phases = self::phases(&mut section, domain);
         corner_front = section.flag_or("corner_front", false);
@@ -106,21 +92,57 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
         time.remarks.push(format!("watch.{front_key}: {found} left out, after the end of the run at {end}"));
     }
     let front_from = front_from.map(|from| from.seconds);
-    let [cuts_z, cuts_r] = cuts;
     let (outputs, profiles) = (time.outputs, time.profiles.clone());
     Some(Watch {
         outputs,
         profiles,
         probes,
         surfaces,
-        cuts_z,
-        cuts_r,
+        cuts,
         phases,
         corner_front,
         frozen_wall,
         profile_length,
         front_from,
     })
+}
+
+/// Lines along which profiles are kept: at places along the second direction of a body, then along its first.
+fn cuts(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Surface> {
+    const KEYS: [(&str, bool); 4] = [("cuts_z", true), ("cuts_r", false), ("cuts_y", true), ("cuts_x", false)];
+    let mut found = Vec::new();
+    for (name, across_y) in KEYS {
+        let key = (name, "m");
+        let round = matches!(name, "cuts_z" | "cuts_r");
+        // Where cuts may lie.
+        let between = match domain {
+            Some(Domain::Axial { height, .. }) if round && across_y => (0.0, *height),
+            Some(Domain::Axial { inner, outer, .. }) if round => (*inner, *outer),
+            Some(Domain::Rectangle { height, .. }) if !round && across_y => (0.0, *height),
+            Some(Domain::Rectangle { width, .. }) if !round => (0.0, *width),
+            Some(Domain::Ring { outer_radius, sector }) if !round => {
+                let mirrored = *sector == Sector::Quarter || across_y && *sector == Sector::Half;
+                (if mirrored { 0.0 } else { -outer_radius }, *outer_radius)
+            }
+            Some(_) => {
+                let domains = if round {
+                    "only the domain \"axial\" has"
+                } else {
+                    "only the domains \"rectangle\" and \"ring\" have"
+                };
+                section.refuse(key, &format!("{domains} cuts of this name"));
+                continue;
+            }
+            None => continue,
+        };
+        let places = section.optional_numbers(key, Range::ANY).unwrap_or_default();
+        if let Some(outside) = places.iter().find(|at| !(between.0..=between.1).contains(*at)) {
+            let (found, least, most) = (plain(*outside), plain(between.0), plain(between.1));
+            section.problem(key, format!("found {found}, must lie between {least} and {most}"));
+        }
+        found.extend(places.into_iter().map(|at| Surface { across_y, at }));
+    }
+    found
 }
 
 /// The part of the body whose phases are kept: all of it, or what lies between two places along x.

@@ -1,0 +1,235 @@
+//! What a run says first: where the front is, when the wall closed, what became of the ice. Errors are called errors.
+
+use frazil_core::flow::series::{WaterRecord, WaterRow};
+use frazil_core::record::{Errors, GapRow, RunResult, WallRecord};
+use frazil_core::scene::{Domain, Scene, Symmetry, Units};
+use frazil_plots::style::{length, number};
+
+use crate::ensemble::record::by_name;
+use crate::progress::clock;
+
+/// A line of a summary: its title, and what it says.
+pub type Line = (String, String);
+
+/// Lines of a summary, titles below each other.
+pub fn text(lines: &[Line]) -> String {
+    const WIDTH: usize = 20;
+    lines.iter().map(|(title, words)| format!("  {title:<WIDTH$} {words}\n")).collect()
+}
+
+/// The errors that people ask for first: of what, and their names in records.
+pub const HEADLINES: [(&str, &str); 4] = [
+    ("front", "front_rms_rel"),
+    ("temperature", "temperature_rms_rel"),
+    ("frozen volume", "frozen_volume_rms_rel"),
+    ("closure", "events.closure_day"),
+];
+
+/// What a run found, as far as its scene asks for it.
+pub fn answers(scene: &Scene, result: &RunResult) -> Vec<Line> {
+    let say = Say { scene };
+    let freezes = scene.materials.iter().any(|material| material.latent_heat > 0.0);
+    let mut lines = Vec::new();
+    let mut line = |title: &str, words: String| lines.push((title.to_owned(), words));
+    if let Some(row) = result.front.last().filter(|_| freezes) {
+        line("front", format!("{} after {}", say.front(row.front_m), say.time(row.time_s)));
+    }
+    if let Some(row) = result.frozen.last().filter(|_| freezes) {
+        line("frozen volume", format!("{} after {}", say.volume(row.frozen_volume), say.time(row.time_s)));
+    }
+    if let Some(row) = result.walls.last() {
+        line("frozen wall", say.closure(result));
+        let (between, through) = (say.length(row.thickness_interface_mean_m), say.length(row.thickness_main_mean_m));
+        let after = say.time(row.time_s);
+        line("frozen lengths", format!("{between} between pipes, {through} through them (means) after {after}"));
+        line("frozen area", format!("{} after {after}", say.with(row.frozen_area_m2, "m²")));
+    }
+    if let Some((record, last)) = result.record.water.as_ref().zip(result.water.as_ref().and_then(|w| w.rows.last())) {
+        lines.extend(say.water(record, last));
+    }
+    if let Some(stream) = &result.record.stream {
+        lines.push(("stream".into(), format!("{} at its fastest", say.with(stream.greatest_speed_m_per_s, "m/s"))));
+    }
+    lines
+}
+
+/// Errors against the reference, of a run and of its water.
+pub fn errors(errors: &Errors, water: Option<&WaterRecord>) -> Vec<Line> {
+    const OF_WATER: [(&str, &str); 4] = [
+        ("thaw", "thawed"),
+        ("ice", "ice_fraction_max"),
+        ("cut temperature", "cut_temperature_rms_rel"),
+        ("cut pressure", "cut_pressure_rms_rel"),
+    ];
+    let all = by_name(errors);
+    let own = HEADLINES.into_iter().filter_map(|(title, name)| Some((title, *all.get(name)?)));
+    let of_water = OF_WATER.into_iter().filter_map(|(title, name)| Some((title, *water?.errors.get(name)?)));
+    own.chain(of_water).map(|(title, error)| (format!("{title} error"), format!("{:.3} %", 100.0 * error))).collect()
+}
+
+/// How a scene speaks of its numbers.
+struct Say<'a> {
+    scene: &'a Scene,
+}
+
+impl Say<'_> {
+    fn with(&self, value: f64, unit: &str) -> String {
+        if self.scene.units == Units::Si { format!("{} {unit}", number(value, 4)) } else { number(value, 4) }
+    }
+
+    fn length(&self, value: f64) -> String {
+        if self.scene.units == Units::Si { length(value) } else { number(value, 3) }
+    }
+
+    fn time(&self, seconds: f64) -> String {
+        let unit = self.scene.time_unit;
+        self.with(if self.scene.units == Units::Si { seconds / unit.seconds() } else { seconds }, unit.symbol())
+    }
+
+    fn front(&self, front: f64) -> String {
+        match self.scene.domain {
+            Domain::Radial { .. } => format!("at a radius of {}", self.length(front)),
+            Domain::Rectangle { .. } if self.scene.watch.corner_front => {
+                format!("{} along diagonals", self.length(front))
+            }
+            _ => match self.scene.freezing_direction() {
+                Some(direction) => format!("{} of {} frozen", self.length(front), self.length(direction.length)),
+                None => self.length(front),
+            },
+        }
+    }
+
+    fn volume(&self, volume: f64) -> String {
+        match self.scene.domain {
+            Domain::Axial { .. } | Domain::Radial { symmetry: Symmetry::Spherical, .. } => self.with(volume, "m³"),
+            _ => self.with(volume, "m³ by metre"),
+        }
+    }
+
+    /// When the wall closed around the centre, whether it still stands, and how thick it is; of a ring whose wall was not
+    /// watched, when its last gap closed.
+    fn closure(&self, result: &RunResult) -> String {
+        if let Some(wall) = &result.record.wall {
+            return self.watched(wall);
+        }
+        let gaps = || result.gaps.iter().filter(|gap| gap.multiplicity > 0);
+        let count = |some: &dyn Fn(&GapRow) -> bool| -> usize {
+            gaps().filter(|gap| some(gap)).map(|gap| gap.multiplicity).sum()
+        };
+        let (open, all) = (count(&|gap| gap.closure_s.is_none()), count(&|_| true));
+        match gaps().filter_map(|gap| gap.closure_s).reduce(f64::max) {
+            Some(last) if open == 0 => format!("the last gap of the first ring closed after {}", self.time(last)),
+            _ if all == 0 => "no gaps watched".into(),
+            _ => format!("not closed: {open} of {all} gaps of the first ring are open at the end"),
+        }
+    }
+
+    fn watched(&self, wall: &WallRecord) -> String {
+        let Some(closure) = wall.closure_s else { return "not closed".into() };
+        let reopened =
+            wall.reopening_s.map_or(String::new(), |time| format!(", opened again after {}", self.time(time)));
+        let between = wall.weakest_gap.as_ref().map_or(String::new(), |[a, b]| format!(" between {a} and {b}"));
+        let end = match wall.closed {
+            true => format!("at the end {} at its weakest{between}", self.length(wall.thickness_m)),
+            false => format!("OPEN at the end{between}"),
+        };
+        format!("closed after {}{reopened}; {end}", self.time(closure))
+    }
+
+    fn water(&self, record: &WaterRecord, last: &WaterRow) -> Vec<Line> {
+        let mut lines = Vec::new();
+        let mut line = |title: &str, words: String| lines.push((title.to_owned(), words));
+        let after = self.time(last.time_s);
+        if let Some(thawed) = record.events_s.get("thawed") {
+            line("thaw", format!("the last ice after {}", self.time(*thawed)));
+        }
+        let share = if last.ice_fraction > 0.0 {
+            format!(", {} % of that at the start", number(100.0 * last.ice_fraction, 4))
+        } else {
+            String::new()
+        };
+        let unit = if self.scene.domain.dimension() == 1 { "m³ by square metre" } else { "m³ by metre" };
+        line("ice", format!("{}{share}, after {after}", self.with(last.ice_m3, unit)));
+        let (inflow, outflow) = (last.inflow_m3_per_s, last.outflow_m3_per_s);
+        line("water", format!("{} in, {} out after {after}", self.with(inflow, "m³/s"), self.with(outflow, "m³/s")));
+        let heat = self.with(last.heat_in_w, "W");
+        line("heat of walls", format!("{heat} in, conducted and carried by water, after {after}"));
+        let (solutions, time) = (record.pressure_solutions, clock(record.pressure_wall_s));
+        line("pressure", format!("{solutions} solutions, {} iterations, {time}", record.pressure_iterations));
+        let (balance, owed) = (record.balance_rel, record.owed_rel);
+        line("water balance", format!("{balance:.1e} of the water exchanged, {owed:.1e} of it still to come"));
+        lines
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::load;
+
+    #[test]
+    fn a_wall_is_said_to_stand_only_while_it_does() {
+        let scene = load::scene("frozen-wall-sand", &[]).expect("a scene");
+        let say = Say { scene: &scene };
+        let day = |day: f64| day * 86_400.0;
+        let wall = WallRecord {
+            closed: true,
+            closure_s: Some(day(30.0)),
+            reopening_s: None,
+            standing_s: vec![(day(30.0), None)],
+            thickness_m: 1.25,
+            mean_temperature_c: Some(-8.0),
+            weakest_gap: Some(["1.3".into(), "1.4".into()]),
+            last_gap: None,
+        };
+        assert_eq!(say.watched(&wall), "closed after 30 d; at the end 1.25 m at its weakest between 1.3 and 1.4");
+        let open = WallRecord { closed: false, reopening_s: Some(day(50.0)), thickness_m: 0.0, ..wall.clone() };
+        assert_eq!(
+            say.watched(&open),
+            "closed after 30 d, opened again after 50 d; OPEN at the end between 1.3 and 1.4"
+        );
+        assert_eq!(say.watched(&WallRecord { closure_s: None, closed: false, ..wall }), "not closed");
+    }
+
+    #[test]
+    fn errors_are_called_errors_those_of_water_too() {
+        let found = Errors { front_rms_rel: Some(0.00672), ..Errors::default() };
+        let water = WaterRecord { errors: [("thawed".to_owned(), -0.01)].into(), ..WaterRecord::default() };
+        let lines = errors(&found, Some(&water));
+        assert_eq!(lines, [("front error".to_owned(), "0.672 %".to_owned()), ("thaw error".into(), "-1.000 %".into())]);
+        assert!(text(&lines).lines().all(|line| line.starts_with("  ") && line.contains(" error ")));
+    }
+
+    #[test]
+    fn water_says_what_its_record_knows() {
+        let scene = load::scene("thawing-inclusion", &[]).expect("a scene");
+        let record = WaterRecord {
+            events_s: [("thawed".to_owned(), 2500.0)].into(),
+            pressure_solutions: 7,
+            pressure_iterations: 70,
+            ..WaterRecord::default()
+        };
+        let last = WaterRow {
+            time_s: 3000.0,
+            ice_m3: 0.5,
+            liquid_m3: 1.0,
+            ice_fraction: 0.25,
+            ice_fraction_ref: None,
+            inflow_m3_per_s: 2e-6,
+            outflow_m3_per_s: 3e-6,
+            heat_in_w: 12.0,
+            least_temperature_c: -1.0,
+            balance_rel: 0.0,
+        };
+        let said = text(&Say { scene: &scene }.water(&record, &last));
+        for words in [
+            "thaw                 the last ice after 2500 s",
+            "25 % of that at the start",
+            "m³/s in",
+            "7 solutions",
+            "12 W in",
+        ] {
+            assert!(said.contains(words), "{words} in\n{said}");
+        }
+    }
+}

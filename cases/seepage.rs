@@ -17,6 +17,12 @@ const SAME: f64 = 1e-3;
 /// Estimated error of the times at which ice is gone, the largest of the tables.
 const ERROR: f64 = 4e-3;
 
+/// Error of temperatures on the cut (K), rms.
+const TEMPERATURE_ERROR: f64 = 0.035;
+
+/// Range of the temperatures (K): from the inclusion's to the water's.
+const RANGE: f64 = 20.0;
+
 /// The tables of one law.
 pub struct Inclusion {
     law: &'static str,
@@ -68,7 +74,8 @@ fn at(table: &Table, x: f64, t: f64) -> Option<f64> {
 impl Reference for Inclusion {
     fn describe(&self) -> ReferenceInfo {
         let source = format!("finite volumes on 600 x 400 cells, {} mean of conductivities", self.law);
-        ReferenceInfo::new("table", source, ERROR)
+        let temperature = ("temperature".to_owned(), TEMPERATURE_ERROR / RANGE);
+        ReferenceInfo { errors: [temperature].into(), ..ReferenceInfo::new("table", source, ERROR) }
     }
 
     fn cut(&self, x: f64, t: f64) -> Option<(f64, Option<f64>)> {
@@ -111,7 +118,7 @@ pub fn differences(scene: &Scene) -> Vec<String> {
         _ => None,
     };
     compare("the temperature of the one region", inclusion, -5.0);
-    compare("the range of temperatures", Some(scene.temperature_range().1 - scene.temperature_range().0), 20.0);
+    compare("the range of temperatures", Some(scene.temperature_range().1 - scene.temperature_range().0), RANGE);
     let flow = scene.flow.as_ref();
     let drop = flow.map(|flow| {
         let at = |name: &str| {

@@ -1,5 +1,7 @@
 //! Reference tables of bodies of axial and spherical symmetry (Nikolaev et al. 2023, section 3).
 
+use std::collections::BTreeMap;
+
 use frazil_core::material::{FreezingLaw, Material};
 use frazil_core::record::ReferenceInfo;
 use frazil_core::reference::{Cut, Reference};
@@ -55,6 +57,8 @@ struct Case {
     series: Option<(&'static str, &'static str)>,
     source: &'static str,
     error_estimate_rel: f64,
+    /// Errors of the front (m) and of temperatures (K), where the one above is of something else.
+    errors: (Option<f64>, Option<f64>),
 }
 
 const PIPE: Domain = Domain::Radial { symmetry: Symmetry::Axial, inner: 0.05, outer: 1.5 };
@@ -74,6 +78,7 @@ const fn pipe(name: &'static str, walls: &'static [(&'static str, Wall)], profil
         series: None,
         source: PIPE_SOURCE,
         error_estimate_rel: 2e-8,
+        errors: (None, None),
     }
 }
 
@@ -106,6 +111,7 @@ static CASES: [Case; 7] = [
         series: None,
         source: "closed-form series",
         error_estimate_rel: 1e-9,
+        errors: (None, None),
     },
     Case {
         name: "freezing-annulus",
@@ -120,6 +126,7 @@ static CASES: [Case; 7] = [
         series: Some(("front_m", include_str!("tables/freezing-annulus-front.csv"))),
         source: "sharp front, each phase on its own moving grid; front known to 2e-5 m, temperature to 0.07 K",
         error_estimate_rel: 1e-4,
+        errors: (Some(2e-5), Some(0.07)),
     },
     Case {
         name: "heated-hollow-cylinder",
@@ -134,6 +141,7 @@ static CASES: [Case; 7] = [
         series: None,
         source: "extrapolated finite volumes; temperature known to 0.15 K up to r = 0.95 m, to 0.6 K beyond",
         error_estimate_rel: 5e-4,
+        errors: (None, None),
     },
     Case {
         name: "ice-in-glass",
@@ -148,6 +156,7 @@ static CASES: [Case; 7] = [
         series: Some(("frozen_volume_m3", include_str!("tables/ice-in-glass-volume.csv"))),
         source: "extrapolated enthalpy finite volumes; temperature known to 0.16 K, volume to 0.002 of the first",
         error_estimate_rel: 2e-3,
+        errors: (None, Some(0.16)),
     },
 ];
 
@@ -278,8 +287,10 @@ struct ShellTable {
     beside: Option<LineSink>,
     /// Times (s), and radii of the front (m) or volumes (m3).
     series: Option<(&'static str, Vec<f64>, Vec<f64>)>,
-    /// Radius (m) from which a front starts, and the error of the front over how far it has come once it is judged.
-    front: Option<(f64, f64)>,
+    /// Radius (m) from which a front starts.
+    front_start: Option<f64>,
+    /// Errors of measures that are known better or worse than the one above, in their terms.
+    errors: BTreeMap<String, f64>,
 }
 
 impl ShellTable {
@@ -310,17 +321,30 @@ impl ShellTable {
                 .map(|material| LineSink::new(material, case.initial, -flux * Symmetry::Axial.area(inner))),
             _ => None,
         };
-        let front = match (&series, case.domain) {
+        let mut errors = BTreeMap::new();
+        let front_start = match (&series, case.domain) {
             (Some(("front_m", times, radii)), Domain::Radial { inner, .. }) => {
+                // Over how far the front has come once it is judged.
                 let judged = times.partition_point(|time| *time < scene.watch.front_from.unwrap_or(0.0));
                 let radius = radii.get(judged).copied().unwrap_or(f64::NAN);
-                Some((inner, case.error_estimate_rel * radius / (radius - inner)))
+                errors.extend(case.errors.0.map(|error| ("front".to_owned(), error / (radius - inner))));
+                Some(inner)
             }
             _ => None,
         };
+        if let Some(kelvin) = case.errors.1 {
+            let (mut least, mut greatest) = scene.temperature_range();
+            if scene.has_flux() {
+                // A flux drives temperatures beyond the data, and errors are over what it makes of them.
+                let all = profiles.iter().flat_map(|(.., temperatures): &(_, f64, Vec<f64>)| temperatures);
+                (least, greatest) = all.fold((least, greatest), |(low, high), t| (low.min(*t), high.max(*t)));
+            }
+            errors.insert("temperature".to_owned(), kelvin / (greatest - least));
+        }
         Ok(ShellTable {
             beside,
-            front,
+            front_start,
+            errors,
             source: format!("table {}: {}", case.name, case.source),
             error_estimate_rel: case.error_estimate_rel,
             smooth: case.smooth,
@@ -363,9 +387,8 @@ pub(crate) fn cubic(x: &[f64], y: &[f64], at: f64) -> Option<f64> {
 
 impl Reference for ShellTable {
     fn describe(&self) -> ReferenceInfo {
-        let front = self.front.map(|(_, error)| ("front".to_owned(), error));
         ReferenceInfo {
-            errors: front.into_iter().collect(),
+            errors: self.errors.clone(),
             ..ReferenceInfo::new("table", self.source.clone(), self.error_estimate_rel)
         }
     }
@@ -379,7 +402,7 @@ impl Reference for ShellTable {
     }
 
     fn front(&self, t: f64) -> Option<f64> {
-        self.over_time("front_m", t).or(self.front.filter(|_| t == 0.0).map(|(start, _)| start))
+        self.over_time("front_m", t).or(self.front_start.filter(|_| t == 0.0))
     }
 
     fn beside(&self, t: f64) -> Option<(&'static str, f64)> {

@@ -279,3 +279,29 @@ fn the_first_outputs_do_not_rule_a_comparison() {
     let said = said(&output);
     assert!(said.contains("not converged; the outputs up to") && said.contains("set watch.front_from_h = "), "{said}");
 }
+
+/// Each measure of a bundled table is known as well as the table's comments say, over what its errors are relative to.
+#[test]
+fn every_measure_of_a_table_has_an_error_of_its_own() {
+    for (scene, measure, wanted) in [
+        ("frozen-wall-sand", "closure", 0.031 / 15.398),
+        ("frozen-wall-sand", "temperature", 0.03 / 35.0),
+        // Judged from the first day on, when it has come from 0.1 to 0.2249 m.
+        ("freezing-annulus", "front", 2e-5 / 0.1249),
+        // The heat that leaves cools the wall to -55.9 degC.
+        ("freezing-annulus", "temperature", 0.07 / 63.9),
+        ("ice-in-glass", "volume", 0.002),
+        ("ice-in-glass", "temperature", 0.16 / 105.0),
+        ("thawing-inclusion", "temperature", 0.035 / 20.0),
+        ("copper-sphere", "temperature", 1e-9),
+    ] {
+        let loaded = frazil::load::scene(scene, &[]).unwrap_or_else(|failure| unreachable!("{failure}"));
+        let reference = frazil::run::reference(&loaded).unwrap_or_else(|failure| unreachable!("{failure}"));
+        let found = reference.expect("a table").describe().error_of(measure);
+        assert!((found / wanted - 1.0).abs() < 0.05, "{scene}, {measure}: {found}, must be {wanted}");
+    }
+    // Lengths: two centimetres of walls of one to two and a half metres.
+    let shaft = frazil::load::scene("frozen-wall-sand", &[]).unwrap_or_else(|failure| unreachable!("{failure}"));
+    let info = frazil::run::reference(&shaft).ok().flatten().expect("a table").describe();
+    assert!((0.02 / 2.5..0.02 / 0.5).contains(&info.error_of("thickness")), "{info:?}");
+}

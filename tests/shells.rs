@@ -55,10 +55,12 @@ fn sketch(domain: Domain, spacing: f64) -> Sketch {
 }
 
 /// With the flux of `r^2` at its walls, `r^2` grows everywhere by its own Laplacian, at the axis and at walls as inside;
-/// and `z` stays what it is.
+/// and `z` stays what it is. Around a pipe or ball that is resolved along the radius alone, `ln r` or `1/r` stays at rest
+/// instead, wherever weights can do so without becoming negative.
 #[test]
 fn squares_and_constants_are_exact_at_every_node() {
     for kind in kinds() {
+        let mut at_rest = 0;
         for numerics in variants(kind) {
             for domain in BODIES {
                 let (inner, outer) = domain.radii();
@@ -76,8 +78,23 @@ fn squares_and_constants_are_exact_at_every_node() {
                     .into_iter()
                     .map(|rate| (rate / laplacian - 1.0).abs())
                     .fold(0.0, f64::max);
+                let resting = match domain {
+                    Domain::Radial { symmetry, inner, outer } if inner > 0.0 => {
+                        let value = |r: f64| if symmetry == Symmetry::Axial { r.ln() } else { -1.0 / r };
+                        let slope = |r: f64| if symmetry == Symmetry::Axial { 1.0 / r } else { 1.0 / (r * r) };
+                        let mut sketch = self::sketch(domain, 0.01).with(&numerics);
+                        sketch = sketch.wall("outer", format!("flux_W_per_m2 = {}", slope(outer)));
+                        sketch = sketch.wall("inner", format!("flux_W_per_m2 = {}", -slope(inner)));
+                        let rates = rates(&mut sketch.plan(kind), |r, _| value(r));
+                        // Over what the first shell would lose without its neighbours.
+                        rates.into_iter().map(|rate| rate.abs() * 0.01 / slope(inner)).fold(0.0, f64::max)
+                    }
+                    _ => f64::INFINITY,
+                };
+                at_rest += usize::from(resting < 1e-9);
                 // Enthalpies of 0.2 known to 16 digits, over a step in which they grow by 2e-4.
-                assert!(largest < 1e-9, "{} {numerics} {domain:?}: {largest:e}", kind.name);
+                let off = largest.min(resting);
+                assert!(off < 1e-9, "{} {numerics} {domain:?}: {largest:e} {resting:e}", kind.name);
 
                 let mut closed = self::sketch(domain, 0.01).with(&numerics).plan(kind);
                 let constant = rates(&mut closed, |_, _| 3.0);
@@ -92,6 +109,32 @@ fn squares_and_constants_are_exact_at_every_node() {
                 }
             }
         }
+        assert!(at_rest > 0, "{}", kind.name);
+    }
+}
+
+/// Frost around a pipe whose radius is two and a half spacings, against local shells eight times as fine: long pairs see
+/// the bend of `ln r` beside it. With faces that carry the flux of `r^2`, `pd` was off by 2.2 %.
+#[test]
+fn a_thin_pipe_freezes_as_it_should() {
+    let front = |kind: &'static MethodKind, spacing: f64, integrator: &str| {
+        let domain = Domain::Radial { symmetry: Symmetry::Axial, inner: 0.05, outer: 2.05 };
+        let mut sketch = Sketch::new(domain, spacing).with(integrator).wall("inner", "temperature_c = -20");
+        sketch.materials = vec![("sand", crate::sketch::sand(crate::sketch::SHARP))];
+        sketch.initial_c = 10.0;
+        sketch.duration_s = 20.0 * 86400.0;
+        sketch.outputs = 20;
+        let front = sketch.run(kind).front;
+        front[1..].iter().map(|row| row.front_m).collect::<Vec<f64>>()
+    };
+    let local = kinds().find(|kind| kind.lattice_only).expect("a method");
+    let fine = front(local, 0.0025, "integrator = \"implicit\"");
+    for kind in kinds() {
+        let squares = front(kind, 0.02, "").into_iter().zip(&fine).map(|(own, fine)| (own / fine - 1.0).powi(2));
+        let error = (squares.sum::<f64>() / fine.len() as f64).sqrt();
+        eprintln!("front around a thin pipe, {}: {:.2} %", kind.name, 100.0 * error);
+        // Measured 0.20, 0.23 and 0.79 %.
+        assert!(error < 0.01, "{}: {error}", kind.name);
     }
 }
 

@@ -13,7 +13,9 @@
 //! given to the nearest pair across the same face, so that every face carries exactly the flux of `r^2` (in r) and of
 //! `z` (in z). These additions are never negative: with the limits on `g`, which only pairs feel whose like would reach
 //! across the axis, those that are there carry at most their share of every face. So heat is
-//! conserved to rounding, `r^2`, `z` and constants are exact at every particle, and the maximum principle holds.
+//! conserved to rounding, `r^2`, `z` and constants are exact at every particle, and the maximum principle holds. Where only
+//! the radius is resolved, around a pipe or a ball, faces carry the flux of `ln r` or `1/r` instead: the profile at rest, whose
+//! bend beside a thin pipe long pairs see.
 //!
 //! A wall touches the outermost shells alone, through the conductance of the steady profile between wall and particle:
 //! `ln r` or `1/r` in r, linear in z.
@@ -222,8 +224,36 @@ pub fn shells(domain: &Domain, lattice: &Lattice, stencil: &Stencil, boundary: &
     })
 }
 
+/// The profile in r whose flux every face carries exactly.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Profile {
+    /// `r^2`: of heat that comes up evenly, regular at an axis or centre.
+    Square,
+    /// `ln r` or `-1/r`: at rest around a pipe or a ball.
+    Steady,
+}
+
+impl Profile {
+    fn value(self, symmetry: Symmetry, radius: f64) -> f64 {
+        match (self, symmetry) {
+            (Profile::Square, _) => radius * radius,
+            (Profile::Steady, Symmetry::Axial) => radius.ln(),
+            (Profile::Steady, Symmetry::Spherical) => -1.0 / radius,
+        }
+    }
+
+    fn slope(self, symmetry: Symmetry, radius: f64) -> f64 {
+        match (self, symmetry) {
+            (Profile::Square, _) => 2.0 * radius,
+            (Profile::Steady, Symmetry::Axial) => 1.0 / radius,
+            (Profile::Steady, Symmetry::Spherical) => 1.0 / (radius * radius),
+        }
+    }
+}
+
 /// How strongly shells exchange.
 struct Exchange<'a> {
+    profile: Profile,
     symmetry: Symmetry,
     lattice: &'a Lattice,
     stencil: &'a Stencil,
@@ -234,8 +264,8 @@ struct Exchange<'a> {
 }
 
 impl<'a> Exchange<'a> {
-    fn new(symmetry: Symmetry, lattice: &'a Lattice, stencil: &'a Stencil) -> Self {
-        let mut exchange = Exchange { symmetry, lattice, stencil, across: Vec::new(), along: Vec::new() };
+    fn new(profile: Profile, symmetry: Symmetry, lattice: &'a Lattice, stencil: &'a Stencil) -> Self {
+        let mut exchange = Exchange { profile, symmetry, lattice, stencil, across: Vec::new(), along: Vec::new() };
         exchange.across = (0..lattice.rows).flat_map(|row| exchange.missing_across(row)).collect();
         exchange.along = (1..lattice.rows).flat_map(|face| exchange.missing_along(face)).collect();
         exchange
@@ -243,7 +273,14 @@ impl<'a> Exchange<'a> {
 
     /// The exchange, or why it has pairs that break the maximum principle.
     fn positive(symmetry: Symmetry, lattice: &'a Lattice, stencil: &'a Stencil) -> Result<Self, String> {
-        let exchange = Exchange::new(symmetry, lattice, stencil);
+        // Beside a thin pipe pairs see the bend of ln r. Along a height profiles have a bend of their own.
+        if lattice.dimension == 1 && lattice.corner.x > 0.0 {
+            let exchange = Exchange::new(Profile::Steady, symmetry, lattice, stencil);
+            if exchange.weakest().is_none() {
+                return Ok(exchange);
+            }
+        }
+        let exchange = Exchange::new(Profile::Square, symmetry, lattice, stencil);
         match exchange.weakest() {
             None => Ok(exchange),
             Some(weakest) => Err(format!(
@@ -269,27 +306,27 @@ impl<'a> Exchange<'a> {
         if weight == 0.0 { 0.0 } else { weight * self.unit() * self.symmetry.shape(inner, outer, self.lattice.spacing) }
     }
 
-    /// What the faces of a row between columns lack of the flux of `r^2`, as strength of the nearest pair.
+    /// What the faces of a row between columns lack of the flux of the profile, as strength of the nearest pair.
     fn missing_across(&self, row: usize) -> Vec<f64> {
         let (columns, rows, reach) = (self.lattice.columns, self.lattice.rows, self.stencil.reach);
-        let square = |column: usize| self.radius(column) * self.radius(column);
+        let value = |column: usize| self.profile.value(self.symmetry, self.radius(column));
         let height = if self.lattice.dimension == 2 { self.lattice.spacing } else { 1.0 };
         let mut missing: Vec<f64> = (1..columns)
             .map(|face| {
                 let radius = edge(self.lattice, face);
-                self.symmetry.area(radius) * height * 2.0 * radius
+                self.symmetry.area(radius) * height * self.profile.slope(self.symmetry, radius)
             })
             .collect();
         for first in 0..columns {
             for second in first + 1..columns.min(first + reach + 1) {
                 let near = row.saturating_sub(reach)..rows.min(row + reach + 1);
                 let strength: f64 = near.map(|other| self.plain(first, second, row.abs_diff(other))).sum();
-                let flux = strength * (square(second) - square(first));
+                let flux = strength * (value(second) - value(first));
                 missing[first..second].iter_mut().for_each(|missing| *missing -= flux);
             }
         }
         for (face, missing) in missing.iter_mut().enumerate() {
-            *missing /= square(face + 1) - square(face);
+            *missing /= value(face + 1) - value(face);
         }
         missing
     }

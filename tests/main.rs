@@ -15,6 +15,7 @@ mod extreme;
 mod fields;
 mod forecasts;
 mod groundwater;
+mod interfaces;
 mod invariants;
 mod layout_references;
 mod layouts;

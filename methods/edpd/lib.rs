@@ -20,7 +20,7 @@ use frazil_core::noise::StepNoise;
 use frazil_core::plan::Assembly;
 use frazil_core::record::Value;
 use frazil_core::scene::settings::MethodSettings;
-use frazil_core::scene::{Exchange, Mean, Numerics, Range, Scene, Section, Setting};
+use frazil_core::scene::{Exchange, Mean, Numerics, Range, Scene, Section, Setting, Units};
 use rayon::ThreadPool;
 
 /// The method as the registry lists it.
@@ -56,17 +56,61 @@ impl PairWeight for Collision {
     }
 }
 
+/// Heat capacity of a particle in k_B that the papers take.
+const PAPERS_CAPACITY: f64 = 1e5;
+
+/// Fluctuation of a particle's temperature over the range of the data, where a scene does not say: below the errors of
+/// temperature that bundled scenes have at their spacings without noise, 0.2 to 4 % of it.
+const QUIET: f64 = 1e-3;
+
+/// The heat capacity in k_B with which a particle at the warmest datum is as quiet as [`QUIET`], in two digits. Where the data
+/// are one temperature, the range is a degree.
+fn quiet_capacity(temperatures: Option<(f64, f64)>, absolute_zero: f64) -> f64 {
+    let (low, high) = temperatures.unwrap_or((0.0, 1.0));
+    let range = if high > low { high - low } else { 1.0 };
+    let wanted = ((high - absolute_zero) / (QUIET * range)).powi(2);
+    let digit = 10f64.powf(wanted.log10().floor() - 1.0);
+    ((wanted / digit).ceil() * digit).max(PAPERS_CAPACITY)
+}
+
 /// The random part of the heat exchange.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct RandomFlux {
     seed: u64,
     /// Temperature of absolute zero on the scale of the scene.
     absolute_zero: f64,
     /// 2 k_B over the volume of a particle (J/K per m^d).
     twice_boltzmann_per_volume: f64,
+    /// The same by particle and ghost, where they store different heat; empty where all are alike.
+    by_particle: Arc<[f64]>,
     noise: StepNoise,
+    /// Length of the step (s).
+    step: f64,
     /// 2 k_B / (V dt).
     strength: f64,
+}
+
+impl RandomFlux {
+    /// Noise of the particles of an assembly that store `capacity` k_B each.
+    fn new(assembly: &Assembly, capacity: f64) -> Self {
+        let parts = &assembly.parts;
+        let materials = &parts.materials;
+        let volume = parts.volumes.of(0);
+        let boltzmann = materials.thermals[0].curve.unfrozen_capacity() * volume / capacity;
+        let count = parts.positions.len();
+        let own = |i: usize| 2.0 * materials.of(i).curve.unfrozen_capacity() / capacity;
+        let ghosts = parts.ghosts.model.iter().map(|model| *model as usize);
+        let alike = !materials.mixed();
+        RandomFlux {
+            seed: assembly.seed,
+            absolute_zero: assembly.units.absolute_zero(),
+            twice_boltzmann_per_volume: 2.0 * boltzmann / volume,
+            by_particle: if alike { Arc::new([]) } else { (0..count).chain(ghosts).map(own).collect() },
+            noise: StepNoise::new(assembly.seed, 0),
+            step: 0.0,
+            strength: 0.0,
+        }
+    }
 }
 
 impl PairTerm for RandomFlux {
@@ -74,6 +118,7 @@ impl PairTerm for RandomFlux {
 
     fn begin(&mut self, clock: &Clock) {
         self.noise = StepNoise::new(self.seed, clock.index);
+        self.step = clock.step;
         self.strength = self.twice_boltzmann_per_volume / clock.step;
     }
 
@@ -82,13 +127,19 @@ impl PairTerm for RandomFlux {
         let (i, j) = pair.indices;
         let fields = pair.fields;
         let (warm, cold) = (fields.temperature[i], fields.temperature[j]);
-        let (a, b) = (fields.conductivity[i], fields.conductivity[j]);
+        let (a, b) = pair.between.unwrap_or((fields.conductivity[i], fields.conductivity[j]));
         // The conductivity that the pair conducts with: the integral mean between its two temperatures. Equal
         // temperatures leave it open between the two particles' own.
         let mean = pair.conducted / (cold - warm);
         let mean = if mean.is_finite() { mean.clamp(a.min(b), a.max(b)) } else { 0.5 * (a + b) };
         let temperatures = (warm - self.absolute_zero) * (cold - self.absolute_zero);
-        let variance = self.strength * pair.weight * mean * temperatures;
+        // Between particles that store different heat, the noise of the one that stores less: a light one beside a heavy one
+        // stays as quiet as among its like.
+        let strength = match self.by_particle.is_empty() {
+            true => self.strength,
+            false => self.by_particle[i].min(self.by_particle[j]) / self.step,
+        };
+        let variance = strength * pair.weight * mean * temperatures;
         variance.max(0.0).sqrt() * self.noise.antisymmetric(pair.names.0, pair.names.1, pair.stream)
     }
 }
@@ -102,23 +153,20 @@ fn defaults(setting: Setting) -> Numerics {
 
 fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimension: usize) -> Discretisation {
     let ratio = section.number_or("cutoff_ratio", 3.92, Range::between(1.2, 8.0));
-    let capacity = section.number_or("heat_capacity_dpd", 1e5, Range::at_least(100.0));
+    let given = section.optional_number("heat_capacity_dpd", Range::at_least(100.0));
     let noise = section.flag_or("noise", true);
     let paper = setting == Setting::Paper;
     let motion = moving::read(section, numerics, ratio);
+    let of_papers = paper || motion.is_some() || section.units() != Units::Si;
+    let capacity = given.unwrap_or_else(|| match of_papers {
+        true => PAPERS_CAPACITY,
+        false => quiet_capacity(section.temperatures(), section.units().absolute_zero()),
+    });
     let step = move |assembly: Assembly| -> Box<dyn Method> {
         if !noise {
             return assembly.into_method(Off);
         }
-        let parts = &assembly.parts;
-        let boltzmann = parts.materials.thermals[0].curve.unfrozen_capacity() * parts.volumes.of(0) / capacity;
-        let term = RandomFlux {
-            seed: assembly.seed,
-            absolute_zero: assembly.units.absolute_zero(),
-            twice_boltzmann_per_volume: 2.0 * boltzmann / parts.volumes.of(0),
-            noise: StepNoise::new(assembly.seed, 0),
-            strength: 0.0,
-        };
+        let term = RandomFlux::new(&assembly, capacity);
         assembly.into_method(term)
     };
     if let Some(motion) = motion {
@@ -141,7 +189,7 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
     ];
     if noise {
         differences.push(format!(
-            "thermal noise: the temperature of one particle fluctuates by {:.2} % of its absolute value",
+            "thermal noise: the temperature of one particle fluctuates by {:.3} % of its absolute value",
             100.0 / capacity.sqrt()
         ));
     }

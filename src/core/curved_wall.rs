@@ -132,6 +132,11 @@ impl Contacts {
         self.contacts.push(Contact { particle, cut: near.cut, stiffness, views: (first, self.views.len() as u32) });
     }
 
+    /// Particles whose profiles tell the flux through the wall.
+    pub fn seen(&self) -> impl Iterator<Item = u32> {
+        self.views.iter().map(|view| view.particle)
+    }
+
     /// Heat rate (W/m3) that a particle gains through the wall; `flux` tells the flux (W/m2) by particle and depth (m).
     #[inline]
     pub fn gain(&self, contact: &Contact, flux: impl Fn(usize, f64) -> f64) -> f64 {

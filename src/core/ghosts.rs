@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use crate::boundary::{Boundary, Face, Side, moving_least_squares};
+use crate::interface::Chains;
 use crate::lattice::Lattice;
 use crate::memory::Held;
 use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
@@ -27,6 +28,8 @@ pub struct Ghosts {
     pub depth: Vec<f64>,
     /// A particle near the image, whose material and normalisation the ghost takes.
     pub model: Vec<u32>,
+    /// Its material, by index; empty where it is that of the model.
+    pub material: Vec<u8>,
     /// What noise calls the ghost: the particle that it mirrors by symmetry alone, or a number of its own.
     pub identity: Vec<u32>,
     /// Tells images of one particle apart.
@@ -53,7 +56,7 @@ impl Held for Ghosts {
     fn held(&self) -> usize {
         // Doors are a byte and whether there is one.
         let doors = (self.door.capacity() + self.pays.capacity()) * size_of::<Option<u8>>();
-        let names = self.model.held() + self.identity.held() + self.stream.held();
+        let names = self.material.held() + self.model.held() + self.identity.held() + self.stream.held();
         self.position.held() + doors + self.depth.held() + names + self.starts.held() + self.images.held()
     }
 }
@@ -288,40 +291,50 @@ impl Ghosts {
     }
 
     /// Fills the potentials of ghosts, behind those of the particles.
-    pub fn fill_potentials(&self, potentials: &mut [f64], faces: &[Vec<Face>], materials: &Materials) {
+    pub fn fill_potentials(&self, potentials: &mut [f64], faces: &[Vec<Face>], materials: &Materials, chains: &Chains) {
         let count = potentials.len() - self.len();
         for ghost in 0..self.len() {
-            let image = self.image(ghost, potentials);
+            let (image, depth) = (self.image(ghost, potentials), self.depth[ghost]);
             potentials[count + ghost] = match self.door[ghost] {
                 None => image,
                 Some(door) => {
                     let material = self.material(ghost, materials);
-                    let thermal = &materials.thermals[material];
-                    faces[material][door as usize].ghost(
-                        image,
-                        self.depth[ghost],
-                        &thermal.curve,
-                        thermal.initial_potential,
-                    )
+                    let (thermal, face) = (&materials.thermals[material], &faces[material][door as usize]);
+                    match chains.of_ghost(ghost, &materials.thermals) {
+                        None => face.ghost(image, depth, &thermal.curve, thermal.initial_potential),
+                        Some(way) => {
+                            let (wall, flux) = way.wall(face, depth, image);
+                            wall + depth * flux
+                        }
+                    }
                 }
             };
         }
     }
 
     /// How each ghost follows its image, from the potentials of particles and ghosts.
-    pub fn slopes(&self, potentials: &[f64], faces: &[Vec<Face>], materials: &Materials, slopes: &mut Vec<f64>) {
+    pub fn slopes(
+        &self,
+        potentials: &[f64],
+        faces: &[Vec<Face>],
+        materials: &Materials,
+        chains: &Chains,
+        slopes: &mut Vec<f64>,
+    ) {
         slopes.clear();
         slopes.extend((0..self.len()).map(|ghost| match self.door[ghost] {
             None => 1.0,
             Some(door) => {
+                let (image, depth) = (self.image(ghost, potentials), self.depth[ghost]);
                 let material = self.material(ghost, materials);
-                let thermal = &materials.thermals[material];
-                faces[material][door as usize].ghost_slope(
-                    self.image(ghost, potentials),
-                    self.depth[ghost],
-                    &thermal.curve,
-                    thermal.initial_potential,
-                )
+                let (thermal, face) = (&materials.thermals[material], &faces[material][door as usize]);
+                match chains.of_ghost(ghost, &materials.thermals) {
+                    None => face.ghost_slope(image, depth, &thermal.curve, thermal.initial_potential),
+                    Some(way) => {
+                        let (wall, flux) = way.wall_slopes(face, depth, image);
+                        wall + depth * flux
+                    }
+                }
             }
         }));
     }
@@ -398,7 +411,10 @@ impl Ghosts {
     /// Material of a ghost.
     #[inline]
     pub fn material(&self, ghost: usize, materials: &Materials) -> usize {
-        materials.of_particle.get(self.model[ghost] as usize).map_or(0, |material| *material as usize)
+        match self.material.get(ghost) {
+            Some(material) => *material as usize,
+            None => materials.index(self.model[ghost] as usize),
+        }
     }
 }
 

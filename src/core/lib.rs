@@ -5,6 +5,7 @@
 //! `V_i dH_i/dt = sum_j w_ij (U_j - U_i) + sources`, with the enthalpy `H` (J/m3), the conduction potential
 //! `U(H) = integral of k dT` (W/m) and symmetric geometric weights `w_ij >= 0` (m^(d-2)).
 
+pub mod blend;
 pub mod boundary;
 pub mod closing;
 pub mod corner;
@@ -15,8 +16,10 @@ pub mod flow;
 pub mod ghosts;
 pub mod green;
 pub mod integrate;
+pub mod interface;
 pub mod lattice;
 pub mod lattice_operator;
+mod layers;
 pub mod ledger;
 pub mod list_operator;
 pub mod march;

@@ -10,6 +10,7 @@ use crate::boundary::{Boundary, Face};
 use crate::crack::Cuts;
 use crate::curved_wall::Rim;
 use crate::ghosts::Ghosts;
+use crate::interface::{Chains, Way};
 use crate::ledger::Sum;
 use crate::memory::{Held, shared};
 use crate::method::{Bound, Clock};
@@ -56,6 +57,8 @@ pub struct PairView<'a> {
     pub weight: f64,
     /// Conducted potential difference (W/m).
     pub conducted: f64,
+    /// Least and greatest conductivity (W/mK) of what lies between them, where that is of several materials.
+    pub between: Option<(f64, f64)>,
     /// Particle and partner.
     pub indices: (usize, usize),
     /// State.
@@ -90,6 +93,8 @@ pub struct ListParts {
     pub materials: Materials,
     /// Pairs.
     pub pairs: PairList,
+    /// Those of several materials.
+    pub chains: Chains,
     /// What cracks and shafts do to them.
     pub cuts: Cuts,
     /// Ghosts.
@@ -190,7 +195,7 @@ impl<T: PairTerm> ListOperator<T> {
             parts.boundary.update_faces(faces, clock.time, &thermal.curve, thermal.initial_potential);
         }
         if !self.fields.potential.is_empty() {
-            parts.ghosts.fill_potentials(&mut self.fields.potential, &self.faces, &parts.materials);
+            parts.ghosts.fill_potentials(&mut self.fields.potential, &self.faces, &parts.materials, &parts.chains);
         }
         if !self.fields.temperature.is_empty() {
             let (temperature, conductivity) = (&mut self.fields.temperature, &mut self.fields.conductivity);
@@ -199,16 +204,16 @@ impl<T: PairTerm> ListOperator<T> {
         doors.fill(0.0);
         // The one place where exchange and materials become types.
         match (parts.exchange, parts.materials.mixed()) {
-            (Exchange::Potential, false) => self.exchange(&|o, i, j| o.potential_difference(i, j), rate, doors),
-            (Exchange::Potential, true) => self.exchange(&|o, i, j| o.across_materials(i, j), rate, doors),
+            (Exchange::Potential, false) => self.exchange(&|o, i, j, _| o.potential_difference(i, j), rate, doors),
+            (Exchange::Potential, true) => self.exchange(&|o, i, j, k| o.across_materials(i, j, k), rate, doors),
             (Exchange::Mean(Mean::Harmonic), _) => {
-                self.exchange(&|o, i, j| o.by_mean(i, j, |a, b| 2.0 * a * b / (a + b)), rate, doors);
+                self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| 2.0 * a * b / (a + b)), rate, doors);
             }
             (Exchange::Mean(Mean::Arithmetic), _) => {
-                self.exchange(&|o, i, j| o.by_mean(i, j, |a, b| 0.5 * (a + b)), rate, doors);
+                self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| 0.5 * (a + b)), rate, doors);
             }
             (Exchange::Mean(Mean::Geometric), _) => {
-                self.exchange(&|o, i, j| o.by_mean(i, j, |a, b| (a * b).sqrt()), rate, doors);
+                self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| (a * b).sqrt()), rate, doors);
             }
         }
         self.contact(clock.time, rate, doors);
@@ -233,13 +238,15 @@ impl<T: PairTerm> ListOperator<T> {
     }
 
     /// Heat rate (W/m3) that a particle gains from a wall that touches it.
-    fn touched(&self, touch: &Touch) -> f64 {
-        let (materials, fields) = (&self.parts.materials, &self.fields);
+    fn touched(&self, number: usize) -> f64 {
+        let (materials, fields, touch) = (&self.parts.materials, &self.fields, &self.parts.touches[number]);
         let (particle, door) = (touch.particle as usize, touch.door as usize);
-        let material = materials.index(particle);
-        let face = &self.faces[material][door];
+        let face = &self.faces[materials.index(particle)][door];
         let flux = match self.parts.exchange {
-            Exchange::Potential => face.flux(fields.potential[particle], touch.depth, &materials.thermals[material]),
+            Exchange::Potential => {
+                let way = self.parts.chains.of_touch(number, &materials.thermals);
+                self.through_wall(way, particle, door, touch.depth)
+            }
             Exchange::Mean(_) => {
                 let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
                 face.flux_by_temperature(temperature, conductivity, touch.depth)
@@ -248,23 +255,53 @@ impl<T: PairTerm> ListOperator<T> {
         touch.area * flux
     }
 
+    /// Flux (W/m2) through a wall into a particle at a depth (m) behind it, by what lies between them.
+    #[inline]
+    fn through_wall(&self, way: Option<Way<'_>>, particle: usize, door: usize, depth: f64) -> f64 {
+        let (materials, potential) = (&self.parts.materials, self.fields.potential[particle]);
+        match way {
+            None => {
+                let material = materials.index(particle);
+                self.faces[material][door].flux(potential, depth, &materials.thermals[material])
+            }
+            Some(way) => way.wall(&self.faces[way.near()][door], depth, potential).1,
+        }
+    }
+
+    /// How that flux follows the potential of the particle (1/m).
+    fn through_wall_slope(&self, way: Option<Way<'_>>, particle: usize, door: usize, depth: f64) -> f64 {
+        let (materials, potential) = (&self.parts.materials, self.fields.potential[particle]);
+        match way {
+            None => {
+                let material = materials.index(particle);
+                self.faces[material][door].flux_slope(potential, depth, &materials.thermals[material])
+            }
+            Some(way) => way.wall_slopes(&self.faces[way.near()][door], depth, potential).1,
+        }
+    }
+
     /// Adds what walls give that touch a body of shells.
     fn touch(&self, rate: &mut [f64], doors: &mut [f64]) {
-        for touch in &self.parts.touches {
+        for (number, touch) in self.parts.touches.iter().enumerate() {
             let particle = touch.particle as usize;
-            let gain = self.touched(touch);
+            let gain = self.touched(number);
             rate[particle] += gain;
             doors[touch.door as usize] += gain * self.parts.volumes.of(particle);
         }
     }
 
+    /// Curved walls that are there at a time (s), with their numbers.
+    fn standing(&self, time: f64) -> impl Iterator<Item = (usize, &Rim)> {
+        self.parts.rims.iter().enumerate().filter(move |(_, rim)| rim.stands(time))
+    }
+
     /// Adds what curved walls give that are there at a time (s).
     fn contact(&self, time: f64, rate: &mut [f64], doors: &mut [f64]) {
         let (materials, fields) = (&self.parts.materials, &self.fields);
-        for Rim { door, contacts, .. } in self.parts.rims.iter().filter(|rim| rim.stands(time)) {
+        for (number, Rim { door, contacts, .. }) in self.standing(time) {
             let by_potential = |particle: usize, depth: f64| {
-                let material = materials.index(particle);
-                self.faces[material][*door].flux(fields.potential[particle], depth, &materials.thermals[material])
+                let way = self.parts.chains.of_rim(number, particle, &materials.thermals);
+                self.through_wall(way, particle, *door, depth)
             };
             let by_temperature = |particle: usize, depth: f64| {
                 let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
@@ -286,7 +323,7 @@ impl<T: PairTerm> ListOperator<T> {
     #[inline(always)]
     fn exchange<F>(&self, conducted: &F, rate: &mut [f64], doors: &mut [f64])
     where
-        F: Fn(&Self, usize, usize) -> f64 + Sync,
+        F: Fn(&Self, usize, usize, usize) -> f64 + Sync,
     {
         let pairs = &self.parts.pairs;
         let row = |i: usize| {
@@ -318,9 +355,9 @@ impl<T: PairTerm> ListOperator<T> {
     }
 
     #[inline(always)]
-    fn flux<F: Fn(&Self, usize, usize) -> f64>(&self, conducted: &F, i: usize, k: usize) -> f64 {
+    fn flux<F: Fn(&Self, usize, usize, usize) -> f64>(&self, conducted: &F, i: usize, k: usize) -> f64 {
         let (j, weight) = (self.parts.pairs.partners[k] as usize, self.parts.pairs.weights[k]);
-        let conducted = conducted(self, i, j);
+        let conducted = conducted(self, i, j, k);
         if !T::ACTIVE {
             return weight * conducted;
         }
@@ -329,8 +366,9 @@ impl<T: PairTerm> ListOperator<T> {
             None => (j as u32, 0),
             Some(ghost) => (self.parts.ghosts.identity[ghost], self.parts.ghosts.stream[ghost]),
         };
-        let view =
-            PairView { names: (i as u32, name), stream, weight, conducted, indices: (i, j), fields: &self.fields };
+        let between = self.way(k).map(|way| way.conductivity());
+        let (indices, fields) = ((i, j), &self.fields);
+        let view = PairView { names: (i as u32, name), stream, weight, conducted, between, indices, fields };
         weight * conducted + self.term.add(&view)
     }
 
@@ -348,26 +386,26 @@ impl<T: PairTerm> ListOperator<T> {
         }
         let clock = Clock { time, step: 0.0, index: 0, turned: false };
         self.rate_of(scheme, enthalpy, &clock, rate, doors);
-        let conducted = |i: usize, j: usize| match (self.parts.exchange, self.parts.materials.mixed()) {
+        let conducted = |i: usize, j: usize, k: usize| match (self.parts.exchange, self.parts.materials.mixed()) {
             (Exchange::Potential, false) => self.potential_difference(i, j),
-            (Exchange::Potential, true) => self.across_materials(i, j),
+            (Exchange::Potential, true) => self.across_materials(i, j, k),
             (Exchange::Mean(Mean::Harmonic), _) => self.by_mean(i, j, |a, b| 2.0 * a * b / (a + b)),
             (Exchange::Mean(Mean::Arithmetic), _) => self.by_mean(i, j, |a, b| 0.5 * (a + b)),
             (Exchange::Mean(Mean::Geometric), _) => self.by_mean(i, j, |a, b| (a * b).sqrt()),
         };
         let pairs = &self.parts.pairs;
         let heat = |(i, k, volume): &(u32, usize, f64)| {
-            volume * pairs.weights[*k] * conducted(*i as usize, pairs.partners[*k] as usize)
+            volume * pairs.weights[*k] * conducted(*i as usize, pairs.partners[*k] as usize, *k)
         };
         // A wall touches the outermost particles from beyond surfaces that lie nearer to it.
         let walls = |surface: &Surface| {
-            let near = self.parts.touches.iter().filter(|touch| {
+            let near = self.parts.touches.iter().enumerate().filter(|(_, touch)| {
                 let place = self.parts.positions[touch.particle as usize];
                 let beyond = (if surface.across_y { place.y } else { place.x }) >= surface.at;
                 touch.across_y == surface.across_y && touch.at_end != beyond
             });
-            near.map(|touch| {
-                let heat = self.touched(touch) * self.parts.volumes.of(touch.particle as usize);
+            near.map(|(number, touch)| {
+                let heat = self.touched(number) * self.parts.volumes.of(touch.particle as usize);
                 if touch.at_end { -heat } else { heat }
             })
             .sum::<f64>()
@@ -389,16 +427,16 @@ impl<T: PairTerm> ListOperator<T> {
 
     /// How the flux that [`ListOperator::across_materials`] gives follows the potentials of both sides: it falls by the
     /// first share of the change of `i` and rises by the second share of the change of `j`.
-    fn interface_shares(&self, i: usize, j: usize) -> (f64, f64) {
-        let (a, b) = (self.material(i), self.material(j));
-        if a == b {
-            return (1.0, 1.0);
+    fn shares(&self, i: usize, j: usize, k: usize) -> (f64, f64) {
+        let potential = &self.fields.potential;
+        match self.way(k) {
+            None => (1.0, 1.0),
+            Some(way) if i < j => way.shares(potential[i], potential[j]),
+            Some(way) => {
+                let (near, far) = way.shares(potential[j], potential[i]);
+                (far, near)
+            }
         }
-        let (first, second) = (&self.parts.materials.thermals[a], &self.parts.materials.thermals[b]);
-        let u_first = self.fields.potential[i] + first.initial_potential;
-        let u_second = self.fields.potential[j] + second.initial_potential;
-        let interface = first.curve.interface_temperature(u_first, &second.curve, u_second);
-        first.curve.interface_shares(&second.curve, interface)
     }
 
     /// Linearises around a state: `slopes` takes dU/dH (m2/s) of every particle, `tangent` the exchange of small changes.
@@ -419,24 +457,20 @@ impl<T: PairTerm> ListOperator<T> {
             parts.boundary.update_faces(faces, time, &thermal.curve, thermal.initial_potential);
         }
         let potential = &mut self.fields.potential;
-        parts.ghosts.fill_potentials(potential, &self.faces, &parts.materials);
-        parts.ghosts.slopes(potential, &self.faces, &parts.materials, &mut tangent.ghosts);
+        parts.ghosts.fill_potentials(potential, &self.faces, &parts.materials, &parts.chains);
+        parts.ghosts.slopes(potential, &self.faces, &parts.materials, &parts.chains, &mut tangent.ghosts);
         tangent.changes.resize(potential.len(), 0.0);
         for (i, (slope, enthalpy)) in slopes.iter_mut().zip(enthalpy).enumerate() {
             *slope = parts.materials.of(i).law.slope(*enthalpy);
         }
         tangent.time = time;
         tangent.views.resize_with(parts.rims.len(), Vec::new);
-        for (Rim { door, contacts, .. }, views) in
-            parts.rims.iter().zip(&mut tangent.views).filter(|of| of.0.stands(time))
-        {
-            let potential = &self.fields.potential;
+        for (number, Rim { door, contacts, .. }) in self.standing(time) {
             let slope = |particle: usize, depth: f64| {
-                let material = parts.materials.index(particle);
-                let thermal = &parts.materials.thermals[material];
-                self.faces[material][*door].flux_slope(potential[particle], depth, thermal)
+                let way = parts.chains.of_rim(number, particle, &parts.materials.thermals);
+                self.through_wall_slope(way, particle, *door, depth)
             };
-            contacts.slopes(slope, views);
+            contacts.slopes(slope, &mut tangent.views[number]);
         }
         tangent.pipes.clear();
         tangent.pipes.extend(parts.sinks.iter().map(|sink| {
@@ -444,19 +478,16 @@ impl<T: PairTerm> ListOperator<T> {
             sink.resistance_to_changes(sink.sampled(|index| self.fields.potential[index]), time, material)
         }));
         tangent.touches.clear();
-        tangent.touches.extend(parts.touches.iter().map(|touch| {
-            let particle = touch.particle as usize;
-            let material = parts.materials.index(particle);
-            let face = &self.faces[material][touch.door as usize];
-            let potential = self.fields.potential[particle];
-            touch.area * face.flux_slope(potential, touch.depth, &parts.materials.thermals[material])
+        tangent.touches.extend(parts.touches.iter().enumerate().map(|(number, touch)| {
+            let way = parts.chains.of_touch(number, &parts.materials.thermals);
+            touch.area * self.through_wall_slope(way, touch.particle as usize, touch.door as usize, touch.depth)
         }));
         if parts.materials.mixed() {
             let pairs = &parts.pairs;
             tangent.shares.clear();
             for i in 0..enthalpy.len() {
-                let partners = &pairs.partners[pairs.starts[i]..pairs.starts[i + 1]];
-                tangent.shares.extend(partners.iter().map(|j| self.interface_shares(i, *j as usize)));
+                let row = pairs.starts[i]..pairs.starts[i + 1];
+                tangent.shares.extend(row.map(|k| self.shares(i, pairs.partners[k] as usize, k)));
             }
         }
     }
@@ -509,33 +540,22 @@ impl<T: PairTerm> ListOperator<T> {
         }
     }
 
-    fn material(&self, index: usize) -> usize {
-        let count = self.parts.positions.len();
-        match index.checked_sub(count) {
-            None => self.parts.materials.of_particle[index] as usize,
-            Some(ghost) => self.parts.ghosts.material(ghost, &self.parts.materials),
-        }
+    /// What lies between the ends of a pair, if that is of several materials.
+    #[inline(always)]
+    fn way(&self, pair: usize) -> Option<Way<'_>> {
+        self.parts.chains.of_pair(pair, &self.parts.materials.thermals)
     }
 
-    /// Two materials are two half-pairs in series that share the temperature of their interface.
+    /// What a pair conducts that may reach through several materials.
     #[inline]
-    fn across_materials(&self, i: usize, j: usize) -> f64 {
-        let (a, b) = (self.material(i), self.material(j));
-        let difference = self.fields.potential[j] - self.fields.potential[i];
-        // Potentials count from the initial temperature, which all materials share: two zeros are at rest, and the
-        // solve below would know it only to rounding.
-        if a == b || (self.fields.potential[i] == 0.0 && self.fields.potential[j] == 0.0) {
-            return difference;
+    fn across_materials(&self, i: usize, j: usize, k: usize) -> f64 {
+        let potential = &self.fields.potential;
+        match self.way(k) {
+            None => self.potential_difference(i, j),
+            // Exchanging i and j must only turn the sign, so chains always see them in the same order.
+            Some(way) if i < j => way.conducted(potential[i], potential[j]),
+            Some(way) => -way.conducted(potential[j], potential[i]),
         }
-        // Exchanging i and j must only turn the sign, so the solve always sees them in the same order.
-        let (low, high) = if i < j { (i, j) } else { (j, i) };
-        let (first, second) =
-            (&self.parts.materials.thermals[self.material(low)], &self.parts.materials.thermals[self.material(high)]);
-        let u_first = self.fields.potential[low] + first.initial_potential;
-        let u_second = self.fields.potential[high] + second.initial_potential;
-        let interface = first.curve.interface_temperature(u_first, &second.curve, u_second);
-        let out_of_first = 2.0 * (first.curve.potential(interface) - u_first);
-        if i < j { out_of_first } else { -out_of_first }
     }
 }
 
@@ -713,6 +733,7 @@ impl<T> Held for ListOperator<T> {
         let copies = shared(&parts.positions) + parts.materials.of_particle.held();
         copies
             + pairs
+            + parts.chains.held()
             + parts.cuts.held()
             + parts.ghosts.held()
             + fields
@@ -777,24 +798,40 @@ fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
         Some(_) => 0.0,
         None => parts.ghosts.own_share(ghost, particle, faces),
     };
+    let thermals = &parts.materials.thermals;
+    // How much more than within one material a pair follows its particle and its partner.
+    let shares = |i: usize, k: usize| match parts.chains.of_pair(k, thermals).map(|way| way.greatest_shares()) {
+        None => (1.0, 1.0),
+        Some((near, far)) if i < parts.pairs.partners[k] as usize => (near, far),
+        Some((near, far)) => (far, near),
+    };
     let mut sums: Vec<f64> = (0..count)
         .map(|i| {
             let range = parts.pairs.starts[i]..parts.pairs.starts[i + 1];
-            let own: f64 = range.clone().map(|k| parts.pairs.weights[k]).sum();
+            let own: f64 = range.clone().map(|k| parts.pairs.weights[k] * shares(i, k).0).sum();
             let mirrored: f64 = range
                 .filter_map(|k| (parts.pairs.partners[k] as usize).checked_sub(count).map(|ghost| (k, ghost)))
-                .map(|(k, ghost)| parts.pairs.weights[k] * falls(ghost, i as u32))
+                .map(|(k, ghost)| {
+                    let falls = falls(ghost, i as u32);
+                    match parts.chains.of_ghost(ghost, thermals).map(|way| way.greatest_shares()) {
+                        None => parts.pairs.weights[k] * shares(i, k).1 * falls,
+                        Some((_, far)) => parts.pairs.weights[k] * shares(i, k).1 * far * falls.max(0.0),
+                    }
+                })
                 .sum();
             own + mirrored.max(0.0)
         })
         .collect();
-    for rim in &parts.rims {
+    let from_wall = |way: Option<Way<'_>>| way.map_or(1.0, |way| way.greatest_shares().1);
+    for (number, rim) in parts.rims.iter().enumerate() {
         for contact in &rim.contacts.contacts {
-            sums[contact.particle as usize] += faces[rim.door].holds() * contact.stiffness;
+            let share = from_wall(parts.chains.of_rim(number, contact.particle as usize, thermals));
+            sums[contact.particle as usize] += faces[rim.door].holds() * contact.stiffness * share;
         }
     }
-    for touch in &parts.touches {
-        sums[touch.particle as usize] += faces[touch.door as usize].holds() * touch.area / touch.depth;
+    for (number, touch) in parts.touches.iter().enumerate() {
+        let share = from_wall(parts.chains.of_touch(number, thermals));
+        sums[touch.particle as usize] += faces[touch.door as usize].holds() * touch.area / touch.depth * share;
     }
     for sink in &parts.sinks {
         for (index, row_sum) in sink.row_sums(parts.spacing) {
@@ -804,10 +841,8 @@ fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
     let mut stiffest = (0.0, 0usize);
     for (i, sum) in sums.iter().enumerate() {
         let slope = steepest(parts, i);
-        // Across an interface a half-pair acts with twice its weight at most.
-        let doubled = if parts.materials.mixed() { 2.0 } else { 1.0 };
-        if sum * slope * doubled > stiffest.0 {
-            stiffest = (sum * slope * doubled, i);
+        if sum * slope > stiffest.0 {
+            stiffest = (sum * slope, i);
         }
     }
     let at = parts.positions[stiffest.1];

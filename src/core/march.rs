@@ -17,6 +17,7 @@ use crate::record::{Errors, Outcome, Record, RunResult};
 use crate::reference::Reference;
 use crate::scene::settings::MethodSettings;
 use crate::scene::{Scene, Uptake};
+use crate::terms::fluctuation;
 use crate::watch::Watches;
 
 use guard::Guard;
@@ -305,19 +306,22 @@ pub fn run(
 }
 
 /// How far noise alone may take temperatures out of the range of the data, over that range: eight standard deviations
-/// of one particle at the warmest datum and in the phase of least heat capacity. A normal variable stays within 6.5 over
-/// a billion looks; steps up to the bound do not add to it (3.3 at most on `stefan-water`, for 0.05 of the bound as for
-/// the whole). Beside walls of moving particles it is twice that: what is seen there is fitted to few neighbours, whose own
-/// noise it mirrors (12 at most over the 26 000 steps of `entry-channel`).
+/// of one particle at the warmest datum, in the material and phase that fluctuates most ([`crate::terms::fluctuation`]). A
+/// normal variable stays within 6.5 over a billion looks; steps up to the bound do not add to it (3.3 at most on
+/// `stefan-water`, for 0.05 of the bound as for the whole). Beside walls of moving particles it is twice that: what is seen
+/// there is fitted to few neighbours, whose own noise it mirrors (12 at most over the 26 000 steps of `entry-channel`). It is
+/// never more than [`MOST_NOISE`].
 fn noise(scene: &Scene, settings: &MethodSettings, particles: &Particles) -> f64 {
     let (low, high) = scene.temperature_range();
-    let thermals = &particles.materials.thermals;
-    let least = thermals.iter().map(|thermal| thermal.curve.least_capacity()).fold(f64::INFINITY, f64::min);
-    let capacity = thermals[0].curve.unfrozen_capacity() / least;
-    let deviation = settings.discretisation.fluctuation * (high - scene.units.absolute_zero()) * capacity.sqrt();
+    let own = settings.discretisation.fluctuation * (high - scene.units.absolute_zero());
+    let deviation = particles.materials.laws().map(|law| own * fluctuation(law)).fold(0.0, f64::max);
     let deviations = if particles.move_about() { 16.0 } else { 8.0 };
-    if deviation > 0.0 { deviations * deviation / (high - low) } else { 0.0 }
+    if deviation > 0.0 { (deviations * deviation / (high - low)).min(MOST_NOISE) } else { 0.0 }
 }
+
+/// Part of the range of the data by which noise may take temperatures out of it. With more, a particle in the middle of the
+/// data could be anywhere in them and beyond: noise would no longer be small beside what it is noise of.
+const MOST_NOISE: f64 = 0.5;
 
 fn larger_magnitude(a: f64, b: f64) -> f64 {
     if b.abs() > a.abs() { b } else { a }
@@ -349,7 +353,14 @@ fn judge(
         };
     }
     if let Some(violation) = violation.filter(|violation| *violation > RANGE_TOLERANCE + noise) {
-        let cause = format!("temperatures left the range of the data by {:.2} % of it", 100.0 * violation);
+        let mut cause = format!("temperatures left the range of the data by {:.2} % of it", 100.0 * violation);
+        if noise > 0.0 {
+            cause.push_str(&format!(
+                ": noise may do so by {:.2} %, eight standard deviations of one particle or half of the range; particles \
+                 that store more heat fluctuate less",
+                100.0 * noise
+            ));
+        }
         return (Outcome::Oscillating, Some(cause));
     }
     // Noise may push a front or a flow back for a moment.

@@ -102,12 +102,14 @@ impl Held for Particles {
     fn held(&self) -> usize {
         // Positions of a cloud are counted where pairs are: the operator holds them even on a lattice.
         let thermals = size_of_val(&*self.materials.thermals)
-            + self.materials.thermals.iter().map(|thermal| thermal.curve.held() + thermal.law.held()).sum::<usize>();
+            + size_of_val(&*self.materials.blends)
+            + self.materials.laws().map(|thermal| thermal.curve.held() + thermal.law.held()).sum::<usize>();
         self.enthalpy.held()
             + self.velocity.held()
             + shared(&self.start)
             + self.lattice.held()
             + self.materials.of_particle.held()
+            + self.materials.law_of.held()
             + thermals
     }
 }

@@ -7,6 +7,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, Uniform};
 use rayon::ThreadPool;
 
+use crate::blend;
 use crate::boundary::{Boundary, Side};
 use crate::closing::dug_too_early;
 use crate::corner::strengthen;
@@ -19,8 +20,10 @@ use crate::ghosts::Ghosts;
 use crate::green::Green;
 use crate::integrate::control::EnthalpyRange;
 use crate::integrate::{Euler, Implicit, Rkl2, SchemeEuler};
+use crate::interface;
 use crate::lattice::Lattice;
 use crate::lattice_operator::{LatticeOperator, LatticeParts};
+use crate::layers;
 use crate::list_operator::{EnthalpyList, ListOperator, ListParts, MOST_DOORS, Off, PairList, PairTerm, Tangent};
 use crate::march::Refused;
 use crate::memory::{Held, Memory};
@@ -44,7 +47,7 @@ use crate::stencil::{SHELL_TOLERANCE, Stencil};
 use crate::sub_cell::SubCellFront;
 use crate::sweep::WIDEST;
 use crate::symmetry::{Volumes, naive_shells, shells};
-use crate::terms::Parts;
+use crate::terms::{self, Parts};
 use crate::uptake::{Materials, scheme};
 use crate::wall_layers::{Body, inner, level};
 
@@ -222,12 +225,25 @@ pub fn build(
             None => lattice.positions().into_iter().map(material).collect(),
         }
     };
-    let materials = Materials { thermals, of_particle };
+    let mut materials = Materials::new(thermals, of_particle);
+    if materials.mixed() && blends(scene, numerics) {
+        match &cloud {
+            Some(positions) => blend::blend(scene, &mut materials, positions, lattice.spacing),
+            None => blend::blend(scene, &mut materials, &lattice.positions(), lattice.spacing),
+        }
+    }
     let start = start::enthalpies(scene, &materials, &lattice, cloud.as_deref());
-    let mut differences = start::volume_errors(scene, &lattice, cloud.as_deref());
+    // Particles that store what is in their cells fill regions exactly.
+    let mut differences = match materials.mixed() && blends(scene, numerics) {
+        true => Vec::new(),
+        false => start::volume_errors(scene, &lattice, cloud.as_deref()),
+    };
     let stencil = Stencil::new(discretisation, lattice.spacing, lattice.dimension);
     if !stencil.sum().is_finite() || stencil.sum() <= 0.0 {
         return Err(refuse("no pair of particles has a weight: the reach is shorter than the spacing".into()));
+    }
+    if materials.mixed() {
+        differences.extend(layers::unresolved(scene, numerics, &lattice, &stencil, &materials.thermals));
     }
     let Pipes { sinks, rings, acting } = pipes(scene, numerics, &lattice, &boundary, &stencil)?;
     differences.extend(acting);
@@ -238,7 +254,7 @@ pub fn build(
     exempt.sort_unstable();
     exempt.dedup();
     let range = || EnthalpyRange::new(&materials, scene.temperature_range(), exempt, scene.has_flux());
-    let largest_slope = materials.thermals.iter().map(|thermal| thermal.largest_slope).fold(0.0, f64::max);
+    let largest_slope = materials.laws().map(|thermal| thermal.largest_slope).fold(0.0, f64::max);
     let pipe_extents = sinks.iter().map(|sink| sink.extent).collect();
     let shelled = scene.domain.symmetry().is_some();
     let narrow = stencil.reach > lattice.columns || (lattice.dimension == 2 && stencil.reach > lattice.rows);
@@ -361,7 +377,22 @@ pub fn build(
                 let barriers = Barriers::new(&scene.cracks, &lattice, &boundary);
                 Cuts::new(&mut pairs, &positions, &ghosts, &barriers)
             };
+            let chains = if numerics.exchange == Exchange::Potential {
+                let seen = interface::Seen {
+                    positions: &positions,
+                    materials: &materials,
+                    pairs: &pairs,
+                    boundary: &boundary,
+                    rims: &rims,
+                    touches: &touches,
+                    lattice: &lattice,
+                };
+                interface::chains(scene, numerics, &seen, &mut ghosts)
+            } else {
+                interface::Chains::default()
+            };
             let parts = ListParts {
+                chains,
                 positions,
                 volumes: volumes.clone(),
                 spacing: lattice.spacing,
@@ -449,7 +480,12 @@ pub fn build(
         used: [used, terms].concat(),
         spared,
         relaxed_by,
-        differences: [discretisation.differences.clone(), differences].concat(),
+        differences: [
+            discretisation.differences.clone(),
+            terms::noise(scene, &particles.materials, discretisation.fluctuation),
+            differences,
+        ]
+        .concat(),
     };
     Ok(Plan { particles, method, step, bound, summary, pipe_extents })
 }
@@ -470,7 +506,7 @@ fn moving(scene: &Scene, settings: &MethodSettings, crowd: Crowd) -> Result<Plan
         volumes: Volumes::even(volume),
         sub_cell: false,
         shaft: None,
-        materials: Materials { thermals: [thermal].into(), of_particle: Vec::new() },
+        materials: Materials::new([thermal].into(), Vec::new()),
     };
     method.publish(&mut particles);
     let summary = PlanSummary {
@@ -490,6 +526,13 @@ fn moving(scene: &Scene, settings: &MethodSettings, crowd: Crowd) -> Result<Plan
         differences: [settings.discretisation.differences.clone(), differences].concat(),
     };
     Ok(Plan { particles, method, step, bound, summary, pipe_extents: Vec::new() })
+}
+
+/// Whether particles store the heat of all materials in their cells. The papers' exchange and columns know one material a
+/// particle, and so does water in its pores.
+fn blends(scene: &Scene, numerics: &Numerics) -> bool {
+    let columns = numerics.uptake == Uptake::Enthalpy && numerics.mushy == Mushy::Fraction;
+    numerics.exchange == Exchange::Potential && columns && scene.flow.is_none()
 }
 
 /// Why a scene needs a neighbour list; none if the lattice stencil does.
@@ -580,6 +623,8 @@ fn on_lattice(parts: LatticeParts) -> Box<dyn Operator> {
         Law::Straight(law) => Box::new(LatticeOperator::new(parts, law)),
         Law::Kinked(law) => Box::new(LatticeOperator::new(parts, law)),
         Law::Curved(law) => Box::new(LatticeOperator::new(parts, law)),
+        // A lattice without a list has one material.
+        Law::Blended(_) => unreachable!("cells of one material"),
     }
 }
 

@@ -7,6 +7,7 @@
 
 use std::sync::Arc;
 
+use crate::blend::Blend;
 use crate::material::{FreezingLaw, Material, Mixing};
 use crate::memory::{Held, shared};
 
@@ -31,6 +32,8 @@ pub struct Curve {
     frozen_capacity: f64,
     unfrozen_capacity: f64,
     latent_heat: f64,
+    /// What it stores, where that is several materials'.
+    blend: Option<Arc<Blend>>,
     /// Potential and conductivity at even steps of temperature below the freezing point, where the potential has no
     /// closed form; empty elsewhere.
     steps: Arc<[(f64, f64)]>,
@@ -52,6 +55,7 @@ impl Curve {
             frozen_capacity: material.frozen_capacity(),
             unfrozen_capacity: material.unfrozen_capacity(),
             latent_heat: material.volumetric_latent_heat(),
+            blend: None,
             steps: Vec::new().into(),
         };
         curve.with_steps()
@@ -93,16 +97,25 @@ impl Curve {
 
     /// Latent heat (J/m3).
     pub fn latent_heat(&self) -> f64 {
+        if let Some(blend) = &self.blend {
+            return blend.sum(Curve::latent_heat);
+        }
         self.latent_heat
     }
 
     /// Volumetric heat capacity of the unfrozen phase (J/m3K).
     pub fn unfrozen_capacity(&self) -> f64 {
+        if let Some(blend) = &self.blend {
+            return blend.sum(Curve::unfrozen_capacity);
+        }
         self.unfrozen_capacity
     }
 
     /// Volumetric heat capacity of the frozen phase (J/m3K).
     pub fn frozen_capacity(&self) -> f64 {
+        if let Some(blend) = &self.blend {
+            return blend.sum(Curve::frozen_capacity);
+        }
         self.frozen_capacity
     }
 
@@ -183,6 +196,9 @@ impl Curve {
 
     /// Enthalpy (J/m3) at a temperature.
     pub fn enthalpy(&self, temperature: f64) -> f64 {
+        if let Some(blend) = &self.blend {
+            return blend.enthalpy(temperature);
+        }
         let below = temperature - self.freezing_point;
         if below >= 0.0 {
             return self.unfrozen_capacity * below;
@@ -200,12 +216,18 @@ impl Curve {
 
     /// Least enthalpy (J/m3) at a temperature: at a sharp freezing point, with all latent heat released.
     pub fn least_enthalpy(&self, temperature: f64) -> f64 {
+        if let Some(blend) = &self.blend {
+            return blend.least_enthalpy(temperature);
+        }
         let sharp = matches!(self.law, FreezingLaw::Isothermal) && temperature == self.freezing_point;
         if sharp { -self.latent_heat } else { self.enthalpy(temperature) }
     }
 
     /// Heat capacity dH/dT (J/m3K), latent heat included, away from the jump of an isothermal law.
     pub fn apparent_capacity(&self, temperature: f64) -> f64 {
+        if let Some(blend) = &self.blend {
+            return blend.apparent_capacity(temperature);
+        }
         let below = temperature - self.freezing_point;
         if below >= 0.0 {
             return self.unfrozen_capacity;
@@ -232,6 +254,9 @@ impl Curve {
 
     /// Temperature at an enthalpy (J/m3).
     pub fn temperature(&self, enthalpy: f64) -> f64 {
+        if let Some(blend) = &self.blend {
+            return blend.temperature(enthalpy);
+        }
         if enthalpy >= 0.0 {
             return self.freezing_point + enthalpy / self.unfrozen_capacity;
         }
@@ -257,6 +282,9 @@ impl Curve {
 
     /// Frozen fraction at an enthalpy (J/m3).
     pub fn frozen_fraction(&self, enthalpy: f64) -> f64 {
+        if let Some(blend) = &self.blend {
+            return blend.frozen_fraction(enthalpy);
+        }
         match self.law {
             FreezingLaw::None => 0.0,
             FreezingLaw::Isothermal => (-enthalpy / self.latent_heat).clamp(0.0, 1.0),
@@ -369,41 +397,15 @@ impl Curve {
         -coefficient / (self.conductivity(wall) + coefficient * depth)
     }
 
-    /// Temperature of the interface between this material, whose particle holds the potential `own` (W/m), and
-    /// another at the same distance: both sides carry the same flux to it.
-    pub fn interface_temperature(&self, own: f64, other: &Curve, others: f64) -> f64 {
-        let total = own + others;
-        if self.is_kinked() && other.is_kinked() {
-            // Both potentials are straight between the two freezing points and beyond them.
-            let sum = |temperature: f64| self.potential(temperature) + other.potential(temperature) - total;
-            let (low, high) =
-                (self.freezing_point.min(other.freezing_point), self.freezing_point.max(other.freezing_point));
-            let (at_low, at_high) = (sum(low), sum(high));
-            return if at_low >= 0.0 {
-                low - at_low / (self.frozen_conductivity + other.frozen_conductivity)
-            } else if at_high <= 0.0 {
-                high - at_high / (self.unfrozen_conductivity + other.unfrozen_conductivity)
-            } else {
-                low + (high - low) * at_low / (at_low - at_high)
-            };
+    /// The conductivity (W/mK) at all temperatures between two, if it is one.
+    pub fn conductivity_between(&self, low: f64, high: f64) -> Option<f64> {
+        if self.frozen_conductivity == self.unfrozen_conductivity || low >= self.freezing_point {
+            Some(self.unfrozen_conductivity)
+        } else if high <= self.freezing_point + self.coldest_change() {
+            Some(self.coldest_conductivity())
+        } else {
+            None
         }
-        let (a, b) = (self.temperature_of_potential(own), other.temperature_of_potential(others));
-        solve_increasing(
-            |temperature| {
-                let missing = self.potential(temperature) + other.potential(temperature) - total;
-                (missing, self.conductivity(temperature) + other.conductivity(temperature))
-            },
-            a.min(b),
-            a.max(b),
-        )
-    }
-
-    /// Share of the other material in how the flux to the interface of [`Curve::interface_temperature`] follows this
-    /// material's potential, at the interface's temperature. The conductivities there decide: the better conductor
-    /// holds the interface, and the other side feels its own particle alone.
-    pub fn interface_shares(&self, other: &Curve, temperature: f64) -> (f64, f64) {
-        let (own, others) = (self.conductivity(temperature), other.conductivity(temperature));
-        (2.0 * others / (own + others), 2.0 * own / (own + others))
     }
 
     /// Greatest conductivity of either phase (W/mK).
@@ -413,6 +415,9 @@ impl Curve {
 
     /// Least heat capacity of either phase (J/m3K).
     pub fn least_capacity(&self) -> f64 {
+        if let Some(blend) = &self.blend {
+            return blend.sum(Curve::least_capacity);
+        }
         self.frozen_capacity.min(self.unfrozen_capacity)
     }
 
@@ -429,7 +434,7 @@ impl Curve {
 }
 
 /// Root of an increasing function between two bounds by Newton's method, kept inside by bisection.
-fn solve_increasing(residual: impl Fn(f64) -> (f64, f64), mut low: f64, mut high: f64) -> f64 {
+pub(crate) fn solve_increasing(residual: impl Fn(f64) -> (f64, f64), mut low: f64, mut high: f64) -> f64 {
     let mut guess = 0.5 * (low + high);
     for _ in 0..200 {
         let (value, slope) = residual(guess);
@@ -601,6 +606,33 @@ pub struct Thermal {
     pub largest_slope: f64,
 }
 
+/// A law of a particle that stores the heat of several materials and conducts as one of them.
+#[derive(Debug, Clone)]
+pub struct Blended {
+    curve: Arc<Curve>,
+    /// Initial enthalpy and potential.
+    initial: (f64, f64),
+}
+
+impl Blended {
+    fn potential(&self, enthalpy: f64) -> f64 {
+        // A body at rest holds exact zeros.
+        if enthalpy == 0.0 {
+            return 0.0;
+        }
+        self.curve.potential(self.curve.temperature(enthalpy + self.initial.0)) - self.initial.1
+    }
+
+    fn slope(&self, enthalpy: f64) -> f64 {
+        let absolute = enthalpy + self.initial.0;
+        if self.curve.blend.as_ref().is_some_and(|blend| blend.stands_still(absolute)) {
+            return 0.0;
+        }
+        let temperature = self.curve.temperature(absolute);
+        self.curve.conductivity(temperature) / self.curve.apparent_capacity(temperature)
+    }
+}
+
 /// The kinds of inner-loop functions; a run decides once between them.
 #[derive(Debug, Clone)]
 pub enum Law {
@@ -610,6 +642,8 @@ pub enum Law {
     Kinked(Kinked),
     /// Tabulated.
     Curved(Curved),
+    /// Of several materials.
+    Blended(Blended),
 }
 
 impl Law {
@@ -619,6 +653,7 @@ impl Law {
             Law::Straight(law) => law.potential(enthalpy),
             Law::Kinked(law) => law.potential(enthalpy),
             Law::Curved(law) => law.potential(enthalpy),
+            Law::Blended(law) => law.potential(enthalpy),
         }
     }
 
@@ -628,6 +663,7 @@ impl Law {
             Law::Straight(law) => law.slope(enthalpy),
             Law::Kinked(law) => law.slope(enthalpy),
             Law::Curved(law) => law.slope(enthalpy),
+            Law::Blended(law) => law.slope(enthalpy),
         }
     }
 }
@@ -649,6 +685,7 @@ impl Held for Law {
         match self {
             Law::Straight(_) | Law::Kinked(_) => 0,
             Law::Curved(law) => law.held(),
+            Law::Blended(_) => size_of::<Curve>(),
         }
     }
 }
@@ -685,6 +722,22 @@ impl Thermal {
             (Law::Curved(law), curve.largest_diffusivity())
         };
         Thermal { curve, initial_temperature, initial_enthalpy, initial_potential, law, largest_slope }
+    }
+
+    /// The law of a particle that conducts as one material and stores the heat of several.
+    pub fn blended(own: &Thermal, blend: Arc<Blend>) -> Self {
+        let curve = Curve { blend: Some(blend), ..own.curve.clone() };
+        let initial = (curve.enthalpy(own.initial_temperature), own.initial_potential);
+        // Latent heat only adds to what it stores.
+        let largest_slope = curve.most_conductive() / curve.least_capacity();
+        Thermal {
+            initial_temperature: own.initial_temperature,
+            initial_enthalpy: initial.0,
+            initial_potential: initial.1,
+            law: Law::Blended(Blended { curve: Arc::new(curve.clone()), initial }),
+            largest_slope,
+            curve,
+        }
     }
 
     /// Temperature of a particle from the enthalpy that it carries.

@@ -168,7 +168,7 @@ fn straddles(particles: &Particles, centre: DVec2, half: f64) -> bool {
     let mut several = false;
     particles.visit(|i, place| {
         if (place - centre).abs().max_element() <= half {
-            let material = particles.materials.of_particle[i];
+            let material = particles.materials.law(i);
             several |= *found.get_or_insert(material) != material;
         }
     });

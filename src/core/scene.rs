@@ -547,6 +547,41 @@ pub struct Scene {
     pub remarks: Vec<String>,
 }
 
+/// Parts of a scene that name temperatures, beside its start and its walls.
+pub(crate) struct Temperatures<'a> {
+    pub(crate) regions: &'a [Region],
+    pub(crate) rings: &'a [PipeRing],
+    pub(crate) stream: Option<&'a Stream>,
+}
+
+impl Temperatures<'_> {
+    /// Least and greatest of all of them.
+    pub(crate) fn range<'a>(&self, initial: f64, conditions: impl Iterator<Item = &'a Condition>) -> (f64, f64) {
+        let mut range = (initial, initial);
+        for temperature in self.regions.iter().filter_map(|region| region.temperature) {
+            range = (range.0.min(temperature), range.1.max(temperature));
+        }
+        let mut widen = |series: &Series| {
+            let (lo, hi) = series.range();
+            range = (range.0.min(lo), range.1.max(hi));
+        };
+        for condition in conditions {
+            match condition {
+                Condition::Temperature(series) => widen(series),
+                Condition::Convection { ambient, .. } => widen(ambient),
+                Condition::Symmetry | Condition::Flux(_) | Condition::Exact => {}
+            }
+        }
+        for ring in self.rings {
+            widen(&ring.temperature);
+        }
+        if let Some((_, temperature)) = self.stream.and_then(|stream| stream.reset) {
+            range = (range.0.min(temperature), range.1.max(temperature));
+        }
+        range
+    }
+}
+
 impl Scene {
     /// What happens at all walls and parts of them, and at the face of the shaft.
     pub fn conditions(&self) -> impl Iterator<Item = &Condition> {
@@ -557,28 +592,8 @@ impl Scene {
 
     /// Least and greatest temperature that data of the scene name: start, walls, pipes.
     pub fn temperature_range(&self) -> (f64, f64) {
-        let mut range = (self.initial_temperature, self.initial_temperature);
-        for temperature in self.regions.iter().filter_map(|region| region.temperature) {
-            range = (range.0.min(temperature), range.1.max(temperature));
-        }
-        let mut widen = |series: &Series| {
-            let (lo, hi) = series.range();
-            range = (range.0.min(lo), range.1.max(hi));
-        };
-        for condition in self.conditions() {
-            match condition {
-                Condition::Temperature(series) => widen(series),
-                Condition::Convection { ambient, .. } => widen(ambient),
-                Condition::Symmetry | Condition::Flux(_) | Condition::Exact => {}
-            }
-        }
-        for ring in &self.rings {
-            widen(&ring.temperature);
-        }
-        if let Some((_, temperature)) = self.stream.as_ref().and_then(|stream| stream.reset) {
-            range = (range.0.min(temperature), range.1.max(temperature));
-        }
-        range
+        let data = Temperatures { regions: &self.regions, rings: &self.rings, stream: self.stream.as_ref() };
+        data.range(self.initial_temperature, self.conditions())
     }
 
     /// The direction in which a plane front runs, if the scene has one: along a line, or along the one axis of a

@@ -7,7 +7,7 @@ use glam::DVec2;
 use crate::lattice::Lattice;
 use crate::pipe::Sink;
 use crate::scene::Scene;
-use crate::scene::region::Cell;
+use crate::scene::region::{Cell, Part};
 use crate::symmetry::Volumes;
 use crate::uptake::Materials;
 
@@ -22,6 +22,14 @@ pub fn enthalpies(scene: &Scene, materials: &Materials, lattice: &Lattice, cloud
         return Arc::new([]);
     }
     let enthalpy = |(i, place): (usize, DVec2)| {
+        if !materials.law_of.is_empty() {
+            let part =
+                |part: Part| match part.temperature.filter(|temperature| *temperature != scene.initial_temperature) {
+                    None => 0.0,
+                    Some(temperature) => part.share * materials.thermals[part.material].enthalpy(temperature),
+                };
+            return scene.parts_of(&Cell::around(place, lattice.spacing)).into_iter().map(part).sum();
+        }
         let parts = scene.starts_in(&Cell::around(place, lattice.spacing));
         let carried = |temperature: f64| {
             // Exactly at rest where nothing else is said.

@@ -1,11 +1,11 @@
 //! What a scene uses under a method, and what it is spared, in words.
 
 use crate::boundary::Boundary;
-use crate::material::FreezingLaw;
+use crate::material::{FreezingLaw, Material};
 use crate::method::{Discretisation, Stepper};
-use crate::potential::Law;
+use crate::potential::{Law, Thermal};
 use crate::scene::settings::Mushy;
-use crate::scene::{Exchange, IntegratorChoice, Numerics, Scene, StepChoice, Uptake};
+use crate::scene::{Exchange, IntegratorChoice, Numerics, Scene, StepChoice, Units, Uptake};
 use crate::uptake::Materials;
 
 /// What the words are about.
@@ -139,4 +139,28 @@ impl Parts<'_> {
         }
         found
     }
+}
+
+/// Fluctuation of the temperature of a particle in the phase that stores least heat, over that while it is unfrozen.
+pub fn fluctuation(law: &Thermal) -> f64 {
+    (law.curve.unfrozen_capacity() / law.curve.least_capacity()).sqrt()
+}
+
+/// The thermal noise of each material at the warmest datum, in words; `relative` is that of absolute temperature.
+pub fn noise(scene: &Scene, materials: &Materials, relative: f64) -> Vec<String> {
+    if relative == 0.0 {
+        return Vec::new();
+    }
+    let (low, high) = scene.temperature_range();
+    let degree = if scene.units == Units::Si { " K" } else { "" };
+    let own = relative * (high - scene.units.absolute_zero());
+    let of = |(material, law): (&Material, &Thermal)| {
+        let deviation = own * fluctuation(law);
+        let part = match high > low {
+            true => format!(", {:.2} % of the range of the data", 100.0 * deviation / (high - low)),
+            false => String::new(),
+        };
+        format!("thermal noise of {}: up to {deviation:.3}{degree} in one particle{part}", material.name)
+    };
+    scene.materials.iter().zip(materials.thermals.iter()).map(of).collect()
 }

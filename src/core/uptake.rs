@@ -25,16 +25,44 @@ pub struct Materials {
     pub thermals: Arc<[Thermal]>,
     /// Material of each particle; empty if there is only one.
     pub of_particle: Vec<u8>,
+    /// Laws of particles whose cells interfaces cut ([`crate::blend`]).
+    pub blends: Arc<[Thermal]>,
+    /// Law of each particle, those of `blends` numbered after the materials'; empty if no cell is cut.
+    pub law_of: Vec<u32>,
 }
 
 impl Materials {
+    /// Laws of materials, and the material of each particle.
+    pub fn new(thermals: Arc<[Thermal]>, of_particle: Vec<u8>) -> Self {
+        Materials { thermals, of_particle, blends: Arc::new([]), law_of: Vec::new() }
+    }
+
     /// The law of a particle.
     #[inline(always)]
     pub fn of(&self, particle: usize) -> &Thermal {
         if self.of_particle.is_empty() {
             &self.thermals[0]
-        } else {
+        } else if self.law_of.is_empty() {
             &self.thermals[self.of_particle[particle] as usize]
+        } else {
+            let law = self.law_of[particle] as usize;
+            match law.checked_sub(self.thermals.len()) {
+                None => &self.thermals[law],
+                Some(blend) => &self.blends[blend],
+            }
+        }
+    }
+
+    /// All laws, in the order of their numbers.
+    pub fn laws(&self) -> impl Iterator<Item = &Thermal> {
+        self.thermals.iter().chain(self.blends.iter())
+    }
+
+    /// Number of a particle's law.
+    pub fn law(&self, particle: usize) -> usize {
+        match self.law_of.get(particle) {
+            Some(law) => *law as usize,
+            None => self.index(particle),
         }
     }
 
@@ -314,7 +342,7 @@ mod tests {
             mixing: Mixing::Arithmetic,
             pores: None,
         });
-        Materials { thermals: vec![Thermal::new(curve, initial)].into(), of_particle: Vec::new() }
+        Materials::new(vec![Thermal::new(curve, initial)].into(), Vec::new())
     }
 
     proptest! {

@@ -96,7 +96,7 @@ const LEAST_SCALE: f64 = 1e-4;
 #[derive(Debug, Clone)]
 pub struct EnthalpyRange {
     by_material: Vec<MaterialRange>,
-    of_particle: Vec<u8>,
+    of_particle: Vec<u32>,
     /// Particles that stand for pipes and not for ground, in order.
     exempt: Vec<u32>,
     /// Whether fluxes can drive particles out of the range.
@@ -118,8 +118,7 @@ impl EnthalpyRange {
     pub fn new(materials: &Materials, temperatures: (f64, f64), exempt: Vec<u32>, open: bool) -> Self {
         let width = temperatures.1 - temperatures.0;
         let by_material = materials
-            .thermals
-            .iter()
+            .laws()
             .map(|thermal| {
                 let low = thermal.curve.least_enthalpy(temperatures.0) - thermal.initial_enthalpy;
                 let high = thermal.enthalpy(temperatures.1);
@@ -129,7 +128,11 @@ impl EnthalpyRange {
             .collect();
         // Where the data are one temperature, nothing moves, or only fluxes move it.
         let open = open || width <= 0.0;
-        EnthalpyRange { by_material, of_particle: materials.of_particle.clone(), exempt, open }
+        let of_particle = match materials.law_of.is_empty() {
+            true => materials.of_particle.iter().map(|material| u32::from(*material)).collect(),
+            false => materials.law_of.clone(),
+        };
+        EnthalpyRange { by_material, of_particle, exempt, open }
     }
 
     #[inline(always)]

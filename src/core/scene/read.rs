@@ -20,7 +20,7 @@ mod watch;
 
 use std::cell::RefCell;
 
-use super::{Scene, Units};
+use super::{Scene, Temperatures, Units};
 use crate::method::MethodKind;
 use problem::Place;
 
@@ -147,6 +147,11 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         surfaces,
         flow: flow.is_some(),
     };
+    let data = Temperatures { regions: &regions, rings: &rings, stream: stream.as_ref() };
+    let parts = wall_parts.iter().map(|part| &part.condition);
+    let conditions = walls.iter().map(|wall| &wall.condition).chain(parts);
+    let conditions = conditions.chain(excavation.iter().map(|shaft| &shaft.condition));
+    root.set_temperatures(initial_temperature.map(|initial| data.range(initial, conditions)));
     let methods = numerics::methods(&mut root, &setup, kinds);
     let time = time?;
     let scene = Scene {

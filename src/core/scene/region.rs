@@ -88,6 +88,42 @@ impl Shape {
         }
     }
 
+    /// Shows where a line crosses the edge, in parts of the way between two of its points. Edges of a box count with the
+    /// lines that they lie on.
+    pub fn crossings(&self, from: DVec2, to: DVec2, mut show: impl FnMut(f64)) {
+        let way = to - from;
+        match self {
+            Shape::Box(Cell { low, high }) => {
+                for (bound, start, run) in
+                    [(low.x, from.x, way.x), (high.x, from.x, way.x), (low.y, from.y, way.y), (high.y, from.y, way.y)]
+                {
+                    if bound.is_finite() && run != 0.0 {
+                        show((bound - start) / run);
+                    }
+                }
+            }
+            Shape::Circle { centre, radius } => {
+                let (square, from) = (way.length_squared(), from - *centre);
+                let (half, root) = (from.dot(way), from.perp_dot(way));
+                let inside = radius * radius * square - root * root;
+                if square > 0.0 && inside > 0.0 {
+                    show((-half - inside.sqrt()) / square);
+                    show((-half + inside.sqrt()) / square);
+                }
+            }
+            Shape::Polygon(corners) => {
+                for (a, b) in edges(corners) {
+                    let edge = b - a;
+                    let across = way.perp_dot(edge);
+                    let along = (a - from).perp_dot(way) / across;
+                    if across != 0.0 && (-ON_EDGE..=1.0 + ON_EDGE).contains(&along) {
+                        show((a - from).perp_dot(edge) / across);
+                    }
+                }
+            }
+        }
+    }
+
     /// Share of a cell that the shape covers, to rounding.
     pub fn share_of(&self, cell: &Cell) -> f64 {
         let extent = self.extent();
@@ -174,6 +210,28 @@ fn circle_in_box(radius: f64, low: DVec2, high: DVec2) -> f64 {
     sum.max(0.0)
 }
 
+/// Parts in each direction of a cell that edges of several shapes cut, one of them curved or aslant.
+const FINE: usize = 64;
+
+/// A part of a cell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Part {
+    /// Its share of the cell.
+    pub share: f64,
+    /// Index of its material.
+    pub material: usize,
+    /// Temperature at the start, where a region tells it.
+    pub temperature: Option<f64>,
+}
+
+/// The pieces of a stretch that edges cut, each in even parts.
+fn pieces(low: f64, high: f64, edges: &[f64], fine: usize) -> Vec<(f64, f64)> {
+    let mut ends: Vec<f64> = (0..=fine).map(|k| low + (high - low) * k as f64 / fine as f64).collect();
+    ends.extend(edges.iter().copied().filter(|edge| *edge > low && *edge < high));
+    ends.sort_unstable_by(f64::total_cmp);
+    ends.windows(2).map(|ends| (ends[0], ends[1])).filter(|(a, b)| b > a).collect()
+}
+
 impl Scene {
     /// Index of the material at a point (m): later regions win.
     pub fn material_at(&self, x: f64, y: f64) -> usize {
@@ -194,6 +252,51 @@ impl Scene {
     /// Whether the body is of one material and starts at one temperature.
     pub fn is_uniform(&self) -> bool {
         !self.has_regional_starts() && self.regions.iter().all(|region| region.material.is_none_or(|index| index == 0))
+    }
+
+    /// What a cell is made of, by material and temperature at the start, where that is told. Exact unless the edge of a
+    /// circle or polygon and another edge cut the same cell. In bodies of shells, shares that boxes cut are those of volume.
+    pub fn parts_of(&self, cell: &Cell) -> Vec<Part> {
+        let shares: Vec<f64> = self.regions.iter().map(|region| region.shape.share_of(cell)).collect();
+        let cutting: Vec<usize> = (0..shares.len()).filter(|k| shares[*k] > 0.0 && shares[*k] < 1.0).collect();
+        let mut parts: Vec<Part> = Vec::new();
+        let mut add = |share: f64, inside: &dyn Fn(usize) -> bool| {
+            let here = || (0..shares.len()).rev().filter(|k| inside(*k)).map(|k| &self.regions[k]);
+            let material = here().find_map(|region| region.material).unwrap_or(0);
+            let temperature = here().find_map(|region| region.temperature);
+            match parts.iter_mut().find(|part| (part.material, part.temperature) == (material, temperature)) {
+                Some(part) => part.share += share,
+                None => parts.push(Part { share, material, temperature }),
+            }
+        };
+        let whole = |k: usize| shares[k] >= 1.0;
+        let boxes = cutting.iter().all(|k| matches!(self.regions[*k].shape, Shape::Box(_)));
+        match cutting[..] {
+            [] => add(1.0, &whole),
+            [one] if !boxes => {
+                add(shares[one], &|k| k == one || whole(k));
+                add(1.0 - shares[one], &whole);
+            }
+            _ => {
+                let edges = cutting.iter().map(|k| self.regions[*k].shape.extent());
+                let (across, up): (Vec<_>, Vec<_>) =
+                    edges.map(|extent| ([extent.low.x, extent.high.x], [extent.low.y, extent.high.y])).unzip();
+                let fine = if boxes { 1 } else { FINE };
+                let across = pieces(cell.low.x, cell.high.x, across.as_flattened(), fine);
+                let up = pieces(cell.low.y, cell.high.y, up.as_flattened(), fine);
+                let symmetry = self.domain.symmetry();
+                let width = |low: f64, high: f64| symmetry.map_or(high - low, |symmetry| symmetry.volume(low, high));
+                let all = width(cell.low.x, cell.high.x) * (cell.high.y - cell.low.y);
+                for (left, right) in &across {
+                    for (low, high) in &up {
+                        let middle = DVec2::new(0.5 * (left + right), 0.5 * (low + high));
+                        let inside = |k: usize| whole(k) || (shares[k] > 0.0 && self.regions[k].shape.contains(middle));
+                        add(width(*left, *right) * (high - low) / all, &inside);
+                    }
+                }
+            }
+        }
+        parts
     }
 
     /// Temperatures at which a cell starts, with the share of it that each has. Where regions overlap, the later one takes

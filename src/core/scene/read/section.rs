@@ -79,6 +79,8 @@ pub struct Section<'a> {
     place: Place,
     entries: &'a [Entry],
     units: Units,
+    /// Least and greatest temperature that the scene names, once it is known.
+    temperatures: Option<(f64, f64)>,
     log: &'a RefCell<Vec<Problem>>,
     asked: Vec<Asked>,
     refused: Vec<String>,
@@ -106,6 +108,7 @@ impl<'a> Section<'a> {
             place,
             entries,
             units,
+            temperatures: None,
             log,
             asked: Vec::new(),
             refused: Vec::new(),
@@ -116,6 +119,15 @@ impl<'a> Section<'a> {
 
     pub(super) fn set_units(&mut self, units: Units) {
         self.units = units;
+    }
+
+    pub(super) fn set_temperatures(&mut self, range: Option<(f64, f64)>) {
+        self.temperatures = range;
+    }
+
+    /// Least and greatest temperature that the scene names, as far as it is known.
+    pub fn temperatures(&self) -> Option<(f64, f64)> {
+        self.temperatures
     }
 
     /// Path of the section, as `method.pd`; empty for the whole file.
@@ -371,7 +383,9 @@ impl<'a> Section<'a> {
     }
 
     fn child(&self, key: &str, place: Place, entries: &'a [Entry]) -> Section<'a> {
-        Section::new(self.join(key), place, entries, self.units, self.log)
+        let mut child = Section::new(self.join(key), place, entries, self.units, self.log);
+        child.temperatures = self.temperatures;
+        child
     }
 
     fn join(&self, key: &str) -> String {

@@ -10,6 +10,7 @@ pub use dug::beside_open;
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::machine::Machine;
 use crate::output::Folder;
+use crate::progress::forewarn;
 use crate::{journal, load, output, parallel};
 
 pub mod answers;
@@ -118,6 +119,9 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     if all {
         let others = first.scene.methods.iter().map(|settings| settings.method).filter(|other| *other != method);
         works.extend(others.map(|other| work_of(other, true)));
+    }
+    if !request.quiet {
+        forewarn(&study.name, Some(works.iter().filter_map(Work::seconds).sum()));
     }
     let mut made = Some(0);
     for work in &works {

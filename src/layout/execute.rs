@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use frazil_core::march::{self, EachOutput, Options};
 use frazil_core::particles::Particles;
+use frazil_core::predict;
 use frazil_core::record::Outcome;
 use frazil_core::scene::Scene;
 use frazil_plots::ground_plan::ShaftMark;
@@ -83,15 +84,8 @@ pub struct Work<'a> {
 impl Work<'_> {
     /// All layouts of this shard that are not there yet; returns how many were run, or that it was interrupted.
     pub fn make(&self) -> Result<Option<usize>, Failure> {
-        let (shard, shards) = self.shard;
         let layouts = &self.study.layouts;
-        let own: Vec<usize> = (0..layouts.len())
-            .filter(|k| k % shards == shard && (!self.beside || layouts[*k].role == Role::Compared))
-            .collect();
-        let open = |k: usize| (!self.is_done(&layouts[own[k]])).then_some(own[k]);
-        let mut wanted: Vec<usize> = parallel::in_order(own.len(), self.threads, open).into_iter().flatten().collect();
-        // The longest come first, so that none is left alone at the end.
-        wanted.sort_by_key(|k| layouts[*k].images());
+        let wanted = self.wanted();
         let reporter = Reporter::new(self.quiet);
         let (began, done, failed) = (Instant::now(), AtomicUsize::new(0), Mutex::new(None));
         let made = parallel::in_order(wanted.len(), self.threads, |k| {
@@ -122,6 +116,31 @@ impl Work<'_> {
         }
         let count = made.iter().flatten().count();
         Ok((count == wanted.len()).then_some(count))
+    }
+
+    /// The layouts of this shard that are not there yet, the longest first, so that none is left alone at the end.
+    fn wanted(&self) -> Vec<usize> {
+        let (shard, shards) = self.shard;
+        let layouts = &self.study.layouts;
+        let own: Vec<usize> = (0..layouts.len())
+            .filter(|k| k % shards == shard && (!self.beside || layouts[*k].role == Role::Compared))
+            .collect();
+        let open = |k: usize| (!self.is_done(&layouts[own[k]])).then_some(own[k]);
+        let mut wanted: Vec<usize> = parallel::in_order(own.len(), self.threads, open).into_iter().flatten().collect();
+        wanted.sort_by_key(|k| layouts[*k].images());
+        wanted
+    }
+
+    /// About how long (s) these take, from the first steps of one of them; absent where they do not tell.
+    pub fn seconds(&self) -> Option<f64> {
+        let layouts = &self.study.layouts;
+        let wanted = self.wanted();
+        let first = &layouts[*wanted.first()?];
+        let one = predict::forecast(&first.scene, self.method, None, 1, 1).ok()?.seconds()?;
+        let share = |k: &usize| first.images() as f64 / layouts[*k].images() as f64;
+        let all = one * wanted.iter().map(share).sum::<f64>();
+        // Each also at twice the spacing: an eighth, or less where steps are few.
+        Some(1.125 * all / self.threads.min(wanted.len()) as f64)
     }
 
     /// Folder of a layout.

@@ -148,8 +148,8 @@ fn stencil(kind: &'static frazil_core::method::MethodKind) -> Stencil {
     let numerics =
         frazil_core::scene::Numerics { spacing: SPACING, ..(kind.defaults)(frazil_core::scene::Setting::Best) };
     let discretisation = frazil_core::scene::read_section(&text, "bench", frazil_core::scene::Units::Si, |section| {
-        section.positive(("spacing", "m"));
-        (kind.read)(section, frazil_core::scene::Setting::Best, &numerics, 2)
+        section.positive(("spacing", "m"))?;
+        Ok((kind.read)(section, frazil_core::scene::Setting::Best, &numerics, 2))
     });
     Stencil::new(&discretisation.unwrap_or_else(|problems| unreachable!("{problems}")), SPACING, 2)
 }

@@ -1,10 +1,16 @@
 //! What a run would do, and what it would take: the first of its steps are tried, and nothing is written.
 
-use frazil_core::memory::Memory;
+use std::sync::Arc;
+
+use frazil_core::march::Refused;
+use frazil_core::memory::{self, Memory};
 use frazil_core::predict::{self, Forecast};
 use frazil_core::reduce::{self, Finding};
+use frazil_core::reference::Reference;
+use frazil_core::scene::Scene;
 
 use crate::failure::{Failure, Verdict, answer, complain};
+use crate::layout::soils;
 use crate::load;
 use crate::progress::clock;
 use crate::run::{told_reference, why_not};
@@ -37,17 +43,12 @@ pub fn check(request: &CheckRequest) -> Result<Verdict, Failure> {
     for remark in &scene.remarks {
         answer(&format!("warning: {remark}\n"))?;
     }
+    for doubt in soils::odd(&scene) {
+        complain(&format!("warning: {doubt}"));
+    }
     let mut verdict = Verdict::Done;
     for method in methods {
-        let planned = reduce::find(&scene, method, reference.as_ref()).and_then(|finding| {
-            let smaller = match &finding {
-                Finding::Smaller(reduction) if request.reduce => &reduction.scene,
-                _ => &scene,
-            };
-            let forecast = predict::forecast(smaller, method, reference.as_ref(), request.threads, 1)?;
-            Ok(format!("{}{}", reduction_text(&finding, request.reduce), plan_text(&forecast)))
-        });
-        match planned {
+        match plan(&scene, method, reference.as_ref(), request.threads, request.reduce) {
             Ok(text) => answer(&format!("\n{method}\n{text}"))?,
             Err(refused) => {
                 complain(&format!("{method}: {refused}"));
@@ -57,6 +58,25 @@ pub fn check(request: &CheckRequest) -> Result<Verdict, Failure> {
     }
     Ok(verdict)
 }
+
+/// What a run of a scene under a method would do, in words; of the smaller scene that gives the same answer, if asked for and
+/// there is one.
+pub fn plan(
+    scene: &Scene,
+    method: &str,
+    reference: Option<&Arc<dyn Reference>>,
+    threads: usize,
+    reduced: bool,
+) -> Result<String, Refused> {
+    let finding = reduce::find(scene, method, reference)?;
+    let smaller = match &finding {
+        Finding::Smaller(reduction) if reduced => &reduction.scene,
+        _ => scene,
+    };
+    let forecast = predict::forecast(smaller, method, reference, threads, 1)?;
+    Ok(format!("{}{}", reduction_text(&finding, reduced), plan_text(&forecast)))
+}
+
 /// What there is to be said of a smaller scene.
 fn reduction_text(finding: &Finding, asked: bool) -> String {
     match (finding, asked) {
@@ -105,11 +125,7 @@ fn memory_text(memory: &Memory) -> String {
 }
 
 fn size(bytes: usize) -> String {
-    match bytes as f64 {
-        b if b < 1e6 => format!("{:.1} kB", b / 1e3),
-        b if b < 1e9 => format!("{:.1} MB", b / 1e6),
-        b => format!("{:.2} GB", b / 1e9),
-    }
+    memory::words(bytes as f64)
 }
 
 /// The time and what it rests on.

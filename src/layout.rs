@@ -18,6 +18,7 @@ pub mod around;
 pub mod boreholes;
 mod check;
 pub mod critical;
+pub mod doubts;
 mod dug;
 pub mod execute;
 pub mod formula;
@@ -27,7 +28,7 @@ pub mod reference;
 pub mod report;
 pub mod search;
 pub mod shaft;
-mod soils;
+pub(crate) mod soils;
 pub mod study;
 pub mod tables;
 pub mod variants;
@@ -80,7 +81,6 @@ pub struct Found<'a> {
 pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     let study = study::read(&request.study, &request.overrides)?;
     let Some(first) = study.layouts.first() else { return Ok(Verdict::Done) };
-    // Under all methods, one is that of the tables and figures, and the others stand beside it.
     let all = request.method.as_deref() == Some(methods::ALL);
     let asked = request.method.as_deref().filter(|_| !all).or(study.method.as_deref());
     let method = load::method(&first.scene, asked)?;
@@ -95,8 +95,14 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     if let Some(wanted) = &study.critical {
         critical::check(&study, wanted, method)?;
     }
+    for doubt in doubts::of(&study) {
+        complain(&format!("warning: {doubt}"));
+    }
+    // Under all methods, one is that of the tables and figures, and the others stand beside it.
+    let others = first.scene.methods.iter().map(|settings| settings.method).filter(|other| all && *other != method);
+    let methods: Vec<&'static str> = std::iter::once(method).chain(others).collect();
     if request.check {
-        check::print(&study, method, request.threads)?;
+        check::print(&study, &methods, request.threads)?;
         return Ok(Verdict::Done);
     }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
@@ -115,11 +121,7 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         build: &build,
         machine: machine.clone(),
     };
-    let mut works = vec![work_of(method, false)];
-    if all {
-        let others = first.scene.methods.iter().map(|settings| settings.method).filter(|other| *other != method);
-        works.extend(others.map(|other| work_of(other, true)));
-    }
+    let works: Vec<Work<'_>> = methods.iter().map(|own| work_of(own, *own != method)).collect();
     if !request.quiet {
         forewarn(&study.name, Some(works.iter().filter_map(Work::seconds).sum()));
     }

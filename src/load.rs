@@ -14,13 +14,45 @@ pub fn scene(argument: &str, overrides: &[(String, String)]) -> Result<Scene, Fa
         let file = format!("{argument}.toml");
         return Ok(Scene::read(bundled.text, bundled.name, &file, overrides, registry::methods())?);
     }
+    if frazil_cases::studies::find(argument).is_some() {
+        return Err(no_scene(argument));
+    }
     let path = Path::new(argument);
     if !path.exists() && path.extension().is_none() && path.components().count() == 1 {
         return Err(Failure::Request(unknown_scene(argument)));
     }
     let text = fs::read_to_string(path).map_err(|error| Failure::file(path, "cannot be read", error))?;
     let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
-    Ok(Scene::read(&text, &name, argument, overrides, registry::methods())?)
+    Scene::read(&text, &name, argument, overrides, registry::methods()).map_err(|problems| match Kind::of(&text) {
+        Some(Kind::Study) => no_scene(argument),
+        _ => problems.into(),
+    })
+}
+
+fn no_scene(argument: &str) -> Failure {
+    Failure::Request(format!("\"{argument}\" is a study of layouts and no scene: frazil layout {argument}"))
+}
+
+/// What a file is, by the keys that only one kind has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// A scene.
+    Scene,
+    /// A study of layouts.
+    Study,
+}
+
+impl Kind {
+    /// What a text is, if it is either.
+    pub fn of(text: &str) -> Option<Kind> {
+        let table = text.parse::<toml::Table>().ok()?;
+        let has = |key| table.contains_key(key);
+        match (has("scene"), has("domain") || has("materials") || has("walls")) {
+            (true, false) => Some(Kind::Study),
+            (false, true) => Some(Kind::Scene),
+            _ => None,
+        }
+    }
 }
 
 /// Pairs of key path and value that override a scene.

@@ -3,6 +3,8 @@
 use frazil_core::scene::Scene;
 use proptest::prelude::*;
 
+use crate::fuzzed::{End, Pool};
+
 /// The bundled scenes and one bad scene of each kind of body that they lack.
 fn sources() -> Vec<&'static str> {
     let mut texts: Vec<&str> = frazil_cases::scenes::all().iter().map(|scene| scene.text).collect();
@@ -99,5 +101,22 @@ proptest! {
         if let Err(problems) = Scene::read(source, "set", "set.toml", &overrides, frazil::registry::methods()) {
             prop_assert!(!problems.problems.is_empty());
         }
+    }
+}
+
+/// Cases as `cargo bench --bench fuzz` makes a million of: a few thousand, of another seed.
+#[test]
+fn scenes_that_nobody_wrote_end_in_one_of_the_ways_there_are() {
+    let pool = Pool::new();
+    let mut ends = Vec::new();
+    for case in 0..3000 {
+        match pool.case(77, case) {
+            Ok(end) => ends.push(end),
+            Err(found) => unreachable!("case {case}: {}\n{}", found.what, found.text),
+        }
+    }
+    // Not all alike: cases come through to each end.
+    for end in [End::Unread, End::Refused, End::Planned, End::Run, End::Study] {
+        assert!(ends.iter().filter(|other| **other == end).count() > 3, "{end:?}");
     }
 }

@@ -262,10 +262,10 @@ fn a_scene_takes_the_keys() {
         ];
         let numbers = numbers.map(|key| section.number(key, Range::POSITIVE));
         let heat = section.number("heat_friction", Range::POSITIVE);
-        Some((numbers, heat?, section.points("exponent", Some(2))?))
+        Ok((numbers, heat?, section.points("exponent", Some(2))?))
     });
-    let (numbers, heat, exponents) = read.unwrap_or_else(|problems| unreachable!("{problems}")).expect("a fluid");
-    assert_eq!(numbers, [4.0, 18.75, 8.0, 1.96, 1.96, 1.96, 1e5].map(Some));
+    let (numbers, heat, exponents) = read.unwrap_or_else(|problems| unreachable!("{problems}"));
+    assert_eq!(numbers, [4.0, 18.75, 8.0, 1.96, 1.96, 1.96, 1e5].map(Ok));
     assert_eq!(exponents.len(), 34);
     // Between the rows at 298.15 and 303.15 K.
     assert!(heat > 7.4676e-6 && heat < 7.5036e-6, "{heat}");

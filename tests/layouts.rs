@@ -188,7 +188,8 @@ fn layouts_that_cannot_be_meant_are_refused_before_any_run() {
     let expected = "pipe 1.1 stands 3.400 m from the centre, inside the shaft: shaft_radius_m is 3.5";
     assert_eq!(found, format!("{layout}{expected}"));
     let found = refused(&["method.local.spacing_m=0.75"]);
-    let expected = "method.local.spacing_m: found 0.75, must be at most 0.6027: two pipes stand 1.2054 m apart";
+    let expected = "method.local.spacing_m: found 0.75, must be at most 0.4018: pipes stand 1.2054 m apart, and with less \
+                    than 3 spacings between them nothing says how wrong the answer is";
     assert_eq!(found, format!("{layout}{expected}"));
     let found = refused(&["pipes.1.moved_m=[[\"1.1\", -0.14, 1.15]]"]);
     let expected = "pipes 1.1 and 1.2 overlap: their axes are 0.0469 apart, must be more than 0.108";

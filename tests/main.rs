@@ -1,5 +1,6 @@
 //! One binary for all tests of the program.
 
+mod asked;
 mod bad_scenes;
 mod brine;
 mod broken_scenes;
@@ -14,6 +15,7 @@ mod excavation;
 mod extreme;
 mod fields;
 mod forecasts;
+mod fuzzed;
 mod groundwater;
 mod interfaces;
 mod invariants;

@@ -16,6 +16,7 @@ use std::sync::Arc;
 
 use frazil_core::list_operator::{Off, PairTerm, PairView};
 use frazil_core::method::{Clock, Discretisation, Method, MethodKind, Normalisation, PairWeight, Stepper};
+use frazil_core::moving::Purpose;
 use frazil_core::noise::StepNoise;
 use frazil_core::plan::Assembly;
 use frazil_core::record::Value;
@@ -223,9 +224,10 @@ fn with_motion(
     }
     let mut knobs = vec![("cutoff_ratio", Value::Number(ratio)), ("heat_capacity_dpd", Value::Number(capacity))];
     knobs.extend(motion.knobs());
-    let build = move |scene: &Scene, settings: &MethodSettings, pool: Option<Arc<ThreadPool>>, seed: u64| {
-        moving::build(scene, settings, (&motion, ratio, capacity), pool, seed)
-    };
+    let build =
+        move |scene: &Scene, settings: &MethodSettings, pool: Option<Arc<ThreadPool>>, seed: u64, purpose: Purpose| {
+            moving::build(scene, settings, (&motion, ratio, capacity), pool, seed, purpose)
+        };
     Discretisation {
         weight: Arc::new(weight),
         normalisation: Normalisation::Nominal,

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use frazil_core::ledger::Ledger;
 use frazil_core::method::{Bound, Clock, Method, StepError, Work};
-use frazil_core::moving::Crowd;
+use frazil_core::moving::{Crowd, Purpose};
 use frazil_core::particles::{Particles, Places};
 use frazil_core::potential::{Curve, Thermal};
 use frazil_core::scene::region::Cell;
@@ -205,6 +205,7 @@ pub fn build(
     (motion, cutoff_ratio, capacity): (&Motion, f64, f64),
     pool: Option<Arc<ThreadPool>>,
     seed: u64,
+    purpose: Purpose,
 ) -> Result<Crowd, String> {
     let numerics = &settings.numerics;
     let (extent, width) = match scene.domain {
@@ -245,7 +246,8 @@ pub fn build(
     let names = ["left", "right", "bottom", "top"];
     let walled = [!(closed("left") && closed("right")), width.is_some() && !(closed("bottom") && closed("top"))];
     let start = map.temperature(scene.initial_temperature);
-    let placed = fill(&Body { lengths, walled }, &parameters, start, seed, pool.clone())?;
+    let settling = limit::settling(&parameters, &map, curve, (low, high), liquid_diffusivity);
+    let placed = fill(&Body { lengths, walled }, &settling, start, seed, pool.clone(), purpose)?;
     let count = placed.particles.len() - placed.behind.len();
     let volume = map.length.powi(2) / motion.number_density / if width.is_some() { 1.0 } else { strip * map.length };
     let per_heat = curve.unfrozen_capacity() * map.degree / capacity;

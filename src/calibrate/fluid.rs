@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use frazil_cases::fluids;
-use frazil_core::scene::{Problem, Problems, Range, Section, Units, read_section};
+use frazil_core::scene::{Problem, Problems, Range, Read, Section, Units, read_section};
 use frazil_edpd::calibration;
 
 use crate::failure::Failure;
@@ -140,16 +140,14 @@ fn clean(temperature: f64) -> f64 {
 }
 
 fn from_toml(text: &str, name: &str, file: &str, judge: Judge<'_>) -> Result<Fluid, Problems> {
-    let fluid = read_section(text, file, Units::Si, |root| {
+    read_section(text, file, Units::Si, |root| {
         let (title, source) = (root.text("title"), root.text("source"));
         let rows = toml_rows(root, judge);
-        let (material, freezing) =
-            root.optional_section("material").map_or((None, None), |mut own| substance(&mut own));
-        Some(Fluid { name: name.to_owned(), title: title?, source: Some(source?), rows, material, freezing })
-    })?;
-    let problem = || Problem { key: String::new(), line: None, set: None, message: "cannot be read as a fluid".into() };
-    // Every way to `None` records a problem.
-    fluid.ok_or_else(|| Problems { file: file.to_owned(), problems: vec![problem()] })
+        let material = root.optional_section("material").map(|mut own| substance(&mut own)).transpose()?;
+        let (material, freezing) = material.unzip();
+        let freezing = freezing.flatten();
+        Ok(Fluid { name: name.to_owned(), title: title?, source: Some(source?), rows, material, freezing })
+    })
 }
 
 fn toml_rows(root: &mut Section<'_>, judge: Judge<'_>) -> Vec<Row> {
@@ -163,8 +161,8 @@ fn toml_rows(root: &mut Section<'_>, judge: Judge<'_>) -> Vec<Row> {
         let mut whole = true;
         for [one, other] in [[0, 1], [2, 3]] {
             match section.only_one(&[COLUMNS[one].into(), COLUMNS[other].into()]) {
-                Some(found) => cells[if found == 0 { other } else { one }] = None,
-                None => whole = false,
+                Ok(found) => cells[if found == 0 { other } else { one }] = None,
+                Err(_) => whole = false,
             }
         }
         if !whole {
@@ -176,28 +174,32 @@ fn toml_rows(root: &mut Section<'_>, judge: Judge<'_>) -> Vec<Row> {
         }
         match complete(&cells, rows.last().map(|row| row.temperature), judge) {
             Ok(row) => rows.push(row),
-            Err(("", message)) => section.section_problem(message),
-            Err((key, message)) => section.problem(key, message),
+            Err((key, message)) => {
+                if key.is_empty() {
+                    section.section_problem(message)
+                } else {
+                    section.problem(key, message)
+                };
+            }
         }
     }
     rows
 }
 
-fn substance(section: &mut Section<'_>) -> (Option<calibration::Material>, Option<Freezing>) {
+fn substance(section: &mut Section<'_>) -> Read<(calibration::Material, Option<Freezing>)> {
     let density = section.number("density_kg_per_m3", SIZES);
     let heat_capacity = section.number("heat_capacity_J_per_kg_K", SIZES);
-    let material = density.zip(heat_capacity);
-    let material = material.map(|(density, heat_capacity)| calibration::Material { density, heat_capacity });
     if !section.has("latent_heat_J_per_kg") {
         for key in ["freezing_temperature_c", "frozen_diffusivity_ratio"] {
             section.refuse(key, "as there is no \"latent_heat_J_per_kg\"");
         }
     }
-    let Some(latent_heat) = section.optional_number("latent_heat_J_per_kg", SIZES) else { return (material, None) };
-    let point = section.number("freezing_temperature_c", range("temperature_c"));
-    let diffusivity_ratio = section.number_or("frozen_diffusivity_ratio", 1.0, Range::between(1e-6, 1e6));
-    let freezing = point.map(|point| Freezing { latent_heat, temperature: clean(point - ZERO), diffusivity_ratio });
-    (material, freezing)
+    let freezing = section.optional_number("latent_heat_J_per_kg", SIZES).map(|latent_heat| {
+        let point = section.number("freezing_temperature_c", range("temperature_c"));
+        let diffusivity_ratio = section.number_or("frozen_diffusivity_ratio", 1.0, Range::between(1e-6, 1e6));
+        Ok(Freezing { latent_heat, temperature: clean(point? - ZERO), diffusivity_ratio })
+    });
+    Ok((calibration::Material { density: density?, heat_capacity: heat_capacity? }, freezing.transpose()?))
 }
 
 fn from_csv(text: &str, name: &str, file: &str, judge: Judge<'_>) -> Result<Fluid, Problems> {

@@ -398,12 +398,14 @@ impl FlowMethod {
             self.aquifers.iter().map(|aquifer| aquifer.thermal.curve.least_capacity()).fold(f64::INFINITY, f64::min);
         let carried = self.carrier.greatest.0 / least;
         let step = 1.0 / (1.0 / self.own_bound.step + carried);
+        let carries = if carried > 0.0 {
+            format!("advection ({:.3e} s alone, at particle {})", 1.0 / carried, self.carrier.greatest.1)
+        } else {
+            "no advection, as no water flows".to_owned()
+        };
         let cause = format!(
-            "conduction ({:.3e} s alone) and advection ({:.3e} s alone, at particle {}); latent heat only lengthens it: {}",
-            self.own_bound.step,
-            1.0 / carried,
-            self.carrier.greatest.1,
-            self.own_bound.cause
+            "conduction ({:.3e} s alone) and {carries}; latent heat only lengthens it: {}",
+            self.own_bound.step, self.own_bound.cause
         );
         self.bound = Bound { step, cause };
     }

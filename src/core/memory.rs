@@ -80,6 +80,31 @@ impl<T: Held + ?Sized> Held for Box<T> {
 /// particles shows them.
 const SMALL_THINGS: usize = 12_000;
 
+/// Bytes that may still be taken, as far as the system tells: what it has left, and what is left of this process's share.
+pub(crate) fn left() -> Option<f64> {
+    let number = |text: &str| text.split_whitespace().find_map(|word| word.parse::<f64>().ok());
+    let line = |file: &str, name: &str| {
+        let text = std::fs::read_to_string(file).ok()?;
+        number(text.lines().find_map(|line| line.strip_prefix(name))?)
+    };
+    let whole = |file: &str| number(&std::fs::read_to_string(file).ok()?);
+    let of_machine = line("/proc/meminfo", "MemAvailable:").map(|kibibytes| kibibytes * 1024.0);
+    let taken = line("/proc/self/status", "VmSize:").map_or(0.0, |kibibytes| kibibytes * 1024.0);
+    let of_process = line("/proc/self/limits", "Max address space").map(|most| most - taken);
+    let group = "/sys/fs/cgroup/memory";
+    let of_group = whole(&format!("{group}.max")).zip(whole(&format!("{group}.current"))).map(|(most, now)| most - now);
+    [of_machine, of_process, of_group].into_iter().flatten().reduce(f64::min)
+}
+
+/// Bytes in words.
+pub fn words(bytes: f64) -> String {
+    match bytes {
+        b if b < 1e6 => format!("{:.1} kB", b / 1e3),
+        b if b < 1e9 => format!("{:.1} MB", b / 1e6),
+        b => format!("{:.2} GB", b / 1e9),
+    }
+}
+
 /// What a plan holds while it steps, by part (bytes).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Memory {

@@ -23,6 +23,15 @@ pub struct Crowd {
     pub method: Box<dyn Method>,
 }
 
-/// Makes the particles of a scene with these settings, threads and seed; or says what it cannot represent.
+/// What a plan is made for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// To be run.
+    Run,
+    /// To try what a step takes: particles that move need not have come to rest.
+    Trial,
+}
+
+/// Makes the particles of a scene with these settings, threads and seed, for a purpose; or says what it cannot represent.
 pub type MakeCrowd =
-    dyn Fn(&Scene, &MethodSettings, Option<Arc<ThreadPool>>, u64) -> Result<Crowd, String> + Send + Sync;
+    dyn Fn(&Scene, &MethodSettings, Option<Arc<ThreadPool>>, u64, Purpose) -> Result<Crowd, String> + Send + Sync;

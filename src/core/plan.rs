@@ -26,9 +26,9 @@ use crate::lattice_operator::{LatticeOperator, LatticeParts};
 use crate::layers;
 use crate::list_operator::{EnthalpyList, ListOperator, ListParts, MOST_DOORS, Off, PairList, PairTerm, Tangent};
 use crate::march::Refused;
-use crate::memory::{Held, Memory};
+use crate::memory::{self, Held, Memory};
 use crate::method::{Bound, Discretisation, Method, Normalisation, Stepper};
-use crate::moving::Crowd;
+use crate::moving::{Crowd, Purpose};
 use crate::neighbours::{NeighbourSearch, Period, all_pairs::AllPairs, cells::Cells, tree::Tree};
 use crate::operator::Operator;
 use crate::particles::{Particles, Places};
@@ -170,11 +170,25 @@ pub fn build(
     threads: usize,
     seed: u64,
 ) -> Result<Plan, Refused> {
+    build_for(Purpose::Run, scene, settings, reference, threads, seed)
+}
+
+/// Builds everything that is needed for a purpose.
+pub(crate) fn build_for(
+    purpose: Purpose,
+    scene: &Scene,
+    settings: &MethodSettings,
+    reference: Option<&Arc<dyn Reference>>,
+    threads: usize,
+    seed: u64,
+) -> Result<Plan, Refused> {
     let numerics = &settings.numerics;
     let discretisation = settings.discretisation.as_ref();
+    let stencil = Stencil::new(discretisation, numerics.spacing, scene.domain.dimension());
+    affordable(scene, settings, &stencil)?;
     let own_step = match &discretisation.stepper {
         Stepper::Moving(make) => {
-            let crowd = make(scene, settings, pool(threads)?, seed).map_err(refuse)?;
+            let crowd = make(scene, settings, pool(threads)?, seed, purpose).map_err(refuse)?;
             return moving(scene, settings, crowd);
         }
         Stepper::Own(step) => Some(step),
@@ -533,6 +547,37 @@ fn moving(scene: &Scene, settings: &MethodSettings, crowd: Crowd) -> Result<Plan
 fn blends(scene: &Scene, numerics: &Numerics) -> bool {
     let columns = numerics.uptake == Uptake::Enthalpy && numerics.mushy == Mushy::Fraction;
     numerics.exchange == Exchange::Potential && columns && scene.flow.is_none()
+}
+
+/// What is held for each (bytes): a particle at rest, one that moves with what it meets, a pair on a list, and a pair along which
+/// water flows; measured by `frazil check` with some ten thousand particles and more, and rounded down.
+const BYTES: [f64; 4] = [16.0, 400.0, 28.0, 160.0];
+
+/// Refuses what is far beyond the memory that is left, before any of it is taken.
+fn affordable(scene: &Scene, settings: &MethodSettings, stencil: &Stencil) -> Result<(), Refused> {
+    let numerics = &settings.numerics;
+    let discretisation = settings.discretisation.as_ref();
+    let spacing = numerics.spacing;
+    let particles = scene.domain.size() / spacing.powi(scene.domain.dimension() as i32);
+    let pairs = 0.5 * particles * stencil.neighbours() as f64;
+    let [still, moving, listed, watered] = BYTES;
+    let (bytes, what) = match (&discretisation.stepper, scene.flow.is_some()) {
+        (Stepper::Moving(_), _) => (moving * particles, "particles that move"),
+        (_, true) => ((still * particles) + watered * pairs, "the pairs along which water flows"),
+        _ if why_list(scene, numerics, discretisation, stencil, false, false).is_some() => {
+            (still * particles + listed * pairs, "their list of neighbours")
+        }
+        _ => (still * particles, "a lattice"),
+    };
+    match memory::left() {
+        Some(left) if bytes > left => Err(refuse(format!(
+            "a spacing of {spacing} makes {particles:.1e} particles, which with {what} need at least {}, and {} are left: \
+             set a larger spacing",
+            memory::words(bytes),
+            memory::words(left)
+        ))),
+        _ => Ok(()),
+    }
 }
 
 /// Why a scene needs a neighbour list; none if the lattice stencil does.

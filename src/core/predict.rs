@@ -13,7 +13,8 @@ use crate::march::instants::{next_turn, outputs};
 use crate::march::{GUARD_STEPS, Refused};
 use crate::memory::Memory;
 use crate::method::Clock;
-use crate::plan::{Plan, PlanSummary, build, settings_of};
+use crate::moving::Purpose;
+use crate::plan::{Plan, PlanSummary, build_for, settings_of};
 use crate::reference::Reference;
 use crate::scene::Scene;
 use crate::statistics::median;
@@ -205,7 +206,7 @@ pub fn forecast(
     threads: usize,
     seed: u64,
 ) -> Result<Forecast, Refused> {
-    let plan = build(scene, settings_of(scene, method)?, reference, threads, seed)?;
+    let plan = build_for(Purpose::Trial, scene, settings_of(scene, method)?, reference, threads, seed)?;
     // On one thread its own time does not count what others on the machine do meanwhile.
     let (began, own) = (Instant::now(), cpu_time::ThreadTime::now());
     let mut now = || if threads == 1 { own.elapsed().as_secs_f64() } else { began.elapsed().as_secs_f64() };

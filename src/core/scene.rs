@@ -20,7 +20,7 @@ pub use crate::symmetry::Symmetry;
 
 pub use flow::{Across, Flow, PressureWall, RelativePermeability};
 pub use pipe_name::{NoPipeName, PipeName};
-pub use read::{Duration, Key, Problem, Problems, Range, Section, read_section};
+pub use read::{Duration, Key, Noted, Problem, Problems, Range, Read, Section, read_section};
 pub use region::{Region, Shape};
 pub use series::{Schedule, Series};
 pub use settings::{
@@ -158,6 +158,17 @@ impl Domain {
         match *self {
             Domain::Radial { inner, outer, .. } | Domain::Axial { inner, outer, .. } => (inner, outer),
             Domain::Line { .. } | Domain::Rectangle { .. } | Domain::Ring { .. } => (0.0, 0.0),
+        }
+    }
+
+    /// Length of a body on a line, area of one in a plane (m, m2): that of its lattice.
+    pub fn size(&self) -> f64 {
+        match *self {
+            Domain::Line { length } => length,
+            Domain::Rectangle { width, height } => width * height,
+            Domain::Radial { inner, outer, .. } => outer - inner,
+            Domain::Axial { inner, outer, height } => (outer - inner) * height,
+            Domain::Ring { outer_radius: r, sector } => std::f64::consts::PI * r * r / sector.images() as f64,
         }
     }
 

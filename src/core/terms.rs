@@ -130,11 +130,12 @@ impl Parts<'_> {
         let mut found = vec!["a coarser lattice: the bound goes with the square of the spacing".to_string()];
         if let StepChoice::Fraction(fraction) = self.numerics.step
             && fraction < 1.0
+            && self.numerics.integrator.tolerance().is_none()
         {
             found.push(format!("step_fraction, now {fraction} of the bound"));
         }
         let plain = self.numerics.uptake == Uptake::Enthalpy && self.numerics.mushy == Mushy::Fraction;
-        if self.is_explicit() && self.has_shared_steps() && plain {
+        if self.is_explicit() && self.has_shared_steps() && plain && self.scene.flow.is_none() {
             found.push("integrator = \"rkl2\": s stages make a step of (s^2 + s - 2)/4 bounds".to_string());
         }
         found

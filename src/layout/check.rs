@@ -5,18 +5,60 @@ use std::collections::BTreeMap;
 use frazil_core::predict;
 
 use super::study::Study;
-use super::variants::{Role, working};
+use super::variants::{Layout, Role, working};
 use crate::failure::{Failure, answer};
 use crate::progress::clock;
 
 /// Layouts whose first steps are tried.
 const TRIED: usize = 20;
 
-/// Prints the layouts of a study that are compared.
-pub(super) fn print(study: &Study, method: &str, threads: usize) -> Result<(), Failure> {
+/// Work of a layout at twice the spacing over that at its own: a quarter of the particles, a quarter of the steps.
+const COARSE: f64 = 1.0 / 16.0;
+
+/// Prints the layouts of a study that are compared, under one method or several.
+pub(super) fn print(study: &Study, methods: &[&'static str], threads: usize) -> Result<(), Failure> {
     let compared: Vec<_> = study.layouts.iter().filter(|one| one.role == Role::Compared).collect();
+    answer(&heading(study, methods))?;
+    // Seconds by particle and second of the scene, of each method, from the layouts that were tried.
+    let mut rates: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
+    for layout in compared.iter().take(TRIED) {
+        let radius = super::reference::effective_radius(&layout.scene, methods[0]);
+        answer(&format!(
+            "\n{}\n  runs on      {}\n  pipes        {}, acting as of radius {radius:.4} m\n",
+            layout.name,
+            layout.sector,
+            working(&layout.scene.rings),
+        ))?;
+        for method in methods {
+            let forecast = match predict::forecast(&layout.scene, method, None, 1, 1) {
+                Ok(forecast) => forecast,
+                // Under all methods one that cannot run a layout is named with its reason, and the others run it.
+                Err(refused) if *method != methods[0] => {
+                    answer(&format!("  {method:<12} refuses it: {refused}\n"))?;
+                    continue;
+                }
+                Err(refused) => return Err(refused.into()),
+            };
+            if let Some(seconds) = forecast.seconds() {
+                rates.entry(method).or_default().push(seconds / size(layout, method));
+            }
+            let time = forecast.seconds().map_or("unknown, as the number of steps is".to_owned(), clock);
+            let under = if methods.len() > 1 { format!(" under {method}") } else { String::new() };
+            let particles = forecast.summary.particles;
+            answer(&format!("  particles    {particles}{under}\n  time         {time} on 1 thread{under}\n"))?;
+        }
+    }
+    if compared.len() > TRIED {
+        answer(&format!("\nand {} more\n", compared.len() - TRIED))?;
+    }
+    answer(&format!("\n{}\n", total(study, methods, &rates, threads)))
+}
+
+/// What is run, counted.
+fn heading(study: &Study, methods: &[&'static str]) -> String {
     let mut text = format!("{}: {}\n", study.name, study.title);
-    text.push_str(&format!("  {} layouts under {method}, each also at twice the spacing\n", study.layouts.len()));
+    let under = methods.join(", ");
+    text.push_str(&format!("  {} under {under}, each also at twice the spacing\n", layouts(study.layouts.len())));
     let mut others: BTreeMap<&str, usize> = BTreeMap::new();
     for layout in &study.layouts {
         let kind = match layout.role {
@@ -32,25 +74,43 @@ pub(super) fn print(study: &Study, method: &str, threads: usize) -> Result<(), F
     if study.search.is_some() || study.critical.is_some() {
         text.push_str("  and those that are tried on the way to what is sought\n");
     }
-    answer(&text)?;
-    for layout in compared.iter().take(TRIED) {
-        let forecast = predict::forecast(&layout.scene, method, None, 1, 1)?;
-        let time = forecast.seconds().map_or("unknown, as the number of steps is".to_owned(), clock);
-        let radius = super::reference::effective_radius(&layout.scene, method);
-        answer(&format!(
-            "\n{}\n  runs on      {}\n  pipes        {}, acting as of radius {radius:.4} m\n  particles    {}\n  time         \
-             {time} on 1 thread\n",
-            layout.name,
-            layout.sector,
-            working(&layout.scene.rings),
-            forecast.summary.particles,
-        ))?;
+    text
+}
+
+fn layouts(count: usize) -> String {
+    if count == 1 { "1 layout".into() } else { format!("{count} layouts") }
+}
+
+/// Particles times seconds of the scene.
+fn size(layout: &Layout, method: &str) -> f64 {
+    let spacing = layout.scene.method(method).map_or(1.0, |settings| settings.numerics.spacing);
+    layout.scene.domain.size() / (spacing * spacing) * layout.scene.duration
+}
+
+/// The time of all runs together: those that were not tried go by particles and duration.
+fn total(study: &Study, methods: &[&'static str], rates: &BTreeMap<&str, Vec<f64>>, threads: usize) -> String {
+    let (mut seconds, mut unknown) = (0.0, Vec::new());
+    for (k, method) in methods.iter().enumerate() {
+        // Beside the first method only what is compared is run.
+        let own = study.layouts.iter().filter(|one| k == 0 || one.role == Role::Compared);
+        match rates.get(method) {
+            Some(rates) => {
+                let rate = rates.iter().sum::<f64>() / rates.len() as f64;
+                seconds += (1.0 + COARSE) * rate * own.map(|one| size(one, method)).sum::<f64>();
+            }
+            None => unknown.push(*method),
+        }
     }
-    if compared.len() > TRIED {
-        answer(&format!("\nand {} more\n", compared.len() - TRIED))?;
+    let at_once = threads.min(study.layouts.len()).max(1);
+    let mut text = format!("all of it     some {} of 1 thread", clock(seconds));
+    if at_once > 1 {
+        text += &format!(", {} with {at_once} layouts at once", clock(seconds / at_once as f64));
     }
-    if threads > 1 {
-        answer(&format!("\n{threads} layouts run at once\n"))?;
+    if study.search.is_some() || study.critical.is_some() {
+        text += ", without those that are tried on the way to what is sought";
     }
-    Ok(())
+    if !unknown.is_empty() {
+        text += &format!(", and without {}, whose steps are not known beforehand", unknown.join(", "));
+    }
+    text
 }

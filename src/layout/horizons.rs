@@ -8,7 +8,7 @@ use super::study::{Design, literals};
 use crate::load::Overrides;
 
 /// Depths that differ by less (m) are the same.
-const SAME: f64 = 1e-6;
+pub(super) const SAME: f64 = 1e-6;
 
 /// A horizon as a study file has it.
 #[derive(Debug, Clone, Deserialize)]

@@ -1,5 +1,7 @@
 //! Soils that studies know by name.
 
+use frazil_core::material::FreezingLaw;
+use frazil_core::scene::{Scene, Units};
 use toml::{Table, Value};
 
 use super::study::literals;
@@ -15,6 +17,42 @@ pub(super) fn overrides(soil: Option<&String>) -> Result<Overrides, String> {
     };
     let materials = Table::from_iter([(name.clone(), material.clone())]);
     Ok(literals(&Table::from_iter([("materials".to_owned(), Value::Table(materials))])))
+}
+
+/// Between which soils lie, with room beyond (W/mK, J/kg, J/m3K): dry peat conducts some 0.1, quartz 8 and
+/// ice 2.2 W/mK; a kilogram of ice takes 334 kJ, and of ground with a hundredth of water in it 3 kJ; dry sand stores 1.2 and water
+/// 4.2 MJ/m3K.
+const CONDUCTIVITY: (f64, f64) = (0.05, 20.0);
+const LATENT_HEAT: (f64, f64) = (2e3, 3.4e5);
+const CAPACITY: (f64, f64) = (4e5, 6e6);
+
+/// Materials of the ground around freeze pipes that have what no soil has, as where kJ were given for J.
+pub(crate) fn odd(scene: &Scene) -> Vec<String> {
+    if scene.rings.is_empty() || scene.units != Units::Si {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    for material in &scene.materials {
+        let mut values = Vec::new();
+        for (phase, own) in [("frozen", material.frozen), ("unfrozen", material.unfrozen)] {
+            values.push((CONDUCTIVITY, format!("{phase} conductivity"), "W/mK", own.conductivity));
+            let by_volume = material.density * own.heat_capacity;
+            values.push((CAPACITY, format!("{phase} heat capacity by volume"), "J/m3K", by_volume));
+        }
+        if material.law != FreezingLaw::None {
+            values.push((LATENT_HEAT, "latent heat".into(), "J/kg", material.latent_heat));
+        }
+        for ((least, most), what, unit, value) in values {
+            if !(least..=most).contains(&value) {
+                found.push(format!(
+                    "materials.{}: its {what} is {value:.4} {unit}, soils have {least:e} to {most:e}: is it in the units of its \
+                     key, J and not kJ?",
+                    material.name
+                ));
+            }
+        }
+    }
+    found
 }
 
 #[cfg(test)]

@@ -201,31 +201,47 @@ impl Study {
 
 /// Reads a study given by a bundled name or a path.
 pub fn read(argument: &str, overrides: &[(String, String)]) -> Result<Study, Failure> {
-    let bundled = frazil_cases::studies::find(argument);
-    let (text, name, file) = match bundled {
-        Some(bundled) => (bundled.text.to_owned(), bundled.name.to_owned(), format!("{argument}.toml")),
-        None => {
-            let path = Path::new(argument);
-            if !path.exists() && path.extension().is_none() && path.components().count() == 1 {
-                let names: Vec<&str> = frazil_cases::studies::all().iter().map(|study| study.name).collect();
-                return Err(Failure::Request(format!(
-                    "\"{argument}\" is neither a file nor a bundled study; those are {}",
-                    names.join(", ")
-                )));
-            }
-            let text = std::fs::read_to_string(path).map_err(|error| Failure::file(path, "cannot be read", error))?;
-            let name = path.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy().into_owned());
-            (text, name, argument.to_owned())
-        }
-    };
-    parse(&text, name, &file, overrides)
+    if let Some(bundled) = frazil_cases::studies::find(argument) {
+        return parse(bundled.text, bundled.name, Path::new(&format!("{argument}.toml")), overrides);
+    }
+    let path = Path::new(argument);
+    if frazil_cases::scenes::find(argument).is_some() {
+        return Err(no_study(argument));
+    }
+    if !path.exists() && path.extension().is_none() && path.components().count() == 1 {
+        let names: Vec<&str> = frazil_cases::studies::all().iter().map(|study| study.name).collect();
+        return Err(Failure::Request(format!(
+            "\"{argument}\" is neither a file nor a bundled study; those are {}",
+            names.join(", ")
+        )));
+    }
+    let text = std::fs::read_to_string(path).map_err(|error| Failure::file(path, "cannot be read", error))?;
+    let name = path.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy().into_owned());
+    parse(&text, &name, path, overrides)
 }
 
-fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -> Result<Study, Failure> {
-    let read: File = toml::from_str(text).map_err(|error| {
+fn no_study(argument: &str) -> Failure {
+    Failure::Request(format!(
+        "\"{argument}\" is a scene and no study of layouts, which names one: frazil run {argument}"
+    ))
+}
+
+/// Reads a study from the text of its file, whose place says where a scene given by a path lies.
+pub fn parse(text: &str, name: &str, path: &Path, overrides: &[(String, String)]) -> Result<Study, Failure> {
+    let file = path.display();
+    let mut read: File = toml::from_str(text).map_err(|error| {
+        if load::Kind::of(text) == Some(load::Kind::Scene) {
+            return no_study(&file.to_string());
+        }
         let line = error.span().map_or(1, |span| text[..span.start.min(text.len())].matches('\n').count() + 1);
         Failure::Request(format!("{file}:{line}: {}", error.message()))
     })?;
+    if frazil_cases::scenes::find(&read.scene).is_none()
+        && let Some(folder) = path.parent()
+        && (read.scene.ends_with(".toml") || folder.join(&read.scene).exists())
+    {
+        read.scene = folder.join(&read.scene).to_string_lossy().into_owned();
+    }
     let bad = |message: String| Failure::Request(format!("{file}: {message}"));
     for (key, value) in [("depth_m", read.depth_m), ("shaft_radius_m", read.shaft_radius_m)] {
         if let Some(found) = value.filter(|value| !(*value > 0.0 && value.is_finite())) {
@@ -304,8 +320,14 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
                 other => other,
             })?);
         }
-        // Boreholes that are known do not deviate by chance.
-        if let Some(deviation) = read.deviation.as_ref().filter(|_| ground.leans(first).is_none()) {
+        if let Some(deviation) = &read.deviation {
+            if let Some(key) = ground.leans(first) {
+                return Err(bad(format!(
+                    "deviation: beside layout \"{}\", whose boreholes are known ({key}): they do not deviate by chance, give \
+                     them a study of their own",
+                    first.name
+                )));
+            }
             layouts.extend(deviating(&ground, first, deviation, &bad)?);
         }
     }
@@ -315,7 +337,7 @@ fn parse(text: &str, name: String, file: &str, overrides: &[(String, String)]) -
         return Err(bad(format!("layouts: two have the name \"{}\"", twice[0])));
     }
     Ok(Study {
-        name,
+        name: name.to_owned(),
         title: read.title,
         source: read.source.unwrap_or_default(),
         scene: read.scene,
@@ -362,7 +384,7 @@ mod tests {
     use super::*;
 
     fn study(text: &str) -> Result<Study, String> {
-        parse(text, "s".into(), "s.toml", &[]).map_err(|failure| failure.to_string())
+        parse(text, "s", Path::new("s.toml"), &[]).map_err(|failure| failure.to_string())
     }
 
     #[test]

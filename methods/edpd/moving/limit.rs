@@ -3,7 +3,7 @@
 use frazil_core::method::Bound;
 use frazil_core::potential::Curve;
 
-use super::Map;
+use super::{Map, SETTLING_STEP};
 use crate::fluid::Parameters;
 
 /// Share of one over the frequency of a particle among its neighbours that a step may last: the kinetic temperature is then
@@ -14,12 +14,32 @@ const SWING: f64 = 0.3;
 /// exact at any step).
 const MOST_FRICTION: f64 = 4.0;
 
+/// Step times diffusivity over the square of the cut-off that conduction allows: particles at random, the worst that motion may
+/// bring (mean field: 0.1; relaxed: 0.092).
+const CONDUCTION: f64 = 0.05;
+
+/// A liquid that is only to come to rest: steps are bound by its motion alone, and heat, which has nowhere to go, is conducted
+/// no faster than they allow.
+pub fn settling(parameters: &Parameters, map: &Map, curve: &Curve, range: (f64, f64), liquid: f64) -> Parameters {
+    let [_, (friction, _), (swing, _)] = limits(parameters, map, curve, range, liquid);
+    let step = SETTLING_STEP.min(friction).min(swing);
+    let allowed = CONDUCTION * parameters.thermal_cutoff.powi(2) / liquid;
+    let heat_friction = parameters.heat_friction * (allowed / step).min(1.0);
+    Parameters { step, heat_friction, ..parameters.clone() }
+}
+
 /// The longest step: by conduction, by friction of the coldest liquid, by the swing of particles between neighbours.
 pub fn bound(parameters: &Parameters, map: &Map, curve: &Curve, range: (f64, f64), liquid: f64) -> Bound {
+    let limits = limits(parameters, map, curve, range, liquid);
+    let (step, cause) = limits.into_iter().fold((f64::INFINITY, String::new()), |a, b| if b.0 < a.0 { b } else { a });
+    Bound { step: step * map.time, cause }
+}
+
+/// Limits of the step and their causes: by conduction, by friction of the coldest liquid, by the swing of particles.
+fn limits(parameters: &Parameters, map: &Map, curve: &Curve, range: (f64, f64), liquid: f64) -> [(f64, String); 3] {
     let fastest = liquid * curve.largest_diffusivity() / (curve.mixed_conductivity(1.0) / curve.unfrozen_capacity());
     let cutoff = parameters.thermal_cutoff;
-    // Particles at random, the worst that motion may bring (mean field: 0.1; relaxed: 0.092).
-    let conduction = 0.05 * cutoff * cutoff / fastest;
+    let conduction = CONDUCTION * cutoff * cutoff / fastest;
     let freezing = map.temperature(curve.freezing_point());
     let coldest = if curve.latent_heat() > 0.0 { range.0.max(freezing) } else { range.0 };
     let friction =
@@ -28,11 +48,9 @@ pub fn bound(parameters: &Parameters, map: &Map, curve: &Curve, range: (f64, f64
     let radius = parameters.conservative_cutoff;
     let stiffness = 0.5 * std::f64::consts::PI * parameters.density * parameters.repulsion * radius;
     let swing = SWING / stiffness.sqrt().max(f64::MIN_POSITIVE);
-    let limits = [
+    [
         (conduction, "conduction in its best conducting phase".to_string()),
         (friction, format!("friction of the coldest liquid, at {coldest:.4}")),
         (swing, "the swing of particles between their neighbours".to_string()),
-    ];
-    let (step, cause) = limits.into_iter().fold((f64::INFINITY, String::new()), |a, b| if b.0 < a.0 { b } else { a });
-    Bound { step: step * map.time, cause }
+    ]
 }

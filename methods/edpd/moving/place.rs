@@ -5,6 +5,7 @@
 
 use std::sync::Arc;
 
+use frazil_core::moving::Purpose;
 use rayon::ThreadPool;
 
 use crate::fluid::{Behind, Fluid, Parameters, Particle, Undriven};
@@ -12,6 +13,9 @@ use crate::fluid::{Behind, Fluid, Parameters, Particle, Undriven};
 /// Time that a new liquid is left to itself: several times what its structure needs, of the order of one over the friction
 /// rate or the sound's way across a particle.
 const SETTLING: f64 = 4.0;
+
+/// Steps that it is left to itself where only the time of a step is asked for: nothing stands on top of another.
+const TRIAL_STEPS: u64 = 20;
 
 /// A body between walls or periodic sides.
 #[derive(Debug, Clone, Copy)]
@@ -44,6 +48,7 @@ pub fn fill(
     temperature: f64,
     seed: u64,
     pool: Option<Arc<ThreadPool>>,
+    purpose: Purpose,
 ) -> Result<Placed, String> {
     let thickness = parameters.reach();
     let margin = body.walled.map(|walled| if walled { thickness } else { 0.0 });
@@ -52,7 +57,9 @@ pub fn fill(
         lengths[axis] += 2.0 * margin[axis];
     }
     let mut liquid = Fluid::new(parameters.clone(), lengths, temperature, seed, pool)?;
-    liquid.advance((SETTLING / parameters.step).ceil() as u64, &Undriven)?;
+    let steps = (SETTLING / parameters.step).ceil() as u64;
+    let steps = if purpose == Purpose::Trial { steps.min(TRIAL_STEPS) } else { steps };
+    liquid.advance(steps, &Undriven)?;
     let mut particles = Vec::with_capacity(liquid.particles().len());
     let (mut outside, mut behind) = (Vec::new(), Vec::new());
     let mut all = liquid.particles().to_vec();

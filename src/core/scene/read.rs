@@ -2,6 +2,7 @@
 
 mod body;
 mod cracks;
+mod every_key;
 mod excavation;
 mod flow;
 mod ground;
@@ -18,13 +19,11 @@ mod tests;
 mod tree;
 mod watch;
 
-use std::cell::RefCell;
-
 use super::{Scene, Temperatures, Units};
 use crate::method::MethodKind;
-use problem::Place;
+use problem::Log;
 
-pub use problem::{Problem, Problems};
+pub use problem::{Noted, Problem, Problems, Read};
 pub use range::Range;
 pub use section::{Duration, Key, Section};
 
@@ -42,22 +41,14 @@ impl Scene {
         methods: &[&'static MethodKind],
     ) -> Result<Scene, Problems> {
         let mut entries = tree::parse(text).map_err(|problems| Problems::new(file, problems))?;
-        let log = RefCell::new(Vec::new());
+        let log = Log::new(methods);
         for (key, value) in overrides {
             if let Err(problem) = tree::set(&mut entries, key, value) {
-                log.borrow_mut().push(problem);
+                log.record(problem);
             }
         }
         let scene = read_root(Section::root(&entries, &log), name, hash(text, overrides), methods);
-        let problems = log.into_inner();
-        match scene {
-            Some(scene) if problems.is_empty() => Ok(scene),
-            None if problems.is_empty() => {
-                // Every way to `None` records a problem; an empty list would be read as success.
-                Err(Problems::new(file, vec![Problem::new(&Place::File, "", "cannot be read as a scene")]))
-            }
-            _ => Err(Problems::new(file, problems)),
-        }
+        finished(scene, log, file)
     }
 }
 
@@ -65,7 +56,7 @@ impl Scene {
 ///
 /// ```
 /// use frazil_core::scene::{Range, Units, read_section};
-/// let read = |text| read_section(text, "pd.toml", Units::Si, |pd| pd.number_or("horizon_ratio", 3.0, Range::POSITIVE));
+/// let read = |text| read_section(text, "pd.toml", Units::Si, |pd| Ok(pd.number_or("horizon_ratio", 3.0, Range::POSITIVE)));
 /// assert_eq!(read("horizon_ratio = 4"), Ok(4.0));
 /// let problems = read("horizn_ratio = 4").map_err(|problems| problems.to_string());
 /// assert_eq!(problems, Err("pd.toml:1: horizn_ratio: unknown key, did you mean \"horizon_ratio\"?".to_owned()));
@@ -74,17 +65,25 @@ pub fn read_section<T>(
     text: &str,
     file: &str,
     units: Units,
-    read: impl FnOnce(&mut Section<'_>) -> T,
+    read: impl FnOnce(&mut Section<'_>) -> Read<T>,
 ) -> Result<T, Problems> {
     let entries = tree::parse(text).map_err(|problems| Problems::new(file, problems))?;
-    let log = RefCell::new(Vec::new());
+    let log = Log::default();
     let mut section = Section::root(&entries, &log);
     section.set_units(units);
     let value = read(&mut section);
     // Unknown and missing keys are found here.
     drop(section);
-    let problems = log.into_inner();
-    if problems.is_empty() { Ok(value) } else { Err(Problems::new(file, problems)) }
+    finished(value, log, file)
+}
+
+/// What was read of a file without problems. What could not be read has left one: `Noted` says so.
+fn finished<T>(read: Read<T>, log: Log, file: &str) -> Result<T, Problems> {
+    let problems = log.into_problems();
+    match read {
+        Ok(value) if problems.is_empty() => Ok(value),
+        _ => Err(Problems::new(file, problems)),
+    }
 }
 
 /// The same physics and numerics have the same hash only if file and overrides are the same to the letter.
@@ -96,62 +95,62 @@ fn hash(text: &str, overrides: &[(String, String)]) -> String {
     format!("{:016x}", xxhash_rust::xxh3::xxh3_64(effective.as_bytes()))
 }
 
-fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static MethodKind]) -> Option<Scene> {
+fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static MethodKind]) -> Read<Scene> {
     let all_units = [Units::Si, Units::Dpd, Units::Dimensionless].map(|units| (units.name(), units));
     let units = root.choice_or("units", &all_units, Units::Si);
     root.set_units(units);
     let title = root.text("title");
     let source = root.text("source");
     let domain = body::domain(&mut root);
+    let body = domain.as_ref().ok();
     let mut time = watch::time(&mut root);
 
     let mut material_section = root.section("materials");
     let found = material_section.as_mut().map(ground::materials).unwrap_or_default();
     let names: Vec<String> = found.iter().map(|(name, _)| name.clone()).collect();
     let regions = match &mut material_section {
-        Some(section) => regions::regions(&mut root, section, domain.as_ref(), &names),
-        None => {
+        Ok(section) => regions::regions(&mut root, section, body, &names),
+        Err(_) => {
             root.sections("regions").iter_mut().for_each(Section::abandon);
             Vec::new()
         }
     };
     drop(material_section);
-    let complete = found.iter().all(|(_, material)| material.is_some());
-    let materials: Vec<_> = found.into_iter().filter_map(|(_, material)| material).collect();
+    let materials: Read<Vec<_>> = found.into_iter().map(|(_, material)| material).collect();
+    // The checks of combinations would speak of the wrong materials if some were missing.
+    let known = materials.as_deref().unwrap_or_default();
 
     let initial_temperature = root
         .section("initial")
         .and_then(|mut section| section.number(("temperature", "c"), range::temperatures(units.absolute_zero())));
     let mut wall_section = root.section("walls");
-    let (walls, wall_parts) =
-        wall_section.as_mut().map(|section| body::walls(section, domain.as_ref())).unwrap_or_default();
-    let rings = body::pipes(&mut root, domain.as_ref());
-    let excavation = excavation::excavation(&mut root, domain.as_ref(), &rings);
-    let cracks = cracks::cracks(&mut root, domain.as_ref());
-    let watch = watch::watch(&mut root, domain.as_ref(), time.as_mut());
-    let surfaces = watch.as_ref().is_some_and(|watch| !watch.surfaces.is_empty());
-    let beside = flow::Beside { cracks: !cracks.is_empty(), surfaces, excavation: excavation.is_some() };
-    let flow = flow::flow(&mut root, domain.as_ref(), if complete { &materials } else { &[] }, &beside);
-    let stream = stream::stream(&mut root, domain.as_ref(), &walls, time.as_ref().map(|time| &time.duration));
-    let reference = watch::reference(&mut root, domain.as_ref());
-    if let (Some(section), Some(domain)) = (&mut wall_section, &domain) {
-        body::exact_walls(section, domain, &walls, (&materials, &regions), &reference);
+    let (walls, wall_parts) = wall_section.as_mut().map(|section| body::walls(section, body)).unwrap_or_default();
+    let rings = body::pipes(&mut root, body);
+    let excavation = excavation::excavation(&mut root, body, &rings);
+    let cracks = cracks::cracks(&mut root, body);
+    let watch = watch::watch(&mut root, body, time.as_mut().map_err(|noted| *noted));
+    let surfaces = watch.as_ref().is_ok_and(|watch| !watch.surfaces.is_empty());
+    let beside = flow::Beside { cracks: !cracks.is_empty(), surfaces, excavation: root.has("excavation") };
+    let flow = flow::flow(&mut root, body, known, &beside);
+    let stream = stream::stream(&mut root, body, &walls, time.as_ref().ok().map(|time| &time.duration));
+    let reference = watch::reference(&mut root, body);
+    if let (Ok(section), Some(domain)) = (&mut wall_section, body) {
+        body::exact_walls(section, domain, &walls, (known, &regions), &reference);
     }
     drop(wall_section);
     let setup = numerics::Setup {
-        domain: domain.as_ref(),
-        // The checks of combinations would speak of the wrong materials if some were missing.
-        materials: if complete { &materials } else { &[] },
+        domain: body,
+        materials: known,
         walls: &walls,
         cracks: &cracks,
         surfaces,
-        flow: flow.is_some(),
+        flow: root.has("flow"),
     };
-    let data = Temperatures { regions: &regions, rings: &rings, stream: stream.as_ref() };
+    let data = Temperatures { regions: &regions, rings: &rings, stream: stream.as_ref().ok().and_then(Option::as_ref) };
     let parts = wall_parts.iter().map(|part| &part.condition);
     let conditions = walls.iter().map(|wall| &wall.condition).chain(parts);
-    let conditions = conditions.chain(excavation.iter().map(|shaft| &shaft.condition));
-    root.set_temperatures(initial_temperature.map(|initial| data.range(initial, conditions)));
+    let conditions = conditions.chain(excavation.iter().flatten().map(|shaft| &shaft.condition));
+    root.set_temperatures(initial_temperature.ok().map(|initial| data.range(initial, conditions)));
     let methods = numerics::methods(&mut root, &setup, kinds);
     let time = time?;
     let scene = Scene {
@@ -162,16 +161,16 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         time_unit: time.duration.unit,
         domain: domain?,
         duration: time.duration.seconds,
-        materials,
+        materials: materials?,
         regions,
         cracks,
         initial_temperature: initial_temperature?,
         walls,
         wall_parts,
         rings,
-        excavation,
-        flow,
-        stream,
+        excavation: excavation?,
+        flow: flow?,
+        stream: stream?,
         watch: watch?,
         reference,
         methods,
@@ -179,5 +178,5 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         remarks: time.remarks,
     };
     ground::latent_heats(&mut root, &scene.materials, scene.temperature_range());
-    Some(scene)
+    Ok(scene)
 }

@@ -48,7 +48,7 @@ impl Coarse {
         let extent = (high - low).max(DVec2::splat(f64::MIN_POSITIVE));
         let wanted = (positions.len() as f64 / PARTICLES).clamp(1.0, MOST_BLOCKS);
         let flat = extent.y < 1e-9 * extent.x;
-        let across = if flat { 1.0 } else { (wanted * extent.y / extent.x).sqrt().round().max(1.0) };
+        let across = if flat { 1.0 } else { (wanted * extent.y / extent.x).sqrt().round().clamp(1.0, wanted.floor()) };
         let along = (wanted / across).floor().max(1.0);
         let cell = |part: f64, cells: f64| ((part * cells) as usize).min(cells as usize - 1);
         let block = |place: &DVec2| {

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
+use super::problem::Read;
 use super::range::{Range, all_of, plain, temperatures};
 use super::section::{Key, Names, Section};
 use super::shells;
@@ -14,18 +15,18 @@ use crate::scene::{Condition, Domain, PipeRing, ReferenceChoice, Region, Sector,
 const MOST_PIPES: usize = 1000;
 const MOST_RINGS: usize = 20;
 
-pub(super) fn domain(root: &mut Section<'_>) -> Option<Domain> {
+pub(super) fn domain(root: &mut Section<'_>) -> Read<Domain> {
     let mut section = root.section("domain")?;
     let kinds = ["line", "rectangle", "ring", "radial", "axial"].map(Key::from);
     match section.only_one(&kinds)? {
         0 => {
             let mut line = section.section("line")?;
-            Some(Domain::Line { length: line.positive(("length", "m"))? })
+            Ok(Domain::Line { length: line.positive(("length", "m"))? })
         }
         1 => {
             let mut rectangle = section.section("rectangle")?;
             let (width, height) = (rectangle.positive(("width", "m")), rectangle.positive(("height", "m")));
-            Some(Domain::Rectangle { width: width?, height: height? })
+            Ok(Domain::Rectangle { width: width?, height: height? })
         }
         3 => shells::radial(&mut section.section("radial")?),
         4 => shells::axial(&mut section.section("axial")?),
@@ -34,7 +35,7 @@ pub(super) fn domain(root: &mut Section<'_>) -> Option<Domain> {
             let outer_radius = ring.positive(("outer_radius", "m"));
             let sectors = [("quarter", Sector::Quarter), ("half", Sector::Half), ("whole", Sector::Whole)];
             let sector = ring.choice("sector", &sectors);
-            Some(Domain::Ring { outer_radius: outer_radius?, sector: sector? })
+            Ok(Domain::Ring { outer_radius: outer_radius?, sector: sector? })
         }
     }
 }
@@ -74,11 +75,12 @@ pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> (Vec<
                 continue;
             };
             parts.extend(shells::parts(&mut wall, known, domain));
-            if let Some(condition) = condition(&mut wall) {
+            if let Ok(condition) = condition(&mut wall) {
                 walls.push(Wall { name: known, condition });
             }
         } else {
-            condition(&mut wall);
+            // Its problems are recorded.
+            let _ = condition(&mut wall);
             wall.sections("parts").iter_mut().for_each(Section::abandon);
         }
         given.push(name);
@@ -93,14 +95,14 @@ pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> (Vec<
     (walls, parts)
 }
 
-pub(super) fn condition(wall: &mut Section<'_>) -> Option<Condition> {
+pub(super) fn condition(wall: &mut Section<'_>) -> Read<Condition> {
     const TEMPERATURE: (&str, &str) = ("temperature", "c");
     const FLUX: (&str, &str) = ("flux", "W_per_m2");
     const COEFFICIENT: (&str, &str) = ("coefficient", "W_per_m2_K");
     const AMBIENT: (&str, &str) = ("ambient", "c");
     let keys: [Key; 4] = [TEMPERATURE.into(), FLUX.into(), COEFFICIENT.into(), "condition".into()];
     let found = wall.only_one(&keys);
-    if found != Some(2) {
+    if found != Ok(2) {
         let reason = format!("only a wall with \"{}\" has surroundings", keys[2].written(wall.units()));
         wall.refuse(AMBIENT, &reason);
     }
@@ -111,7 +113,7 @@ pub(super) fn condition(wall: &mut Section<'_>) -> Option<Condition> {
         2 => {
             let coefficient = wall.series(COEFFICIENT, Range::NOT_NEGATIVE);
             let ambient = wall.series(AMBIENT, allowed);
-            Some(Condition::Convection { coefficient: coefficient?, ambient: ambient? })
+            Ok(Condition::Convection { coefficient: coefficient?, ambient: ambient? })
         }
         _ => wall.choice("condition", &[("symmetry", Condition::Symmetry), ("exact", Condition::Exact)]),
     }
@@ -177,7 +179,7 @@ pub(super) fn pipes(root: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Pipe
         complete = false;
     }
     for (number, section) in sections.iter_mut().enumerate() {
-        let Some(ring) = ring(section, number) else {
+        let Ok(ring) = ring(section, number) else {
             complete = false;
             continue;
         };
@@ -202,36 +204,37 @@ const PLACES: (&str, &str) = ("places", "m");
 /// beside their places on it.
 type Circle = (usize, f64, f64, Vec<(usize, DVec2)>);
 
-fn circle(section: &mut Section<'_>) -> Option<Circle> {
-    let places = section.optional_points(PLACES, Some(2));
+fn circle(section: &mut Section<'_>) -> Read<Circle> {
     if !section.has(PLACES) {
+        // Known to those who misspell it.
+        section.optional_points(PLACES, Some(2));
         let count = section.integer("count", 1..=MOST_PIPES);
         let radius = section.number(("ring_radius", "m"), Range::NOT_NEGATIVE);
         let first_angle = section.number_or(("first_angle", "deg"), 0.0, Range::ANY);
-        return Some((count?, radius?, first_angle.to_radians(), Vec::new()));
+        return Ok((count?, radius?, first_angle.to_radians(), Vec::new()));
     }
     for key in [Key::from("count"), ("ring_radius", "m").into(), ("first_angle", "deg").into()] {
         section.refuse(key, "the places of all pipes are given");
     }
-    let places: Vec<DVec2> = places?.iter().map(|place| DVec2::new(place[0], place[1])).collect();
+    let places: Vec<DVec2> =
+        section.points(PLACES, Some(2))?.iter().map(|place| DVec2::new(place[0], place[1])).collect();
     if places.is_empty() || places.len() > MOST_PIPES {
-        section.problem(PLACES, format!("found {} places, must be 1 to {MOST_PIPES}", places.len()));
-        return None;
+        return Err(section.problem(PLACES, format!("found {} places, must be 1 to {MOST_PIPES}", places.len())));
     }
     // They stand around the circle of their mean distance from the centre, each beside its place on it.
     let radius = places.iter().map(|place| place.length()).sum::<f64>() / places.len() as f64;
     let first_angle = if places[0] == DVec2::ZERO { 0.0 } else { places[0].to_angle() };
     let step = std::f64::consts::TAU / places.len() as f64;
     let beside = |(k, place): (usize, &DVec2)| (k, *place - radius * DVec2::from_angle(first_angle + step * k as f64));
-    Some((places.len(), radius, first_angle, places.iter().enumerate().map(beside).collect()))
+    Ok((places.len(), radius, first_angle, places.iter().enumerate().map(beside).collect()))
 }
 
-fn ring(section: &mut Section<'_>, number: usize) -> Option<PipeRing> {
+fn ring(section: &mut Section<'_>, number: usize) -> Read<PipeRing> {
     let circle = circle(section);
     let one_particle = section.flag_or("one_particle", false);
     let pipe_radius = if one_particle {
         section.refuse(("pipe_radius", "m"), "a pipe of one particle has the radius that the lattice gives it");
-        Some(0.0)
+        Ok(0.0)
     } else {
         section.positive(("pipe_radius", "m"))
     };
@@ -257,7 +260,7 @@ fn ring(section: &mut Section<'_>, number: usize) -> Option<PipeRing> {
         schedule,
     };
     as_built(section, number, &mut ring);
-    Some(ring)
+    Ok(ring)
 }
 
 /// Pipes that are missing, and those that do not stand in their places.

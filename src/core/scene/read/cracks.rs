@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::problem::Read;
 use super::range::{Range, plain};
 use super::section::Section;
 use crate::scene::{Crack, Domain, Growth, Sector, Series};
@@ -25,30 +26,28 @@ pub(super) fn cracks(root: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Cra
     if sections.len() > MOST_CRACKS {
         root.problem("cracks", format!("found {} cracks, must be at most {MOST_CRACKS}", sections.len()));
     }
-    sections.iter_mut().filter_map(|section| crack(section, domain)).collect()
+    sections.iter_mut().flat_map(|section| crack(section, domain)).collect()
 }
 
-fn crack(section: &mut Section<'_>, domain: Option<&Domain>) -> Option<Crack> {
+fn crack(section: &mut Section<'_>, domain: Option<&Domain>) -> Read<Crack> {
     let from = section.point(("from", "m")).map(DVec2::from);
     let to = section.point(("to", "m")).map(DVec2::from);
     let growth = growth(section);
     let (from, to) = (from?, to?);
     if from == to {
-        section.problem(("to", "m"), "found the point where the crack begins, must be another");
-        return None;
+        return Err(section.problem(("to", "m"), "found the point where the crack begins, must be another"));
     }
     if let Some(domain) = domain.filter(|domain| domain.dimension() == 2) {
         match [from, to].map(|end| wall_before(domain, end)) {
             [None, None] => {}
             [Some(_), Some(_)] => {
-                section.section_problem("lies outside the domain, must begin and end in it");
-                return None;
+                return Err(section.section_problem("lies outside the domain, must begin and end in it"));
             }
             [found, other] => {
                 let key = if found.is_some() { ("from", "m") } else { ("to", "m") };
                 let wall = found.or(other).unwrap_or_default();
-                section.problem(key, format!("lies outside the domain: the crack crosses {wall}, must end before it"));
-                return None;
+                let message = format!("lies outside the domain: the crack crosses {wall}, must end before it");
+                return Err(section.problem(key, message));
             }
         }
     }
@@ -64,24 +63,23 @@ fn crack(section: &mut Section<'_>, domain: Option<&Domain>) -> Option<Crack> {
             section.problem(LENGTH, message);
         }
     }
-    Some(Crack { from, to, growth })
+    Ok(Crack { from, to, growth })
 }
 
 /// How a crack comes to be, which is all at once unless a speed or a table says otherwise.
-fn growth(section: &mut Section<'_>) -> Option<Growth> {
+fn growth(section: &mut Section<'_>) -> Read<Growth> {
     if section.has(LENGTH) {
         section.refuse(SPEED, "the table of lengths says how the crack grows");
         section.refuse_time("start", "the table of lengths says when the crack grows");
-        return match section.optional_series(LENGTH, Range::NOT_NEGATIVE)? {
-            Series::Table(rows) => Some(Growth::Table(rows)),
+        return match section.series(LENGTH, Range::NOT_NEGATIVE)? {
+            Series::Table(rows) => Ok(Growth::Table(rows)),
             Series::Constant(_) | Series::Repeated { .. } => {
-                section.problem(LENGTH, "must be a table in time that does not repeat");
-                None
+                Err(section.problem(LENGTH, "must be a table in time that does not repeat"))
             }
         };
     }
     let start = section.optional_duration("start", Range::NOT_NEGATIVE).map_or(0.0, |start| start.seconds);
-    Some(match section.optional_number(SPEED, Range::POSITIVE) {
+    Ok(match section.optional_number(SPEED, Range::POSITIVE) {
         Some(speed) => Growth::Steady { start, speed },
         None => Growth::Whole { start },
     })

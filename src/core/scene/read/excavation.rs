@@ -1,42 +1,40 @@
 //! The shaft that is dug inside a ring of pipes.
 
 use super::body;
+use super::problem::Read;
 use super::range::{Range, plain};
 use super::section::Section;
 use crate::scene::{Condition, Domain, Excavation, PipeName, PipeRing};
 
 const RADIUS: (&str, &str) = ("radius", "m");
 
-pub(super) fn excavation(root: &mut Section<'_>, domain: Option<&Domain>, rings: &[PipeRing]) -> Option<Excavation> {
-    if !root.has("excavation") {
-        return None;
-    }
+pub(super) fn excavation(
+    root: &mut Section<'_>,
+    domain: Option<&Domain>,
+    rings: &[PipeRing],
+) -> Read<Option<Excavation>> {
     let cracked = root.has("cracks");
-    let mut section = root.section("excavation")?;
+    let Some(mut section) = root.optional_section("excavation") else { return Ok(None) };
     let radius = section.positive(RADIUS);
     let start = section.duration("start", Range::NOT_NEGATIVE);
     let condition = body::condition(&mut section);
     if domain.is_some_and(|domain| !matches!(domain, Domain::Ring { .. })) {
-        section.section_problem("a shaft is dug in the domain \"ring\" alone");
-        return None;
+        return Err(section.section_problem("a shaft is dug in the domain \"ring\" alone"));
     }
     if cracked {
-        section.section_problem("a shaft and cracks are not known together: leave one out");
-        return None;
+        return Err(section.section_problem("a shaft and cracks are not known together: leave one out"));
     }
-    if condition == Some(Condition::Exact) {
-        section.problem("condition", "found \"exact\", the face of a shaft has no exact solution");
-        return None;
+    if condition == Ok(Condition::Exact) {
+        return Err(section.problem("condition", "found \"exact\", the face of a shaft has no exact solution"));
     }
     let radius = radius?;
     if let Some(Domain::Ring { outer_radius, .. }) = domain
         && radius >= *outer_radius
     {
-        section.problem(
+        return Err(section.problem(
             RADIUS,
             format!("found {}, must be less than the outer radius {}", plain(radius), plain(*outer_radius)),
-        );
-        return None;
+        ));
     }
     for (number, ring) in rings.iter().enumerate() {
         if let Some(k) = ring.numbers().find(|k| ring.place(*k).length() - ring.pipe_radius <= radius) {
@@ -46,9 +44,8 @@ pub(super) fn excavation(root: &mut Section<'_>, domain: Option<&Domain>, rings:
                 PipeName { ring: number, pipe: k },
                 ring.place(k).length()
             );
-            section.problem(RADIUS, message);
-            return None;
+            return Err(section.problem(RADIUS, message));
         }
     }
-    Some(Excavation { radius, start: start?.seconds, condition: condition? })
+    Ok(Some(Excavation { radius, start: start?.seconds, condition: condition? }))
 }

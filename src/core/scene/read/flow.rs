@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use super::body::wall_names;
+use super::problem::Read;
 use super::range::{Range, all_of};
 use super::section::Section;
 use crate::material::{FreezingLaw, Material};
@@ -28,7 +29,7 @@ pub(super) fn flow(
     domain: Option<&Domain>,
     materials: &[Material],
     beside: &Beside,
-) -> Option<Flow> {
+) -> Read<Option<Flow>> {
     if !root.has("flow") {
         for material in materials {
             if material.pores.is_some_and(|pores| pores.permeability.is_some()) {
@@ -40,7 +41,7 @@ pub(super) fn flow(
             }
         }
     }
-    let mut section = root.optional_section("flow")?;
+    let Some(mut section) = root.optional_section("flow") else { return Ok(None) };
     let beside = match domain {
         Some(Domain::Radial { .. } | Domain::Axial { .. }) => {
             Some("where particles are shells: water flows through a line, a rectangle or a ring")
@@ -53,9 +54,8 @@ pub(super) fn flow(
         _ => None,
     };
     if let Some(beside) = beside {
-        section.section_problem(format!("must not be {beside}"));
         section.abandon();
-        return None;
+        return Err(section.section_problem(format!("must not be {beside}")));
     }
     for material in materials {
         let missing = match material.pores {
@@ -81,26 +81,25 @@ pub(super) fn flow(
             None
         }
     };
-    let (walls, across) = match crossing {
-        None => (walls(&mut section, domain), None),
+    let open = match crossing {
+        None => Ok((walls(&mut section, domain), None)),
         Some(crossing) => {
             let ground = materials.first().and_then(|material| material.pores?.permeability);
-            let wall = |(velocity, across): (Series, Across)| {
-                // Darcy's law in the first material.
-                let pressure = velocity.scaled(viscosity? * across.radius / (DAY * ground?));
-                Some((vec![PressureWall { name: "outer", pressure }], Some(across)))
+            // Darcy's law in the first material; one without permeability has been told above.
+            let wall = |(velocity, across): (Series, Across), ground: f64| {
+                let pressure = velocity.scaled(viscosity? * across.radius / (DAY * ground));
+                Ok((vec![PressureWall { name: "outer", pressure }], Some(across)))
             };
-            crossing.and_then(wall).unwrap_or_default()
+            crossing.and_then(|crossing| ground.map_or(Ok((Vec::new(), None)), |ground| wall(crossing, ground)))
         }
     };
     let freezes = materials.iter().any(|material| material.law != FreezingLaw::None);
     let (law, least) = match section.optional_section("relative_permeability") {
         Some(mut table) => relative_permeability(&mut table),
         None if freezes => {
-            section.problem("relative_permeability", "missing, must be a table: the ground freezes");
-            (None, 1.0)
+            (Err(section.problem("relative_permeability", "missing, must be a table: the ground freezes")), 1.0)
         }
-        None => (Some(RelativePermeability::Impedance(0.0)), 1.0),
+        None => (Ok(RelativePermeability::Impedance(0.0)), 1.0),
     };
     let density_change = section.flag_or("density_change", freezes);
     if density_change && !freezes && !materials.is_empty() {
@@ -121,7 +120,8 @@ pub(super) fn flow(
             None
         }
     };
-    Some(Flow {
+    let (walls, across) = open?;
+    Ok(Some(Flow {
         cut,
         viscosity: viscosity?,
         walls,
@@ -130,22 +130,28 @@ pub(super) fn flow(
         least_relative_permeability: least,
         density_change,
         gravity,
-    })
+    }))
 }
 
 /// Groundwater that crosses a ring: its velocity (m a day) far from what freezes, and its direction.
-fn across(section: &mut Section<'_>, radius: f64, sector: Sector) -> Option<(Series, Across)> {
+fn across(section: &mut Section<'_>, radius: f64, sector: Sector) -> Read<(Series, Across)> {
     let velocity = section.series(VELOCITY, Range::NOT_NEGATIVE);
     let degrees = section.number_or(DIRECTION, 0.0, Range::ANY);
     let along_x = degrees.rem_euclid(180.0) == 0.0;
     match sector {
-        Sector::Quarter => section.section_problem(
-            "must not be in a quarter, whose mirror planes water crosses: set domain.ring.sector = \"half\" or \"whole\"",
-        ),
-        Sector::Half if !along_x => section.problem(
-            DIRECTION,
-            format!("found {degrees}, must be 0 or 180 in a half, whose mirror plane is the x axis: set domain.ring.sector = \"whole\""),
-        ),
+        Sector::Quarter => {
+            section.section_problem(
+                "must not be in a quarter, whose mirror planes water crosses: set domain.ring.sector = \"half\" or \
+                 \"whole\"",
+            );
+        }
+        Sector::Half if !along_x => {
+            let message = format!(
+                "found {degrees}, must be 0 or 180 in a half, whose mirror plane is the x axis: set domain.ring.sector = \
+                 \"whole\""
+            );
+            section.problem(DIRECTION, message);
+        }
         Sector::Half | Sector::Whole => {}
     }
     let direction = if along_x {
@@ -153,11 +159,11 @@ fn across(section: &mut Section<'_>, radius: f64, sector: Sector) -> Option<(Ser
     } else {
         DVec2::from_angle(degrees.to_radians())
     };
-    Some((velocity?, Across { direction, radius }))
+    Ok((velocity?, Across { direction, radius }))
 }
 
 fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<PressureWall> {
-    let Some(mut table) = section.section("walls") else { return Vec::new() };
+    let Ok(mut table) = section.section("walls") else { return Vec::new() };
     let mut found = Vec::new();
     let mut open = 0;
     for (name, mut wall) in table.named_sections() {
@@ -182,19 +188,19 @@ fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<PressureWall
     found
 }
 
-fn relative_permeability(table: &mut Section<'_>) -> (Option<RelativePermeability>, f64) {
+fn relative_permeability(table: &mut Section<'_>) -> (Read<RelativePermeability>, f64) {
     let law = match table.choice("law", &[("impedance", true), ("power", false)]) {
-        Some(true) => {
+        Ok(true) => {
             table.refuse("exponent", "only the law \"power\" has an exponent");
             table.number("impedance", Range::NOT_NEGATIVE).map(RelativePermeability::Impedance)
         }
-        Some(false) => {
+        Ok(false) => {
             table.refuse("impedance", "only the law \"impedance\" has an impedance");
             table.positive("exponent").map(RelativePermeability::Power)
         }
-        None => {
+        Err(noted) => {
             table.abandon();
-            None
+            Err(noted)
         }
     };
     // The pressures of a contrast beyond 1e12 would be lost in rounding.

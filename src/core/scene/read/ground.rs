@@ -1,6 +1,7 @@
 //! Materials.
 
 use super::porous::{self, is_porous};
+use super::problem::Read;
 use super::range::{Range, plain, temperatures};
 use super::section::Section;
 use crate::material::{FreezingLaw, Material, Mixing, Phase};
@@ -8,6 +9,8 @@ use crate::material::{FreezingLaw, Material, Mixing, Phase};
 /// How far apart conductivities, and heats, of the two phases may be: of the sixteen digits of a number ten are left
 /// for the smaller.
 const MOST_APART: f64 = 1e6;
+
+const WIDTH: (&str, &str) = ("width", "K");
 
 /// Refuses latent heats beside which the heats of cooling by the temperatures of the scene would be lost in rounding.
 pub(super) fn latent_heats(root: &mut Section<'_>, materials: &[Material], temperatures: (f64, f64)) {
@@ -29,7 +32,7 @@ pub(super) fn latent_heats(root: &mut Section<'_>, materials: &[Material], tempe
 }
 
 /// Reads all materials; one that has a problem keeps its place, for its name.
-pub(super) fn materials(section: &mut Section<'_>) -> Vec<(String, Option<Material>)> {
+pub(super) fn materials(section: &mut Section<'_>) -> Vec<(String, Read<Material>)> {
     let found: Vec<_> = section
         .named_sections()
         .into_iter()
@@ -44,14 +47,14 @@ pub(super) fn materials(section: &mut Section<'_>) -> Vec<(String, Option<Materi
     found
 }
 
-fn material(name: &str, section: &mut Section<'_>) -> Option<Material> {
+fn material(name: &str, section: &mut Section<'_>) -> Read<Material> {
     if is_porous(section) {
         let freezing = section.section("freezing").and_then(freezing);
-        let freezes = freezing.as_ref().is_none_or(|freezing| freezing.law != FreezingLaw::None);
+        let freezes = !matches!(&freezing, Ok(freezing) if freezing.law == FreezingLaw::None);
         let porous = porous::porous(section, freezes);
         let (porous, freezing) = (porous?, freezing?);
         let whole = porous.whole(freezing.mixing);
-        return Some(Material {
+        return Ok(Material {
             name: name.to_owned(),
             density: whole.density,
             frozen: whole.frozen,
@@ -73,7 +76,7 @@ fn material(name: &str, section: &mut Section<'_>) -> Option<Material> {
     let unfrozen = section.section("unfrozen").and_then(phase);
     let freezing = section.section("freezing").and_then(freezing);
     let groundwater = section.optional_section("groundwater").map(porous::groundwater);
-    if let (Some(frozen), Some(unfrozen)) = (&frozen, &unfrozen) {
+    if let (Ok(frozen), Ok(unfrozen)) = (&frozen, &unfrozen) {
         for (what, a, b) in [
             ("conductivities", frozen.conductivity, unfrozen.conductivity),
             ("heat capacities", frozen.heat_capacity, unfrozen.heat_capacity),
@@ -85,12 +88,8 @@ fn material(name: &str, section: &mut Section<'_>) -> Option<Material> {
             }
         }
     }
-    let pores = match groundwater {
-        Some(read) => Some(read?),
-        None => None,
-    };
     let freezing = freezing?;
-    Some(Material {
+    Ok(Material {
         name: name.to_owned(),
         density: density?,
         frozen: frozen?,
@@ -99,14 +98,14 @@ fn material(name: &str, section: &mut Section<'_>) -> Option<Material> {
         latent_heat: freezing.latent_heat,
         law: freezing.law,
         mixing: freezing.mixing,
-        pores,
+        pores: groundwater.transpose()?,
     })
 }
 
-fn phase(mut section: Section<'_>) -> Option<Phase> {
+fn phase(mut section: Section<'_>) -> Read<Phase> {
     let conductivity = section.positive(("conductivity", "W_per_m_K"));
     let heat_capacity = section.positive(("heat_capacity", "J_per_kg_K"));
-    Some(Phase { conductivity: conductivity?, heat_capacity: heat_capacity? })
+    Ok(Phase { conductivity: conductivity?, heat_capacity: heat_capacity? })
 }
 
 struct Freezing {
@@ -124,24 +123,22 @@ enum Law {
     Weibull,
 }
 
-fn freezing(mut section: Section<'_>) -> Option<Freezing> {
+fn freezing(mut section: Section<'_>) -> Read<Freezing> {
     const LATENT_HEAT: (&str, &str) = ("latent_heat", "J_per_kg");
-    const WIDTH: (&str, &str) = ("width", "K");
     let laws =
         [("none", Law::None), ("isothermal", Law::Isothermal), ("linear", Law::Linear), ("weibull", Law::Weibull)];
     let coldest = section.units().absolute_zero();
     let law = section.choice("law", &laws);
     let point = section.number(("temperature", "c"), temperatures(coldest));
     let mixings = [("arithmetic", Mixing::Arithmetic), ("geometric", Mixing::Geometric)];
-    let Some(law) = law else {
+    let law = law.inspect_err(|_| {
         // Which of the other keys belong depends on the law.
         section.abandon();
-        return None;
-    };
+    })?;
     let latent_heat = if law == Law::None {
         section.refuse(LATENT_HEAT, "law \"none\" has no latent heat");
         section.refuse("mixing", "law \"none\" has no partly frozen state");
-        Some(0.0)
+        Ok(0.0)
     } else {
         section.positive(LATENT_HEAT)
     };
@@ -150,29 +147,31 @@ fn freezing(mut section: Section<'_>) -> Option<Freezing> {
         Law::Weibull => section.choice_or("mixing", &mixings, Mixing::Geometric),
         _ => section.choice_or("mixing", &mixings, Mixing::Arithmetic),
     };
-    let width = if matches!(law, Law::Linear | Law::Weibull) {
-        section.positive(WIDTH)
-    } else {
-        section.refuse(WIDTH, "only the laws \"linear\" and \"weibull\" have a width");
-        None
-    };
-    if let (Some(point), Some(width)) = (point, width)
-        && point - width <= coldest
-    {
-        let message = format!("found {}, must end above absolute zero, {}", plain(width), plain(coldest));
-        section.problem(WIDTH, message);
-    }
     if law != Law::Weibull {
         section.refuse("residual_fraction", "only the law \"weibull\" leaves a residue");
     }
+    if !matches!(law, Law::Linear | Law::Weibull) {
+        section.refuse(WIDTH, "only the laws \"linear\" and \"weibull\" have a width");
+    }
     let law = match law {
-        Law::None => FreezingLaw::None,
-        Law::Isothermal => FreezingLaw::Isothermal,
-        Law::Linear => FreezingLaw::Linear { width: width? },
+        Law::None => Ok(FreezingLaw::None),
+        Law::Isothermal => Ok(FreezingLaw::Isothermal),
+        Law::Linear => width(&mut section, point).map(|width| FreezingLaw::Linear { width }),
         Law::Weibull => {
             let residual = section.number_or("residual_fraction", 0.0, Range::from_to_below(0.0, 1.0));
-            FreezingLaw::Weibull { width: width?, residual }
+            width(&mut section, point).map(|width| FreezingLaw::Weibull { width, residual })
         }
     };
-    Some(Freezing { point: point?, latent_heat: latent_heat?, law, mixing })
+    Ok(Freezing { point: point?, latent_heat: latent_heat?, law: law?, mixing })
+}
+
+/// Over how many kelvin below its freezing point a material freezes.
+fn width(section: &mut Section<'_>, point: Read<f64>) -> Read<f64> {
+    let coldest = section.units().absolute_zero();
+    let width = section.positive(WIDTH)?;
+    if point? - width <= coldest {
+        let message = format!("found {}, must end above absolute zero, {}", plain(width), plain(coldest));
+        return Err(section.problem(WIDTH, message));
+    }
+    Ok(width)
 }

@@ -11,7 +11,7 @@ use crate::scene::settings::{
     Advection, Conduction, Exchange, FlowNumerics, Front, IntegratorChoice, Layout, Mean, MethodSettings, Mushy,
     Numerics, SearchChoice, Setting, StepChoice, Uptake, WallModel,
 };
-use crate::scene::{Condition, Crack, Domain, Sector, Wall};
+use crate::scene::{Condition, Crack, Domain, Wall};
 
 /// Particles that one run may have.
 const MOST_PARTICLES: f64 = 1e8;
@@ -42,7 +42,7 @@ pub(super) struct Setup<'a> {
 }
 
 pub(super) fn methods(root: &mut Section<'_>, setup: &Setup<'_>, kinds: &[&'static MethodKind]) -> Vec<MethodSettings> {
-    let Some(mut section) = root.section("method") else { return Vec::new() };
+    let Ok(mut section) = root.section("method") else { return Vec::new() };
     let names = all_of(kinds.iter().map(|kind| kind.name));
     let mut found = Vec::new();
     let tables = section.named_sections();
@@ -102,7 +102,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     shells::combinations(section, &numerics, setup, kind);
 
     let fits = match (spacing, setup.domain) {
-        (Some(spacing), Some(domain)) => divides(section, spacing, domain),
+        (Ok(spacing), Some(domain)) => divides(section, spacing, domain),
         _ => false,
     };
     let dimension = setup.domain.map_or(2, Domain::dimension);
@@ -150,7 +150,7 @@ fn layout(section: &mut Section<'_>, preset: Layout) -> Layout {
         LayoutWord::Jittered => {
             let range = Range::above_to(0.0, 0.5);
             let fraction = match preset {
-                Layout::Jittered { fraction } => Some(section.number_or("jitter_fraction", fraction, range)),
+                Layout::Jittered { fraction } => Ok(section.number_or("jitter_fraction", fraction, range)),
                 _ => section.number("jitter_fraction", range),
             };
             fraction.map_or(Layout::Lattice, |fraction| Layout::Jittered { fraction })
@@ -467,21 +467,14 @@ fn shortest(domain: &Domain) -> f64 {
 
 /// Whether the spacing fits the domain; if not, a problem that names the nearest that does.
 fn divides(section: &mut Section<'_>, spacing: f64, domain: &Domain) -> bool {
-    let (extents, volume) = match *domain {
-        Domain::Line { length } => (vec![length], length),
-        Domain::Rectangle { width, height } => (vec![width, height], width * height),
-        Domain::Radial { inner, outer, .. } => (vec![outer - inner], outer - inner),
-        Domain::Axial { inner, outer, height } => (vec![outer - inner, height], (outer - inner) * height),
-        Domain::Ring { outer_radius: r, sector } => {
-            let part = match sector {
-                Sector::Quarter => 0.25,
-                Sector::Half => 0.5,
-                Sector::Whole => 1.0,
-            };
-            (vec![], part * std::f64::consts::PI * r * r)
-        }
+    let extents = match *domain {
+        Domain::Line { length } => vec![length],
+        Domain::Rectangle { width, height } => vec![width, height],
+        Domain::Radial { inner, outer, .. } => vec![outer - inner],
+        Domain::Axial { inner, outer, height } => vec![outer - inner, height],
+        Domain::Ring { .. } => vec![],
     };
-    let particles = volume / spacing.powi(domain.dimension() as i32);
+    let particles = domain.size() / spacing.powi(domain.dimension() as i32);
     if particles.is_nan() || particles > MOST_PARTICLES {
         let message = format!(
             "found {}, which makes {particles:.1e} particles, must make at most {MOST_PARTICLES:.0e}",

@@ -1,5 +1,6 @@
 //! Saturated porous materials: solid, ice and water put together to what heat meets.
 
+use super::problem::Read;
 use super::range::Range;
 use super::section::Section;
 use crate::material::{Mixing, Phase, Pores};
@@ -37,7 +38,7 @@ pub(super) fn is_porous(section: &Section<'_>) -> bool {
 }
 
 /// Reads the phases. Where nothing freezes, ice is left out and stands for water.
-pub(super) fn porous(section: &mut Section<'_>, freezes: bool) -> Option<Porous> {
+pub(super) fn porous(section: &mut Section<'_>, freezes: bool) -> Read<Porous> {
     let reason = "a porous material has it from solid, ice and water";
     section.refuse(("density", "kg_per_m3"), reason);
     section.refuse("frozen", reason);
@@ -51,11 +52,11 @@ pub(super) fn porous(section: &mut Section<'_>, freezes: bool) -> Option<Porous>
         section.refuse("ice", "law \"none\" has no ice");
         water
     };
-    let solid = if porosity == Some(1.0) {
+    let solid = if porosity == Ok(1.0) {
         section.refuse("solid", "pores of porosity 1 are all there is");
         None
     } else {
-        Some(section.section("solid").and_then(part)?)
+        Some(section.section("solid").and_then(part))
     };
     let permeability = section.optional_number(("permeability", "m2"), Range::POSITIVE);
     let (water, ice) = (water?, ice?);
@@ -66,16 +67,16 @@ pub(super) fn porous(section: &mut Section<'_>, freezes: bool) -> Option<Porous>
         water_heat_capacity: water.heat_capacity,
         permeability,
     };
-    Some(Porous { pores, water, ice, solid })
+    Ok(Porous { pores, water, ice, solid: solid.transpose()? })
 }
 
 /// The water in a material that is given as a whole. Its ice has the density of water.
-pub(super) fn groundwater(mut section: Section<'_>) -> Option<Pores> {
+pub(super) fn groundwater(mut section: Section<'_>) -> Read<Pores> {
     let porosity = section.number("porosity", Range::above_to(0.0, 1.0));
     let density = section.positive(("density", "kg_per_m3"));
     let heat_capacity = section.positive(("heat_capacity", "J_per_kg_K"));
     let permeability = section.positive(("permeability", "m2"));
-    Some(Pores {
+    Ok(Pores {
         porosity: porosity?,
         water_density: density?,
         ice_density: density?,
@@ -84,11 +85,11 @@ pub(super) fn groundwater(mut section: Section<'_>) -> Option<Pores> {
     })
 }
 
-fn part(mut section: Section<'_>) -> Option<Part> {
+fn part(mut section: Section<'_>) -> Read<Part> {
     let density = section.positive(("density", "kg_per_m3"));
     let conductivity = section.positive(("conductivity", "W_per_m_K"));
     let heat_capacity = section.positive(("heat_capacity", "J_per_kg_K"));
-    Some(Part { density: density?, conductivity: conductivity?, heat_capacity: heat_capacity? })
+    Ok(Part { density: density?, conductivity: conductivity?, heat_capacity: heat_capacity? })
 }
 
 impl Porous {

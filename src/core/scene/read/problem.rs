@@ -1,6 +1,12 @@
 //! What is wrong with a scene file, in words and with its place.
 
+use std::cell::RefCell;
 use std::fmt;
+use std::sync::Arc;
+
+use super::every_key::every_key;
+use crate::method::MethodKind;
+use crate::scene::Units;
 
 /// Where a value was written.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -51,6 +57,96 @@ impl Problems {
         problems.sort_by_key(|problem| (problem.set.is_some(), problem.line));
         problems.dedup();
         Problems { file: file.to_owned(), problems }
+    }
+}
+
+/// Proof that a problem of the file has been recorded, which nothing else gives. What the reader must have and could not read is
+/// this instead, so no value is lost without a word.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Noted(());
+
+/// A value that the file must have, or the proof that its problem has been recorded.
+pub type Read<T> = Result<T, Noted>;
+
+/// A key and the section that it belongs to.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct KeyOf {
+    /// As an SI scene has it.
+    pub(super) key: String,
+    /// As a scene without units has it.
+    pub(super) base: String,
+    /// Path of the section without names and numbers.
+    pub(super) section: String,
+}
+
+impl KeyOf {
+    pub(super) fn written(&self, units: Units) -> &str {
+        if units == Units::Si { &self.key } else { &self.base }
+    }
+}
+
+/// The problems of a file so far. They are only ever added to, or replaced by others that say more.
+#[derive(Default)]
+pub(super) struct Log {
+    problems: RefCell<Vec<Option<Problem>>>,
+    /// Methods whose sections may occur.
+    kinds: Vec<&'static MethodKind>,
+    /// All keys that are read, where they are collected.
+    asked: Option<RefCell<Vec<KeyOf>>>,
+}
+
+impl Log {
+    /// Of a scene under some methods.
+    pub(super) fn new(kinds: &[&'static MethodKind]) -> Self {
+        Log { kinds: kinds.to_vec(), ..Log::default() }
+    }
+
+    /// One that collects keys and knows of none.
+    pub(super) fn collecting() -> Self {
+        Log { asked: Some(RefCell::default()), ..Log::default() }
+    }
+
+    /// All keys that a scene may have, and where.
+    pub(super) fn every_key(&self) -> Arc<[KeyOf]> {
+        match self.asked {
+            Some(_) => Arc::new([]),
+            None => every_key(&self.kinds),
+        }
+    }
+
+    /// Takes note of keys that a section has been read for.
+    pub(super) fn collect(&self, keys: impl FnOnce() -> Vec<KeyOf>) {
+        if let Some(asked) = &self.asked {
+            asked.borrow_mut().extend(keys());
+        }
+    }
+
+    pub(super) fn into_asked(self) -> Vec<KeyOf> {
+        self.asked.map(RefCell::into_inner).unwrap_or_default()
+    }
+
+    pub(super) fn record(&self, problem: Problem) -> Noted {
+        self.problems.borrow_mut().push(Some(problem));
+        Noted(())
+    }
+
+    /// Number of the problem that is recorded next.
+    pub(super) fn next(&self) -> usize {
+        self.problems.borrow().len()
+    }
+
+    /// Records a problem in place of others, by their numbers.
+    pub(super) fn replace(&self, others: &[usize], problem: Problem) -> Noted {
+        let mut problems = self.problems.borrow_mut();
+        for number in others {
+            problems[*number] = None;
+        }
+        problems.push(Some(problem));
+        Noted(())
+    }
+
+    pub(super) fn into_problems(self) -> Vec<Problem> {
+        self.problems.into_inner().into_iter().flatten().collect()
     }
 }
 

@@ -2,6 +2,7 @@
 
 use glam::DVec2;
 
+use super::problem::Read;
 use super::range::{Range, one_of, plain, temperatures};
 use super::section::Section;
 use crate::scene::region::{Cell, area, edges};
@@ -50,7 +51,7 @@ pub(super) fn regions(
             section.abandon();
             continue;
         };
-        if let Some(shape) = shape(&mut section, domain)
+        if let Ok(shape) = shape(&mut section, domain)
             && named.is_some() == material.is_some()
         {
             regions.push(Region { material, temperature, shape });
@@ -62,7 +63,7 @@ pub(super) fn regions(
     regions
 }
 
-fn shape(section: &mut Section<'_>, domain: &Domain) -> Option<Shape> {
+fn shape(section: &mut Section<'_>, domain: &Domain) -> Read<Shape> {
     let (circle, polygon) = (section.has("circle"), section.has("polygon"));
     if domain.dimension() == 1 {
         for key in ["circle", "polygon"] {
@@ -78,10 +79,9 @@ fn shape(section: &mut Section<'_>, domain: &Domain) -> Option<Shape> {
         }
         let shape = if circle { round(section)? } else { cornered(section)? };
         if is_outside(&shape, domain) {
-            section.problem(own, "lies outside the domain");
-            return None;
+            return Err(section.problem(own, "lies outside the domain"));
         }
-        return Some(shape);
+        return Ok(shape);
     }
     let extent = extent(domain);
     let x = span(section, X_MIN, X_MAX, (extent.low.x, extent.high.x));
@@ -90,34 +90,32 @@ fn shape(section: &mut Section<'_>, domain: &Domain) -> Option<Shape> {
     } else {
         section.refuse(Y_MIN, "a line has no y");
         section.refuse(Y_MAX, "a line has no y");
-        Some((f64::NEG_INFINITY, f64::INFINITY))
+        Ok((f64::NEG_INFINITY, f64::INFINITY))
     };
     let ((x_min, x_max), (y_min, y_max)) = (x?, y?);
-    Some(Shape::Box(Cell { low: DVec2::new(x_min, y_min), high: DVec2::new(x_max, y_max) }))
+    Ok(Shape::Box(Cell { low: DVec2::new(x_min, y_min), high: DVec2::new(x_max, y_max) }))
 }
 
-fn round(section: &mut Section<'_>) -> Option<Shape> {
-    let mut circle = section.optional_section("circle")?;
+fn round(section: &mut Section<'_>) -> Read<Shape> {
+    let mut circle = section.section("circle")?;
     let (x, y) = (circle.number(("x", "m"), Range::ANY), circle.number(("y", "m"), Range::ANY));
     let radius = circle.positive(("radius", "m"));
-    Some(Shape::Circle { centre: DVec2::new(x?, y?), radius: radius? })
+    Ok(Shape::Circle { centre: DVec2::new(x?, y?), radius: radius? })
 }
 
-fn cornered(section: &mut Section<'_>) -> Option<Shape> {
+fn cornered(section: &mut Section<'_>) -> Read<Shape> {
     const POINTS: (&str, &str) = ("points", "m");
-    let mut polygon = section.optional_section("polygon")?;
+    let mut polygon = section.section("polygon")?;
     let points = polygon.points(POINTS, Some(2))?;
     if !(3..=MOST_CORNERS).contains(&points.len()) {
         let message = format!("found {} points, must be between 3 and {MOST_CORNERS}", points.len());
-        polygon.problem(POINTS, message);
-        return None;
+        return Err(polygon.problem(POINTS, message));
     }
     let corners: Vec<DVec2> = points.iter().map(|point| DVec2::new(point[0], point[1])).collect();
     if let Some(message) = fault(&corners) {
-        polygon.problem(POINTS, message);
-        return None;
+        return Err(polygon.problem(POINTS, message));
     }
-    Some(Shape::Polygon(corners))
+    Ok(Shape::Polygon(corners))
 }
 
 /// Why corners are not those of a polygon that encloses one area, if they are not.
@@ -186,13 +184,12 @@ fn span(
     low: (&'static str, &'static str),
     high: (&'static str, &'static str),
     extent: (f64, f64),
-) -> Option<(f64, f64)> {
+) -> Read<(f64, f64)> {
     let allowed = Range::between(extent.0, extent.1);
     let (from, to) = (section.number(low, allowed), section.number(high, allowed));
     let (from, to) = (from?, to?);
     if from >= to {
-        section.problem(high, format!("found {}, must be greater than {}", plain(to), plain(from)));
-        return None;
+        return Err(section.problem(high, format!("found {}, must be greater than {}", plain(to), plain(from))));
     }
-    Some((from, to))
+    Ok((from, to))
 }

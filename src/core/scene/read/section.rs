@@ -2,12 +2,12 @@
 
 mod lists;
 mod pipes;
+mod unknown;
 
-use std::cell::RefCell;
 use std::ops::RangeInclusive;
 
-use super::problem::{Place, Problem};
-use super::range::{Range, all_of, one_of, unfit};
+use super::problem::{Log, Noted, Place, Problem, Read};
+use super::range::{Range, one_of, unfit};
 use super::tree::{Entry, Node};
 use crate::scene::Units;
 
@@ -57,8 +57,9 @@ struct Asked {
 ///
 /// Each kind of value comes in three forms: `number` (required), `number_or` (with a default) and
 /// `optional_number`. A value that is not allowed becomes a problem of the file and counts as absent, so that
-/// reading goes on and all problems are reported at once. Whatever the reader never asked for is an unknown key;
-/// that and missing keys are reported when the section is dropped.
+/// reading goes on and all problems are reported at once. What is required is [`Noted`] where it could not be had, which
+/// only a recorded problem gives. Whatever the reader never asked for is an unknown key; that is reported when the section is
+/// dropped.
 ///
 /// ```
 /// # use frazil_core::scene::{Range, Section};
@@ -81,28 +82,29 @@ pub struct Section<'a> {
     units: Units,
     /// Least and greatest temperature that the scene names, once it is known.
     temperatures: Option<(f64, f64)>,
-    log: &'a RefCell<Vec<Problem>>,
+    log: &'a Log,
     asked: Vec<Asked>,
     refused: Vec<String>,
+    /// Names that are free, as those of materials.
+    names: Vec<String>,
     missing: Vec<Missing>,
     abandoned: bool,
 }
 
-/// A key that ought to be there.
+/// A key that ought to be there, which has been recorded.
 struct Missing {
-    /// The key; empty for the section as a whole.
-    key: String,
     /// Keys any of which would have done.
     instead: Vec<String>,
-    message: String,
+    /// Number of the problem.
+    problem: usize,
 }
 
 impl<'a> Section<'a> {
-    pub(super) fn root(entries: &'a [Entry], log: &'a RefCell<Vec<Problem>>) -> Self {
+    pub(super) fn root(entries: &'a [Entry], log: &'a Log) -> Self {
         Section::new(String::new(), Place::File, entries, Units::Si, log)
     }
 
-    fn new(path: String, place: Place, entries: &'a [Entry], units: Units, log: &'a RefCell<Vec<Problem>>) -> Self {
+    fn new(path: String, place: Place, entries: &'a [Entry], units: Units, log: &'a Log) -> Self {
         Section {
             path,
             place,
@@ -112,6 +114,7 @@ impl<'a> Section<'a> {
             log,
             asked: Vec::new(),
             refused: Vec::new(),
+            names: Vec::new(),
             missing: Vec::new(),
             abandoned: false,
         }
@@ -152,14 +155,14 @@ impl<'a> Section<'a> {
     }
 
     /// Records a problem of a key, or of the section itself where the key is not there.
-    pub fn problem(&mut self, key: impl Into<Key>, message: impl Into<String>) {
+    pub fn problem(&mut self, key: impl Into<Key>, message: impl Into<String>) -> Noted {
         let written = key.into().written(self.units);
-        self.note(&written, message);
+        self.note(&written, message)
     }
 
     /// Records a problem of the section as a whole.
-    pub fn section_problem(&mut self, message: impl Into<String>) {
-        self.log.borrow_mut().push(Problem::new(&self.place, self.path.clone(), message));
+    pub fn section_problem(&mut self, message: impl Into<String>) -> Noted {
+        self.log.record(Problem::new(&self.place, self.path.clone(), message))
     }
 
     /// Refuses a key that has no effect here, with the reason.
@@ -172,31 +175,26 @@ impl<'a> Section<'a> {
     }
 
     /// Requires exactly one of several keys and says which: its index. The caller then reads it.
-    pub fn only_one(&mut self, keys: &[Key]) -> Option<usize> {
+    pub fn only_one(&mut self, keys: &[Key]) -> Read<usize> {
         let written: Vec<String> = keys.iter().map(|key| key.written(self.units)).collect();
         let found: Vec<usize> = (0..keys.len()).filter(|index| self.ask(keys[*index]).is_some()).collect();
-        match found.as_slice() {
-            [] => self.miss("", written),
-            [first, rest @ ..] => {
-                for other in rest {
-                    let message = format!("found beside \"{}\", must be only one of them", written[*first]);
-                    self.note(&written[*other], message);
-                }
-            }
+        let Some((first, rest)) = found.split_first() else { return Err(self.miss("", written)) };
+        for other in rest {
+            let message = format!("found beside \"{}\", must be only one of them", written[*first]);
+            self.note(&written[*other], message);
         }
-        found.first().copied()
+        Ok(*first)
     }
 
-    /// Gives up on the section after a problem that leaves its other keys without meaning: they are not reported.
+    /// Gives up on the section after a problem that leaves its other keys without meaning: those that nobody asked for are not
+    /// reported. What was recorded stays.
     pub fn abandon(&mut self) {
         self.abandoned = true;
     }
 
     /// A required number.
-    pub fn number(&mut self, key: impl Into<Key>, range: Range) -> Option<f64> {
-        let key = key.into();
-        let range_text = range.to_string();
-        self.required(key, &range_text, |section| section.optional_number(key, range))
+    pub fn number(&mut self, key: impl Into<Key>, range: Range) -> Read<f64> {
+        self.required(key.into(), &range.to_string(), |section, entry| section.check_number(entry, range))
     }
 
     /// A number with a default.
@@ -206,25 +204,22 @@ impl<'a> Section<'a> {
 
     /// A number that may be absent.
     pub fn optional_number(&mut self, key: impl Into<Key>, range: Range) -> Option<f64> {
-        let entry = self.ask(key.into())?;
-        self.check_number(&entry.key, &entry.node, range)
+        self.optional(key.into(), |section, entry| section.check_number(entry, range))
     }
 
     /// A required number greater than zero.
-    pub fn positive(&mut self, key: impl Into<Key>) -> Option<f64> {
+    pub fn positive(&mut self, key: impl Into<Key>) -> Read<f64> {
         self.number(key, Range::POSITIVE)
     }
 
     /// A required number from 0 to 1.
-    pub fn fraction(&mut self, key: impl Into<Key>) -> Option<f64> {
+    pub fn fraction(&mut self, key: impl Into<Key>) -> Read<f64> {
         self.number(key, Range::FRACTION)
     }
 
     /// A required integer.
-    pub fn integer(&mut self, key: impl Into<Key>, range: RangeInclusive<usize>) -> Option<usize> {
-        let key = key.into();
-        let allowed = integers(&range);
-        self.required(key, &allowed, |section| section.optional_integer(key, range))
+    pub fn integer(&mut self, key: impl Into<Key>, range: RangeInclusive<usize>) -> Read<usize> {
+        self.required(key.into(), &integers(&range), |section, entry| section.check_integer(entry, &range))
     }
 
     /// An integer with a default.
@@ -234,21 +229,12 @@ impl<'a> Section<'a> {
 
     /// An integer that may be absent.
     pub fn optional_integer(&mut self, key: impl Into<Key>, range: RangeInclusive<usize>) -> Option<usize> {
-        let entry = self.ask(key.into())?;
-        if let Node::Number(_, _, Some(whole)) = &entry.node
-            && let Ok(value) = usize::try_from(*whole)
-            && range.contains(&value)
-        {
-            return Some(value);
-        }
-        self.wrong(&entry.key, &entry.node, &integers(&range));
-        None
+        self.optional(key.into(), |section, entry| section.check_integer(entry, &range))
     }
 
     /// A required text that is not empty.
-    pub fn text(&mut self, key: impl Into<Key>) -> Option<String> {
-        let key = key.into();
-        self.required(key, "a text", |section| section.optional_text(key))
+    pub fn text(&mut self, key: impl Into<Key>) -> Read<String> {
+        self.required(key.into(), "a text", Self::check_text)
     }
 
     /// A text with a default.
@@ -258,21 +244,13 @@ impl<'a> Section<'a> {
 
     /// A text that may be absent.
     pub fn optional_text(&mut self, key: impl Into<Key>) -> Option<String> {
-        let entry = self.ask(key.into())?;
-        match &entry.node {
-            Node::Text(text) if !text.trim().is_empty() => Some(text.clone()),
-            other => {
-                self.wrong(&entry.key, other, "a text that is not empty");
-                None
-            }
-        }
+        self.optional(key.into(), Self::check_text)
     }
 
     /// A required word out of a list, with what each stands for.
-    pub fn choice<T: Clone>(&mut self, key: impl Into<Key>, choices: &[(&str, T)]) -> Option<T> {
-        let key = key.into();
+    pub fn choice<T: Clone>(&mut self, key: impl Into<Key>, choices: &[(&str, T)]) -> Read<T> {
         let allowed = one_of(choices.iter().map(|(word, _)| *word));
-        self.required(key, &allowed, |section| section.optional_choice(key, choices))
+        self.required(key.into(), &allowed, |section, entry| section.check_choice(entry, choices))
     }
 
     /// A word out of a list, with a default.
@@ -282,20 +260,12 @@ impl<'a> Section<'a> {
 
     /// A word out of a list, or none.
     pub fn optional_choice<T: Clone>(&mut self, key: impl Into<Key>, choices: &[(&str, T)]) -> Option<T> {
-        let entry = self.ask(key.into())?;
-        if let Node::Text(text) = &entry.node
-            && let Some((_, meaning)) = choices.iter().find(|(word, _)| word == text)
-        {
-            return Some(meaning.clone());
-        }
-        self.wrong(&entry.key, &entry.node, &one_of(choices.iter().map(|(word, _)| *word)));
-        None
+        self.optional(key.into(), |section, entry| section.check_choice(entry, choices))
     }
 
     /// A required `true` or `false`.
-    pub fn flag(&mut self, key: impl Into<Key>) -> Option<bool> {
-        let key = key.into();
-        self.required(key, "true or false", |section| section.optional_flag(key))
+    pub fn flag(&mut self, key: impl Into<Key>) -> Read<bool> {
+        self.required(key.into(), "true or false", Self::check_flag)
     }
 
     /// `true` or `false`, with a default.
@@ -305,12 +275,7 @@ impl<'a> Section<'a> {
 
     /// `true` or `false`, or neither.
     pub fn optional_flag(&mut self, key: impl Into<Key>) -> Option<bool> {
-        let entry = self.ask(key.into())?;
-        if let Node::Flag(flag) = entry.node {
-            return Some(flag);
-        }
-        self.wrong(&entry.key, &entry.node, "true or false");
-        None
+        self.optional(key.into(), Self::check_flag)
     }
 
     /// `true`, `false` or a word, or none of them.
@@ -320,33 +285,23 @@ impl<'a> Section<'a> {
         flags: [T; 2],
         (word, meaning): (&str, T),
     ) -> Option<T> {
-        let entry = self.ask(key.into())?;
         let [yes, no] = flags;
-        match &entry.node {
-            Node::Flag(true) => return Some(yes),
-            Node::Flag(false) => return Some(no),
-            Node::Text(text) if text == word => return Some(meaning),
-            _ => {}
-        }
-        self.wrong(&entry.key, &entry.node, &format!("true, false or \"{word}\""));
-        None
+        self.optional(key.into(), |section, entry| match &entry.node {
+            Node::Flag(true) => Ok(yes),
+            Node::Flag(false) => Ok(no),
+            Node::Text(text) if text == word => Ok(meaning),
+            other => Err(section.wrong(&entry.key, other, &format!("true, false or \"{word}\""))),
+        })
     }
 
     /// A required table.
-    pub fn section(&mut self, key: &'static str) -> Option<Section<'a>> {
-        self.required(key.into(), "a table", |section| section.optional_section(key))
+    pub fn section(&mut self, key: &'static str) -> Read<Section<'a>> {
+        self.required(key.into(), "a table", Self::check_section)
     }
 
     /// A table that may be absent.
     pub fn optional_section(&mut self, key: &'static str) -> Option<Section<'a>> {
-        let entry = self.ask(key.into())?;
-        match &entry.node {
-            Node::Table(entries) => Some(self.child(&entry.key, entry.place.clone(), entries)),
-            other => {
-                self.wrong(&entry.key, other, "a table");
-                None
-            }
-        }
+        self.optional(key.into(), Self::check_section)
     }
 
     /// The tables of a list of tables (`[[pipes]]`), or none.
@@ -361,7 +316,9 @@ impl<'a> Section<'a> {
             let path = format!("{}.{number}", entry.key);
             match &item.node {
                 Node::Table(entries) => sections.push(self.child(&path, item.place.clone(), entries)),
-                other => self.note_at(&item.place, &path, format!("found {}, must be a table", other.found())),
+                other => {
+                    self.note_at(&item.place, &path, format!("found {}, must be a table", other.found()));
+                }
             }
         }
         sections
@@ -371,12 +328,14 @@ impl<'a> Section<'a> {
     pub fn named_sections(&mut self) -> Vec<(String, Section<'a>)> {
         let mut sections = Vec::new();
         for entry in self.entries {
-            self.refused.push(entry.key.clone());
+            self.names.push(entry.key.clone());
             match &entry.node {
                 Node::Table(entries) => {
                     sections.push((entry.key.clone(), self.child(&entry.key, entry.place.clone(), entries)));
                 }
-                other => self.wrong(&entry.key, other, "a table"),
+                other => {
+                    self.wrong(&entry.key, other, "a table");
+                }
             }
         }
         sections
@@ -408,111 +367,101 @@ impl<'a> Section<'a> {
     }
 
     /// Reads a key that must be there; `allowed` completes "missing, must be ...".
-    fn required<T>(&mut self, key: Key, allowed: &str, read: impl FnOnce(&mut Self) -> Option<T>) -> Option<T> {
-        let written = key.written(self.units);
-        if self.find(&written).is_none() {
-            self.missing.push(Missing {
-                instead: vec![written.clone()],
-                key: written,
-                message: format!("missing, must be {allowed}"),
-            });
+    fn required<T>(&mut self, key: Key, allowed: &str, check: impl FnOnce(&mut Self, &'a Entry) -> Read<T>) -> Read<T> {
+        match self.ask(key) {
+            Some(entry) => check(self, entry),
+            None => {
+                let written = key.written(self.units);
+                Err(self.missing(&written, vec![written.clone()], format!("missing, must be {allowed}")))
+            }
         }
-        read(self)
     }
 
-    fn miss(&mut self, key: &str, instead: Vec<String>) {
+    /// Reads a key that may be absent; a wrong value is recorded and counts as absent.
+    fn optional<T>(&mut self, key: Key, check: impl FnOnce(&mut Self, &'a Entry) -> Read<T>) -> Option<T> {
+        let entry = self.ask(key)?;
+        check(self, entry).ok()
+    }
+
+    fn miss(&mut self, key: &str, instead: Vec<String>) -> Noted {
         let message = format!("missing, must be given as {}", one_of(instead.iter().map(String::as_str)));
-        self.missing.push(Missing { key: key.to_owned(), instead, message });
+        self.missing(key, instead, message)
     }
 
-    fn check_number(&mut self, key: &str, node: &Node, range: Range) -> Option<f64> {
-        match node {
-            Node::Number(_, value, _) => {
-                let unfit = unfit(*value).map(str::to_owned);
-                let wrong = unfit.or((!range.contains(*value)).then(|| range.to_string()));
-                if let Some(allowed) = &wrong {
-                    self.wrong(key, node, allowed);
-                }
-                wrong.is_none().then_some(*value)
-            }
-            other => {
-                self.wrong(key, other, "a number");
-                None
-            }
+    /// Records that a key is missing, until a misspelt one says more.
+    fn missing(&mut self, key: &str, instead: Vec<String>, message: String) -> Noted {
+        self.missing.push(Missing { instead, problem: self.log.next() });
+        self.note(key, message)
+    }
+
+    fn check_number(&mut self, entry: &Entry, range: Range) -> Read<f64> {
+        self.check_number_at(&entry.place, &entry.key, &entry.node, range)
+    }
+
+    fn check_number_at(&mut self, place: &Place, key: &str, node: &Node, range: Range) -> Read<f64> {
+        let allowed = match node {
+            Node::Number(_, value, _) => match unfit(*value) {
+                Some(allowed) => allowed.to_owned(),
+                None if range.contains(*value) => return Ok(*value),
+                None => range.to_string(),
+            },
+            _ => "a number".to_owned(),
+        };
+        Err(self.note_at(place, key, format!("found {}, must be {allowed}", node.found())))
+    }
+
+    fn check_integer(&mut self, entry: &Entry, range: &RangeInclusive<usize>) -> Read<usize> {
+        match &entry.node {
+            Node::Number(_, _, Some(whole)) => usize::try_from(*whole).ok().filter(|value| range.contains(value)),
+            _ => None,
+        }
+        .ok_or_else(|| self.wrong(&entry.key, &entry.node, &integers(range)))
+    }
+
+    fn check_text(&mut self, entry: &Entry) -> Read<String> {
+        match &entry.node {
+            Node::Text(text) if !text.trim().is_empty() => Ok(text.clone()),
+            other => Err(self.wrong(&entry.key, other, "a text that is not empty")),
         }
     }
 
-    fn wrong(&mut self, key: &str, found: &Node, allowed: &str) {
-        self.note(key, format!("found {}, must be {allowed}", found.found()));
+    fn check_choice<T: Clone>(&mut self, entry: &Entry, choices: &[(&str, T)]) -> Read<T> {
+        let found = match &entry.node {
+            Node::Text(text) => choices.iter().find(|(word, _)| word == text),
+            _ => None,
+        };
+        match found {
+            Some((_, meaning)) => Ok(meaning.clone()),
+            None => Err(self.wrong(&entry.key, &entry.node, &one_of(choices.iter().map(|(word, _)| *word)))),
+        }
+    }
+
+    fn check_flag(&mut self, entry: &Entry) -> Read<bool> {
+        match entry.node {
+            Node::Flag(flag) => Ok(flag),
+            _ => Err(self.wrong(&entry.key, &entry.node, "true or false")),
+        }
+    }
+
+    fn check_section(&mut self, entry: &'a Entry) -> Read<Section<'a>> {
+        match &entry.node {
+            Node::Table(entries) => Ok(self.child(&entry.key, entry.place.clone(), entries)),
+            other => Err(self.wrong(&entry.key, other, "a table")),
+        }
+    }
+
+    fn wrong(&mut self, key: &str, found: &Node, allowed: &str) -> Noted {
+        self.note(key, format!("found {}, must be {allowed}", found.found()))
     }
 
     /// Records a problem of a key by its name in the file.
-    pub(super) fn note(&mut self, written: &str, message: impl Into<String>) {
+    pub(super) fn note(&mut self, written: &str, message: impl Into<String>) -> Noted {
         let place = self.find(written).map_or_else(|| self.place.clone(), |entry| entry.place.clone());
-        self.note_at(&place, written, message);
+        self.note_at(&place, written, message)
     }
 
-    fn note_at(&mut self, place: &Place, written: &str, message: impl Into<String>) {
-        self.log.borrow_mut().push(Problem::new(place, self.join(written), message));
-    }
-
-    /// What is wrong with a key that nobody asked for, and the keys that were meant.
-    fn unknown(&self, key: &str) -> (String, Vec<String>) {
-        let quantity = self
-            .asked
-            .iter()
-            .filter(|asked| asked.quantity)
-            .filter(|asked| key.strip_prefix(asked.base).is_some_and(|rest| rest.is_empty() || rest.starts_with('_')))
-            .max_by_key(|asked| asked.base.len());
-        if let Some(quantity) = quantity {
-            let mut keys: Vec<String> =
-                self.asked.iter().filter(|asked| asked.base == quantity.base).map(|asked| asked.key.clone()).collect();
-            keys.dedup();
-            let allowed = one_of(keys.iter().map(String::as_str));
-            let message = match self.units {
-                Units::Si => format!("unit missing or not known, must be {allowed}"),
-                _ => format!("a scene in \"{}\" units has no units in its keys, must be {allowed}", self.units.name()),
-            };
-            return (message, keys);
-        }
-        let near = self
-            .asked
-            .iter()
-            .map(|asked| (strsim::damerau_levenshtein(key, &asked.key), asked))
-            .filter(|(distance, asked)| *distance <= (key.len().max(asked.key.len()) / 3).max(1))
-            .min_by_key(|(distance, _)| *distance);
-        if let Some((_, asked)) = near {
-            let message = format!("unknown key, did you mean \"{}\"?", asked.key);
-            return (message, vec![asked.key.clone()]);
-        }
-        let mut keys: Vec<&str> = Vec::new();
-        for asked in &self.asked {
-            if !keys.contains(&asked.key.as_str()) {
-                keys.push(&asked.key);
-            }
-        }
-        (format!("unknown key, known here: {}", all_of(keys)), Vec::new())
-    }
-}
-
-impl Drop for Section<'_> {
-    fn drop(&mut self) {
-        if self.abandoned {
-            return;
-        }
-        let mut missing = std::mem::take(&mut self.missing);
-        for entry in self.entries {
-            if self.asked.iter().any(|asked| asked.key == entry.key) || self.refused.contains(&entry.key) {
-                continue;
-            }
-            let (message, meant) = self.unknown(&entry.key);
-            // A misspelt key is one mistake, not two: it is not missing as well.
-            missing.retain(|missing| !missing.instead.iter().any(|key| meant.contains(key)));
-            self.note(&entry.key, message);
-        }
-        for Missing { key, message, .. } in missing {
-            self.note(&key, message);
-        }
+    fn note_at(&mut self, place: &Place, written: &str, message: impl Into<String>) -> Noted {
+        self.log.record(Problem::new(place, self.join(written), message))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use super::body::condition;
 use super::numerics::Setup;
+use super::problem::Read;
 use super::range::{Range, plain};
 use super::section::{Key, Section};
 use crate::method::MethodKind;
@@ -12,30 +13,29 @@ const INNER: (&str, &str) = ("inner_radius", "m");
 const OUTER: (&str, &str) = ("outer_radius", "m");
 
 /// Reads `[domain.radial]`.
-pub(super) fn radial(section: &mut Section<'_>) -> Option<Domain> {
+pub(super) fn radial(section: &mut Section<'_>) -> Read<Domain> {
     let choices = [("axial", Symmetry::Axial), ("spherical", Symmetry::Spherical)];
     let symmetry = section.choice("symmetry", &choices);
     let (inner, outer) = radii(section)?;
-    Some(Domain::Radial { symmetry: symmetry?, inner, outer })
+    Ok(Domain::Radial { symmetry: symmetry?, inner, outer })
 }
 
 /// Reads `[domain.axial]`.
-pub(super) fn axial(section: &mut Section<'_>) -> Option<Domain> {
+pub(super) fn axial(section: &mut Section<'_>) -> Read<Domain> {
     let height = section.positive(("height", "m"));
     let (inner, outer) = radii(section)?;
-    Some(Domain::Axial { inner, outer, height: height? })
+    Ok(Domain::Axial { inner, outer, height: height? })
 }
 
-fn radii(section: &mut Section<'_>) -> Option<(f64, f64)> {
+fn radii(section: &mut Section<'_>) -> Read<(f64, f64)> {
     let inner = section.number(INNER, Range::NOT_NEGATIVE);
     let outer = section.positive(OUTER);
     let (inner, outer) = (inner?, outer?);
     if inner >= outer {
         let message = format!("found {}, must be less than the outer radius {}", plain(inner), plain(outer));
-        section.problem(INNER, message);
-        return None;
+        return Err(section.problem(INNER, message));
     }
-    Some((inner, outer))
+    Ok((inner, outer))
 }
 
 /// Extent of a wall along itself (m), if it has any.
@@ -62,10 +62,10 @@ pub(super) fn parts(section: &mut Section<'_>, wall: &'static str, domain: &Doma
         };
         let (from, to) = (part.number(FROM, Range::ANY), part.number(TO, Range::ANY));
         let own = condition(&mut part);
-        if own == Some(Condition::Exact) {
+        if own == Ok(Condition::Exact) {
             part.problem("condition", "found \"exact\", but a part of a wall has no exact solution");
         }
-        let (Some(from), Some(to)) = (from, to) else { continue };
+        let (Ok(from), Ok(to)) = (from, to) else { continue };
         let mut inside = true;
         for (key, place) in [(FROM, from), (TO, to)] {
             if !(first..=last).contains(&place) {
@@ -76,7 +76,7 @@ pub(super) fn parts(section: &mut Section<'_>, wall: &'static str, domain: &Doma
         }
         if inside && from >= to {
             part.problem(FROM, format!("found {}, must be less than the end of the part, {}", plain(from), plain(to)));
-        } else if let (true, Some(condition)) = (inside, own) {
+        } else if let (true, Ok(condition)) = (inside, own) {
             found.push(WallPart { wall, from, to, condition });
         }
     }
@@ -129,11 +129,11 @@ pub(super) fn surfaces(section: &mut Section<'_>, domain: Option<&Domain>) -> Ve
         let across_y = if across_y.is_some() {
             surface.only_one(&keys.map(Key::from)).map(|key| if key == 0 { None } else { across_y })
         } else {
-            Some(None)
+            Ok(None)
         };
-        let Some(across_y) = across_y else { continue };
+        let Ok(across_y) = across_y else { continue };
         let (key, (least, most)) = across_y.map_or((keys[0], across_x), |extent| (keys[1], extent));
-        let Some(at) = surface.number(key, Range::ANY) else { continue };
+        let Ok(at) = surface.number(key, Range::ANY) else { continue };
         if at > least && at < most {
             found.push(Surface { across_y: across_y.is_some(), at });
         } else {

@@ -1,5 +1,6 @@
 //! A driven liquid.
 
+use super::problem::Read;
 use super::range::{Range, plain, temperatures};
 use super::section::{Duration, Section};
 use crate::scene::stream::Stream;
@@ -11,18 +12,17 @@ pub(super) fn stream(
     domain: Option<&Domain>,
     walls: &[Wall],
     duration: Option<&Duration>,
-) -> Option<Stream> {
+) -> Read<Option<Stream>> {
     const PUMP: (&str, &str) = ("pump", "m");
     const RESET: (&str, &str) = ("reset", "m");
     const RESET_TEMPERATURE: (&str, &str) = ("reset_temperature", "c");
     const SECTIONS: (&str, &str) = ("sections", "m");
-    let mut section = root.optional_section("stream")?;
+    let Some(mut section) = root.optional_section("stream") else { return Ok(None) };
     let length = match domain {
         Some(Domain::Rectangle { width, .. }) => *width,
         Some(_) => {
-            section.section_problem("a liquid is driven along the domain \"rectangle\" alone");
             section.abandon();
-            return None;
+            return Err(section.section_problem("a liquid is driven along the domain \"rectangle\" alone"));
         }
         None => f64::INFINITY,
     };
@@ -50,13 +50,14 @@ pub(super) fn stream(
     let pump = stretch(&mut section, PUMP);
     let place = stretch(&mut section, RESET);
     let allowed = temperatures(section.units().absolute_zero());
-    let temperature = match place {
-        Some(_) => section.number(RESET_TEMPERATURE, allowed),
+    let reset = match place {
+        Some(place) => Some((place, section.number(RESET_TEMPERATURE, allowed))),
         None => {
             section.refuse(RESET_TEMPERATURE, "nothing is reset without \"reset\"");
             None
         }
     };
+    let reset = reset.map(|(place, temperature)| temperature.map(|temperature| (place, temperature)));
     let sections = section.optional_numbers(SECTIONS, Range::ANY).unwrap_or_default();
     if let Some(outside) = sections.iter().find(|at| !(0.0..=length).contains(*at)) {
         section.problem(SECTIONS, format!("found {}, must lie between 0 and {}", plain(*outside), plain(length)));
@@ -72,5 +73,6 @@ pub(super) fn stream(
     if average.1 <= average.0 {
         section.time_problem("average_to", "must be greater than the start of the averages");
     }
-    Some(Stream { acceleration: acceleration?, start_speed, pump, reset: place.zip(temperature), sections, average })
+    let (acceleration, reset) = (acceleration?, reset.transpose()?);
+    Ok(Some(Stream { acceleration, start_speed, pump, reset, sections, average }))
 }

@@ -1,5 +1,6 @@
 //! Time, what is observed, and the reference.
 
+use super::problem::Read;
 use super::range::{Range, plain};
 use super::section::{Duration, Section};
 use super::shells;
@@ -14,7 +15,7 @@ pub(super) struct Time {
     pub(super) remarks: Vec<String>,
 }
 
-pub(super) fn time(root: &mut Section<'_>) -> Option<Time> {
+pub(super) fn time(root: &mut Section<'_>) -> Read<Time> {
     let mut section = root.section("time")?;
     let duration = section.duration("duration", Range::POSITIVE);
     let outputs = section.integer_or("outputs", 60, 1..=100_000);
@@ -38,10 +39,10 @@ pub(super) fn time(root: &mut Section<'_>) -> Option<Time> {
             instants = kept.iter().map(|profile| profile.seconds).collect();
         }
     }
-    Some(Time { duration, outputs, profiles: instants, remarks })
+    Ok(Time { duration, outputs, profiles: instants, remarks })
 }
 
-pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Option<&mut Time>) -> Option<Watch> {
+pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Read<&mut Time>) -> Read<Watch> {
     const PROBES: (&str, &str) = ("probes", "m");
     const PROFILE_LENGTH: (&str, &str) = ("profile_length", "m");
     let (mut probes, mut profile_length, mut front_from) = (Vec::new(), None, None);
@@ -93,7 +94,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Optio
     }
     let front_from = front_from.map(|from| from.seconds);
     let (outputs, profiles) = (time.outputs, time.profiles.clone());
-    Some(Watch {
+    Ok(Watch {
         outputs,
         profiles,
         probes,
@@ -183,10 +184,10 @@ pub(super) fn reference(root: &mut Section<'_>, domain: Option<&Domain>) -> Refe
     let Some(mut section) = root.optional_section("reference") else { return ReferenceChoice::Auto };
     let kinds = [("exact", 0), ("table", 1), ("local", 2), ("auto", 3), ("none", 4)];
     let kind = section.choice("kind", &kinds);
-    if kind == Some(1) {
+    if kind == Ok(1) {
         return section.text("table").map_or(ReferenceChoice::Auto, ReferenceChoice::Table);
     }
-    if kind.is_none() {
+    if kind.is_err() {
         section.abandon();
     } else if section.is_set("kind") {
         // The table of the file, which another kind stands in for.
@@ -194,16 +195,16 @@ pub(super) fn reference(root: &mut Section<'_>, domain: Option<&Domain>) -> Refe
     } else {
         section.refuse("table", "only the kind \"table\" reads one");
     }
-    if let (Some(0), Some(Domain::Ring { .. })) = (kind, domain) {
+    if let (Ok(0), Some(Domain::Ring { .. })) = (kind, domain) {
         section.problem("kind", "found \"exact\", but a ring has no exact solution");
     }
-    if kind == Some(0) && domain.is_some_and(|domain| domain.symmetry().is_some()) {
+    if kind == Ok(0) && domain.is_some_and(|domain| domain.symmetry().is_some()) {
         section.problem("kind", "found \"exact\", but a body of shells has no exact solution");
     }
     match kind {
-        Some(0) => ReferenceChoice::Exact,
-        Some(2) => ReferenceChoice::Local,
-        Some(4) => ReferenceChoice::None,
+        Ok(0) => ReferenceChoice::Exact,
+        Ok(2) => ReferenceChoice::Local,
+        Ok(4) => ReferenceChoice::None,
         _ => ReferenceChoice::Auto,
     }
 }

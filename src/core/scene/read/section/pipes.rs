@@ -1,5 +1,6 @@
 //! Values of a section that name pipes of one ring.
 
+use super::super::problem::Read;
 use super::super::range::Range;
 use super::super::tree::{Item, Node};
 use super::{Key, Section};
@@ -48,16 +49,15 @@ impl Names {
 impl Section<'_> {
     /// A list of pipes of a ring, none twice; it may be absent.
     pub(in crate::scene::read) fn optional_pipes(&mut self, key: impl Into<Key>, names: Names) -> Option<Vec<usize>> {
-        let entry = self.ask(key.into())?;
-        let Node::List(items) = &entry.node else {
-            self.wrong(&entry.key, &entry.node, "a list of names of pipes");
-            return None;
-        };
-        let mut found = Vec::with_capacity(items.len());
-        for (number, item) in (1..).zip(items) {
-            self.pipe(&format!("{}.{number}", entry.key), item, names, &mut found);
-        }
-        (found.len() == items.len()).then_some(found)
+        self.optional(key.into(), |section, entry| {
+            let Node::List(items) = &entry.node else {
+                return Err(section.wrong(&entry.key, &entry.node, "a list of names of pipes"));
+            };
+            let mut found = Vec::with_capacity(items.len());
+            let row = |(number, item)| section.pipe(&format!("{}.{number}", entry.key), item, names, &mut found);
+            let rows: Vec<Read<usize>> = (1_usize..).zip(items).map(row).collect();
+            rows.into_iter().collect()
+        })
     }
 
     /// A list of pipes of a ring, none twice, each with two numbers, as `[["1.4", 0.1, 0.2]]`; it may be absent.
@@ -66,48 +66,39 @@ impl Section<'_> {
         key: impl Into<Key>,
         names: Names,
     ) -> Option<Vec<(usize, [f64; 2])>> {
-        let entry = self.ask(key.into())?;
-        let Node::List(items) = &entry.node else {
-            self.wrong(&entry.key, &entry.node, "a list of pipes, each with two numbers");
-            return None;
+        self.optional(key.into(), |section, entry| {
+            let Node::List(items) = &entry.node else {
+                return Err(section.wrong(&entry.key, &entry.node, "a list of pipes, each with two numbers"));
+            };
+            let mut found = Vec::with_capacity(items.len());
+            let row = |(number, item)| section.pipe_point(&format!("{}.{number}", entry.key), item, names, &mut found);
+            let rows: Vec<Read<(usize, [f64; 2])>> = (1_usize..).zip(items).map(row).collect();
+            rows.into_iter().collect()
+        })
+    }
+
+    fn pipe_point(&mut self, path: &str, item: &Item, names: Names, found: &mut Vec<usize>) -> Read<(usize, [f64; 2])> {
+        let row = match &item.node {
+            Node::List(row) => row.as_slice(),
+            _ => &[],
         };
-        let (mut found, mut points) = (Vec::new(), Vec::with_capacity(items.len()));
-        for (number, item) in (1..).zip(items) {
-            let path = format!("{}.{number}", entry.key);
-            let row = match &item.node {
-                Node::List(row) => row.as_slice(),
-                _ => &[],
-            };
-            let [name, coordinates @ ..] = row else {
-                self.note_at(&item.place, &path, r#"must be a pipe with two numbers, as ["1.4", 0.1, 0.2]"#);
-                continue;
-            };
-            let pipe = self.pipe(&format!("{path}.1"), name, names, &mut found);
-            let Some(point) = self.check_items(&path, 2, coordinates, Range::ANY) else { continue };
-            let Ok(point) = <[f64; 2]>::try_from(point) else {
-                self.note_at(&item.place, &path, format!("found {} coordinates, must be 2", coordinates.len()));
-                continue;
-            };
-            points.extend(pipe.map(|pipe| (pipe, point)));
-        }
-        (points.len() == items.len()).then_some(points)
+        let [name, coordinates @ ..] = row else {
+            return Err(self.note_at(&item.place, path, r#"must be a pipe with two numbers, as ["1.4", 0.1, 0.2]"#));
+        };
+        let pipe = self.pipe(&format!("{path}.1"), name, names, found);
+        let point = <[f64; 2]>::try_from(self.check_items(path, 2, coordinates, Range::ANY)?).map_err(|point| {
+            self.note_at(&item.place, path, format!("found {} coordinates, must be 2", point.len()))
+        })?;
+        Ok((pipe?, point))
     }
 
     /// The pipe that an element of a list names, put to those found already.
-    fn pipe(&mut self, path: &str, item: &Item, names: Names, found: &mut Vec<usize>) -> Option<usize> {
-        let read = match names.read(&item.node) {
-            Ok(pipe) if found.contains(&pipe) => Err(format!("found {} twice", item.node.found())),
-            read => read,
-        };
-        match read {
-            Ok(pipe) => {
-                found.push(pipe);
-                Some(pipe)
-            }
-            Err(message) => {
-                self.note_at(&item.place, path, message);
-                None
-            }
+    fn pipe(&mut self, path: &str, item: &Item, names: Names, found: &mut Vec<usize>) -> Read<usize> {
+        let pipe = names.read(&item.node).map_err(|message| self.note_at(&item.place, path, message))?;
+        if found.contains(&pipe) {
+            return Err(self.note_at(&item.place, path, format!("found {} twice", item.node.found())));
         }
+        found.push(pipe);
+        Ok(pipe)
     }
 }

@@ -1,0 +1,96 @@
+//! All keys that a scene may have anywhere, as the reader itself asks for them.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::problem::{KeyOf, Log};
+use super::section::Section;
+use super::{read_root, tree};
+use crate::method::MethodKind;
+
+/// Bodies, with a wall of each.
+const BODIES: [(&str, &str); 5] = [
+    ("line = { length_m = 1 }", "left"),
+    ("rectangle = { width_m = 1, height_m = 1 }", "left"),
+    ("ring = { outer_radius_m = 1, sector = \"whole\" }", "outer"),
+    ("radial = { symmetry = \"axial\", inner_radius_m = 1, outer_radius_m = 2 }", "outer"),
+    ("axial = { inner_radius_m = 1, outer_radius_m = 2, height_m = 1 }", "outer"),
+];
+
+/// Sections of every kind, each as empty as lets the reader ask for all of it.
+const SECTIONS: &str = r#"
+[materials.a]
+frozen = {}
+unfrozen = {}
+groundwater = {}
+freezing = { law = "weibull" }
+[materials.b]
+porosity = 0.5
+solid = {}
+water = {}
+ice = {}
+freezing = { law = "none" }
+[time]
+[initial]
+[walls.WALL]
+temperature_c = {}
+parts = [{}, { coefficient_W_per_m2_K = 1 }]
+[[regions]]
+[[regions]]
+circle = {}
+[[regions]]
+polygon = {}
+[[pipes]]
+count = 1
+ring_radius_m = 0.1
+pipe_radius_m = 0.1
+temperature_c = 0
+[[cracks]]
+[[cracks]]
+length_m = {}
+[watch]
+surfaces = [{}]
+[stream]
+[reference]
+kind = "table"
+"#;
+
+/// Sections that exclude others.
+const APART: [&str; 2] =
+    ["[excavation]\n", "[flow]\nrelative_permeability = { law = \"power\" }\nwalls.WALL = {}\nwalls.right = {}\n"];
+
+/// Words of a method beside which it has keys of its own.
+const NUMERICS: &str = "layout = \"jittered\"\nscheme = \"apparent-capacity\"\nintegrator = \"rkl2\"\nmotion = true\n";
+
+/// Names of methods, and all keys of scenes under them.
+type KeysUnder = (Vec<&'static str>, Arc<[KeyOf]>);
+
+/// Keys and where they belong, of a scene under these methods.
+pub(super) fn every_key(kinds: &[&'static MethodKind]) -> Arc<[KeyOf]> {
+    static KNOWN: Mutex<Vec<KeysUnder>> = Mutex::new(Vec::new());
+    let names: Vec<&'static str> = kinds.iter().map(|kind| kind.name).collect();
+    let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, keys)) = known.iter().find(|(other, _)| *other == names) {
+        return keys.clone();
+    }
+    let keys: Arc<[KeyOf]> = asked_for(kinds).into();
+    known.push((names, keys.clone()));
+    keys
+}
+
+fn asked_for(kinds: &[&'static MethodKind]) -> Vec<KeyOf> {
+    let mut found: Vec<KeyOf> = Vec::new();
+    let methods: String = kinds.iter().map(|kind| format!("[method.{}]\n{NUMERICS}", kind.name)).collect();
+    for (body, wall) in BODIES {
+        for apart in APART {
+            let text = format!("domain.{body}\n{SECTIONS}{apart}{methods}").replace("WALL", wall);
+            let Ok(entries) = tree::parse(&text) else { continue };
+            let log = Log::collecting();
+            // Its problems are those of an empty file.
+            let _ = read_root(Section::root(&entries, &log), "", String::new(), kinds);
+            found.extend(log.into_asked());
+        }
+    }
+    found.sort();
+    found.dedup();
+    found
+}

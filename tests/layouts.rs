@@ -169,6 +169,56 @@ set = { "pipes.1.temperature_c" = -25, "time.duration_days" = 60, "time.profiles
     assert_eq!(least, [fewest]);
 }
 
+/// A search recommends no wall that stays open or opens again, whatever it is asked for and in whatever order.
+#[test]
+fn a_search_never_recommends_a_wall_that_is_open_or_opens() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // Two neighbours are missing, so that no number of pipes up to 30 closes; and brine that is warmed, so that all open again.
+    let open = "\"pipes.1.missing\" = [\"1.1\", \"1.2\"]";
+    let warmed = "\"pipes.1.temperature_c\" = { times_days = [0, 25, 26], values = [-25, -25, 60] }";
+    let keys = [
+        "from = 22\nto = 30\nkey = \"pipes.1.count\"\ndesign_days = 30",
+        "design_days = 30\nclosure_days = 25\nkey = \"pipes.1.count\"\nto = 30\nfrom = 22",
+        "closure_days = 25\nfrom = 22\nto = 30\nkey = \"pipes.1.count\"",
+        "goal = \"energy\"\nclosure_days = 25\nfrom = -30\nto = -15\nwithin = 5\nkey = \"pipes.1.ring_radius_m\"",
+    ];
+    for (what, set) in [("open", open), ("warmed", warmed)] {
+        for (number, keys) in keys.iter().enumerate() {
+            // The energy of a ring between 4.8 and 5.2 m.
+            let keys = keys.replace("-30", "4.8").replace("-15", "5.2").replace("within = 5", "within = 0.2");
+            let text = format!(
+                "title = \"t\"\nscene = \"frozen-wall-sand\"\ndesign = {{ thickness_m = 0.5, mean_temperature_c = -2 }}\n\
+                 set = {{ \"time.duration_days\" = 60, \"time.outputs\" = 60, \"time.profiles_days\" = [60], \
+                 \"domain.ring.outer_radius_m\" = 9, \"method.local.spacing_m\" = 0.25, {set} }}\n[search]\n{keys}\n"
+            );
+            fs::write(folder.path().join("s.toml"), text).expect("written");
+            let out = format!("{what}-{number}");
+            let output = Command::new(env!("CARGO_BIN_EXE_frazil"))
+                .args(["layout", "s.toml", "--method", "local", "--out", &out])
+                .current_dir(folder.path())
+                .output()
+                .expect("the program starts");
+            assert!(output.status.success(), "{output:?}");
+            let said = String::from_utf8_lossy(&output.stdout);
+            assert!(said.contains("none "), "{what} {keys}: {said}");
+            let tried = rows(&folder.path().join(&out), "search.csv");
+            assert!(!tried.is_empty());
+            for row in tried {
+                assert_eq!((row["in_time"].as_str(), row["least"].as_str()), ("false", "false"), "{what}: {row:?}");
+                let stays = !row["closure_days"].is_empty() && row["reopened_days"].is_empty();
+                assert!(!stays, "{what}: {row:?}");
+            }
+            if what == "warmed" {
+                let layouts = rows(&folder.path().join(&out), "layouts.csv");
+                assert_eq!(layouts[0]["closed_at_end"], "false");
+                assert!(number(&layouts[0], "closure_days") < number(&layouts[0], "reopened_days"));
+                let (design, left) = (number(&layouts[0], "design_days"), number(&layouts[0], "design_left_days"));
+                assert!(design < left && left <= number(&layouts[0], "reopened_days") + 1.0, "{design} {left}");
+            }
+        }
+    }
+}
+
 #[test]
 fn layouts_that_cannot_be_meant_are_refused_before_any_run() {
     let folder = tempfile::tempdir().expect("a folder");

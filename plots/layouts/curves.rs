@@ -17,6 +17,9 @@ pub fn thickness(layouts: &[LayoutView<'_>]) -> Canvas {
         // It begins with nothing when it closes, and ends with nothing when it opens.
         let ends = layout.standing.iter().flat_map(|(from, to)| [Some(*from), *to]).flatten().map(|time| (time, 0.0));
         let mut all: Vec<(f64, f64)> = closed.chain(ends).collect();
+        if layout.standing.is_empty() {
+            all.push((layout.end_s(), 0.0));
+        }
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
         all
     };

@@ -183,7 +183,7 @@ fn a_search_never_recommends_a_wall_that_is_open_or_opens() {
         "goal = \"energy\"\nclosure_days = 25\nfrom = -30\nto = -15\nwithin = 5\nkey = \"pipes.1.ring_radius_m\"",
     ];
     for (what, set) in [("open", open), ("warmed", warmed)] {
-        for (number, keys) in keys.iter().enumerate() {
+        for (which, keys) in keys.iter().enumerate() {
             // The energy of a ring between 4.8 and 5.2 m.
             let keys = keys.replace("-30", "4.8").replace("-15", "5.2").replace("within = 5", "within = 0.2");
             let text = format!(
@@ -192,7 +192,7 @@ fn a_search_never_recommends_a_wall_that_is_open_or_opens() {
                  \"domain.ring.outer_radius_m\" = 9, \"method.local.spacing_m\" = 0.25, {set} }}\n[search]\n{keys}\n"
             );
             fs::write(folder.path().join("s.toml"), text).expect("written");
-            let out = format!("{what}-{number}");
+            let out = format!("{what}-{which}");
             let output = Command::new(env!("CARGO_BIN_EXE_frazil"))
                 .args(["layout", "s.toml", "--method", "local", "--out", &out])
                 .current_dir(folder.path())

@@ -35,10 +35,15 @@ pub(super) struct Passage {
 /// Finds ways over the cells of a plan. What it needs is kept from one time to the next.
 #[derive(Debug, Clone, Default)]
 pub(super) struct March {
+    /// Columns and rows, with one more on each side, where there are no cells.
     columns: usize,
     rows: usize,
+    /// Lower left corner of the first of them (m).
     corner: DVec2,
     spacing: f64,
+    /// Distance of the outermost cell from the centre (m), and of the outermost that is frozen.
+    outermost: f64,
+    frozen: f64,
     /// Frozen share of each cell; NaN where there is none.
     share: Vec<f64>,
     /// Particle of each cell.
@@ -64,12 +69,15 @@ impl Held for March {
 impl March {
     /// Over the cells of a lattice.
     pub(super) fn over(lattice: &Lattice) -> Self {
-        let cells = lattice.columns * lattice.rows;
+        let (columns, rows) = (lattice.columns + 2, lattice.rows + 2);
+        let cells = columns * rows;
         March {
-            columns: lattice.columns,
-            rows: lattice.rows,
-            corner: lattice.corner,
+            columns,
+            rows,
+            corner: lattice.corner - DVec2::splat(lattice.spacing),
             spacing: lattice.spacing,
+            outermost: lattice.positions().into_iter().map(DVec2::length).fold(0.0, f64::max),
+            frozen: 0.0,
             share: vec![f64::NAN; cells],
             particle: vec![NONE; cells],
             arrival: vec![f64::INFINITY; cells],
@@ -115,15 +123,23 @@ impl March {
 
     /// Takes the frozen shares of all cells.
     fn read(&mut self, particles: &Particles, sharp: bool) {
-        let (corner, spacing, columns) = (self.corner, self.spacing, self.columns);
+        let (corner, per_cell, columns) = (self.corner, 1.0 / self.spacing, self.columns);
+        let mut farthest: f64 = 0.0;
         particles.visit(|i, place| {
-            let cell = ((place - corner) / spacing).floor();
+            let cell = (place - corner) * per_cell;
             let at = cell.y as usize * columns + cell.x as usize;
-            let gone = particles.is_dug(place.length());
             let fraction = particles.materials.of(i).frozen_fraction(particles.enthalpy[i]);
-            self.share[at] = if gone { 0.0 } else { fraction };
+            self.share[at] = fraction;
             self.particle[at] = i as u32;
+            if fraction > 0.0 {
+                let distance = place.length_squared();
+                farthest = farthest.max(distance);
+                if particles.is_dug(distance.sqrt()) {
+                    self.share[at] = 0.0;
+                }
+            }
         });
+        self.frozen = farthest.sqrt();
         if !sharp {
             // Arrivals are not needed yet: they hold the shares meanwhile.
             for at in 0..self.share.len() {
@@ -140,28 +156,19 @@ impl March {
     /// The part of a cell whose fraction is beyond one half, if it is linear in the cell.
     fn beyond_half(&self, at: usize) -> f64 {
         let own = self.share[at];
-        let [left, right, below, above] =
-            self.beside(at).map(|other| other.map_or(own, |other| self.share[other as usize]));
         if own.is_nan() {
             return own;
         }
+        let share = |other: usize| if self.share[other].is_nan() { own } else { self.share[other] };
+        let [left, right, below, above] = self.beside(at).map(share);
         let slope = (0.5 * (right - left)).hypot(0.5 * (above - below));
         if slope > 0.0 { (0.5 + (own - 0.5) / slope).clamp(0.0, 1.0) } else { f64::from(u8::from(own >= 0.5)) }
     }
 
-    /// Cells to the left, right, below and above.
-    fn beside(&self, at: usize) -> [Option<u32>; 4] {
-        let (column, row) = (at % self.columns, at / self.columns);
-        let cell = |there: bool, other: usize| {
-            let other = if there { other } else { at };
-            (there && !self.share[other].is_nan()).then_some(other as u32)
-        };
-        [
-            cell(column > 0, at.wrapping_sub(1)),
-            cell(column + 1 < self.columns, at + 1),
-            cell(row > 0, at.wrapping_sub(self.columns)),
-            cell(row + 1 < self.rows, at + self.columns),
-        ]
+    /// Cells to the left, right, below and above of one that is there.
+    #[inline]
+    fn beside(&self, at: usize) -> [usize; 4] {
+        [at - 1, at + 1, at - self.columns, at + self.columns]
     }
 
     fn place(&self, at: usize) -> DVec2 {
@@ -169,19 +176,15 @@ impl March {
         self.corner + self.spacing * (cell + 0.5)
     }
 
-    /// The cell at the centre.
+    /// The cell at the centre, or beside it.
     fn start(&self) -> usize {
-        let cell = (-self.corner / self.spacing).floor().max(DVec2::ZERO);
-        (cell.y as usize).min(self.rows - 1) * self.columns + (cell.x as usize).min(self.columns - 1)
+        let cell = (-self.corner / self.spacing).floor().max(DVec2::ONE);
+        (cell.y as usize).min(self.rows - 2) * self.columns + (cell.x as usize).min(self.columns - 2)
     }
 
     /// Distance from the centre (m) from which on nothing is frozen, or that of the outermost cells.
     fn far(&self) -> f64 {
-        let cells = || (0..self.share.len()).filter(|at| !self.share[*at].is_nan());
-        let most = |some: &mut dyn Iterator<Item = usize>| some.map(|at| self.place(at).length()).fold(0.0, f64::max);
-        let frozen = most(&mut cells().filter(|at| self.share[*at] > 0.0));
-        let all = most(&mut cells());
-        (frozen + 1.5 * self.spacing).min(all - self.spacing)
+        (self.frozen + 1.5 * self.spacing).min(self.outermost - self.spacing)
     }
 
     /// Goes through open ground from the centre, also across corners; the cell beyond all frozen ground that it comes to, if any.
@@ -202,13 +205,8 @@ impl March {
                 found = Some(at);
                 break;
             }
-            let (column, row) = ((at % self.columns) as i64, (at / self.columns) as i64);
-            for (dx, dy) in [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)] {
-                let (x, y) = (column + dx, row + dy);
-                if x < 0 || y < 0 || x >= self.columns as i64 || y >= self.rows as i64 {
-                    continue;
-                }
-                let other = y as usize * self.columns + x as usize;
+            let (up, down) = (at + self.columns, at - self.columns);
+            for other in [at + 1, at - 1, up, down, up + 1, up - 1, down + 1, down - 1] {
                 // Where there is no cell the share is NaN, which is not open.
                 if !self.known[other] && open(self.share[other]) {
                     self.known[other] = true;
@@ -240,9 +238,9 @@ impl March {
             if self.place(at).length() >= far {
                 break;
             }
-            for other in self.beside(at).into_iter().flatten().map(|other| other as usize) {
-                if !self.known[other] {
-                    self.reach(other, at);
+            for other in self.beside(at) {
+                if !self.known[other] && !self.share[other].is_nan() {
+                    self.reach(other);
                 }
             }
         }
@@ -250,15 +248,12 @@ impl March {
     }
 
     /// Takes the arrival at a cell from those beside it that are known, of which one has just become so.
-    fn reach(&mut self, at: usize, from: usize) {
-        let beside = self.beside(at).map(|other| match other {
-            Some(other) if self.known[other as usize] => self.arrival[other as usize],
-            _ => f64::INFINITY,
-        });
-        let (across, along) = (beside[0].min(beside[1]), beside[2].min(beside[3]));
+    fn reach(&mut self, at: usize) {
+        let beside = self.beside(at);
+        let arrivals = beside.map(|other| if self.known[other] { self.arrival[other] } else { f64::INFINITY });
+        let (across, along) = (arrivals[0].min(arrivals[1]), arrivals[2].min(arrivals[3]));
         let (low, high) = (across.min(along), across.max(along));
         let cost = self.share[at] * self.spacing;
-        // Positive numbers stand in the order of their bits.
         let arrival = if high - low >= cost {
             low + cost
         } else {
@@ -266,12 +261,8 @@ impl March {
         };
         if arrival < self.arrival[at] {
             self.arrival[at] = arrival;
-            let least = |a: Option<u32>, b: Option<u32>| match (a, b) {
-                (Some(a), Some(b)) if self.arrival[b as usize] < self.arrival[a as usize] => Some(b),
-                (a, b) => a.or(b),
-            };
-            let known = self.beside(at).map(|other| other.filter(|other| self.known[*other as usize]));
-            self.before[at] = known.into_iter().reduce(least).flatten().unwrap_or(from as u32);
+            self.before[at] = arrivals.iter().position(|arrival| *arrival == low).map_or(NONE, |k| beside[k] as u32);
+            // Positive numbers stand in the order of their bits.
             if cost == 0.0 {
                 self.stack.push(at as u32);
             } else {
@@ -340,6 +331,7 @@ mod tests {
             let cell = ((place - march.corner) / march.spacing).floor();
             march.share[cell.y as usize * march.columns + cell.x as usize] = share(place);
         }
+        march.frozen = 5.0;
         march
     }
 

@@ -394,10 +394,10 @@ mod tests {
         let found = study(text).expect("a study");
         let names: Vec<&str> = found.layouts.iter().map(|layout| layout.name.as_str()).collect();
         let expected = [
-            "pipes.0.count = 20, pipes.0.temperature_c = -20",
-            "pipes.0.count = 20, pipes.0.temperature_c = -30.5",
-            "pipes.0.count = 25, pipes.0.temperature_c = -20",
-            "pipes.0.count = 25, pipes.0.temperature_c = -30.5",
+            "pipes.1.count = 20, pipes.1.temperature_c = -20",
+            "pipes.1.count = 20, pipes.1.temperature_c = -30.5",
+            "pipes.1.count = 25, pipes.1.temperature_c = -20",
+            "pipes.1.count = 25, pipes.1.temperature_c = -30.5",
         ];
         assert_eq!(names, expected);
         assert!(found.layouts[0].sector.starts_with("a quarter"));
@@ -470,7 +470,7 @@ mod tests {
         assert_eq!(found, "s.toml: sensitivity: the scene has no number \"pipes.0.temperature_c\": lists count from 1");
         let found = refused(&format!("{head}[sweep]\n\"pipes.0.count\" = [20, 25]"));
         let expected = "lists count from 1: what was \"pipes.0\" is \"pipes.1\"";
-        assert_eq!(found, format!("layout \"count = 20\": --set pipes.0.count=20: {expected}"));
+        assert_eq!(found, format!("layout \"pipes.0.count = 20\": --set pipes.0.count=20: {expected}"));
         let found = refused("title = \"t\"\nscene = \"stefan-water\"");
         assert_eq!(found, "s.toml: scene: found \"stefan-water\", must be a ring with pipes");
     }

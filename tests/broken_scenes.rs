@@ -116,7 +116,7 @@ fn scenes_that_nobody_wrote_end_in_one_of_the_ways_there_are() {
         }
     }
     // Not all alike: cases come through to each end.
-    for end in [End::Unread, End::Refused, End::Planned, End::Run, End::Study] {
-        assert!(ends.iter().filter(|other| **other == end).count() > 3, "{end:?}");
+    for end in [End::Unread, End::Planned, End::Run, End::Study] {
+        assert!(ends.iter().filter(|other| **other == end).count() > 10, "{end:?}");
     }
 }

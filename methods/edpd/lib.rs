@@ -15,6 +15,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use frazil_core::list_operator::{Off, PairTerm, PairView};
+use frazil_core::memory::Held;
 use frazil_core::method::{Clock, Discretisation, Method, MethodKind, Normalisation, PairWeight, Stepper};
 use frazil_core::moving::Purpose;
 use frazil_core::noise::StepNoise;
@@ -111,6 +112,12 @@ impl RandomFlux {
             step: 0.0,
             strength: 0.0,
         }
+    }
+}
+
+impl Held for RandomFlux {
+    fn held(&self) -> usize {
+        size_of_val(&*self.by_particle)
     }
 }
 

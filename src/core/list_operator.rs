@@ -38,7 +38,7 @@ pub struct PairList {
 }
 
 /// A term beside conduction: eDPD's random heat flux. Off by type where it is [`Off`].
-pub trait PairTerm: Clone + Send + Sync + 'static {
+pub trait PairTerm: Held + Clone + Send + Sync + 'static {
     /// Whether the term needs temperatures and conductivities of particles.
     const ACTIVE: bool;
     /// Prepares the term for a step.
@@ -68,6 +68,12 @@ pub struct PairView<'a> {
 /// No term.
 #[derive(Debug, Clone, Copy)]
 pub struct Off;
+
+impl Held for Off {
+    fn held(&self) -> usize {
+        0
+    }
+}
 
 impl PairTerm for Off {
     const ACTIVE: bool = false;
@@ -724,7 +730,7 @@ impl Operator for EnthalpyList {
     }
 }
 
-impl<T> Held for ListOperator<T> {
+impl<T: PairTerm> Held for ListOperator<T> {
     fn held(&self) -> usize {
         let parts = &self.parts;
         let fields = self.fields.potential.held() + self.fields.temperature.held() + self.fields.conductivity.held();
@@ -733,6 +739,7 @@ impl<T> Held for ListOperator<T> {
         let copies = shared(&parts.positions) + parts.materials.of_particle.held();
         copies
             + pairs
+            + self.term.held()
             + parts.chains.held()
             + parts.cuts.held()
             + parts.ghosts.held()

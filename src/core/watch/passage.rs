@@ -1,11 +1,8 @@
 //! The least frozen way through a wall: of all ways from the centre to the outer wall that with the least frozen ground on it. The
 //! length of that ground is how thick the wall is where it is weakest, and nothing where a way leads through open ground.
 //!
-//! A way is found by fast marching: the arrival at a cell is the least frozen length from the centre to it, so `|grad D|` is the
-//! frozen share of the cell, solved upwind in the order of arrivals (Sethian 1996, PNAS 93, 1591).
-
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+//! A way is found by fast sweeping: the arrival D at a cell is the least frozen length from the centre to it, so `|grad D|` is the
+//! frozen share of the cell, solved upwind in sweeps of all four directions until nothing changes (Zhao 2005, Math. Comp. 74, 603).
 
 use glam::DVec2;
 
@@ -48,13 +45,13 @@ pub(super) struct March {
     share: Vec<f64>,
     /// Particle of each cell.
     particle: Vec<u32>,
-    /// Least frozen length from the centre (m), once it is known.
+    /// Least frozen length from the centre (m), as far as it is known.
     arrival: Vec<f64>,
-    known: Vec<bool>,
+    /// Whether the flood has come to a cell.
+    flooded: Vec<bool>,
     /// The cell before this one on its way.
     before: Vec<u32>,
-    heap: BinaryHeap<Reverse<(u64, u32)>>,
-    /// Cells that are reached at no cost, or by the flood through open ground.
+    /// Cells that the flood through open ground has come to.
     stack: Vec<u32>,
 }
 
@@ -81,9 +78,8 @@ impl March {
             share: vec![f64::NAN; cells],
             particle: vec![NONE; cells],
             arrival: vec![f64::INFINITY; cells],
-            known: vec![false; cells],
+            flooded: vec![false; cells],
             before: vec![NONE; cells],
-            heap: BinaryHeap::new(),
             stack: Vec::with_capacity(cells),
         }
     }
@@ -96,7 +92,7 @@ impl March {
         match self.flood(start, far) {
             Some(last) => self.open(last),
             None => {
-                let last = self.march(start, far);
+                let last = self.sweep(start, far);
                 self.barred(particles, last)
             }
         }
@@ -148,9 +144,8 @@ impl March {
             std::mem::swap(&mut self.share, &mut self.arrival);
         }
         self.arrival.fill(f64::INFINITY);
-        self.known.fill(false);
+        self.flooded.fill(false);
         self.before.fill(NONE);
-        self.heap.clear();
     }
 
     /// The part of a cell whose fraction is beyond one half, if it is linear in the cell.
@@ -195,7 +190,7 @@ impl March {
         }
         self.stack.clear();
         self.stack.push(start as u32);
-        self.known[start] = true;
+        self.flooded[start] = true;
         let mut found = None;
         // First in, first out: the way that is found is a short one.
         let mut next = 0;
@@ -208,67 +203,71 @@ impl March {
             let (up, down) = (at + self.columns, at - self.columns);
             for other in [at + 1, at - 1, up, down, up + 1, up - 1, down + 1, down - 1] {
                 // Where there is no cell the share is NaN, which is not open.
-                if !self.known[other] && open(self.share[other]) {
-                    self.known[other] = true;
+                if !self.flooded[other] && open(self.share[other]) {
+                    self.flooded[other] = true;
                     self.before[other] = at as u32;
                     self.stack.push(other as u32);
                 }
             }
         }
         if found.is_none() {
-            self.known.fill(false);
+            self.flooded.fill(false);
             self.before.fill(NONE);
         }
         found
     }
 
-    /// Marches from the centre; the first cell beyond all frozen ground that it comes to.
-    fn march(&mut self, start: usize, far: f64) -> usize {
-        self.stack.clear();
+    /// Sweeps from the centre; of the cells beyond all frozen ground the one that is reached at least cost.
+    fn sweep(&mut self, start: usize, far: f64) -> usize {
         self.arrival[start] = 0.5 * self.share[start] * self.spacing;
-        self.heap.push(Reverse((self.arrival[start].to_bits(), start as u32)));
-        let mut last = start;
-        // Ground without ice is reached at no cost, so before all that waits.
-        while let Some(at) = self.stack.pop().or_else(|| self.heap.pop().map(|Reverse((_, at))| at)) {
-            let at = at as usize;
-            if std::mem::replace(&mut self.known[at], true) {
-                continue;
-            }
-            last = at;
-            if self.place(at).length() >= far {
-                break;
-            }
-            for other in self.beside(at) {
-                if !self.known[other] && !self.share[other].is_nan() {
-                    self.reach(other);
+        // Cells around the centre as far as the way may go.
+        let reach = (far / self.spacing).ceil() as usize + 2;
+        let around =
+            |middle: usize, count: usize| (middle.saturating_sub(reach).max(1), (middle + reach).min(count - 2));
+        let (left, right) = around(start % self.columns, self.columns);
+        let (below, above) = around(start / self.columns, self.rows);
+        let mut changed = true;
+        while changed {
+            changed = false;
+            for (upwards, rightwards) in [(true, true), (true, false), (false, false), (false, true)] {
+                for row in 0..=above - below {
+                    let row = self.columns * if upwards { below + row } else { above - row };
+                    for column in 0..=right - left {
+                        changed |= self.reach(row + if rightwards { left + column } else { right - column });
+                    }
                 }
             }
         }
-        last
+        let beyond = |at: &usize| self.arrival[*at].is_finite() && self.place(*at).length() >= far;
+        let cells = (below..=above).flat_map(|row| (left..=right).map(move |column| (row, column)));
+        let cells = cells.map(|(row, column)| row * self.columns + column).filter(beyond);
+        cells.min_by(|a, b| self.arrival[*a].total_cmp(&self.arrival[*b])).unwrap_or(start)
     }
 
-    /// Takes the arrival at a cell from those beside it that are known, of which one has just become so.
-    fn reach(&mut self, at: usize) {
+    /// Takes the arrival at a cell from those beside it; whether it is earlier than before.
+    #[inline]
+    fn reach(&mut self, at: usize) -> bool {
+        let cost = self.share[at] * self.spacing;
         let beside = self.beside(at);
-        let arrivals = beside.map(|other| if self.known[other] { self.arrival[other] } else { f64::INFINITY });
+        let arrivals = beside.map(|other| self.arrival[other]);
         let (across, along) = (arrivals[0].min(arrivals[1]), arrivals[2].min(arrivals[3]));
         let (low, high) = (across.min(along), across.max(along));
-        let cost = self.share[at] * self.spacing;
+        // A cell costs at least this much, crossed by the diagonal of what is known beside it. Where there is no cell it is NaN.
+        let least = low + cost * std::f64::consts::FRAC_1_SQRT_2;
+        if least.is_nan() || least >= self.arrival[at] {
+            return false;
+        }
         let arrival = if high - low >= cost {
             low + cost
         } else {
             0.5 * (low + high + (2.0 * cost * cost - (high - low) * (high - low)).sqrt())
         };
-        if arrival < self.arrival[at] {
+        let earlier = arrival < self.arrival[at];
+        if earlier {
             self.arrival[at] = arrival;
             self.before[at] = arrivals.iter().position(|arrival| *arrival == low).map_or(NONE, |k| beside[k] as u32);
-            // Positive numbers stand in the order of their bits.
-            if cost == 0.0 {
-                self.stack.push(at as u32);
-            } else {
-                self.heap.push(Reverse((arrival.to_bits(), at as u32)));
-            }
         }
+        earlier
     }
 
     /// The cells on the way to one, from the centre on.
@@ -353,7 +352,7 @@ mod tests {
             let mut march = ground(wall);
             let (start, far) = (march.start(), march.far());
             assert_eq!(march.flood(start, far), None);
-            let last = march.march(start, far);
+            let last = march.sweep(start, far);
             // Half a cell: fronts are cut into cells.
             assert!((march.arrival[last] - 1.5).abs() < 0.05, "{angle}: {}", march.arrival[last]);
             let on_the_way = march.way(last).into_iter().map(|at| march.place(at)).find(|place| place.length() > 2.75);
@@ -388,7 +387,7 @@ mod tests {
         march.share = shares;
         let (start, far) = (march.start(), march.far());
         assert_eq!(march.flood(start, far), None);
-        let last = march.march(start, far);
+        let last = march.sweep(start, far);
         assert!((march.arrival[last] - 2.0).abs() < 0.05, "{}", march.arrival[last]);
     }
 }

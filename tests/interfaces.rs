@@ -6,7 +6,7 @@ use frazil_core::record::Outcome;
 use frazil_core::scene::Domain;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
-use crate::sketch::{Sketch, advance, sand, water, without_noise};
+use crate::sketch::{Sketch, advance, sand, wall_by_chance, water, without_noise};
 
 /// A material by its conductivity (W/mK), heat capacity (J/m3K) and latent heat (J/m3), which a linear curve releases over
 /// [`WIDTH`] kelvin.
@@ -231,11 +231,7 @@ fn layers_keep_heat_and_the_range_of_the_data_at_the_bound() {
                 sketch.initial_c = random.random_range(low..high);
                 for name in ["left", "right", "bottom", "top"] {
                     let temperature: f64 = random.random_range(low..high);
-                    let line = match random.random_range(0..4) {
-                        0 => "condition = \"symmetry\"".to_owned(),
-                        1 => format!("coefficient_W_per_m2_K = 20\nambient_c = {temperature}"),
-                        _ => format!("temperature_c = {temperature}"),
-                    };
+                    let line = wall_by_chance(&mut random, temperature);
                     sketch = sketch.wall(name, line);
                 }
                 let mut plan = sketch.plan(kind);

@@ -11,7 +11,7 @@ use frazil_core::scene::{Domain, Sector};
 use frazil_core::stencil::Stencil;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
-use crate::sketch::{Sketch, advance, sand, water, without_noise};
+use crate::sketch::{Sketch, advance, sand, wall_by_chance, water, without_noise};
 
 const SPACING: f64 = 0.1;
 const LINE: Domain = Domain::Line { length: 2.4 };
@@ -439,11 +439,7 @@ fn temperatures_stay_within_the_data_at_the_bound_of_the_step() {
                     };
                     for name in walls.iter().copied() {
                         let temperature: f64 = if random.random() { low } else { random.random_range(low..high) };
-                        let line = match random.random_range(0..4) {
-                            0 => "condition = \"symmetry\"".to_owned(),
-                            1 => format!("coefficient_W_per_m2_K = 20\nambient_c = {temperature}"),
-                            _ => format!("temperature_c = {temperature}"),
-                        };
+                        let line = wall_by_chance(&mut random, temperature);
                         sketch = sketch.wall(name, line);
                     }
                     let mut plan = sketch.plan(kind);

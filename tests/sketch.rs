@@ -8,6 +8,7 @@ use frazil_core::method::{Clock, MethodKind};
 use frazil_core::plan::{self, Plan};
 use frazil_core::record::RunResult;
 use frazil_core::scene::{Domain, Scene, Sector};
+use rand::{RngExt, rngs::StdRng};
 
 /// A scene in a few words. Walls, materials and numerics are lines of the file.
 #[derive(Debug, Clone)]
@@ -237,4 +238,13 @@ pub fn rates(plan: &mut Plan, state: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     plan.particles.enthalpy.copy_from_slice(&start);
     advance(plan, 1);
     plan.particles.enthalpy.iter().zip(&start).map(|(now, before)| (now - before) / plan.step).collect()
+}
+
+/// A wall of one of the kinds that there are, by chance.
+pub fn wall_by_chance(random: &mut StdRng, temperature: f64) -> String {
+    match random.random_range(0..4) {
+        0 => "condition = \"symmetry\"".to_owned(),
+        1 => format!("coefficient_W_per_m2_K = 20\nambient_c = {temperature}"),
+        _ => format!("temperature_c = {temperature}"),
+    }
 }

@@ -12,6 +12,7 @@ mod sampler;
 mod shells;
 mod standing;
 mod stream;
+mod sunk;
 mod wall;
 
 use corners::Corners;

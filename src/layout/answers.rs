@@ -295,8 +295,11 @@ impl Series {
             let sum = |row: &BudgetRow| sign * images * doors.iter().filter_map(|k| row.in_j.get(*k)).sum::<f64>();
             kept.budget.iter().map(|row| (row.time_s, sum(row))).collect()
         };
+        // At the same instants, in the same order.
+        let sections: Vec<&PlaneRow> = kept.planes.iter().filter(|row| row.plane == "weakest").collect();
         let row = |wall: &WallRow| {
-            let plane = kept.planes.iter().find(|row| row.plane == "weakest" && row.time_s == wall.time_s);
+            let at = sections.partition_point(|row| row.time_s < wall.time_s);
+            let plane = sections.get(at).filter(|row| row.time_s == wall.time_s);
             let closed = wall.closed.unwrap_or(false);
             let temperature = plane.and_then(|plane| plane.mean_temperature_c);
             (wall.time_s, closed, wall.thickness_weakest_m.unwrap_or(0.0), temperature)

@@ -31,7 +31,7 @@ pub(super) struct Passage {
 
 /// Finds ways over the cells of a plan. What it needs is kept from one time to the next.
 #[derive(Debug, Clone, Default)]
-pub(super) struct March {
+pub(super) struct PassageFinder {
     /// Columns and rows, with one more on each side, where there are no cells.
     columns: usize,
     rows: usize,
@@ -55,7 +55,7 @@ pub(super) struct March {
     stack: Vec<u32>,
 }
 
-impl Held for March {
+impl Held for PassageFinder {
     fn held(&self) -> usize {
         let cells = self.share.len();
         let kept = size_of::<f64>() + size_of::<bool>() + 2 * size_of::<u32>();
@@ -63,12 +63,12 @@ impl Held for March {
     }
 }
 
-impl March {
+impl PassageFinder {
     /// Over the cells of a lattice.
     pub(super) fn over(lattice: &Lattice) -> Self {
         let (columns, rows) = (lattice.columns + 2, lattice.rows + 2);
         let cells = columns * rows;
-        March {
+        PassageFinder {
             columns,
             rows,
             corner: lattice.corner - DVec2::splat(lattice.spacing),
@@ -323,15 +323,15 @@ mod tests {
     use crate::scene::{Domain, Sector};
 
     /// Cells of 0.1 m over a disc of 6 m whose frozen share is given.
-    fn ground(share: impl Fn(DVec2) -> f64) -> March {
+    fn ground(share: impl Fn(DVec2) -> f64) -> PassageFinder {
         let lattice = Lattice::new(&Domain::Ring { outer_radius: 6.0, sector: Sector::Whole }, 0.1);
-        let mut march = March::over(&lattice);
+        let mut finder = PassageFinder::over(&lattice);
         for place in lattice.positions() {
-            let cell = ((place - march.corner) / march.spacing).floor();
-            march.share[cell.y as usize * march.columns + cell.x as usize] = share(place);
+            let cell = ((place - finder.corner) / finder.spacing).floor();
+            finder.share[cell.y as usize * finder.columns + cell.x as usize] = share(place);
         }
-        march.frozen = 5.0;
-        march
+        finder.frozen = 5.0;
+        finder
     }
 
     /// Share of a cell inside an area, from 10 x 10 places in it.
@@ -349,18 +349,19 @@ mod tests {
         for angle in [0.0, 0.3, 0.8, 2.0, 4.0] {
             let aside = 0.5 * DVec2::from_angle(angle);
             let wall = covered(move |place| place.length() > 2.0 && place.distance(aside) < 4.0);
-            let mut march = ground(wall);
-            let (start, far) = (march.start(), march.far());
-            assert_eq!(march.flood(start, far), None);
-            let last = march.sweep(start, far);
+            let mut finder = ground(wall);
+            let (start, far) = (finder.start(), finder.far());
+            assert_eq!(finder.flood(start, far), None);
+            let last = finder.sweep(start, far);
             // Half a cell: fronts are cut into cells.
-            assert!((march.arrival[last] - 1.5).abs() < 0.05, "{angle}: {}", march.arrival[last]);
-            let on_the_way = march.way(last).into_iter().map(|at| march.place(at)).find(|place| place.length() > 2.75);
+            assert!((finder.arrival[last] - 1.5).abs() < 0.05, "{angle}: {}", finder.arrival[last]);
+            let on_the_way =
+                finder.way(last).into_iter().map(|at| finder.place(at)).find(|place| place.length() > 2.75);
             let off = on_the_way.expect("a place").angle_to(-aside).abs();
             // The thickness is the same to half a cell over some 30 degrees.
             assert!(off < 0.6, "{angle}: {off}");
             // Straight outwards it is as thick as geometry says.
-            assert!((march.along(aside) - 2.5).abs() < 0.05 && (march.along(-aside) - 1.5).abs() < 0.05);
+            assert!((finder.along(aside) - 2.5).abs() < 0.05 && (finder.along(-aside) - 1.5).abs() < 0.05);
         }
     }
 
@@ -369,25 +370,25 @@ mod tests {
     fn a_wall_with_a_hole_of_a_cell_is_open() {
         let wall = |place: DVec2| (2.0..4.0).contains(&place.length());
         let slit = |place: DVec2| wall(place) && !(place.x > 0.0 && (0.0..0.1).contains(&place.y));
-        let mut march = ground(|place| f64::from(u8::from(slit(place))));
-        assert!(march.flood(march.start(), march.far()).is_some());
+        let mut finder = ground(|place| f64::from(u8::from(slit(place))));
+        assert!(finder.flood(finder.start(), finder.far()).is_some());
         // Cells on a diagonal are open, and those beside them frozen.
         let cell = |place: DVec2| ((place.x / 0.1).floor(), (place.y / 0.1).floor());
         let diagonal = |place: DVec2| wall(place) && cell(place).0 != cell(place).1;
-        let mut march = ground(|place| f64::from(u8::from(diagonal(place))));
-        assert!(march.flood(march.start(), march.far()).is_some());
+        let mut finder = ground(|place| f64::from(u8::from(diagonal(place))));
+        assert!(finder.flood(finder.start(), finder.far()).is_some());
     }
 
     /// Where ground freezes over a range, cells count from where they are half frozen on.
     #[test]
     fn what_is_half_frozen_counts() {
         // From half to whole within 0.5 m: half frozen from 2 m to 4 m.
-        let mut march = ground(|place| (0.5 + (place.length() - 2.0).min(4.0 - place.length())).clamp(0.0, 1.0));
-        let shares: Vec<f64> = (0..march.share.len()).map(|at| march.beyond_half(at)).collect();
-        march.share = shares;
-        let (start, far) = (march.start(), march.far());
-        assert_eq!(march.flood(start, far), None);
-        let last = march.sweep(start, far);
-        assert!((march.arrival[last] - 2.0).abs() < 0.05, "{}", march.arrival[last]);
+        let mut finder = ground(|place| (0.5 + (place.length() - 2.0).min(4.0 - place.length())).clamp(0.0, 1.0));
+        let shares: Vec<f64> = (0..finder.share.len()).map(|at| finder.beyond_half(at)).collect();
+        finder.share = shares;
+        let (start, far) = (finder.start(), finder.far());
+        assert_eq!(finder.flood(start, far), None);
+        let last = finder.sweep(start, far);
+        assert!((finder.arrival[last] - 2.0).abs() < 0.05, "{}", finder.arrival[last]);
     }
 }

@@ -1,13 +1,12 @@
 //! The frozen wall of a ring: neighbouring pipes, joined once a way between them is frozen through, when a closed wall stands around
 //! the centre and how thick it is where it is weakest, and sections of it.
 
-use std::f64::consts::{PI, TAU};
-
 use glam::DVec2;
 
 use super::loops::{closure, neighbours};
-use super::passage::{March, Passage};
+use super::passage::{Passage, PassageFinder};
 use super::standing::Standing;
+use super::sunk::{FrozenIn, Sunk, frozen_in};
 use super::{Ray, Sample, Sampler};
 use crate::ledger::Ledger;
 use crate::material::FreezingLaw;
@@ -18,7 +17,7 @@ use crate::record::{LinkRow, PlaneRow, WallRecord};
 use crate::scene::{Domain, Scene, Sector};
 
 /// Two places that are the same, over the size of the plan.
-const SAME_PLACE: f64 = 1e-9;
+pub(super) const SAME_PLACE: f64 = 1e-9;
 
 /// Bends of ways that are tried to either side of the straight one, at most.
 const MOST_BENDS: f64 = 16.0;
@@ -138,7 +137,7 @@ pub(super) struct Wall {
     /// Sections of the wall over time.
     pub(super) planes: Vec<PlaneRow>,
     /// What finds the least frozen way through it.
-    march: March,
+    finder: PassageFinder,
     /// Whether its ground freezes at one temperature.
     sharp: bool,
     standing: Standing,
@@ -154,14 +153,6 @@ struct Weakest {
     /// Frozen length on the least frozen way through it (m), and the mean temperature on it.
     thickness: f64,
     mean_temperature: Option<f64>,
-}
-
-/// A ring of pipes sunk into particles.
-#[derive(Debug, Clone, Default)]
-struct Sunk {
-    pipes: Vec<Extent>,
-    /// Particles that the heat of its pipes is spread over.
-    near: Vec<u32>,
 }
 
 impl Wall {
@@ -183,8 +174,8 @@ impl Wall {
             rings[pipe.ring].near.extend(pipe.particles(sampler.lattice).into_iter().filter(inside));
         }
         let sharp = matches!(scene.materials[0].law, FreezingLaw::Isothermal);
-        let march = March::over(sampler.lattice);
-        let mut wall = Wall { places, rings, march, sharp, ..Wall::default() };
+        let finder = PassageFinder::over(sampler.lattice);
+        let mut wall = Wall { places, rings, finder, sharp, ..Wall::default() };
         let stand: Vec<DVec2> = wall.places.iter().map(|place| place.at).collect();
         let mut joints: Vec<(usize, Option<usize>)> = Vec::new();
         for ends in neighbours(&stand) {
@@ -278,7 +269,7 @@ impl Wall {
         // Until its pipes have joined all around, the wall is open whatever else is frozen.
         let joined = self.joined();
         if let Some(joined) = joined {
-            let passage = self.march.passage(particles, self.sharp);
+            let passage = self.finder.passage(particles, self.sharp);
             self.standing.look(time, passage.thickness, joined);
             let link = self.crossed(&passage, joined);
             (row.inner_m, row.outer_m) = (passage.ends.map(|ends| ends.0), passage.ends.map(|ends| ends.1));
@@ -328,7 +319,7 @@ impl Wall {
         let last = self.last_to_close(joined);
         if let Some(last) = last.filter(|_| passage.thickness > 0.0) {
             let [a, b] = self.lines[self.links[last].line];
-            if self.march.along(0.5 * (a + b)) <= passage.thickness + 0.5 * self.march.spacing() {
+            if self.finder.along(0.5 * (a + b)) <= passage.thickness + 0.5 * self.finder.spacing() {
                 return Some(last);
             }
         }
@@ -337,7 +328,7 @@ impl Wall {
             passage.places.iter().map(|place| from_segment(*place, a, b)).fold(f64::INFINITY, f64::min)
         };
         let near: Vec<f64> = self.links.iter().map(off).collect();
-        let least = near.iter().copied().fold(f64::INFINITY, f64::min).max(self.march.spacing());
+        let least = near.iter().copied().fold(f64::INFINITY, f64::min).max(self.finder.spacing());
         // A way through several rings crosses a link of each: the last of them to close is the weakest.
         let closed = |link: usize| self.joints[self.links[link].joint].closed.unwrap_or(f64::INFINITY);
         let crossed = (0..self.links.len()).filter(|link| near[*link] <= least);
@@ -385,90 +376,7 @@ impl Wall {
 
 impl Held for Wall {
     fn held(&self) -> usize {
-        self.joints.iter().map(Held::held).sum::<usize>() + self.march.held()
-    }
-}
-
-/// Pipes of a ring in ground that is frozen around them. There the field of a pipe is that of a line sink,
-/// `T = T_p + q/(2 pi k) ln(r/r_p)`, but particles hold a smoothed one, over the pipe too.
-struct FrozenIn<'a> {
-    pipes: &'a [Extent],
-    /// Radius of the pipes (m); 0 of single particles.
-    radius: f64,
-    /// Temperature of their walls.
-    temperature: f64,
-    /// Heat that one of them takes over the conductivity of the ground (K).
-    heat: f64,
-}
-
-/// Rings that cool ground which is frozen as far as the heat of their pipes is spread.
-fn frozen_in<'a>(
-    rings: &'a [Sunk],
-    scene: &Scene,
-    particles: &Particles,
-    ledger: &Ledger,
-    time: f64,
-) -> Vec<FrozenIn<'a>> {
-    let rings = rings.iter().zip(ledger.rings()).zip(&scene.rings);
-    rings
-        .filter_map(|((sunk, rate), ring)| {
-            let first = *sunk.near.first()? as usize;
-            let cools = rate < 0.0 && sunk.near.iter().all(|i| particles.frozen_fraction(*i as usize) >= 1.0);
-            let pipe = ring.temperature.at(time);
-            let share: f64 = sunk.pipes.iter().map(|pipe| pipe.share).sum();
-            let conductivity = particles.materials.of(first).curve.conductivity(pipe);
-            // Behind a film the wall is warmer than the brine.
-            let film = ring.film.map_or(0.0, |film| 1.0 / (film * TAU * ring.pipe_radius));
-            let pipe = pipe - rate / share * film;
-            let heat = -rate / share / conductivity;
-            cools.then_some(FrozenIn { pipes: &sunk.pipes, radius: ring.pipe_radius, temperature: pipe, heat })
-        })
-        .collect()
-}
-
-impl FrozenIn<'_> {
-    fn share(&self) -> f64 {
-        self.pipes.iter().map(|pipe| pipe.share).sum()
-    }
-
-    /// Area of the pipes (m2), in the sector.
-    fn area(&self) -> f64 {
-        self.share() * PI * self.radius * self.radius
-    }
-
-    /// By how much the integral of the temperature over all particles is greater than over the ground outside the pipes
-    /// (K m2): what smoothing takes off the field, and what the field of a line has inside the pipes.
-    fn excess(&self) -> f64 {
-        let smoothed: f64 = self.pipes.iter().map(|pipe| pipe.share * pipe.smoothing).sum();
-        let inside = self.area() * self.temperature - self.share() * 0.25 * self.heat * self.radius * self.radius;
-        self.heat * smoothed + inside
-    }
-
-    /// Puts pipes and the field around them where readings along a ray through their axes are smoothed.
-    fn sharpen(&self, ray: &Ray, temperature: &mut [f64]) {
-        for pipe in self.pipes.iter().filter(|_| self.radius > 0.0) {
-            let axis = pipe.centre.dot(ray.direction);
-            if axis <= 0.0 || pipe.centre.distance(axis * ray.direction) > SAME_PLACE * axis {
-                continue;
-            }
-            // Beyond the particles that the heat is spread over the field is that of a line.
-            for side in [-1.0, 1.0] {
-                let far = |radius: f64| side * (radius - axis) >= pipe.half_width;
-                let edge = match side < 0.0 {
-                    true => ray.radii.iter().rposition(|radius| far(*radius)),
-                    false => ray.radii.iter().position(|radius| far(*radius)),
-                };
-                let Some(edge) = edge else { continue };
-                let width = (ray.radii[edge] - axis).abs();
-                let slope = (temperature[edge] - self.temperature) / (width / self.radius).ln();
-                for (radius, temperature) in ray.radii.iter().zip(temperature.iter_mut()) {
-                    let distance = side * (radius - axis);
-                    if (0.0..width).contains(&distance) {
-                        *temperature = self.temperature + slope * (distance / self.radius).ln().max(0.0);
-                    }
-                }
-            }
-        }
+        self.joints.iter().map(Held::held).sum::<usize>() + self.finder.held()
     }
 }
 

@@ -129,8 +129,32 @@ fn four_walls(placing: &Placing) -> Sketch {
         .wall(placing.wall("top"), "temperature_c = 2");
     sketch.duration_s = 6.0 * 3600.0;
     sketch.outputs = 6;
-    sketch.watch =
-        format!("probes_m = {}\n{}", placing.points(&[(0.035, 0.021), (0.2, 0.14)]), placing.cuts(0.05, 0.12));
+    let height = placing.extent.1;
+    let probes = placing.points(&[(0.035, 0.13 * height), (0.2, 0.9 * height)]);
+    sketch.watch = format!("probes_m = {probes}\n{}", placing.cuts(0.3 * height, 0.12));
+    sketch
+}
+
+fn listed_walls(placing: &Placing) -> Sketch {
+    four_walls(placing).with("search = \"tree\"")
+}
+
+fn naive_walls(placing: &Placing) -> Sketch {
+    four_walls(placing).with("wall_model = \"naive\"")
+}
+
+fn inner_walls(placing: &Placing) -> Sketch {
+    four_walls(placing).with("wall_model = \"inner-layers\"")
+}
+
+fn fitted_walls(placing: &Placing) -> Sketch {
+    four_walls(placing).with("wall_model = \"moving-least-squares\"")
+}
+
+fn mixed_walls(placing: &Placing) -> Sketch {
+    let mut sketch = four_walls(placing);
+    sketch.materials.push(("sand", sand(CURVE)));
+    sketch.regions = vec![format!("material = \"sand\"\n{}", placing.cell((0.0, 0.05), (0.1, 0.16)))];
     sketch
 }
 
@@ -276,14 +300,34 @@ const TAIL: f64 = 1e-9;
 /// Pressures are found to 1e-11 of what drives the water, some hundred ways between particles away from where it is known.
 const PRESSURE: f64 = 1e-7;
 
-/// Where two walls of different conditions meet, ghosts in the corner follow the walls left and right first, and their heat is
-/// booked there.
-const CORNERS: f64 = 0.03;
-
-const CASES: [Case; 10] = [
+const CASES: [Case; 16] = [
     Case { name: "line", extent: (0.5, 0.0), ways: MIRRORED, sketch: line, tolerance: ROUNDING },
     Case { name: "layered line", extent: (0.5, 0.0), ways: MIRRORED, sketch: layered_line, tolerance: ROUNDING },
-    Case { name: "four walls", extent: (0.24, 0.16), ways: SOME, sketch: four_walls, tolerance: CORNERS },
+    Case { name: "four walls", extent: (0.24, 0.16), ways: SOME, sketch: four_walls, tolerance: ROUNDING },
+    Case { name: "four walls of a list", extent: (0.24, 0.16), ways: SOME, sketch: listed_walls, tolerance: ROUNDING },
+    Case { name: "four walls by layers", extent: (0.24, 0.16), ways: SOME, sketch: naive_walls, tolerance: ROUNDING },
+    Case {
+        name: "four walls by inner layers",
+        extent: (0.24, 0.16),
+        ways: SOME,
+        sketch: inner_walls,
+        tolerance: ROUNDING,
+    },
+    Case { name: "four walls by fits", extent: (0.24, 0.16), ways: SOME, sketch: fitted_walls, tolerance: ROUNDING },
+    Case {
+        name: "narrow between four walls",
+        extent: (0.24, 0.02),
+        ways: SOME,
+        sketch: four_walls,
+        tolerance: ROUNDING,
+    },
+    Case {
+        name: "inclusions between four walls",
+        extent: (0.24, 0.16),
+        ways: SOME,
+        sketch: mixed_walls,
+        tolerance: ROUNDING,
+    },
     Case { name: "plane front", extent: (0.24, 0.16), ways: SOME, sketch: plane_front, tolerance: ROUNDING },
     Case { name: "inclusions", extent: (0.24, 0.16), ways: SOME, sketch: inclusions, tolerance: ROUNDING },
     Case { name: "cracks", extent: (0.24, 0.16), ways: SOME, sketch: cracked, tolerance: ROUNDING },

@@ -1,19 +1,13 @@
 //! Ghost particles around a cloud: mirrors of particles at straight walls, or moving least squares.
 
+mod build;
+
 use glam::DVec2;
 
-use crate::boundary::{Boundary, Face, Side, moving_least_squares};
+use crate::boundary::Face;
 use crate::interface::Chains;
-use crate::lattice::Lattice;
 use crate::memory::Held;
-use crate::neighbours::{NeighbourSearch, Period, tree::Tree};
 use crate::uptake::Materials;
-
-/// Range of moving least squares in units of the spacing, and the scale of its weights.
-pub(crate) const FIT_RANGE: f64 = 2.3;
-pub(crate) const FIT_SCALE: f64 = 1.2;
-/// Relative difference of squared distances that rounding may make.
-const SAME_DISTANCE: f64 = 1e-9;
 
 /// Ghosts, numbered after the particles; each depends only on particles and earlier ghosts.
 #[derive(Debug, Clone, Default)]
@@ -34,6 +28,8 @@ pub struct Ghosts {
     pub identity: Vec<u32>,
     /// Tells images of one particle apart.
     pub stream: Vec<u32>,
+    /// Share of the ghost's pairs that counts; empty where all do.
+    share: Vec<f64>,
     starts: Vec<u32>,
     images: Vec<(u32, f64)>,
 }
@@ -57,7 +53,8 @@ impl Held for Ghosts {
         // Doors are a byte and whether there is one.
         let doors = (self.door.capacity() + self.pays.capacity()) * size_of::<Option<u8>>();
         let names = self.material.held() + self.model.held() + self.identity.held() + self.stream.held();
-        self.position.held() + doors + self.depth.held() + names + self.starts.held() + self.images.held()
+        let numbers = self.depth.held() + self.share.held();
+        self.position.held() + doors + numbers + names + self.starts.held() + self.images.held()
     }
 }
 
@@ -65,126 +62,6 @@ impl Ghosts {
     /// No ghosts.
     pub fn none() -> Self {
         Ghosts { starts: vec![0], ..Ghosts::default() }
-    }
-
-    /// Ghosts within `reach` (m) outside the walls. `fitted` takes images at straight walls from moving least
-    /// squares as well, with ghosts on their own lattice.
-    pub fn new(points: &[DVec2], lattice: &Lattice, boundary: &Boundary, reach: f64, fitted: bool) -> Self {
-        let mut ghosts = Ghosts::none();
-        let reach = reach * (1.0 + 1e-9);
-        let extent = lattice.spacing * DVec2::new(lattice.columns as f64, lattice.rows as f64);
-        let sides: [(usize, DVec2, f64); 4] = [
-            (0, DVec2::NEG_X, -lattice.corner.x),
-            (1, DVec2::X, lattice.corner.x + extent.x),
-            (2, DVec2::NEG_Y, -lattice.corner.y),
-            (3, DVec2::Y, lattice.corner.y + extent.y),
-        ];
-        // Columns first, then rows over everything so far: corners are mirrored twice, always in this order.
-        for pair in [&sides[..2], &sides[2..]] {
-            if lattice.dimension == 1 && pair[0].0 == 2 {
-                continue;
-            }
-            if fitted && pair.iter().any(|side| matches!(boundary.sides[side.0], Side::Wall(_))) {
-                ghosts.fit_straight(points, lattice, boundary, pair, reach);
-                continue;
-            }
-            let mut frontier: Vec<(u32, usize)> =
-                (0..(points.len() + ghosts.position.len()) as u32).map(|index| (index, usize::MAX)).collect();
-            while !frontier.is_empty() {
-                let mut next = Vec::new();
-                for (index, came_from) in frontier {
-                    for (side, normal, offset) in pair {
-                        if *side == came_from || boundary.sides[*side] == Side::Curved {
-                            continue;
-                        }
-                        let place = ghosts.place(points, index);
-                        let depth = offset - normal.dot(place);
-                        if depth < 0.0 || depth > reach {
-                            continue;
-                        }
-                        let door = match boundary.sides[*side] {
-                            Side::Wall(door) => {
-                                Some(boundary.door_at(door, if *side < 2 { place.y } else { place.x }) as u8)
-                            }
-                            Side::Mirror | Side::Curved => None,
-                        };
-                        let open = door
-                            .filter(|door| boundary.books_all || boundary.doors[*door as usize].lets_heat_through());
-                        let number = (points.len() + ghosts.position.len()) as u32;
-                        ghosts.mirror(points.len(), index, place + 2.0 * depth * *normal, door, open, depth, *side);
-                        next.push((number, *side));
-                    }
-                }
-                frontier = next;
-            }
-        }
-        ghosts
-    }
-
-    fn place(&self, points: &[DVec2], index: u32) -> DVec2 {
-        let index = index as usize;
-        if index < points.len() { points[index] } else { self.position[index - points.len()] }
-    }
-
-    #[allow(clippy::too_many_arguments)]
-    fn mirror(
-        &mut self,
-        count: usize,
-        image: u32,
-        place: DVec2,
-        door: Option<u8>,
-        open: Option<u8>,
-        depth: f64,
-        side: usize,
-    ) {
-        let number = (count + self.position.len()) as u32;
-        let parent = (image as usize).checked_sub(count);
-        let (model, identity, stream, pays) = match parent {
-            Some(k) => (self.model[k], self.identity[k], self.stream[k], self.pays[k]),
-            None => (image, image, 0, None),
-        };
-        self.position.push(place);
-        self.door.push(door);
-        // Corners beside an open wall left or right are its own, as on the lattice.
-        self.pays.push(if side >= 2 { pays.or(open) } else { open.or(pays) });
-        self.depth.push(depth);
-        self.model.push(model);
-        self.identity.push(if open.is_some() { number } else { identity });
-        self.stream.push(stream * 5 + side as u32 + 1);
-        self.images.push((image, 1.0));
-        self.starts.push(self.images.len() as u32);
-    }
-
-    /// Ghosts on lattice points outside straight walls, with fitted images.
-    fn fit_straight(
-        &mut self,
-        points: &[DVec2],
-        lattice: &Lattice,
-        boundary: &Boundary,
-        pair: &[(usize, DVec2, f64)],
-        reach: f64,
-    ) {
-        let layers = (reach / lattice.spacing).ceil() as i64;
-        for (side, normal, offset) in pair {
-            let Side::Wall(door) = boundary.sides[*side] else { continue };
-            let margin = if *side >= 2 { layers } else { 0 };
-            let (columns, rows) = (lattice.columns as i64, lattice.rows as i64);
-            let cells: Vec<(i64, i64)> = match side {
-                0 => (0..rows).flat_map(|row| (1..=layers).map(move |k| (-k, row))).collect(),
-                1 => (0..rows).flat_map(|row| (0..layers).map(move |k| (columns + k, row))).collect(),
-                2 => (-margin..columns + margin).flat_map(|c| (1..=layers).map(move |k| (c, -k))).collect(),
-                _ => (-margin..columns + margin).flat_map(|c| (0..layers).map(move |k| (c, rows + k))).collect(),
-            };
-            let targets: Vec<(DVec2, DVec2, f64)> = cells
-                .into_iter()
-                .map(|(column, row)| {
-                    let place = lattice.centre(column, row);
-                    let depth = normal.dot(place) - offset;
-                    (place, place - 2.0 * depth * *normal, depth)
-                })
-                .collect();
-            self.fit(points, lattice, &targets, door);
-        }
     }
 
     /// Gives ghosts other images, where there are any.
@@ -221,32 +98,6 @@ impl Ghosts {
         self.starts.push(self.images.len() as u32);
     }
 
-    /// Adds ghosts at `targets` (place, image, depth) with images fitted to nearby particles.
-    fn fit(&mut self, points: &[DVec2], lattice: &Lattice, targets: &[(DVec2, DVec2, f64)], door: usize) {
-        let range = FIT_RANGE * lattice.spacing;
-        let offset = targets.len();
-        let mut all: Vec<DVec2> = targets.iter().map(|target| target.1).collect();
-        all.extend_from_slice(points);
-        let near = Tree.neighbours(&all, offset, range, Period::NONE);
-        for (k, (place, image, depth)) in targets.iter().enumerate() {
-            let found: Vec<usize> =
-                near.of(k).iter().filter(|j| **j as usize >= offset).map(|j| *j as usize - offset).collect();
-            let Some(first) = model(*image, &found, points) else { continue };
-            let neighbours: Vec<DVec2> = found.iter().map(|j| points[*j]).collect();
-            let weights = moving_least_squares(*image, &neighbours, FIT_SCALE * lattice.spacing, lattice.dimension);
-            let number = (points.len() + self.position.len()) as u32;
-            self.images.extend(found.iter().zip(weights).map(|(j, weight)| (*j as u32, weight)));
-            self.position.push(*place);
-            self.door.push(Some(door as u8));
-            self.pays.push(Some(door as u8));
-            self.depth.push(*depth);
-            self.model.push(first as u32);
-            self.identity.push(number);
-            self.stream.push(0);
-            self.starts.push(self.images.len() as u32);
-        }
-    }
-
     /// For each ghost that mirrors one particle, directly or through another ghost: the particle, and the factor
     /// with which the ghost follows it.
     pub fn mirrored(&self, count: usize, faces: &[Face]) -> Vec<Option<(u32, f64)>> {
@@ -271,6 +122,12 @@ impl Ghosts {
             [(original, 1.0)] => Some(*original),
             _ => None,
         }
+    }
+
+    /// Share of the ghost's pairs that counts: ghosts of two mirrors that stand in one place count half each.
+    #[inline]
+    pub fn share(&self, ghost: usize) -> f64 {
+        self.share.get(ghost).copied().unwrap_or(1.0)
     }
 
     /// Number of ghosts.
@@ -414,37 +271,6 @@ impl Ghosts {
         match self.material.get(ghost) {
             Some(material) => *material as usize,
             None => materials.index(self.model[ghost] as usize),
-        }
-    }
-}
-
-/// The place nearest to an image. Equally near ones are told apart by their distances from the axes, so that mirror
-/// images of a ghost take mirror images of a particle.
-fn model(image: DVec2, found: &[usize], places: &[DVec2]) -> Option<usize> {
-    let distance = |place: usize| (places[place] - image).length_squared();
-    let least = found.iter().copied().map(distance).fold(f64::INFINITY, f64::min);
-    let nearest = found.iter().copied().filter(|place| distance(*place) <= least * (1.0 + SAME_DISTANCE));
-    nearest.min_by(|a, b| {
-        let (a, b) = (places[*a].abs(), places[*b].abs());
-        a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y))
-    })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// On a diagonal two particles are equally near. Mirror images of the image must take mirror images of one of them.
-    #[test]
-    fn mirrored_ghosts_take_mirrored_models() {
-        let places = [DVec2::new(1.1, 0.9), DVec2::new(0.9, 1.1), DVec2::new(1.5, 1.5)];
-        let model = |image: DVec2, places: &[DVec2]| model(image, &[0, 1, 2], places).map(|found| places[found].abs());
-        let own = model(DVec2::ONE, &places);
-        for mirror in [DVec2::new(-1.0, 1.0), DVec2::new(1.0, -1.0), DVec2::NEG_ONE] {
-            // A lattice numbers its particles upward, whichever side of an axis they are on.
-            let mut mirrored = places.map(|place| place * mirror);
-            mirrored.sort_by(|a, b| a.y.total_cmp(&b.y));
-            assert_eq!(model(mirror, &mirrored), own);
         }
     }
 }

@@ -56,8 +56,8 @@ struct Exterior {
     gains: Vec<(f64, f64)>,
 }
 
-/// How small changes meet the walls: the ghosts of straight walls with a film follow their images by place along the wall
-/// and layer (those of other straight walls all follow alike), the gains at a curved wall follow what is seen of it.
+/// How small changes meet the walls: the ghosts of straight walls with a film follow their images by padded place along the
+/// wall and layer (those of other straight walls all follow alike), the gains at a curved wall follow what is seen of it.
 #[derive(Debug, Clone, Default)]
 struct WallSlopes {
     by_side: [Vec<f64>; 4],
@@ -79,6 +79,8 @@ struct Around<L> {
     thermal: Thermal,
     sides: [Side; 4],
     open: [bool; 4],
+    /// Whether heat passes walls that meet in corners.
+    walls_meet: bool,
     faces: Vec<Face>,
     /// Instead of faces, where potentials are small changes.
     slopes: Option<WallSlopes>,
@@ -118,7 +120,7 @@ impl<L: PotentialLaw> Around<L> {
         }
     }
 
-    /// A ghost of a straight wall, `layer` rows behind it at `place` along it.
+    /// A ghost of a straight wall, `layer` rows behind it at the padded `place` along it.
     #[inline(always)]
     fn ghost(&self, side: usize, face: &Face, image: f64, place: usize, layer: usize) -> f64 {
         if let (Some(slopes), Face::Film { .. }) = (&self.slopes, face) {
@@ -143,8 +145,7 @@ impl<L: PotentialLaw> Around<L> {
         let (side, layer, image) = if row < 0 { (2, -1 - row, -1 - row) } else { (3, row - rows, 2 * rows - 1 - row) };
         if self.sides[side] == Side::Curved {
             self.exterior_row(row, potentials);
-            // Walls with a film do not meet curved ones: the place along them does not matter here.
-            self.columns(0, potentials);
+            self.columns((row + self.shape.reach_rows as i64) as usize, potentials);
             return;
         }
         self.fill_any(image, enthalpy, potentials);
@@ -152,6 +153,25 @@ impl<L: PotentialLaw> Around<L> {
         let used = self.lattice.columns + 2 * self.shape.reach;
         for (place, potential) in potentials[..used].iter_mut().enumerate() {
             *potential = self.ghost(side, &face, *potential, place, layer as usize);
+        }
+        if self.walls_meet {
+            self.meet_columns((row + self.shape.reach_rows as i64) as usize, potentials);
+        }
+    }
+
+    /// In the corners of a ghost row, whose ghosts are images of ghost columns: the mean with the images that the walls left
+    /// and right have of the row itself, so that neither wall goes first.
+    fn meet_columns(&self, place: usize, potentials: &mut [f64]) {
+        let (reach, columns) = (self.shape.reach, self.lattice.columns);
+        for layer in 0..reach {
+            for (side, ghost, image) in
+                [(0, reach - 1 - layer, reach + layer), (1, reach + columns + layer, reach + columns - 1 - layer)]
+            {
+                if self.sides[side] != Side::Curved {
+                    let other = self.ghost(side, &self.face(side), potentials[image], place, layer);
+                    potentials[ghost] = 0.5 * (potentials[ghost] + other);
+                }
+            }
         }
     }
 
@@ -164,9 +184,30 @@ impl<L: PotentialLaw> Around<L> {
         }
     }
 
-    /// Ghost columns left and right of a row.
+    /// What ghosts in a corner give through the wall at the bottom or the top, `layer` rows behind it: half of it the jump that
+    /// this wall makes to the images beyond the columns, half what the particles have of its own ghosts where it is the first
+    /// of both. So each wall brings what its condition says. The rows are those of the particles, of the ghosts' images and
+    /// of the ghosts, `dx` columns on.
+    fn through_corner(
+        &self,
+        (side, layer): (usize, usize),
+        [own, images, ghosts]: [&[f64]; 3],
+        dx: i64,
+        cells: std::ops::Range<usize>,
+    ) -> f64 {
+        let (reach, face) = (self.shape.reach, self.face(side));
+        let mirror = if dx < 0 { 2 * reach - 1 } else { 2 * (reach + self.lattice.columns) - 1 };
+        let share = |cell: usize| {
+            let ghost = ((reach + cell) as i64 + dx) as usize;
+            let jump = self.ghost(side, &face, images[ghost], ghost, layer) - images[ghost];
+            0.5 * (jump + ghosts[mirror - ghost] - own[reach + cell])
+        };
+        cells.map(share).sum()
+    }
+
+    /// Ghost columns left and right of a row at a padded place.
     #[inline]
-    fn columns(&self, row: usize, potentials: &mut [f64]) {
+    fn columns(&self, place: usize, potentials: &mut [f64]) {
         let (reach, columns) = (self.shape.reach, self.lattice.columns);
         let (left, right) = (self.face(0), self.face(1));
         let (has_left, has_right) = (self.sides[0] != Side::Curved, self.sides[1] != Side::Curved);
@@ -176,31 +217,31 @@ impl<L: PotentialLaw> Around<L> {
             let (near_left, rest) = potentials.split_at_mut(reach);
             let (inside, near_right) = rest.split_at_mut(columns);
             let images = near_left.iter_mut().rev().zip(inside.iter());
-            self.mirror(0, &left, images, row);
-            self.mirror(1, &right, near_right[..reach].iter_mut().zip(inside.iter().rev()), row);
+            self.mirror(0, &left, images, place);
+            self.mirror(1, &right, near_right[..reach].iter_mut().zip(inside.iter().rev()), place);
             return;
         }
         // From the wall outward.
         for layer in 0..reach {
             if has_left {
-                potentials[reach - 1 - layer] = self.ghost(0, &left, potentials[reach + layer], row, layer);
+                potentials[reach - 1 - layer] = self.ghost(0, &left, potentials[reach + layer], place, layer);
             }
             if has_right {
                 potentials[reach + columns + layer] =
-                    self.ghost(1, &right, potentials[reach + columns - 1 - layer], row, layer);
+                    self.ghost(1, &right, potentials[reach + columns - 1 - layer], place, layer);
             }
         }
     }
 
     /// Ghosts of one side from their images, both from the wall outward.
     #[inline(always)]
-    fn mirror<'a>(&self, side: usize, face: &Face, pairs: impl Iterator<Item = (&'a mut f64, &'a f64)>, row: usize) {
+    fn mirror<'a>(&self, side: usize, face: &Face, pairs: impl Iterator<Item = (&'a mut f64, &'a f64)>, place: usize) {
         match *face {
             Face::Even => pairs.for_each(|(ghost, image)| *ghost = *image),
             Face::Odd { wall, .. } => pairs.for_each(|(ghost, image)| *ghost = 2.0 * wall - image),
             _ => {
                 for (layer, (ghost, image)) in pairs.enumerate() {
-                    *ghost = self.ghost(side, face, *image, row, layer);
+                    *ghost = self.ghost(side, face, *image, place, layer);
                 }
             }
         }
@@ -213,7 +254,7 @@ impl<L: PotentialLaw> Surroundings for Around<L> {
         if self.exterior.is_some() {
             self.exterior_row(row as i64, potentials);
         }
-        self.columns(row, potentials);
+        self.columns(row + self.shape.reach_rows, potentials);
     }
 
     fn doors(&self, row: usize, rows: &[&[f64]]) -> [f64; 4] {
@@ -267,15 +308,27 @@ impl<L: PotentialLaw> Surroundings for Around<L> {
                     if weight == 0.0 {
                         continue;
                     }
-                    // Ghosts beyond the ends of the row belong to the walls left and right, if those are open.
-                    let from = if self.open[0] { (-dx).max(0) as usize } else { 0 };
-                    let beyond = if self.open[1] { dx.max(0) } else { 0 };
-                    let to = (columns as i64 - beyond).max(from as i64) as usize;
-                    let inside = &own[reach + from..reach + to];
-                    let shifted = (reach + from) as i64 + dx;
-                    let ghosts = &near[shifted as usize..][..inside.len()];
-                    let sum: f64 = ghosts.iter().zip(inside).map(|(ghost, inside)| ghost - inside).sum();
-                    rates[side] += weight * sum;
+                    let sum = |from: usize, to: usize| -> f64 {
+                        let inside = &own[reach + from..reach + to];
+                        let shifted = (reach + from) as i64 + dx;
+                        let ghosts = &near[shifted as usize..][..inside.len()];
+                        ghosts.iter().zip(inside).map(|(ghost, inside)| ghost - inside).sum()
+                    };
+                    // Ghosts beyond the ends of the row have been booked left and right above, if those walls are open.
+                    let cells = dx.unsigned_abs() as usize;
+                    let (beyond, corner) =
+                        if dx < 0 { (0, 0..cells.min(columns)) } else { (1, columns - cells.min(columns)..columns) };
+                    if cells == 0 || !self.open[beyond] {
+                        rates[side] += weight * sum(0, columns);
+                        continue;
+                    }
+                    let (from, to) = if dx < 0 { (corner.end, columns) } else { (0, corner.start) };
+                    rates[side] += weight * sum(from, to);
+                    let layer = distance - to_wall - 1;
+                    let image = if side == 2 { reach_rows + layer - to_wall } else { reach_rows + to_wall - layer };
+                    let shared = self.through_corner((side, layer), [own, rows[image], near], dx, corner);
+                    rates[side] += weight * shared;
+                    rates[beyond] -= weight * shared;
                 }
             }
         }
@@ -356,6 +409,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             thermal,
             sides,
             open,
+            walls_meet: (open[0] || open[1]) && (open[2] || open[3]),
             faces,
             slopes: None,
             exterior,
@@ -397,6 +451,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
                 thermal: around.thermal.clone(),
                 sides: around.sides,
                 open: [false; 4],
+                walls_meet: around.walls_meet,
                 faces: around.faces.iter().map(Face::homogeneous).collect(),
                 slopes: Some(WallSlopes::default()),
                 exterior: around.exterior.clone(),
@@ -439,8 +494,9 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             let depth = |layer: usize| (layer as f64 + 0.5) * around.lattice.spacing;
             let table = &mut slopes.by_side[side];
             if side < 2 {
-                for row in 0..rows {
-                    around.fill_any(row as i64, enthalpy, &mut row_buffer);
+                let beyond = around.shape.reach_rows as i64;
+                for row in -beyond..rows as i64 + beyond {
+                    around.fill_any(row, enthalpy, &mut row_buffer);
                     table.extend((0..reach).map(|layer| {
                         let image = if side == 0 { reach + layer } else { reach + columns - 1 - layer };
                         slope(&face, row_buffer[image], depth(layer))

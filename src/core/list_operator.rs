@@ -65,6 +65,52 @@ pub struct PairView<'a> {
     pub fields: &'a Fields,
 }
 
+/// What of a pair's heat goes a way: in corners a ghost is the image of another one, and the heat to that passes the
+/// other's wall.
+#[derive(Debug, Clone, Copy)]
+enum Portion {
+    All,
+    /// As far as the ghost that the partner is an image of.
+    UpTo(u32),
+    /// From there on.
+    From(u32),
+}
+
+/// A pair of which something passes a door or a surface.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    particle: u32,
+    /// Position in the list.
+    pair: usize,
+    portion: Portion,
+}
+
+impl Held for Crossing {
+    fn held(&self) -> usize {
+        0
+    }
+}
+
+impl Portion {
+    /// The portions of a pair of particle `i` with a ghost, each with the door that it passes.
+    fn of(parts: &ListParts, i: usize, k: usize, ghost: usize) -> Vec<(Portion, u8)> {
+        let (count, ghosts, materials) = (parts.positions.len(), &parts.ghosts, &parts.materials);
+        let Some(door) = ghosts.pays[ghost] else { return Vec::new() };
+        let corner = ghosts.original(ghost).filter(|_| ghosts.share(ghost) < 1.0).and_then(|image| {
+            let parent = (image as usize).checked_sub(count)?;
+            let first = ghosts.pays[parent].filter(|first| *first != door)?;
+            // Potentials of other materials say nothing of this pair.
+            let alike = materials.index(i) == ghosts.material(parent, materials);
+            let plain = parts.chains.of_pair(k, &materials.thermals).is_none();
+            (alike && plain).then_some((image, first))
+        });
+        match corner {
+            None => vec![(Portion::All, door)],
+            Some((image, first)) => vec![(Portion::UpTo(image), first), (Portion::From(image), door)],
+        }
+    }
+}
+
 /// No term.
 #[derive(Debug, Clone, Copy)]
 pub struct Off;
@@ -141,11 +187,10 @@ pub struct ListOperator<T> {
     fields: Fields,
     faces: Vec<Vec<Face>>,
     sink_heat: Vec<f64>,
-    /// Pairs across open doors: particle, position in the list, door.
-    crossings: Vec<(u32, usize, u8)>,
-    /// Pairs across each surface: particle, position in the list, and its volume, negative where heat to it comes from
-    /// greater coordinates.
-    across: Vec<Vec<(u32, usize, f64)>>,
+    /// Pairs across open doors, and the doors.
+    crossings: Vec<(Crossing, u8)>,
+    /// Pairs across each surface, and the volume of the particle, negative where heat to it comes from greater coordinates.
+    across: Vec<Vec<(Crossing, f64)>>,
     bound: Bound,
 }
 
@@ -171,10 +216,11 @@ impl<T: PairTerm> ListOperator<T> {
         let mut crossings = Vec::new();
         for i in 0..count {
             for k in parts.pairs.starts[i]..parts.pairs.starts[i + 1] {
-                if let Some(ghost) = (parts.pairs.partners[k] as usize).checked_sub(count)
-                    && let Some(door) = parts.ghosts.pays[ghost]
-                {
-                    crossings.push((i as u32, k, door));
+                if let Some(ghost) = (parts.pairs.partners[k] as usize).checked_sub(count) {
+                    let portions = Portion::of(&parts, i, k, ghost).into_iter();
+                    crossings.extend(
+                        portions.map(|(portion, door)| (Crossing { particle: i as u32, pair: k, portion }, door)),
+                    );
                 }
             }
         }
@@ -351,9 +397,15 @@ impl<T: PairTerm> ListOperator<T> {
             _ => rate.chunks_mut(TASK).enumerate().for_each(task),
         }
         let mut sums = [Sum::default(); MOST_DOORS];
-        for (i, k, door) in &self.crossings {
-            let flux = self.flux(conducted, *i as usize, *k);
-            sums[*door as usize].add(flux * self.parts.volumes.share(*i as usize));
+        for (Crossing { particle, pair: k, portion }, door) in &self.crossings {
+            let (i, k) = (*particle as usize, *k);
+            let up_to = |image: u32| pairs.weights[k] * conducted(self, i, image as usize, k);
+            let flux = match *portion {
+                Portion::All => self.flux(conducted, i, k),
+                Portion::UpTo(image) => up_to(image),
+                Portion::From(image) => self.flux(conducted, i, k) - up_to(image),
+            };
+            sums[*door as usize].add(flux * self.parts.volumes.share(i));
         }
         for (door, sum) in doors.iter_mut().zip(&sums).take(self.parts.boundary.doors.len()) {
             *door = sum.value() * self.parts.volumes.unit();
@@ -400,8 +452,15 @@ impl<T: PairTerm> ListOperator<T> {
             (Exchange::Mean(Mean::Geometric), _) => self.by_mean(i, j, |a, b| (a * b).sqrt()),
         };
         let pairs = &self.parts.pairs;
-        let heat = |(i, k, volume): &(u32, usize, f64)| {
-            volume * pairs.weights[*k] * conducted(*i as usize, pairs.partners[*k] as usize, *k)
+        let heat = |(Crossing { particle, pair, portion }, volume): &(Crossing, f64)| {
+            let to = |j: u32| conducted(*particle as usize, j as usize, *pair);
+            let all = pairs.partners[*pair];
+            let conducted = match *portion {
+                Portion::All => to(all),
+                Portion::UpTo(image) => to(image),
+                Portion::From(image) => to(all) - to(image),
+            };
+            volume * pairs.weights[*pair] * conducted
         };
         // A wall touches the outermost particles from beyond surfaces that lie nearer to it.
         let walls = |surface: &Surface| {
@@ -770,7 +829,7 @@ fn steepest(parts: &ListParts, particle: usize) -> f64 {
 /// Pairs across a surface, each once: those of particles beyond it with partners before it. A ghost is a partner like any
 /// other where it mirrors through closed walls. What an open wall brings passes the surface where the wall faces it, from
 /// whichever side the ghost's own particle is on, and does not where the wall meets it.
-fn pairs_across(parts: &ListParts, surface: &Surface) -> Vec<(u32, usize, f64)> {
+fn pairs_across(parts: &ListParts, surface: &Surface) -> Vec<(Crossing, f64)> {
     let count = parts.positions.len();
     let beyond = |j: usize| {
         let place = j.checked_sub(count).map_or_else(|| parts.positions[j], |ghost| parts.ghosts.position[ghost]);
@@ -784,11 +843,15 @@ fn pairs_across(parts: &ListParts, surface: &Surface) -> Vec<(u32, usize, f64)> 
     for i in 0..count {
         for k in parts.pairs.starts[i]..parts.pairs.starts[i + 1] {
             let j = parts.pairs.partners[k] as usize;
-            let door = j.checked_sub(count).and_then(|ghost| parts.ghosts.pays[ghost]);
-            let counts = door.is_none_or(faces);
-            match (beyond(i), beyond(j)) {
-                (true, false) if counts => found.push((i as u32, k, parts.volumes.of(i))),
-                (false, true) if counts && door.is_some() => found.push((i as u32, k, -parts.volumes.of(i))),
+            let portions = j.checked_sub(count).map_or_else(Vec::new, |ghost| Portion::of(parts, i, k, ghost));
+            let crossing = |portion: Portion| Crossing { particle: i as u32, pair: k, portion };
+            match (beyond(i), beyond(j), portions.is_empty()) {
+                (true, false, true) => found.push((crossing(Portion::All), parts.volumes.of(i))),
+                (own, other, false) if own != other => {
+                    let volume = if own { parts.volumes.of(i) } else { -parts.volumes.of(i) };
+                    let faced = portions.into_iter().filter(|(_, door)| faces(*door));
+                    found.extend(faced.map(|(portion, _)| (crossing(portion), volume)));
+                }
                 _ => {}
             }
         }

@@ -811,7 +811,8 @@ fn pairs(
         let mut moment: f64 = behind(i).map(|(way, _, pair)| pair * way.length_squared()).sum();
         for j in list.of(i) {
             let distance = distance(i, *j);
-            let pair = if distance > 0.0 { volume * weight.weight(distance) } else { 0.0 };
+            let share = (*j as usize).checked_sub(count).map_or(1.0, |ghost| ghosts.share(ghost));
+            let pair = if distance > 0.0 { volume * share * weight.weight(distance) } else { 0.0 };
             moment += pair * distance * distance;
             weights.push(pair);
         }

@@ -198,15 +198,24 @@ pub fn inner(pairs: &mut PairList, ghosts: &mut Ghosts, body: &Body<'_>, layers:
         near.sort_by_key(|(side, _)| depth_in_cells(*side, particle));
         near
     };
-    let held: Vec<Option<(usize, usize)>> =
-        (0..count).map(|i| doors(i).into_iter().find(|(_, door)| body.boundary.doors[*door].is_held())).collect();
-    if held.iter().all(Option::is_some) {
+    // The nearest that hold each particle at a temperature: several in corners, which share it.
+    let held: Vec<Vec<(usize, usize)>> = (0..count)
+        .map(|i| {
+            let mut near = doors(i);
+            near.retain(|(_, door)| body.boundary.doors[*door].is_held());
+            let nearest = near.first().map(|(side, _)| depth_in_cells(*side, i));
+            near.retain(|(side, _)| Some(depth_in_cells(*side, i)) == nearest);
+            near
+        })
+        .collect();
+    if held.iter().all(|held| !held.is_empty()) {
         return Err(format!(
             "wall_model = \"inner-layers\" holds the {layers} outermost layers at each wall, which leaves no particle free"
         ));
     }
     let mut touches = Vec::new();
-    let mut stands_for: Vec<u32> = (0..count as u32).collect();
+    // The first of the ghosts that stand for a held particle, one for each of its walls.
+    let mut stands_for: Vec<u32> = vec![0; count];
     for i in 0..count {
         let touch = |(side, door): (usize, usize), depth: f64, area: f64| Touch {
             particle: i as u32,
@@ -216,13 +225,15 @@ pub fn inner(pairs: &mut PairList, ghosts: &mut Ghosts, body: &Body<'_>, layers:
             across_y: side >= 2,
             at_end: side % 2 == 1,
         };
-        if let Some((side, door)) = held[i] {
+        if !held[i].is_empty() {
             let stiffness: f64 = pairs.weights[pairs.starts[i]..pairs.starts[i + 1]].iter().sum();
             let depth = 0.5 * body.lattice.spacing;
-            touches.push(touch((side, door), depth, stiffness * depth));
             stands_for[i] = (count + ghosts.len()) as u32;
-            // On the wall: what the others gain of it crosses every surface in between.
-            ghosts.hold(count, i as u32, body.on_wall(side, i), door as u8);
+            for (side, door) in &held[i] {
+                touches.push(touch((*side, *door), depth, stiffness * depth / held[i].len() as f64));
+                // On the wall: what the others gain of it crosses every surface in between.
+                ghosts.hold(count, i as u32, body.on_wall(*side, i), *door as u8);
+            }
         } else {
             for (side, door) in doors(i) {
                 let area = body.area(side, body.cell(i).0) / (layers as f64 * body.volumes.of(i));
@@ -234,17 +245,24 @@ pub fn inner(pairs: &mut PairList, ghosts: &mut Ghosts, body: &Body<'_>, layers:
     let mut kept = PairList { starts: vec![0], ..PairList::default() };
     for i in 0..count {
         for k in pairs.starts[i]..pairs.starts[i + 1] {
-            let partner = pairs.partners[k] as usize;
-            let partner = match partner.checked_sub(count) {
-                _ if held[i].is_some() => continue,
-                None => stands_for[partner],
+            let (partner, weight) = (pairs.partners[k], pairs.weights[k]);
+            let particle = match (partner as usize).checked_sub(count) {
+                _ if !held[i].is_empty() => continue,
+                None => partner as usize,
                 Some(ghost) if is_open(&ghosts.pays[ghost]) || is_open(&ghosts.door[ghost]) => continue,
                 // Mirrors of the wall are the wall.
-                Some(ghost) if held[ghosts.model[ghost] as usize].is_some() => stands_for[ghosts.model[ghost] as usize],
-                Some(_) => partner as u32,
+                Some(ghost) => ghosts.model[ghost] as usize,
             };
-            kept.partners.push(partner);
-            kept.weights.push(pairs.weights[k]);
+            match held[particle].len() as u32 {
+                0 => {
+                    kept.partners.push(partner);
+                    kept.weights.push(weight);
+                }
+                walls => {
+                    kept.partners.extend((0..walls).map(|wall| stands_for[particle] + wall));
+                    kept.weights.extend((0..walls).map(|_| weight / f64::from(walls)));
+                }
+            }
         }
         kept.starts.push(kept.partners.len());
     }

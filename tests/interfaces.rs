@@ -159,7 +159,7 @@ fn soil_freezes_behind_a_thin_board_as_it_should() {
     for contrast in [10.0, 100.0] {
         for (board, offset) in [(0.0, 0.0), (0.0, 0.5), (0.1, 0.25), (0.1, 0.0)] {
             let mut of_method: Vec<Vec<f64>> = vec![Vec::new(); methods().len()];
-            for across in [2.0, 4.0, 8.0] {
+            for across in [2.0, 4.0, 8.0, 16.0] {
                 let spacing = 0.1 / across;
                 let shift = offset * spacing;
                 let ends = (if board > 0.0 { board + shift } else { 0.0 }, board + 0.1 + shift);

@@ -530,6 +530,35 @@ fn the_heat_balance_closes_to_rounding() {
     }
 }
 
+/// A wall of given flux brings that flux over its whole area, whatever the walls beside it do and however a body is kept.
+#[test]
+fn a_wall_of_given_flux_brings_it_up_to_its_corners() {
+    for kind in methods() {
+        for search in ["auto", "tree"] {
+            for law in LAWS.map(|law| law.0) {
+                let mut sketch = Sketch::new(RECTANGLE, SPACING)
+                    .with(without_noise(kind))
+                    .with(&format!("search = \"{search}\""))
+                    .wall("top", "flux_W_per_m2 = 25");
+                sketch.materials = vec![("water", water(&format!("{law}, temperature_c = 0")))];
+                sketch.duration_s = 1e5;
+                for (name, line) in four_walls().into_iter().take(3) {
+                    sketch = sketch.wall(name, line);
+                }
+                let result = sketch.run(kind);
+                let last = result.budget.last().expect("an output");
+                for (wall, flux) in [("bottom", -40.0), ("top", 25.0)] {
+                    let k = result.budget_names.iter().position(|name| name == wall).expect("a wall");
+                    let brought = flux * 0.9 * last.time_s;
+                    // Rounding of sums of what pairs move to and fro.
+                    let off = (last.in_j[k] / brought - 1.0).abs();
+                    assert!(off < 1e-11, "{} {search} {law} {wall}: {off:e}", kind.name);
+                }
+            }
+        }
+    }
+}
+
 fn check_balance(sketch: &Sketch, kind: &'static MethodKind, name: &str) {
     let result = sketch.run(kind);
     assert!(!result.budget.is_empty(), "{name}: {:?}\n{}", result.record.cause, sketch.text(kind.name));

@@ -105,16 +105,41 @@ impl PassageFinder {
 
     /// Frozen length outwards through a place (m), as the ground was at the last passage.
     pub(super) fn along(&self, through: DVec2) -> f64 {
-        let step = 0.25 * self.spacing;
-        let share = |k: usize| {
-            let place = (k as f64 + 0.5) * step * through.normalize_or(DVec2::X);
+        self.step() * self.straight(through).map(|at| self.share[at]).sum::<f64>()
+    }
+
+    /// Mean temperature of the frozen ground on that way.
+    pub(super) fn mean_along(&self, particles: &Particles, through: DVec2) -> Option<f64> {
+        self.mean(particles, self.straight(through))
+    }
+
+    /// Length of the steps of a straight way (m).
+    fn step(&self) -> f64 {
+        0.25 * self.spacing
+    }
+
+    /// The cells straight outwards through a place, by steps.
+    fn straight(&self, through: DVec2) -> impl Iterator<Item = usize> {
+        let direction = through.normalize_or(DVec2::X);
+        let cell = move |k: usize| {
+            let place = (k as f64 + 0.5) * self.step() * direction;
             let cell = ((place - self.corner) / self.spacing).floor();
             let inside =
                 cell.cmpge(DVec2::ZERO).all() && (cell.x as usize) < self.columns && (cell.y as usize) < self.rows;
-            let share = inside.then(|| self.share[cell.y as usize * self.columns + cell.x as usize])?;
-            (!share.is_nan()).then_some(share)
+            let at = inside.then(|| cell.y as usize * self.columns + cell.x as usize)?;
+            (!self.share[at].is_nan()).then_some(at)
         };
-        step * (0..).map_while(share).sum::<f64>()
+        (0..).map_while(cell)
+    }
+
+    /// Mean temperature of what is frozen of cells.
+    fn mean(&self, particles: &Particles, cells: impl Iterator<Item = usize>) -> Option<f64> {
+        let (mut sum, mut weight) = (0.0, 0.0);
+        for at in cells {
+            sum += self.share[at] * particles.frozen_reading(self.particle[at] as usize);
+            weight += self.share[at];
+        }
+        (weight > 0.0).then(|| sum / weight)
     }
 
     /// Takes the frozen shares of all cells.
@@ -291,12 +316,6 @@ impl PassageFinder {
         let way = self.way(last);
         let thickness = self.arrival[last];
         let frozen: Vec<usize> = way.iter().copied().filter(|at| self.share[*at] >= BARS).collect();
-        let (mut sum, mut weight) = (0.0, 0.0);
-        for at in &way {
-            let i = self.particle[*at] as usize;
-            sum += self.share[*at] * particles.frozen_reading(i);
-            weight += self.share[*at];
-        }
         // The cells at both ends are frozen in part, as are perhaps those before them.
         let part = |at: Option<&usize>| at.map_or(0.0, |at| self.share[*at]);
         let ends = frozen.first().zip(frozen.last()).map(|(first, last)| {
@@ -311,7 +330,7 @@ impl PassageFinder {
         Passage {
             thickness,
             ends,
-            mean_temperature: (weight > 0.0).then(|| sum / weight),
+            mean_temperature: self.mean(particles, way.iter().copied()),
             places: frozen.iter().map(|at| self.place(*at)).collect(),
         }
     }

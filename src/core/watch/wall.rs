@@ -269,9 +269,13 @@ impl Wall {
         // Until its pipes have joined all around, the wall is open whatever else is frozen.
         let joined = self.joined();
         if let Some(joined) = joined {
-            let passage = self.finder.passage(particles, self.sharp);
+            let mut passage = self.finder.passage(particles, self.sharp);
             self.standing.look(time, passage.thickness, joined);
             let link = self.crossed(&passage, joined);
+            // Of ways that are as short, the lattice picks now one and now another: straight through the gap it is the warmest.
+            if let Some(through) = link.map(|link| self.middle(link)).filter(|at| self.is_weakest(*at, &passage)) {
+                passage.mean_temperature = self.finder.mean_along(particles, through);
+            }
             (row.inner_m, row.outer_m) = (passage.ends.map(|ends| ends.0), passage.ends.map(|ends| ends.1));
             row.mean_temperature_c = passage.mean_temperature;
             self.weakest = link.map(|link| Weakest {
@@ -307,6 +311,18 @@ impl Wall {
         open.reduce(|best, link| if self.width(link) > (1.0 + SAME_PLACE) * self.width(best) { link } else { best })
     }
 
+    /// The middle of a link (m).
+    fn middle(&self, link: usize) -> DVec2 {
+        let [a, b] = self.lines[self.links[link].line];
+        0.5 * (a + b)
+    }
+
+    /// Whether a closed wall is hardly thicker straight through a place than where it is weakest.
+    fn is_weakest(&self, through: DVec2, passage: &Passage) -> bool {
+        let least = passage.thickness;
+        least > 0.0 && self.finder.along(through) <= least + 0.5 * self.finder.spacing()
+    }
+
     /// Distance of the pipes of a link (m).
     fn width(&self, link: usize) -> f64 {
         let [a, b] = self.links[link].ends.map(|end| self.places[end].at);
@@ -317,11 +333,8 @@ impl Wall {
     /// they lie to the lattice, places that are alike differ by less than half a spacing.
     fn crossed(&self, passage: &Passage, joined: f64) -> Option<usize> {
         let last = self.last_to_close(joined);
-        if let Some(last) = last.filter(|_| passage.thickness > 0.0) {
-            let [a, b] = self.lines[self.links[last].line];
-            if self.finder.along(0.5 * (a + b)) <= passage.thickness + 0.5 * self.finder.spacing() {
-                return Some(last);
-            }
+        if let Some(last) = last.filter(|last| self.is_weakest(self.middle(*last), passage)) {
+            return Some(last);
         }
         let off = |link: &Link| {
             let [a, b] = self.lines[link.line];

@@ -17,6 +17,7 @@ use frazil_core::scene::Scene;
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::machine::Machine;
 use crate::output::Folder;
+use crate::progress::{clock, forewarn};
 use crate::{interrupt, load, registry};
 
 pub mod analysis;
@@ -75,6 +76,15 @@ impl CompareRequest {
     pub fn budget(&self) -> f64 {
         self.budget_s.unwrap_or(BUDGET)
     }
+
+    /// Says that all scenes together take long, if they may.
+    fn forewarn(&self) {
+        if !self.quiet {
+            let each = clock(self.budget());
+            let what = format!("compare, at most {each} for each scene");
+            forewarn(&what, Some(self.budget() * self.scenes.len() as f64));
+        }
+    }
 }
 
 /// Reads a scene by name or path with overrides.
@@ -125,6 +135,7 @@ pub fn compare_with(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdi
         let scene = (parts.scene_at)(name, &[]).map_err(Failure::Request)?;
         plan::check(request, parts, name, &scene).map_err(Failure::Request)?;
     }
+    request.forewarn();
     let folder = Folder::make(&path)?;
     let machine = Machine::now();
     let mut finished = Vec::new();

@@ -2,7 +2,10 @@
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
-use std::sync::Arc;
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+use std::sync::{Arc, mpsc};
+use std::time::Duration;
 
 use frazil::registry::methods;
 use frazil_cases::scenes::BundledScene;
@@ -181,4 +184,60 @@ fn shortened(bundled: &BundledScene, kind: &MethodKind, finer: f64) -> Scene {
     scene.watch.front_from = scene.watch.front_from.map(|from| SHARE * from);
     scene.watch.profiles.iter_mut().for_each(|instant| *instant *= SHARE);
     scene
+}
+
+/// What a command says on standard error up to its warning that it takes long, if it does; it is stopped there.
+fn warned(arguments: &str) -> String {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_frazil"));
+    command.args(arguments.split(' ')).current_dir(folder.path()).stdout(Stdio::null()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the program starts");
+    let lines = BufReader::new(child.stderr.take().expect("a pipe")).lines();
+    let (tell, told) = mpsc::channel();
+    std::thread::spawn(move || lines.map_while(Result::ok).try_for_each(|line| tell.send(line)));
+    let mut said = String::new();
+    while let Ok(line) = told.recv_timeout(Duration::from_secs(60)) {
+        said.push_str(&line);
+        said.push('\n');
+        if line.contains("this will take") {
+            break;
+        }
+    }
+    child.kill().and_then(|()| child.wait()).expect("ended");
+    said
+}
+
+/// Every command that takes more than ten minutes says so before it starts, on any machine; the same of a few seconds says nothing.
+#[test]
+fn what_takes_more_than_ten_minutes_says_so_before_it_starts() {
+    let long = "--set time.duration_days=400000";
+    let sand = format!("--method local --set method.local.spacing_m=0.05 {long}");
+    let of_stefan = "--set time.duration_h=1e7 --set time.profiles_h=[] --set watch.front_from_h=1";
+    for (command, what) in [
+        (format!("run frozen-wall-sand {sand}"), "frozen-wall-sand under local: "),
+        (format!("run frozen-wall-sand --method edpd --seeds 5 {long}"), "frozen-wall-sand under edpd, 5 members: "),
+        (format!("layout shaft-single-sand {sand}"), "shaft-single-sand: "),
+        (format!("layout shaft-search {sand}"), "shaft-search: "),
+        (format!("layout shaft-deviation {sand}"), "shaft-deviation: "),
+        (format!("stability stefan-water --methods local --axes own --time-limit-s 1e6 {of_stefan}"), "stability: "),
+        ("compare stefan-water --budget-s 4000".to_owned(), "compare, at most 67 min for each scene: "),
+        (
+            "compare stefan-water --vary spacing,horizon_ratio --budget-s 4000".to_owned(),
+            "compare, at most 67 min for each scene: ",
+        ),
+        ("properties water --temperatures-c 25 --seeds 1000".to_owned(), "properties: "),
+        ("properties water --equilibrium --effort 100".to_owned(), "properties: "),
+    ] {
+        let said = warned(&command);
+        let last = said.lines().last().unwrap_or_default();
+        assert!(last.starts_with(&format!("{what}this will take ")), "{command}: {said}");
+    }
+    for short in [
+        "stability stefan-water --methods local --axes own --grid 2",
+        "layout shaft-single-sand --method local --set method.local.spacing_m=0.3 --set time.duration_days=5 --set \
+         time.profiles_days=[5]",
+    ] {
+        let said = warned(short);
+        assert!(!said.contains("this will take") && !said.is_empty(), "{short}: {said}");
+    }
 }

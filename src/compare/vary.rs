@@ -213,6 +213,7 @@ pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<
         let methods = methods(request, vary, parts, &scene)?;
         jobs.push((name, scene, methods));
     }
+    request.forewarn();
     let folder = Folder::make(&path)?;
     let machine = Machine::now();
     let say = |text: &str| {

@@ -9,11 +9,12 @@ use frazil_edpd::properties::equilibrium::{Equilibrium, SETTLE, gain, measure};
 use serde::Serialize;
 
 use super::PropertiesRequest;
-use super::execute::Meter;
+use super::execute::{Meter, seconds_of};
 use super::plan;
 use crate::calibrate::Calibrated;
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::output::{Folder, write_rows};
+use crate::progress::forewarn;
 use crate::{interrupt, parallel};
 
 /// Cut-off radius in space: as many partners as 1.96 gives in the plane.
@@ -69,6 +70,9 @@ pub fn equilibrium(request: &PropertiesRequest, calibrated: &Calibrated<'_>, pat
     let jobs = [(2, 1.0), (2, 3.0), (3, 1.0), (3, 3.0)];
     let stop = interrupt::watch();
     let particles = 1500 * (SETTLE + steps) * jobs.len() as u64;
+    if !request.quiet {
+        forewarn("properties", Some(seconds_of(particles, request.threads.min(jobs.len()))));
+    }
     let meter = Meter::new(request.quiet, particles, stop);
     let failed = Mutex::new(None);
     let run = |k: usize| {

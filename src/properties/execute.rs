@@ -80,7 +80,12 @@ const PACE: f64 = 1.1e6;
 /// About how long (s) the jobs will take that the journal does not know.
 pub fn seconds(jobs: &[Job], journal: &Journal<Finding>, threads: usize) -> f64 {
     let open = jobs.iter().filter(|job| journal.find(&job.key()).is_none());
-    open.map(Job::particle_steps).sum::<u64>() as f64 / PACE / threads.min(parallel::cores()).max(1) as f64
+    seconds_of(open.map(Job::particle_steps).sum(), threads)
+}
+
+/// About how long (s) so many steps of particles take.
+pub fn seconds_of(particle_steps: u64, threads: usize) -> f64 {
+    particle_steps as f64 / PACE / threads.min(parallel::cores()).max(1) as f64
 }
 
 /// Runs all jobs, or takes them from the journal; in their order. What they find does not depend on how many run at once.

@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use frazil_core::march::{self, Options, Refused};
 use frazil_core::plan::{self, Bounds};
+use frazil_core::predict;
 use frazil_core::record::Outcome;
 use frazil_core::reference::Reference;
 use frazil_core::scene::settings::MethodSettings;
@@ -48,6 +49,11 @@ pub fn class_word(outcome: Outcome) -> &'static str {
         Outcome::Ok => "exact",
         other => other.name(),
     }
+}
+
+/// Name of a run of a scene under a method at a multiple of the stated bound.
+pub fn key(scene: &Scene, method: &str, ratio: f64, seed: u64) -> String {
+    format!("{} {} {method} {ratio:?} {seed}", scene.name, scene.hash)
 }
 
 /// A column of a map: a scene under a method, ready to be run at any step.
@@ -111,7 +117,12 @@ impl Probe {
 
     /// Name of a run: whatever decides its result.
     pub fn key(&self, ratio: f64, seed: u64) -> String {
-        format!("{} {} {} {ratio:?} {seed}", self.scene.name, self.scene.hash, self.method)
+        key(&self.scene, self.method, ratio, seed)
+    }
+
+    /// About how long (s) a run takes with steps of the stated bound, from its first steps; absent where they do not tell.
+    pub fn seconds(&self) -> Option<f64> {
+        predict::forecast(&self.timed(1.0), self.method, self.reference.as_ref(), 1, SEED).ok()?.seconds()
     }
 
     /// Runs the scene with steps of `ratio` times the stated bound.

@@ -10,9 +10,9 @@ use frazil_core::record::Outcome;
 
 use super::StabilityRequest;
 use super::axis::{Axis, Override};
-use super::cell::{Finding, Probe};
+use super::cell::{self, Finding, Probe};
 use super::plan::Job;
-use super::search::{Ladder, climb, grid};
+use super::search::{self, Ladder, climb, grid};
 use super::super_steps;
 use crate::failure::Failure;
 use crate::journal::Journal;
@@ -55,6 +55,9 @@ pub fn columns(
         reporter: Reporter::new(request.quiet),
         tally: Mutex::new(Tally::of(&jobs)),
     };
+    if !request.quiet {
+        progress::forewarn("stability", study.seconds(&jobs));
+    }
     let mut found = parallel::in_order(order.len(), request.threads, |k| study.column(&jobs[order[k]]));
     study.reporter.finish();
     if let Some(failure) = study.failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
@@ -84,15 +87,20 @@ fn refined(mut steps: Vec<f64>, limit: f64) -> Vec<f64> {
 
 /// The middle column of every kind first, so that the time of all can be told early.
 fn early_ones_first(jobs: &[Job]) -> Vec<usize> {
-    let mut kinds: BTreeMap<_, Vec<usize>> = BTreeMap::new();
-    for (k, job) in jobs.iter().enumerate() {
-        kinds.entry(kind(job)).or_default().push(k);
-    }
-    let mut early: Vec<usize> = kinds.values().map(|same| same[same.len() / 2]).collect();
+    let mut early: Vec<usize> = by_kind(jobs).values().map(|same| same[same.len() / 2]).collect();
     early.sort_unstable();
     let others = (0..jobs.len()).filter(|k| !early.contains(k)).collect::<Vec<_>>();
     early.extend(others);
     early
+}
+
+/// Numbers of the columns of each kind.
+fn by_kind(jobs: &[Job]) -> BTreeMap<(String, &'static str, Axis), Vec<usize>> {
+    let mut kinds: BTreeMap<_, Vec<usize>> = BTreeMap::new();
+    for (k, job) in jobs.iter().enumerate() {
+        kinds.entry(kind(job)).or_default().push(k);
+    }
+    kinds
 }
 
 /// Columns of a kind take about the same time.
@@ -121,6 +129,34 @@ impl Study<'_> {
 
     fn fail(&self, failure: Failure) {
         self.failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(failure);
+    }
+
+    /// About how long (s) the columns will take that the journal does not know, from the first steps of the middle one of each
+    /// kind; kinds whose steps do not tell are not in it.
+    fn seconds(&self, jobs: &[Job]) -> Option<f64> {
+        let kinds: Vec<Vec<usize>> = by_kind(jobs).into_values().collect();
+        let of_kind = |k: usize| {
+            let open = kinds[k].iter().filter(|job| !self.is_known(&jobs[**job])).count();
+            let middle = &jobs[kinds[k][kinds[k].len() / 2]];
+            let probe = if open > 0 { self.probe(middle).ok()? } else { return Some(0.0) };
+            let steps = self.steps(middle.axis, &probe);
+            let seeds = probe.noisy().then_some(self.request.seeds);
+            let (bisect, most) = (self.request.steps.is_empty(), self.request.time_limit_s);
+            Some(open as f64 * search::seconds(&steps, bisect, seeds, probe.seconds()?, most))
+        };
+        let all: f64 = parallel::in_order(kinds.len(), self.request.threads, of_kind).into_iter().flatten().sum();
+        Some(all / self.request.threads.clamp(1, jobs.len().max(1)) as f64)
+    }
+
+    /// Whether the journal knows the ends of the map of a column, which are run at any limit of stability.
+    fn is_known(&self, job: &Job) -> bool {
+        let Ok(scene) = load::scene(&job.scene, &job.overrides) else { return false };
+        let steps = match (&self.request.steps[..], job.axis) {
+            ([], Axis::Stages) => super_steps::grid(),
+            ([], _) => grid(RANGE.0, RANGE.1, self.request.grid),
+            (asked, _) => asked.to_vec(),
+        };
+        steps.iter().all(|ratio| self.journal.find(&cell::key(&scene, job.method, *ratio, cell::SEED)).is_some())
     }
 
     /// One column; no answer if the study stops.

@@ -80,6 +80,24 @@ pub struct Ladder {
     pub divergence: Edge,
 }
 
+/// Halvings of one boundary: cells of a map of thirteen are apart by 1.26.
+const HALVINGS: f64 = 4.0;
+/// Boundaries that are halved: exactness and divergence. First loss and last exact step are mostly the same.
+const BOUNDARIES: f64 = 2.0;
+/// Cells beside these boundaries, which get all seeds.
+const SHARPENED: f64 = 4.0;
+
+/// About how long (s) [`climb`] takes, if a run at the bound takes `at_bound` (s) and none is let run longer than `most` (s).
+pub fn seconds(grid: &[f64], bisect: bool, seeds: Option<usize>, at_bound: f64, most: f64) -> f64 {
+    let one = |ratio: f64| (at_bound / ratio).min(most);
+    let many = seeds.unwrap_or(1) as f64;
+    let few = many.min(if bisect { FEW_SEEDS as f64 } else { many });
+    let map = few * grid.iter().map(|ratio| one(*ratio)).sum::<f64>();
+    // Boundaries lie a little beyond the bound.
+    let beside = if bisect { BOUNDARIES * HALVINGS * many + SHARPENED * (many - few) } else { 0.0 };
+    map + beside * one(1.5)
+}
+
 /// Evenly spaced in the logarithm, ends included.
 pub fn grid(low: f64, high: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| low * (high / low).powf(k as f64 / (count - 1).max(1) as f64)).collect()
@@ -261,6 +279,27 @@ mod tests {
                 assert_eq!((cell.seeds, cell.failures, cell.class), (10, 2, Outcome::Ok));
             }
         }
+    }
+
+    /// Against what climbing really runs, where a run takes the longer the shorter its steps are.
+    #[test]
+    fn the_time_of_a_climb_is_told_beforehand() {
+        for seeds in [None, Some(10)] {
+            let mut spent = 0.0;
+            let mut run = |ratio: f64, _: u64| {
+                spent += f64::min(2.0 / ratio, 5.0);
+                Some(finding(match ratio {
+                    ratio if ratio < 1.5 => Outcome::Ok,
+                    ratio if ratio < 3.3 => Outcome::Oscillating,
+                    _ => Outcome::Diverged,
+                }))
+            };
+            let grid = grid(0.25, 4.0, 13);
+            climb(&grid, true, seeds, &mut run).expect("not stopped");
+            let told = seconds(&grid, true, seeds, 2.0, 5.0);
+            assert!((0.7..1.4).contains(&(told / spent)), "{seeds:?}: {told} told, {spent} spent");
+        }
+        assert_eq!(seconds(&[1.0, 2.0], false, Some(10), 2.0, 5.0), 30.0);
     }
 
     #[test]

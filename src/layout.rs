@@ -13,6 +13,7 @@ use crate::output::Folder;
 use crate::progress::forewarn;
 use crate::{journal, load, output, parallel};
 
+mod ahead;
 pub mod answers;
 pub mod around;
 pub mod boreholes;
@@ -33,6 +34,7 @@ pub mod study;
 pub mod tables;
 pub mod variants;
 
+use ahead::Ahead;
 use answers::Answers;
 use execute::{Pair, Work};
 use reference::Compared;
@@ -123,7 +125,10 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     };
     let works: Vec<Work<'_>> = methods.iter().map(|own| work_of(own, *own != method)).collect();
     if !request.quiet {
-        forewarn(&study.name, Some(works.iter().filter_map(Work::seconds).sum()));
+        let ahead = if works[0].is_last() { ahead::open(&works[0])? } else { Ahead::default() };
+        complain(check::heading(&study, &methods, &ahead).trim_end());
+        let named: f64 = works.iter().filter_map(Work::seconds).sum();
+        forewarn(&study.name, Some(named + ahead.wall_s));
     }
     let mut made = Some(0);
     for work in &works {

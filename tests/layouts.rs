@@ -556,3 +556,53 @@ fn bundled_studies_and_those_of_the_guide_are_good() {
         read.unwrap_or_else(|error| unreachable!("{error}"));
     }
 }
+
+/// Before it starts a search says how many layouts it tries at most, and prices them; it tries no more, and what a folder holds is
+/// neither counted nor priced again.
+#[test]
+fn a_search_says_before_it_starts_how_many_layouts_it_tries_at_most() {
+    let head = "title = \"t\"\nscene = \"frozen-wall-sand\"\nset = { \"time.duration_days\" = 25, \"time.outputs\" = 25, \
+                \"time.profiles_days\" = [25], \"method.local.spacing_m\" = 0.25 }\n";
+    let of_count = "[search]\nkey = \"pipes.1.count\"\nfrom = 22\nto = 30\nclosure_days = 20\n";
+    let of_energy = "[search]\nkey = \"pipes.1.temperature_c\"\ngoal = \"energy\"\nfrom = -40\nto = -10\nclosure_days = 20\n\
+                     within = 5\n";
+    let critical = "[critical]\nkey = \"pipes.1.temperature_c\"\nvalues = [-20, -10, -5]\nwithin = 4\n";
+    let horizons = "[[horizons]]\nname = \"upper\"\nfrom_m = 0\nto_m = 80\n\
+                    [[horizons]]\nname = \"lower\"\nfrom_m = 80\nto_m = 90\n";
+    // Both ends and three halvings; those at each of two horizons; the first and 60 steps; three values and two halvings.
+    for (study, table, most, at_each) in [
+        (of_count.to_owned(), "search.csv", 5, 1),
+        (format!("{of_count}{horizons}"), "search.csv", 10, 2),
+        (of_energy.to_owned(), "search.csv", 61, 1),
+        (critical.to_owned(), "critical_tried.csv", 5, 1),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("s.toml"), format!("{head}{study}")).expect("written");
+        let run = |arguments: &[&str]| {
+            let mut command = Command::new(env!("CARGO_BIN_EXE_frazil"));
+            command.args(["layout", "s.toml", "--method", "local", "--threads", "1"]).args(arguments);
+            let output = command.current_dir(folder.path()).output().expect("the program starts");
+            assert!(output.status.success(), "{output:?}");
+            [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
+        };
+        let counted = format!("  and at most {most}");
+        // Long enough that rounding to hundredths of a second says nothing.
+        let [priced, _] = run(&["--check", "--set", "time.duration_days=2500"]);
+        assert!(priced.lines().any(|line| line.starts_with(&counted)), "{priced}");
+        // Of one thread: all of it is what the study names and what is tried; a search tries more than it names.
+        let total = priced.lines().last().expect("a line");
+        let after = |words: &str| {
+            let mut rest = total.split_once(words).map_or("", |(_, rest)| rest).split(' ');
+            (rest.next().and_then(|number| number.parse::<f64>().ok()).expect("a number"), rest.next())
+        };
+        let (all, tried) = (after("some "), after(" 1 thread, "));
+        assert!(total.contains(" of it for those to be tried on the way"), "{total}");
+        assert!(all.1 != tried.1 || tried.0 < all.0 && tried.0 > 0.3 * all.0, "{total}");
+        let [_, before] = run(&[]);
+        assert!(before.starts_with("s: t\n") && before.contains(&counted), "{before}");
+        let tried = at_each * rows(&folder.path().join("out/s"), table).len();
+        assert!(tried <= most && (2 * tried >= most || most > 10), "{tried} of {most}");
+        let [_, again] = run(&[]);
+        assert!(again.starts_with("s: t\n") && !again.contains("at most"), "{again}");
+    }
+}

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use frazil_core::predict;
 
+use super::ahead::{self, Ahead};
 use super::study::Study;
 use super::variants::{Layout, Role, working};
 use crate::failure::{Failure, answer};
@@ -18,7 +19,8 @@ const COARSE: f64 = 1.0 / 16.0;
 /// Prints the layouts of a study that are compared, under one method or several.
 pub(super) fn print(study: &Study, methods: &[&'static str], threads: usize) -> Result<(), Failure> {
     let compared: Vec<_> = study.layouts.iter().filter(|one| one.role == Role::Compared).collect();
-    answer(&heading(study, methods))?;
+    let ahead = ahead::all(study, methods[0], threads)?;
+    answer(&heading(study, methods, &ahead))?;
     // Seconds by particle and second of the scene, of each method, from the layouts that were tried.
     let mut rates: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for layout in compared.iter().take(TRIED) {
@@ -51,11 +53,11 @@ pub(super) fn print(study: &Study, methods: &[&'static str], threads: usize) -> 
     if compared.len() > TRIED {
         answer(&format!("\nand {} more\n", compared.len() - TRIED))?;
     }
-    answer(&format!("\n{}\n", total(study, methods, &rates, threads)))
+    answer(&format!("\n{}\n", total(study, methods, &rates, &ahead, threads)))
 }
 
 /// What is run, counted.
-fn heading(study: &Study, methods: &[&'static str]) -> String {
+pub(super) fn heading(study: &Study, methods: &[&'static str], ahead: &Ahead) -> String {
     let mut text = format!("{}: {}\n", study.name, study.title);
     let under = methods.join(", ");
     text.push_str(&format!("  {} under {under}, each also at twice the spacing\n", layouts(study.layouts.len())));
@@ -71,8 +73,8 @@ fn heading(study: &Study, methods: &[&'static str]) -> String {
     for (kind, count) in others {
         text.push_str(&format!("  {count} of them {kind}\n"));
     }
-    if study.search.is_some() || study.critical.is_some() {
-        text.push_str("  and those that are tried on the way to what is sought\n");
+    if ahead.most > 0 {
+        text.push_str(&format!("  and {}\n", ahead.words()));
     }
     text
 }
@@ -88,7 +90,13 @@ fn size(layout: &Layout, method: &str) -> f64 {
 }
 
 /// The time of all runs together: those that were not tried go by particles and duration.
-fn total(study: &Study, methods: &[&'static str], rates: &BTreeMap<&str, Vec<f64>>, threads: usize) -> String {
+fn total(
+    study: &Study,
+    methods: &[&'static str],
+    rates: &BTreeMap<&str, Vec<f64>>,
+    ahead: &Ahead,
+    threads: usize,
+) -> String {
     let (mut seconds, mut unknown) = (0.0, Vec::new());
     for (k, method) in methods.iter().enumerate() {
         // Beside the first method only what is compared is run.
@@ -102,12 +110,15 @@ fn total(study: &Study, methods: &[&'static str], rates: &BTreeMap<&str, Vec<f64
         }
     }
     let at_once = threads.min(study.layouts.len()).max(1);
-    let mut text = format!("all of it     some {} of 1 thread", clock(seconds));
+    let mut text = format!("all of it     some {} of 1 thread", clock(seconds + ahead.likely_s));
     if at_once > 1 {
-        text += &format!(", {} with {at_once} layouts at once", clock(seconds / at_once as f64));
+        text += &format!(", {} with {at_once} layouts at once", clock(seconds / at_once as f64 + ahead.wall_s));
     }
-    if study.search.is_some() || study.critical.is_some() {
-        text += ", without those that are tried on the way to what is sought";
+    if ahead.most > 0 {
+        text += &format!(", {} of it for those to be tried on the way to what is sought", clock(ahead.likely_s));
+        if ahead.most > ahead.likely {
+            text += &format!(", at most {}", clock(ahead.most_s));
+        }
     }
     if !unknown.is_empty() {
         text += &format!(", and without {}, whose steps are not known beforehand", unknown.join(", "));

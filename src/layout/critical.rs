@@ -11,6 +11,7 @@ use frazil_plots::layouts::{CriticalView, critical_map};
 use frazil_plots::page::{Block, Figure, Table};
 use serde::{Deserialize, Serialize};
 
+use super::ahead::{Ahead, Find};
 use super::answers::Answers;
 use super::execute::Work;
 use super::study::Study;
@@ -49,6 +50,13 @@ impl Critical {
             ));
         }
         Ok(())
+    }
+}
+
+impl Critical {
+    /// Halvings of the widest gap between two values, at most.
+    fn halvings(&self) -> usize {
+        halvings(self.values.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max), self.within)
     }
 }
 
@@ -103,7 +111,7 @@ pub struct Outcome {
 
 /// Refuses what cannot be run, before anything is.
 pub(super) fn check(study: &Study, critical: &Critical, method: &str) -> Result<(), Failure> {
-    for layout in study.layouts.iter().filter(|one| one.role == Role::Compared) {
+    for layout in compared(study) {
         for value in &critical.values {
             study.changed(layout, &critical.key, &value.to_string())?.check(study.shaft_radius, method)?;
         }
@@ -113,19 +121,9 @@ pub(super) fn check(study: &Study, critical: &Critical, method: &str) -> Result<
 
 /// Seeks the value of each layout, runs side by side; none if it was interrupted.
 pub(super) fn seek(study: &Study, critical: &Critical, work: &Work<'_>) -> Result<Option<Outcome>, Failure> {
-    let layouts: Vec<&Layout> = study.layouts.iter().filter(|one| one.role == Role::Compared).collect();
-    let gap = critical.values.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-    let attempts = Attempts {
-        study,
-        critical,
-        work,
-        failed: Mutex::new(None),
-        done: AtomicUsize::new(0),
-        // Of those between two values none is left where all close.
-        expected: layouts.len() * (critical.values.len() + halvings(gap, critical.within)),
-        began: Instant::now(),
-        reporter: Reporter::new(work.quiet),
-    };
+    let layouts = compared(study);
+    let find = |layout: &Layout| work.made(layout);
+    let attempts = Attempts::new(study, critical, &find, work.quiet);
     let each = critical.values.len();
     let first = parallel::in_order(layouts.len() * each, work.threads, |k| {
         attempts.one(layouts[k / each], critical.values[k % each])
@@ -147,11 +145,38 @@ pub(super) fn seek(study: &Study, critical: &Critical, work: &Work<'_>) -> Resul
     Ok(Some(outcome))
 }
 
+fn compared(study: &Study) -> Vec<&Layout> {
+    study.layouts.iter().filter(|one| one.role == Role::Compared).collect()
+}
+
+/// What may still be tried beyond what is known.
+pub(super) fn ahead(
+    study: &Study,
+    critical: &Critical,
+    (method, threads): (&str, usize),
+    known: &Find<'_>,
+) -> Result<Ahead, Failure> {
+    let layouts = compared(study);
+    let attempts = Attempts::new(study, critical, known, true);
+    let left = |layout: &&Layout| {
+        let tried: Vec<_> = critical.values.iter().map(|value| attempts.one(layout, *value)).collect();
+        let open = tried.iter().filter(|one| one.is_none()).count();
+        let is_found = tried.into_iter().collect::<Option<Vec<_>>>().and_then(|tried| attempts.halve(layout, tried));
+        // Of those between two values none is left where all close.
+        if is_found.is_some() { 0 } else { open + critical.halvings() }
+    };
+    let (middle, at_once) = (critical.values[critical.values.len() / 2].to_string(), threads.min(layouts.len()));
+    layouts.iter().try_fold(Ahead::default(), |ahead, layout| {
+        let (left, example) = (left(layout), study.changed(layout, &critical.key, &middle)?);
+        Ok(ahead.and(Ahead::of((left, left), &example, method, at_once)))
+    })
+}
+
 /// What is tried, by all threads.
 struct Attempts<'a> {
     study: &'a Study,
     critical: &'a Critical,
-    work: &'a Work<'a>,
+    find: &'a Find<'a>,
     failed: Mutex<Option<Failure>>,
     done: AtomicUsize,
     expected: usize,
@@ -159,7 +184,20 @@ struct Attempts<'a> {
     reporter: Reporter,
 }
 
-impl Attempts<'_> {
+impl<'a> Attempts<'a> {
+    fn new(study: &'a Study, critical: &'a Critical, find: &'a Find<'a>, quiet: bool) -> Self {
+        Attempts {
+            study,
+            critical,
+            find,
+            failed: Mutex::new(None),
+            done: AtomicUsize::new(0),
+            expected: compared(study).len() * (critical.values.len() + critical.halvings()),
+            began: Instant::now(),
+            reporter: Reporter::new(quiet),
+        }
+    }
+
     /// Tries a value; none if it was interrupted or failed, here or elsewhere.
     fn one(&self, layout: &Layout, value: f64) -> Option<Tried> {
         let failed = || self.failed.lock().unwrap_or_else(PoisonError::into_inner);
@@ -185,7 +223,7 @@ impl Attempts<'_> {
 
     fn run(&self, layout: &Layout, value: f64) -> Result<Option<Tried>, Failure> {
         let changed = self.study.changed(layout, &self.critical.key, &value.to_string())?;
-        let Some(pair) = self.work.made(&changed)? else { return Ok(None) };
+        let Some(pair) = (self.find)(&changed)? else { return Ok(None) };
         let answers = Answers::of(&changed.scene, &pair.fine, None);
         let weakest = answers.weakest;
         Ok(Some(Tried {

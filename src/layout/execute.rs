@@ -57,6 +57,13 @@ const KEPT: &str = "layout.json";
 /// File of a layout that the method cannot run.
 const REFUSED: &str = "refused.json";
 
+/// About how long (s) a layout takes, from its first steps; absent where they do not tell.
+pub(super) fn seconds_of(scene: &Scene, method: &str) -> Option<f64> {
+    let fine = predict::forecast(scene, method, None, 1, 1).ok()?.seconds()?;
+    // Also at twice the spacing: an eighth, or less where steps are few.
+    Some(1.125 * fine)
+}
+
 /// Runs of a study.
 pub struct Work<'a> {
     /// The study.
@@ -136,11 +143,17 @@ impl Work<'_> {
         let layouts = &self.study.layouts;
         let wanted = self.wanted();
         let first = &layouts[*wanted.first()?];
-        let one = predict::forecast(&first.scene, self.method, None, 1, 1).ok()?.seconds()?;
+        let one = seconds_of(&first.scene, self.method)?;
         let share = |k: &usize| first.images() as f64 / layouts[*k].images() as f64;
         let all = one * wanted.iter().map(share).sum::<f64>();
-        // Each also at twice the spacing: an eighth, or less where steps are few.
-        Some(1.125 * all / self.threads.min(wanted.len()) as f64)
+        Some(all / self.threads.min(wanted.len()) as f64)
+    }
+
+    /// Whether nothing is left to other shards, so that what is sought can be tried.
+    pub fn is_last(&self) -> bool {
+        let (shard, shards) = self.shard;
+        let mut others = self.study.layouts.iter().enumerate().filter(|(k, _)| k % shards != shard);
+        others.all(|(_, layout)| self.is_done(layout))
     }
 
     /// Folder of a layout.

@@ -11,9 +11,11 @@ use argmin::solver::brent::BrentOpt;
 use frazil_plots::layouts::between;
 use serde::Serialize;
 
+use super::ahead::{Ahead, Find};
 use super::answers::{Answers, DAY};
 use super::execute::Work;
 use super::study::{Goal, Search, Study};
+use super::variants::Layout;
 use crate::failure::Failure;
 use crate::parallel;
 
@@ -51,8 +53,11 @@ pub(super) fn check(study: &Study, search: &Search, method: &str) -> Result<(), 
 /// How much more lateness weighs than energy: a day late by a thousandth outweighs all that is saved by it.
 const PENALTY: f64 = 100.0;
 
-/// Most values that a search for the least energy tries.
+/// Most steps of a search for the least energy.
 const MOST: u64 = 60;
+
+/// What a golden section leaves of a range, inverted.
+const GOLDEN: f64 = 1.618;
 
 /// What stops a search.
 enum Stop {
@@ -64,19 +69,32 @@ enum Stop {
 struct Trials<'a> {
     study: &'a Study,
     search: &'a Search,
-    work: &'a Work<'a>,
+    find: &'a Find<'a>,
+    threads: usize,
     tried: RefCell<Vec<Tried>>,
     stopped: RefCell<Option<Stop>>,
 }
 
-impl Trials<'_> {
+impl<'a> Trials<'a> {
+    fn new(study: &'a Study, search: &'a Search, find: &'a Find<'a>, threads: usize) -> Self {
+        Trials { study, search, find, threads, tried: RefCell::default(), stopped: RefCell::default() }
+    }
+
+    /// Tries values until the one searched is known, or says what stopped it.
+    fn all(&self) -> Result<Option<Stop>, Failure> {
+        match self.search.goal {
+            Goal::Least => Ok(halve(self).err()),
+            Goal::Energy => brent(self),
+        }
+    }
+
     /// Runs a value, or finds it.
     fn one(&self, value: f64) -> Result<Tried, Stop> {
-        let Trials { study, search, work, .. } = self;
+        let Trials { study, search, find, threads, .. } = self;
         let layouts = study.tried(search, value).map_err(Stop::Failed)?;
-        let run = |k: usize| Some(work.made(&layouts[k]));
+        let run = |k: usize| Some(find(&layouts[k]));
         let mut parts = Vec::new();
-        for (pair, layout) in parallel::in_order(layouts.len(), work.threads, run).into_iter().flatten().zip(&layouts) {
+        for (pair, layout) in parallel::in_order(layouts.len(), *threads, run).into_iter().flatten().zip(&layouts) {
             let pair = pair.map_err(Stop::Failed)?.ok_or(Stop::Interrupted)?;
             let thickness = study.depth_of(layout).filter(|_| layout.horizon.is_some()).unwrap_or(1.0);
             parts.push((Answers::of(&layout.scene, &pair.fine, study.design_of(layout)), thickness));
@@ -146,14 +164,51 @@ impl CostFunction for &Trials<'_> {
     }
 }
 
+/// Values that a search tries, as a rule and at most.
+fn values(search: &Search) -> (usize, usize) {
+    let range = search.to - search.from;
+    match search.goal {
+        // Both ends, and the halvings between them.
+        Goal::Least => {
+            let all = 2 + range.log2().ceil() as usize;
+            (all, all)
+        }
+        // The first, and one for each step. Golden sections narrow the range to what is asked for; parabolas are quicker.
+        Goal::Energy => {
+            let most = MOST as usize + 1;
+            let sections = (range / search.within()).ln() / GOLDEN.ln();
+            ((2.0 + sections.ceil()).min(most as f64) as usize, most)
+        }
+    }
+}
+
+/// What a search may still try beyond what is known.
+pub(super) fn ahead(
+    study: &Study,
+    search: &Search,
+    (method, threads): (&str, usize),
+    known: &Find<'_>,
+) -> Result<Ahead, Failure> {
+    // The search itself, up to the first value that is not known.
+    let trials = Trials::new(study, search, known, threads);
+    if trials.all()?.is_none() {
+        return Ok(Ahead::default());
+    }
+    let (likely, most) = values(search);
+    let tried = trials.tried.into_inner().len();
+    let middle = 0.5 * (search.from + search.to);
+    let layouts = study.tried(search, if search.goal == Goal::Least { middle.floor() } else { middle })?;
+    let counts = (likely.saturating_sub(tried).max(1), most.saturating_sub(tried).max(1));
+    let at_once = threads.min(layouts.len());
+    let each = |layout: &Layout| Ahead::of(counts, layout, method, at_once);
+    Ok(layouts.iter().map(each).fold(Ahead::default(), Ahead::and))
+}
+
 /// Tries values until the one searched is known, in the order of the values; none if it was interrupted.
 pub(super) fn search(study: &Study, search: &Search, work: &Work<'_>) -> Result<Option<Vec<Tried>>, Failure> {
-    let trials = Trials { study, search, work, tried: RefCell::default(), stopped: RefCell::default() };
-    let stop = match search.goal {
-        Goal::Least => halve(&trials).err(),
-        Goal::Energy => brent(&trials)?,
-    };
-    match stop {
+    let find = |layout: &Layout| work.made(layout);
+    let trials = Trials::new(study, search, &find, work.threads);
+    match trials.all()? {
         Some(Stop::Interrupted) => return Ok(None),
         Some(Stop::Failed(failure)) => return Err(failure),
         None => {}

@@ -1,5 +1,6 @@
 //! The built program from outside: exit codes, what goes where, and that bad input writes nothing.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -128,4 +129,31 @@ fn closed_pipe() -> Stdio {
     let (reader, writer) = std::io::pipe().expect("a pipe");
     drop(reader);
     writer.into()
+}
+
+/// Unless another folder is asked for, results go to `out/SCENE/METHOD`, so those of one method leave those of another alone.
+#[test]
+fn runs_under_two_methods_stand_beside_each_other() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |method: &str| {
+        let output = frazil(folder.path(), &["run", "stefan-water", "--method", method]);
+        assert!(output.status.success(), "{output:?}");
+        text(&output.stdout).to_owned()
+    };
+    let files = |method: &str| {
+        let path = folder.path().join("out/stefan-water").join(method);
+        let entries = fs::read_dir(path).expect("the folder").map(|entry| entry.expect("an entry").path());
+        entries.map(|path| (path.clone(), fs::read(path).expect("a file"))).collect::<BTreeMap<_, _>>()
+    };
+    assert!(run("local").contains("out/stefan-water/local"));
+    let local = files("local");
+    assert!(run("pd").contains("out/stefan-water/pd"));
+    assert_eq!(files("local"), local);
+    let of = |method: &str| {
+        let text = fs::read_to_string(folder.path().join("out/stefan-water").join(method).join("record.json"));
+        let record: serde_json::Value = serde_json::from_str(&text.expect("a record")).expect("JSON");
+        record["method"].as_str().map(str::to_owned)
+    };
+    assert_eq!((of("local").as_deref(), of("pd").as_deref()), (Some("local"), Some("pd")));
+    assert_eq!(fs::read_dir(folder.path().join("out/stefan-water")).expect("the folder").count(), 2);
 }

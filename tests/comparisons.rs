@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 
 use frazil::registry::methods;
 use frazil_core::march::{self, Options};
-use frazil_core::record::Record;
+use frazil_core::record::{Record, RunResult};
 use frazil_core::scene::Scene;
 
 type Row = BTreeMap<String, String>;
@@ -304,4 +304,48 @@ fn every_measure_of_a_table_has_an_error_of_its_own() {
     let shaft = frazil::load::scene("frozen-wall-sand", &[]).unwrap_or_else(|failure| unreachable!("{failure}"));
     let info = frazil::run::reference(&shaft).ok().flatten().expect("a table").describe();
     assert!((0.02 / 2.5..0.02 / 0.5).contains(&info.error_of("thickness")), "{info:?}");
+}
+
+/// By default noise is smaller than what the discretisation is off by without it: in temperatures and in the front, on scenes in SI
+/// units; the papers' heat capacity of a particle makes it larger.
+#[test]
+fn default_noise_is_below_the_error_of_the_discretisation() {
+    for kind in methods().iter().filter(|kind| kind.stochastic) {
+        for name in ["stefan-water", "soil-column"] {
+            let run = |key: &str, value: &str| {
+                let bundled = frazil_cases::scenes::find(name).expect("a scene");
+                let overrides = [(format!("method.{}.{key}", kind.name), value.to_owned())];
+                let scene = Scene::read(bundled.text, name, name, &overrides, methods());
+                let scene = scene.unwrap_or_else(|problems| unreachable!("{problems}"));
+                let reference = frazil::run::reference(&scene).expect("a reference");
+                let result = march::run(&scene, kind.name, reference.as_ref(), &Options::default());
+                result.unwrap_or_else(|refused| unreachable!("{refused}"))
+            };
+            let rms = |squares: Vec<f64>| (squares.iter().sum::<f64>() / squares.len() as f64).sqrt();
+            let (quiet, noisy, papers) = (run("noise", "false"), run("noise", "true"), run("heat_capacity_dpd", "1e5"));
+            let front = |one: &RunResult, other: &dyn Fn(usize) -> Option<f64>| {
+                let from = one.front.len() / 4;
+                let away = |k: usize| Some((one.front[k].front_m / other(k)? - 1.0).powi(2));
+                rms((from..one.front.len()).filter_map(away).collect())
+            };
+            let off = front(&quiet, &|k| quiet.front[k].front_ref_m);
+            let noise = front(&noisy, &|k| Some(quiet.front[k].front_m));
+            eprintln!("{name}: front off by {off:.2e}, noise {noise:.2e}");
+            assert!(noise < off, "{name}: front off by {off}, noise {noise}");
+            let temperature = |one: &RunResult, other: &dyn Fn(usize) -> Option<f64>| {
+                let away = |k: usize| Some((one.profiles[k].temperature_c - other(k)?).powi(2));
+                rms((0..one.profiles.len()).filter_map(away).collect())
+            };
+            let noise = |run: &RunResult| temperature(run, &|k| Some(quiet.profiles[k].temperature_c));
+            let (own, loud) = (noise(&noisy), noise(&papers));
+            assert!(own > 0.0 && 10.0 * own < loud, "{name}: {own} and {loud}");
+            let off = temperature(&quiet, &|k| quiet.profiles[k].temperature_ref_c);
+            if off.is_finite() {
+                eprintln!(
+                    "{name}: temperatures off by {off:.2e} K, noise {own:.2e} K, {loud:.2e} K with the papers' value"
+                );
+                assert!(own < off && off < loud, "{name}: off by {off}, noise {own} and {loud}");
+            }
+        }
+    }
 }

@@ -606,3 +606,41 @@ fn a_search_says_before_it_starts_how_many_layouts_it_tries_at_most() {
         assert!(again.starts_with("s: t\n") && !again.contains("at most"), "{again}");
     }
 }
+
+/// Members of a deviation and shafts over horizons that stay open have no day of the design, whatever part of them has.
+#[test]
+fn members_that_stay_open_are_not_as_designed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let text = "title = \"t\"\nscene = \"frozen-wall-sand\"\n\
+                set = { \"time.duration_days\" = 29, \"time.outputs\" = 58, \"time.profiles_days\" = [29], \
+                \"method.local.spacing_m\" = 0.2 }\n\
+                design = { thickness_m = 0.1, mean_temperature_c = -0.5 }\n\
+                [[horizons]]\nname = \"upper\"\nfrom_m = 0\nto_m = 100\n\
+                [[horizons]]\nname = \"lower\"\nfrom_m = 100\nto_m = 200\n\
+                [deviation]\npercent = 0.13\nmembers = 8\nseed = 1\n";
+    fs::write(folder.path().join("deviates.toml"), text).expect("written");
+    done(folder.path(), &["deviates.toml", "--out", "out"]);
+    let out = folder.path().join("out");
+    let mut counts = Vec::new();
+    for name in ["layouts.csv", "shafts.csv"] {
+        let all = rows(&out, name);
+        let members: Vec<&Row> = all.iter().filter(|row| !row["of"].is_empty()).collect();
+        let (closed, open): (Vec<&Row>, Vec<&Row>) = members.iter().partition(|row| !row["closure_days"].is_empty());
+        for row in &open {
+            assert_eq!((row["design_days"].as_str(), row["design_left_days"].as_str()), ("", ""), "{row:?}");
+        }
+        let designed: Vec<&&Row> = closed.iter().filter(|row| !row["design_days"].is_empty()).collect();
+        for row in &designed {
+            assert!(number(row, "design_days") >= number(row, "closure_days"), "{row:?}");
+        }
+        counts.push((members.len(), closed.len(), open.len(), designed.len()));
+    }
+    let [layouts, shafts] = counts[..] else { unreachable!("{counts:?}") };
+    // Of sixteen walls some stay open, all of them the lower ones, and so do their shafts, whose upper walls are as designed.
+    assert_eq!((layouts.0, shafts.0), (16, 8));
+    assert!(layouts.2 > 0 && layouts.2 == shafts.2, "{counts:?}");
+    assert!(shafts.3 > 0 && shafts.3 <= shafts.1 && layouts.3 > 8, "{counts:?}");
+    for row in rows(&out, "deviation.csv").iter().filter(|row| row["layout"] == "frozen-wall-sand") {
+        assert_eq!((number(row, "members"), number(row, "closed")), (8.0, shafts.1 as f64));
+    }
+}

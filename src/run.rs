@@ -69,8 +69,13 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
             snapshots.see(particles, time);
         }
     };
+    let finding = request.reduce.then(|| reduce::find(&scene, method, reference.as_ref()));
     if !request.quiet {
-        let seconds = expect::seconds(&scene, method, reference.as_ref(), request.threads);
+        let planned = match &finding {
+            Some(Ok(Finding::Smaller(reduction))) => &reduction.scene,
+            _ => &scene,
+        };
+        let seconds = expect::seconds(planned, method, reference.as_ref(), request.threads);
         forewarn(&format!("{} under {method}", scene.name), seconds);
     }
     let reporter = Reporter::new(request.quiet);
@@ -84,10 +89,9 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
         fields: true,
         each_output: snapshots.is_some().then_some(&see),
     };
-    let result = if request.reduce {
-        reduced(&scene, method, reference.as_ref(), &options)
-    } else {
-        march::run(&scene, method, reference.as_ref(), &options)
+    let result = match finding {
+        Some(finding) => finding.and_then(|finding| reduced(&finding, &scene, method, reference.as_ref(), &options)),
+        None => march::run(&scene, method, reference.as_ref(), &options),
     };
     reporter.finish();
     let result = match result {
@@ -121,15 +125,16 @@ pub fn folder_of(scene: &Scene, method: &str) -> PathBuf {
 
 /// Runs the smaller scene, or says why there is none.
 fn reduced(
+    finding: &Finding,
     scene: &Scene,
     method: &str,
     reference: Option<&Arc<dyn Reference>>,
     options: &Options<'_>,
 ) -> Result<RunResult, Refused> {
-    match reduce::find(scene, method, reference)? {
+    match finding {
         Finding::Smaller(reduction) => reduction.run(reference, options),
         finding => {
-            complain(&format!("{}: not reduced: {}", scene.name, why_not(&finding)));
+            complain(&format!("{}: not reduced: {}", scene.name, why_not(finding)));
             march::run(scene, method, reference, options)
         }
     }

@@ -2,9 +2,9 @@
 
 use std::f64::consts::SQRT_2;
 
-use frazil_core::record::ReferenceInfo;
 use frazil_core::reference::Reference;
 use frazil_core::scene::{Condition, Domain, Scene};
+use frazil_record::ReferenceInfo;
 
 use crate::exact::constant;
 use crate::table::Table;

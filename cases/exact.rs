@@ -7,9 +7,9 @@ pub mod neumann;
 pub mod similarity;
 
 use frazil_core::material::FreezingLaw;
-use frazil_core::record::ReferenceInfo;
 use frazil_core::reference::Reference;
 use frazil_core::scene::{Condition, Domain, Scene, Series};
+use frazil_record::ReferenceInfo;
 
 pub use advection::Advection;
 pub use neumann::Neumann;

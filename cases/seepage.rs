@@ -2,9 +2,9 @@
 //! laws of conductivity.
 
 use frazil_core::material::Mixing;
-use frazil_core::record::ReferenceInfo;
 use frazil_core::reference::Reference;
 use frazil_core::scene::{Domain, Scene};
+use frazil_record::ReferenceInfo;
 
 use crate::table::{Table, interpolate};
 

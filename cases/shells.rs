@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use frazil_core::material::{FreezingLaw, Material};
-use frazil_core::record::ReferenceInfo;
 use frazil_core::reference::{Cut, Reference};
 use frazil_core::scene::region::{Cell, Region, Shape};
 use frazil_core::scene::{Condition, Domain, Scene, Symmetry, Units};
+use frazil_record::ReferenceInfo;
 
 use crate::exact::constant;
 use crate::exact::line_sink::LineSink;

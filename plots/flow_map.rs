@@ -1,7 +1,7 @@
 //! Figures of flowing water: maps of the pressure with arrows along the flow, and ice over time.
 
-use frazil_core::flow::series::{FlowPoint, WaterRow};
-use frazil_core::record::Field;
+use frazil_record::Field;
+use frazil_record::{FlowPoint, WaterRow};
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas};

@@ -1,6 +1,6 @@
 //! Layouts of freeze pipes side by side: when they close, where they are weakest, what they draw.
 
-use frazil_core::record::{LinkRow, RunResult};
+use frazil_record::{LinkRow, RunResult};
 
 use crate::canvas::{Canvas, Colour, Stroke, text_width};
 use crate::ground_plan::WaterMark;

@@ -1,7 +1,7 @@
 //! Temperature maps: bands of equal temperature, isotherms, and the front heavy.
 
 use contour::ContourBuilder;
-use frazil_core::record::Field;
+use frazil_record::Field;
 
 use crate::axes::{Axis, Frame, nice_step};
 use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, Text, text_width};

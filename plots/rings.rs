@@ -1,6 +1,6 @@
 //! Figures of a ring of freeze pipes: its wall, its gaps and its heat.
 
-use frazil_core::record::{RunResult, WallRow};
+use frazil_record::{RunResult, WallRow};
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Canvas, Stroke};

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use frazil_core::flow::series::CutRow;
-use frazil_core::record::{Field, MeanOver, ProfileRow, RunResult};
 use frazil_core::scene::{Scene, TimeUnit};
+use frazil_record::CutRow;
+use frazil_record::{Field, MeanOver, ProfileRow, RunResult};
 
 use crate::PlotError;
 use crate::axes::{Axis, Entry, Frame, legend};
@@ -244,7 +244,7 @@ fn front(result: &RunResult, words: &Words) -> Canvas {
     canvas
 }
 
-fn relative_error(row: &frazil_core::record::FrontRow) -> Option<f64> {
+fn relative_error(row: &frazil_record::FrontRow) -> Option<f64> {
     row.front_ref_m.filter(|reference| *reference > 0.0).map(|reference| row.front_m / reference - 1.0)
 }
 

@@ -1,6 +1,6 @@
 //! Figures of liquids that move: phases over time, and what is averaged across a stream.
 
-use frazil_core::record::{PhaseRow, RunResult, SectionRow, StreamRow};
+use frazil_record::{PhaseRow, RunResult, SectionRow, StreamRow};
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Canvas, Colour, Stroke};

@@ -1,9 +1,9 @@
 //! What a run says first: where the front is, when the wall closed, what became of the ice. Errors are called errors.
 
-use frazil_core::flow::series::{WaterRecord, WaterRow};
-use frazil_core::record::{Errors, GapRow, RunResult, WallRecord};
 use frazil_core::scene::{Domain, Scene, Symmetry, Units};
 use frazil_plots::style::{length, number};
+use frazil_record::{Errors, GapRow, RunResult, WallRecord};
+use frazil_record::{WaterRecord, WaterRow};
 
 use crate::ensemble::record::by_name;
 use crate::progress::clock;

@@ -10,9 +10,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use frazil_cases::Truth;
 use frazil_core::march::{Options, Refused};
 use frazil_core::method::MethodKind;
-use frazil_core::record::RunResult;
 use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
+use frazil_record::RunResult;
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::machine::Machine;

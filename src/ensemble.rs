@@ -8,10 +8,10 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use frazil_core::measure;
-use frazil_core::record::{Outcome, Record, RunResult};
 use frazil_core::reference::Reference;
 use frazil_core::scene::Layout;
 use frazil_core::scene::settings::MethodSettings;
+use frazil_record::{Outcome, Record, RunResult};
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::output::{self, Folder};

@@ -85,7 +85,7 @@ pub fn stamp() -> String {
 
 #[cfg(test)]
 mod tests {
-    use frazil_core::record::Outcome;
+    use frazil_record::Outcome;
 
     use super::*;
     use crate::stability::cell::Finding;

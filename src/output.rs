@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use frazil_core::record::{BudgetRow, RunResult};
+use frazil_record::{BudgetRow, RunResult};
 use serde::Serialize;
 use tempfile::NamedTempFile;
 
@@ -185,7 +185,7 @@ fn budget<'a>(names: &'a [String], rows: &'a [BudgetRow]) -> Option<Fill<'a>> {
 
 #[cfg(test)]
 mod tests {
-    use frazil_core::record::{FrontRow, ProfileRow};
+    use frazil_record::{FrontRow, ProfileRow};
 
     use super::*;
 
@@ -242,7 +242,7 @@ mod tests {
         names.sort();
         assert_eq!(names, ["front.csv", "record.json"]);
         let text = fs::read_to_string(folder.path().join("record.json")).expect("the record");
-        let record: frazil_core::record::Record = serde_json::from_str(&text).expect("a record");
+        let record: frazil_record::Record = serde_json::from_str(&text).expect("a record");
         assert_eq!(record, result.record);
     }
 

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use frazil_core::march::{self, Options, Progress, Refused};
 use frazil_core::particles::Particles;
-use frazil_core::record::{Outcome, RunResult};
 use frazil_core::reduce::{self, Finding};
 use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
 use frazil_plots::{FigureOptions, run_figures};
+use frazil_record::{Outcome, RunResult};
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::fields::Snapshots;

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use frazil_core::record::RunResult;
 use frazil_core::scene::{Domain, Sector};
+use frazil_record::RunResult;
 
 use crate::sketch::{SHARP, Sketch, even, sand, steady_material};
 

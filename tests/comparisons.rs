@@ -7,8 +7,8 @@ use std::process::{Command, Output};
 
 use frazil::registry::methods;
 use frazil_core::march::{self, Options};
-use frazil_core::record::{Record, RunResult};
 use frazil_core::scene::Scene;
+use frazil_record::{Record, RunResult};
 
 type Row = BTreeMap<String, String>;
 
@@ -218,7 +218,7 @@ fn the_error_of_a_thaw_does_not_depend_on_the_length_of_the_body() {
         for length in [12.0, 24.0, 96.0] {
             let long = thaw(length, method).errors;
             for (name, of) in [
-                ("rms", (|errors| errors.front_rms_rel) as fn(&frazil_core::record::Errors) -> Option<f64>),
+                ("rms", (|errors| errors.front_rms_rel) as fn(&frazil_record::Errors) -> Option<f64>),
                 ("last", |errors| errors.front_last_rel),
                 ("constant", |errors| errors.front_constant_rel),
             ] {

@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use frazil::registry::methods;
 use frazil_core::march::{self, Options};
 use frazil_core::method::MethodKind;
-use frazil_core::record::{Outcome, RunResult};
 use frazil_core::scene::{Domain, Scene};
+use frazil_record::{Outcome, RunResult};
 
 use crate::sketch::{Sketch, advance, sand, steady_material, without_noise};
 

@@ -6,8 +6,8 @@ use std::sync::Mutex;
 use frazil::registry::methods;
 use frazil_core::march::Options;
 use frazil_core::particles::Particles;
-use frazil_core::record::RunResult;
 use frazil_core::scene::{Domain, Sector, Symmetry};
+use frazil_record::RunResult;
 use glam::DVec2;
 
 use crate::sketch::{SHARP, Sketch, even, sand, steady_material, through};

@@ -5,8 +5,8 @@ use frazil_cases::scenes;
 use frazil_core::march::{self, Options};
 use frazil_core::method::MethodKind;
 use frazil_core::plan;
-use frazil_core::record::{Outcome, RunResult};
 use frazil_core::scene::{Layout, Scene, Units};
+use frazil_record::{Outcome, RunResult};
 
 use crate::sketch::advance;
 

@@ -2,8 +2,8 @@
 
 use frazil::registry::methods;
 use frazil_core::method::MethodKind;
-use frazil_core::record::Outcome;
 use frazil_core::scene::Domain;
+use frazil_record::Outcome;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use crate::sketch::{Sketch, advance, sand, wall_by_chance, water, without_noise};

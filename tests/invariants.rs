@@ -676,9 +676,8 @@ fn a_quarter_a_half_and_the_whole_ring_freeze_alike() {
             sketch.pipes = vec![EIGHT_PIPES.to_owned()];
             sketch.run(kind)
         });
-        let closure = |result: &frazil_core::record::RunResult| {
-            result.gaps.iter().filter_map(|gap| gap.closure_s).fold(0.0, f64::max)
-        };
+        let closure =
+            |result: &frazil_record::RunResult| result.gaps.iter().filter_map(|gap| gap.closure_s).fold(0.0, f64::max);
         let [quarter, half, whole] = &results;
         assert!(closure(whole) > 0.0 && whole.gaps.iter().all(|gap| gap.closure_s.is_some()), "{}", kind.name);
         for part in [quarter, half] {

@@ -6,8 +6,8 @@ use std::process::{Command, Output};
 
 use frazil_core::march::{self, Options};
 use frazil_core::pipe::acting_radius;
-use frazil_core::record::RunResult;
 use frazil_core::scene::Scene;
+use frazil_record::RunResult;
 
 use crate::sketch::bundled;
 

@@ -2,10 +2,10 @@
 
 use frazil::registry;
 use frazil_core::march::{self, Options};
-use frazil_core::record::{Outcome, RunResult};
 use frazil_core::scene::Scene;
 use frazil_edpd::calibration::Constants;
 use frazil_edpd::fluid::{Fluid, Parameters, Undriven};
+use frazil_record::{Outcome, RunResult};
 
 use crate::forecasts::most;
 

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use frazil_core::march::{self, Options};
-use frazil_core::record::{MeanOver, RunResult};
 use frazil_core::reference::Reference;
 use frazil_core::scene::{Domain, Scene, Sector};
+use frazil_record::{MeanOver, RunResult};
 
 use crate::sketch::{SHARP, Sketch, even, sand};
 
@@ -149,7 +149,7 @@ fn cuts_of_a_ring_stay_in_its_ground() {
             assert!(reach > 1.7 && reach < 2.0, "{}: {reach}", kind.name);
             sketch.excavation = "radius_m = 0.8\nstart_s = 0\ncondition = \"symmetry\"".into();
             let dug = sketch.run(kind);
-            let radius = |row: &frazil_core::record::ProfileRow| row.x_m.expect("x").hypot(row.y_m.expect("y"));
+            let radius = |row: &frazil_record::ProfileRow| row.x_m.expect("x").hypot(row.y_m.expect("y"));
             assert!(dug.profiles.iter().all(|row| radius(row) > 0.79), "{}", kind.name);
             // A chord of a circle of 0.8 m, a quarter of a metre from its centre.
             let lost = whole.profiles.len() - dug.profiles.len();

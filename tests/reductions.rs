@@ -3,9 +3,9 @@
 use frazil::registry::methods;
 use frazil_core::march::{self, Options};
 use frazil_core::method::MethodKind;
-use frazil_core::record::RunResult;
 use frazil_core::reduce::{self, Finding, Reduction};
 use frazil_core::scene::{Domain, Scene, Sector};
+use frazil_record::RunResult;
 use rand::{RngExt, SeedableRng, rngs::StdRng, seq::IndexedRandom};
 
 use crate::sketch::{Sketch, even, sand, water, without_noise};

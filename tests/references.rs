@@ -4,8 +4,8 @@
 use frazil::registry::methods;
 use frazil_core::march::{self, Options};
 use frazil_core::method::MethodKind;
-use frazil_core::record::{Errors, Outcome};
 use frazil_core::scene::{Domain, Sector};
+use frazil_record::{Errors, Outcome};
 
 use crate::sketch::{Sketch, sand, steady_material, water, without_noise};
 
@@ -121,7 +121,7 @@ fn steady_between_two_temperatures() {
         let mut longer = sketch.clone();
         longer.duration_s *= 1.25;
         // Heat through the right wall in the last hours.
-        let heat = |result: &frazil_core::record::RunResult| result.budget.last().expect("an output").in_j[1];
+        let heat = |result: &frazil_record::RunResult| result.budget.last().expect("an output").in_j[1];
         let found = (heat(&longer.run(kind)) - heat(&result)) / (0.25 * sketch.duration_s);
         assert!((found / flux - 1.0).abs() < 1e-8, "{}: {found} W/m2, must be {flux}", kind.name);
     }

@@ -4,8 +4,8 @@ use frazil::registry::methods;
 use frazil_core::flow::diagonals::Diagonals;
 use frazil_core::march::{self, Options};
 use frazil_core::method::MethodKind;
-use frazil_core::record::{Outcome, RunResult};
 use frazil_core::scene::Domain;
+use frazil_record::{Outcome, RunResult};
 
 use crate::references::errors;
 use crate::sketch::{Sketch, advance};
@@ -55,7 +55,7 @@ fn flowing() -> impl Iterator<Item = &'static MethodKind> {
     methods().iter().copied().filter(|kind| !kind.stochastic)
 }
 
-fn water(result: &RunResult) -> &frazil_core::flow::series::WaterRecord {
+fn water(result: &RunResult) -> &frazil_record::WaterRecord {
     assert_eq!(result.record.outcome, Outcome::Ok, "{:?}", result.record.cause);
     result.record.water.as_ref().expect("water flows")
 }

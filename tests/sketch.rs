@@ -6,8 +6,8 @@ use frazil::registry::methods;
 use frazil_core::march::{self, Options};
 use frazil_core::method::{Clock, MethodKind};
 use frazil_core::plan::{self, Plan};
-use frazil_core::record::RunResult;
 use frazil_core::scene::{Domain, Scene, Sector};
+use frazil_record::RunResult;
 use rand::{RngExt, rngs::StdRng};
 
 /// A scene in a few words. Walls, materials and numerics are lines of the file.

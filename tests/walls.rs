@@ -7,8 +7,8 @@ use std::collections::BinaryHeap;
 use frazil::layout::answers::{Answers, DAY, Day, Kept};
 use frazil::layout::study::Design;
 use frazil_core::march::{self, Options};
-use frazil_core::record::{Field, RunResult};
 use frazil_core::scene::{Domain, Scene, Sector};
+use frazil_record::{Field, RunResult};
 
 use crate::sketch::bundled;
 

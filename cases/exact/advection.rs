@@ -1,8 +1,8 @@
 //! Water that flows steadily into a half space brings its temperature along (Ogata and Banks 1961).
 
-use frazil_core::record::ReferenceInfo;
 use frazil_core::reference::Reference;
 use frazil_core::scene::{Condition, Domain, Scene};
+use frazil_record::ReferenceInfo;
 
 use super::constant;
 use super::functions::erfcx;

@@ -20,9 +20,9 @@ use frazil_core::method::{Clock, Discretisation, Method, MethodKind, Normalisati
 use frazil_core::moving::Purpose;
 use frazil_core::noise::StepNoise;
 use frazil_core::plan::Assembly;
-use frazil_core::record::Value;
 use frazil_core::scene::settings::MethodSettings;
 use frazil_core::scene::{Exchange, Mean, Numerics, Range, Scene, Section, Setting, Units};
+use frazil_record::Value;
 use rayon::ThreadPool;
 
 /// The method as the registry lists it.

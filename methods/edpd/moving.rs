@@ -15,13 +15,14 @@ mod settings;
 use std::sync::Arc;
 
 use frazil_core::ledger::Ledger;
-use frazil_core::method::{Bound, Clock, Method, StepError, Work};
+use frazil_core::method::{Bound, Clock, Method, StepError};
 use frazil_core::moving::{Crowd, Purpose};
 use frazil_core::particles::{Particles, Places};
 use frazil_core::potential::{Curve, Thermal};
 use frazil_core::scene::region::Cell;
 use frazil_core::scene::settings::MethodSettings;
 use frazil_core::scene::{Condition, Domain, Scene, Series, Units};
+use frazil_record::Work;
 use glam::DVec2;
 use rayon::ThreadPool;
 

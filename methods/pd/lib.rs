@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use frazil_core::method::{Discretisation, MethodKind, Normalisation, PairWeight, Stepper};
-use frazil_core::record::Value;
 use frazil_core::scene::{Conduction, Exchange, Mean, Numerics, Range, Section, Setting};
+use frazil_record::Value;
 
 /// The method as the registry lists it.
 pub static METHOD: MethodKind = MethodKind {

@@ -7,8 +7,8 @@
 use std::sync::Arc;
 
 use frazil_core::method::{Discretisation, MethodKind, Normalisation, PairWeight, Stepper};
-use frazil_core::record::Value;
 use frazil_core::scene::{Exchange, Mean, Numerics, Range, Section, Setting, Uptake};
+use frazil_record::Value;
 
 pub mod kernel;
 

@@ -151,7 +151,7 @@ pub fn maps(layout: &LayoutView<'_>, freezing_c: f64) -> Vec<(String, Canvas)> {
     };
     let mut words = Words::of(layout.result, &options);
     words.heading.clone_from(&layout.name);
-    let drawn = |field: &frazil_core::record::Field| {
+    let drawn = |field: &frazil_record::Field| {
         let look = Look {
             heading: format!("{}, {}", words.heading, words.instant(field.time_s)),
             kind: "Temperature",

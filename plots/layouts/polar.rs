@@ -4,7 +4,7 @@ use super::{DAY, LayoutView, backed, dashed_circle, day, wrapped};
 use crate::axes::{Entry, legend, nice_step};
 use crate::canvas::{Align, Canvas, Stroke, Text, text_width};
 use crate::style::{GRID, INK, LABEL, Marker, REFERENCE, TICK, number};
-use frazil_core::record::LinkRow;
+use frazil_record::LinkRow;
 
 /// Width of the drawing and its margin (px).
 const WIDTH: f64 = 500.0;

@@ -2,7 +2,6 @@
 //!
 //! With `FRAZIL_FIGURES=folder` the files stay there to be looked at.
 
-use frazil_core::record::{Errors, Field, FrontRow, GapRow, Outcome, ProfileRow, Record, RunResult, WallRow};
 use frazil_core::scene::Series;
 use frazil_core::scene::TimeUnit;
 use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint, work_precision};
@@ -10,6 +9,7 @@ use frazil_plots::convergence::{OrderCurve, convergence};
 use frazil_plots::ground_plan::{GroundPlan, ShaftMark, WaterMark};
 use frazil_plots::run::drawings;
 use frazil_plots::{FigureOptions, run_figures};
+use frazil_record::{Errors, Field, FrontRow, GapRow, Outcome, ProfileRow, Record, RunResult, WallRow};
 
 #[path = "figures/layouts.rs"]
 mod layouts;

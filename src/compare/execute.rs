@@ -6,11 +6,11 @@ use std::time::Instant;
 
 use frazil_core::march::{Options, outputs};
 use frazil_core::measure;
-use frazil_core::record::{Outcome, ReferenceInfo};
 use frazil_core::reference::Reference;
 use frazil_core::scene::{ReferenceChoice, Scene};
 use frazil_core::statistics;
 use frazil_plots::style::{duration, percent};
+use frazil_record::{Outcome, ReferenceInfo};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 

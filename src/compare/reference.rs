@@ -7,10 +7,10 @@ use std::time::Instant;
 
 use frazil_core::march::Options;
 use frazil_core::measure;
-use frazil_core::record::{Field, Outcome, ReferenceInfo, RunResult};
 use frazil_core::reference::{Cut, Plane, Reference};
 use frazil_core::scene::{Scene, Setting};
 use frazil_plots::style::{duration, percent};
+use frazil_record::{Field, Outcome, ReferenceInfo, RunResult};
 
 use super::Parts;
 use super::execute::judge_alike;
@@ -136,7 +136,7 @@ impl Reference for LocalReference {
     }
 
     fn thickness(&self, plane: Plane, t: f64) -> Option<f64> {
-        let value = |row: &frazil_core::record::WallRow| match plane {
+        let value = |row: &frazil_record::WallRow| match plane {
             Plane::Main => row.thickness_main_mean_m,
             Plane::Interface => row.thickness_interface_mean_m,
         };

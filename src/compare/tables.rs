@@ -79,7 +79,7 @@ impl Row {
         let median = |value: &dyn Fn(&Timing) -> f64| statistics::median(&times(value));
         let least = |value: &dyn Fn(&Timing) -> f64| times(value).into_iter().reduce(f64::min);
         let interval = statistics::median_interval(&times(&Timing::wall));
-        let over_runs = |value: fn(&frazil_core::record::Errors) -> Option<f64>| {
+        let over_runs = |value: fn(&frazil_record::Errors) -> Option<f64>| {
             let runs: Option<Vec<f64>> = one.ensemble.as_ref()?.runs.iter().map(value).collect();
             statistics::mean(&runs?).map(|mean| mean.mean)
         };

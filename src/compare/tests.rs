@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use frazil_core::measure;
-use frazil_core::record::{Errors, FrontRow, Outcome, ProfileRow, Record};
 use frazil_core::scene::Setting;
+use frazil_record::{Errors, FrontRow, Outcome, ProfileRow, Record};
 
 use super::*;
 use crate::failure::Failure;

@@ -15,10 +15,10 @@ use std::time::Instant;
 
 use frazil_core::march::Options;
 use frazil_core::method::MethodKind;
-use frazil_core::record::{Outcome, RunResult, Value};
 use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
 use frazil_plots::style::{duration, number};
+use frazil_record::{Outcome, RunResult, Value};
 
 use super::execute::{Stop, judge_alike, truth};
 use super::plan::{Variant, overrides, spacings};

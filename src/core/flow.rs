@@ -20,6 +20,8 @@ use std::time::Instant;
 use glam::DVec2;
 use rayon::ThreadPool;
 
+use frazil_record::Work;
+
 use crate::boundary::{Boundary, Face};
 use crate::integrate::{just_before, sharp_step};
 
@@ -27,7 +29,7 @@ use crate::ledger::{Ledger, Sum};
 use crate::list_operator::{EnthalpyList, ListOperator, ListParts, Off, Tangent};
 use crate::material::{FreezingLaw, Pores};
 use crate::memory::Held;
-use crate::method::{Bound, Clock, Method, StepError, Work};
+use crate::method::{Bound, Clock, Method, StepError};
 use crate::operator::Operator;
 use crate::particles::Particles;
 use crate::potential::{Curved, PotentialLaw, Thermal};

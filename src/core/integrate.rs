@@ -8,10 +8,12 @@ pub mod newton;
 pub mod rkl2;
 pub mod sharp;
 
+use frazil_record::Work;
+
 use crate::ledger::Ledger;
 use crate::list_operator::{ListOperator, PairTerm, Tangent};
 use crate::memory::Held;
-use crate::method::{Bound, Clock, Method, StepError, Work};
+use crate::method::{Bound, Clock, Method, StepError};
 use crate::operator::Operator;
 use crate::particles::Particles;
 use crate::uptake::LatentScheme;

@@ -37,7 +37,6 @@ pub mod pipe;
 pub mod plan;
 pub mod potential;
 pub mod predict;
-pub mod record;
 pub mod reduce;
 pub mod reference;
 pub mod scene;

@@ -7,18 +7,18 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use crate::flow::series::WaterSeries;
+use crate::flow::series::WaterWatch;
 use crate::ledger::Ledger;
 use crate::measure::attach;
 use crate::method::{Clock, Method};
 use crate::particles::Particles;
 use crate::plan::{Plan, build, settings_of};
-use crate::record::{Errors, Outcome, Record, RunResult};
 use crate::reference::Reference;
 use crate::scene::settings::MethodSettings;
 use crate::scene::{Scene, Uptake};
 use crate::terms::fluctuation;
 use crate::watch::Watches;
+use frazil_record::{Errors, Outcome, Record, RunResult};
 
 use guard::Guard;
 pub use instants::outputs;
@@ -100,7 +100,7 @@ pub fn run(
     let settings = settings_of(scene, method)?;
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
     let mut watches = Watches::new(scene, &plan.particles, &plan.pipe_extents, options.fields);
-    let mut water = WaterSeries::new(scene, &plan.particles, plan.method.as_ref(), options.fields);
+    let mut water = WaterWatch::new(scene, &plan.particles, plan.method.as_ref(), options.fields);
     let setup = setup.stop();
     let Plan { mut particles, mut method, step, bound, summary, pipe_extents } = plan;
     let mut guard = Guard::new(scene, &particles, &pipe_extents);
@@ -297,7 +297,7 @@ pub fn run(
         links,
         planes,
         fields: watches.fields,
-        water,
+        water: water.map(|water| water.series),
     };
     if let Some(reference) = reference {
         attach(scene, particles.lattice.spacing, &mut result, reference.as_ref());

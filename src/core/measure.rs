@@ -7,9 +7,9 @@ pub mod front;
 
 use std::collections::BTreeMap;
 
-use crate::record::{BesideRow, Errors, FrontRow, FrozenRow, GapRow, RunResult, WallRow};
 use crate::reference::{Cut, Plane, Reference};
 use crate::scene::{FreezingDirection, Scene};
+use frazil_record::{BesideRow, Errors, FrontRow, FrozenRow, GapRow, RunResult, WallRow};
 
 /// Temperatures on a plane count only farther than this many particle spacings from the wall of a pipe: an
 /// immersed pipe is smeared over them.
@@ -314,8 +314,8 @@ fn closure_errors(gaps: &[GapRow], reference: &dyn Reference) -> BTreeMap<String
 mod tests {
     use super::*;
     use crate::material::{FreezingLaw, Material, Mixing, Phase};
-    use crate::record::{Outcome, ProfileRow, Record, ReferenceInfo};
     use crate::scene::{Condition, Domain, PipeRing, ReferenceChoice, Sector, Series, TimeUnit, Units, Wall, Watch};
+    use frazil_record::{Outcome, ProfileRow, Record, ReferenceInfo};
 
     const DAY: f64 = 86_400.0;
 

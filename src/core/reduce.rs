@@ -20,11 +20,11 @@ use crate::measure::attach;
 use crate::method::{Bound, Discretisation, Normalisation, PairWeight, Stepper};
 use crate::particles::Particles;
 use crate::plan::{build, settings_of};
-use crate::record::RunResult;
 use crate::reference::Reference;
 use crate::scene::settings::MethodSettings;
 use crate::scene::{Domain, IntegratorChoice, Layout, Scene, WallModel};
 use crate::stencil::Stencil;
+use frazil_record::RunResult;
 
 /// A smaller scene under one method, and the way back.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! The truth about a scene, wherever it comes from.
 
-use crate::record::ReferenceInfo;
+use frazil_record::ReferenceInfo;
 
 /// A plane of a pipe ring on which walls are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,34 +4,13 @@
 //! second order across and along (Crank and Nicolson's rule after four backward steps of half the length), without
 //! conduction along the stream, which is smaller by the square of the Peclet number. It knows nothing of particles.
 
-use serde::{Deserialize, Serialize};
+use frazil_record::{SectionRow, StreamRecord, StreamRow};
 
-use crate::record::{SectionRow, StreamRow};
 use crate::scene::{Condition, Domain, Scene};
 
 /// Cells across and steps along: halving both moves no temperature by more than 1e-4 of the range.
 const CELLS: usize = 160;
 const STEPS: usize = 2000;
-
-/// What a stream came to.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct StreamRecord {
-    /// Greatest velocity of the fitted parabola (m/s).
-    pub greatest_speed_m_per_s: f64,
-    /// Rms of the distance of velocities from the parabola over its greatest.
-    pub speed_rms_rel: f64,
-    /// Kinematic viscosity (m2/s), where the acceleration acts everywhere.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub kinematic_viscosity_m2_per_s: Option<f64>,
-    /// Greatest difference of the density from its mean in the layers beside the walls, over the mean.
-    pub wall_density_rel: f64,
-    /// Rms of the temperature error over all sections over the range of the scene's temperatures.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub temperature_rms_rel: Option<f64>,
-    /// Greatest temperature error in sections over that range.
-    #[serde(skip_serializing_if = "Option::is_none", default)]
-    pub temperature_max_rel: Option<f64>,
-}
 
 /// Judges a stream, and fills the reference's temperatures of its sections, where there are any.
 pub fn judge(scene: &Scene, rows: &[StreamRow], sections: &mut [SectionRow]) -> Option<StreamRecord> {

@@ -30,11 +30,11 @@ use crate::material::FreezingLaw;
 use crate::one_way::OneWay;
 use crate::particles::Particles;
 use crate::pipe::Extent;
-use crate::record::{
+use crate::scene::{Domain, FreezingDirection, PipeRing, Scene};
+use frazil_record::{
     BudgetRow, Field, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow, ProfileRow, SectionRow,
     Start, StreamRow, SurfaceRow, WallRecord, WallRow,
 };
-use crate::scene::{Domain, FreezingDirection, PipeRing, Scene};
 
 /// The map of a state of a scene, as fields are kept.
 pub fn map(scene: &Scene, particles: &Particles, time: f64) -> Field {

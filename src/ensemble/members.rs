@@ -7,10 +7,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use frazil_core::march::{self, Options, Progress};
-use frazil_core::record::{Outcome, Record};
 use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
 use frazil_core::scene::settings::MethodSettings;
+use frazil_record::{Outcome, Record};
 
 use super::runs::Tables;
 use super::table::Table;

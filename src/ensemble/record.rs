@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use frazil_core::record::{Errors, Outcome, Record, ReferenceInfo, Value};
 use frazil_core::statistics;
+use frazil_record::{Errors, Outcome, Record, ReferenceInfo, Value};
 use serde::{Deserialize, Serialize};
 
 use super::runs::{EnsembleRuns, Headline};

@@ -5,11 +5,11 @@
 use std::collections::BTreeMap;
 use std::io;
 
-use frazil_core::flow::series::WaterSeries;
-use frazil_core::record::{Errors, Record, RunResult};
 use frazil_core::reference::Reference;
 use frazil_core::scene::Scene;
 use frazil_core::{measure, statistics};
+use frazil_record::WaterSeries;
+use frazil_record::{Errors, Record, RunResult};
 use serde::de::DeserializeOwned;
 
 use super::table::{Table, mean};

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use frazil_core::record::{Field, LinkRow, RunResult};
 use frazil_core::scene::{Domain, PipeRing, Scene, Sector};
+use frazil_record::{Field, LinkRow, RunResult};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 

@@ -9,10 +9,10 @@ use std::time::Instant;
 use frazil_core::march::{self, EachOutput, Options};
 use frazil_core::particles::Particles;
 use frazil_core::predict;
-use frazil_core::record::Outcome;
 use frazil_core::scene::Scene;
 use frazil_plots::ground_plan::ShaftMark;
 use frazil_plots::{FigureOptions, run_figures};
+use frazil_record::Outcome;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 

@@ -6,9 +6,9 @@ use frazil_cases::layouts::{
     self, Gap, HEAT_ERROR, LENGTH_ERROR, LayoutTable, RADIUS_ERROR, Section, TEMPERATURE_ERROR, WallDay,
 };
 use frazil_core::pipe::acting_radius;
-use frazil_core::record::LinkRow;
 use frazil_core::scene::Scene;
 use frazil_plots::page::{Block, Table};
+use frazil_record::LinkRow;
 use glam::DVec2;
 use serde::Serialize;
 

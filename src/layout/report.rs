@@ -2,12 +2,12 @@
 
 use std::fs;
 
-use frazil_core::record::RunResult;
 use frazil_core::scene::Domain;
 use frazil_plots::ground_plan::WaterMark;
 use frazil_plots::layouts::{LayoutView, PipeView, drawings};
 use frazil_plots::page::{self, Block, Fact, Figure, Page, Table};
 use frazil_plots::style::number;
+use frazil_record::RunResult;
 
 use super::answers::{DAY, Far};
 use super::execute::Work;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use frazil_core::record::Outcome;
+use frazil_record::Outcome;
 use serde::Serialize;
 
 use super::answers::Answers;

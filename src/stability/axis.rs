@@ -2,9 +2,9 @@
 
 use frazil_core::material::{FreezingLaw, Material};
 use frazil_core::method::{MethodKind, Stepper};
-use frazil_core::record::Value;
 use frazil_core::scene::settings::MethodSettings;
 use frazil_core::scene::{Layout, Scene, Units};
+use frazil_record::Value;
 
 /// Key path and value, as of `--set`.
 pub type Override = (String, String);

@@ -6,10 +6,10 @@ use std::sync::atomic::AtomicBool;
 use frazil_core::march::{self, Options, Refused};
 use frazil_core::plan::{self, Bounds};
 use frazil_core::predict;
-use frazil_core::record::Outcome;
 use frazil_core::reference::Reference;
 use frazil_core::scene::settings::MethodSettings;
 use frazil_core::scene::{Condition, IntegratorChoice, Scene, StepChoice};
+use frazil_record::Outcome;
 use serde::{Deserialize, Serialize};
 
 use super::axis::stefan_number;

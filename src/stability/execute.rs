@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use frazil_core::plan::Bounds;
-use frazil_core::record::Outcome;
+use frazil_record::Outcome;
 
 use super::StabilityRequest;
 use super::axis::{Axis, Override};

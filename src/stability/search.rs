@@ -1,7 +1,7 @@
 //! Where along the step a class ends: a coarse map, then bisection.
 
-use frazil_core::record::Outcome;
 use frazil_core::statistics;
+use frazil_record::Outcome;
 
 use super::cell::{Finding, SEED};
 

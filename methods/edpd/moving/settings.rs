@@ -1,8 +1,8 @@
 //! How a scene asks for particles that move. All numbers are in DPD units: masses of 1, the mean distance of particles to
 //! the power of the dimension one over their number density, temperatures over 300 K.
 
-use frazil_core::record::Value;
 use frazil_core::scene::{Layout, Numerics, Range, Section, Units, Uptake, WallModel};
+use frazil_record::Value;
 
 use crate::fluid::Exponent;
 

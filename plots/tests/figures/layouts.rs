@@ -2,9 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use frazil_core::record::{Field, LinkRow, PlaneRow, ProfileRow, RunResult, WallRecord, WallRow};
 use frazil_plots::canvas::text_width;
 use frazil_plots::layouts::{LayoutView, PipeView, drawings, gaps_polar, sketches, summary};
+use frazil_record::{Field, LinkRow, PlaneRow, ProfileRow, RunResult, WallRecord, WallRow};
 
 const DAY: f64 = 86400.0;
 const LAST: f64 = 60.0;

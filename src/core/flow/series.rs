@@ -1,8 +1,6 @@
 //! What a run with water leaves beside the series of all runs, and how wrong it is.
 
-use std::collections::BTreeMap;
-
-use serde::{Deserialize, Serialize};
+use frazil_record::{CutRow, FlowPoint, WaterRecord, WaterRow, WaterSeries};
 
 use super::Water;
 use crate::ledger::Ledger;
@@ -20,108 +18,16 @@ const BESIDE_ICE: f64 = 0.015;
 /// region cuts, but not from the shape.
 const ICE_FROM: f64 = 1.0 / 60.0;
 
-/// Water of a run: `water` in `record.json`.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-pub struct WaterRecord {
-    /// (in - asked for by freezing and thawing) / exchanged, the greatest over all outputs.
-    pub balance_rel: f64,
-    /// (taken up by thawing - asked for) / exchanged at the end: what the next solutions would bring.
-    pub owed_rel: f64,
-    /// Solutions for the pressure.
-    pub pressure_solutions: u64,
-    /// Iterations of all solutions.
-    pub pressure_iterations: u64,
-    /// Wall time of all solutions (s).
-    pub pressure_wall_s: f64,
-    /// Times (s) of events: `thawed`, when the last particle passes the freezing point.
-    pub events_s: BTreeMap<String, f64>,
-    /// Errors against the reference: rms over the cut, the greatest over its instants, of temperatures over the range of
-    /// the scene (`cut_temperature_rms_rel`) and of pressures over the range of the walls (`cut_pressure_rms_rel`); the
-    /// greatest error of the ice fraction after a sixtieth of the run (`ice_fraction_max`); the relative error of the time of `thawed`.
-    pub errors: BTreeMap<String, f64>,
-}
-
-/// One row of `water.csv`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct WaterRow {
-    /// Time (s).
-    pub time_s: f64,
-    /// Ice (m3 by metre of each missing dimension).
-    pub ice_m3: f64,
-    /// Liquid water (m3).
-    pub liquid_m3: f64,
-    /// Ice over the ice of the scene at its start.
-    pub ice_fraction: f64,
-    /// The reference's.
-    pub ice_fraction_ref: Option<f64>,
-    /// Water that enters (m3/s).
-    pub inflow_m3_per_s: f64,
-    /// Water that leaves (m3/s).
-    pub outflow_m3_per_s: f64,
-    /// Heat in through walls, conducted and carried from the freezing point on (W).
-    pub heat_in_w: f64,
-    /// Coldest particle.
-    pub least_temperature_c: f64,
-    /// Water balance so far.
-    pub balance_rel: f64,
-}
-
-/// One row of `cut.csv`: a point of the cut along x.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct CutRow {
-    /// Time (s).
-    pub time_s: f64,
-    /// Place (m).
-    pub x_m: f64,
-    /// Temperature.
-    pub temperature_c: f64,
-    /// The reference's.
-    pub temperature_ref_c: Option<f64>,
-    /// Frozen fraction.
-    pub frozen_fraction: f64,
-    /// Pressure (Pa).
-    pub pressure_pa: f64,
-    /// The reference's.
-    pub pressure_ref_pa: Option<f64>,
-    /// Darcy velocity along x (m/s).
-    pub velocity_x_m_per_s: f64,
-}
-
-/// One row of `flow.csv`: a particle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct FlowPoint {
-    /// Time (s).
-    pub time_s: f64,
-    /// Place (m).
-    pub x_m: f64,
-    /// Place (m).
-    pub y_m: f64,
-    /// Temperature.
-    pub temperature_c: f64,
-    /// Frozen fraction.
-    pub frozen_fraction: f64,
-    /// Pressure (Pa).
-    pub pressure_pa: f64,
-    /// Darcy velocity (m/s).
-    pub velocity_x_m_per_s: f64,
-    /// Darcy velocity (m/s).
-    pub velocity_y_m_per_s: f64,
-}
-
-/// Water of a run over time.
+/// Watches the water of a run.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct WaterSeries {
-    /// At all outputs.
-    pub rows: Vec<WaterRow>,
-    /// The cut at the profile instants.
-    pub cut: Vec<CutRow>,
-    /// All particles at the profile instants.
-    pub maps: Vec<FlowPoint>,
+pub struct WaterWatch {
+    /// What it has seen.
+    pub series: WaterSeries,
     started_with: f64,
     last: Option<Water>,
 }
 
-impl WaterSeries {
+impl WaterWatch {
     /// The watch of a scene at its start, if water flows.
     pub fn new(scene: &Scene, particles: &Particles, method: &dyn Method, maps: bool) -> Option<Self> {
         let water = scene.flow.as_ref().and(method.water(particles))?;
@@ -134,10 +40,10 @@ impl WaterSeries {
                 ice += share * porosity * (1.0 - curve.unfrozen_fraction(temperature));
             }
         });
-        let mut series = WaterSeries { started_with: ice * particles.volumes.unit(), ..WaterSeries::default() };
-        series.row(particles, &water, method.ledger(), 0.0);
-        series.keep(scene, particles, method, 0.0, maps);
-        Some(series)
+        let mut watch = WaterWatch { started_with: ice * particles.volumes.unit(), ..WaterWatch::default() };
+        watch.row(particles, &water, method.ledger(), 0.0);
+        watch.keep(scene, particles, method, 0.0, maps);
+        Some(watch)
     }
 
     /// Takes what is due at an output.
@@ -153,7 +59,7 @@ impl WaterSeries {
     fn row(&mut self, particles: &Particles, water: &Water, ledger: &Ledger, time_s: f64) {
         let coldest = (0..particles.len()).map(|i| particles.temperature(i)).fold(f64::INFINITY, f64::min);
         let walls = ledger.rate().len() - 1;
-        self.rows.push(WaterRow {
+        self.series.rows.push(WaterRow {
             time_s,
             ice_m3: water.ice,
             liquid_m3: water.liquid,
@@ -178,7 +84,7 @@ impl WaterSeries {
                 let index = |row: i64| lattice.index(column, row.min(lattice.rows as i64 - 1)).unwrap_or(0);
                 let (low, high) = (index(below), index(below + 1));
                 let mean = |of: &dyn Fn(usize) -> f64| (1.0 - part) * of(low) + part * of(high);
-                self.cut.push(CutRow {
+                self.series.cut.push(CutRow {
                     time_s,
                     x_m: lattice.centre(column, below).x,
                     temperature_c: mean(&|i| particles.temperature(i)),
@@ -192,7 +98,7 @@ impl WaterSeries {
         }
         if maps {
             particles.visit(|i, place| {
-                self.maps.push(FlowPoint {
+                self.series.maps.push(FlowPoint {
                     time_s,
                     x_m: place.x,
                     y_m: place.y,
@@ -215,14 +121,14 @@ impl WaterSeries {
             record.pressure_iterations = water.iterations;
             record.pressure_wall_s = water.seconds;
         }
-        record.balance_rel = self.rows.iter().map(|row| row.balance_rel).fold(0.0, larger_magnitude);
+        record.balance_rel = self.series.rows.iter().map(|row| row.balance_rel).fold(0.0, larger_magnitude);
         let thawed = self.thawed(scene.materials[0].freezing_point);
         record.events_s.extend(thawed.map(|time| ("thawed".to_owned(), time)));
         let Some(reference) = reference else { return record };
-        for row in &mut self.rows {
+        for row in &mut self.series.rows {
             row.ice_fraction_ref = reference.ice(row.time_s);
         }
-        for row in &mut self.cut {
+        for row in &mut self.series.cut {
             let found = reference.cut(row.x_m, row.time_s);
             (row.temperature_ref_c, row.pressure_ref_pa) =
                 (found.map(|found| found.0), found.and_then(|found| found.1));
@@ -245,7 +151,7 @@ impl WaterSeries {
             "cut_pressure_rms_rel",
             self.worst(|row| Some((row.pressure_pa - row.pressure_ref_pa?) / (high - low)).filter(|_| is_open(row))),
         );
-        let later = self.rows.iter().filter(|row| row.time_s >= ICE_FROM * scene.duration);
+        let later = self.series.rows.iter().filter(|row| row.time_s >= ICE_FROM * scene.duration);
         let ice = later.filter_map(|row| Some((row.ice_fraction - row.ice_fraction_ref?).abs()));
         note("ice_fraction_max", ice.reduce(f64::max));
         note("thawed", thawed.zip(reference.event("thawed")).map(|(own, expected)| own / expected - 1.0));
@@ -254,7 +160,7 @@ impl WaterSeries {
 
     /// Rms over the points of the cut that count, the greatest over its instants after the start.
     fn worst(&self, error: impl Fn(&CutRow) -> Option<f64>) -> Option<f64> {
-        let instants = self.cut.chunk_by(|a, b| a.time_s == b.time_s).filter(|rows| rows[0].time_s > 0.0);
+        let instants = self.series.cut.chunk_by(|a, b| a.time_s == b.time_s).filter(|rows| rows[0].time_s > 0.0);
         let rms = instants.filter_map(|rows| {
             let errors: Vec<f64> = rows.iter().filter_map(&error).collect();
             let squares: f64 = errors.iter().map(|error| error * error).sum();
@@ -265,8 +171,8 @@ impl WaterSeries {
 
     /// When the coldest particle came above the freezing point, for the last time.
     fn thawed(&self, freezing: f64) -> Option<f64> {
-        let last = self.rows.iter().rposition(|row| row.least_temperature_c < freezing)?;
-        let (before, after) = (&self.rows[last], self.rows.get(last + 1)?);
+        let last = self.series.rows.iter().rposition(|row| row.least_temperature_c < freezing)?;
+        let (before, after) = (&self.series.rows[last], self.series.rows.get(last + 1)?);
         let (cold, warm) = (freezing - before.least_temperature_c, after.least_temperature_c - freezing);
         Some(before.time_s + (after.time_s - before.time_s) * cold / (cold + warm))
     }

@@ -3,9 +3,11 @@
 use super::control::{Control, EnthalpyRange, Judgement, taken_up};
 use super::newton::{Newton, NotConverged, RESIDUAL, Stage};
 use super::{just_before, sharp_step};
+use frazil_record::Work;
+
 use crate::ledger::{Hermite, Ledger};
 use crate::memory::Held;
-use crate::method::{Bound, Clock, Method, StepError, Work};
+use crate::method::{Bound, Clock, Method, StepError};
 use crate::operator::Operator;
 use crate::particles::Particles;
 

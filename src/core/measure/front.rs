@@ -1,8 +1,8 @@
 //! How wrong a front is: over how far it has come since the start, which for a thaw is not what is still frozen.
 
-use crate::record::FrontRow;
 use crate::reference::Reference;
 use crate::scene::Scene;
+use frazil_record::FrontRow;
 
 /// Particle spacings that a front must have come before it is judged, where the scene does not say from when on. Before,
 /// it stands inside the first few particles, whatever the method.
@@ -98,7 +98,7 @@ pub(super) fn constant(window: &[Judged]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::ReferenceInfo;
+    use frazil_record::ReferenceInfo;
 
     /// A front at `start` that moves with the root of time, one way or the other.
     struct Moving {

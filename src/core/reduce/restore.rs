@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 
 use super::fold::{Fold, folded, same_direction};
-use crate::record::{Field, GapRow, MeanOver, ProfileRow, RunResult};
 use crate::scene::{Scene, Sector};
 use crate::watch::rays::pairs;
+use frazil_record::{Field, GapRow, MeanOver, ProfileRow, RunResult};
 
 impl Fold {
     /// Turns what the smaller body left into what `larger`, the scene before this fold, would have left. Counts and

@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::method::{Bound, Discretisation};
-use crate::record::Value;
+use frazil_record::Value;
 
 /// Which of a method's two standard settings is the starting point; keys of the file override it one by one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::lattice::Lattice;
 use crate::particles::Particles;
-use crate::record::Field;
+use frazil_record::Field;
 
 /// Largest number of cells of a kept field along one direction.
 const FIELD_CELLS: usize = 400;

@@ -8,7 +8,7 @@ use super::rays::{Gap, Ray};
 use super::{Sample, Watches};
 use crate::memory::Held;
 use crate::particles::Particles;
-use crate::record::{BudgetRow, Field, FrontRow, FrozenRow, PlaneRow, ProbeRow, ProfileRow, SurfaceRow, WallRow};
+use frazil_record::{BudgetRow, Field, FrontRow, FrozenRow, PlaneRow, ProbeRow, ProfileRow, SurfaceRow, WallRow};
 
 impl Held for Sample {
     fn held(&self) -> usize {

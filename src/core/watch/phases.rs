@@ -1,7 +1,7 @@
 //! How much of the body, or of a part of it, is liquid, freezing and solid.
 
 use crate::particles::Particles;
-use crate::record::PhaseRow;
+use frazil_record::PhaseRow;
 
 /// Shares of the particles, by volume, that lie between two places (m) along x.
 pub(super) fn shares(particles: &Particles, (from, to): (f64, f64), time_s: f64) -> PhaseRow {

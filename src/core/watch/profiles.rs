@@ -6,8 +6,8 @@ use super::rays::Ray;
 use super::sampler::{Sample, Sampler};
 use crate::memory::Held;
 use crate::particles::Particles;
-use crate::record::{MeanOver, ProfileRow};
 use crate::scene::{Domain, FreezingDirection, Scene, Surface};
+use frazil_record::{MeanOver, ProfileRow};
 
 /// A line of points at which a body is read.
 #[derive(Debug, Clone)]

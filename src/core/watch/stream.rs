@@ -1,8 +1,8 @@
 //! Velocities, densities and temperatures across a driven liquid, averaged over time.
 
 use crate::particles::Particles;
-use crate::record::{SectionRow, StreamRow};
 use crate::scene::{Domain, Scene};
+use frazil_record::{SectionRow, StreamRow};
 
 /// Half the length along x over which a section is averaged, over the spacing.
 const HALF_LENGTH: f64 = 4.0;

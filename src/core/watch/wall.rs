@@ -13,8 +13,8 @@ use crate::material::FreezingLaw;
 use crate::memory::Held;
 use crate::particles::Particles;
 use crate::pipe::Extent;
-use crate::record::{LinkRow, PlaneRow, WallRecord};
 use crate::scene::{Domain, Scene, Sector};
+use frazil_record::{LinkRow, PlaneRow, WallRecord};
 
 /// Two places that are the same, over the size of the plan.
 pub(super) const SAME_PLACE: f64 = 1e-9;

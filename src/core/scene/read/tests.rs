@@ -4,9 +4,9 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::method::{Discretisation, Normalisation, PairWeight, Stepper};
-use crate::record::Value;
 use crate::scene::settings::*;
 use crate::scene::{Domain, Series, TimeUnit};
+use frazil_record::Value;
 
 struct Nearest(f64);
 

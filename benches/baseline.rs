@@ -1,0 +1,115 @@
+//! Whether runs still give what they gave, to the last bit: the commands of `tests/baseline.csv`, each with a hash of its states
+//! and one of its tables.
+//!
+//! `cargo bench --bench baseline` names the commands that give something else now; `-- WORD ...` runs those alone that hold one of
+//! the words. `-- --write` writes what they give now: say why in the same commit. Bits depend on the mathematical library of the
+//! machine and on its instructions, so a table is compared with one that was written on the same kind of machine.
+
+#![allow(clippy::print_stdout)]
+
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+use xxhash_rust::xxh3::Xxh3;
+
+/// A command and what it gave.
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+struct Row {
+    command: String,
+    states: String,
+    tables: String,
+}
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let write = arguments.iter().any(|argument| argument == "--write");
+    let words: Vec<&String> = arguments.iter().filter(|argument| *argument != "--write").collect();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/baseline.csv");
+    let mut rows = csv::Reader::from_path(&path)?.deserialize().collect::<Result<Vec<Row>, _>>()?;
+    let asked = |row: &Row| words.is_empty() || words.iter().any(|word| row.command.contains(*word));
+    let numbers: Vec<usize> = (0..rows.len()).filter(|number| asked(&rows[*number])).collect();
+    let given = run_all(&numbers.iter().map(|number| rows[*number].command.as_str()).collect::<Vec<_>>())?;
+    let mut others = 0;
+    for (number, (states, tables)) in numbers.iter().zip(given) {
+        let row = &mut rows[*number];
+        let what = match (states == row.states, tables == row.tables) {
+            (true, true) => continue,
+            (true, false) => "other tables",
+            (false, true) => "other states",
+            (false, false) => "other states and tables",
+        };
+        println!("{what}: {}", row.command);
+        others += 1;
+        (row.states, row.tables) = (states, tables);
+    }
+    println!("{} commands, of which {others} give something else", numbers.len());
+    if write {
+        let mut writer = csv::Writer::from_path(&path)?;
+        rows.iter().try_for_each(|row| writer.serialize(row))?;
+        writer.flush()?;
+        return Ok(ExitCode::SUCCESS);
+    }
+    Ok(if others == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// What commands give, as many at once as the machine has processors.
+fn run_all(commands: &[&str]) -> Result<Vec<(String, String)>, Box<dyn Error>> {
+    let folder = tempfile::tempdir()?;
+    let (next, found) = (AtomicUsize::new(0), Mutex::new(vec![None; commands.len()]));
+    let work = || {
+        while let Some((number, command)) =
+            Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|k| Some((k, *commands.get(k)?)))
+        {
+            let out = folder.path().join(number.to_string());
+            let given = run(command, &out).map_err(|error| format!("{command}: {error}"));
+            found.lock().unwrap_or_else(PoisonError::into_inner)[number] = Some(given);
+            fs::remove_dir_all(&out).ok();
+        }
+    };
+    std::thread::scope(|scope| {
+        (0..std::thread::available_parallelism().map_or(1, usize::from)).for_each(|_| {
+            scope.spawn(work);
+        });
+    });
+    let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
+    Ok(found.into_iter().map(|given| given.unwrap_or_else(|| Err("not run".into()))).collect::<Result<_, String>>()?)
+}
+
+/// Hashes of the states and of the tables that a command gives in a folder.
+fn run(command: &str, out: &Path) -> Result<(String, String), Box<dyn Error>> {
+    let mut process = Command::new(env!("CARGO_BIN_EXE_frazil"));
+    process.args(command.split_whitespace()).args(["--threads", "1", "--quiet", "--out"]).arg(out);
+    let output = process.output()?;
+    let mut files = Vec::new();
+    gather(out, &mut files)?;
+    files.sort();
+    if files.is_empty() {
+        return Err(String::from_utf8_lossy(&output.stderr).into());
+    }
+    let (mut states, mut tables) = (Xxh3::new(), Xxh3::new());
+    for file in &files {
+        if file.ends_with("record.json") {
+            let record: serde_json::Value = serde_json::from_slice(&fs::read(file)?)?;
+            states.update(record["state_hash"].to_string().as_bytes());
+            // An error is a result too.
+            tables.update(record["errors"].to_string().as_bytes());
+        } else if file.extension().is_some_and(|extension| extension == "csv") {
+            tables.update(file.strip_prefix(out)?.to_string_lossy().as_bytes());
+            tables.update(&fs::read(file)?);
+        }
+    }
+    Ok((format!("{:016x}", states.digest()), format!("{:016x}", tables.digest())))
+}
+
+/// All files in a folder and its folders.
+fn gather(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Box<dyn Error>> {
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() { gather(&path, files)? } else { files.push(path) }
+    }
+    Ok(())
+}

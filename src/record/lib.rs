@@ -1,0 +1,19 @@
+//! What a run leaves behind: one record and the tables beside it. Figures and studies read these, never particles.
+
+mod record;
+mod result;
+mod stream;
+mod tables;
+mod wall;
+mod water;
+mod work;
+
+pub use record::{Errors, Outcome, Record, ReferenceInfo, Value};
+pub use result::RunResult;
+pub use stream::{SectionRow, StreamRecord, StreamRow};
+pub use tables::{
+    BesideRow, BudgetRow, Field, FrontRow, FrozenRow, MeanOver, PhaseRow, ProbeRow, ProfileRow, Start, SurfaceRow,
+};
+pub use wall::{GapRow, LinkRow, PlaneRow, WallRecord, WallRow};
+pub use water::{CutRow, FlowPoint, WaterRecord, WaterRow, WaterSeries};
+pub use work::Work;

@@ -7,8 +7,8 @@ mod shared;
 
 use cpu_time::ThreadTime;
 use frazil_core::method::Clock;
-use frazil_core::plan::Plan;
 use frazil_core::statistics::median;
+use frazil_simulation::plan::Plan;
 use shared::planned;
 
 /// Seconds of the scene, and turns.

@@ -5,10 +5,11 @@
 
 use std::time::Instant;
 
-use frazil_core::method::{Clock, MethodKind};
-use frazil_core::plan::{self, Plan};
-use frazil_core::scene::Scene;
+use frazil_core::method::Clock;
 use frazil_core::statistics::{median, quartiles};
+use frazil_simulation::method::MethodKind;
+use frazil_simulation::plan::{self, Plan};
+use frazil_simulation::scene::Scene;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 /// Rounds in which all cases take turns; medians are over rounds.

@@ -8,9 +8,9 @@ mod shared;
 
 use by_hand::ByHand;
 use cpu_time::ThreadTime;
-use frazil_core::plan::Plan;
 use frazil_core::statistics::{median, quartiles};
 use frazil_core::stencil::Stencil;
+use frazil_simulation::plan::Plan;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use shared::{Case, ROUNDS, planned, ratio};
 
@@ -143,15 +143,18 @@ fn against_by_hand<const REACH: usize, const WALL: bool>(method: &str, side: usi
 }
 
 /// The stencil of a method's best setting.
-fn stencil(kind: &'static frazil_core::method::MethodKind) -> Stencil {
+fn stencil(kind: &'static frazil_simulation::method::MethodKind) -> Stencil {
     let text = format!("spacing_m = {SPACING}");
-    let numerics =
-        frazil_core::scene::Numerics { spacing: SPACING, ..(kind.defaults)(frazil_core::scene::Setting::Best) };
-    let discretisation = frazil_core::scene::read_section(&text, "bench", frazil_core::scene::Units::Si, |section| {
-        section.positive(("spacing", "m"))?;
-        Ok((kind.read)(section, frazil_core::scene::Setting::Best, &numerics, 2))
-    });
-    Stencil::new(&discretisation.unwrap_or_else(|problems| unreachable!("{problems}")), SPACING, 2)
+    let numerics = frazil_simulation::scene::Numerics {
+        spacing: SPACING,
+        ..(kind.defaults)(frazil_simulation::scene::Setting::Best)
+    };
+    let discretisation =
+        frazil_simulation::scene::read_section(&text, "bench", frazil_simulation::scene::Units::Si, |section| {
+            section.positive(("spacing", "m"))?;
+            Ok((kind.read)(section, frazil_simulation::scene::Setting::Best, &numerics, 2))
+        });
+    discretisation.unwrap_or_else(|problems| unreachable!("{problems}")).stencil(SPACING, 2)
 }
 
 /// From the same random start, some steps of both give the same enthalpies, to the last bit.

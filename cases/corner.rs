@@ -2,9 +2,11 @@
 
 use std::f64::consts::SQRT_2;
 
-use frazil_core::reference::Reference;
-use frazil_core::scene::{Condition, Domain, Scene};
+use frazil_core::condition::Condition;
+use frazil_core::domain::Domain;
 use frazil_record::ReferenceInfo;
+use frazil_simulation::reference::Reference;
+use frazil_simulation::scene::Scene;
 
 use crate::exact::constant;
 use crate::table::Table;

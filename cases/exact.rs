@@ -6,10 +6,13 @@ pub mod line_sink;
 pub mod neumann;
 pub mod similarity;
 
+use frazil_core::condition::Condition;
+use frazil_core::domain::Domain;
 use frazil_core::material::FreezingLaw;
-use frazil_core::reference::Reference;
-use frazil_core::scene::{Condition, Domain, Scene, Series};
+use frazil_core::series::Series;
 use frazil_record::ReferenceInfo;
+use frazil_simulation::reference::Reference;
+use frazil_simulation::scene::Scene;
 
 pub use advection::Advection;
 pub use neumann::Neumann;

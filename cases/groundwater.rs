@@ -2,7 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use frazil_core::scene::{RelativePermeability, Scene};
+use frazil_core::flow::ground::RelativePermeability;
+use frazil_simulation::scene::Scene;
 
 use crate::exact::constant;
 use crate::layouts::{Closure, Gap};

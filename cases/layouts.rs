@@ -1,6 +1,6 @@
 //! Reference tables of layouts of freeze pipes: the days on which gaps close, and the frozen wall on some days.
 
-use frazil_core::scene::Scene;
+use frazil_simulation::scene::Scene;
 
 use crate::groundwater;
 use crate::shells::cubic;
@@ -267,7 +267,7 @@ mod tests {
         for case in &crate::table::SHAFT_CASES {
             let table = crate::table::ShaftTable::bundled(case).unwrap_or_else(|error| unreachable!("{error}"));
             let touch = closures(case.name).unwrap_or_default()[0].day;
-            let event = frazil_core::reference::Reference::event(&table, "closure_day");
+            let event = frazil_simulation::reference::Reference::event(&table, "closure_day");
             assert!((event.unwrap_or(0.0) / 86_400.0 - touch).abs() < 1e-9, "{}", case.name);
             let last = days(case.name, (26.0, 0.0)).unwrap_or_default()[5];
             let heat = table.heat_per_pipe(last.day * 86_400.0).unwrap_or(0.0);

@@ -13,8 +13,9 @@ pub mod soils;
 pub mod studies;
 pub mod table;
 
-use frazil_core::reference::Reference;
-use frazil_core::scene::{Condition, ReferenceChoice, Scene};
+use frazil_core::condition::Condition;
+use frazil_simulation::reference::Reference;
+use frazil_simulation::scene::{ReferenceChoice, Scene};
 use table::Unfit;
 
 /// What is known of a scene without a run of its own.

@@ -1,10 +1,11 @@
 //! The thawing inclusion of Nikolaev et al. 2021, section 5.3, from tables of a finite-volume solution for each of two
 //! laws of conductivity.
 
+use frazil_core::domain::Domain;
 use frazil_core::material::Mixing;
-use frazil_core::reference::Reference;
-use frazil_core::scene::{Domain, Scene};
 use frazil_record::ReferenceInfo;
+use frazil_simulation::reference::Reference;
+use frazil_simulation::scene::Scene;
 
 use crate::table::{Table, interpolate};
 

@@ -1,9 +1,11 @@
 //! Reference tables shipped with the program, and the scenes that they belong to.
 
+use frazil_core::condition::Condition;
+use frazil_core::domain::Domain;
 use frazil_core::material::{FreezingLaw, Material};
-use frazil_core::reference::{Plane, Reference};
-use frazil_core::scene::{Condition, Domain, PipeRing, Scene, Units};
 use frazil_record::ReferenceInfo;
+use frazil_simulation::reference::{Plane, Reference};
+use frazil_simulation::scene::{PipeRing, Scene, Units};
 
 use crate::exact::constant;
 use crate::layouts::{LENGTH_ERROR, TEMPERATURE_ERROR};

@@ -2,7 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use frazil_core::scene::{Domain, Scene, Series};
+use frazil_core::domain::Domain;
+use frazil_core::series::Series;
+use frazil_simulation::scene::Scene;
 
 use crate::axes::Frame;
 use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, text_width};

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use frazil_core::scene::{Scene, TimeUnit};
 use frazil_record::CutRow;
 use frazil_record::{Field, MeanOver, ProfileRow, RunResult};
+use frazil_simulation::scene::{Scene, TimeUnit};
 
 use crate::PlotError;
 use crate::axes::{Axis, Entry, Frame, legend};

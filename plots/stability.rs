@@ -1,7 +1,7 @@
 //! Maps of outcomes over the step and one parameter, and the boundaries of RKL2.
 
-use frazil_core::march::{BALANCE_TOLERANCE, RANGE_TOLERANCE};
 use frazil_record::Outcome;
+use frazil_simulation::march::{BALANCE_TOLERANCE, RANGE_TOLERANCE};
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, Text, text_width};

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
-use frazil_core::scene::Setting;
 use frazil_edpd::calibration::Constants;
+use frazil_simulation::scene::Setting;
 
 use crate::calibrate::{CalibrateRequest, Conduction, calibrate};
 use crate::compare::plan::Variant;

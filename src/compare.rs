@@ -8,11 +8,11 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use frazil_cases::Truth;
-use frazil_core::march::{Options, Refused};
-use frazil_core::method::MethodKind;
-use frazil_core::reference::Reference;
-use frazil_core::scene::Scene;
 use frazil_record::RunResult;
+use frazil_simulation::march::{Options, Refused};
+use frazil_simulation::method::MethodKind;
+use frazil_simulation::reference::Reference;
+use frazil_simulation::scene::Scene;
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::machine::Machine;
@@ -117,7 +117,7 @@ pub fn compare(request: &CompareRequest) -> Result<Verdict, Failure> {
             load::scene(name, &all).map_err(|failure| failure.to_string())
         },
         reference_for: &frazil_cases::truth,
-        run: if request.reduce { &frazil_core::reduce::run } else { &frazil_core::march::run },
+        run: if request.reduce { &frazil_simulation::reduce::run } else { &frazil_simulation::march::run },
         methods: registry::methods(),
         interrupt: interrupt::watch(),
     };

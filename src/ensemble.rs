@@ -7,11 +7,11 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use frazil_core::measure;
-use frazil_core::reference::Reference;
-use frazil_core::scene::Layout;
-use frazil_core::scene::settings::MethodSettings;
 use frazil_record::{Outcome, Record, RunResult};
+use frazil_simulation::measure;
+use frazil_simulation::reference::Reference;
+use frazil_simulation::scene::Layout;
+use frazil_simulation::scene::settings::MethodSettings;
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::output::{self, Folder};

@@ -4,9 +4,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use frazil_core::march::Refused;
-use frazil_core::scene::Problems;
 use frazil_plots::PlotError;
+use frazil_simulation::march::Refused;
+use frazil_simulation::scene::Problems;
 
 /// The end of a command that did what it was asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

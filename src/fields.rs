@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use frazil_core::particles::Particles;
-use frazil_core::scene::Scene;
-use frazil_core::watch;
 use frazil_plots::{FigureOptions, frame};
+use frazil_simulation::scene::Scene;
+use frazil_simulation::watch;
 use tempfile::TempDir;
 use vtkio::model::{
     Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, IOBuffer, UnstructuredGridPiece, Version,

@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use frazil_core::march::Progress;
+use frazil_simulation::march::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::failure::complain;

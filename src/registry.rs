@@ -1,6 +1,6 @@
 //! The list of methods, one line each.
 
-use frazil_core::method::MethodKind;
+use frazil_simulation::method::MethodKind;
 
 /// All methods, in the order in which they are shown.
 pub fn methods() -> &'static [&'static MethodKind] {

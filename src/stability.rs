@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-use frazil_core::march::Refused;
+use frazil_simulation::march::Refused;
 
 use crate::failure::{Failure, Verdict, complain};
 use crate::journal::{self, Journal};

@@ -1,8 +1,12 @@
 //! A scene in words, as pages say it.
 
-use frazil_core::scene::{Condition, Domain, Growth, Scene, Series, Shape, Units};
+use frazil_core::condition::Condition;
+use frazil_core::crack::Growth;
+use frazil_core::domain::Domain;
+use frazil_core::series::Series;
 use frazil_plots::page::Fact;
 use frazil_plots::style::{length, number};
+use frazil_simulation::scene::{Scene, Shape, Units};
 
 /// A length (m) in words: with a unit where the scene has any.
 pub fn length_words(units: Units, value: f64) -> String {

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use frazil_core::scene::Scene;
+use frazil_simulation::scene::Scene;
 
 fn frazil(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_frazil")).current_dir(folder).args(arguments).output().expect("a process")
@@ -117,7 +117,7 @@ fn what_check_recommends_is_not_refused() {
                 continue;
             }
             let reference = frazil::run::reference(&scene).expect("a reference");
-            let Ok(plan) = frazil_core::plan::build(&scene, settings, reference.as_ref(), 1, 1) else { continue };
+            let Ok(plan) = frazil_simulation::plan::build(&scene, settings, reference.as_ref(), 1, 1) else { continue };
             for (words, key, value) in
                 [("integrator = \"rkl2\"", "integrator", "rkl2"), ("step_fraction", "step_fraction", "1")]
             {
@@ -126,7 +126,7 @@ fn what_check_recommends_is_not_refused() {
                     let changed =
                         read(&overrides).unwrap_or_else(|problems| unreachable!("{}: {problems}", bundled.name));
                     let changed_settings = changed.method(settings.method).expect("a method");
-                    let planned = frazil_core::plan::build(&changed, changed_settings, reference.as_ref(), 1, 1);
+                    let planned = frazil_simulation::plan::build(&changed, changed_settings, reference.as_ref(), 1, 1);
                     assert!(planned.is_ok(), "{} under {}: {:?}", bundled.name, settings.method, planned.err());
                     recommended += 1;
                 }

@@ -1,7 +1,7 @@
 //! The scenes that come with the program are good, and say what they are.
 
-use frazil_core::method::MethodKind;
-use frazil_core::scene::Scene;
+use frazil_simulation::method::MethodKind;
+use frazil_simulation::scene::Scene;
 
 #[test]
 fn every_bundled_scene_is_good_under_every_method() {

@@ -6,9 +6,9 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use frazil::registry::methods;
-use frazil_core::march::{self, Options};
-use frazil_core::scene::Scene;
 use frazil_record::{Record, RunResult};
+use frazil_simulation::march::{self, Options};
+use frazil_simulation::scene::Scene;
 
 type Row = BTreeMap<String, String>;
 

@@ -4,10 +4,11 @@ use std::f64::consts::TAU;
 use std::sync::Mutex;
 
 use frazil::registry::methods;
-use frazil_core::march::Options;
+use frazil_core::domain::{Domain, Sector};
 use frazil_core::particles::Particles;
-use frazil_core::scene::{Domain, Sector, Symmetry};
+use frazil_core::symmetry::Symmetry;
 use frazil_record::RunResult;
+use frazil_simulation::march::Options;
 use glam::DVec2;
 
 use crate::sketch::{SHARP, Sketch, even, sand, steady_material, through};

@@ -2,11 +2,11 @@
 
 use frazil::registry::methods;
 use frazil_cases::scenes;
-use frazil_core::march::{self, Options};
-use frazil_core::method::MethodKind;
-use frazil_core::plan;
-use frazil_core::scene::{Layout, Scene, Units};
 use frazil_record::{Outcome, RunResult};
+use frazil_simulation::march::{self, Options};
+use frazil_simulation::method::MethodKind;
+use frazil_simulation::plan;
+use frazil_simulation::scene::{Layout, Scene, Units};
 
 use crate::sketch::advance;
 

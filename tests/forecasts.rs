@@ -9,11 +9,12 @@ use std::time::Duration;
 
 use frazil::registry::methods;
 use frazil_cases::scenes::BundledScene;
-use frazil_core::march::{self, Options};
-use frazil_core::method::MethodKind;
-use frazil_core::plan;
-use frazil_core::predict::forecast;
-use frazil_core::scene::{Domain, Scene, Sector, Units};
+use frazil_core::domain::{Domain, Sector};
+use frazil_simulation::march::{self, Options};
+use frazil_simulation::method::MethodKind;
+use frazil_simulation::plan;
+use frazil_simulation::predict::forecast;
+use frazil_simulation::scene::{Scene, Units};
 
 use crate::sketch::{Sketch, sand};
 

@@ -7,12 +7,13 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use frazil_core::march::{Options, run};
-use frazil_core::method::Stepper;
-use frazil_core::plan;
-use frazil_core::scene::settings::MethodSettings;
-use frazil_core::scene::{Condition, Scene};
+use frazil_core::condition::Condition;
 use frazil_record::{Outcome, RunResult};
+use frazil_simulation::march::{Options, run};
+use frazil_simulation::method::Stepper;
+use frazil_simulation::plan;
+use frazil_simulation::scene::Scene;
+use frazil_simulation::scene::settings::MethodSettings;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use toml::{Table, Value};

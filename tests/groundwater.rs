@@ -2,9 +2,10 @@
 
 use frazil_cases::groundwater;
 use frazil_cases::layouts::{self, Gap};
-use frazil_core::march::{self, Options};
-use frazil_core::method::MethodKind;
-use frazil_core::scene::{Domain, Scene, Sector};
+use frazil_core::domain::{Domain, Sector};
+use frazil_simulation::march::{self, Options};
+use frazil_simulation::method::MethodKind;
+use frazil_simulation::scene::Scene;
 use glam::DVec2;
 
 use crate::sketch::{SHARP, Sketch, advance, bundled, even};
@@ -101,7 +102,7 @@ fn halves_and_turns_are_the_whole() {
         let lattice = &whole.particles.lattice;
         let most = whole.particles.enthalpy.iter().fold(0.0, |most: f64, h| most.max(h.abs()));
         assert!(most > 0.0);
-        let cell_at = |plan: &frazil_core::plan::Plan, x: i64, y: i64| {
+        let cell_at = |plan: &frazil_simulation::plan::Plan, x: i64, y: i64| {
             let corner = plan.particles.lattice.corner / plan.particles.lattice.spacing;
             plan.particles.lattice.index(x - corner.x.round() as i64, y - corner.y.round() as i64).expect("a cell")
         };

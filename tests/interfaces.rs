@@ -1,9 +1,9 @@
 //! Bodies of several materials: heat through layers, wherever interfaces lie between particles.
 
 use frazil::registry::methods;
-use frazil_core::method::MethodKind;
-use frazil_core::scene::Domain;
+use frazil_core::domain::Domain;
 use frazil_record::Outcome;
+use frazil_simulation::method::MethodKind;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use crate::sketch::{Sketch, advance, sand, wall_by_chance, water, without_noise};
@@ -420,7 +420,7 @@ fn shells_and_curved_walls_see_linings() {
             let share = if matches!(domain, Domain::Ring { .. }) { 2.0 } else { 1.0 };
             result.budget.iter().map(|row| row.stored_j * share).collect::<Vec<f64>>()
         };
-        let disc = Domain::Ring { outer_radius: 1.0, sector: frazil_core::scene::Sector::Half };
+        let disc = Domain::Ring { outer_radius: 1.0, sector: frazil_core::domain::Sector::Half };
         let fine = temperature(lining(0.0, 1.0), 0.0125, "x_min_m = 0\nx_max_m = 0.88");
         let coarse = temperature(disc, 0.05, "circle = { x_m = 0, y_m = 0, radius_m = 0.88 }");
         for (coarse, fine) in coarse.iter().zip(&fine) {

@@ -4,11 +4,10 @@
 use std::sync::{Arc, Mutex};
 
 use frazil::registry::methods;
+use frazil_core::domain::{Domain, Sector};
 use frazil_core::list_operator::{ListParts, Off};
-use frazil_core::method::{Discretisation, MethodKind, Stepper};
-use frazil_core::plan::{self, Assembly, Plan};
-use frazil_core::scene::{Domain, Sector};
-use frazil_core::stencil::Stencil;
+use frazil_simulation::method::{Discretisation, MethodKind, Stepper};
+use frazil_simulation::plan::{self, Assembly, Plan};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use crate::sketch::{Sketch, advance, sand, wall_by_chance, water, without_noise};
@@ -197,7 +196,7 @@ fn best_weights_conduct_as_they_should() {
             let dimension = domain.dimension();
             let sketch = Sketch::new(domain, SPACING);
             let scene = sketch.scene(kind);
-            let stencil = Stencil::new(&scene.methods[0].discretisation, SPACING, dimension);
+            let stencil = scene.methods[0].discretisation.stencil(SPACING, dimension);
             // Rounding of some fifty terms: 50 eps = 1.1e-14.
             assert!((stencil.moment(SPACING) - 1.0).abs() < 1e-13, "{} {domain:?}", kind.name);
             assert!(stencil.offsets().all(|offset| offset.2 > 0.0), "{} {domain:?}", kind.name);

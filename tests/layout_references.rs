@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use frazil_core::march::{self, Options};
-use frazil_core::pipe::acting_radius;
-use frazil_core::scene::Scene;
 use frazil_record::RunResult;
+use frazil_simulation::march::{self, Options};
+use frazil_simulation::method::acting_radius;
+use frazil_simulation::scene::Scene;
 
 use crate::sketch::bundled;
 

@@ -1,11 +1,11 @@
 //! Scenes whose liquid particles move.
 
 use frazil::registry;
-use frazil_core::march::{self, Options};
-use frazil_core::scene::Scene;
 use frazil_edpd::calibration::Constants;
 use frazil_edpd::fluid::{Fluid, Parameters, Undriven};
 use frazil_record::{Outcome, RunResult};
+use frazil_simulation::march::{self, Options};
+use frazil_simulation::scene::Scene;
 
 use crate::forecasts::most;
 

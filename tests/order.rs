@@ -1,11 +1,11 @@
 //! How fast errors fall with spacing and with step.
 
 use frazil::registry::methods;
-use frazil_core::method::MethodKind;
-use frazil_core::plan;
-use frazil_core::scene::Domain;
+use frazil_core::domain::Domain;
 use frazil_core::statistics::observed_order;
 use frazil_core::stencil::Stencil;
+use frazil_simulation::method::MethodKind;
+use frazil_simulation::plan;
 
 use crate::references;
 use crate::sketch::{Sketch, advance, steady_material, without_noise};
@@ -127,7 +127,7 @@ fn stabilised_and_implicit_steps_are_of_second_order_in_time() {
         {
             let sketch = insulated(domain, PARTS).with(integrator);
             let scene = sketch.scene(kind);
-            let stencil = Stencil::new(&scene.methods[0].discretisation, sketch.spacing_m, dimension);
+            let stencil = scene.methods[0].discretisation.stencil(sketch.spacing_m, dimension);
             // The rate at which this lattice lets the wave decay, so that only the error of the steps is left.
             let phase = std::f64::consts::PI / PARTS as f64;
             let rate: f64 = stencil

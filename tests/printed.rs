@@ -6,8 +6,9 @@ use std::path::Path;
 
 use frazil::registry::methods;
 use frazil_cases::{paper, scenes};
-use frazil_core::plan::{self, Plan};
-use frazil_core::scene::{Scene, Setting, Symmetry};
+use frazil_core::symmetry::Symmetry;
+use frazil_simulation::plan::{self, Plan};
+use frazil_simulation::scene::{Scene, Setting};
 
 use crate::sketch::advance;
 

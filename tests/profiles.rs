@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use frazil_core::march::{self, Options};
-use frazil_core::reference::Reference;
-use frazil_core::scene::{Domain, Scene, Sector};
+use frazil_core::domain::{Domain, Sector};
 use frazil_record::{MeanOver, RunResult};
+use frazil_simulation::march::{self, Options};
+use frazil_simulation::reference::Reference;
+use frazil_simulation::scene::Scene;
 
 use crate::sketch::{SHARP, Sketch, even, sand};
 

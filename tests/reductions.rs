@@ -1,11 +1,12 @@
 //! A smaller scene gives the answer of the larger one, and is found only where there is one.
 
 use frazil::registry::methods;
-use frazil_core::march::{self, Options};
-use frazil_core::method::MethodKind;
-use frazil_core::reduce::{self, Finding, Reduction};
-use frazil_core::scene::{Domain, Scene, Sector};
+use frazil_core::domain::{Domain, Sector};
 use frazil_record::RunResult;
+use frazil_simulation::march::{self, Options};
+use frazil_simulation::method::MethodKind;
+use frazil_simulation::reduce::{self, Finding, Reduction};
+use frazil_simulation::scene::Scene;
 use rand::{RngExt, SeedableRng, rngs::StdRng, seq::IndexedRandom};
 
 use crate::sketch::{Sketch, even, sand, water, without_noise};

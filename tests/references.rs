@@ -2,10 +2,10 @@
 //! closed form.
 
 use frazil::registry::methods;
-use frazil_core::march::{self, Options};
-use frazil_core::method::MethodKind;
-use frazil_core::scene::{Domain, Sector};
+use frazil_core::domain::{Domain, Sector};
 use frazil_record::{Errors, Outcome};
+use frazil_simulation::march::{self, Options};
+use frazil_simulation::method::MethodKind;
 
 use crate::sketch::{Sketch, sand, steady_material, water, without_noise};
 

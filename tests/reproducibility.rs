@@ -2,10 +2,11 @@
 //! adds nothing on average.
 
 use frazil::registry::methods;
-use frazil_core::march::Options;
-use frazil_core::method::{Clock, MethodKind};
-use frazil_core::scene::Domain;
+use frazil_core::domain::Domain;
+use frazil_core::method::Clock;
 use frazil_core::statistics;
+use frazil_simulation::march::Options;
+use frazil_simulation::method::MethodKind;
 
 use crate::sketch::{Sketch, advance, steady_material};
 

@@ -1,11 +1,11 @@
 //! Flowing water: what must hold whatever the method, and the problems of the papers.
 
 use frazil::registry::methods;
+use frazil_core::domain::Domain;
 use frazil_core::flow::diagonals::Diagonals;
-use frazil_core::march::{self, Options};
-use frazil_core::method::MethodKind;
-use frazil_core::scene::Domain;
 use frazil_record::{Outcome, RunResult};
+use frazil_simulation::march::{self, Options};
+use frazil_simulation::method::MethodKind;
 
 use crate::references::errors;
 use crate::sketch::{Sketch, advance};

@@ -1,8 +1,9 @@
 //! Bodies of axial and spherical symmetry: what must hold for every method, at every reach, near axis and walls.
 
-use frazil_core::march::Options;
-use frazil_core::method::MethodKind;
-use frazil_core::scene::{Domain, Symmetry};
+use frazil_core::domain::Domain;
+use frazil_core::symmetry::Symmetry;
+use frazil_simulation::march::Options;
+use frazil_simulation::method::MethodKind;
 
 use crate::sketch::{Sketch, advance, rates};
 

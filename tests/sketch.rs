@@ -3,11 +3,13 @@
 use std::fmt::Write;
 
 use frazil::registry::methods;
-use frazil_core::march::{self, Options};
-use frazil_core::method::{Clock, MethodKind};
-use frazil_core::plan::{self, Plan};
-use frazil_core::scene::{Domain, Scene, Sector};
+use frazil_core::domain::{Domain, Sector};
+use frazil_core::method::Clock;
 use frazil_record::RunResult;
+use frazil_simulation::march::{self, Options};
+use frazil_simulation::method::MethodKind;
+use frazil_simulation::plan::{self, Plan};
+use frazil_simulation::scene::Scene;
 use rand::{RngExt, rngs::StdRng};
 
 /// A scene in a few words. Walls, materials and numerics are lines of the file.

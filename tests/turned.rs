@@ -1,8 +1,8 @@
 //! Scenes that are mirrored, turned and shifted give the same numbers in mirrored, turned and shifted places.
 
-use frazil_core::method::MethodKind;
-use frazil_core::scene::{Domain, Sector};
+use frazil_core::domain::{Domain, Sector};
 use frazil_record::{Outcome, ProfileRow, RunResult};
+use frazil_simulation::method::MethodKind;
 
 use crate::sketch::{SHARP, Sketch, even, sand, water};
 

@@ -1,11 +1,12 @@
 //! Walls as mirrors, as naive layers behind them and as inner layers: what must hold for each kind of condition, method and
 //! body, and what differs.
 
-use frazil_core::march::{self, Options};
-use frazil_core::method::MethodKind;
-use frazil_core::plan;
-use frazil_core::reduce::{self, Finding};
-use frazil_core::scene::{Domain, Symmetry};
+use frazil_core::domain::Domain;
+use frazil_core::symmetry::Symmetry;
+use frazil_simulation::march::{self, Options};
+use frazil_simulation::method::MethodKind;
+use frazil_simulation::plan;
+use frazil_simulation::reduce::{self, Finding};
 
 use crate::sketch::{Sketch, advance, rates, sand, water};
 

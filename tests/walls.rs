@@ -6,9 +6,10 @@ use std::collections::BinaryHeap;
 
 use frazil::layout::answers::{Answers, DAY, Day, Kept};
 use frazil::layout::study::Design;
-use frazil_core::march::{self, Options};
-use frazil_core::scene::{Domain, Scene, Sector};
+use frazil_core::domain::{Domain, Sector};
 use frazil_record::{Field, RunResult};
+use frazil_simulation::march::{self, Options};
+use frazil_simulation::scene::Scene;
 
 use crate::sketch::bundled;
 

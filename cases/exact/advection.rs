@@ -1,8 +1,10 @@
 //! Water that flows steadily into a half space brings its temperature along (Ogata and Banks 1961).
 
-use frazil_core::reference::Reference;
-use frazil_core::scene::{Condition, Domain, Scene};
+use frazil_core::condition::Condition;
+use frazil_core::domain::Domain;
 use frazil_record::ReferenceInfo;
+use frazil_simulation::reference::Reference;
+use frazil_simulation::scene::Scene;
 
 use super::constant;
 use super::functions::erfcx;

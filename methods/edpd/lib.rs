@@ -14,15 +14,17 @@ pub mod properties;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use frazil_core::exchange::{Exchange, Mean};
 use frazil_core::list_operator::{Off, PairTerm, PairView};
 use frazil_core::memory::Held;
-use frazil_core::method::{Clock, Discretisation, Method, MethodKind, Normalisation, PairWeight, Stepper};
-use frazil_core::moving::Purpose;
+use frazil_core::method::{Clock, Method, Normalisation, PairWeight};
 use frazil_core::noise::StepNoise;
-use frazil_core::plan::Assembly;
-use frazil_core::scene::settings::MethodSettings;
-use frazil_core::scene::{Exchange, Mean, Numerics, Range, Scene, Section, Setting, Units};
 use frazil_record::Value;
+use frazil_simulation::method::{Discretisation, MethodKind, Stepper};
+use frazil_simulation::moving::Purpose;
+use frazil_simulation::plan::Assembly;
+use frazil_simulation::scene::settings::MethodSettings;
+use frazil_simulation::scene::{Numerics, Range, Scene, Section, Setting, Units};
 use rayon::ThreadPool;
 
 /// The method as the registry lists it.

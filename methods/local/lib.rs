@@ -5,8 +5,9 @@
 
 use std::sync::Arc;
 
-use frazil_core::method::{Discretisation, MethodKind, Normalisation, PairWeight, Stepper};
-use frazil_core::scene::{Numerics, Section, Setting};
+use frazil_core::method::{Normalisation, PairWeight};
+use frazil_simulation::method::{Discretisation, MethodKind, Stepper};
+use frazil_simulation::scene::{Numerics, Section, Setting};
 
 /// The method as the registry lists it.
 pub static METHOD: MethodKind = MethodKind {

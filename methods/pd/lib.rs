@@ -8,9 +8,12 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use frazil_core::method::{Discretisation, MethodKind, Normalisation, PairWeight, Stepper};
-use frazil_core::scene::{Conduction, Exchange, Mean, Numerics, Range, Section, Setting};
+use frazil_core::exchange::{Exchange, Mean};
+use frazil_core::flow::numerics::Conduction;
+use frazil_core::method::{Normalisation, PairWeight};
 use frazil_record::Value;
+use frazil_simulation::method::{Discretisation, MethodKind, Stepper};
+use frazil_simulation::scene::{Numerics, Range, Section, Setting};
 
 /// The method as the registry lists it.
 pub static METHOD: MethodKind = MethodKind {
@@ -120,7 +123,7 @@ mod tests {
     fn moment(ratio: f64, influence: Influence, dimension: usize, corrected: bool) -> f64 {
         let spacing = 0.002;
         let bond = Bond { dimension, horizon: ratio * spacing, influence, corrected: corrected.then_some(spacing) };
-        Stencil::from_weight(&bond, Normalisation::Nominal, spacing, dimension).moment(spacing)
+        Stencil::new(&bond, Normalisation::Nominal, spacing, dimension).moment(spacing)
     }
 
     /// Effective over nominal conductivity of full volumes on a lattice, from independent lattice sums (four
@@ -164,7 +167,7 @@ mod tests {
             (3.0, Influence::Triangular, 2, 0.466),
         ] {
             let bond = Bond { dimension, horizon: ratio, influence, corrected: None };
-            let limit = 1.0 / Stencil::from_weight(&bond, Normalisation::DiscreteMoment, 1.0, dimension).sum();
+            let limit = 1.0 / Stencil::new(&bond, Normalisation::DiscreteMoment, 1.0, dimension).sum();
             assert!((limit - known).abs() < 6e-4, "m = {ratio}, {influence:?}, {dimension}D: {limit}");
         }
     }

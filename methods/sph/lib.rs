@@ -6,9 +6,12 @@
 
 use std::sync::Arc;
 
-use frazil_core::method::{Discretisation, MethodKind, Normalisation, PairWeight, Stepper};
-use frazil_core::scene::{Exchange, Mean, Numerics, Range, Section, Setting, Uptake};
+use frazil_core::exchange::{Exchange, Mean};
+use frazil_core::method::{Normalisation, PairWeight};
+use frazil_core::uptake::Uptake;
 use frazil_record::Value;
+use frazil_simulation::method::{Discretisation, MethodKind, Stepper};
+use frazil_simulation::scene::{Numerics, Range, Section, Setting};
 
 pub mod kernel;
 
@@ -95,7 +98,7 @@ mod tests {
             (WendlandC2, 2, 2.0, 0.9992, 0.171),
         ] {
             let pair = SmoothedPair { dimension, kernel, smoothing_length: ratio };
-            let stencil = Stencil::from_weight(&pair, Normalisation::Nominal, 1.0, dimension);
+            let stencil = Stencil::new(&pair, Normalisation::Nominal, 1.0, dimension);
             assert!(
                 (stencil.moment(1.0) - moment).abs() < 6e-5,
                 "{kernel:?} {dimension}D {ratio}: {}",

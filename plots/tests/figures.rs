@@ -2,14 +2,14 @@
 //!
 //! With `FRAZIL_FIGURES=folder` the files stay there to be looked at.
 
-use frazil_core::scene::Series;
-use frazil_core::scene::TimeUnit;
+use frazil_core::series::Series;
 use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint, work_precision};
 use frazil_plots::convergence::{OrderCurve, convergence};
 use frazil_plots::ground_plan::{GroundPlan, ShaftMark, WaterMark};
 use frazil_plots::run::drawings;
 use frazil_plots::{FigureOptions, run_figures};
 use frazil_record::{Errors, Field, FrontRow, GapRow, Outcome, ProfileRow, Record, RunResult, WallRow};
+use frazil_simulation::scene::TimeUnit;
 
 #[path = "figures/layouts.rs"]
 mod layouts;

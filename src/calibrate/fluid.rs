@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use frazil_cases::fluids;
-use frazil_core::scene::{Problem, Problems, Range, Read, Section, Units, read_section};
 use frazil_edpd::calibration;
+use frazil_simulation::scene::{Problem, Problems, Range, Read, Section, Units, read_section};
 
 use crate::failure::Failure;
 

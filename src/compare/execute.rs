@@ -4,13 +4,13 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use frazil_core::march::{Options, outputs};
-use frazil_core::measure;
-use frazil_core::reference::Reference;
-use frazil_core::scene::{ReferenceChoice, Scene};
 use frazil_core::statistics;
 use frazil_plots::style::{duration, percent};
 use frazil_record::{Outcome, ReferenceInfo};
+use frazil_simulation::march::{Options, outputs};
+use frazil_simulation::measure;
+use frazil_simulation::reference::Reference;
+use frazil_simulation::scene::{ReferenceChoice, Scene};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 

@@ -1,10 +1,10 @@
 //! From curves to what figures show.
 
-use frazil_core::scene::Units;
 use frazil_core::statistics;
 use frazil_plots::canvas::Canvas;
 use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint};
 use frazil_plots::convergence::{OrderCurve, convergence};
+use frazil_simulation::scene::Units;
 
 use super::analysis::{Comparison, Study, group};
 use super::curve::{Clock, Curve, Kind, Point};

@@ -5,12 +5,12 @@ mod blame;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use frazil_core::march::Options;
-use frazil_core::measure;
-use frazil_core::reference::{Cut, Plane, Reference};
-use frazil_core::scene::{Scene, Setting};
 use frazil_plots::style::{duration, percent};
 use frazil_record::{Field, Outcome, ReferenceInfo, RunResult};
+use frazil_simulation::march::Options;
+use frazil_simulation::measure;
+use frazil_simulation::reference::{Cut, Plane, Reference};
+use frazil_simulation::scene::{Scene, Setting};
 
 use super::Parts;
 use super::execute::judge_alike;

@@ -5,9 +5,9 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use frazil_core::measure;
-use frazil_core::scene::Setting;
 use frazil_record::{Errors, FrontRow, Outcome, ProfileRow, Record};
+use frazil_simulation::measure;
+use frazil_simulation::scene::Setting;
 
 use super::*;
 use crate::failure::Failure;

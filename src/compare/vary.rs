@@ -13,12 +13,12 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use frazil_core::march::Options;
-use frazil_core::method::MethodKind;
-use frazil_core::reference::Reference;
-use frazil_core::scene::Scene;
 use frazil_plots::style::{duration, number};
 use frazil_record::{Outcome, RunResult, Value};
+use frazil_simulation::march::Options;
+use frazil_simulation::method::MethodKind;
+use frazil_simulation::reference::Reference;
+use frazil_simulation::scene::Scene;
 
 use super::execute::{Stop, judge_alike, truth};
 use super::plan::{Variant, overrides, spacings};
@@ -429,7 +429,7 @@ fn one(
     left: f64,
 ) -> Result<RunResult, String> {
     let setting =
-        request.settings.first().cloned().unwrap_or_else(|| Variant::standard(frazil_core::scene::Setting::Best));
+        request.settings.first().cloned().unwrap_or_else(|| Variant::standard(frazil_simulation::scene::Setting::Best));
     let mut pairs = overrides(base.units, run.method, run.spacing, &setting);
     pairs.push((format!("method.{}.{}", run.method, vary.key), format!("{}", run.ratio)));
     let mut scene =

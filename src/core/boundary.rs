@@ -8,12 +8,14 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
+use crate::condition::Condition;
 use crate::potential::{Curve, Thermal};
-use crate::reference::Reference;
-use crate::scene::{Condition, Domain, Scene, Sector, WallModel};
 
 /// Name of the face of a shaft in the heat balance.
-const FACE: &str = "shaft";
+pub const FACE: &str = "shaft";
+
+/// Temperature of a wall at a time (s), where it is known.
+pub type WallTemperature = Arc<dyn Fn(f64) -> Option<f64> + Send + Sync>;
 
 /// A wall that heat may cross.
 #[derive(Clone)]
@@ -25,11 +27,9 @@ pub struct Door {
     /// Ghosts hold the wall's own value instead of being mirrored ([`crate::wall_layers`]).
     pub layers: bool,
     /// Whether the condition changes in time.
-    changes: bool,
-    /// Distance from the cold wall (m) at which the exact solution is asked.
-    distance: f64,
+    pub changes: bool,
     /// The exact solution, for walls that follow it.
-    exact: Option<Arc<dyn Reference>>,
+    pub exact: Option<WallTemperature>,
 }
 
 /// A wall at one instant, in potentials relative to the initial state.
@@ -178,7 +178,7 @@ impl Door {
                 let through = if self.layers { 2.0 } else { 1.0 };
                 Face::Film { coefficient: coefficient.at(time), ambient: ambient.at(time), through }
             }
-            Condition::Exact => match self.exact.as_ref().and_then(|exact| exact.temperature(self.distance, time)) {
+            Condition::Exact => match self.exact.as_ref().and_then(|exact| exact(time)) {
                 Some(temperature) => at(temperature),
                 None => Face::Even,
             },
@@ -212,11 +212,11 @@ pub enum Side {
     Curved,
 }
 
-/// The walls of a scene.
+/// The walls of a body.
 #[derive(Clone)]
 pub struct Boundary {
     /// Parts of walls: wall, from and to along it (m), and door. Later ones win.
-    parts: Vec<(&'static str, f64, f64, usize)>,
+    pub parts: Vec<(&'static str, f64, f64, usize)>,
     /// Whether heat through closed walls is booked: mirrored shells leak, by the papers' shape factors.
     pub books_all: bool,
     /// All walls that the scene names.
@@ -241,72 +241,6 @@ pub struct Dug {
 }
 
 impl Boundary {
-    /// The walls of a scene. `exact` is what walls that follow the exact solution ask. `mirrors` sets ghosts behind the
-    /// walls of a body of shells, which otherwise touch its outermost particles alone.
-    pub fn new(
-        scene: &Scene,
-        model: WallModel,
-        exact: Option<Arc<dyn Reference>>,
-        mirrors: bool,
-    ) -> Result<Self, String> {
-        let (axis_length, cold_at_end) = scene.freezing_direction().map_or((0.0, false), |d| (d.length, d.from_end));
-        let whole = scene.walls.iter().map(|wall| (wall.name, wall.name.to_string(), &wall.condition));
-        let parts = scene.wall_parts.iter().enumerate();
-        let parts = parts.map(|(k, part)| (part.wall, format!("{}_part_{}", part.wall, k + 1), &part.condition));
-        let face = scene.excavation.iter().map(|shaft| (FACE, FACE.to_owned(), &shaft.condition));
-        let doors: Vec<Door> = whole
-            .chain(parts)
-            .chain(face)
-            .map(|(wall, name, condition)| {
-                let at_end = matches!(wall, "right" | "top");
-                let distance = if at_end == cold_at_end { 0.0 } else { axis_length };
-                Door {
-                    name,
-                    condition: condition.clone(),
-                    layers: matches!(model, WallModel::Naive | WallModel::InnerLayers),
-                    changes: match condition {
-                        Condition::Symmetry => false,
-                        Condition::Temperature(series) | Condition::Flux(series) => series.changes(),
-                        Condition::Convection { coefficient, ambient } => coefficient.changes() || ambient.changes(),
-                        Condition::Exact => true,
-                    },
-                    distance,
-                    exact: if *condition == Condition::Exact { exact.clone() } else { None },
-                }
-            })
-            .collect();
-        for door in &doors {
-            if door.condition == Condition::Exact
-                && door.exact.as_ref().and_then(|e| e.temperature(door.distance, 1.0)).is_none()
-            {
-                return Err(format!("wall `{}` asks for the exact solution, but this scene has none", door.name));
-            }
-        }
-        let named = |name: &str| doors.iter().position(|door| door.name == name).map_or(Side::Mirror, Side::Wall);
-        let (sides, curved) = match scene.domain {
-            Domain::Line { .. } => ([named("left"), named("right"), Side::Mirror, Side::Mirror], None),
-            Domain::Rectangle { .. } => ([named("left"), named("right"), named("bottom"), named("top")], None),
-            Domain::Ring { outer_radius, sector } => {
-                let left = if sector == Sector::Quarter { Side::Mirror } else { Side::Curved };
-                let bottom = if sector == Sector::Whole { Side::Curved } else { Side::Mirror };
-                let outer = doors.iter().position(|door| door.name == "outer");
-                ([left, Side::Curved, bottom, Side::Curved], outer.map(|door| (door, outer_radius)))
-            }
-            Domain::Radial { inner, .. } | Domain::Axial { inner, .. } if mirrors => {
-                let left = if inner > 0.0 { named("inner") } else { Side::Curved };
-                ([left, named("outer"), named("bottom"), named("top")], None)
-            }
-            Domain::Radial { .. } | Domain::Axial { .. } => ([Side::Curved; 4], None),
-        };
-        let first = scene.walls.len();
-        let parts = scene.wall_parts.iter().enumerate();
-        let parts = parts.map(|(k, part)| (part.wall, part.from, part.to, first + k)).collect();
-        let door = scene.walls.len() + scene.wall_parts.len();
-        let dug = scene.excavation.as_ref().map(|shaft| Dug { door, radius: shaft.radius, start: shaft.start });
-        let books_all = mirrors && scene.domain.symmetry().is_some();
-        Ok(Boundary { parts, books_all, doors, sides, curved, dug })
-    }
-
     /// Whether walls are in parts.
     pub fn has_parts(&self) -> bool {
         !self.parts.is_empty()

@@ -7,7 +7,6 @@ use crate::ghosts::Ghosts;
 use crate::lattice::Lattice;
 use crate::list_operator::PairList;
 use crate::memory::Held;
-use crate::scene::{Crack, Growth};
 use crate::segment::{Segment, offset};
 
 impl Crack {
@@ -30,6 +29,36 @@ impl Crack {
             }
         }
     }
+}
+
+/// A segment that no heat crosses.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Crack {
+    /// Where it begins (m).
+    pub from: DVec2,
+    /// Where it ends at the latest (m).
+    pub to: DVec2,
+    /// How it comes to be.
+    pub growth: Growth,
+}
+
+/// How a crack comes to be.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Growth {
+    /// All at once.
+    Whole {
+        /// When (s).
+        start: f64,
+    },
+    /// From its beginning on, at one speed.
+    Steady {
+        /// When it begins (s).
+        start: f64,
+        /// Speed of its tip (m/s).
+        speed: f64,
+    },
+    /// By rows of time (s) and length (m), linear between them and constant beyond; neither decreases.
+    Table(Vec<(f64, f64)>),
 }
 
 /// Distance over the spacing up to which a place is on a crack.

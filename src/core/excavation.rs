@@ -7,10 +7,7 @@ use crate::boundary::Dug;
 use crate::crack::Cuts;
 use crate::curved_wall::{Contacts, Neighbourhood, Rim};
 use crate::ghosts::Ghosts;
-use crate::lattice::Lattice;
 use crate::list_operator::PairList;
-use crate::pipe::Sink;
-use crate::scene::{Numerics, WallModel};
 use crate::uptake::Materials;
 
 /// When pairs across the face are cut, and the contacts of the ground around it.
@@ -44,24 +41,4 @@ pub fn face(pairs: &PairList, positions: &[DVec2], ghosts: &Ghosts, materials: &
         }
     }
     (Cuts::at(events), Rim { door: dug.door, from: dug.start, contacts })
-}
-
-/// Why a shaft cannot be where it is.
-pub fn out_of_place(dug: &Dug, numerics: &Numerics, lattice: &Lattice, sinks: &[Sink]) -> Option<String> {
-    if numerics.walls == WallModel::MovingLeastSquares {
-        return Some("fits of wall_model = \"moving-least-squares\" know no shaft: set \"mirror\"".into());
-    }
-    let nearest = |sink: &Sink| {
-        let places = sink.sample.iter().map(|(index, _)| lattice.position(*index as usize).length());
-        places.fold(f64::INFINITY, f64::min)
-    };
-    let sink = sinks.iter().find(|sink| nearest(sink) < dug.radius)?;
-    Some(format!(
-        "the shaft of {} m takes away particles that stand for the pipe at ({:.4}, {:.4}) m, the nearest {:.3} m from the \
-         centre: a finer spacing is needed",
-        dug.radius,
-        sink.extent.centre.x,
-        sink.extent.centre.y,
-        nearest(sink)
-    ))
 }

@@ -10,9 +10,10 @@
 pub mod bend;
 pub mod carrier;
 pub mod diagonals;
+pub mod ground;
 pub mod network;
+pub mod numerics;
 pub mod pressure;
-pub mod series;
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -25,16 +26,19 @@ use frazil_record::Work;
 use crate::boundary::{Boundary, Face};
 use crate::integrate::{just_before, sharp_step};
 
+use crate::domain::Domain;
+use crate::flow::ground::{Flow, PressureWall};
+use crate::flow::numerics::{Conduction, FlowNumerics};
 use crate::ledger::{Ledger, Sum};
 use crate::list_operator::{EnthalpyList, ListOperator, ListParts, Off, Tangent};
-use crate::material::{FreezingLaw, Pores};
+use crate::material::{FreezingLaw, Material, Pores};
 use crate::memory::Held;
 use crate::method::{Bound, Clock, Method, StepError};
 use crate::operator::Operator;
 use crate::particles::Particles;
 use crate::potential::{Curved, PotentialLaw, Thermal};
-use crate::scene::settings::Mushy;
-use crate::scene::{Conduction, Domain, Flow, FlowNumerics, Numerics, PressureWall, Scene, StepChoice, Uptake};
+use crate::uptake::Mushy;
+use crate::uptake::Uptake;
 use crate::uptake::{Materials, scheme};
 
 use bend::Bend;
@@ -191,27 +195,41 @@ pub struct FlowMethod {
     seconds: f64,
 }
 
+/// What water flows through.
+pub struct FlowParts<'a> {
+    /// Particles, pairs and walls.
+    pub list: ListParts,
+    /// Pairs that a curved wall cuts.
+    pub ways_out: &'a [WayOut],
+    /// What conducts heat, where that is a lattice.
+    pub lattice: Option<Box<dyn Operator>>,
+    /// Materials, in the order of the particles'.
+    pub ground: &'a [Material],
+    /// The body.
+    pub domain: Domain,
+    /// What drives the water.
+    pub flow: &'a Flow,
+    /// How it is computed.
+    pub numerics: FlowNumerics,
+    /// Conduction beside it.
+    pub conduction: Conduction,
+    /// Steps over their bound.
+    pub fraction: f64,
+}
+
 impl FlowMethod {
     /// Water through the assembled particles, neighbours and walls of a scene, from these enthalpies (J/m3) on. Heat is
     /// conducted by the pairs, or by the same on a lattice where there is one.
-    pub fn new(
-        (parts, ways_out): (ListParts, &[WayOut]),
-        lattice: Option<Box<dyn Operator>>,
-        scene: &Scene,
-        flow: &Flow,
-        numerics: &Numerics,
-        own: FlowNumerics,
-        enthalpy: &[f64],
-    ) -> Result<Self, String> {
+    pub fn new(parts: FlowParts<'_>, enthalpy: &[f64]) -> Result<Self, String> {
+        let FlowParts { list: parts, ways_out, lattice, ground, domain, flow, numerics, conduction, fraction } = parts;
+        let spacing = parts.spacing;
         let (materials, boundary) = (parts.materials.clone(), parts.boundary.clone());
         let first = &materials.thermals[0];
         let faces = boundary.first_faces(&first.curve, first.initial_potential);
         let pairs = (&parts.pairs, ways_out);
-        let network =
-            Network::new(&parts.positions, pairs, &parts.ghosts, &boundary, &faces, flow, numerics.conduction)?;
+        let network = Network::new(&parts.positions, pairs, &parts.ghosts, &boundary, &faces, flow, conduction)?;
         let count = network.len();
-        let aquifers: Vec<Aquifer> = scene
-            .materials
+        let aquifers: Vec<Aquifer> = ground
             .iter()
             .zip(materials.thermals.iter())
             .map(|(material, thermal)| {
@@ -230,13 +248,13 @@ impl FlowMethod {
             .collect::<Result<_, String>>()?;
         let water = aquifers[0].pores;
         let pressure = Pressure::new(&network, &parts.positions);
-        let carrier = Carrier::new(&network, own.advection);
+        let carrier = Carrier::new(&network, numerics.advection);
         let (volume, pool) = (parts.volumes.unit(), parts.pool.clone());
-        let bend = (numerics.conduction == Conduction::Corrected)
-            .then(|| Bend::new(&parts.positions, &parts.ghosts.position, &parts.pairs, numerics.spacing));
+        let bend = (conduction == Conduction::Corrected)
+            .then(|| Bend::new(&parts.positions, &parts.ghosts.position, &parts.pairs, spacing));
         // Water of one density: with its weight, p + rho g y takes the place of the pressure.
         let weight = water.water_density * flow.gravity;
-        let height = if let Domain::Rectangle { height, .. } = scene.domain { height } else { 0.0 };
+        let height = if let Domain::Rectangle { height, .. } = domain { height } else { 0.0 };
         let lift = |wall: &PressureWall| if wall.name == "top" { weight * height } else { 0.0 };
         let lifts = flow.walls.iter().map(lift).collect();
         let heights =
@@ -270,13 +288,10 @@ impl FlowMethod {
             boundary,
             faces,
             flow: flow.clone(),
-            numerics: own,
-            fraction: match numerics.step {
-                StepChoice::Fraction(fraction) => fraction,
-                StepChoice::Fixed(_) => 1.0,
-            },
+            numerics,
+            fraction,
             volume,
-            across: match scene.domain {
+            across: match domain {
                 Domain::Line { .. } => 1.0,
                 // As it is on the whole plan.
                 Domain::Ring { sector, .. } => (count as f64 / sector.images() as f64).sqrt(),

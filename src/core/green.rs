@@ -119,7 +119,7 @@ mod tests {
     }
 
     fn stencil(reach: f64, power: f64) -> Stencil {
-        Stencil::from_weight(&Disc(reach, power), Normalisation::DiscreteMoment, 1.0, 2)
+        Stencil::new(&Disc(reach, power), Normalisation::DiscreteMoment, 1.0, 2)
     }
 
     #[test]

@@ -9,11 +9,6 @@
 //!
 //! Walls are seen through pieces as well: behind a wall that heat passes, the material at the wall goes on.
 
-mod build;
-mod ground;
-
-pub use build::{Seen, chains};
-
 use crate::boundary::Face;
 use crate::memory::Held;
 use crate::potential::{Thermal, solve_increasing};
@@ -43,13 +38,13 @@ struct Chain {
 #[derive(Debug, Clone, Default)]
 pub struct Chains {
     /// By pair of the list: none, or the number of its chain from 1 on.
-    of_pair: Vec<u32>,
+    pub of_pair: Vec<u32>,
     /// By ghost: none, or the chain from the wall to its image; empty if all see their walls through one material.
-    of_ghost: Vec<u32>,
+    pub of_ghost: Vec<u32>,
     /// By curved wall and particle: none, or the chain from the wall to the particle.
-    of_rim: Vec<Vec<u32>>,
+    pub of_rim: Vec<Vec<u32>>,
     /// By touching wall, likewise.
-    of_touch: Vec<u32>,
+    pub of_touch: Vec<u32>,
     chains: Vec<Chain>,
     pieces: Vec<Piece>,
 }
@@ -78,7 +73,8 @@ impl Chains {
         self.of_pair.is_empty()
     }
 
-    fn number(&mut self, pieces: &[Piece], thermals: &[Thermal]) -> u32 {
+    /// Adds a chain of pieces, and gives its number.
+    pub fn number(&mut self, pieces: &[Piece], thermals: &[Thermal]) -> u32 {
         let first = self.pieces.len() as u32;
         self.pieces.extend_from_slice(pieces);
         self.chains.push(Chain::new(first, pieces, thermals));

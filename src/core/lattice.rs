@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
+use crate::domain::{Domain, Sector};
 use crate::memory::Held;
-use crate::scene::{Domain, Sector};
 
 /// The lattice of a domain. Particle `i` of row `y` stands at column `first(y) + i - start(y)`.
 #[derive(Debug, Clone)]

@@ -14,7 +14,7 @@ use crate::method::Bound;
 use crate::operator::{Operator, Stage, StageColumns};
 use crate::pipe::Sink;
 use crate::potential::{Identity, PotentialLaw, Thermal};
-use crate::scene::Series;
+use crate::series::Series;
 use crate::stencil::Stencil;
 use crate::sub_cell::SubCellFront;
 use crate::sweep::{Band, Beside, Chained, Frame, InPlace, Shape, Surroundings, Target, fill_row, sweep};

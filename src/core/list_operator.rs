@@ -9,6 +9,8 @@ use rayon::prelude::*;
 use crate::boundary::{Boundary, Face};
 use crate::crack::Cuts;
 use crate::curved_wall::Rim;
+use crate::domain::Surface;
+use crate::exchange::{Exchange, Mean};
 use crate::ghosts::Ghosts;
 use crate::interface::{Chains, Way};
 use crate::ledger::Sum;
@@ -16,7 +18,6 @@ use crate::memory::{Held, shared};
 use crate::method::{Bound, Clock};
 use crate::operator::{Operator, Stage, StageColumns};
 use crate::pipe::Sink;
-use crate::scene::{Exchange, Mean, Surface};
 use crate::symmetry::{Touch, Volumes};
 use crate::uptake::{Fields, LatentScheme, Materials};
 

@@ -81,7 +81,7 @@ impl<T: Held + ?Sized> Held for Box<T> {
 const SMALL_THINGS: usize = 12_000;
 
 /// Bytes that may still be taken, as far as the system tells: what it has left, and what is left of this process's share.
-pub(crate) fn left() -> Option<f64> {
+pub fn left() -> Option<f64> {
     let number = |text: &str| text.split_whitespace().find_map(|word| word.parse::<f64>().ok());
     let line = |file: &str, name: &str| {
         let text = std::fs::read_to_string(file).ok()?;

@@ -1,12 +1,8 @@
 //! The two seams of the program: what a method must say ([`PairWeight`]) and what it may do instead ([`Method`]).
 
-use std::sync::Arc;
+use frazil_record::Work;
 
 use crate::ledger::Ledger;
-use crate::moving::MakeCrowd;
-use crate::plan::Assembly;
-use crate::scene::{Numerics, Section, Setting};
-use frazil_record::{Value, Work};
 
 /// Geometry of a pair: seam 2. A weight knows the distance of two particles and nothing of heat.
 ///
@@ -29,51 +25,6 @@ pub enum Normalisation {
     DiscreteMoment,
     /// Not at all: the continuum constant, as the papers print it.
     Nominal,
-}
-
-/// A method's geometry on one scene, made by [`MethodKind::read`].
-pub struct Discretisation {
-    /// Pair weight.
-    pub weight: Arc<dyn PairWeight>,
-    /// Scaling.
-    pub normalisation: Normalisation,
-    /// The method's own settings, by their keys in the file, defaults included.
-    pub knobs: Vec<(&'static str, Value)>,
-    /// Differences between the scene and what the method represents, in words, for the report.
-    pub differences: Vec<String>,
-    /// Standard deviation of one unfrozen particle's temperature over its absolute value; 0 without noise.
-    pub fluctuation: f64,
-    /// How steps are made.
-    pub stepper: Stepper,
-}
-
-/// Who makes the step.
-#[derive(Clone)]
-pub enum Stepper {
-    /// The shared conduction operator and integrator.
-    Shared,
-    /// The method itself, from the assembled particles, neighbours and walls.
-    Own(Arc<dyn Fn(Assembly) -> Box<dyn Method> + Send + Sync>),
-    /// The method itself, which also places and moves the particles.
-    Moving(Arc<MakeCrowd>),
-}
-
-/// A method as the registry lists it.
-pub struct MethodKind {
-    /// Short name, as in `--method` and `[method.NAME]`.
-    pub name: &'static str,
-    /// One line for people.
-    pub title: &'static str,
-    /// Paper and equations.
-    pub source: &'static str,
-    /// Whether the method is stochastic, so that errors need an ensemble.
-    pub stochastic: bool,
-    /// Whether it exists only on a lattice.
-    pub lattice_only: bool,
-    /// Shared settings of a preset; the spacing is filled in from the file.
-    pub defaults: fn(Setting) -> Numerics,
-    /// Reads the method's own keys. Problems go into the section; a best guess is returned all the same.
-    pub read: fn(&mut Section<'_>, Setting, &Numerics, usize) -> Discretisation,
 }
 
 /// Where a run stands in time.

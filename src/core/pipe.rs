@@ -15,9 +15,26 @@ use crate::green::Green;
 use crate::lattice::Lattice;
 use crate::memory::Held;
 use crate::potential::Thermal;
-use crate::scene::settings::MethodSettings;
-use crate::scene::{Pipe, Schedule, Series};
-use crate::stencil::Stencil;
+use crate::series::{Schedule, Series};
+
+/// A freeze pipe: a cold circle of true radius at an exact position.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pipe {
+    /// Centre (m).
+    pub x: f64,
+    /// Centre (m).
+    pub y: f64,
+    /// Outer radius of the pipe (m); 0 for one that is a single particle.
+    pub radius: f64,
+    /// Whether it is the particle nearest to its place, and has the radius that the lattice gives it.
+    pub one_particle: bool,
+    /// Temperature of the pipe's outer wall while it works; of what flows in it, where there is a film.
+    pub temperature: Series,
+    /// Coefficient (W/m2K) between what flows in it and the ground at its outer wall.
+    pub film: Option<f64>,
+    /// When it works; always if absent. No heat crosses its wall at other times.
+    pub schedule: Option<Arc<Schedule>>,
+}
 
 /// Stretches of the delta that are tried, in order.
 const STRETCHES: [f64; 14] = [1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0];
@@ -223,13 +240,6 @@ fn outside(pipe: &Pipe, lattice: &Lattice, stretch: f64) -> String {
 /// resistance between both takes off.
 pub fn radius_of_one_particle(green: &Green, spacing: f64) -> f64 {
     spacing * green.one_particle_radius() * (-2.0 * std::f64::consts::PI * HELD_RESISTANCE).exp()
-}
-
-/// The same of a method's settings.
-pub fn acting_radius(settings: &MethodSettings) -> f64 {
-    let spacing = settings.numerics.spacing;
-    let green = Green::new(&Stencil::new(settings.discretisation.as_ref(), spacing, 2), spacing, 1);
-    radius_of_one_particle(&green, spacing)
 }
 
 impl Held for Sink {

@@ -1,7 +1,7 @@
 //! A pair weight on a lattice: a fixed table of offsets, no neighbour list.
 
 use crate::memory::Held;
-use crate::method::{Discretisation, Normalisation, PairWeight};
+use crate::method::{Normalisation, PairWeight};
 
 /// Relative tolerance on a reach that falls on a shell of the lattice: the shell belongs to the neighbourhood.
 pub const SHELL_TOLERANCE: f64 = 1e-6;
@@ -26,13 +26,8 @@ impl Held for Stencil {
 }
 
 impl Stencil {
-    /// The stencil of a discretisation at a spacing (m).
-    pub fn new(discretisation: &Discretisation, spacing: f64, dimension: usize) -> Self {
-        Self::from_weight(discretisation.weight.as_ref(), discretisation.normalisation, spacing, dimension)
-    }
-
-    /// The stencil of a pair weight.
-    pub fn from_weight(weight: &dyn PairWeight, normalisation: Normalisation, spacing: f64, dimension: usize) -> Self {
+    /// The stencil of a pair weight at a spacing (m).
+    pub fn new(weight: &dyn PairWeight, normalisation: Normalisation, spacing: f64, dimension: usize) -> Self {
         let reach = (weight.reach() / spacing * (1.0 + SHELL_TOLERANCE)).floor().max(1.0) as usize;
         let rows = if dimension == 1 { 0 } else { reach };
         let volume = spacing.powi(dimension as i32);

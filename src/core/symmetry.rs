@@ -24,11 +24,11 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use crate::boundary::Boundary;
+use crate::domain::Domain;
 use crate::ghosts::Ghosts;
 use crate::lattice::Lattice;
 use crate::list_operator::PairList;
 use crate::memory::{Held, shared};
-use crate::scene::Domain;
 use crate::stencil::Stencil;
 use crate::wall_ends::WallEnd;
 

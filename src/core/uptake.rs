@@ -4,8 +4,33 @@ use std::sync::Arc;
 
 use crate::memory::Held;
 use crate::potential::Thermal;
-use crate::scene::Uptake;
-use crate::scene::settings::Mushy;
+
+/// How latent heat is taken up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Uptake {
+    /// Enthalpy is the unknown; temperature follows from it.
+    Enthalpy,
+    /// Temperature and an accumulator of latent heat with a state flag (Chen and Bai 2016, section 1.3), the
+    /// overshoot at either end credited.
+    Flags,
+    /// Temperature with an apparent heat capacity (Nikolaev et al. 2021, eq 13). A sharp front is spread over
+    /// `interval` kelvin below the freezing point.
+    ApparentCapacity {
+        /// Width of the interval (K).
+        interval: f64,
+    },
+}
+
+/// How a particle inside the freezing interval conducts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mushy {
+    /// By its frozen fraction (Ng et al. 2017, section 4.1).
+    Fraction,
+    /// As the phase that it last was.
+    LastPhase,
+    /// As half of it were frozen, however much is (Nikolaev et al. 2023, eq 1).
+    Mean,
+}
 
 /// What pairs read from particles; columns that nothing reads stay empty.
 #[derive(Debug, Clone, Default)]

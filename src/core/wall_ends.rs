@@ -181,9 +181,8 @@ mod tests {
     /// Values of the same problem by an independent sparse solve on wider windows (64 and 40 deep), to their digits.
     #[test]
     fn ends_seem_short_by_the_known_shares() {
-        let found = |weight: &dyn PairWeight| {
-            WallEnd::new(&Stencil::from_weight(weight, Normalisation::DiscreteMoment, 1.0, 2), 1.0)
-        };
+        let found =
+            |weight: &dyn PairWeight| WallEnd::new(&Stencil::new(weight, Normalisation::DiscreteMoment, 1.0, 2), 1.0);
         for (weight, short, cover) in [
             (&Nearest as &dyn PairWeight, 0.3526, 0.1847),
             (&Horizon(3.0), 0.5024, 0.2625),
@@ -200,7 +199,7 @@ mod tests {
     #[test]
     fn covers_grow_with_the_part() {
         for ratio in [1.0, 3.0, 8.0] {
-            let stencil = Stencil::from_weight(&Horizon(ratio), Normalisation::DiscreteMoment, 1.0, 2);
+            let stencil = Stencil::new(&Horizon(ratio), Normalisation::DiscreteMoment, 1.0, 2);
             let end = WallEnd::new(&stencil, 1.0);
             let covers: Vec<f64> = (0..=20).map(|k| end.cover(f64::from(k) / 20.0)).collect();
             assert!(covers.windows(2).all(|pair| pair[0] < pair[1]), "{ratio}: {covers:?}");

@@ -24,6 +24,19 @@ use crate::list_operator::PairList;
 use crate::symmetry::{Symmetry, Touch, Volumes};
 use crate::uptake::Materials;
 
+/// How walls act on particles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WallModel {
+    /// Ghosts mirrored about the wall.
+    Mirror,
+    /// Ghosts from moving least squares everywhere.
+    MovingLeastSquares,
+    /// Layers of ghosts that hold one value: the papers' simplest way.
+    Naive,
+    /// The outermost particles of the body as the wall.
+    InnerLayers,
+}
+
 /// A body between layers.
 pub struct Body<'a> {
     /// Positions of particles (m).

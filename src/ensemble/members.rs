@@ -6,11 +6,11 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-use frazil_core::march::{self, Options, Progress};
-use frazil_core::reference::Reference;
-use frazil_core::scene::Scene;
-use frazil_core::scene::settings::MethodSettings;
 use frazil_record::{Outcome, Record};
+use frazil_simulation::march::{self, Options, Progress};
+use frazil_simulation::reference::Reference;
+use frazil_simulation::scene::Scene;
+use frazil_simulation::scene::settings::MethodSettings;
 
 use super::runs::Tables;
 use super::table::Table;

@@ -5,11 +5,12 @@
 use std::collections::BTreeMap;
 use std::io;
 
-use frazil_core::reference::Reference;
-use frazil_core::scene::Scene;
-use frazil_core::{measure, statistics};
+use frazil_core::statistics;
 use frazil_record::WaterSeries;
 use frazil_record::{Errors, Record, RunResult};
+use frazil_simulation::measure;
+use frazil_simulation::reference::Reference;
+use frazil_simulation::scene::Scene;
 use serde::de::DeserializeOwned;
 
 use super::table::{Table, mean};

@@ -1,8 +1,9 @@
 //! What a run says about a layout.
 
-use frazil_core::scene::{Domain, Scene};
+use frazil_core::domain::Domain;
 use frazil_plots::layouts::between;
 use frazil_record::{BudgetRow, GapRow, LinkRow, Outcome, PlaneRow, ProfileRow, Record, RunResult, WallRow};
+use frazil_simulation::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use super::around::{Around, Line, Mapped, around};

@@ -2,8 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use frazil_core::scene::{Domain, PipeRing, Scene, Sector};
+use frazil_core::domain::{Domain, Sector};
 use frazil_record::{Field, LinkRow, RunResult};
+use frazil_simulation::scene::{PipeRing, Scene};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 

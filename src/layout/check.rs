@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use frazil_core::predict;
+use frazil_simulation::predict;
 
 use super::ahead::{self, Ahead};
 use super::study::Study;

@@ -6,9 +6,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use frazil_core::scene::Scene;
 use frazil_plots::layouts::{CriticalView, critical_map};
 use frazil_plots::page::{Block, Figure, Table};
+use frazil_simulation::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use super::ahead::{Ahead, Find};

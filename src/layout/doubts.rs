@@ -1,6 +1,8 @@
 //! What can be run but is hardly meant: told before anything is.
 
-use frazil_core::scene::{Condition, Domain, Scene};
+use frazil_core::condition::Condition;
+use frazil_core::domain::Domain;
+use frazil_simulation::scene::Scene;
 
 use super::study::Study;
 use super::variants::Role;

@@ -1,8 +1,9 @@
 //! Shafts that are dug while the wall is kept frozen: what that does to it.
 
-use frazil_core::scene::{Domain, Scene};
+use frazil_core::domain::Domain;
 use frazil_plots::page::{Block, Table};
 use frazil_record::{Record, WallRow};
+use frazil_simulation::scene::Scene;
 use serde::Serialize;
 
 use super::Found;

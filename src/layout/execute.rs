@@ -6,13 +6,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use frazil_core::march::{self, EachOutput, Options};
 use frazil_core::particles::Particles;
-use frazil_core::predict;
-use frazil_core::scene::Scene;
 use frazil_plots::ground_plan::ShaftMark;
 use frazil_plots::{FigureOptions, run_figures};
 use frazil_record::Outcome;
+use frazil_simulation::march::{self, EachOutput, Options};
+use frazil_simulation::predict;
+use frazil_simulation::scene::Scene;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
@@ -288,7 +288,7 @@ impl Work<'_> {
     fn coarser(&self, layout: &Layout) -> Result<Scene, Failure> {
         let spacing = layout.scene.method(self.method).map_or(0.0, |settings| settings.numerics.spacing);
         let sector = match layout.scene.domain {
-            frazil_core::scene::Domain::Ring { sector, .. } => sector.name(),
+            frazil_core::domain::Domain::Ring { sector, .. } => sector.name(),
             _ => "whole",
         };
         let mut overrides = vec![

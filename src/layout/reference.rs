@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 use frazil_cases::layouts::{
     self, Gap, HEAT_ERROR, LENGTH_ERROR, LayoutTable, RADIUS_ERROR, Section, TEMPERATURE_ERROR, WallDay,
 };
-use frazil_core::pipe::acting_radius;
-use frazil_core::scene::Scene;
 use frazil_plots::page::{Block, Table};
 use frazil_record::LinkRow;
+use frazil_simulation::method::acting_radius;
+use frazil_simulation::scene::Scene;
 use glam::DVec2;
 use serde::Serialize;
 

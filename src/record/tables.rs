@@ -114,7 +114,7 @@ pub struct BudgetRow {
     pub time_s: f64,
     /// Change of stored heat since the start (J).
     pub stored_j: f64,
-    /// Heat in through each wall and pipe ring so far (J), in the order of [`RunResult::budget_names`].
+    /// Heat in through each wall and pipe ring so far (J), in the order of [`crate::RunResult::budget_names`].
     pub in_j: Vec<f64>,
     /// (stored - in) / exchanged.
     pub balance_rel: f64,

@@ -1,10 +1,10 @@
 //! The parameters along which a map is drawn, as overrides of a scene.
 
 use frazil_core::material::{FreezingLaw, Material};
-use frazil_core::method::{MethodKind, Stepper};
-use frazil_core::scene::settings::MethodSettings;
-use frazil_core::scene::{Layout, Scene, Units};
 use frazil_record::Value;
+use frazil_simulation::method::{MethodKind, Stepper};
+use frazil_simulation::scene::settings::MethodSettings;
+use frazil_simulation::scene::{Layout, Scene, Units};
 
 /// Key path and value, as of `--set`.
 pub type Override = (String, String);

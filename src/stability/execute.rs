@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use frazil_core::plan::Bounds;
 use frazil_record::Outcome;
+use frazil_simulation::plan::Bounds;
 
 use super::StabilityRequest;
 use super::axis::{Axis, Override};

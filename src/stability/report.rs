@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use frazil_core::march::{BALANCE_TOLERANCE, RANGE_TOLERANCE, SETBACK_TOLERANCE};
-use frazil_core::scene::Scene;
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection, Table};
 use frazil_plots::style::{method_title, number, percent};
 use frazil_record::Outcome;
+use frazil_simulation::march::{BALANCE_TOLERANCE, RANGE_TOLERANCE, SETBACK_TOLERANCE};
+use frazil_simulation::scene::Scene;
 
 use super::StabilityRequest;
 use super::axis::Axis;

@@ -1,8 +1,8 @@
 //! Heat of moving particles as the enthalpy of the scene's material.
 
+use frazil_core::exchange::{Exchange, Mean};
 use frazil_core::potential::Thermal;
-use frazil_core::scene::settings::Mushy;
-use frazil_core::scene::{Exchange, Mean};
+use frazil_core::uptake::Mushy;
 
 use crate::fluid::Matter;
 

@@ -1,8 +1,10 @@
 //! How a scene asks for particles that move. All numbers are in DPD units: masses of 1, the mean distance of particles to
 //! the power of the dimension one over their number density, temperatures over 300 K.
 
-use frazil_core::scene::{Layout, Numerics, Range, Section, Units, Uptake, WallModel};
+use frazil_core::uptake::Uptake;
+use frazil_core::wall_layers::WallModel;
 use frazil_record::Value;
+use frazil_simulation::scene::{Layout, Numerics, Range, Section, Units};
 
 use crate::fluid::Exponent;
 

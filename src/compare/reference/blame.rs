@@ -1,10 +1,10 @@
 //! Which outputs keep a reference from converging, and what to set so that they do not.
 
-use frazil_core::measure;
-use frazil_core::reference::Reference;
-use frazil_core::scene::{Scene, Units};
 use frazil_plots::style::{number, percent};
 use frazil_record::RunResult;
+use frazil_simulation::measure;
+use frazil_simulation::reference::Reference;
+use frazil_simulation::scene::{Scene, Units};
 
 use super::WORST;
 use crate::ensemble::runs::Headline;

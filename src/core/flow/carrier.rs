@@ -22,8 +22,8 @@ use rayon::prelude::*;
 use super::diagonals::{Carried, Diagonals, Fields};
 use super::network::{NONE, Network};
 use super::pressure::Pressure;
+use crate::flow::numerics::Advection;
 use crate::memory::Held;
-use crate::scene::Advection;
 
 /// Particles that one task handles; fixed, so that results do not depend on the number of threads.
 const TASK: usize = 2048;

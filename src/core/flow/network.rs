@@ -9,10 +9,11 @@ use glam::DVec2;
 
 use super::diagonals::Diagonals;
 use crate::boundary::{Boundary, Face};
+use crate::flow::ground::Flow;
+use crate::flow::numerics::Conduction;
 use crate::ghosts::Ghosts;
 use crate::list_operator::PairList;
 use crate::memory::Held;
-use crate::scene::{Conduction, Flow};
 
 /// Walls that a body can have.
 pub const MOST_WALLS: usize = 4;

@@ -12,8 +12,8 @@ use glam::DVec2;
 use self::coarse::Coarse;
 use super::diagonals::sum;
 use super::network::{NONE, Network, Opening};
+use crate::exchange::Mean;
 use crate::memory::Held;
-use crate::scene::Mean;
 
 /// What remains of a particle's balance over the water that passes through it, in the root of the mean of squares.
 const TOLERANCE: f64 = 1e-8;

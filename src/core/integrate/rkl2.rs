@@ -12,7 +12,7 @@ use crate::particles::Particles;
 
 /// Growth of the steps of a fixed chain, from one step to the next: modes that a step cannot resolve have decayed by
 /// the time it is taken.
-pub(crate) const GROWTH: f64 = 1.15;
+pub const GROWTH: f64 = 1.15;
 
 /// How far, over the range of the data, a controlled step may leave it.
 const EXCESS: f64 = 1e-3;

@@ -1,10 +1,10 @@
 //! Shells between naive walls: the same exchange on a body that is longer by the layers behind its open walls.
 
 use crate::boundary::Boundary;
+use crate::domain::Domain;
 use crate::ghosts::Ghosts;
 use crate::lattice::Lattice;
 use crate::list_operator::PairList;
-use crate::scene::Domain;
 use crate::stencil::Stencil;
 use crate::symmetry::{Exchange, Shells, Volumes};
 

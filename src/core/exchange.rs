@@ -1,0 +1,21 @@
+//! How pairs exchange heat.
+
+/// How a pair exchanges heat.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Exchange {
+    /// The difference of the conduction potential.
+    Potential,
+    /// A mean of the two conductivities times the difference of temperature.
+    Mean(Mean),
+}
+
+/// A mean of two conductivities.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mean {
+    /// 2ab/(a+b).
+    Harmonic,
+    /// (a+b)/2.
+    Arithmetic,
+    /// sqrt(ab).
+    Geometric,
+}

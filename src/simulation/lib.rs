@@ -1,0 +1,22 @@
+//! A scene becomes particles, bonds and walls, runs, and leaves tables.
+
+pub mod closing;
+mod cut_cells;
+mod interface;
+mod layers;
+pub mod march;
+pub mod measure;
+pub mod method;
+pub mod moving;
+pub mod one_way;
+pub mod plan;
+pub mod predict;
+pub mod reduce;
+pub mod reference;
+pub mod scene;
+pub mod start;
+pub mod stream;
+pub mod terms;
+mod walls;
+pub mod watch;
+pub mod water;

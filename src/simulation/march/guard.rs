@@ -1,0 +1,97 @@
+//! Watching over the range of temperatures while a run goes on.
+
+use crate::scene::Scene;
+use frazil_core::method::{Bound, Clock};
+use frazil_core::particles::Particles;
+use frazil_core::pipe::Extent;
+
+/// Watches over the range of temperatures.
+pub struct Guard {
+    range: (f64, f64),
+    /// Whether fluxes may drive temperatures beyond any data.
+    open: bool,
+    seen: (f64, f64),
+    /// Particles inside the sinks of pipes, which stand for the pipe and not for ground.
+    inside_pipes: Vec<u32>,
+}
+
+impl Guard {
+    /// A guard for a scene; `pipes` are the places where pipes are at work.
+    pub fn new(scene: &Scene, particles: &Particles, pipes: &[Extent]) -> Self {
+        let lattice = &particles.lattice;
+        let mut inside_pipes = Vec::new();
+        for pipe in pipes {
+            inside_pipes.extend(pipe.particles(lattice));
+        }
+        inside_pipes.sort_unstable();
+        inside_pipes.dedup();
+        let range = scene.temperature_range();
+        Guard { range, open: scene.has_flux(), seen: (f64::INFINITY, f64::NEG_INFINITY), inside_pipes }
+    }
+
+    /// Takes note of the extremes, and refuses what cannot be.
+    pub fn look(&mut self, particles: &Particles, clock: &Clock, bound: &Bound) -> Result<(), String> {
+        let mut skip = self.inside_pipes.iter().copied().peekable();
+        let mut extremes = [(f64::INFINITY, 0usize), (f64::NEG_INFINITY, 0usize)];
+        for (i, enthalpy) in particles.enthalpy.iter().enumerate() {
+            if !enthalpy.is_finite() {
+                return Err(describe(particles, i, clock, bound, "is not finite"));
+            }
+            if skip.peek() == Some(&(i as u32)) {
+                skip.next();
+                continue;
+            }
+            // Temperature rises with enthalpy: within one material the extremes are those of the enthalpy.
+            if particles.materials.mixed() {
+                let temperature = particles.temperature(i);
+                if temperature < extremes[0].0 {
+                    extremes[0] = (temperature, i);
+                }
+                if temperature > extremes[1].0 {
+                    extremes[1] = (temperature, i);
+                }
+            } else {
+                if *enthalpy < extremes[0].0 {
+                    extremes[0] = (*enthalpy, i);
+                }
+                if *enthalpy > extremes[1].0 {
+                    extremes[1] = (*enthalpy, i);
+                }
+            }
+        }
+        if extremes[0].0 > extremes[1].0 {
+            return Ok(());
+        }
+        let (low, high) = (particles.temperature(extremes[0].1), particles.temperature(extremes[1].1));
+        self.seen = (self.seen.0.min(low), self.seen.1.max(high));
+        let width = self.range.1 - self.range.0;
+        if !self.open && width > 0.0 {
+            for (temperature, index) in [(low, extremes[0].1), (high, extremes[1].1)] {
+                if temperature < self.range.0 - 10.0 * width || temperature > self.range.1 + 10.0 * width {
+                    let what = format!(
+                        "has the temperature {temperature}, ten times out of the range {} to {}",
+                        self.range.0, self.range.1
+                    );
+                    return Err(describe(particles, index, clock, bound, &what));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// How far temperatures left the range of the data, over that range.
+    pub fn violation(&self) -> Option<f64> {
+        let width = self.range.1 - self.range.0;
+        let seen = self.seen.0 <= self.seen.1;
+        (!self.open && width > 0.0 && seen)
+            .then(|| (self.range.0 - self.seen.0).max(self.seen.1 - self.range.1).max(0.0) / width)
+    }
+}
+
+fn describe(particles: &Particles, index: usize, clock: &Clock, bound: &Bound, what: &str) -> String {
+    let place = particles.position(index);
+    format!(
+        "particle {index} at ({:.6}, {:.6}) m {what} by step {} of {:.6e} s (bound {:.6e} s, set by {})",
+        place.x, place.y, clock.index, clock.step, bound.step, bound.cause
+    )
+}

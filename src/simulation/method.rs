@@ -1,0 +1,73 @@
+//! A method as a scene sees it: its geometry, its own settings, and how it makes steps.
+
+use std::sync::Arc;
+
+use frazil_core::green::Green;
+use frazil_core::method::{Method, Normalisation, PairWeight};
+use frazil_core::pipe::radius_of_one_particle;
+use frazil_core::stencil::Stencil;
+use frazil_record::Value;
+
+use crate::moving::MakeCrowd;
+use crate::plan::Assembly;
+use crate::scene::settings::MethodSettings;
+use crate::scene::{Numerics, Section, Setting};
+
+/// A method's geometry on one scene, made by [`MethodKind::read`].
+pub struct Discretisation {
+    /// Pair weight.
+    pub weight: Arc<dyn PairWeight>,
+    /// Scaling.
+    pub normalisation: Normalisation,
+    /// The method's own settings, by their keys in the file, defaults included.
+    pub knobs: Vec<(&'static str, Value)>,
+    /// Differences between the scene and what the method represents, in words, for the report.
+    pub differences: Vec<String>,
+    /// Standard deviation of one unfrozen particle's temperature over its absolute value; 0 without noise.
+    pub fluctuation: f64,
+    /// How steps are made.
+    pub stepper: Stepper,
+}
+
+impl Discretisation {
+    /// The weights on a lattice of a spacing (m).
+    pub fn stencil(&self, spacing: f64, dimension: usize) -> Stencil {
+        Stencil::new(self.weight.as_ref(), self.normalisation, spacing, dimension)
+    }
+}
+
+/// Who makes the step.
+#[derive(Clone)]
+pub enum Stepper {
+    /// The shared conduction operator and integrator.
+    Shared,
+    /// The method itself, from the assembled particles, neighbours and walls.
+    Own(Arc<dyn Fn(Assembly) -> Box<dyn Method> + Send + Sync>),
+    /// The method itself, which also places and moves the particles.
+    Moving(Arc<MakeCrowd>),
+}
+
+/// A method as the registry lists it.
+pub struct MethodKind {
+    /// Short name, as in `--method` and `[method.NAME]`.
+    pub name: &'static str,
+    /// One line for people.
+    pub title: &'static str,
+    /// Paper and equations.
+    pub source: &'static str,
+    /// Whether the method is stochastic, so that errors need an ensemble.
+    pub stochastic: bool,
+    /// Whether it exists only on a lattice.
+    pub lattice_only: bool,
+    /// Shared settings of a preset; the spacing is filled in from the file.
+    pub defaults: fn(Setting) -> Numerics,
+    /// Reads the method's own keys. Problems go into the section; a best guess is returned all the same.
+    pub read: fn(&mut Section<'_>, Setting, &Numerics, usize) -> Discretisation,
+}
+
+/// The same of a method's settings.
+pub fn acting_radius(settings: &MethodSettings) -> f64 {
+    let spacing = settings.numerics.spacing;
+    let green = Green::new(&settings.discretisation.stencil(spacing, 2), spacing, 1);
+    radius_of_one_particle(&green, spacing)
+}

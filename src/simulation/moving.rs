@@ -1,0 +1,37 @@
+//! The seam for methods whose particles move: they place them, and make their own steps.
+
+use std::sync::Arc;
+
+use rayon::ThreadPool;
+
+use crate::scene::Scene;
+use crate::scene::settings::MethodSettings;
+use frazil_core::method::Method;
+use frazil_core::potential::Thermal;
+
+/// Particles that move, at their start, and the method that moves them. [`Method::publish`] fills their columns.
+pub struct Crowd {
+    /// Their material.
+    pub thermal: Thermal,
+    /// Enthalpy of each (J/m3), relative to the initial state.
+    pub enthalpy: Vec<f64>,
+    /// Volume of each (m^d).
+    pub volume: f64,
+    /// How the method differs from the scene, in words.
+    pub differences: Vec<String>,
+    /// The method.
+    pub method: Box<dyn Method>,
+}
+
+/// What a plan is made for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Purpose {
+    /// To be run.
+    Run,
+    /// To try what a step takes: particles that move need not have come to rest.
+    Trial,
+}
+
+/// Makes the particles of a scene with these settings, threads and seed, for a purpose; or says what it cannot represent.
+pub type MakeCrowd =
+    dyn Fn(&Scene, &MethodSettings, Option<Arc<ThreadPool>>, u64, Purpose) -> Result<Crowd, String> + Send + Sync;

@@ -1,0 +1,378 @@
+//! What a run will take: its memory and steps counted, its time from a trial of its real steps.
+//!
+//! The trial makes the first steps of the planned run on a plan of its own, and its outputs and looks besides, for some
+//! milliseconds. What each takes is multiplied by how often the run will do it.
+
+use std::fmt;
+use std::sync::Arc;
+use std::time::Instant;
+
+use crate::march::guard::Guard;
+use crate::march::instants::{next_turn, outputs};
+use crate::march::{GUARD_STEPS, Refused};
+use crate::moving::Purpose;
+use crate::plan::{Plan, PlanSummary, build_for, settings_of};
+use crate::reference::Reference;
+use crate::scene::Scene;
+use crate::watch::Watches;
+use frazil_core::integrate::rkl2::GROWTH;
+use frazil_core::memory::Memory;
+use frazil_core::method::Clock;
+use frazil_core::statistics::median;
+
+/// How many steps a run makes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum StepCount {
+    /// Known before the first: lengths follow from the bound and the outputs.
+    Planned(u64),
+    /// Lengths follow from the error of each step; estimated, where that is possible, from a trial of the first ones.
+    ByErrorControl {
+        /// All steps, as far as a trial can tell.
+        estimate: Option<u64>,
+        /// Steps of the trial.
+        trial: u64,
+    },
+}
+
+impl StepCount {
+    /// The number, if there is one.
+    pub fn number(self) -> Option<u64> {
+        match self {
+            StepCount::Planned(steps) => Some(steps),
+            StepCount::ByErrorControl { estimate, .. } => estimate,
+        }
+    }
+}
+
+impl fmt::Display for StepCount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            StepCount::Planned(steps) => write!(f, "{steps}"),
+            StepCount::ByErrorControl { estimate: Some(steps), trial } => {
+                write!(f, "by error control; about {steps}, estimated from a trial of the first {trial} steps")
+            }
+            StepCount::ByErrorControl { estimate: None, trial } => {
+                write!(f, "by error control; the first {trial} steps do not tell how many")
+            }
+        }
+    }
+}
+
+/// Steps of a run of a scene whose longest step is `step` (s), exactly as the time loop makes them: shortened to land
+/// on outputs, and growing from `gentle` (s) where the method asks for it.
+pub fn planned_steps(scene: &Scene, step: f64, gentle: Option<f64>) -> u64 {
+    let (mut time, mut made) = (0.0, 0u64);
+    for output in outputs(scene) {
+        while time < output {
+            let instant = output.min(next_turn(scene, time, false));
+            let allowed = gentle.map_or(step, |first| step.min(first * GROWTH.powi(made.min(1000) as i32)));
+            let count = ((instant - time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
+            if allowed == step {
+                // From here to the instant all steps are alike.
+                made += count as u64;
+                time = instant;
+            } else {
+                made += 1;
+                time = if count == 1.0 { instant } else { time + (instant - time) / count };
+            }
+        }
+    }
+    made
+}
+
+/// Steps to the end of a run of `duration` (s) whose first steps ended at `times` (s), if their lengths follow a power
+/// of time, as steps of a given error do after a jump at the start.
+pub fn extrapolated_steps(times: &[f64], duration: f64) -> Option<u64> {
+    const FEWEST: usize = 16;
+    if times.len() < FEWEST {
+        return None;
+    }
+    if let Some(end) = times.iter().position(|time| *time >= duration) {
+        return Some(end as u64 + 1);
+    }
+    // The later half: the first steps know the jump only.
+    let late = &times[times.len() / 2..];
+    let points: Vec<(f64, f64)> =
+        late.windows(2).map(|pair| ((0.5 * (pair[0] + pair[1])).ln(), (pair[1] - pair[0]).ln())).collect();
+    let count = points.len() as f64;
+    let mean = points.iter().fold((0.0, 0.0), |sum, point| (sum.0 + point.0 / count, sum.1 + point.1 / count));
+    let spread: f64 = points.iter().map(|point| (point.0 - mean.0).powi(2)).sum();
+    let slope = points.iter().map(|point| (point.0 - mean.0) * (point.1 - mean.1)).sum::<f64>() / spread;
+    // Steps that shrink, or that grow faster than time itself, follow no such law.
+    if !(-1e-3..0.95).contains(&slope) {
+        return None;
+    }
+    let scale = (mean.1 - slope * mean.0).exp();
+    let last = *times.last()?;
+    let rest = (duration.powf(1.0 - slope) - last.powf(1.0 - slope)) / (scale * (1.0 - slope));
+    Some(times.len() as u64 + rest.ceil() as u64)
+}
+
+/// How often a run does what takes time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Work {
+    /// Steps.
+    pub steps: u64,
+    /// Outputs.
+    pub outputs: u64,
+    /// Outputs that keep profiles and maps.
+    pub profiles: u64,
+    /// Looks at gaps between pipes, at most.
+    pub looks: u64,
+    /// Looks at the range of the whole state.
+    pub guards: u64,
+}
+
+impl Work {
+    /// The work of a run of so many steps. `looks` tells whether there are gaps to look at.
+    pub fn of(scene: &Scene, steps: u64, looks: bool) -> Self {
+        let outputs = outputs(scene).len() as u64;
+        // At 1, 2, 4 ... up to the period, then at its multiples; and at outputs.
+        let early = u64::from(steps.min(GUARD_STEPS - 1).checked_ilog2().map_or(0, |power| power + 1));
+        let guards = early + steps / GUARD_STEPS + outputs;
+        let most = (1.0 / Watches::LOOK_SHARE) as u64 + 1;
+        Work {
+            steps,
+            outputs,
+            profiles: scene.watch.profiles.len() as u64,
+            looks: if looks { steps.min(most) + 1 } else { 0 },
+            guards,
+        }
+    }
+}
+
+/// What each kind of work takes once (s).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Cost {
+    /// A step.
+    pub step: f64,
+    /// An output without profiles.
+    pub output: f64,
+    /// Profiles and maps of one instant.
+    pub profile: f64,
+    /// A look at all gaps.
+    pub look: f64,
+    /// A look at the range of the whole state.
+    pub guard: f64,
+}
+
+impl Cost {
+    /// Time of all steps (s).
+    pub fn of_steps(&self, work: &Work) -> f64 {
+        self.step * work.steps as f64
+    }
+
+    /// Time of everything beside the steps (s).
+    pub fn beside(&self, work: &Work) -> f64 {
+        self.output * work.outputs as f64
+            + self.profile * work.profiles as f64
+            + self.look * work.looks as f64
+            + self.guard * work.guards as f64
+    }
+}
+
+/// What a run will take.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Forecast {
+    /// The plan; its memory includes the watches.
+    pub summary: PlanSummary,
+    /// The work, if the number of steps is known.
+    pub work: Option<Work>,
+    /// What it takes.
+    pub cost: Cost,
+    /// Steps of the trial that were timed.
+    pub timed_steps: u64,
+    /// Threads of run and trial.
+    pub threads: usize,
+}
+
+impl Forecast {
+    /// Time of the solution (s), on a machine as free as during the trial, if the number of steps is known.
+    pub fn seconds(&self) -> Option<f64> {
+        self.work.map(|work| self.cost.of_steps(&work) + self.cost.beside(&work))
+    }
+}
+
+/// Time that the trial may spend on steps, and on each other kind of work (s).
+const TRIAL: (f64, f64) = (0.03, 0.004);
+/// Length of a block that is timed as a whole (s): long against the clock, short against whatever interrupts.
+const BLOCK: f64 = 0.5e-3;
+
+/// Plans a run, and tries it.
+pub fn forecast(
+    scene: &Scene,
+    method: &str,
+    reference: Option<&Arc<dyn Reference>>,
+    threads: usize,
+    seed: u64,
+) -> Result<Forecast, Refused> {
+    let plan = build_for(Purpose::Trial, scene, settings_of(scene, method)?, reference, threads, seed)?;
+    // On one thread its own time does not count what others on the machine do meanwhile.
+    let (began, own) = (Instant::now(), cpu_time::ThreadTime::now());
+    let mut now = || if threads == 1 { own.elapsed().as_secs_f64() } else { began.elapsed().as_secs_f64() };
+    Ok(try_out(scene, plan, threads, &mut now))
+}
+
+/// Tries a plan by a clock (s).
+fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f64) -> Forecast {
+    let Plan { mut particles, mut method, step, bound, mut summary, pipe_extents } = plan;
+    let mut watches = Watches::new(scene, &particles, &pipe_extents, true);
+    summary.memory =
+        Memory { watches: watches.held_at_the_end(&particles, method.ledger().names().len()), ..summary.memory };
+    let mut guard = Guard::new(scene, &particles, &pipe_extents);
+    let mut clock = Clock { time: 0.0, step, index: 0, turned: true };
+    let mut failed = false;
+    let mut times = Vec::new();
+    let controlled = matches!(summary.steps, StepCount::ByErrorControl { .. });
+    let stepped = timed(TRIAL.0, now, &mut || {
+        clock.step = step.min(method.wanted_step());
+        match method.advance(&mut particles, &clock) {
+            Ok(made) => clock.time += made,
+            Err(_) => failed = true,
+        }
+        clock.index += 1;
+        clock.turned = false;
+        if controlled {
+            times.push(clock.time);
+        }
+    });
+    if let StepCount::ByErrorControl { estimate, trial } = &mut summary.steps {
+        (*estimate, *trial) = (extrapolated_steps(&times, scene.duration), times.len() as u64);
+    }
+    method.publish(&mut particles);
+    let mut cost = Cost { step: stepped.each, ..Cost::default() };
+    cost.guard = timed(TRIAL.1, now, &mut || failed |= guard.look(&particles, &clock, &bound).is_err()).each;
+    // No profile is wanted at the start, and one at each of its instants.
+    let output = |watches: &mut Watches, time: f64| {
+        watches.output(scene, &particles, method.ledger(), time, true);
+        watches.forget();
+    };
+    cost.output = timed(TRIAL.1, now, &mut || output(&mut watches, 0.0)).each;
+    if let Some(instant) = scene.watch.profiles.first() {
+        let both = timed(TRIAL.1, now, &mut || output(&mut watches, *instant)).each;
+        cost.profile = (both - cost.output).max(0.0);
+    }
+    let looks = watches.due(0.0);
+    if looks {
+        cost.look = timed(TRIAL.1, now, &mut || watches.look(&particles, 0.0)).each;
+    }
+    let steps = summary.steps.number().filter(|_| !failed);
+    let work = steps.map(|steps| Work::of(scene, steps, looks));
+    Forecast { summary, work, cost, timed_steps: stepped.count, threads }
+}
+
+/// Repetitions of some work, and what one took.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Timed {
+    count: u64,
+    each: f64,
+}
+
+/// Repeats some work for about `seconds`, in blocks; the first time is for whatever happens once and does not count. One
+/// repetition takes the median over blocks: a block that was interrupted says nothing about the work.
+fn timed(seconds: f64, now: &mut dyn FnMut() -> f64, work: &mut dyn FnMut()) -> Timed {
+    work();
+    let began = now();
+    let (mut block, mut count, mut blocks) = (1u64, 0, Vec::new());
+    loop {
+        let start = now();
+        (0..block).for_each(|_| work());
+        let end = now();
+        count += block;
+        let took = end - start;
+        if took < BLOCK && end - began < seconds {
+            // Still too short to be timed well.
+            blocks.clear();
+            blocks.push(took / block as f64);
+            block *= 2;
+        } else {
+            blocks.push(took / block as f64);
+        }
+        if end - began >= seconds {
+            return Timed { count, each: median(&blocks).unwrap_or(0.0) };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    /// A clock that only work moves.
+    struct Fake(Cell<f64>);
+
+    impl Fake {
+        fn pass(&self, seconds: f64) {
+            self.0.set(self.0.get() + seconds);
+        }
+    }
+
+    #[test]
+    fn work_is_repeated_until_its_time_is_well_known() {
+        for each in [1e-7, 3e-5, 2e-3, 0.5] {
+            let clock = Fake(Cell::new(0.0));
+            let calls = Cell::new(0);
+            let found = timed(0.03, &mut || clock.0.get(), &mut || {
+                calls.set(calls.get() + 1);
+                clock.pass(each);
+            });
+            // Sums of some hundred thousand equal terms.
+            assert!((found.each / each - 1.0).abs() < 1e-9, "{each}: {found:?}");
+            // The first time does not count, and the trial stops within a block of its end.
+            assert_eq!(found.count + 1, calls.get());
+            assert!(found.count as f64 * each <= 0.03 + (2.0 * BLOCK).max(each), "{each}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn the_first_time_and_interruptions_do_not_count() {
+        let clock = Fake(Cell::new(0.0));
+        let calls = Cell::new(0u32);
+        let found = timed(0.03, &mut || clock.0.get(), &mut || {
+            calls.set(calls.get() + 1);
+            clock.pass(match calls.get() {
+                1 => 1.0,
+                k if k % 10 == 0 => 4e-3,
+                _ => 1e-3,
+            });
+        });
+        assert!((found.each - 1e-3).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn the_time_of_a_run_is_the_sum_of_its_work() {
+        let work = Work { steps: 1000, outputs: 10, profiles: 3, looks: 7, guards: 20 };
+        let cost = Cost { step: 1e-3, output: 1e-2, profile: 0.1, look: 1e-4, guard: 1e-5 };
+        assert!((cost.of_steps(&work) - 1.0).abs() < 1e-12);
+        assert!((cost.beside(&work) - (0.1 + 0.3 + 7e-4 + 2e-4)).abs() < 1e-12);
+    }
+
+    /// Steps of a given error after a jump: their ends are at `(k / scale)^(1 / (1 - slope))`.
+    #[test]
+    fn steps_that_grow_with_a_power_of_time_are_counted_from_their_start() {
+        for (slope, duration) in [(0.0, 1e4), (0.5, 1e5), (0.75, 1e6)] {
+            let end = |k: u64| (k as f64).powf(1.0 / (1.0 - slope));
+            let all = (1..).find(|k| end(*k) >= duration).expect("an end");
+            let times: Vec<f64> = (1..=40).map(end).collect();
+            let found = extrapolated_steps(&times, duration).expect("a law") as f64;
+            // A power between two ends is not quite that of the middle.
+            assert!((found / all as f64 - 1.0).abs() < 0.02, "{slope}: {found} of {all}");
+        }
+        let even = |count: u64| (1..=count).map(|k| k as f64).collect::<Vec<_>>();
+        assert_eq!(extrapolated_steps(&even(100), 60.0), Some(60));
+        assert_eq!(extrapolated_steps(&even(5), 60.0), None);
+        let doubling: Vec<f64> = (0..40).map(|k| 2f64.powi(k)).collect();
+        assert_eq!(extrapolated_steps(&doubling, 1e30), None);
+        let shrinking: Vec<f64> = (1..40).map(|k| 1.0 - 0.5f64.powi(k)).collect();
+        assert_eq!(extrapolated_steps(&shrinking, 2.0), None);
+    }
+
+    #[test]
+    fn what_is_not_known_is_said() {
+        let open = |estimate| StepCount::ByErrorControl { estimate, trial: 40 }.to_string();
+        assert_eq!(open(Some(900)), "by error control; about 900, estimated from a trial of the first 40 steps");
+        assert_eq!(open(None), "by error control; the first 40 steps do not tell how many");
+        assert_eq!(StepCount::Planned(12).to_string(), "12");
+    }
+}

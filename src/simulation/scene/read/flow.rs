@@ -1,0 +1,210 @@
+//! Groundwater.
+
+use glam::DVec2;
+
+use super::body::wall_names;
+use super::problem::Read;
+use super::range::{Range, all_of};
+use super::section::Section;
+use frazil_core::domain::{Domain, Sector};
+use frazil_core::flow::ground::{Across, Flow, PressureWall, RelativePermeability};
+use frazil_core::material::{FreezingLaw, Material};
+use frazil_core::series::Series;
+
+const PERMEABILITY: (&str, &str) = ("permeability", "m2");
+const VELOCITY: (&str, &str) = ("velocity", "m_per_day");
+const DIRECTION: (&str, &str) = ("direction", "deg");
+
+/// Seconds of a day.
+const DAY: f64 = 86400.0;
+
+/// What a scene has beside water that water does not know.
+pub(super) struct Beside {
+    pub(super) cracks: bool,
+    pub(super) surfaces: bool,
+    pub(super) excavation: bool,
+}
+
+/// Reads the section `flow`, if there is one; `materials` is empty where some could not be read.
+pub(super) fn flow(
+    root: &mut Section<'_>,
+    domain: Option<&Domain>,
+    materials: &[Material],
+    beside: &Beside,
+) -> Read<Option<Flow>> {
+    if !root.has("flow") {
+        for material in materials {
+            if material.pores.is_some_and(|pores| pores.permeability.is_some()) {
+                let message = format!(
+                    "has no effect, the scene has no section \"flow\" that moves water through \"{}\"",
+                    material.name
+                );
+                root.problem("materials", message);
+            }
+        }
+    }
+    let Some(mut section) = root.optional_section("flow") else { return Ok(None) };
+    let beside = match domain {
+        Some(Domain::Radial { .. } | Domain::Axial { .. }) => {
+            Some("where particles are shells: water flows through a line, a rectangle or a ring")
+        }
+        _ if beside.cracks => Some("beside \"cracks\", which would cut the ways of water too"),
+        _ if beside.surfaces => {
+            Some("beside \"watch.surfaces\", which count what is conducted and not what water carries")
+        }
+        _ if beside.excavation => Some("beside \"excavation\": a shaft is dug where no water flows in"),
+        _ => None,
+    };
+    if let Some(beside) = beside {
+        section.abandon();
+        return Err(section.section_problem(format!("must not be {beside}")));
+    }
+    for material in materials {
+        let missing = match material.pores {
+            None => {
+                "a table \"groundwater\", or porosity, water, ice and solid instead of density, frozen and unfrozen"
+                    .to_owned()
+            }
+            Some(pores) if pores.permeability.is_none() => format!("\"{}_{}\"", PERMEABILITY.0, PERMEABILITY.1),
+            Some(_) => continue,
+        };
+        section.section_problem(format!("water flows through \"{}\", which must have {missing}", material.name));
+    }
+    let crosses = matches!(domain, Some(Domain::Ring { .. }));
+    let viscosity = section.positive(("viscosity", "Pa_s"));
+    let crossing = match domain {
+        Some(Domain::Ring { outer_radius, sector }) => {
+            section.refuse("walls", "in a ring water comes from afar, with velocity_m_per_day");
+            Some(across(&mut section, *outer_radius, *sector))
+        }
+        _ => {
+            section.refuse(VELOCITY, "only in a ring water comes from afar");
+            section.refuse(DIRECTION, "only in a ring water comes from afar");
+            None
+        }
+    };
+    let open = match crossing {
+        None => Ok((walls(&mut section, domain), None)),
+        Some(crossing) => {
+            let ground = materials.first().and_then(|material| material.pores?.permeability);
+            // Darcy's law in the first material; one without permeability has been told above.
+            let wall = |(velocity, across): (Series, Across), ground: f64| {
+                let pressure = velocity.scaled(viscosity? * across.radius / (DAY * ground));
+                Ok((vec![PressureWall { name: "outer", pressure }], Some(across)))
+            };
+            crossing.and_then(|crossing| ground.map_or(Ok((Vec::new(), None)), |ground| wall(crossing, ground)))
+        }
+    };
+    let freezes = materials.iter().any(|material| material.law != FreezingLaw::None);
+    let (law, least) = match section.optional_section("relative_permeability") {
+        Some(mut table) => relative_permeability(&mut table),
+        None if freezes => {
+            (Err(section.problem("relative_permeability", "missing, must be a table: the ground freezes")), 1.0)
+        }
+        None => (Ok(RelativePermeability::Impedance(0.0)), 1.0),
+    };
+    let density_change = section.flag_or("density_change", freezes);
+    if density_change && !freezes && !materials.is_empty() {
+        section.problem("density_change", "has no effect, no material freezes");
+    }
+    let gravity = match domain {
+        Some(Domain::Rectangle { .. }) => section.number_or(("gravity", "m_per_s2"), 0.0, Range::NOT_NEGATIVE),
+        _ => {
+            let reason = if crosses { "the plan of a ring lies level" } else { "a line lies level" };
+            section.refuse(("gravity", "m_per_s2"), reason);
+            0.0
+        }
+    };
+    let cut = match domain {
+        Some(Domain::Rectangle { height, .. }) => section.optional_number(("cut_y", "m"), Range::between(0.0, *height)),
+        _ => {
+            section.refuse(("cut_y", "m"), if crosses { "a ring has rays" } else { "a line has no y" });
+            None
+        }
+    };
+    let (walls, across) = open?;
+    Ok(Some(Flow {
+        cut,
+        viscosity: viscosity?,
+        walls,
+        across,
+        relative_permeability: law?,
+        least_relative_permeability: least,
+        density_change,
+        gravity,
+    }))
+}
+
+/// Groundwater that crosses a ring: its velocity (m a day) far from what freezes, and its direction.
+fn across(section: &mut Section<'_>, radius: f64, sector: Sector) -> Read<(Series, Across)> {
+    let velocity = section.series(VELOCITY, Range::NOT_NEGATIVE);
+    let degrees = section.number_or(DIRECTION, 0.0, Range::ANY);
+    let along_x = degrees.rem_euclid(180.0) == 0.0;
+    match sector {
+        Sector::Quarter => {
+            section.section_problem(
+                "must not be in a quarter, whose mirror planes water crosses: set domain.ring.sector = \"half\" or \
+                 \"whole\"",
+            );
+        }
+        Sector::Half if !along_x => {
+            let message = format!(
+                "found {degrees}, must be 0 or 180 in a half, whose mirror plane is the x axis: set domain.ring.sector = \
+                 \"whole\""
+            );
+            section.problem(DIRECTION, message);
+        }
+        Sector::Half | Sector::Whole => {}
+    }
+    let direction = if along_x {
+        DVec2::new(if degrees.rem_euclid(360.0) == 0.0 { 1.0 } else { -1.0 }, 0.0)
+    } else {
+        DVec2::from_angle(degrees.to_radians())
+    };
+    Ok((velocity?, Across { direction, radius }))
+}
+
+fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<PressureWall> {
+    let Ok(mut table) = section.section("walls") else { return Vec::new() };
+    let mut found = Vec::new();
+    let mut open = 0;
+    for (name, mut wall) in table.named_sections() {
+        let pressure = wall.series(("pressure", "Pa"), Range::ANY);
+        open += 1;
+        let Some(domain) = domain else { continue };
+        let names = wall_names(domain);
+        match names.iter().find(|known| **known == name) {
+            Some(name) => found.extend(pressure.map(|pressure| PressureWall { name, pressure })),
+            None => {
+                let names = all_of(names.iter().copied());
+                wall.section_problem(format!("the domain has no such wall, it has {names}"));
+            }
+        }
+    }
+    if open == 0 {
+        table.section_problem(
+            "must have a wall of given pressure: in a closed box no water moves, and what freezing pushes aside has \
+             nowhere to go",
+        );
+    }
+    found
+}
+
+fn relative_permeability(table: &mut Section<'_>) -> (Read<RelativePermeability>, f64) {
+    let law = match table.choice("law", &[("impedance", true), ("power", false)]) {
+        Ok(true) => {
+            table.refuse("exponent", "only the law \"power\" has an exponent");
+            table.number("impedance", Range::NOT_NEGATIVE).map(RelativePermeability::Impedance)
+        }
+        Ok(false) => {
+            table.refuse("impedance", "only the law \"impedance\" has an impedance");
+            table.positive("exponent").map(RelativePermeability::Power)
+        }
+        Err(noted) => {
+            table.abandon();
+            Err(noted)
+        }
+    };
+    // The pressures of a contrast beyond 1e12 would be lost in rounding.
+    (law, table.number_or("least", 1e-6, Range::between(1e-12, 1.0)))
+}

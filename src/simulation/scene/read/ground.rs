@@ -1,0 +1,177 @@
+//! Materials.
+
+use super::porous::{self, is_porous};
+use super::problem::Read;
+use super::range::{Range, plain, temperatures};
+use super::section::Section;
+use frazil_core::material::{FreezingLaw, Material, Mixing, Phase};
+
+/// How far apart conductivities, and heats, of the two phases may be: of the sixteen digits of a number ten are left
+/// for the smaller.
+const MOST_APART: f64 = 1e6;
+
+const WIDTH: (&str, &str) = ("width", "K");
+
+/// Refuses latent heats beside which the heats of cooling by the temperatures of the scene would be lost in rounding.
+pub(super) fn latent_heats(root: &mut Section<'_>, materials: &[Material], temperatures: (f64, f64)) {
+    let range = temperatures.1 - temperatures.0;
+    for material in materials.iter().filter(|_| range > 0.0) {
+        let capacity = material.frozen.heat_capacity.min(material.unfrozen.heat_capacity);
+        let most = MOST_APART * capacity * range;
+        if material.latent_heat > most {
+            let message = format!(
+                "\"{}\" has a latent heat of {}, must have at most {}: {MOST_APART:.0e} times the heat of cooling from \
+                 the warmest to the coldest temperature of the scene",
+                material.name,
+                plain(material.latent_heat),
+                plain(most)
+            );
+            root.problem("materials", message);
+        }
+    }
+}
+
+/// Reads all materials; one that has a problem keeps its place, for its name.
+pub(super) fn materials(section: &mut Section<'_>) -> Vec<(String, Read<Material>)> {
+    let found: Vec<_> = section
+        .named_sections()
+        .into_iter()
+        .map(|(name, mut table)| {
+            let material = material(&name, &mut table);
+            (name, material)
+        })
+        .collect();
+    if found.is_empty() {
+        section.section_problem("missing, must have at least one material, as [materials.water]");
+    }
+    found
+}
+
+fn material(name: &str, section: &mut Section<'_>) -> Read<Material> {
+    if is_porous(section) {
+        let freezing = section.section("freezing").and_then(freezing);
+        let freezes = !matches!(&freezing, Ok(freezing) if freezing.law == FreezingLaw::None);
+        let porous = porous::porous(section, freezes);
+        let (porous, freezing) = (porous?, freezing?);
+        let whole = porous.whole(freezing.mixing);
+        return Ok(Material {
+            name: name.to_owned(),
+            density: whole.density,
+            frozen: whole.frozen,
+            unfrozen: whole.unfrozen,
+            freezing_point: freezing.point,
+            // A scene says how much a kilogram of ice takes; here it counts by mass of the whole.
+            latent_heat: freezing.latent_heat * whole.ice_share,
+            law: freezing.law,
+            mixing: freezing.mixing,
+            pores: Some(porous.pores()),
+        });
+    }
+    section.refuse(
+        ("permeability", "m2"),
+        "only a material given by porosity, solid, ice and water has pores; others have it in a table \"groundwater\"",
+    );
+    let density = section.positive(("density", "kg_per_m3"));
+    let frozen = section.section("frozen").and_then(phase);
+    let unfrozen = section.section("unfrozen").and_then(phase);
+    let freezing = section.section("freezing").and_then(freezing);
+    let groundwater = section.optional_section("groundwater").map(porous::groundwater);
+    if let (Ok(frozen), Ok(unfrozen)) = (&frozen, &unfrozen) {
+        for (what, a, b) in [
+            ("conductivities", frozen.conductivity, unfrozen.conductivity),
+            ("heat capacities", frozen.heat_capacity, unfrozen.heat_capacity),
+        ] {
+            if a.max(b) > MOST_APART * a.min(b) {
+                let (a, b) = (plain(a), plain(b));
+                let message = format!("found {what} of {a} and {b}, must be within a factor of {MOST_APART:.0e}");
+                section.problem("frozen", message);
+            }
+        }
+    }
+    let freezing = freezing?;
+    Ok(Material {
+        name: name.to_owned(),
+        density: density?,
+        frozen: frozen?,
+        unfrozen: unfrozen?,
+        freezing_point: freezing.point,
+        latent_heat: freezing.latent_heat,
+        law: freezing.law,
+        mixing: freezing.mixing,
+        pores: groundwater.transpose()?,
+    })
+}
+
+fn phase(mut section: Section<'_>) -> Read<Phase> {
+    let conductivity = section.positive(("conductivity", "W_per_m_K"));
+    let heat_capacity = section.positive(("heat_capacity", "J_per_kg_K"));
+    Ok(Phase { conductivity: conductivity?, heat_capacity: heat_capacity? })
+}
+
+struct Freezing {
+    point: f64,
+    latent_heat: f64,
+    law: FreezingLaw,
+    mixing: Mixing,
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Law {
+    None,
+    Isothermal,
+    Linear,
+    Weibull,
+}
+
+fn freezing(mut section: Section<'_>) -> Read<Freezing> {
+    const LATENT_HEAT: (&str, &str) = ("latent_heat", "J_per_kg");
+    let laws =
+        [("none", Law::None), ("isothermal", Law::Isothermal), ("linear", Law::Linear), ("weibull", Law::Weibull)];
+    let coldest = section.units().absolute_zero();
+    let law = section.choice("law", &laws);
+    let point = section.number(("temperature", "c"), temperatures(coldest));
+    let mixings = [("arithmetic", Mixing::Arithmetic), ("geometric", Mixing::Geometric)];
+    let law = law.inspect_err(|_| {
+        // Which of the other keys belong depends on the law.
+        section.abandon();
+    })?;
+    let latent_heat = if law == Law::None {
+        section.refuse(LATENT_HEAT, "law \"none\" has no latent heat");
+        section.refuse("mixing", "law \"none\" has no partly frozen state");
+        Ok(0.0)
+    } else {
+        section.positive(LATENT_HEAT)
+    };
+    let mixing = match law {
+        Law::None => Mixing::Arithmetic,
+        Law::Weibull => section.choice_or("mixing", &mixings, Mixing::Geometric),
+        _ => section.choice_or("mixing", &mixings, Mixing::Arithmetic),
+    };
+    if law != Law::Weibull {
+        section.refuse("residual_fraction", "only the law \"weibull\" leaves a residue");
+    }
+    if !matches!(law, Law::Linear | Law::Weibull) {
+        section.refuse(WIDTH, "only the laws \"linear\" and \"weibull\" have a width");
+    }
+    let law = match law {
+        Law::None => Ok(FreezingLaw::None),
+        Law::Isothermal => Ok(FreezingLaw::Isothermal),
+        Law::Linear => width(&mut section, point).map(|width| FreezingLaw::Linear { width }),
+        Law::Weibull => {
+            let residual = section.number_or("residual_fraction", 0.0, Range::from_to_below(0.0, 1.0));
+            width(&mut section, point).map(|width| FreezingLaw::Weibull { width, residual })
+        }
+    };
+    Ok(Freezing { point: point?, latent_heat: latent_heat?, law: law?, mixing })
+}
+
+/// Over how many kelvin below its freezing point a material freezes.
+fn width(section: &mut Section<'_>, point: Read<f64>) -> Read<f64> {
+    let coldest = section.units().absolute_zero();
+    let width = section.positive(WIDTH)?;
+    if point? - width <= coldest {
+        let message = format!("found {}, must end above absolute zero, {}", plain(width), plain(coldest));
+        return Err(section.problem(WIDTH, message));
+    }
+    Ok(width)
+}

@@ -1,0 +1,527 @@
+//! The sections of the methods: how the scene is resolved, never what it is.
+
+use std::sync::Arc;
+
+use super::range::{Range, all_of, plain};
+use super::section::Section;
+use super::shells;
+use crate::method::MethodKind;
+use crate::scene::Wall;
+use crate::scene::settings::{
+    Front, IntegratorChoice, Layout, MethodSettings, Numerics, SearchChoice, Setting, StepChoice,
+};
+use frazil_core::condition::Condition;
+use frazil_core::crack::Crack;
+use frazil_core::domain::Domain;
+use frazil_core::exchange::{Exchange, Mean};
+use frazil_core::flow::numerics::{Advection, Conduction, FlowNumerics};
+use frazil_core::material::{FreezingLaw, Material};
+use frazil_core::uptake::{Mushy, Uptake};
+use frazil_core::wall_layers::WallModel;
+
+/// Particles that one run may have.
+const MOST_PARTICLES: f64 = 1e8;
+/// A length is a whole number of spacings if it is so to this relative tolerance.
+const WHOLE: f64 = 1e-6;
+
+/// Error of one step where a scene does not say, by integrator: heat in the wrong place over the heat held (see
+/// docs/theory.md for what it costs and gives).
+const RKL2_TOLERANCE: f64 = 1e-2;
+const IMPLICIT_TOLERANCE: f64 = 1e-3;
+
+/// Change of permeabilities from which the pressure is solved for again, where a scene does not say: a fiftieth of the
+/// particles across the body.
+const PRESSURE_CHANGE: f64 = 0.02;
+
+const SPACING: (&str, &str) = ("spacing", "m");
+const INTERVAL: (&str, &str) = ("interval", "K");
+
+/// What the checks of numerics need to know of the scene.
+pub(super) struct Setup<'a> {
+    pub(super) domain: Option<&'a Domain>,
+    pub(super) materials: &'a [Material],
+    pub(super) walls: &'a [Wall],
+    pub(super) cracks: &'a [Crack],
+    /// Whether heat through surfaces is counted.
+    pub(super) surfaces: bool,
+    pub(super) flow: bool,
+}
+
+pub(super) fn methods(root: &mut Section<'_>, setup: &Setup<'_>, kinds: &[&'static MethodKind]) -> Vec<MethodSettings> {
+    let Ok(mut section) = root.section("method") else { return Vec::new() };
+    let names = all_of(kinds.iter().map(|kind| kind.name));
+    let mut found = Vec::new();
+    let tables = section.named_sections();
+    if tables.is_empty() {
+        section.section_problem(format!("missing, must have at least one method: the methods are {names}"));
+    }
+    for (name, mut table) in tables {
+        match kinds.iter().position(|kind| kind.name == name) {
+            Some(index) => found.push((index, method(&mut table, setup, kinds[index]))),
+            None => {
+                table.section_problem(format!("unknown method, the methods are {names}"));
+                table.abandon();
+            }
+        }
+    }
+    found.sort_by_key(|(index, _)| *index);
+    found.into_iter().map(|(_, settings)| settings).collect()
+}
+
+fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKind) -> MethodSettings {
+    let setting = section.choice_or("setting", &[("best", Setting::Best), ("paper", Setting::Paper)], Setting::Best);
+    let mut numerics = (kind.defaults)(setting);
+    let spacing = section.positive(SPACING);
+    // Where the spacing is wrong, the method still reads its own keys.
+    numerics.spacing = spacing.unwrap_or(1.0);
+    numerics.layout = layout(section, numerics.layout);
+    numerics.exchange = exchange(section, numerics.exchange);
+    numerics.uptake = uptake(section, numerics.uptake, setup.materials);
+    let flags = [Mushy::Fraction, Mushy::LastPhase];
+    if let Some(mushy) = section.optional_flag_or_word("mushy", flags, ("mean", Mushy::Mean)) {
+        if numerics.exchange == Exchange::Potential {
+            section.problem("mushy", "has no effect, only the means of conductivities read it");
+        }
+        numerics.mushy = mushy;
+    }
+    numerics.front = section.choice_or("front", &[("cell", Front::Cell), ("sub-cell", Front::SubCell)], numerics.front);
+    let models = [
+        ("mirror", WallModel::Mirror),
+        ("moving-least-squares", WallModel::MovingLeastSquares),
+        ("naive", WallModel::Naive),
+        ("inner-layers", WallModel::InnerLayers),
+    ];
+    numerics.walls = section.choice_or("wall_model", &models, numerics.walls);
+    let searches = [
+        ("auto", SearchChoice::Auto),
+        ("lattice", SearchChoice::Lattice),
+        ("tree", SearchChoice::Tree),
+        ("cells", SearchChoice::Cells),
+        ("all-pairs", SearchChoice::AllPairs),
+    ];
+    numerics.search = section.choice_or("search", &searches, numerics.search);
+    numerics.integrator = integrator(section, numerics.integrator);
+    numerics.flow = flow(section, setup.flow, setting);
+    numerics.conduction = conduction(section, &numerics, setup.domain);
+    numerics.step = step(section, numerics.step, numerics.integrator.tolerance().is_some());
+    combinations(section, &numerics, setup, kind);
+    shells::combinations(section, &numerics, setup, kind);
+
+    let fits = match (spacing, setup.domain) {
+        (Ok(spacing), Some(domain)) => divides(section, spacing, domain),
+        _ => false,
+    };
+    let dimension = setup.domain.map_or(2, Domain::dimension);
+    let discretisation = (kind.read)(section, setting, &numerics, dimension);
+    if let (true, Some(domain)) = (fits, setup.domain) {
+        let reach = discretisation.weight.reach();
+        let shortest = shortest(domain);
+        // Between straight walls pairs may reach images of images. Noise would have to tell all these apart; and a
+        // curved wall has none.
+        let images_of_images = !kind.stochastic && !matches!(domain, Domain::Ring { .. });
+        if reach > shortest * (1.0 + WHOLE) && !images_of_images {
+            let message = format!(
+                "found {}, with which pairs reach {}, must reach at most {}, the shortest extent of the domain",
+                plain(numerics.spacing),
+                plain(reach),
+                plain(shortest)
+            );
+            section.problem(SPACING, message);
+        }
+    }
+    MethodSettings { method: kind.name, setting, numerics, discretisation: Arc::new(discretisation), bound: None }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum LayoutWord {
+    Lattice,
+    Jittered,
+    Random,
+}
+
+fn layout(section: &mut Section<'_>, preset: Layout) -> Layout {
+    let words = [("lattice", LayoutWord::Lattice), ("jittered", LayoutWord::Jittered), ("random", LayoutWord::Random)];
+    let preset_word = match preset {
+        Layout::Lattice => LayoutWord::Lattice,
+        Layout::Jittered { .. } => LayoutWord::Jittered,
+        Layout::Random => LayoutWord::Random,
+    };
+    let word = section.choice_or("layout", &words, preset_word);
+    if word != LayoutWord::Jittered {
+        section.refuse("jitter_fraction", "only the layout \"jittered\" reads it");
+    }
+    match word {
+        LayoutWord::Lattice => Layout::Lattice,
+        LayoutWord::Random => Layout::Random,
+        LayoutWord::Jittered => {
+            let range = Range::above_to(0.0, 0.5);
+            let fraction = match preset {
+                Layout::Jittered { fraction } => Ok(section.number_or("jitter_fraction", fraction, range)),
+                _ => section.number("jitter_fraction", range),
+            };
+            fraction.map_or(Layout::Lattice, |fraction| Layout::Jittered { fraction })
+        }
+    }
+}
+
+fn exchange(section: &mut Section<'_>, preset: Exchange) -> Exchange {
+    let potential = section.optional_choice("exchange", &[("potential", Exchange::Potential)]);
+    let means = [("harmonic", Mean::Harmonic), ("arithmetic", Mean::Arithmetic), ("geometric", Mean::Geometric)];
+    let mean = section.optional_choice("mean", &means);
+    if section.has("exchange") && section.has("mean") {
+        section.problem("mean", "found beside \"exchange\", must be only one of them");
+    }
+    potential.or(mean.map(Exchange::Mean)).unwrap_or(preset)
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Scheme {
+    Enthalpy,
+    Flags,
+    ApparentCapacity,
+}
+
+fn uptake(section: &mut Section<'_>, preset: Uptake, materials: &[Material]) -> Uptake {
+    let words =
+        [("enthalpy", Scheme::Enthalpy), ("flags", Scheme::Flags), ("apparent-capacity", Scheme::ApparentCapacity)];
+    let preset_word = match preset {
+        Uptake::Enthalpy => Scheme::Enthalpy,
+        Uptake::Flags => Scheme::Flags,
+        Uptake::ApparentCapacity { .. } => Scheme::ApparentCapacity,
+    };
+    let scheme = section.choice_or("scheme", &words, preset_word);
+    let sharp = materials.iter().any(|material| material.law == FreezingLaw::Isothermal);
+    if scheme != Scheme::ApparentCapacity {
+        section.refuse(INTERVAL, "only the scheme \"apparent-capacity\" reads it");
+    } else if !sharp && !materials.is_empty() {
+        section.refuse(INTERVAL, "no material freezes at one temperature");
+    }
+    match (scheme, preset) {
+        (Scheme::Enthalpy, _) => Uptake::Enthalpy,
+        (Scheme::Flags, _) => Uptake::Flags,
+        (Scheme::ApparentCapacity, Uptake::ApparentCapacity { interval }) if sharp => {
+            Uptake::ApparentCapacity { interval: section.number_or(INTERVAL, interval, Range::POSITIVE) }
+        }
+        (Scheme::ApparentCapacity, _) if sharp => {
+            Uptake::ApparentCapacity { interval: section.positive(INTERVAL).unwrap_or(1.0) }
+        }
+        (Scheme::ApparentCapacity, Uptake::ApparentCapacity { interval }) => Uptake::ApparentCapacity { interval },
+        (Scheme::ApparentCapacity, _) => Uptake::ApparentCapacity { interval: 0.0 },
+    }
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Advance {
+    Euler,
+    Rkl2,
+    Implicit,
+}
+
+fn integrator(section: &mut Section<'_>, preset: IntegratorChoice) -> IntegratorChoice {
+    let words = [("euler", Advance::Euler), ("rkl2", Advance::Rkl2), ("implicit", Advance::Implicit)];
+    let preset_word = match preset {
+        IntegratorChoice::Euler => Advance::Euler,
+        IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. } => Advance::Rkl2,
+        IntegratorChoice::Implicit { .. } => Advance::Implicit,
+    };
+    let word = section.choice_or("integrator", &words, preset_word);
+    if word != Advance::Rkl2 {
+        section.refuse("stages", "only the integrator \"rkl2\" has stages");
+    }
+    if word == Advance::Euler {
+        section.refuse("tolerance", "explicit Euler does not estimate its error");
+        return IntegratorChoice::Euler;
+    }
+    if word == Advance::Rkl2 && section.has("stages") {
+        section.refuse("tolerance", "\"stages\" fixes the step");
+        return IntegratorChoice::Rkl2 { stages: section.integer("stages", 3..=99).unwrap_or(3) };
+    }
+    if let (IntegratorChoice::Rkl2 { stages }, false) = (preset, section.has("tolerance")) {
+        return IntegratorChoice::Rkl2 { stages };
+    }
+    let usual = if word == Advance::Rkl2 { RKL2_TOLERANCE } else { IMPLICIT_TOLERANCE };
+    let tolerance = section.number_or("tolerance", preset.tolerance().unwrap_or(usual), Range::between(1e-9, 1.0));
+    match word {
+        Advance::Rkl2 => IntegratorChoice::ControlledRkl2 { tolerance },
+        _ => IntegratorChoice::Implicit { tolerance },
+    }
+}
+
+fn flow(section: &mut Section<'_>, flows: bool, setting: Setting) -> Option<FlowNumerics> {
+    if !flows {
+        for key in ["advection", "conduction", "permeability_mean", "pressure_change"] {
+            section.refuse(key, "the scene has no section \"flow\"");
+        }
+        for unit in ["s", "h", "days"] {
+            section.refuse(("pressure_interval", unit), "the scene has no section \"flow\"");
+        }
+        return None;
+    }
+    let usual = if setting == Setting::Paper { Advection::Paper } else { Advection::Limited };
+    let advection = section.choice_or("advection", &Advection::WORDS, usual);
+    let means = [("harmonic", Mean::Harmonic), ("arithmetic", Mean::Arithmetic), ("geometric", Mean::Geometric)];
+    let usual = if setting == Setting::Paper { Mean::Harmonic } else { Mean::Arithmetic };
+    let mean = section.choice_or("permeability_mean", &means, usual);
+    let pressure_change = section.number_or("pressure_change", PRESSURE_CHANGE, Range::above_to(0.0, 1.0));
+    let interval = section.optional_duration("pressure_interval", Range::POSITIVE);
+    let pressure_interval = interval.map_or(f64::INFINITY, |interval| interval.seconds);
+    Some(FlowNumerics { advection, mean, pressure_change, pressure_interval })
+}
+
+fn conduction(section: &mut Section<'_>, numerics: &Numerics, domain: Option<&Domain>) -> Conduction {
+    let Some(flow) = numerics.flow else { return Conduction::Plain };
+    // The correction is limited together with the heat that water carries; it knows neither pipes nor curved walls.
+    let reason = if flow.advection != Advection::Limited {
+        Some("advection = \"limited\"")
+    } else if numerics.layout != Layout::Lattice {
+        Some("layout = \"lattice\"")
+    } else {
+        matches!(domain, Some(Domain::Ring { .. })).then_some("a line or a rectangle")
+    };
+    let preset = if reason.is_some() { Conduction::Plain } else { numerics.conduction };
+    let found = section.choice_or("conduction", &Conduction::WORDS, preset);
+    if let (Conduction::Corrected, Some(reason)) = (found, reason) {
+        section.problem("conduction", format!("found \"corrected\", which needs {reason}"));
+    }
+    found
+}
+
+fn step(section: &mut Section<'_>, preset: StepChoice, by_error: bool) -> StepChoice {
+    let fixed = section.optional_duration("step", Range::POSITIVE);
+    if by_error {
+        section.refuse("step_fraction", "steps follow the tolerance");
+    }
+    let fraction = section.optional_number("step_fraction", Range::above_to(0.0, 1.0));
+    if let (Some(_), Some(_)) = (fixed, fraction) {
+        let message = format!("found beside \"{}\", must be only one of them", section.time_key("step"));
+        section.problem("step_fraction", message);
+    }
+    let fixed = fixed.map(|step| StepChoice::Fixed(step.seconds));
+    fixed.or(fraction.map(StepChoice::Fraction)).unwrap_or(preset)
+}
+
+/// Settings that exclude each other.
+fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind) {
+    let scheme = match numerics.uptake {
+        Uptake::Enthalpy => "enthalpy",
+        Uptake::Flags => "flags",
+        Uptake::ApparentCapacity { .. } => "apparent-capacity",
+    };
+    if kind.lattice_only && numerics.layout != Layout::Lattice {
+        section.problem("layout", format!("must be \"lattice\": the method \"{}\" exists only there", kind.name));
+    }
+    // A method that makes its own step, or a scheme that keeps columns of its own, knows explicit Euler alone.
+    let integrator = match numerics.integrator {
+        IntegratorChoice::Euler => None,
+        IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. } => Some("rkl2"),
+        IntegratorChoice::Implicit { .. } => Some("implicit"),
+    };
+    if let Some(word) = integrator {
+        if numerics.uptake != Uptake::Enthalpy {
+            let message = format!("found \"{word}\", which needs scheme = \"enthalpy\" and not \"{scheme}\"");
+            section.problem("integrator", message);
+        }
+        if kind.stochastic {
+            let message = format!("found \"{word}\", but the method \"{}\" makes its own explicit steps", kind.name);
+            section.problem("integrator", message);
+        } else if numerics.mushy != Mushy::Fraction {
+            section.problem("integrator", format!("found \"{word}\", which needs mushy = true"));
+        } else if word == "implicit" && numerics.exchange != Exchange::Potential {
+            section.problem("integrator", "found \"implicit\", which needs exchange = \"potential\" and no mean");
+        }
+    }
+    if numerics.flow.is_some() {
+        // Water is carried beside conduction of the shared operator, in steps of its own.
+        if kind.stochastic {
+            section.section_problem(format!(
+                "the method \"{}\" moves no water: leave it out of a scene with \"flow\"",
+                kind.name
+            ));
+        }
+        if let Some(word) = integrator {
+            section.problem("integrator", format!("found \"{word}\", must be \"euler\" in a scene with \"flow\""));
+        }
+        if numerics.uptake != Uptake::Enthalpy {
+            let message = format!("found \"{scheme}\", must be \"enthalpy\" in a scene with \"flow\"");
+            section.problem("scheme", message);
+        }
+        if let Some(found) = match numerics.mushy {
+            Mushy::Fraction => None,
+            Mushy::LastPhase => Some("false"),
+            Mushy::Mean => Some("\"mean\""),
+        } {
+            section.problem("mushy", format!("found {found}, must be true in a scene with \"flow\""));
+        }
+        if let Some(word) = match numerics.walls {
+            WallModel::Mirror | WallModel::Naive => None,
+            WallModel::MovingLeastSquares => Some("moving-least-squares"),
+            WallModel::InnerLayers => Some("inner-layers"),
+        } {
+            let message = format!("found \"{word}\", must be \"mirror\" or \"naive\" in a scene with \"flow\"");
+            section.problem("wall_model", message);
+        }
+        if numerics.search == SearchChoice::Lattice {
+            section.problem("search", "found \"lattice\", but water needs a neighbour list");
+        }
+    }
+    if numerics.uptake == Uptake::Flags
+        && let Some(material) = setup
+            .materials
+            .iter()
+            .find(|material| matches!(material.law, FreezingLaw::Linear { .. } | FreezingLaw::Weibull { .. }))
+    {
+        let message =
+            format!("found \"flags\", which needs a sharp freezing point, but \"{}\" has a curve", material.name);
+        section.problem("scheme", message);
+    }
+    if numerics.search == SearchChoice::Lattice {
+        let reason = if numerics.layout != Layout::Lattice {
+            Some("layout = \"lattice\"".to_owned())
+        } else if numerics.exchange != Exchange::Potential {
+            Some("exchange = \"potential\" and no mean".to_owned())
+        } else if numerics.uptake != Uptake::Enthalpy {
+            Some(format!("scheme = \"enthalpy\" and not \"{scheme}\""))
+        } else if setup.materials.len() > 1 {
+            Some("a single material".to_owned())
+        } else if !setup.cracks.is_empty() {
+            Some("a body without cracks".to_owned())
+        } else if kind.stochastic {
+            Some(format!("a method of weights alone and not \"{}\"", kind.name))
+        } else {
+            None
+        };
+        if let Some(reason) = reason {
+            section.problem("search", format!("found \"lattice\", which needs {reason}"));
+        }
+    }
+    if numerics.front == Front::SubCell {
+        let sharp = |material: &Material| material.law == FreezingLaw::Isothermal;
+        let reason = if kind.stochastic {
+            Some("a method without noise".to_owned())
+        } else if numerics.layout != Layout::Lattice {
+            Some("layout = \"lattice\"".to_owned())
+        } else if numerics.exchange != Exchange::Potential {
+            Some("exchange = \"potential\" and no mean".to_owned())
+        } else if numerics.uptake != Uptake::Enthalpy {
+            Some(format!("scheme = \"enthalpy\" and not \"{scheme}\""))
+        } else if integrator == Some("implicit") {
+            Some("an explicit integrator".to_owned())
+        } else if numerics.walls != WallModel::Mirror {
+            Some("wall_model = \"mirror\"".to_owned())
+        } else if !matches!(numerics.search, SearchChoice::Auto | SearchChoice::Lattice) {
+            Some("search = \"lattice\"".to_owned())
+        } else if setup.materials.len() > 1 || !setup.materials.iter().all(sharp) {
+            Some("a single material that freezes at one temperature".to_owned())
+        } else {
+            None
+        };
+        if let Some(reason) = reason {
+            section.problem("front", format!("found \"sub-cell\", which needs {reason}"));
+        }
+    }
+    if setup.surfaces && kind.stochastic {
+        let message =
+            format!("the random heat of the method \"{}\" is not counted through \"watch.surfaces\"", kind.name);
+        section.section_problem(message);
+    }
+    if let Some(reason) = out_of_layers(numerics, setup, kind) {
+        section.problem("wall_model", reason);
+    }
+}
+
+/// Why walls cannot be the layers of particles that the settings ask for.
+fn out_of_layers(numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind) -> Option<String> {
+    let flows = |wall: &&Wall| matches!(wall.condition, Condition::Flux(_) | Condition::Convection { .. });
+    let (word, flowing) = match numerics.walls {
+        WallModel::Mirror | WallModel::MovingLeastSquares => return None,
+        WallModel::Naive => ("naive", setup.walls.iter().find(flows)),
+        WallModel::InnerLayers => ("inner-layers", None),
+    };
+    let inner = numerics.walls == WallModel::InnerLayers;
+    let ring = matches!(setup.domain, Some(Domain::Ring { .. }));
+    // With known temperatures alone, naive ghosts need nothing but the wall.
+    let which = match flowing {
+        Some(wall) => format!(" at the wall \"{}\"", wall.name),
+        None if inner => String::new(),
+        None => return None,
+    };
+    let reason = if ring {
+        "must be \"mirror\" in a ring, whose curved wall has no layers along it".to_owned()
+    } else if kind.stochastic {
+        format!("but the noise of the method \"{}\" crosses mirrored walls only", kind.name)
+    } else if !setup.cracks.is_empty() {
+        "but its layers know no cracks: set \"mirror\"".to_owned()
+    } else if setup.flow && flowing.is_some() {
+        "must be \"mirror\" in a scene with \"flow\"".to_owned()
+    } else if numerics.search == SearchChoice::Lattice {
+        "which needs a neighbour list and not search = \"lattice\"".to_owned()
+    } else {
+        return None;
+    };
+    Some(format!("found \"{word}\"{which}, {reason}"))
+}
+
+fn shortest(domain: &Domain) -> f64 {
+    match *domain {
+        Domain::Line { length } => length,
+        Domain::Rectangle { width, height } => width.min(height),
+        Domain::Ring { outer_radius, .. } => outer_radius,
+        Domain::Radial { inner, outer, .. } => outer - inner,
+        Domain::Axial { inner, outer, height } => (outer - inner).min(height),
+    }
+}
+
+/// Whether the spacing fits the domain; if not, a problem that names the nearest that does.
+fn divides(section: &mut Section<'_>, spacing: f64, domain: &Domain) -> bool {
+    let extents = match *domain {
+        Domain::Line { length } => vec![length],
+        Domain::Rectangle { width, height } => vec![width, height],
+        Domain::Radial { inner, outer, .. } => vec![outer - inner],
+        Domain::Axial { inner, outer, height } => vec![outer - inner, height],
+        Domain::Ring { .. } => vec![],
+    };
+    let particles = domain.size() / spacing.powi(domain.dimension() as i32);
+    if particles.is_nan() || particles > MOST_PARTICLES {
+        let message = format!(
+            "found {}, which makes {particles:.1e} particles, must make at most {MOST_PARTICLES:.0e}",
+            plain(spacing)
+        );
+        section.problem(SPACING, message);
+        return false;
+    }
+    let longest_allowed = shortest(domain);
+    if extents.is_empty() && spacing > longest_allowed {
+        let message = format!("found {}, must be at most the outer radius {}", plain(spacing), plain(longest_allowed));
+        section.problem(SPACING, message);
+        return false;
+    }
+    if extents.iter().all(|extent| is_whole(extent / spacing)) {
+        return true;
+    }
+    let lengths: Vec<String> = extents.iter().map(|extent| plain(*extent)).collect();
+    let nearest = match nearest_spacings(spacing, &extents).as_slice() {
+        [] => "no spacing near it does".to_owned(),
+        [only] => format!("the nearest that does is {}", plain(*only)),
+        [below, above, ..] => format!("the nearest that do are {} and {}", plain(*below), plain(*above)),
+    };
+    let message =
+        format!("found {}, must divide {} into whole parts: {nearest}", plain(spacing), lengths.join(" and "));
+    section.problem(SPACING, message);
+    false
+}
+
+fn is_whole(parts: f64) -> bool {
+    let count = parts.round();
+    count >= 1.0 && (parts - count).abs() <= WHOLE * count
+}
+
+/// The nearest spacing below and above, where there are any, that divides all extents.
+fn nearest_spacings(spacing: f64, extents: &[f64]) -> Vec<f64> {
+    const SEARCHED: usize = 100_000;
+    let first = extents[0];
+    let count = (first / spacing).floor();
+    let fits = |count: &f64| *count >= 1.0 && extents.iter().all(|extent| is_whole(extent * count / first));
+    let below = (1..=SEARCHED).map(|more| count + more as f64).find(fits);
+    let above = (0..=SEARCHED).map(|fewer| count - fewer as f64).take_while(|count| *count >= 1.0).find(fits);
+    below.into_iter().chain(above).map(|count| first / count).collect()
+}

@@ -1,0 +1,196 @@
+//! Regions: parts of the body with a material, or a start, of their own.
+
+use glam::DVec2;
+
+use super::problem::Read;
+use super::range::{Range, one_of, plain, temperatures};
+use super::section::Section;
+use crate::scene::region::{Cell, area, edges};
+use crate::scene::{Region, Shape};
+use frazil_core::domain::{Domain, Sector};
+use frazil_core::segment::{meet, side};
+
+/// Corners that a polygon may have: each edge is compared with each other.
+const MOST_CORNERS: usize = 1000;
+
+const X_MIN: (&str, &str) = ("x_min", "m");
+const X_MAX: (&str, &str) = ("x_max", "m");
+const Y_MIN: (&str, &str) = ("y_min", "m");
+const Y_MAX: (&str, &str) = ("y_max", "m");
+
+/// Reads the regions and checks that every material has a place.
+pub(super) fn regions(
+    root: &mut Section<'_>,
+    materials_section: &mut Section<'_>,
+    domain: Option<&Domain>,
+    names: &[String],
+) -> Vec<Region> {
+    let mut used = vec![false; names.len()];
+    if let Some(first) = used.first_mut() {
+        *first = true;
+    }
+    let mut regions = Vec::new();
+    for mut section in root.sections("regions") {
+        let named = section.optional_text("material");
+        let material = named.as_ref().and_then(|name| {
+            let index = names.iter().position(|known| known == name);
+            if index.is_none() {
+                let allowed = one_of(names.iter().map(String::as_str));
+                section.problem("material", format!("found \"{}\", must be {allowed}", name.escape_debug()));
+            }
+            index
+        });
+        if let Some(index) = material {
+            used[index] = true;
+        }
+        let coldest = section.units().absolute_zero();
+        let temperature = section.optional_number(("temperature", "c"), temperatures(coldest));
+        if !section.has("material") && !section.has(("temperature", "c")) {
+            section.section_problem("must have a \"material\", a temperature at its start, or both");
+        }
+        let Some(domain) = domain else {
+            section.abandon();
+            continue;
+        };
+        if let Ok(shape) = shape(&mut section, domain)
+            && named.is_some() == material.is_some()
+        {
+            regions.push(Region { material, temperature, shape });
+        }
+    }
+    for (name, _) in names.iter().zip(&used).filter(|(_, used)| !**used) {
+        materials_section.note(name, "is used nowhere: the first material fills the body, regions name the others");
+    }
+    regions
+}
+
+fn shape(section: &mut Section<'_>, domain: &Domain) -> Read<Shape> {
+    let (circle, polygon) = (section.has("circle"), section.has("polygon"));
+    if domain.dimension() == 1 {
+        for key in ["circle", "polygon"] {
+            section.refuse(key, "a line has no y");
+        }
+    } else if circle || polygon {
+        let own = if circle { "circle" } else { "polygon" };
+        for key in [X_MIN, X_MAX, Y_MIN, Y_MAX] {
+            section.refuse(key, &format!("the region is a {own}"));
+        }
+        if circle && polygon {
+            section.refuse("polygon", "the region is a circle");
+        }
+        let shape = if circle { round(section)? } else { cornered(section)? };
+        if is_outside(&shape, domain) {
+            return Err(section.problem(own, "lies outside the domain"));
+        }
+        return Ok(shape);
+    }
+    let extent = extent(domain);
+    let x = span(section, X_MIN, X_MAX, (extent.low.x, extent.high.x));
+    let y = if domain.dimension() == 2 {
+        span(section, Y_MIN, Y_MAX, (extent.low.y, extent.high.y))
+    } else {
+        section.refuse(Y_MIN, "a line has no y");
+        section.refuse(Y_MAX, "a line has no y");
+        Ok((f64::NEG_INFINITY, f64::INFINITY))
+    };
+    let ((x_min, x_max), (y_min, y_max)) = (x?, y?);
+    Ok(Shape::Box(Cell { low: DVec2::new(x_min, y_min), high: DVec2::new(x_max, y_max) }))
+}
+
+fn round(section: &mut Section<'_>) -> Read<Shape> {
+    let mut circle = section.section("circle")?;
+    let (x, y) = (circle.number(("x", "m"), Range::ANY), circle.number(("y", "m"), Range::ANY));
+    let radius = circle.positive(("radius", "m"));
+    Ok(Shape::Circle { centre: DVec2::new(x?, y?), radius: radius? })
+}
+
+fn cornered(section: &mut Section<'_>) -> Read<Shape> {
+    const POINTS: (&str, &str) = ("points", "m");
+    let mut polygon = section.section("polygon")?;
+    let points = polygon.points(POINTS, Some(2))?;
+    if !(3..=MOST_CORNERS).contains(&points.len()) {
+        let message = format!("found {} points, must be between 3 and {MOST_CORNERS}", points.len());
+        return Err(polygon.problem(POINTS, message));
+    }
+    let corners: Vec<DVec2> = points.iter().map(|point| DVec2::new(point[0], point[1])).collect();
+    if let Some(message) = fault(&corners) {
+        return Err(polygon.problem(POINTS, message));
+    }
+    Ok(Shape::Polygon(corners))
+}
+
+/// Why corners are not those of a polygon that encloses one area, if they are not.
+fn fault(corners: &[DVec2]) -> Option<String> {
+    let count = corners.len();
+    let edges: Vec<(DVec2, DVec2)> = edges(corners).collect();
+    for (k, edge) in edges.iter().enumerate() {
+        let next = edges[(k + 1) % count];
+        if edge.0 == edge.1 {
+            return Some(format!("points {} and {} are the same, must differ", k + 1, (k + 1) % count + 1));
+        }
+        if side(*edge, next.1).is_eq() && (edge.1 - edge.0).dot(next.1 - next.0) < 0.0 {
+            return Some(format!("the polygon turns back on itself at point {}", (k + 1) % count + 1));
+        }
+    }
+    for (k, edge) in edges.iter().enumerate() {
+        // Neighbouring edges share a corner.
+        let others = k + 2..count - usize::from(k == 0);
+        if let Some(other) = others.into_iter().find(|other| meet(*edge, edges[*other])) {
+            let (from, to, first, last) = (k + 1, k + 2, other + 1, (other + 1) % count + 1);
+            return Some(format!("the polygon crosses itself: points {from} to {to} meet points {first} to {last}"));
+        }
+    }
+    (area(corners) == 0.0).then(|| "the polygon encloses no area".to_owned())
+}
+
+/// The box around the simulated body.
+fn extent(domain: &Domain) -> Cell {
+    let cell = |low: (f64, f64), high: (f64, f64)| Cell { low: low.into(), high: high.into() };
+    match *domain {
+        Domain::Line { length } => cell((0.0, f64::NEG_INFINITY), (length, f64::INFINITY)),
+        Domain::Rectangle { width, height } => cell((0.0, 0.0), (width, height)),
+        Domain::Radial { inner, outer, .. } => cell((inner, f64::NEG_INFINITY), (outer, f64::INFINITY)),
+        Domain::Axial { inner, outer, height } => cell((inner, 0.0), (outer, height)),
+        Domain::Ring { outer_radius: r, sector } => match sector {
+            Sector::Quarter => cell((0.0, 0.0), (r, r)),
+            Sector::Half => cell((-r, 0.0), (r, r)),
+            Sector::Whole => cell((-r, -r), (r, r)),
+        },
+    }
+}
+
+/// Whether no part of a shape lies in the body.
+fn is_outside(shape: &Shape, domain: &Domain) -> bool {
+    let beyond = match (domain, shape) {
+        (Domain::Ring { outer_radius, .. }, Shape::Circle { centre, radius }) => {
+            centre.length() - radius >= *outer_radius
+        }
+        (Domain::Ring { outer_radius, .. }, Shape::Polygon(corners)) => {
+            let nearest = |(a, b): (DVec2, DVec2)| {
+                let along = (-a).dot(b - a) / (b - a).length_squared();
+                (a + along.clamp(0.0, 1.0) * (b - a)).length()
+            };
+            !shape.contains(DVec2::ZERO) && edges(corners).map(nearest).fold(f64::INFINITY, f64::min) >= *outer_radius
+        }
+        _ => false,
+    };
+    let (own, body) = (shape.extent(), extent(domain));
+    // Of what both extents share, so that a small shape in a large body is seen.
+    let common = Cell { low: own.low.max(body.low), high: own.high.min(body.high) };
+    beyond || common.low.cmpge(common.high).any() || shape.share_of(&common) == 0.0
+}
+
+fn span(
+    section: &mut Section<'_>,
+    low: (&'static str, &'static str),
+    high: (&'static str, &'static str),
+    extent: (f64, f64),
+) -> Read<(f64, f64)> {
+    let allowed = Range::between(extent.0, extent.1);
+    let (from, to) = (section.number(low, allowed), section.number(high, allowed));
+    let (from, to) = (from?, to?);
+    if from >= to {
+        return Err(section.problem(high, format!("found {}, must be greater than {}", plain(to), plain(from))));
+    }
+    Ok((from, to))
+}

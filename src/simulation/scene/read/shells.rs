@@ -1,0 +1,149 @@
+//! Bodies of axial and spherical symmetry, and walls in parts.
+
+use super::body::condition;
+use super::numerics::Setup;
+use super::problem::Read;
+use super::range::{Range, plain};
+use super::section::{Key, Section};
+use crate::method::MethodKind;
+use crate::scene::WallPart;
+use crate::scene::settings::{Layout, Numerics, SearchChoice};
+use frazil_core::condition::Condition;
+use frazil_core::domain::{Domain, Surface};
+use frazil_core::symmetry::Symmetry;
+use frazil_core::wall_layers::WallModel;
+
+const INNER: (&str, &str) = ("inner_radius", "m");
+const OUTER: (&str, &str) = ("outer_radius", "m");
+
+/// Reads `[domain.radial]`.
+pub(super) fn radial(section: &mut Section<'_>) -> Read<Domain> {
+    let choices = [("axial", Symmetry::Axial), ("spherical", Symmetry::Spherical)];
+    let symmetry = section.choice("symmetry", &choices);
+    let (inner, outer) = radii(section)?;
+    Ok(Domain::Radial { symmetry: symmetry?, inner, outer })
+}
+
+/// Reads `[domain.axial]`.
+pub(super) fn axial(section: &mut Section<'_>) -> Read<Domain> {
+    let height = section.positive(("height", "m"));
+    let (inner, outer) = radii(section)?;
+    Ok(Domain::Axial { inner, outer, height: height? })
+}
+
+fn radii(section: &mut Section<'_>) -> Read<(f64, f64)> {
+    let inner = section.number(INNER, Range::NOT_NEGATIVE);
+    let outer = section.positive(OUTER);
+    let (inner, outer) = (inner?, outer?);
+    if inner >= outer {
+        let message = format!("found {}, must be less than the outer radius {}", plain(inner), plain(outer));
+        return Err(section.problem(INNER, message));
+    }
+    Ok((inner, outer))
+}
+
+/// Extent of a wall along itself (m), if it has any.
+fn along(domain: &Domain, wall: &str) -> Option<(f64, f64)> {
+    match (*domain, wall) {
+        (Domain::Axial { height, .. }, "inner" | "outer") => Some((0.0, height)),
+        (Domain::Axial { inner, outer, .. }, _) => Some((inner, outer)),
+        (Domain::Rectangle { height, .. }, "left" | "right") => Some((0.0, height)),
+        (Domain::Rectangle { width, .. }, _) => Some((0.0, width)),
+        _ => None,
+    }
+}
+
+/// Reads the parts of a wall that have conditions of their own.
+pub(super) fn parts(section: &mut Section<'_>, wall: &'static str, domain: &Domain) -> Vec<WallPart> {
+    const FROM: (&str, &str) = ("from", "m");
+    const TO: (&str, &str) = ("to", "m");
+    let mut found = Vec::new();
+    for mut part in section.sections("parts") {
+        let Some((first, last)) = along(domain, wall) else {
+            part.section_problem("only walls of the domains \"axial\" and \"rectangle\" have parts");
+            part.abandon();
+            continue;
+        };
+        let (from, to) = (part.number(FROM, Range::ANY), part.number(TO, Range::ANY));
+        let own = condition(&mut part);
+        if own == Ok(Condition::Exact) {
+            part.problem("condition", "found \"exact\", but a part of a wall has no exact solution");
+        }
+        let (Ok(from), Ok(to)) = (from, to) else { continue };
+        let mut inside = true;
+        for (key, place) in [(FROM, from), (TO, to)] {
+            if !(first..=last).contains(&place) {
+                let (first, last) = (plain(first), plain(last));
+                part.problem(key, format!("found {}, the wall reaches from {first} to {last}", plain(place)));
+                inside = false;
+            }
+        }
+        if inside && from >= to {
+            part.problem(FROM, format!("found {}, must be less than the end of the part, {}", plain(from), plain(to)));
+        } else if let (true, Ok(condition)) = (inside, own) {
+            found.push(WallPart { wall, from, to, condition });
+        }
+    }
+    found
+}
+
+/// Settings that a body of shells excludes.
+pub(super) fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind) {
+    if setup.domain.is_none_or(|domain| domain.symmetry().is_none()) {
+        return;
+    }
+    if kind.stochastic {
+        let message = format!("the method \"{}\" has particles of one volume and no shells", kind.name);
+        section.section_problem(message);
+    }
+    if numerics.layout != Layout::Lattice {
+        section.problem("layout", "must be \"lattice\": shells stand evenly along the radius");
+    }
+    if numerics.search == SearchChoice::Lattice {
+        section.problem("search", "found \"lattice\", which needs particles of one volume and no shells");
+    }
+    if numerics.walls == WallModel::MovingLeastSquares {
+        let message = "found \"moving-least-squares\", but a body of shells knows its walls by the steady profile";
+        section.problem("wall_model", message);
+    }
+}
+
+/// Reads the surfaces through which heat is counted.
+pub(super) fn surfaces(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Surface> {
+    let mut found = Vec::new();
+    for mut surface in section.sections("surfaces") {
+        let Some(domain) = domain else {
+            surface.abandon();
+            continue;
+        };
+        let round = domain.symmetry().is_some();
+        let keys: [(&str, &str); 2] = if round { [("r", "m"), ("z", "m")] } else { [("x", "m"), ("y", "m")] };
+        let (across_x, across_y) = match *domain {
+            Domain::Line { length } => ((0.0, length), None),
+            Domain::Rectangle { width, height } => ((0.0, width), Some((0.0, height))),
+            Domain::Radial { inner, outer, .. } => ((inner, outer), None),
+            Domain::Axial { inner, outer, height } => ((inner, outer), Some((0.0, height))),
+            Domain::Ring { .. } => {
+                surface
+                    .section_problem("the domain \"ring\" has no surfaces: pipes and the outer wall tell their heat");
+                surface.abandon();
+                continue;
+            }
+        };
+        let across_y = if across_y.is_some() {
+            surface.only_one(&keys.map(Key::from)).map(|key| if key == 0 { None } else { across_y })
+        } else {
+            Ok(None)
+        };
+        let Ok(across_y) = across_y else { continue };
+        let (key, (least, most)) = across_y.map_or((keys[0], across_x), |extent| (keys[1], extent));
+        let Ok(at) = surface.number(key, Range::ANY) else { continue };
+        if at > least && at < most {
+            found.push(Surface { across_y: across_y.is_some(), at });
+        } else {
+            let message = format!("found {}, must lie between {} and {}", plain(at), plain(least), plain(most));
+            surface.problem(key, message);
+        }
+    }
+    found
+}

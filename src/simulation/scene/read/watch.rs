@@ -1,0 +1,211 @@
+//! Time, what is observed, and the reference.
+
+use super::problem::Read;
+use super::range::{Range, plain};
+use super::section::{Duration, Section};
+use super::shells;
+use crate::scene::{ReferenceChoice, Watch};
+use frazil_core::domain::{Domain, Sector, Surface};
+
+/// End of the run and the instants of the observations.
+pub(super) struct Time {
+    pub(super) duration: Duration,
+    outputs: usize,
+    profiles: Vec<f64>,
+    /// What of the file is left out, in words.
+    pub(super) remarks: Vec<String>,
+}
+
+pub(super) fn time(root: &mut Section<'_>) -> Read<Time> {
+    let mut section = root.section("time")?;
+    let duration = section.duration("duration", Range::POSITIVE);
+    let outputs = section.integer_or("outputs", 60, 1..=100_000);
+    let profiles = section.optional_times("profiles");
+    let duration = duration?;
+    let (mut instants, mut remarks) = (vec![duration.seconds], Vec::new());
+    if let Some(profiles) = profiles {
+        if profiles.iter().any(|profile| profile.seconds == 0.0) {
+            section.time_problem("profiles", "found 0, must be greater than 0");
+        }
+        let (kept, late): (Vec<&Duration>, Vec<&Duration>) =
+            profiles.iter().partition(|profile| profile.seconds <= duration.seconds);
+        if let Some(first) = late.first() {
+            let all: Vec<String> = late.iter().map(|late| plain(late.seconds / late.unit.seconds())).collect();
+            let end = plain(duration.seconds / first.unit.seconds());
+            let key = section.time_key("profiles");
+            remarks.push(format!("time.{key}: {} left out, after the end of the run at {end}", all.join(", ")));
+        }
+        // A run whose profiles all lie after its end keeps its end, as one that names none.
+        if !kept.is_empty() {
+            instants = kept.iter().map(|profile| profile.seconds).collect();
+        }
+    }
+    Ok(Time { duration, outputs, profiles: instants, remarks })
+}
+
+pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Read<&mut Time>) -> Read<Watch> {
+    const PROBES: (&str, &str) = ("probes", "m");
+    const PROFILE_LENGTH: (&str, &str) = ("profile_length", "m");
+    let (mut probes, mut profile_length, mut front_from) = (Vec::new(), None, None);
+    let mut front_key = String::new();
+    let mut cuts = Vec::new();
+    let mut surfaces = Vec::new();
+    let mut frozen_wall = domain.is_some_and(|domain| matches!(domain, Domain::Ring { .. }));
+    let (mut phases, mut corner_front) = (None, false);
+    if let Some(mut section) = root.optional_section("watch") {
+        let dimension = domain.map(Domain::dimension);
+        let points = section.optional_points(PROBES, dimension).unwrap_or_default();
+        for point in points {
+            let coordinate = |axis: usize| point.get(axis).copied().unwrap_or(0.0);
+            let (x, y) = (coordinate(0), coordinate(1));
+            if domain.is_some_and(|domain| !inside(domain, x, y)) {
+                let coordinates: Vec<String> = point.iter().map(|coordinate| plain(*coordinate)).collect();
+                section.problem(PROBES, format!("found [{}], must lie inside the domain", coordinates.join(", ")));
+            }
+            probes.push((x, y));
+        }
+        cuts = self::cuts(&mut section, domain);
+        surfaces = shells::surfaces(&mut section, domain);
+        phases = self::phases(&mut section, domain);
+        corner_front = section.flag_or("corner_front", false);
+        if corner_front && domain.is_some_and(|domain| !matches!(domain, Domain::Rectangle { .. })) {
+            section.problem("corner_front", "only the domain \"rectangle\" has corners");
+        }
+        frozen_wall = section.flag_or("frozen_wall", frozen_wall);
+        if frozen_wall && domain.is_some_and(|domain| !matches!(domain, Domain::Ring { .. })) {
+            section.problem("frozen_wall", "only the domain \"ring\" has a frozen wall");
+        }
+        profile_length = section.optional_number(PROFILE_LENGTH, Range::POSITIVE);
+        if let (Some(length), Some(domain)) = (profile_length, domain) {
+            let longest = domain.extent();
+            if length > longest {
+                let message =
+                    format!("found {}, must be at most {}, the domain's extent", plain(length), plain(longest));
+                section.problem(PROFILE_LENGTH, message);
+            }
+        }
+        front_from = section.optional_duration("front_from", Range::NOT_NEGATIVE);
+        front_key = section.time_key("front_from");
+    }
+    let time = time?;
+    if let Some(from) = front_from.take_if(|from| from.seconds > time.duration.seconds) {
+        let (found, end) = (from.seconds / from.unit.seconds(), time.duration.seconds / from.unit.seconds());
+        let (found, end) = (plain(found), plain(end));
+        time.remarks.push(format!("watch.{front_key}: {found} left out, after the end of the run at {end}"));
+    }
+    let front_from = front_from.map(|from| from.seconds);
+    let (outputs, profiles) = (time.outputs, time.profiles.clone());
+    Ok(Watch {
+        outputs,
+        profiles,
+        probes,
+        surfaces,
+        cuts,
+        phases,
+        corner_front,
+        frozen_wall,
+        profile_length,
+        front_from,
+    })
+}
+
+/// Lines along which profiles are kept: at places along the second direction of a body, then along its first.
+fn cuts(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Surface> {
+    const KEYS: [(&str, bool); 4] = [("cuts_z", true), ("cuts_r", false), ("cuts_y", true), ("cuts_x", false)];
+    let mut found = Vec::new();
+    for (name, across_y) in KEYS {
+        let key = (name, "m");
+        let round = matches!(name, "cuts_z" | "cuts_r");
+        // Where cuts may lie.
+        let between = match domain {
+            Some(Domain::Axial { height, .. }) if round && across_y => (0.0, *height),
+            Some(Domain::Axial { inner, outer, .. }) if round => (*inner, *outer),
+            Some(Domain::Rectangle { height, .. }) if !round && across_y => (0.0, *height),
+            Some(Domain::Rectangle { width, .. }) if !round => (0.0, *width),
+            Some(Domain::Ring { outer_radius, sector }) if !round => {
+                let mirrored = *sector == Sector::Quarter || across_y && *sector == Sector::Half;
+                (if mirrored { 0.0 } else { -outer_radius }, *outer_radius)
+            }
+            Some(_) => {
+                let domains = if round {
+                    "only the domain \"axial\" has"
+                } else {
+                    "only the domains \"rectangle\" and \"ring\" have"
+                };
+                section.refuse(key, &format!("{domains} cuts of this name"));
+                continue;
+            }
+            None => continue,
+        };
+        let places = section.optional_numbers(key, Range::ANY).unwrap_or_default();
+        if let Some(outside) = places.iter().find(|at| !(between.0..=between.1).contains(*at)) {
+            let (found, least, most) = (plain(*outside), plain(between.0), plain(between.1));
+            section.problem(key, format!("found {found}, must lie between {least} and {most}"));
+        }
+        found.extend(places.into_iter().map(|at| Surface { across_y, at }));
+    }
+    found
+}
+
+/// The part of the body whose phases are kept: all of it, or what lies between two places along x.
+fn phases(section: &mut Section<'_>, domain: Option<&Domain>) -> Option<(f64, f64)> {
+    const BETWEEN: (&str, &str) = ("phases_between", "m");
+    let wanted = section.flag_or("phases", false);
+    let Some(between) = section.optional_numbers(BETWEEN, Range::ANY) else {
+        return wanted.then_some((f64::NEG_INFINITY, f64::INFINITY));
+    };
+    if !wanted {
+        section.problem(BETWEEN, "has no effect without phases = true");
+    }
+    let extent = domain.map_or(f64::INFINITY, Domain::extent);
+    match between[..] {
+        [from, to] if from < to && from >= -extent && to <= extent => Some((from, to)),
+        _ => {
+            section.problem(BETWEEN, "must be two places along x in the body, the lesser one first");
+            None
+        }
+    }
+}
+
+fn inside(domain: &Domain, x: f64, y: f64) -> bool {
+    match *domain {
+        Domain::Line { length } => (0.0..=length).contains(&x),
+        Domain::Rectangle { width, height } => (0.0..=width).contains(&x) && (0.0..=height).contains(&y),
+        Domain::Radial { inner, outer, .. } => (inner..=outer).contains(&x),
+        Domain::Axial { inner, outer, height } => (inner..=outer).contains(&x) && (0.0..=height).contains(&y),
+        Domain::Ring { outer_radius, sector } => {
+            x.hypot(y) <= outer_radius
+                && (sector == Sector::Whole || y >= 0.0)
+                && (sector != Sector::Quarter || x >= 0.0)
+        }
+    }
+}
+
+pub(super) fn reference(root: &mut Section<'_>, domain: Option<&Domain>) -> ReferenceChoice {
+    let Some(mut section) = root.optional_section("reference") else { return ReferenceChoice::Auto };
+    let kinds = [("exact", 0), ("table", 1), ("local", 2), ("auto", 3), ("none", 4)];
+    let kind = section.choice("kind", &kinds);
+    if kind == Ok(1) {
+        return section.text("table").map_or(ReferenceChoice::Auto, ReferenceChoice::Table);
+    }
+    if kind.is_err() {
+        section.abandon();
+    } else if section.is_set("kind") {
+        // The table of the file, which another kind stands in for.
+        section.optional_text("table");
+    } else {
+        section.refuse("table", "only the kind \"table\" reads one");
+    }
+    if let (Ok(0), Some(Domain::Ring { .. })) = (kind, domain) {
+        section.problem("kind", "found \"exact\", but a ring has no exact solution");
+    }
+    if kind == Ok(0) && domain.is_some_and(|domain| domain.symmetry().is_some()) {
+        section.problem("kind", "found \"exact\", but a body of shells has no exact solution");
+    }
+    match kind {
+        Ok(0) => ReferenceChoice::Exact,
+        Ok(2) => ReferenceChoice::Local,
+        Ok(4) => ReferenceChoice::None,
+        _ => ReferenceChoice::Auto,
+    }
+}

@@ -1,0 +1,97 @@
+//! The state from which particles start, and what their size makes of the shapes of regions.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use crate::scene::Scene;
+use crate::scene::region::{Cell, Part};
+use frazil_core::lattice::Lattice;
+use frazil_core::pipe::Sink;
+use frazil_core::symmetry::Volumes;
+use frazil_core::uptake::Materials;
+
+/// Part of a region's volume by which its particles may differ from it without a word.
+const TOLD: f64 = 0.01;
+
+/// Enthalpies (J/m3, relative to the initial state of the scene) with which particles start; empty if no region has a
+/// temperature of its own. A particle that the edge of a region cuts starts with the heat of its parts, so that no heat is
+/// lost or made wherever edges fall. Off the lattice, particles are taken as squares around their positions.
+pub fn enthalpies(scene: &Scene, materials: &Materials, lattice: &Lattice, cloud: Option<&[DVec2]>) -> Arc<[f64]> {
+    if !scene.has_regional_starts() {
+        return Arc::new([]);
+    }
+    let enthalpy = |(i, place): (usize, DVec2)| {
+        if !materials.law_of.is_empty() {
+            let part =
+                |part: Part| match part.temperature.filter(|temperature| *temperature != scene.initial_temperature) {
+                    None => 0.0,
+                    Some(temperature) => part.share * materials.thermals[part.material].enthalpy(temperature),
+                };
+            return scene.parts_of(&Cell::around(place, lattice.spacing)).into_iter().map(part).sum();
+        }
+        let parts = scene.starts_in(&Cell::around(place, lattice.spacing));
+        let carried = |temperature: f64| {
+            // Exactly at rest where nothing else is said.
+            if temperature == scene.initial_temperature { 0.0 } else { materials.of(i).enthalpy(temperature) }
+        };
+        parts.into_iter().map(|(temperature, share)| share * carried(temperature)).sum::<f64>()
+    };
+    match cloud {
+        Some(places) => places.iter().copied().enumerate().map(enthalpy).collect(),
+        None => lattice.positions().into_iter().enumerate().map(enthalpy).collect(),
+    }
+}
+
+/// The same without the heat of ground in whose place pipes stand that work from the start on: its particles start with what is
+/// left of them once it has come to the temperature of the pipe. It would have to be frozen before the ground around the pipe is.
+pub fn without_displaced(
+    start: Arc<[f64]>,
+    sinks: &[Sink],
+    materials: &Materials,
+    volumes: &Volumes,
+    count: usize,
+) -> Arc<[f64]> {
+    let mut sinks = sinks.iter().filter(|sink| sink.displaced > 0.0 && sink.works(0.0)).peekable();
+    if sinks.peek().is_none() {
+        return start;
+    }
+    let mut left = if start.is_empty() { vec![0.0; count] } else { start.to_vec() };
+    for sink in sinks {
+        for (index, weight) in &sink.sample {
+            let particle = *index as usize;
+            let taken = materials.of(particle).enthalpy(sink.temperature.at(0.0)) - left[particle];
+            left[particle] += taken * sink.share * weight * sink.displaced / volumes.of(particle);
+        }
+    }
+    left.into()
+}
+
+/// Regions whose particles of their material, which belong to them by their centres, fill another volume than the region, in
+/// words.
+pub fn volume_errors(scene: &Scene, lattice: &Lattice, cloud: Option<&[DVec2]>) -> Vec<String> {
+    let regions = scene.regions.iter().enumerate().filter(|(_, region)| region.material.is_some());
+    let told = regions.filter_map(|(number, region)| {
+        let (mut covered, mut assigned) = (0.0, 0.0);
+        let mut see = |place: DVec2| {
+            covered += region.shape.share_of(&Cell::around(place, lattice.spacing));
+            assigned += f64::from(u8::from(region.shape.contains(place)));
+        };
+        match cloud {
+            Some(places) => places.iter().copied().for_each(&mut see),
+            None => lattice.positions().into_iter().for_each(&mut see),
+        }
+        let error = assigned / covered - 1.0;
+        (error.is_nan() || error.abs() > TOLD).then(|| {
+            if assigned == 0.0 {
+                return format!("region {number} holds no centre of a particle: its material is nowhere");
+            }
+            format!(
+                "the material of region {number} fills {:.1} % {} than the region: particles belong to it by their centres",
+                100.0 * error.abs(),
+                if error > 0.0 { "more" } else { "less" }
+            )
+        })
+    });
+    told.collect()
+}

@@ -1,0 +1,169 @@
+//! What a scene uses under a method, and what it is spared, in words.
+
+use crate::method::{Discretisation, Stepper};
+use crate::scene::{IntegratorChoice, Numerics, Scene, StepChoice, Units};
+use frazil_core::boundary::Boundary;
+use frazil_core::exchange::Exchange;
+use frazil_core::material::{FreezingLaw, Material};
+use frazil_core::potential::{Law, Thermal};
+use frazil_core::uptake::Materials;
+use frazil_core::uptake::Mushy;
+use frazil_core::uptake::Uptake;
+
+/// What the words are about.
+pub struct Parts<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its settings.
+    pub numerics: &'a Numerics,
+    /// The method's geometry.
+    pub discretisation: &'a Discretisation,
+    /// Materials of particles.
+    pub materials: &'a Materials,
+    /// Walls.
+    pub boundary: &'a Boundary,
+    /// Pipes in the simulated sector.
+    pub pipes: usize,
+    /// Whether pairs are on a list.
+    pub list: bool,
+}
+
+impl Parts<'_> {
+    fn is_explicit(&self) -> bool {
+        self.numerics.integrator == IntegratorChoice::Euler
+    }
+
+    fn has_shared_steps(&self) -> bool {
+        matches!(self.discretisation.stepper, Stepper::Shared)
+    }
+
+    fn freezes(&self) -> bool {
+        self.scene.materials.iter().any(|material| material.law != FreezingLaw::None)
+    }
+
+    fn open_walls(&self) -> Vec<&str> {
+        self.boundary.doors.iter().filter(|door| door.lets_heat_through()).map(|door| door.name.as_str()).collect()
+    }
+
+    /// Numbers that every particle carries.
+    fn columns(&self) -> String {
+        let mut names = vec!["enthalpy"];
+        if self.list {
+            names.push("position");
+            let means = matches!(self.numerics.exchange, Exchange::Mean(_));
+            if !means || self.pipes > 0 {
+                names.push("potential");
+            }
+            if means {
+                names.extend(["temperature", "conductivity"]);
+            }
+            if !self.has_shared_steps() {
+                names.push("those of the method's own step");
+            }
+            names.push("rate");
+            match self.numerics.uptake {
+                Uptake::Flags => names.push("temperature and released heat of the scheme"),
+                Uptake::ApparentCapacity { .. } => names.push("temperature of the scheme"),
+                Uptake::Enthalpy if self.numerics.mushy == Mushy::LastPhase => names.push("last phase"),
+                Uptake::Enthalpy => {}
+            }
+        }
+        if self.materials.mixed() {
+            names.push("material");
+        }
+        if !self.is_explicit() {
+            names.push("those of the integrator");
+        }
+        format!("columns: {}", names.join(", "))
+    }
+
+    /// What the scene uses beside particles and pairs.
+    pub fn used(&self) -> Vec<String> {
+        let mut used = vec![self.columns()];
+        if self.freezes() {
+            let scheme = match self.numerics.uptake {
+                Uptake::Enthalpy => "enthalpy",
+                Uptake::Flags => "flags",
+                Uptake::ApparentCapacity { .. } => "apparent capacity",
+            };
+            used.push(format!("latent heat, by {scheme}"));
+        }
+        if self.materials.mixed() {
+            used.push(format!("{} materials, whose interfaces are solved for", self.scene.materials.len()));
+        }
+        if !self.scene.cracks.is_empty() {
+            used.push(format!("{} cracks, which cut pairs", self.scene.cracks.len()));
+        }
+        if self.scene.excavation.is_some() {
+            used.push("a shaft, at whose face pairs are cut".to_string());
+        }
+        let walls = self.open_walls();
+        if !walls.is_empty() {
+            used.push(format!("heat through {}, booked each step", walls.join(", ")));
+        }
+        if self.pipes > 0 {
+            used.push(format!("{} pipes in the simulated part", self.pipes));
+        }
+        used
+    }
+
+    /// What it does not need and does not pay for.
+    pub fn spared(&self) -> Vec<String> {
+        let thermals = &self.materials.thermals;
+        let straight = thermals.iter().all(|thermal| matches!(thermal.law, Law::Straight(_)));
+        let said = [
+            (!self.list, "no neighbour list: a fixed lattice stencil"),
+            (!self.list, "no positions, volumes or material column"),
+            (!self.list && self.is_explicit(), "no second pass: potentials, sums and update are one"),
+            (self.has_shared_steps(), "no random numbers"),
+            (true, "no motion: velocities, forces and cells sorted anew"),
+            (self.pipes == 0, "no pipes"),
+            (self.scene.cracks.is_empty(), "no cracks"),
+            (self.open_walls().is_empty(), "no heat through walls"),
+            (self.scene.domain.dimension() == 1, "one dimension: no rows"),
+            (!self.freezes(), "no phase change"),
+            (straight, "no law: potential and enthalpy are in proportion"),
+        ];
+        said.into_iter().filter(|said| said.0).map(|said| said.1.to_string()).collect()
+    }
+
+    /// What would allow longer steps.
+    pub fn relaxed_by(&self) -> Vec<String> {
+        let mut found = vec!["a coarser lattice: the bound goes with the square of the spacing".to_string()];
+        if let StepChoice::Fraction(fraction) = self.numerics.step
+            && fraction < 1.0
+            && self.numerics.integrator.tolerance().is_none()
+        {
+            found.push(format!("step_fraction, now {fraction} of the bound"));
+        }
+        let plain = self.numerics.uptake == Uptake::Enthalpy && self.numerics.mushy == Mushy::Fraction;
+        if self.is_explicit() && self.has_shared_steps() && plain && self.scene.flow.is_none() {
+            found.push("integrator = \"rkl2\": s stages make a step of (s^2 + s - 2)/4 bounds".to_string());
+        }
+        found
+    }
+}
+
+/// Fluctuation of the temperature of a particle in the phase that stores least heat, over that while it is unfrozen.
+pub fn fluctuation(law: &Thermal) -> f64 {
+    (law.curve.unfrozen_capacity() / law.curve.least_capacity()).sqrt()
+}
+
+/// The thermal noise of each material at the warmest datum, in words; `relative` is that of absolute temperature.
+pub fn noise(scene: &Scene, materials: &Materials, relative: f64) -> Vec<String> {
+    if relative == 0.0 {
+        return Vec::new();
+    }
+    let (low, high) = scene.temperature_range();
+    let degree = if scene.units == Units::Si { " K" } else { "" };
+    let own = relative * (high - scene.units.absolute_zero());
+    let of = |(material, law): (&Material, &Thermal)| {
+        let deviation = own * fluctuation(law);
+        let part = match high > low {
+            true => format!(", {:.2} % of the range of the data", 100.0 * deviation / (high - low)),
+            false => String::new(),
+        };
+        format!("thermal noise of {}: up to {deviation:.3}{degree} in one particle{part}", material.name)
+    };
+    scene.materials.iter().zip(materials.thermals.iter()).map(of).collect()
+}

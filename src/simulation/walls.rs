@@ -1,0 +1,77 @@
+//! The walls of a scene.
+
+use std::sync::Arc;
+
+use frazil_core::boundary::{Boundary, Door, Dug, FACE, Side, WallTemperature};
+use frazil_core::condition::Condition;
+use frazil_core::domain::{Domain, Sector};
+use frazil_core::wall_layers::WallModel;
+
+use crate::reference::Reference;
+use crate::scene::Scene;
+
+/// The walls of a scene. `exact` is what walls that follow the exact solution ask. `mirrors` sets ghosts behind the
+/// walls of a body of shells, which otherwise touch its outermost particles alone.
+pub fn boundary(
+    scene: &Scene,
+    model: WallModel,
+    exact: Option<Arc<dyn Reference>>,
+    mirrors: bool,
+) -> Result<Boundary, String> {
+    let (axis_length, cold_at_end) = scene.freezing_direction().map_or((0.0, false), |d| (d.length, d.from_end));
+    let whole = scene.walls.iter().map(|wall| (wall.name, wall.name.to_string(), &wall.condition));
+    let parts = scene.wall_parts.iter().enumerate();
+    let parts = parts.map(|(k, part)| (part.wall, format!("{}_part_{}", part.wall, k + 1), &part.condition));
+    let face = scene.excavation.iter().map(|shaft| (FACE, FACE.to_owned(), &shaft.condition));
+    let doors: Vec<Door> = whole
+        .chain(parts)
+        .chain(face)
+        .map(|(wall, name, condition)| {
+            let at_end = matches!(wall, "right" | "top");
+            let distance = if at_end == cold_at_end { 0.0 } else { axis_length };
+            Door {
+                name,
+                condition: condition.clone(),
+                layers: matches!(model, WallModel::Naive | WallModel::InnerLayers),
+                changes: match condition {
+                    Condition::Symmetry => false,
+                    Condition::Temperature(series) | Condition::Flux(series) => series.changes(),
+                    Condition::Convection { coefficient, ambient } => coefficient.changes() || ambient.changes(),
+                    Condition::Exact => true,
+                },
+                exact: exact
+                    .clone()
+                    .filter(|_| *condition == Condition::Exact)
+                    .map(|exact| -> WallTemperature { Arc::new(move |time| exact.temperature(distance, time)) }),
+            }
+        })
+        .collect();
+    for door in &doors {
+        if door.condition == Condition::Exact && door.exact.as_ref().and_then(|exact| exact(1.0)).is_none() {
+            return Err(format!("wall `{}` asks for the exact solution, but this scene has none", door.name));
+        }
+    }
+    let named = |name: &str| doors.iter().position(|door| door.name == name).map_or(Side::Mirror, Side::Wall);
+    let (sides, curved) = match scene.domain {
+        Domain::Line { .. } => ([named("left"), named("right"), Side::Mirror, Side::Mirror], None),
+        Domain::Rectangle { .. } => ([named("left"), named("right"), named("bottom"), named("top")], None),
+        Domain::Ring { outer_radius, sector } => {
+            let left = if sector == Sector::Quarter { Side::Mirror } else { Side::Curved };
+            let bottom = if sector == Sector::Whole { Side::Curved } else { Side::Mirror };
+            let outer = doors.iter().position(|door| door.name == "outer");
+            ([left, Side::Curved, bottom, Side::Curved], outer.map(|door| (door, outer_radius)))
+        }
+        Domain::Radial { inner, .. } | Domain::Axial { inner, .. } if mirrors => {
+            let left = if inner > 0.0 { named("inner") } else { Side::Curved };
+            ([left, named("outer"), named("bottom"), named("top")], None)
+        }
+        Domain::Radial { .. } | Domain::Axial { .. } => ([Side::Curved; 4], None),
+    };
+    let first = scene.walls.len();
+    let parts = scene.wall_parts.iter().enumerate();
+    let parts = parts.map(|(k, part)| (part.wall, part.from, part.to, first + k)).collect();
+    let door = scene.walls.len() + scene.wall_parts.len();
+    let dug = scene.excavation.as_ref().map(|shaft| Dug { door, radius: shaft.radius, start: shaft.start });
+    let books_all = mirrors && scene.domain.symmetry().is_some();
+    Ok(Boundary { parts, books_all, doors, sides, curved, dug })
+}

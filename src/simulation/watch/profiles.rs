@@ -1,0 +1,133 @@
+//! Profiles: means over layers across a plane front, and points along lines through the body.
+
+use glam::DVec2;
+
+use super::rays::Ray;
+use super::sampler::{Sample, Sampler};
+use crate::scene::{FreezingDirection, Scene};
+use frazil_core::domain::{Domain, Surface};
+use frazil_core::memory::Held;
+use frazil_core::particles::Particles;
+use frazil_record::{MeanOver, ProfileRow};
+
+/// A line of points at which a body is read.
+#[derive(Debug, Clone)]
+pub(super) struct Line {
+    /// Name in the series: `radius`, `main`, `interface`, or as `z=0.4`.
+    pub(super) plane: String,
+    /// Places along the line (m).
+    pub(super) along: Vec<f64>,
+    /// The same in coordinates of the scene (m).
+    places: Vec<DVec2>,
+    pub(super) samples: Vec<Sample>,
+}
+
+impl Line {
+    fn new(plane: String, points: Vec<(f64, DVec2)>, sampler: &Sampler<'_>) -> Self {
+        let (along, places): (Vec<f64>, Vec<DVec2>) = points.into_iter().unzip();
+        let samples = sampler.samples(&places);
+        Line { plane, along, places, samples }
+    }
+
+    /// A ray from the centre.
+    pub(super) fn along(plane: &str, ray: &Ray) -> Self {
+        let places = ray.radii.iter().map(|radius| *radius * ray.direction).collect();
+        Line { plane: plane.to_owned(), along: ray.radii.clone(), places, samples: ray.samples.clone() }
+    }
+
+    /// The lines of a scene: of a radial body the whole radius, of others the cuts that it has.
+    pub(super) fn all(scene: &Scene, particles: &Particles, sampler: &Sampler<'_>) -> Vec<Line> {
+        if let Domain::Radial { .. } = scene.domain {
+            let lattice = &particles.lattice;
+            let radii = (0..lattice.columns).map(|column| lattice.centre(column as i64, 0).x);
+            return vec![Line::new("radius".into(), radii.map(|r| (r, DVec2::new(r, 0.0))).collect(), sampler)];
+        }
+        let cut = |cut: &Surface| Line::new(cut.name(&scene.domain), points(cut, scene, particles), sampler);
+        scene.cuts().iter().map(cut).collect()
+    }
+
+    /// Adds temperatures and frozen fractions along the line; of ground that is there.
+    pub(super) fn read(&self, dimension: usize, particles: &Particles, time: f64, rows: &mut Vec<ProfileRow>) {
+        // Samples are of particles that stay where they are.
+        let moved = particles.move_about().then(|| Sampler::free(particles).samples(&self.places));
+        let samples = moved.as_ref().unwrap_or(&self.samples);
+        let points = self.along.iter().zip(&self.places).zip(samples);
+        // Points on the face of a shaft are there, however their distance is rounded.
+        let there = points.filter(|((_, place), _)| !particles.is_dug(place.length() * (1.0 + 1e-12)));
+        rows.extend(there.map(|((along, place), sample)| ProfileRow {
+            time_s: time,
+            x_m: Some(place.x),
+            temperature_c: sample.of(|i| particles.reading(i)),
+            temperature_ref_c: None,
+            frozen_fraction: sample.of(|i| particles.frozen_fraction(i)),
+            plane: self.plane.clone(),
+            y_m: (dimension > 1).then_some(place.y),
+            along_m: *along,
+            mean_over: None,
+        }));
+    }
+
+    /// Bytes on the heap.
+    pub(super) fn held(&self) -> usize {
+        self.plane.held() + self.along.held() + self.places.capacity() * size_of::<DVec2>() + self.samples.held()
+    }
+}
+
+/// Points of a cut: those of the columns or rows of the lattice that it crosses, inside the body.
+fn points(cut: &Surface, scene: &Scene, particles: &Particles) -> Vec<(f64, DVec2)> {
+    let lattice = &particles.lattice;
+    let place = |cell: usize| {
+        if cut.across_y {
+            let x = lattice.centre(cell as i64, 0).x;
+            (x, DVec2::new(x, cut.at))
+        } else {
+            let y = lattice.centre(0, cell as i64).y;
+            (y, DVec2::new(cut.at, y))
+        }
+    };
+    let count = if cut.across_y { lattice.columns } else { lattice.rows };
+    let inside = |point: &(f64, DVec2)| match scene.domain {
+        // Beside the curved wall there are no particles on both sides of a point.
+        Domain::Ring { outer_radius, .. } => point.1.length() <= outer_radius - lattice.spacing,
+        _ => true,
+    };
+    (0..count).map(place).filter(inside).collect()
+}
+
+/// Means over layers one spacing thick across the freezing direction, as far as `length` (m) from where it starts.
+pub(super) fn layers(
+    particles: &Particles,
+    direction: &FreezingDirection,
+    length: f64,
+    time: f64,
+    dimension: usize,
+) -> impl Iterator<Item = ProfileRow> {
+    let spacing = particles.lattice.spacing;
+    let count = (direction.length / spacing).round() as usize;
+    let mut sums = vec![(0.0, 0.0, 0.0, 0usize); count];
+    particles.visit(|i, place| {
+        let along = if direction.along_y { place.y } else { place.x };
+        let layer = ((along / spacing) as usize).min(count - 1);
+        let sum = &mut sums[layer];
+        *sum = (sum.0 + along, sum.1 + particles.reading(i), sum.2 + particles.frozen_fraction(i), sum.3 + 1);
+    });
+    let plane = (dimension > 1).then_some(if direction.along_y { MeanOver::X } else { MeanOver::Y });
+    let direction = *direction;
+    let row = move |(along, temperature, fraction, number): (f64, f64, f64, usize)| {
+        let number = number as f64;
+        let along_m = along / number;
+        ProfileRow {
+            time_s: time,
+            x_m: (!direction.along_y).then_some(along_m),
+            temperature_c: temperature / number,
+            temperature_ref_c: None,
+            frozen_fraction: fraction / number,
+            plane: "line".into(),
+            y_m: direction.along_y.then_some(along_m),
+            along_m,
+            mean_over: plane,
+        }
+    };
+    let known = sums.into_iter().filter(|sum| sum.3 > 0).map(row);
+    known.filter(move |row| direction.distance(row.along_m) <= length)
+}

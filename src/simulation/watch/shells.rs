@@ -1,0 +1,41 @@
+//! What is read off bodies of shells: fronts as radii.
+
+use crate::scene::Scene;
+use frazil_core::condition::Condition;
+use frazil_core::domain::Domain;
+use frazil_core::material::FreezingLaw;
+use frazil_core::symmetry::Symmetry;
+
+/// Where the front of a radial body starts, and how it is measured.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct RadialFront {
+    symmetry: Symmetry,
+    inner: f64,
+    outer: f64,
+    from_outer: bool,
+}
+
+impl RadialFront {
+    /// The front of a scene, if its body is radial and freezes: it starts at the wall that drives harder.
+    pub(super) fn of(scene: &Scene) -> Option<Self> {
+        let Domain::Radial { symmetry, inner, outer } = scene.domain else { return None };
+        if scene.materials.iter().all(|material| material.law == FreezingLaw::None) {
+            return None;
+        }
+        let drive = |name: &str| match scene.wall(name) {
+            Some(Condition::Temperature(series)) => (series.at(scene.duration) - scene.initial_temperature).abs(),
+            Some(Condition::Convection { ambient, .. }) => {
+                (ambient.at(scene.duration) - scene.initial_temperature).abs()
+            }
+            Some(Condition::Flux(series)) => series.range().0.abs().max(series.range().1.abs()),
+            _ => 0.0,
+        };
+        Some(RadialFront { symmetry, inner, outer, from_outer: drive("outer") > drive("inner") })
+    }
+
+    /// Radius (m) up to which, or from which on, a frozen volume fills the body.
+    pub(super) fn radius(&self, frozen: f64) -> f64 {
+        let whole = self.symmetry.volume(self.inner, self.outer);
+        self.symmetry.radius(self.inner, if self.from_outer { whole - frozen } else { frozen })
+    }
+}

@@ -6,9 +6,9 @@
 use std::sync::Arc;
 
 use frazil::registry::methods;
+use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options};
 use frazil_simulation::predict::forecast;
-use frazil_simulation::scene::Scene;
 
 const SCENES: [&str; 6] =
     ["stefan-water", "stefan-water-mushy", "soil-column", "stefan-dpd-1", "frozen-wall-clay", "frozen-wall-sand"];

@@ -7,9 +7,9 @@ use std::time::Instant;
 
 use frazil_core::method::Clock;
 use frazil_core::statistics::{median, quartiles};
-use frazil_simulation::method::MethodKind;
+use frazil_scene::Scene;
+use frazil_scene::method::MethodKind;
 use frazil_simulation::plan::{self, Plan};
-use frazil_simulation::scene::Scene;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 /// Rounds in which all cases take turns; medians are over rounds.

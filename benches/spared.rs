@@ -143,17 +143,13 @@ fn against_by_hand<const REACH: usize, const WALL: bool>(method: &str, side: usi
 }
 
 /// The stencil of a method's best setting.
-fn stencil(kind: &'static frazil_simulation::method::MethodKind) -> Stencil {
+fn stencil(kind: &'static frazil_scene::method::MethodKind) -> Stencil {
     let text = format!("spacing_m = {SPACING}");
-    let numerics = frazil_simulation::scene::Numerics {
-        spacing: SPACING,
-        ..(kind.defaults)(frazil_simulation::scene::Setting::Best)
-    };
-    let discretisation =
-        frazil_simulation::scene::read_section(&text, "bench", frazil_simulation::scene::Units::Si, |section| {
-            section.positive(("spacing", "m"))?;
-            Ok((kind.read)(section, frazil_simulation::scene::Setting::Best, &numerics, 2))
-        });
+    let numerics = frazil_scene::Numerics { spacing: SPACING, ..(kind.defaults)(frazil_scene::Setting::Best) };
+    let discretisation = frazil_scene::read_section(&text, "bench", frazil_scene::Units::Si, |section| {
+        section.positive(("spacing", "m"))?;
+        Ok((kind.read)(section, frazil_scene::Setting::Best, &numerics, 2))
+    });
     discretisation.unwrap_or_else(|problems| unreachable!("{problems}")).stencil(SPACING, 2)
 }
 

@@ -11,8 +11,8 @@ use frazil_core::domain::Domain;
 use frazil_core::material::FreezingLaw;
 use frazil_core::series::Series;
 use frazil_record::ReferenceInfo;
+use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::Scene;
 
 pub use advection::Advection;
 pub use neumann::Neumann;

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use frazil_core::flow::ground::RelativePermeability;
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
 
 use crate::exact::constant;
 use crate::layouts::{Closure, Gap};

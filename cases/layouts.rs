@@ -1,6 +1,6 @@
 //! Reference tables of layouts of freeze pipes: the days on which gaps close, and the frozen wall on some days.
 
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
 
 use crate::groundwater;
 use crate::shells::cubic;

@@ -14,8 +14,8 @@ pub mod studies;
 pub mod table;
 
 use frazil_core::condition::Condition;
+use frazil_scene::{ReferenceChoice, Scene};
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::{ReferenceChoice, Scene};
 use table::Unfit;
 
 /// What is known of a scene without a run of its own.

@@ -4,8 +4,8 @@
 use frazil_core::domain::Domain;
 use frazil_core::material::Mixing;
 use frazil_record::ReferenceInfo;
+use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::Scene;
 
 use crate::table::{Table, interpolate};
 

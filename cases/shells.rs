@@ -7,9 +7,9 @@ use frazil_core::domain::Domain;
 use frazil_core::material::{FreezingLaw, Material};
 use frazil_core::symmetry::Symmetry;
 use frazil_record::ReferenceInfo;
+use frazil_scene::region::{Cell, Region, Shape};
+use frazil_scene::{Scene, Units};
 use frazil_simulation::reference::{Cut, Reference};
-use frazil_simulation::scene::region::{Cell, Region, Shape};
-use frazil_simulation::scene::{Scene, Units};
 
 use crate::exact::constant;
 use crate::exact::line_sink::LineSink;
@@ -230,7 +230,7 @@ impl Case {
             differences.push("regions start at other temperatures there".into());
         }
         let parts = &scene.wall_parts;
-        let same = |(own, expected): (&frazil_simulation::scene::WallPart, &(&str, f64, f64, Wall))| {
+        let same = |(own, expected): (&frazil_scene::WallPart, &(&str, f64, f64, Wall))| {
             own.wall == expected.0
                 && close(own.from, expected.1)
                 && close(own.to, expected.2)

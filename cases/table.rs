@@ -4,8 +4,8 @@ use frazil_core::condition::Condition;
 use frazil_core::domain::Domain;
 use frazil_core::material::{FreezingLaw, Material};
 use frazil_record::ReferenceInfo;
+use frazil_scene::{PipeRing, Scene, Units};
 use frazil_simulation::reference::{Plane, Reference};
-use frazil_simulation::scene::{PipeRing, Scene, Units};
 
 use crate::exact::constant;
 use crate::layouts::{LENGTH_ERROR, TEMPERATURE_ERROR};

@@ -4,8 +4,8 @@ use frazil_core::condition::Condition;
 use frazil_core::domain::{Domain, Sector};
 use frazil_core::material::{FreezingLaw, Material, Mixing, Phase};
 use frazil_core::series::Series;
+use frazil_scene::{PipeRing, ReferenceChoice, Region, Scene, Shape, TimeUnit, Units, Wall, Watch};
 use frazil_simulation::reference::Plane;
-use frazil_simulation::scene::{PipeRing, ReferenceChoice, Region, Scene, Shape, TimeUnit, Units, Wall, Watch};
 
 use crate::exact::similarity::tests::water;
 use crate::{reference_for, table, truth};

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use frazil_core::domain::Domain;
 use frazil_core::series::Series;
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
 
 use crate::axes::Frame;
 use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, text_width};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use frazil_record::CutRow;
 use frazil_record::{Field, MeanOver, ProfileRow, RunResult};
-use frazil_simulation::scene::{Scene, TimeUnit};
+use frazil_scene::{Scene, TimeUnit};
 
 use crate::PlotError;
 use crate::axes::{Axis, Entry, Frame, legend};

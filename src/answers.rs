@@ -5,7 +5,7 @@ use frazil_core::symmetry::Symmetry;
 use frazil_plots::style::{length, number};
 use frazil_record::{Errors, GapRow, RunResult, WallRecord};
 use frazil_record::{WaterRecord, WaterRow};
-use frazil_simulation::scene::{Scene, Units};
+use frazil_scene::{Scene, Units};
 
 use crate::ensemble::record::by_name;
 use crate::progress::clock;

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use frazil_core::memory::{self, Memory};
+use frazil_scene::Scene;
 use frazil_simulation::march::Refused;
 use frazil_simulation::predict::{self, Forecast};
 use frazil_simulation::reduce::{self, Finding};
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::Scene;
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::layout::soils;

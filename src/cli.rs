@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::{Args, Parser, Subcommand};
 use frazil_edpd::calibration::Constants;
-use frazil_simulation::scene::Setting;
+use frazil_scene::Setting;
 
 use crate::calibrate::{CalibrateRequest, Conduction, calibrate};
 use crate::compare::plan::Variant;

@@ -9,10 +9,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use frazil_cases::Truth;
 use frazil_record::RunResult;
+use frazil_scene::Scene;
+use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{Options, Refused};
-use frazil_simulation::method::MethodKind;
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::Scene;
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::machine::Machine;

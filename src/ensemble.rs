@@ -8,10 +8,10 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use frazil_record::{Outcome, Record, RunResult};
+use frazil_scene::Layout;
+use frazil_scene::settings::MethodSettings;
 use frazil_simulation::measure;
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::Layout;
-use frazil_simulation::scene::settings::MethodSettings;
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::output::{self, Folder};

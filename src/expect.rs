@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use frazil_core::lattice::Lattice;
-use frazil_simulation::method::Stepper;
+use frazil_scene::method::Stepper;
+use frazil_scene::{Scene, StepChoice};
 use frazil_simulation::predict;
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::{Scene, StepChoice};
 
 use crate::progress::LONG;
 

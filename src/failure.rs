@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use frazil_plots::PlotError;
+use frazil_scene::Problems;
 use frazil_simulation::march::Refused;
-use frazil_simulation::scene::Problems;
 
 /// The end of a command that did what it was asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

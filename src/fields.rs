@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 
 use frazil_core::particles::Particles;
 use frazil_plots::{FigureOptions, frame};
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
 use frazil_simulation::watch;
 use tempfile::TempDir;
 use vtkio::model::{

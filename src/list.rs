@@ -1,6 +1,6 @@
 //! What there is to run.
 
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
 
 use crate::failure::{Failure, Verdict, answer};
 use crate::registry;

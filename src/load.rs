@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
 
 use crate::failure::Failure;
 use crate::registry;

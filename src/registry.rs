@@ -1,6 +1,6 @@
 //! The list of methods, one line each.
 
-use frazil_simulation::method::MethodKind;
+use frazil_scene::method::MethodKind;
 
 /// All methods, in the order in which they are shown.
 pub fn methods() -> &'static [&'static MethodKind] {

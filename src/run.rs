@@ -6,10 +6,10 @@ use std::sync::Arc;
 use frazil_core::particles::Particles;
 use frazil_plots::{FigureOptions, run_figures};
 use frazil_record::{Outcome, RunResult};
+use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options, Progress, Refused};
 use frazil_simulation::reduce::{self, Finding};
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::Scene;
 
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::fields::Snapshots;

@@ -6,7 +6,7 @@ use frazil_core::domain::Domain;
 use frazil_core::series::Series;
 use frazil_plots::page::Fact;
 use frazil_plots::style::{length, number};
-use frazil_simulation::scene::{Scene, Shape, Units};
+use frazil_scene::{Scene, Shape, Units};
 
 /// A length (m) in words: with a unit where the scene has any.
 pub fn length_words(units: Units, value: f64) -> String {

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
 
 fn frazil(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_frazil")).current_dir(folder).args(arguments).output().expect("a process")

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
 
 #[test]
 fn bad_scenes_are_refused_with_their_messages() {

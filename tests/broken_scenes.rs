@@ -1,6 +1,6 @@
 //! Whatever is done to a scene file, reading it ends with a scene or with problems, and soon.
 
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
 use proptest::prelude::*;
 
 use crate::fuzzed::{End, Pool};

@@ -1,7 +1,7 @@
 //! The scenes that come with the program are good, and say what they are.
 
-use frazil_simulation::method::MethodKind;
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
+use frazil_scene::method::MethodKind;
 
 #[test]
 fn every_bundled_scene_is_good_under_every_method() {

@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 
 use frazil_edpd::calibration::Constants;
 use frazil_edpd::fluid::{Exponent, Parameters};
-use frazil_simulation::scene::{Range, Scene, Units, read_section};
+use frazil_scene::{Range, Scene, Units, read_section};
 
 /// Runs `frazil calibrate` in a folder, with results in `out`.
 fn calibrate(folder: &Path, arguments: &[&str]) -> Output {

@@ -7,8 +7,8 @@ use std::process::{Command, Output};
 
 use frazil::registry::methods;
 use frazil_record::{Record, RunResult};
+use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::scene::Scene;
 
 type Row = BTreeMap<String, String>;
 

@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 use frazil::registry::methods;
 use frazil_core::domain::Domain;
 use frazil_record::{Outcome, RunResult};
+use frazil_scene::Scene;
+use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::method::MethodKind;
-use frazil_simulation::scene::Scene;
 
 use crate::sketch::{Sketch, advance, sand, steady_material, without_noise};
 

@@ -3,10 +3,10 @@
 use frazil::registry::methods;
 use frazil_cases::scenes;
 use frazil_record::{Outcome, RunResult};
+use frazil_scene::method::MethodKind;
+use frazil_scene::{Layout, Scene, Units};
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::method::MethodKind;
 use frazil_simulation::plan;
-use frazil_simulation::scene::{Layout, Scene, Units};
 
 use crate::sketch::advance;
 

@@ -10,11 +10,11 @@ use std::time::Duration;
 use frazil::registry::methods;
 use frazil_cases::scenes::BundledScene;
 use frazil_core::domain::{Domain, Sector};
+use frazil_scene::method::MethodKind;
+use frazil_scene::{Scene, Units};
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::method::MethodKind;
 use frazil_simulation::plan;
 use frazil_simulation::predict::forecast;
-use frazil_simulation::scene::{Scene, Units};
 
 use crate::sketch::{Sketch, sand};
 

@@ -9,11 +9,11 @@ use std::time::{Duration, Instant};
 
 use frazil_core::condition::Condition;
 use frazil_record::{Outcome, RunResult};
+use frazil_scene::Scene;
+use frazil_scene::method::Stepper;
+use frazil_scene::settings::MethodSettings;
 use frazil_simulation::march::{Options, run};
-use frazil_simulation::method::Stepper;
 use frazil_simulation::plan;
-use frazil_simulation::scene::Scene;
-use frazil_simulation::scene::settings::MethodSettings;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use toml::{Table, Value};

@@ -3,9 +3,9 @@
 use frazil_cases::groundwater;
 use frazil_cases::layouts::{self, Gap};
 use frazil_core::domain::{Domain, Sector};
+use frazil_scene::Scene;
+use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::method::MethodKind;
-use frazil_simulation::scene::Scene;
 use glam::DVec2;
 
 use crate::sketch::{SHARP, Sketch, advance, bundled, even};

@@ -3,7 +3,7 @@
 use frazil::registry::methods;
 use frazil_core::domain::Domain;
 use frazil_record::Outcome;
-use frazil_simulation::method::MethodKind;
+use frazil_scene::method::MethodKind;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use crate::sketch::{Sketch, advance, sand, wall_by_chance, water, without_noise};

@@ -4,10 +4,11 @@
 use std::sync::{Arc, Mutex};
 
 use frazil::registry::methods;
+use frazil_core::assembly::Assembly;
 use frazil_core::domain::{Domain, Sector};
 use frazil_core::list_operator::{ListParts, Off};
-use frazil_simulation::method::{Discretisation, MethodKind, Stepper};
-use frazil_simulation::plan::{self, Assembly, Plan};
+use frazil_scene::method::{Discretisation, MethodKind, Stepper};
+use frazil_simulation::plan::{self, Plan};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use crate::sketch::{Sketch, advance, sand, wall_by_chance, water, without_noise};

@@ -5,9 +5,9 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use frazil_record::RunResult;
+use frazil_scene::Scene;
+use frazil_scene::method::acting_radius;
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::method::acting_radius;
-use frazil_simulation::scene::Scene;
 
 use crate::sketch::bundled;
 

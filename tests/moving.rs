@@ -4,8 +4,8 @@ use frazil::registry;
 use frazil_edpd::calibration::Constants;
 use frazil_edpd::fluid::{Fluid, Parameters, Undriven};
 use frazil_record::{Outcome, RunResult};
+use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::scene::Scene;
 
 use crate::forecasts::most;
 

@@ -4,7 +4,7 @@ use frazil::registry::methods;
 use frazil_core::domain::Domain;
 use frazil_core::statistics::observed_order;
 use frazil_core::stencil::Stencil;
-use frazil_simulation::method::MethodKind;
+use frazil_scene::method::MethodKind;
 use frazil_simulation::plan;
 
 use crate::references;

@@ -7,8 +7,8 @@ use std::path::Path;
 use frazil::registry::methods;
 use frazil_cases::{paper, scenes};
 use frazil_core::symmetry::Symmetry;
+use frazil_scene::{Scene, Setting};
 use frazil_simulation::plan::{self, Plan};
-use frazil_simulation::scene::{Scene, Setting};
 
 use crate::sketch::advance;
 

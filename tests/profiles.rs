@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use frazil_core::domain::{Domain, Sector};
 use frazil_record::{MeanOver, RunResult};
+use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options};
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::Scene;
 
 use crate::sketch::{SHARP, Sketch, even, sand};
 

@@ -3,10 +3,10 @@
 use frazil::registry::methods;
 use frazil_core::domain::{Domain, Sector};
 use frazil_record::RunResult;
+use frazil_scene::Scene;
+use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::method::MethodKind;
 use frazil_simulation::reduce::{self, Finding, Reduction};
-use frazil_simulation::scene::Scene;
 use rand::{RngExt, SeedableRng, rngs::StdRng, seq::IndexedRandom};
 
 use crate::sketch::{Sketch, even, sand, water, without_noise};

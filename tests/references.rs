@@ -4,8 +4,8 @@
 use frazil::registry::methods;
 use frazil_core::domain::{Domain, Sector};
 use frazil_record::{Errors, Outcome};
+use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::method::MethodKind;
 
 use crate::sketch::{Sketch, sand, steady_material, water, without_noise};
 

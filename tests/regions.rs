@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use frazil::registry::methods;
 use frazil_core::domain::{Domain, Sector};
 use frazil_record::Outcome;
-use frazil_simulation::method::MethodKind;
+use frazil_scene::method::MethodKind;
 
 use crate::sketch::{Sketch, advance, sand, steady_material, water, without_noise};
 

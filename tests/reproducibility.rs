@@ -5,8 +5,8 @@ use frazil::registry::methods;
 use frazil_core::domain::Domain;
 use frazil_core::method::Clock;
 use frazil_core::statistics;
+use frazil_scene::method::MethodKind;
 use frazil_simulation::march::Options;
-use frazil_simulation::method::MethodKind;
 
 use crate::sketch::{Sketch, advance, steady_material};
 

@@ -4,8 +4,8 @@ use frazil::registry::methods;
 use frazil_core::domain::Domain;
 use frazil_core::flow::diagonals::Diagonals;
 use frazil_record::{Outcome, RunResult};
+use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::method::MethodKind;
 
 use crate::references::errors;
 use crate::sketch::{Sketch, advance};

@@ -2,8 +2,8 @@
 
 use frazil_core::domain::Domain;
 use frazil_core::symmetry::Symmetry;
+use frazil_scene::method::MethodKind;
 use frazil_simulation::march::Options;
-use frazil_simulation::method::MethodKind;
 
 use crate::sketch::{Sketch, advance, rates};
 

@@ -6,10 +6,10 @@ use frazil::registry::methods;
 use frazil_core::domain::{Domain, Sector};
 use frazil_core::method::Clock;
 use frazil_record::RunResult;
+use frazil_scene::Scene;
+use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::method::MethodKind;
 use frazil_simulation::plan::{self, Plan};
-use frazil_simulation::scene::Scene;
 use rand::{RngExt, rngs::StdRng};
 
 /// A scene in a few words. Walls, materials and numerics are lines of the file.

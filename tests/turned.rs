@@ -2,7 +2,7 @@
 
 use frazil_core::domain::{Domain, Sector};
 use frazil_record::{Outcome, ProfileRow, RunResult};
-use frazil_simulation::method::MethodKind;
+use frazil_scene::method::MethodKind;
 
 use crate::sketch::{SHARP, Sketch, even, sand, water};
 

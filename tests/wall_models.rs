@@ -3,8 +3,8 @@
 
 use frazil_core::domain::Domain;
 use frazil_core::symmetry::Symmetry;
+use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::method::MethodKind;
 use frazil_simulation::plan;
 use frazil_simulation::reduce::{self, Finding};
 

@@ -8,8 +8,8 @@ use frazil::layout::answers::{Answers, DAY, Day, Kept};
 use frazil::layout::study::Design;
 use frazil_core::domain::{Domain, Sector};
 use frazil_record::{Field, RunResult};
+use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::scene::Scene;
 
 use crate::sketch::bundled;
 

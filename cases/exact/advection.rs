@@ -3,8 +3,8 @@
 use frazil_core::condition::Condition;
 use frazil_core::domain::Domain;
 use frazil_record::ReferenceInfo;
+use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::Scene;
 
 use super::constant;
 use super::functions::erfcx;

@@ -14,17 +14,17 @@ pub mod properties;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use frazil_core::assembly::Assembly;
 use frazil_core::exchange::{Exchange, Mean};
 use frazil_core::list_operator::{Off, PairTerm, PairView};
 use frazil_core::memory::Held;
 use frazil_core::method::{Clock, Method, Normalisation, PairWeight};
+use frazil_core::moving::Purpose;
 use frazil_core::noise::StepNoise;
 use frazil_record::Value;
-use frazil_simulation::method::{Discretisation, MethodKind, Stepper};
-use frazil_simulation::moving::Purpose;
-use frazil_simulation::plan::Assembly;
-use frazil_simulation::scene::settings::MethodSettings;
-use frazil_simulation::scene::{Numerics, Range, Scene, Section, Setting, Units};
+use frazil_scene::method::{Discretisation, MethodKind, Stepper};
+use frazil_scene::settings::MethodSettings;
+use frazil_scene::{Numerics, Range, Scene, Section, Setting, Units};
 use rayon::ThreadPool;
 
 /// The method as the registry lists it.
@@ -107,7 +107,7 @@ impl RandomFlux {
         let alike = !materials.mixed();
         RandomFlux {
             seed: assembly.seed,
-            absolute_zero: assembly.units.absolute_zero(),
+            absolute_zero: assembly.absolute_zero,
             twice_boltzmann_per_volume: 2.0 * boltzmann / volume,
             by_particle: if alike { Arc::new([]) } else { (0..count).chain(ghosts).map(own).collect() },
             noise: StepNoise::new(assembly.seed, 0),

@@ -18,14 +18,14 @@ use frazil_core::condition::Condition;
 use frazil_core::domain::Domain;
 use frazil_core::ledger::Ledger;
 use frazil_core::method::{Bound, Clock, Method, StepError};
+use frazil_core::moving::{Crowd, Purpose};
 use frazil_core::particles::{Particles, Places};
 use frazil_core::potential::{Curve, Thermal};
 use frazil_core::series::Series;
 use frazil_record::Work;
-use frazil_simulation::moving::{Crowd, Purpose};
-use frazil_simulation::scene::region::Cell;
-use frazil_simulation::scene::settings::MethodSettings;
-use frazil_simulation::scene::{Scene, Units};
+use frazil_scene::region::Cell;
+use frazil_scene::settings::MethodSettings;
+use frazil_scene::{Scene, Units};
 use glam::DVec2;
 use rayon::ThreadPool;
 

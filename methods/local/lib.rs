@@ -6,8 +6,8 @@
 use std::sync::Arc;
 
 use frazil_core::method::{Normalisation, PairWeight};
-use frazil_simulation::method::{Discretisation, MethodKind, Stepper};
-use frazil_simulation::scene::{Numerics, Section, Setting};
+use frazil_scene::method::{Discretisation, MethodKind, Stepper};
+use frazil_scene::{Numerics, Section, Setting};
 
 /// The method as the registry lists it.
 pub static METHOD: MethodKind = MethodKind {

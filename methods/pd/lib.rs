@@ -12,8 +12,8 @@ use frazil_core::exchange::{Exchange, Mean};
 use frazil_core::flow::numerics::Conduction;
 use frazil_core::method::{Normalisation, PairWeight};
 use frazil_record::Value;
-use frazil_simulation::method::{Discretisation, MethodKind, Stepper};
-use frazil_simulation::scene::{Numerics, Range, Section, Setting};
+use frazil_scene::method::{Discretisation, MethodKind, Stepper};
+use frazil_scene::{Numerics, Range, Section, Setting};
 
 /// The method as the registry lists it.
 pub static METHOD: MethodKind = MethodKind {

@@ -10,8 +10,8 @@ use frazil_core::exchange::{Exchange, Mean};
 use frazil_core::method::{Normalisation, PairWeight};
 use frazil_core::uptake::Uptake;
 use frazil_record::Value;
-use frazil_simulation::method::{Discretisation, MethodKind, Stepper};
-use frazil_simulation::scene::{Numerics, Range, Section, Setting};
+use frazil_scene::method::{Discretisation, MethodKind, Stepper};
+use frazil_scene::{Numerics, Range, Section, Setting};
 
 pub mod kernel;
 

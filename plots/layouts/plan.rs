@@ -7,7 +7,7 @@ use crate::ground_plan::{GroundPlan, LEAST, ShaftMark, arrow_around};
 use crate::map::{self, Look};
 use crate::run::{FigureOptions, Words, title};
 use crate::style::{INK, REFERENCE, TICK, number};
-use frazil_simulation::scene::TimeUnit;
+use frazil_scene::TimeUnit;
 
 /// Sketches in a row, and in a figure.
 const COLUMNS: usize = 3;

@@ -9,7 +9,7 @@ use frazil_plots::ground_plan::{GroundPlan, ShaftMark, WaterMark};
 use frazil_plots::run::drawings;
 use frazil_plots::{FigureOptions, run_figures};
 use frazil_record::{Errors, Field, FrontRow, GapRow, Outcome, ProfileRow, Record, RunResult, WallRow};
-use frazil_simulation::scene::TimeUnit;
+use frazil_scene::TimeUnit;
 
 #[path = "figures/layouts.rs"]
 mod layouts;

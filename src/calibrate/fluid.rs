@@ -5,7 +5,7 @@ use std::path::Path;
 
 use frazil_cases::fluids;
 use frazil_edpd::calibration;
-use frazil_simulation::scene::{Problem, Problems, Range, Read, Section, Units, read_section};
+use frazil_scene::{Problem, Problems, Range, Read, Section, Units, read_section};
 
 use crate::failure::Failure;
 

@@ -327,12 +327,8 @@ pub fn made_up(method: &'static str, rows: &[(f64, f64, f64)]) -> Curve {
             on_front: false,
         })
         .collect();
-    let mut curve = Curve {
-        method,
-        setting: Variant::standard(frazil_simulation::scene::Setting::Best),
-        kind: Kind::Plain,
-        points,
-    };
+    let mut curve =
+        Curve { method, setting: Variant::standard(frazil_scene::Setting::Best), kind: Kind::Plain, points };
     curve.judge(None);
     curve
 }

@@ -7,10 +7,10 @@ use std::time::Instant;
 use frazil_core::statistics;
 use frazil_plots::style::{duration, percent};
 use frazil_record::{Outcome, ReferenceInfo};
+use frazil_scene::{ReferenceChoice, Scene};
 use frazil_simulation::march::{Options, outputs};
 use frazil_simulation::measure;
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::{ReferenceChoice, Scene};
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 

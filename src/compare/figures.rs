@@ -4,7 +4,7 @@ use frazil_core::statistics;
 use frazil_plots::canvas::Canvas;
 use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint};
 use frazil_plots::convergence::{OrderCurve, convergence};
-use frazil_simulation::scene::Units;
+use frazil_scene::Units;
 
 use super::analysis::{Comparison, Study, group};
 use super::curve::{Clock, Curve, Kind, Point};

@@ -1,7 +1,7 @@
 //! What the runs of one configuration have shown.
 
 use frazil_record::{Errors, Outcome, Record, RunResult};
-use frazil_simulation::scene::Units;
+use frazil_scene::Units;
 
 use super::plan::{Configuration, Variant};
 use crate::ensemble::runs::EnsembleRuns;

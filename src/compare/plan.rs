@@ -1,7 +1,7 @@
 //! Which runs a comparison of one scene consists of.
 
-use frazil_simulation::method::MethodKind;
-use frazil_simulation::scene::{Scene, Setting, Units};
+use frazil_scene::method::MethodKind;
+use frazil_scene::{Scene, Setting, Units};
 
 use super::{CompareRequest, Parts};
 

@@ -7,10 +7,10 @@ use std::time::Instant;
 
 use frazil_plots::style::{duration, percent};
 use frazil_record::{Field, Outcome, ReferenceInfo, RunResult};
+use frazil_scene::{Scene, Setting};
 use frazil_simulation::march::Options;
 use frazil_simulation::measure;
 use frazil_simulation::reference::{Cut, Plane, Reference};
-use frazil_simulation::scene::{Scene, Setting};
 
 use super::Parts;
 use super::execute::judge_alike;

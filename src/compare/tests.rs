@@ -6,8 +6,8 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use frazil_record::{Errors, FrontRow, Outcome, ProfileRow, Record};
+use frazil_scene::Setting;
 use frazil_simulation::measure;
-use frazil_simulation::scene::Setting;
 
 use super::*;
 use crate::failure::Failure;

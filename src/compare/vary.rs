@@ -15,10 +15,10 @@ use std::time::Instant;
 
 use frazil_plots::style::{duration, number};
 use frazil_record::{Outcome, RunResult, Value};
+use frazil_scene::Scene;
+use frazil_scene::method::MethodKind;
 use frazil_simulation::march::Options;
-use frazil_simulation::method::MethodKind;
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::Scene;
 
 use super::execute::{Stop, judge_alike, truth};
 use super::plan::{Variant, overrides, spacings};
@@ -428,8 +428,7 @@ fn one(
     reference: Option<&Arc<dyn Reference>>,
     left: f64,
 ) -> Result<RunResult, String> {
-    let setting =
-        request.settings.first().cloned().unwrap_or_else(|| Variant::standard(frazil_simulation::scene::Setting::Best));
+    let setting = request.settings.first().cloned().unwrap_or_else(|| Variant::standard(frazil_scene::Setting::Best));
     let mut pairs = overrides(base.units, run.method, run.spacing, &setting);
     pairs.push((format!("method.{}.{}", run.method, vary.key), format!("{}", run.ratio)));
     let mut scene =

@@ -5,6 +5,7 @@
 //! `V_i dH_i/dt = sum_j w_ij (U_j - U_i) + sources`, with the enthalpy `H` (J/m3), the conduction potential
 //! `U(H) = integral of k dT` (W/m) and symmetric geometric weights `w_ij >= 0` (m^(d-2)).
 
+pub mod assembly;
 pub mod blend;
 pub mod boundary;
 pub mod condition;
@@ -26,6 +27,7 @@ pub mod list_operator;
 pub mod material;
 pub mod memory;
 pub mod method;
+pub mod moving;
 pub mod neighbours;
 pub mod noise;
 pub mod operator;

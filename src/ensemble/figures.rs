@@ -6,7 +6,7 @@ use std::path::Path;
 use frazil_plots::PlotError;
 use frazil_plots::ensemble::{BandFigure, Curve, Look, Panel, Point, bands};
 use frazil_plots::style::number;
-use frazil_simulation::scene::{Scene, Units};
+use frazil_scene::{Scene, Units};
 
 use super::Study;
 use super::table::{ALONG, INTERVAL, PLACE, Role, Table, reference_of};

@@ -7,10 +7,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use frazil_record::{Outcome, Record};
+use frazil_scene::Scene;
+use frazil_scene::settings::MethodSettings;
 use frazil_simulation::march::{self, Options, Progress};
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::Scene;
-use frazil_simulation::scene::settings::MethodSettings;
 
 use super::runs::Tables;
 use super::table::Table;

@@ -8,9 +8,9 @@ use std::io;
 use frazil_core::statistics;
 use frazil_record::WaterSeries;
 use frazil_record::{Errors, Record, RunResult};
+use frazil_scene::Scene;
 use frazil_simulation::measure;
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::Scene;
 use serde::de::DeserializeOwned;
 
 use super::table::{Table, mean};

@@ -3,7 +3,7 @@
 use frazil_core::domain::Domain;
 use frazil_plots::layouts::between;
 use frazil_record::{BudgetRow, GapRow, LinkRow, Outcome, PlaneRow, ProfileRow, Record, RunResult, WallRow};
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use super::around::{Around, Line, Mapped, around};

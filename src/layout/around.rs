@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use frazil_core::domain::{Domain, Sector};
 use frazil_record::{Field, LinkRow, RunResult};
-use frazil_simulation::scene::{PipeRing, Scene};
+use frazil_scene::{PipeRing, Scene};
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 

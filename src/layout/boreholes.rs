@@ -1,6 +1,6 @@
 //! Boreholes that leave the vertical: where they stand at a depth, and whether two of them meet on the way.
 
-use frazil_simulation::scene::{NoPipeName, PipeName, PipeRing};
+use frazil_scene::{NoPipeName, PipeName, PipeRing};
 use glam::DVec2;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};

@@ -8,7 +8,7 @@ use std::time::Instant;
 
 use frazil_plots::layouts::{CriticalView, critical_map};
 use frazil_plots::page::{Block, Figure, Table};
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
 use serde::{Deserialize, Serialize};
 
 use super::ahead::{Ahead, Find};

@@ -2,7 +2,7 @@
 
 use frazil_core::condition::Condition;
 use frazil_core::domain::Domain;
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
 
 use super::study::Study;
 use super::variants::Role;

@@ -3,7 +3,7 @@
 use frazil_core::domain::Domain;
 use frazil_plots::page::{Block, Table};
 use frazil_record::{Record, WallRow};
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
 use serde::Serialize;
 
 use super::Found;

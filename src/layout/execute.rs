@@ -10,9 +10,9 @@ use frazil_core::particles::Particles;
 use frazil_plots::ground_plan::ShaftMark;
 use frazil_plots::{FigureOptions, run_figures};
 use frazil_record::Outcome;
+use frazil_scene::Scene;
 use frazil_simulation::march::{self, EachOutput, Options};
 use frazil_simulation::predict;
-use frazil_simulation::scene::Scene;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 

@@ -7,8 +7,8 @@ use frazil_cases::layouts::{
 };
 use frazil_plots::page::{Block, Table};
 use frazil_record::LinkRow;
-use frazil_simulation::method::acting_radius;
-use frazil_simulation::scene::Scene;
+use frazil_scene::Scene;
+use frazil_scene::method::acting_radius;
 use glam::DVec2;
 use serde::Serialize;
 

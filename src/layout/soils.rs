@@ -1,7 +1,7 @@
 //! Soils that studies know by name.
 
 use frazil_core::material::FreezingLaw;
-use frazil_simulation::scene::{Scene, Units};
+use frazil_scene::{Scene, Units};
 use toml::{Table, Value};
 
 use super::study::literals;

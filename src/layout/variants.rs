@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use frazil_core::domain::Domain;
+use frazil_scene::{PipeName, PipeRing, Scene};
 use frazil_simulation::closing::dug_too_early;
-use frazil_simulation::scene::{PipeName, PipeRing, Scene};
 use glam::DVec2;
 use serde::Deserialize;
 use toml::Value;

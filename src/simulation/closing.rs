@@ -7,10 +7,10 @@
 
 use glam::DVec2;
 
-use crate::scene::{PipeRing, Scene};
 use crate::watch::loops::{closure, neighbours};
 use frazil_core::condition::Condition;
 use frazil_core::material::{FreezingLaw, Material};
+use frazil_scene::{PipeRing, Scene};
 
 /// Pieces of the time over which the coldness of pipes is summed.
 const PIECES: usize = 4000;

@@ -8,8 +8,8 @@ use frazil_core::potential::Thermal;
 use frazil_core::uptake::Materials;
 use glam::DVec2;
 
-use crate::scene::Scene;
-use crate::scene::region::Cell;
+use frazil_scene::Scene;
+use frazil_scene::region::Cell;
 
 /// Shares are whole multiples of this: cells that are cut alike are alike to the last bit.
 const SHARE: f64 = 1.0 / (1u64 << 30) as f64;

@@ -1,11 +1,11 @@
 //! Layers that a spacing does not resolve, and by how much.
 
-use crate::scene::region::Shape;
-use crate::scene::{Numerics, Scene};
 use frazil_core::exchange::{Exchange, Mean};
 use frazil_core::lattice::Lattice;
 use frazil_core::potential::Thermal;
 use frazil_core::stencil::Stencil;
+use frazil_scene::region::Shape;
+use frazil_scene::{Numerics, Scene};
 
 /// Part of the heat through a layer at rest by which it may be off without a word.
 const TOLD: f64 = 0.01;

@@ -10,8 +10,6 @@ use std::time::{Duration, Instant};
 use crate::measure::attach;
 use crate::plan::{Plan, build, settings_of};
 use crate::reference::Reference;
-use crate::scene::Scene;
-use crate::scene::settings::MethodSettings;
 use crate::terms::fluctuation;
 use crate::watch::Watches;
 use crate::water::WaterWatch;
@@ -20,6 +18,8 @@ use frazil_core::method::{Clock, Method};
 use frazil_core::particles::Particles;
 use frazil_core::uptake::Uptake;
 use frazil_record::{Errors, Outcome, Record, RunResult};
+use frazil_scene::Scene;
+use frazil_scene::settings::MethodSettings;
 
 use guard::Guard;
 pub use instants::outputs;

@@ -8,8 +8,8 @@ pub mod front;
 use std::collections::BTreeMap;
 
 use crate::reference::{Cut, Plane, Reference};
-use crate::scene::{FreezingDirection, Scene};
 use frazil_record::{BesideRow, Errors, FrontRow, FrozenRow, GapRow, RunResult, WallRow};
+use frazil_scene::{FreezingDirection, Scene};
 
 /// Temperatures on a plane count only farther than this many particle spacings from the wall of a pipe: an
 /// immersed pipe is smeared over them.
@@ -313,12 +313,12 @@ fn closure_errors(gaps: &[GapRow], reference: &dyn Reference) -> BTreeMap<String
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{PipeRing, ReferenceChoice, TimeUnit, Units, Wall, Watch};
     use frazil_core::condition::Condition;
     use frazil_core::domain::{Domain, Sector};
     use frazil_core::material::{FreezingLaw, Material, Mixing, Phase};
     use frazil_core::series::Series;
     use frazil_record::{Outcome, ProfileRow, Record, ReferenceInfo};
+    use frazil_scene::{PipeRing, ReferenceChoice, TimeUnit, Units, Wall, Watch};
 
     const DAY: f64 = 86_400.0;
 

@@ -2,9 +2,9 @@
 //! thaw, and the coldest pipes take heat and give none. An unstable step breaks such rules where temperatures tell
 //! nothing, as inside the smeared delta of a pipe.
 
-use crate::scene::Scene;
 use frazil_core::condition::Condition;
 use frazil_core::series::Series;
+use frazil_scene::Scene;
 
 /// What is watched, and how far it went the wrong way.
 #[derive(Debug, Clone)]
@@ -102,9 +102,9 @@ fn direction(scene: &Scene) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{PipeRing, ReferenceChoice, TimeUnit, Units, Wall, Watch};
     use frazil_core::domain::Domain;
     use frazil_core::material::{FreezingLaw, Material, Mixing, Phase};
+    use frazil_scene::{PipeRing, ReferenceChoice, TimeUnit, Units, Wall, Watch};
 
     fn scene(walls: Vec<(&'static str, Condition)>) -> Scene {
         let phase = Phase { conductivity: 1.0, heat_capacity: 1.0 };

@@ -12,15 +12,12 @@ use crate::cut_cells::blend;
 use crate::interface;
 use crate::layers;
 use crate::march::Refused;
-use crate::method::{Discretisation, Stepper};
-use crate::moving::{Crowd, Purpose};
 use crate::predict::{StepCount, planned_steps};
 use crate::reference::Reference;
-use crate::scene::settings::MethodSettings;
-use crate::scene::{Front, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, StepChoice, Units};
 use crate::start;
 use crate::terms::{self, Parts};
 use crate::walls::boundary;
+use frazil_core::assembly::Assembly;
 use frazil_core::boundary::{Boundary, Dug, Side};
 use frazil_core::corner::strengthen;
 use frazil_core::crack::{Barriers, Cuts};
@@ -33,13 +30,14 @@ use frazil_core::flow::{FlowMethod, FlowParts};
 use frazil_core::ghosts::Ghosts;
 use frazil_core::green::Green;
 use frazil_core::integrate::control::EnthalpyRange;
-use frazil_core::integrate::{Euler, Implicit, Rkl2, SchemeEuler};
+use frazil_core::integrate::{Euler, Implicit, Rkl2};
 use frazil_core::interface::Chains;
 use frazil_core::lattice::Lattice;
 use frazil_core::lattice_operator::{LatticeOperator, LatticeParts};
-use frazil_core::list_operator::{EnthalpyList, ListOperator, ListParts, MOST_DOORS, Off, PairList, PairTerm, Tangent};
+use frazil_core::list_operator::{EnthalpyList, ListOperator, ListParts, MOST_DOORS, Off, PairList, Tangent};
 use frazil_core::memory::{self, Held, Memory};
 use frazil_core::method::{Bound, Method, Normalisation};
+use frazil_core::moving::{Crowd, Purpose};
 use frazil_core::neighbours::{NeighbourSearch, Period, all_pairs::AllPairs, cells::Cells, tree::Tree};
 use frazil_core::operator::Operator;
 use frazil_core::particles::{Particles, Places};
@@ -55,6 +53,9 @@ use frazil_core::uptake::Uptake;
 use frazil_core::uptake::{Materials, scheme};
 use frazil_core::wall_layers::WallModel;
 use frazil_core::wall_layers::{Body, inner, level};
+use frazil_scene::method::{Discretisation, Stepper};
+use frazil_scene::settings::MethodSettings;
+use frazil_scene::{Front, IntegratorChoice, Layout, Numerics, Scene, SearchChoice, StepChoice};
 
 /// Stages of one step by error: longer steps are rarely as exact as they are stable, and gain less and less.
 const MOST_STAGES: usize = 99;
@@ -64,31 +65,6 @@ const MOST_SWITCHES: f64 = 1e7;
 
 /// Steps of one run: more and time, which is as good as 16 digits, would stand still.
 const MOST_STEPS: f64 = 1e15;
-
-/// Particles, neighbours and walls on a list, ready for a method's own step.
-pub struct Assembly {
-    /// The parts of a list operator.
-    pub parts: ListParts,
-    /// Enthalpies at the start (see [`Particles::start`]).
-    pub start: Arc<[f64]>,
-    /// Latent heat.
-    pub uptake: Uptake,
-    /// Conductivity inside the freezing interval.
-    pub mushy: Mushy,
-    /// Units of the scene.
-    pub units: Units,
-    /// Seed of the noise.
-    pub seed: u64,
-}
-
-impl Assembly {
-    /// The shared explicit step with a term beside conduction.
-    pub fn into_method<T: PairTerm>(self, term: T) -> Box<dyn Method> {
-        let count = self.parts.positions.len();
-        let scheme = scheme(self.uptake, self.mushy, &self.parts.materials, &self.start, count);
-        Box::new(SchemeEuler::new(ListOperator::new(self.parts, term), scheme, count))
-    }
-}
 
 /// What a run of a scene under a method will do: the answer of `frazil check`.
 #[derive(Debug, Clone, PartialEq)]
@@ -432,7 +408,7 @@ pub(crate) fn build_for(
                 start: start.clone(),
                 uptake: numerics.uptake,
                 mushy: numerics.mushy,
-                units: scene.units,
+                absolute_zero: scene.units.absolute_zero(),
                 seed,
             };
             let flows = scene.flow.as_ref().zip(numerics.flow);

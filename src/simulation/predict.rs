@@ -10,15 +10,15 @@ use std::time::Instant;
 use crate::march::guard::Guard;
 use crate::march::instants::{next_turn, outputs};
 use crate::march::{GUARD_STEPS, Refused};
-use crate::moving::Purpose;
 use crate::plan::{Plan, PlanSummary, build_for, settings_of};
 use crate::reference::Reference;
-use crate::scene::Scene;
 use crate::watch::Watches;
 use frazil_core::integrate::rkl2::GROWTH;
 use frazil_core::memory::Memory;
 use frazil_core::method::Clock;
+use frazil_core::moving::Purpose;
 use frazil_core::statistics::median;
+use frazil_scene::Scene;
 
 /// How many steps a run makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -16,17 +16,17 @@ use glam::DVec2;
 
 use crate::march::{self, Options, Refused};
 use crate::measure::attach;
-use crate::method::{Discretisation, Stepper};
 use crate::plan::{build, settings_of};
 use crate::reference::Reference;
-use crate::scene::settings::MethodSettings;
-use crate::scene::{IntegratorChoice, Layout, Scene};
 use frazil_core::domain::Domain;
 use frazil_core::lattice::Lattice;
 use frazil_core::method::{Bound, Normalisation, PairWeight};
 use frazil_core::particles::Particles;
 use frazil_core::wall_layers::WallModel;
 use frazil_record::RunResult;
+use frazil_scene::method::{Discretisation, Stepper};
+use frazil_scene::settings::MethodSettings;
+use frazil_scene::{IntegratorChoice, Layout, Scene};
 
 /// A smaller scene under one method, and the way back.
 #[derive(Debug, Clone)]

@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use crate::scene::Scene;
-use crate::scene::region::{Cell, Part};
 use frazil_core::lattice::Lattice;
 use frazil_core::pipe::Sink;
 use frazil_core::symmetry::Volumes;
 use frazil_core::uptake::Materials;
+use frazil_scene::Scene;
+use frazil_scene::region::{Cell, Part};
 
 /// Part of a region's volume by which its particles may differ from it without a word.
 const TOLD: f64 = 0.01;

@@ -6,9 +6,9 @@
 
 use frazil_record::{SectionRow, StreamRecord, StreamRow};
 
-use crate::scene::Scene;
 use frazil_core::condition::Condition;
 use frazil_core::domain::Domain;
+use frazil_scene::Scene;
 
 /// Cells across and steps along: halving both moves no temperature by more than 1e-4 of the range.
 const CELLS: usize = 160;

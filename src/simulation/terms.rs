@@ -1,7 +1,5 @@
 //! What a scene uses under a method, and what it is spared, in words.
 
-use crate::method::{Discretisation, Stepper};
-use crate::scene::{IntegratorChoice, Numerics, Scene, StepChoice, Units};
 use frazil_core::boundary::Boundary;
 use frazil_core::exchange::Exchange;
 use frazil_core::material::{FreezingLaw, Material};
@@ -9,6 +7,8 @@ use frazil_core::potential::{Law, Thermal};
 use frazil_core::uptake::Materials;
 use frazil_core::uptake::Mushy;
 use frazil_core::uptake::Uptake;
+use frazil_scene::method::{Discretisation, Stepper};
+use frazil_scene::{IntegratorChoice, Numerics, Scene, StepChoice, Units};
 
 /// What the words are about.
 pub struct Parts<'a> {

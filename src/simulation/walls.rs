@@ -8,7 +8,7 @@ use frazil_core::domain::{Domain, Sector};
 use frazil_core::wall_layers::WallModel;
 
 use crate::reference::Reference;
-use crate::scene::Scene;
+use frazil_scene::Scene;
 
 /// The walls of a scene. `exact` is what walls that follow the exact solution ask. `mirrors` sets ghosts behind the
 /// walls of a body of shells, which otherwise touch its outermost particles alone.

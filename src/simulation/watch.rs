@@ -26,7 +26,6 @@ use wall::{Joint, Wall};
 
 use crate::march::instants::outputs;
 use crate::one_way::OneWay;
-use crate::scene::{FreezingDirection, PipeRing, Scene};
 use frazil_core::domain::Domain;
 use frazil_core::ledger::{Ledger, Sum};
 use frazil_core::material::FreezingLaw;
@@ -36,6 +35,7 @@ use frazil_record::{
     BudgetRow, Field, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow, ProfileRow, SectionRow,
     Start, StreamRow, SurfaceRow, WallRecord, WallRow,
 };
+use frazil_scene::{FreezingDirection, PipeRing, Scene};
 
 /// The map of a state of a scene, as fields are kept.
 pub fn map(scene: &Scene, particles: &Particles, time: f64) -> Field {

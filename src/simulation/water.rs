@@ -3,13 +3,13 @@
 use frazil_record::{CutRow, FlowPoint, WaterRecord, WaterRow, WaterSeries};
 
 use crate::reference::Reference;
-use crate::scene::Scene;
-use crate::scene::region::Cell;
 use frazil_core::domain::Domain;
 use frazil_core::flow::Water;
 use frazil_core::ledger::Ledger;
 use frazil_core::method::Method;
 use frazil_core::particles::Particles;
+use frazil_scene::Scene;
+use frazil_scene::region::Cell;
 
 /// Distance (m) over which the pressure beside ice is not compared with a reference: it follows the staircase of the
 /// cells there, in the reference as in the run.

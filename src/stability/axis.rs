@@ -2,9 +2,9 @@
 
 use frazil_core::material::{FreezingLaw, Material};
 use frazil_record::Value;
-use frazil_simulation::method::{MethodKind, Stepper};
-use frazil_simulation::scene::settings::MethodSettings;
-use frazil_simulation::scene::{Layout, Scene, Units};
+use frazil_scene::method::{MethodKind, Stepper};
+use frazil_scene::settings::MethodSettings;
+use frazil_scene::{Layout, Scene, Units};
 
 /// Key path and value, as of `--set`.
 pub type Override = (String, String);

@@ -5,12 +5,12 @@ use std::sync::atomic::AtomicBool;
 
 use frazil_core::condition::Condition;
 use frazil_record::Outcome;
+use frazil_scene::settings::MethodSettings;
+use frazil_scene::{IntegratorChoice, Scene, StepChoice};
 use frazil_simulation::march::{self, Options, Refused};
 use frazil_simulation::plan::{self, Bounds};
 use frazil_simulation::predict;
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::settings::MethodSettings;
-use frazil_simulation::scene::{IntegratorChoice, Scene, StepChoice};
 use serde::{Deserialize, Serialize};
 
 use super::axis::stefan_number;

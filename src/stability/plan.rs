@@ -1,8 +1,8 @@
 //! Which columns a study consists of.
 
-use frazil_simulation::method::MethodKind;
+use frazil_scene::method::MethodKind;
+use frazil_scene::{Scene, Units};
 use frazil_simulation::plan;
-use frazil_simulation::scene::{Scene, Units};
 
 use super::axis::{Axis, Override};
 use super::{StabilityRequest, unknown_method};

@@ -5,8 +5,8 @@ use std::path::Path;
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection, Table};
 use frazil_plots::style::{method_title, number, percent};
 use frazil_record::Outcome;
+use frazil_scene::Scene;
 use frazil_simulation::march::{BALANCE_TOLERANCE, RANGE_TOLERANCE, SETBACK_TOLERANCE};
-use frazil_simulation::scene::Scene;
 
 use super::StabilityRequest;
 use super::axis::Axis;

@@ -4,7 +4,7 @@
 use frazil_core::uptake::Uptake;
 use frazil_core::wall_layers::WallModel;
 use frazil_record::Value;
-use frazil_simulation::scene::{Layout, Numerics, Range, Section, Units};
+use frazil_scene::{Layout, Numerics, Range, Section, Units};
 
 use crate::fluid::Exponent;
 

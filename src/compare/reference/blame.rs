@@ -2,9 +2,9 @@
 
 use frazil_plots::style::{number, percent};
 use frazil_record::RunResult;
+use frazil_scene::{Scene, Units};
 use frazil_simulation::measure;
 use frazil_simulation::reference::Reference;
-use frazil_simulation::scene::{Scene, Units};
 
 use super::WORST;
 use crate::ensemble::runs::Headline;

@@ -4,7 +4,7 @@ use frazil_core::statistics;
 use frazil_plots::page::{Block, Table};
 use frazil_plots::style::{duration, number, percent};
 use frazil_record::Value;
-use frazil_simulation::scene::Units;
+use frazil_scene::Units;
 
 use crate::compare::analysis::{self, Comparison, Reached, Study};
 use crate::compare::curve::Point;

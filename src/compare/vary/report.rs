@@ -5,7 +5,7 @@ use std::path::Path;
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection, Table};
 use frazil_plots::signed::{SignedCurve, SignedFigure, signed};
 use frazil_plots::style::{method_title, number, percent};
-use frazil_simulation::scene::Units;
+use frazil_scene::Units;
 
 use super::{Grid, Line, Measure, Run, warnings};
 use crate::compare::CompareRequest;

@@ -3,7 +3,6 @@
 use glam::DVec2;
 
 use super::ground::Ground;
-use crate::scene::{Numerics, Scene};
 use frazil_core::boundary::Boundary;
 use frazil_core::curved_wall::Rim;
 use frazil_core::ghosts::Ghosts;
@@ -13,6 +12,7 @@ use frazil_core::list_operator::PairList;
 use frazil_core::symmetry::Touch;
 use frazil_core::uptake::Materials;
 use frazil_core::wall_layers::WallModel;
+use frazil_scene::{Numerics, Scene};
 
 /// Particles and what they see.
 pub struct Seen<'a> {

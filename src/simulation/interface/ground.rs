@@ -2,12 +2,12 @@
 
 use glam::DVec2;
 
-use crate::scene::Scene;
-use crate::scene::region::Cell;
 use frazil_core::boundary::{Boundary, Side};
 use frazil_core::interface::Piece;
 use frazil_core::lattice::Lattice;
 use frazil_core::symmetry::Symmetry;
+use frazil_scene::Scene;
+use frazil_scene::region::Cell;
 
 /// Part of a line below which a piece between others is rounding.
 const NO_PIECE: f64 = 1e-9;

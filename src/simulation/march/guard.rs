@@ -1,9 +1,9 @@
 //! Watching over the range of temperatures while a run goes on.
 
-use crate::scene::Scene;
 use frazil_core::method::{Bound, Clock};
 use frazil_core::particles::Particles;
 use frazil_core::pipe::Extent;
+use frazil_scene::Scene;
 
 /// Watches over the range of temperatures.
 pub struct Guard {

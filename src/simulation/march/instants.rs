@@ -1,6 +1,6 @@
 //! The instants of a run: outputs, and those on which steps must land.
 
-use crate::scene::Scene;
+use frazil_scene::Scene;
 
 /// Output and profile instants in order, the end included.
 pub fn outputs(scene: &Scene) -> Vec<f64> {

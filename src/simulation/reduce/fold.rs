@@ -4,12 +4,12 @@ use std::f64::consts::PI;
 
 use glam::DVec2;
 
-use crate::scene::region::Cell;
-use crate::scene::{PipeRing, Region, Scene, Shape, Wall};
 use frazil_core::condition::Condition;
 use frazil_core::domain::{Domain, Sector};
 use frazil_core::lattice::Lattice;
 use frazil_core::pipe::Pipe;
+use frazil_scene::region::Cell;
+use frazil_scene::{PipeRing, Region, Scene, Shape, Wall};
 
 /// Distance (m per m of the body's extent) up to which pipes and angles are in the same place.
 const SAME_PLACE: f64 = 1e-9;

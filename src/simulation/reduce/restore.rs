@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use super::fold::{Fold, folded, same_direction};
-use crate::scene::Scene;
 use crate::watch::rays::pairs;
 use frazil_core::domain::Sector;
 use frazil_record::{Field, GapRow, MeanOver, ProfileRow, RunResult};
+use frazil_scene::Scene;
 
 impl Fold {
     /// Turns what the smaller body left into what `larger`, the scene before this fold, would have left. Counts and

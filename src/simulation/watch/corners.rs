@@ -4,10 +4,10 @@ use std::f64::consts::SQRT_2;
 
 use glam::DVec2;
 
-use crate::scene::Scene;
 use frazil_core::condition::Condition;
 use frazil_core::domain::Domain;
 use frazil_core::particles::Particles;
+use frazil_scene::Scene;
 
 /// Half the width of the strip around a diagonal whose frozen fractions tell its front, over the spacing.
 const HALF_WIDTH: f64 = 2.0;

@@ -4,11 +4,11 @@ use glam::DVec2;
 
 use super::rays::Ray;
 use super::sampler::{Sample, Sampler};
-use crate::scene::{FreezingDirection, Scene};
 use frazil_core::domain::{Domain, Surface};
 use frazil_core::memory::Held;
 use frazil_core::particles::Particles;
 use frazil_record::{MeanOver, ProfileRow};
+use frazil_scene::{FreezingDirection, Scene};
 
 /// A line of points at which a body is read.
 #[derive(Debug, Clone)]

@@ -7,9 +7,9 @@ use glam::DVec2;
 use super::loops::{SAME, neighbours, turn};
 use super::wall::{Joint, Way};
 use super::{Sample, Sampler};
-use crate::scene::{PipeRing, Scene};
 use frazil_core::domain::Domain;
 use frazil_core::particles::Particles;
+use frazil_scene::{PipeRing, Scene};
 
 /// A ray of evenly spaced samples.
 #[derive(Debug, Clone)]

@@ -1,10 +1,10 @@
 //! What is read off bodies of shells: fronts as radii.
 
-use crate::scene::Scene;
 use frazil_core::condition::Condition;
 use frazil_core::domain::Domain;
 use frazil_core::material::FreezingLaw;
 use frazil_core::symmetry::Symmetry;
+use frazil_scene::Scene;
 
 /// Where the front of a radial body starts, and how it is measured.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,9 +1,9 @@
 //! Velocities, densities and temperatures across a driven liquid, averaged over time.
 
-use crate::scene::Scene;
 use frazil_core::domain::Domain;
 use frazil_core::particles::Particles;
 use frazil_record::{SectionRow, StreamRow};
+use frazil_scene::Scene;
 
 /// Half the length along x over which a section is averaged, over the spacing.
 const HALF_LENGTH: f64 = 4.0;

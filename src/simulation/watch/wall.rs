@@ -8,7 +8,6 @@ use super::passage::{Passage, PassageFinder};
 use super::standing::Standing;
 use super::sunk::{FrozenIn, Sunk, frozen_in};
 use super::{Ray, Sample, Sampler};
-use crate::scene::Scene;
 use frazil_core::domain::{Domain, Sector};
 use frazil_core::ledger::Ledger;
 use frazil_core::material::FreezingLaw;
@@ -16,6 +15,7 @@ use frazil_core::memory::Held;
 use frazil_core::particles::Particles;
 use frazil_core::pipe::Extent;
 use frazil_record::{LinkRow, PlaneRow, WallRecord};
+use frazil_scene::Scene;
 
 /// Two places that are the same, over the size of the plan.
 pub(super) const SAME_PLACE: f64 = 1e-9;

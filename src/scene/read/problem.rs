@@ -5,8 +5,8 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::every_key::every_key;
+use crate::Units;
 use crate::method::MethodKind;
-use crate::scene::Units;
 
 /// Where a value was written.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -2,16 +2,17 @@
 
 use std::sync::Arc;
 
+use frazil_core::assembly::Assembly;
 use frazil_core::green::Green;
 use frazil_core::method::{Method, Normalisation, PairWeight};
+use frazil_core::moving::{Crowd, Purpose};
 use frazil_core::pipe::radius_of_one_particle;
 use frazil_core::stencil::Stencil;
 use frazil_record::Value;
+use rayon::ThreadPool;
 
-use crate::moving::MakeCrowd;
-use crate::plan::Assembly;
-use crate::scene::settings::MethodSettings;
-use crate::scene::{Numerics, Section, Setting};
+use crate::settings::MethodSettings;
+use crate::{Numerics, Scene, Section, Setting};
 
 /// A method's geometry on one scene, made by [`MethodKind::read`].
 pub struct Discretisation {
@@ -35,6 +36,10 @@ impl Discretisation {
         Stencil::new(self.weight.as_ref(), self.normalisation, spacing, dimension)
     }
 }
+
+/// Makes the particles of a scene with these settings, threads and seed, for a purpose; or says what it cannot represent.
+pub type MakeCrowd =
+    dyn Fn(&Scene, &MethodSettings, Option<Arc<ThreadPool>>, u64, Purpose) -> Result<Crowd, String> + Send + Sync;
 
 /// Who makes the step.
 #[derive(Clone)]

@@ -142,7 +142,7 @@ pub struct MethodSettings {
     pub numerics: Numerics,
     /// The method's own geometry.
     pub discretisation: Arc<Discretisation>,
-    /// The bound of an explicit step, where a larger body knows it for this one ([`crate::reduce`]): both then make
+    /// The bound of an explicit step, where a larger body knows it for this one (a body that is reduced): both then make
     /// the same steps. Derived from the particles if absent.
     pub bound: Option<Bound>,
 }

@@ -5,8 +5,8 @@ use glam::DVec2;
 use super::problem::Read;
 use super::range::{Range, one_of, plain, temperatures};
 use super::section::Section;
-use crate::scene::region::{Cell, area, edges};
-use crate::scene::{Region, Shape};
+use crate::region::{Cell, area, edges};
+use crate::{Region, Shape};
 use frazil_core::domain::{Domain, Sector};
 use frazil_core::segment::{meet, side};
 

@@ -4,19 +4,19 @@ use super::super::problem::Read;
 use super::super::range::Range;
 use super::super::tree::{Item, Node};
 use super::{Key, Section};
-use crate::scene::PipeName;
+use crate::PipeName;
 
 /// Names that the pipes of one ring have.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::scene::read) struct Names {
+pub(in crate::read) struct Names {
     /// Number of the ring, from 0.
-    pub(in crate::scene::read) ring: usize,
+    pub(in crate::read) ring: usize,
     /// Its pipes.
-    pub(in crate::scene::read) count: usize,
+    pub(in crate::read) count: usize,
 }
 
 impl Names {
-    pub(in crate::scene::read) fn of(&self, pipe: usize) -> PipeName {
+    pub(in crate::read) fn of(&self, pipe: usize) -> PipeName {
         PipeName { ring: self.ring, pipe }
     }
 
@@ -48,7 +48,7 @@ impl Names {
 
 impl Section<'_> {
     /// A list of pipes of a ring, none twice; it may be absent.
-    pub(in crate::scene::read) fn optional_pipes(&mut self, key: impl Into<Key>, names: Names) -> Option<Vec<usize>> {
+    pub(in crate::read) fn optional_pipes(&mut self, key: impl Into<Key>, names: Names) -> Option<Vec<usize>> {
         self.optional(key.into(), |section, entry| {
             let Node::List(items) = &entry.node else {
                 return Err(section.wrong(&entry.key, &entry.node, "a list of names of pipes"));
@@ -61,7 +61,7 @@ impl Section<'_> {
     }
 
     /// A list of pipes of a ring, none twice, each with two numbers, as `[["1.4", 0.1, 0.2]]`; it may be absent.
-    pub(in crate::scene::read) fn optional_pipe_points(
+    pub(in crate::read) fn optional_pipe_points(
         &mut self,
         key: impl Into<Key>,
         names: Names,

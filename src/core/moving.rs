@@ -1,13 +1,7 @@
-//! The seam for methods whose particles move: they place them, and make their own steps.
+//! Methods whose particles move: they place them, and make their own steps.
 
-use std::sync::Arc;
-
-use rayon::ThreadPool;
-
-use crate::scene::Scene;
-use crate::scene::settings::MethodSettings;
-use frazil_core::method::Method;
-use frazil_core::potential::Thermal;
+use crate::method::Method;
+use crate::potential::Thermal;
 
 /// Particles that move, at their start, and the method that moves them. [`Method::publish`] fills their columns.
 pub struct Crowd {
@@ -31,7 +25,3 @@ pub enum Purpose {
     /// To try what a step takes: particles that move need not have come to rest.
     Trial,
 }
-
-/// Makes the particles of a scene with these settings, threads and seed, for a purpose; or says what it cannot represent.
-pub type MakeCrowd =
-    dyn Fn(&Scene, &MethodSettings, Option<Arc<ThreadPool>>, u64, Purpose) -> Result<Crowd, String> + Send + Sync;

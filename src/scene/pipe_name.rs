@@ -7,7 +7,7 @@ use std::str::FromStr;
 /// 9 of ring 0 is `1.10`.
 ///
 /// ```
-/// use frazil_core::scene::PipeName;
+/// use frazil_scene::PipeName;
 /// assert_eq!("1.10".parse(), Ok(PipeName { ring: 0, pipe: 9 }));
 /// assert_eq!(PipeName { ring: 0, pipe: 9 }.to_string(), "1.10");
 /// ```

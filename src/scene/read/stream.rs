@@ -3,8 +3,8 @@
 use super::problem::Read;
 use super::range::{Range, plain, temperatures};
 use super::section::{Duration, Section};
-use crate::scene::Wall;
-use crate::scene::stream::Stream;
+use crate::Wall;
+use crate::stream::Stream;
 use frazil_core::condition::Condition;
 use frazil_core::domain::Domain;
 

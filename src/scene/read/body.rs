@@ -8,7 +8,7 @@ use super::problem::Read;
 use super::range::{Range, all_of, plain, temperatures};
 use super::section::{Key, Names, Section};
 use super::shells;
-use crate::scene::{PipeRing, ReferenceChoice, Region, Wall, WallPart};
+use crate::{PipeRing, ReferenceChoice, Region, Wall, WallPart};
 use frazil_core::condition::Condition;
 use frazil_core::domain::{Domain, Sector};
 use frazil_core::material::Material;

@@ -3,9 +3,9 @@ use std::sync::Arc;
 use proptest::prelude::*;
 
 use super::*;
+use crate::TimeUnit;
 use crate::method::{Discretisation, Stepper};
-use crate::scene::TimeUnit;
-use crate::scene::settings::*;
+use crate::settings::*;
 use frazil_core::domain::Domain;
 use frazil_core::method::{Normalisation, PairWeight};
 use frazil_core::series::Series;

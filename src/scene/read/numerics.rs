@@ -5,11 +5,9 @@ use std::sync::Arc;
 use super::range::{Range, all_of, plain};
 use super::section::Section;
 use super::shells;
+use crate::Wall;
 use crate::method::MethodKind;
-use crate::scene::Wall;
-use crate::scene::settings::{
-    Front, IntegratorChoice, Layout, MethodSettings, Numerics, SearchChoice, Setting, StepChoice,
-};
+use crate::settings::{Front, IntegratorChoice, Layout, MethodSettings, Numerics, SearchChoice, Setting, StepChoice};
 use frazil_core::condition::Condition;
 use frazil_core::crack::Crack;
 use frazil_core::domain::Domain;

@@ -4,7 +4,7 @@ use super::body;
 use super::problem::Read;
 use super::range::{Range, plain};
 use super::section::Section;
-use crate::scene::{Excavation, PipeName, PipeRing};
+use crate::{Excavation, PipeName, PipeRing};
 use frazil_core::condition::Condition;
 use frazil_core::domain::Domain;
 

@@ -55,7 +55,7 @@ impl Scene {
 /// Reads a text of keys that is no whole scene, such as a method's own settings, with the same messages.
 ///
 /// ```
-/// use frazil_core::scene::{Range, Units, read_section};
+/// use frazil_scene::{Range, Units, read_section};
 /// let read = |text| read_section(text, "pd.toml", Units::Si, |pd| Ok(pd.number_or("horizon_ratio", 3.0, Range::POSITIVE)));
 /// assert_eq!(read("horizon_ratio = 4"), Ok(4.0));
 /// let problems = read("horizn_ratio = 4").map_err(|problems| problems.to_string());

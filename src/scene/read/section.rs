@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 use super::problem::{Log, Noted, Place, Problem, Read};
 use super::range::{Range, one_of, unfit};
 use super::tree::{Entry, Node};
-use crate::scene::Units;
+use crate::Units;
 
 pub use lists::Duration;
 pub(super) use pipes::Names;
@@ -62,7 +62,7 @@ struct Asked {
 /// dropped.
 ///
 /// ```
-/// # use frazil_core::scene::{Range, Section};
+/// # use frazil_scene::{Range, Section};
 /// # #[derive(Clone)]
 /// # enum Influence { Constant, Triangular }
 /// fn read(section: &mut Section<'_>) -> (f64, Influence) {

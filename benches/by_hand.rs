@@ -6,7 +6,7 @@
 //! need is gone: in place of a law there is a constant, and there are no general walls, no booking of heat, no pipes, no
 //! corners, no bands for threads.
 
-use frazil_core::stencil::Stencil;
+use frazil_core::bonds::stencil::Stencil;
 
 const LANES: usize = 8;
 const BLOCK: usize = 256;

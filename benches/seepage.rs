@@ -6,7 +6,7 @@
 mod shared;
 
 use cpu_time::ThreadTime;
-use frazil_core::method::Clock;
+use frazil_core::solvers::step::Clock;
 use frazil_core::statistics::median;
 use frazil_simulation::plan::Plan;
 use shared::planned;

@@ -5,7 +5,7 @@
 
 use std::time::Instant;
 
-use frazil_core::method::Clock;
+use frazil_core::solvers::step::Clock;
 use frazil_core::statistics::{median, quartiles};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodKind;

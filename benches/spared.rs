@@ -8,8 +8,8 @@ mod shared;
 
 use by_hand::ByHand;
 use cpu_time::ThreadTime;
+use frazil_core::bonds::stencil::Stencil;
 use frazil_core::statistics::{median, quartiles};
-use frazil_core::stencil::Stencil;
 use frazil_simulation::plan::Plan;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use shared::{Case, ROUNDS, planned, ratio};

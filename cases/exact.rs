@@ -6,10 +6,10 @@ pub mod line_sink;
 pub mod neumann;
 pub mod similarity;
 
-use frazil_core::condition::Condition;
-use frazil_core::domain::Domain;
-use frazil_core::material::FreezingLaw;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::physics::material::FreezingLaw;
 use frazil_core::series::Series;
+use frazil_core::space::domain::Domain;
 use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;

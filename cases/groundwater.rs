@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use frazil_core::flow::ground::RelativePermeability;
+use frazil_core::balances::groundwater::ground::RelativePermeability;
 use frazil_scene::Scene;
 
 use crate::exact::constant;

@@ -13,7 +13,7 @@ pub mod soils;
 pub mod studies;
 pub mod table;
 
-use frazil_core::condition::Condition;
+use frazil_core::boundary::condition::Condition;
 use frazil_scene::{ReferenceChoice, Scene};
 use frazil_simulation::reference::Reference;
 use table::Unfit;

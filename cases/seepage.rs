@@ -1,8 +1,8 @@
 //! The thawing inclusion of Nikolaev et al. 2021, section 5.3, from tables of a finite-volume solution for each of two
 //! laws of conductivity.
 
-use frazil_core::domain::Domain;
-use frazil_core::material::Mixing;
+use frazil_core::physics::material::Mixing;
+use frazil_core::space::domain::Domain;
 use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;

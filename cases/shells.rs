@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use frazil_core::condition::Condition;
-use frazil_core::domain::Domain;
-use frazil_core::material::{FreezingLaw, Material};
-use frazil_core::symmetry::Symmetry;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::space::domain::Domain;
+use frazil_core::space::symmetry::Symmetry;
 use frazil_record::ReferenceInfo;
 use frazil_scene::region::{Cell, Region, Shape};
 use frazil_scene::{Scene, Units};

@@ -1,8 +1,8 @@
 //! Reference tables shipped with the program, and the scenes that they belong to.
 
-use frazil_core::condition::Condition;
-use frazil_core::domain::Domain;
-use frazil_core::material::{FreezingLaw, Material};
+use frazil_core::boundary::condition::Condition;
+use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::space::domain::Domain;
 use frazil_record::ReferenceInfo;
 use frazil_scene::{PipeRing, Scene, Units};
 use frazil_simulation::reference::{Plane, Reference};
@@ -557,7 +557,7 @@ fn column_differences(scene: &Scene) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::exact::Neumann;
-    use frazil_core::material::{Mixing, Phase};
+    use frazil_core::physics::material::{Mixing, Phase};
 
     fn shaft(name: &str) -> ShaftTable {
         let case = SHAFT_CASES.iter().find(|case| case.name == name).expect("case");

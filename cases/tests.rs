@@ -1,9 +1,9 @@
 //! Which reference a scene gets, and what it is told when there is none.
 
-use frazil_core::condition::Condition;
-use frazil_core::domain::{Domain, Sector};
-use frazil_core::material::{FreezingLaw, Material, Mixing, Phase};
+use frazil_core::boundary::condition::Condition;
+use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
 use frazil_core::series::Series;
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_scene::{PipeRing, ReferenceChoice, Region, Scene, Shape, TimeUnit, Units, Wall, Watch};
 use frazil_simulation::reference::Plane;
 

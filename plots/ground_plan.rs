@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use frazil_core::domain::Domain;
 use frazil_core::series::Series;
+use frazil_core::space::domain::Domain;
 use frazil_scene::Scene;
 
 use crate::axes::Frame;

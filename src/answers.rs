@@ -1,7 +1,7 @@
 //! What a run says first: where the front is, when the wall closed, what became of the ice. Errors are called errors.
 
-use frazil_core::domain::Domain;
-use frazil_core::symmetry::Symmetry;
+use frazil_core::space::domain::Domain;
+use frazil_core::space::symmetry::Symmetry;
 use frazil_plots::style::{length, number};
 use frazil_record::{Errors, GapRow, RunResult, WallRecord};
 use frazil_record::{WaterRecord, WaterRow};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use frazil_core::lattice::Lattice;
+use frazil_core::space::lattice::Lattice;
 use frazil_scene::method::Stepper;
 use frazil_scene::{Scene, StepChoice};
 use frazil_simulation::predict;

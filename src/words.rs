@@ -1,9 +1,9 @@
 //! A scene in words, as pages say it.
 
-use frazil_core::condition::Condition;
-use frazil_core::crack::Growth;
-use frazil_core::domain::Domain;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::breakage::crack::Growth;
 use frazil_core::series::Series;
+use frazil_core::space::domain::Domain;
 use frazil_plots::page::Fact;
 use frazil_plots::style::{length, number};
 use frazil_scene::{Scene, Shape, Units};

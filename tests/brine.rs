@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use frazil_core::domain::{Domain, Sector};
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::RunResult;
 
 use crate::sketch::{SHARP, Sketch, even, sand, steady_material};

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use frazil::registry::methods;
-use frazil_core::domain::Domain;
+use frazil_core::space::domain::Domain;
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodKind;

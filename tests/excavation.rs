@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 use std::sync::Mutex;
 
 use frazil::registry::methods;
-use frazil_core::domain::{Domain, Sector};
 use frazil_core::particles::Particles;
-use frazil_core::symmetry::Symmetry;
+use frazil_core::space::domain::{Domain, Sector};
+use frazil_core::space::symmetry::Symmetry;
 use frazil_record::RunResult;
 use frazil_simulation::march::Options;
 use glam::DVec2;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use frazil::run::{RunRequest, run};
-use frazil_core::domain::Domain;
+use frazil_core::space::domain::Domain;
 use vtkio::Vtk;
 use vtkio::model::{Attribute, DataSet, IOBuffer, Piece};
 

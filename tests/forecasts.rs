@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use frazil::registry::methods;
 use frazil_cases::scenes::BundledScene;
-use frazil_core::domain::{Domain, Sector};
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_scene::method::MethodKind;
 use frazil_scene::{Scene, Units};
 use frazil_simulation::march::{self, Options};

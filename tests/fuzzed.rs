@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use frazil_core::condition::Condition;
+use frazil_core::boundary::condition::Condition;
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
 use frazil_scene::method::Stepper;

@@ -2,7 +2,7 @@
 
 use frazil_cases::groundwater;
 use frazil_cases::layouts::{self, Gap};
-use frazil_core::domain::{Domain, Sector};
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};

@@ -1,7 +1,7 @@
 //! Bodies of several materials: heat through layers, wherever interfaces lie between particles.
 
 use frazil::registry::methods;
-use frazil_core::domain::Domain;
+use frazil_core::space::domain::Domain;
 use frazil_record::Outcome;
 use frazil_scene::method::MethodKind;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
@@ -380,7 +380,7 @@ fn heat_along_a_layer_is_of_first_order() {
 #[test]
 fn shells_and_curved_walls_see_linings() {
     let lining = |from: f64, to: f64| Domain::Radial {
-        symmetry: frazil_core::symmetry::Symmetry::Axial,
+        symmetry: frazil_core::space::symmetry::Symmetry::Axial,
         inner: from,
         outer: to,
     };
@@ -420,7 +420,7 @@ fn shells_and_curved_walls_see_linings() {
             let share = if matches!(domain, Domain::Ring { .. }) { 2.0 } else { 1.0 };
             result.budget.iter().map(|row| row.stored_j * share).collect::<Vec<f64>>()
         };
-        let disc = Domain::Ring { outer_radius: 1.0, sector: frazil_core::domain::Sector::Half };
+        let disc = Domain::Ring { outer_radius: 1.0, sector: frazil_core::space::domain::Sector::Half };
         let fine = temperature(lining(0.0, 1.0), 0.0125, "x_min_m = 0\nx_max_m = 0.88");
         let coarse = temperature(disc, 0.05, "circle = { x_m = 0, y_m = 0, radius_m = 0.88 }");
         for (coarse, fine) in coarse.iter().zip(&fine) {

@@ -1,9 +1,9 @@
 //! How fast errors fall with spacing and with step.
 
 use frazil::registry::methods;
-use frazil_core::domain::Domain;
+use frazil_core::bonds::stencil::Stencil;
+use frazil_core::space::domain::Domain;
 use frazil_core::statistics::observed_order;
-use frazil_core::stencil::Stencil;
 use frazil_scene::method::MethodKind;
 use frazil_simulation::plan;
 

@@ -1,8 +1,8 @@
 //! Pipes of true radius against bodies of shells around a wall in their place.
 
 use frazil::registry::methods;
-use frazil_core::domain::{Domain, Sector};
-use frazil_core::symmetry::Symmetry;
+use frazil_core::space::domain::{Domain, Sector};
+use frazil_core::space::symmetry::Symmetry;
 
 use crate::sketch::{SHARP, Sketch, even, sand, through};
 

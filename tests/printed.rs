@@ -6,7 +6,7 @@ use std::path::Path;
 
 use frazil::registry::methods;
 use frazil_cases::{paper, scenes};
-use frazil_core::symmetry::Symmetry;
+use frazil_core::space::symmetry::Symmetry;
 use frazil_scene::{Scene, Setting};
 use frazil_simulation::plan::{self, Plan};
 

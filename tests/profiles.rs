@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use frazil_core::domain::{Domain, Sector};
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{MeanOver, RunResult};
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options};

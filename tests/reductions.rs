@@ -1,7 +1,7 @@
 //! A smaller scene gives the answer of the larger one, and is found only where there is one.
 
 use frazil::registry::methods;
-use frazil_core::domain::{Domain, Sector};
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::RunResult;
 use frazil_scene::Scene;
 use frazil_scene::method::MethodKind;

@@ -2,7 +2,7 @@
 //! closed form.
 
 use frazil::registry::methods;
-use frazil_core::domain::{Domain, Sector};
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{Errors, Outcome};
 use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};

@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use frazil::registry::methods;
-use frazil_core::domain::{Domain, Sector};
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::Outcome;
 use frazil_scene::method::MethodKind;
 

@@ -2,8 +2,8 @@
 //! adds nothing on average.
 
 use frazil::registry::methods;
-use frazil_core::domain::Domain;
-use frazil_core::method::Clock;
+use frazil_core::solvers::step::Clock;
+use frazil_core::space::domain::Domain;
 use frazil_core::statistics;
 use frazil_scene::method::MethodKind;
 use frazil_simulation::march::Options;

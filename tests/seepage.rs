@@ -1,8 +1,8 @@
 //! Flowing water: what must hold whatever the method, and the problems of the papers.
 
 use frazil::registry::methods;
-use frazil_core::domain::Domain;
-use frazil_core::flow::diagonals::Diagonals;
+use frazil_core::balances::groundwater::diagonals::Diagonals;
+use frazil_core::space::domain::Domain;
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};

@@ -1,7 +1,7 @@
 //! Bodies of axial and spherical symmetry: what must hold for every method, at every reach, near axis and walls.
 
-use frazil_core::domain::Domain;
-use frazil_core::symmetry::Symmetry;
+use frazil_core::space::domain::Domain;
+use frazil_core::space::symmetry::Symmetry;
 use frazil_scene::method::MethodKind;
 use frazil_simulation::march::Options;
 

@@ -3,8 +3,8 @@
 use std::fmt::Write;
 
 use frazil::registry::methods;
-use frazil_core::domain::{Domain, Sector};
-use frazil_core::method::Clock;
+use frazil_core::solvers::step::Clock;
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::RunResult;
 use frazil_scene::Scene;
 use frazil_scene::method::MethodKind;

@@ -1,6 +1,6 @@
 //! Steps by error: what they keep whatever their length, and what outputs may not change.
 
-use frazil_core::domain::{Domain, Sector};
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_simulation::march::Options;
 
 use crate::sketch::{Sketch, even, sand, steady_material, water};

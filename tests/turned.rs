@@ -1,6 +1,6 @@
 //! Scenes that are mirrored, turned and shifted give the same numbers in mirrored, turned and shifted places.
 
-use frazil_core::domain::{Domain, Sector};
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{Outcome, ProfileRow, RunResult};
 use frazil_scene::method::MethodKind;
 

@@ -1,8 +1,8 @@
 //! Walls as mirrors, as naive layers behind them and as inner layers: what must hold for each kind of condition, method and
 //! body, and what differs.
 
-use frazil_core::domain::Domain;
-use frazil_core::symmetry::Symmetry;
+use frazil_core::space::domain::Domain;
+use frazil_core::space::symmetry::Symmetry;
 use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};
 use frazil_simulation::plan;

@@ -6,7 +6,7 @@ use std::collections::BinaryHeap;
 
 use frazil::layout::answers::{Answers, DAY, Day, Kept};
 use frazil::layout::study::Design;
-use frazil_core::domain::{Domain, Sector};
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{Field, RunResult};
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options};

@@ -1,7 +1,7 @@
 //! Water that flows steadily into a half space brings its temperature along (Ogata and Banks 1961).
 
-use frazil_core::condition::Condition;
-use frazil_core::domain::Domain;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::space::domain::Domain;
 use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;

@@ -3,7 +3,7 @@
 //! Not the problem of a pipe with a constant flux through its wall: the line must first freeze the ground where the pipe
 //! is, and what passes the pipe's radius comes up to the rate only later.
 
-use frazil_core::material::Material;
+use frazil_core::physics::material::Material;
 
 /// Euler's constant.
 const EULER: f64 = 0.577_215_664_901_532_9;
@@ -32,8 +32,9 @@ pub struct LineSink {
 impl LineSink {
     /// The front around a line that takes `power` (W/m) from ground at `initial` (C), which freezes sharply.
     pub fn new(material: &Material, initial: f64, power: f64) -> Self {
-        let diffusivity =
-            |phase: &frazil_core::material::Phase| phase.conductivity / (material.density * phase.heat_capacity);
+        let diffusivity = |phase: &frazil_core::physics::material::Phase| {
+            phase.conductivity / (material.density * phase.heat_capacity)
+        };
         let (frozen, unfrozen) = (diffusivity(&material.frozen), diffusivity(&material.unfrozen));
         let warmth = initial - material.freezing_point;
         // Heat that is taken at the front, less what comes from outside and what freezing gives.

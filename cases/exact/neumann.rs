@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use frazil_core::material::{FreezingLaw, Material};
+use frazil_core::physics::material::{FreezingLaw, Material};
 
 use super::functions::{decreasing_root, erfc_ratio, erfcx};
 
@@ -146,7 +146,7 @@ mod tests {
     use super::*;
     use crate::exact::similarity::tests::water;
     use crate::table::Table;
-    use frazil_core::material::{Mixing, Phase};
+    use frazil_core::physics::material::{Mixing, Phase};
 
     /// Library functions are good to a unit in the last place; the fronts compared carry about ten of them.
     const LAST_DIGITS: f64 = 1e-12;

@@ -7,7 +7,7 @@
 
 use std::f64::consts::PI;
 
-use frazil_core::material::{FreezingLaw, Material, Mixing};
+use frazil_core::physics::material::{FreezingLaw, Material, Mixing};
 
 use super::functions::{erfc_ratio, erfcx};
 
@@ -502,7 +502,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::exact::Neumann;
     use crate::table::Table;
-    use frazil_core::material::Phase;
+    use frazil_core::physics::material::Phase;
 
     /// Water as in the tables.
     pub(crate) fn water(law: FreezingLaw) -> Material {

@@ -14,14 +14,15 @@ mod settings;
 
 use std::sync::Arc;
 
-use frazil_core::condition::Condition;
-use frazil_core::domain::Domain;
+use frazil_core::boundary::condition::Condition;
 use frazil_core::ledger::Ledger;
-use frazil_core::method::{Bound, Clock, Method, StepError};
-use frazil_core::moving::{Crowd, Purpose};
 use frazil_core::particles::{Particles, Places};
-use frazil_core::potential::{Curve, Thermal};
+use frazil_core::physics::potential::{Curve, Thermal};
 use frazil_core::series::Series;
+use frazil_core::solvers::method::Method;
+use frazil_core::solvers::moving::{Crowd, Purpose};
+use frazil_core::solvers::step::{Bound, Clock, StepError};
+use frazil_core::space::domain::Domain;
 use frazil_record::Work;
 use frazil_scene::region::Cell;
 use frazil_scene::settings::MethodSettings;

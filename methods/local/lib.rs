@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use frazil_core::method::{Normalisation, PairWeight};
+use frazil_core::bonds::weight::{Normalisation, PairWeight};
 use frazil_scene::method::{Discretisation, MethodKind, Stepper};
 use frazil_scene::{Numerics, Section, Setting};
 

@@ -8,9 +8,9 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use frazil_core::exchange::{Exchange, Mean};
-use frazil_core::flow::numerics::Conduction;
-use frazil_core::method::{Normalisation, PairWeight};
+use frazil_core::balances::groundwater::numerics::Conduction;
+use frazil_core::bonds::exchange::{Exchange, Mean};
+use frazil_core::bonds::weight::{Normalisation, PairWeight};
 use frazil_record::Value;
 use frazil_scene::method::{Discretisation, MethodKind, Stepper};
 use frazil_scene::{Numerics, Range, Section, Setting};
@@ -118,7 +118,7 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frazil_core::stencil::Stencil;
+    use frazil_core::bonds::stencil::Stencil;
 
     fn moment(ratio: f64, influence: Influence, dimension: usize, corrected: bool) -> f64 {
         let spacing = 0.002;

@@ -6,9 +6,9 @@
 
 use std::sync::Arc;
 
-use frazil_core::exchange::{Exchange, Mean};
-use frazil_core::method::{Normalisation, PairWeight};
-use frazil_core::uptake::Uptake;
+use frazil_core::bonds::exchange::{Exchange, Mean};
+use frazil_core::bonds::weight::{Normalisation, PairWeight};
+use frazil_core::physics::uptake::Uptake;
 use frazil_record::Value;
 use frazil_scene::method::{Discretisation, MethodKind, Stepper};
 use frazil_scene::{Numerics, Range, Section, Setting};
@@ -79,7 +79,7 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frazil_core::stencil::Stencil;
+    use frazil_core::bonds::stencil::Stencil;
 
     /// Second moment and explicit limit by row sums (units h^2 / a) on a square lattice, from independent sums of
     /// four and three digits.

@@ -7,8 +7,6 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use crate::particles::Particles;
-
 /// Bytes that a value holds on the heap, beyond itself.
 pub trait Held {
     /// The bytes.
@@ -123,23 +121,7 @@ impl Memory {
     }
 }
 
-impl Held for Particles {
-    fn held(&self) -> usize {
-        // Positions of a cloud are counted where pairs are: the operator holds them even on a lattice.
-        let thermals = size_of_val(&*self.materials.thermals)
-            + size_of_val(&*self.materials.blends)
-            + self.materials.laws().map(|thermal| thermal.curve.held() + thermal.law.held()).sum::<usize>();
-        self.enthalpy.held()
-            + self.velocity.held()
-            + shared(&self.start)
-            + self.lattice.held()
-            + self.materials.of_particle.held()
-            + self.materials.law_of.held()
-            + thermals
-    }
-}
-
 /// A slice that others share.
-pub(crate) fn shared<T>(slice: &Arc<[T]>) -> usize {
+pub fn shared<T>(slice: &Arc<[T]>) -> usize {
     size_of_val(&**slice)
 }

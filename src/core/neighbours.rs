@@ -1,6 +1,6 @@
 //! Neighbour search behind one contract: every pair within a radius, in a fixed order.
 //!
-//! On a lattice no search is needed ([`crate::stencil`]). Elsewhere a k-d tree serves uneven particles at rest and a
+//! On a lattice no search is needed ([`crate::bonds::stencil`]). Elsewhere a k-d tree serves uneven particles at rest and a
 //! cell list moving ones; [`all_pairs`] is the oracle that the others are tested against.
 
 pub mod all_pairs;

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use crate::lattice::Lattice;
 use crate::ledger::Sum;
-use crate::sub_cell::at_the_centre;
-use crate::symmetry::Volumes;
-use crate::uptake::Materials;
+use crate::memory::{Held, shared};
+use crate::physics::sub_cell::at_the_centre;
+use crate::physics::uptake::Materials;
+use crate::space::lattice::Lattice;
+use crate::space::volumes::Volumes;
 
 /// Where particles stand.
 #[derive(Debug, Clone)]
@@ -150,5 +151,21 @@ impl Particles {
             }
         }
         format!("{:016x}", hasher.digest())
+    }
+}
+
+impl Held for Particles {
+    fn held(&self) -> usize {
+        // Positions of a cloud are counted where pairs are: the operator holds them even on a lattice.
+        let thermals = size_of_val(&*self.materials.thermals)
+            + size_of_val(&*self.materials.blends)
+            + self.materials.laws().map(|thermal| thermal.curve.held() + thermal.law.held()).sum::<usize>();
+        self.enthalpy.held()
+            + self.velocity.held()
+            + shared(&self.start)
+            + self.lattice.held()
+            + self.materials.of_particle.held()
+            + self.materials.law_of.held()
+            + thermals
     }
 }

@@ -1,6 +1,6 @@
 //! What a run says about a layout.
 
-use frazil_core::domain::Domain;
+use frazil_core::space::domain::Domain;
 use frazil_plots::layouts::between;
 use frazil_record::{BudgetRow, GapRow, LinkRow, Outcome, PlaneRow, ProfileRow, Record, RunResult, WallRow};
 use frazil_scene::Scene;

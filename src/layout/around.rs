@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use frazil_core::domain::{Domain, Sector};
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{Field, LinkRow, RunResult};
 use frazil_scene::{PipeRing, Scene};
 use glam::DVec2;

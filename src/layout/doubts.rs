@@ -1,7 +1,7 @@
 //! What can be run but is hardly meant: told before anything is.
 
-use frazil_core::condition::Condition;
-use frazil_core::domain::Domain;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::space::domain::Domain;
 use frazil_scene::Scene;
 
 use super::study::Study;

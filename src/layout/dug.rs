@@ -1,6 +1,6 @@
 //! Shafts that are dug while the wall is kept frozen: what that does to it.
 
-use frazil_core::domain::Domain;
+use frazil_core::space::domain::Domain;
 use frazil_plots::page::{Block, Table};
 use frazil_record::{Record, WallRow};
 use frazil_scene::Scene;

@@ -288,7 +288,7 @@ impl Work<'_> {
     fn coarser(&self, layout: &Layout) -> Result<Scene, Failure> {
         let spacing = layout.scene.method(self.method).map_or(0.0, |settings| settings.numerics.spacing);
         let sector = match layout.scene.domain {
-            frazil_core::domain::Domain::Ring { sector, .. } => sector.name(),
+            frazil_core::space::domain::Domain::Ring { sector, .. } => sector.name(),
             _ => "whole",
         };
         let mut overrides = vec![

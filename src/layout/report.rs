@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use frazil_core::domain::Domain;
+use frazil_core::space::domain::Domain;
 use frazil_plots::ground_plan::WaterMark;
 use frazil_plots::layouts::{LayoutView, PipeView, drawings};
 use frazil_plots::page::{self, Block, Fact, Figure, Page, Table};

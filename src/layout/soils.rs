@@ -1,6 +1,6 @@
 //! Soils that studies know by name.
 
-use frazil_core::material::FreezingLaw;
+use frazil_core::physics::material::FreezingLaw;
 use frazil_scene::{Scene, Units};
 use toml::{Table, Value};
 

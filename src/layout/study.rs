@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use frazil_core::domain::Domain;
+use frazil_core::space::domain::Domain;
 use serde::Deserialize;
 use toml::Table;
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use frazil_core::domain::Domain;
+use frazil_core::space::domain::Domain;
 use frazil_scene::{PipeName, PipeRing, Scene};
 use frazil_simulation::closing::dug_too_early;
 use glam::DVec2;

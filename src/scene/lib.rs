@@ -14,13 +14,13 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use frazil_core::condition::Condition;
-use frazil_core::crack::{Crack, Growth};
-use frazil_core::domain::{Domain, Surface};
-use frazil_core::flow::ground::Flow;
-use frazil_core::material::Material;
-use frazil_core::pipe::Pipe;
+use frazil_core::balances::groundwater::ground::Flow;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::boundary::pipe::Pipe;
+use frazil_core::breakage::crack::{Crack, Growth};
+use frazil_core::physics::material::Material;
 use frazil_core::series::{Schedule, Series};
+use frazil_core::space::domain::{Domain, Surface};
 
 pub use pipe_name::{NoPipeName, PipeName};
 pub use read::{Duration, Key, Noted, Problem, Problems, Range, Read, Section, read_section};

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use frazil_core::assembly::Assembly;
-use frazil_core::green::Green;
-use frazil_core::method::{Method, Normalisation, PairWeight};
-use frazil_core::moving::{Crowd, Purpose};
-use frazil_core::pipe::radius_of_one_particle;
-use frazil_core::stencil::Stencil;
+use frazil_core::bonds::stencil::Stencil;
+use frazil_core::bonds::weight::{Normalisation, PairWeight};
+use frazil_core::boundary::green::Green;
+use frazil_core::boundary::pipe::radius_of_one_particle;
+use frazil_core::solvers::assembly::Assembly;
+use frazil_core::solvers::method::Method;
+use frazil_core::solvers::moving::{Crowd, Purpose};
 use frazil_record::Value;
 use rayon::ThreadPool;
 

@@ -5,11 +5,11 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::method::Discretisation;
-use frazil_core::exchange::{Exchange, Mean};
-use frazil_core::flow::numerics::{Conduction, FlowNumerics};
-use frazil_core::method::Bound;
-use frazil_core::uptake::{Mushy, Uptake};
-use frazil_core::wall_layers::WallModel;
+use frazil_core::balances::groundwater::numerics::{Conduction, FlowNumerics};
+use frazil_core::bonds::exchange::{Exchange, Mean};
+use frazil_core::boundary::wall_layers::WallModel;
+use frazil_core::physics::uptake::{Mushy, Uptake};
+use frazil_core::solvers::step::Bound;
 use frazil_record::Value;
 
 /// Which of a method's two standard settings is the starting point; keys of the file override it one by one.
@@ -40,7 +40,7 @@ pub enum Layout {
 pub enum Front {
     /// At its centre, wherever it really is.
     Cell,
-    /// Where the frozen fraction says ([`frazil_core::sub_cell`]).
+    /// Where the frozen fraction says ([`frazil_core::physics::sub_cell`]).
     SubCell,
 }
 

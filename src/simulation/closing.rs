@@ -8,8 +8,8 @@
 use glam::DVec2;
 
 use crate::watch::loops::{closure, neighbours};
-use frazil_core::condition::Condition;
-use frazil_core::material::{FreezingLaw, Material};
+use frazil_core::boundary::condition::Condition;
+use frazil_core::physics::material::{FreezingLaw, Material};
 use frazil_scene::{PipeRing, Scene};
 
 /// Pieces of the time over which the coldness of pipes is summed.

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use frazil_core::blend::Blend;
-use frazil_core::potential::Thermal;
-use frazil_core::uptake::Materials;
+use frazil_core::physics::blend::Blend;
+use frazil_core::physics::potential::Thermal;
+use frazil_core::physics::uptake::Materials;
 use glam::DVec2;
 
 use frazil_scene::Scene;

@@ -1,9 +1,9 @@
 //! Layers that a spacing does not resolve, and by how much.
 
-use frazil_core::exchange::{Exchange, Mean};
-use frazil_core::lattice::Lattice;
-use frazil_core::potential::Thermal;
-use frazil_core::stencil::Stencil;
+use frazil_core::bonds::exchange::{Exchange, Mean};
+use frazil_core::bonds::stencil::Stencil;
+use frazil_core::physics::potential::Thermal;
+use frazil_core::space::lattice::Lattice;
 use frazil_scene::region::Shape;
 use frazil_scene::{Numerics, Scene};
 

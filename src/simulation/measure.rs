@@ -313,10 +313,10 @@ fn closure_errors(gaps: &[GapRow], reference: &dyn Reference) -> BTreeMap<String
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frazil_core::condition::Condition;
-    use frazil_core::domain::{Domain, Sector};
-    use frazil_core::material::{FreezingLaw, Material, Mixing, Phase};
+    use frazil_core::boundary::condition::Condition;
+    use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
     use frazil_core::series::Series;
+    use frazil_core::space::domain::{Domain, Sector};
     use frazil_record::{Outcome, ProfileRow, Record, ReferenceInfo};
     use frazil_scene::{PipeRing, ReferenceChoice, TimeUnit, Units, Wall, Watch};
 

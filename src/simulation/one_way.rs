@@ -2,7 +2,7 @@
 //! thaw, and the coldest pipes take heat and give none. An unstable step breaks such rules where temperatures tell
 //! nothing, as inside the smeared delta of a pipe.
 
-use frazil_core::condition::Condition;
+use frazil_core::boundary::condition::Condition;
 use frazil_core::series::Series;
 use frazil_scene::Scene;
 
@@ -102,8 +102,8 @@ fn direction(scene: &Scene) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frazil_core::domain::Domain;
-    use frazil_core::material::{FreezingLaw, Material, Mixing, Phase};
+    use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
+    use frazil_core::space::domain::Domain;
     use frazil_scene::{PipeRing, ReferenceChoice, TimeUnit, Units, Wall, Watch};
 
     fn scene(walls: Vec<(&'static str, Condition)>) -> Scene {

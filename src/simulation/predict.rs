@@ -13,10 +13,10 @@ use crate::march::{GUARD_STEPS, Refused};
 use crate::plan::{Plan, PlanSummary, build_for, settings_of};
 use crate::reference::Reference;
 use crate::watch::Watches;
-use frazil_core::integrate::rkl2::GROWTH;
 use frazil_core::memory::Memory;
-use frazil_core::method::Clock;
-use frazil_core::moving::Purpose;
+use frazil_core::solvers::moving::Purpose;
+use frazil_core::solvers::rkl2::GROWTH;
+use frazil_core::solvers::step::Clock;
 use frazil_core::statistics::median;
 use frazil_scene::Scene;
 

@@ -3,7 +3,7 @@
 //!
 //! A reduction is exact and not a model: particles of the smaller body do what their images in the larger one do, in
 //! the same steps, so both agree to rounding. Weights of a line that stands for a plane are those of the plane summed
-//! over rows ([`frazil_core::stencil::Stencil::collapsed`]), and the bound of the step is the larger body's. What a run of the smaller body
+//! over rows ([`frazil_core::bonds::stencil::Stencil::collapsed`]), and the bound of the step is the larger body's. What a run of the smaller body
 //! leaves is restored to the terms of the scene that was asked for.
 
 mod fold;
@@ -18,11 +18,12 @@ use crate::march::{self, Options, Refused};
 use crate::measure::attach;
 use crate::plan::{build, settings_of};
 use crate::reference::Reference;
-use frazil_core::domain::Domain;
-use frazil_core::lattice::Lattice;
-use frazil_core::method::{Bound, Normalisation, PairWeight};
+use frazil_core::bonds::weight::{Normalisation, PairWeight};
+use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::particles::Particles;
-use frazil_core::wall_layers::WallModel;
+use frazil_core::solvers::step::Bound;
+use frazil_core::space::domain::Domain;
+use frazil_core::space::lattice::Lattice;
 use frazil_record::RunResult;
 use frazil_scene::method::{Discretisation, Stepper};
 use frazil_scene::settings::MethodSettings;

@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use frazil_core::lattice::Lattice;
-use frazil_core::pipe::Sink;
-use frazil_core::symmetry::Volumes;
-use frazil_core::uptake::Materials;
+use frazil_core::boundary::pipe::Sink;
+use frazil_core::physics::uptake::Materials;
+use frazil_core::space::lattice::Lattice;
+use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;
 use frazil_scene::region::{Cell, Part};
 

@@ -6,8 +6,8 @@
 
 use frazil_record::{SectionRow, StreamRecord, StreamRow};
 
-use frazil_core::condition::Condition;
-use frazil_core::domain::Domain;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::space::domain::Domain;
 use frazil_scene::Scene;
 
 /// Cells across and steps along: halving both moves no temperature by more than 1e-4 of the range.

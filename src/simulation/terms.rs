@@ -1,12 +1,12 @@
 //! What a scene uses under a method, and what it is spared, in words.
 
-use frazil_core::boundary::Boundary;
-use frazil_core::exchange::Exchange;
-use frazil_core::material::{FreezingLaw, Material};
-use frazil_core::potential::{Law, Thermal};
-use frazil_core::uptake::Materials;
-use frazil_core::uptake::Mushy;
-use frazil_core::uptake::Uptake;
+use frazil_core::bonds::exchange::Exchange;
+use frazil_core::boundary::patch::Boundary;
+use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::physics::potential::{Law, Thermal};
+use frazil_core::physics::uptake::Materials;
+use frazil_core::physics::uptake::Mushy;
+use frazil_core::physics::uptake::Uptake;
 use frazil_scene::method::{Discretisation, Stepper};
 use frazil_scene::{IntegratorChoice, Numerics, Scene, StepChoice, Units};
 

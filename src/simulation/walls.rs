@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use frazil_core::boundary::{Boundary, Door, Dug, FACE, Side, WallTemperature};
-use frazil_core::condition::Condition;
-use frazil_core::domain::{Domain, Sector};
-use frazil_core::wall_layers::WallModel;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::boundary::patch::{Boundary, Door, Dug, FACE, Side, WallTemperature};
+use frazil_core::boundary::wall_layers::WallModel;
+use frazil_core::space::domain::{Domain, Sector};
 
 use crate::reference::Reference;
 use frazil_scene::Scene;

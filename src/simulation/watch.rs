@@ -26,11 +26,11 @@ use wall::{Joint, Wall};
 
 use crate::march::instants::outputs;
 use crate::one_way::OneWay;
-use frazil_core::domain::Domain;
+use frazil_core::boundary::pipe::Extent;
 use frazil_core::ledger::{Ledger, Sum};
-use frazil_core::material::FreezingLaw;
 use frazil_core::particles::Particles;
-use frazil_core::pipe::Extent;
+use frazil_core::physics::material::FreezingLaw;
+use frazil_core::space::domain::Domain;
 use frazil_record::{
     BudgetRow, Field, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow, ProfileRow, SectionRow,
     Start, StreamRow, SurfaceRow, WallRecord, WallRow,

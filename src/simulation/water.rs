@@ -3,11 +3,11 @@
 use frazil_record::{CutRow, FlowPoint, WaterRecord, WaterRow, WaterSeries};
 
 use crate::reference::Reference;
-use frazil_core::domain::Domain;
-use frazil_core::flow::Water;
 use frazil_core::ledger::Ledger;
-use frazil_core::method::Method;
 use frazil_core::particles::Particles;
+use frazil_core::solvers::method::Method;
+use frazil_core::solvers::method::Water;
+use frazil_core::space::domain::Domain;
 use frazil_scene::Scene;
 use frazil_scene::region::Cell;
 

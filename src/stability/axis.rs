@@ -1,6 +1,6 @@
 //! The parameters along which a map is drawn, as overrides of a scene.
 
-use frazil_core::material::{FreezingLaw, Material};
+use frazil_core::physics::material::{FreezingLaw, Material};
 use frazil_record::Value;
 use frazil_scene::method::{MethodKind, Stepper};
 use frazil_scene::settings::MethodSettings;

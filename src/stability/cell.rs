@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use frazil_core::condition::Condition;
+use frazil_core::boundary::condition::Condition;
 use frazil_record::Outcome;
 use frazil_scene::settings::MethodSettings;
 use frazil_scene::{IntegratorChoice, Scene, StepChoice};

@@ -1,8 +1,8 @@
 //! Heat of moving particles as the enthalpy of the scene's material.
 
-use frazil_core::exchange::{Exchange, Mean};
-use frazil_core::potential::Thermal;
-use frazil_core::uptake::Mushy;
+use frazil_core::bonds::exchange::{Exchange, Mean};
+use frazil_core::physics::potential::Thermal;
+use frazil_core::physics::uptake::Mushy;
 
 use crate::fluid::Matter;
 

@@ -1,7 +1,7 @@
 //! How long a step of moving particles may be.
 
-use frazil_core::method::Bound;
-use frazil_core::potential::Curve;
+use frazil_core::physics::potential::Curve;
+use frazil_core::solvers::step::Bound;
 
 use super::{Map, SETTLING_STEP};
 use crate::fluid::Parameters;

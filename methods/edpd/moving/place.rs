@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use frazil_core::moving::Purpose;
+use frazil_core::solvers::moving::Purpose;
 use rayon::ThreadPool;
 
 use crate::fluid::{Behind, Fluid, Parameters, Particle, Undriven};

@@ -1,8 +1,8 @@
 //! How a scene asks for particles that move. All numbers are in DPD units: masses of 1, the mean distance of particles to
 //! the power of the dimension one over their number density, temperatures over 300 K.
 
-use frazil_core::uptake::Uptake;
-use frazil_core::wall_layers::WallModel;
+use frazil_core::boundary::wall_layers::WallModel;
+use frazil_core::physics::uptake::Uptake;
 use frazil_record::Value;
 use frazil_scene::{Layout, Numerics, Range, Section, Units};
 

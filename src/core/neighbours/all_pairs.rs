@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::{NeighbourList, NeighbourSearch, Period};
+use crate::neighbours::{NeighbourList, NeighbourSearch, Period};
 
 /// The oracle.
 #[derive(Debug, Clone, Copy)]

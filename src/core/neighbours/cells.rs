@@ -2,7 +2,7 @@
 
 use glam::{DVec2, I64Vec2};
 
-use super::{NeighbourList, NeighbourSearch, Period};
+use crate::neighbours::{NeighbourList, NeighbourSearch, Period};
 
 /// Most cells along one direction: finer grids would cost more memory than the points.
 const MOST_CELLS: f64 = 4096.0;

@@ -3,7 +3,8 @@
 use glam::DVec2;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
-use super::{NeighbourList, NeighbourSearch, Period, all_pairs::AllPairs};
+use crate::neighbours::all_pairs::AllPairs;
+use crate::neighbours::{NeighbourList, NeighbourSearch, Period};
 
 /// Relative widening of the tree's query; the exact test is ours, so that all searches decide alike.
 const WIDENING: f64 = 1.0 + 1e-9;

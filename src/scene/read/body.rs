@@ -9,9 +9,9 @@ use super::range::{Range, all_of, plain, temperatures};
 use super::section::{Key, Names, Section};
 use super::shells;
 use crate::{PipeRing, ReferenceChoice, Region, Wall, WallPart};
-use frazil_core::condition::Condition;
-use frazil_core::domain::{Domain, Sector};
-use frazil_core::material::Material;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::physics::material::Material;
+use frazil_core::space::domain::{Domain, Sector};
 
 /// Pipes of one ring, and rings, that a scene may have; their distances are checked pair by pair.
 const MOST_PIPES: usize = 1000;

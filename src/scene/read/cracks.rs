@@ -5,9 +5,9 @@ use glam::DVec2;
 use super::problem::Read;
 use super::range::{Range, plain};
 use super::section::Section;
-use frazil_core::crack::{Crack, Growth};
-use frazil_core::domain::{Domain, Sector};
+use frazil_core::breakage::crack::{Crack, Growth};
 use frazil_core::series::Series;
+use frazil_core::space::domain::{Domain, Sector};
 
 /// Cracks that a scene may have: each pair is compared with each.
 const MOST_CRACKS: usize = 1000;

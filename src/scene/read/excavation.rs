@@ -5,8 +5,8 @@ use super::problem::Read;
 use super::range::{Range, plain};
 use super::section::Section;
 use crate::{Excavation, PipeName, PipeRing};
-use frazil_core::condition::Condition;
-use frazil_core::domain::Domain;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::space::domain::Domain;
 
 const RADIUS: (&str, &str) = ("radius", "m");
 

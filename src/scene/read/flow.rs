@@ -6,10 +6,10 @@ use super::body::wall_names;
 use super::problem::Read;
 use super::range::{Range, all_of};
 use super::section::Section;
-use frazil_core::domain::{Domain, Sector};
-use frazil_core::flow::ground::{Across, Flow, PressureWall, RelativePermeability};
-use frazil_core::material::{FreezingLaw, Material};
+use frazil_core::balances::groundwater::ground::{Across, Flow, PressureWall, RelativePermeability};
+use frazil_core::physics::material::{FreezingLaw, Material};
 use frazil_core::series::Series;
+use frazil_core::space::domain::{Domain, Sector};
 
 const PERMEABILITY: (&str, &str) = ("permeability", "m2");
 const VELOCITY: (&str, &str) = ("velocity", "m_per_day");

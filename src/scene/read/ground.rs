@@ -4,7 +4,7 @@ use super::porous::{self, is_porous};
 use super::problem::Read;
 use super::range::{Range, plain, temperatures};
 use super::section::Section;
-use frazil_core::material::{FreezingLaw, Material, Mixing, Phase};
+use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
 
 /// How far apart conductivities, and heats, of the two phases may be: of the sixteen digits of a number ten are left
 /// for the smaller.

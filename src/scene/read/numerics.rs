@@ -8,14 +8,14 @@ use super::shells;
 use crate::Wall;
 use crate::method::MethodKind;
 use crate::settings::{Front, IntegratorChoice, Layout, MethodSettings, Numerics, SearchChoice, Setting, StepChoice};
-use frazil_core::condition::Condition;
-use frazil_core::crack::Crack;
-use frazil_core::domain::Domain;
-use frazil_core::exchange::{Exchange, Mean};
-use frazil_core::flow::numerics::{Advection, Conduction, FlowNumerics};
-use frazil_core::material::{FreezingLaw, Material};
-use frazil_core::uptake::{Mushy, Uptake};
-use frazil_core::wall_layers::WallModel;
+use frazil_core::balances::groundwater::numerics::{Advection, Conduction, FlowNumerics};
+use frazil_core::bonds::exchange::{Exchange, Mean};
+use frazil_core::boundary::condition::Condition;
+use frazil_core::boundary::wall_layers::WallModel;
+use frazil_core::breakage::crack::Crack;
+use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::physics::uptake::{Mushy, Uptake};
+use frazil_core::space::domain::Domain;
 
 /// Particles that one run may have.
 const MOST_PARTICLES: f64 = 1e8;

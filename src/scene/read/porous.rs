@@ -3,7 +3,7 @@
 use super::problem::Read;
 use super::range::Range;
 use super::section::Section;
-use frazil_core::material::{Mixing, Phase, Pores};
+use frazil_core::physics::material::{Mixing, Phase, Pores};
 
 /// One of the three phases.
 #[derive(Debug, Clone, Copy, PartialEq)]

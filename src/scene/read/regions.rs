@@ -7,8 +7,8 @@ use super::range::{Range, one_of, plain, temperatures};
 use super::section::Section;
 use crate::region::{Cell, area, edges};
 use crate::{Region, Shape};
-use frazil_core::domain::{Domain, Sector};
-use frazil_core::segment::{meet, side};
+use frazil_core::space::domain::{Domain, Sector};
+use frazil_core::space::segment::{meet, side};
 
 /// Corners that a polygon may have: each edge is compared with each other.
 const MOST_CORNERS: usize = 1000;

@@ -8,10 +8,10 @@ use super::section::{Key, Section};
 use crate::WallPart;
 use crate::method::MethodKind;
 use crate::settings::{Layout, Numerics, SearchChoice};
-use frazil_core::condition::Condition;
-use frazil_core::domain::{Domain, Surface};
-use frazil_core::symmetry::Symmetry;
-use frazil_core::wall_layers::WallModel;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::boundary::wall_layers::WallModel;
+use frazil_core::space::domain::{Domain, Surface};
+use frazil_core::space::symmetry::Symmetry;
 
 const INNER: (&str, &str) = ("inner_radius", "m");
 const OUTER: (&str, &str) = ("outer_radius", "m");

@@ -5,8 +5,8 @@ use super::range::{Range, plain, temperatures};
 use super::section::{Duration, Section};
 use crate::Wall;
 use crate::stream::Stream;
-use frazil_core::condition::Condition;
-use frazil_core::domain::Domain;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::space::domain::Domain;
 
 /// Reads the section `stream`, if there is one.
 pub(super) fn stream(

@@ -5,7 +5,7 @@ use super::range::{Range, plain};
 use super::section::{Duration, Section};
 use super::shells;
 use crate::{ReferenceChoice, Watch};
-use frazil_core::domain::{Domain, Sector, Surface};
+use frazil_core::space::domain::{Domain, Sector, Surface};
 
 /// End of the run and the instants of the observations.
 pub(super) struct Time {

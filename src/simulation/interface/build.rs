@@ -3,15 +3,15 @@
 use glam::DVec2;
 
 use super::ground::Ground;
-use frazil_core::boundary::Boundary;
-use frazil_core::curved_wall::Rim;
-use frazil_core::ghosts::Ghosts;
-use frazil_core::interface::{Chains, Piece};
-use frazil_core::lattice::Lattice;
-use frazil_core::list_operator::PairList;
-use frazil_core::symmetry::Touch;
-use frazil_core::uptake::Materials;
-use frazil_core::wall_layers::WallModel;
+use frazil_core::bonds::pair_list::PairList;
+use frazil_core::boundary::curved_wall::Rim;
+use frazil_core::boundary::ghosts::Ghosts;
+use frazil_core::boundary::interface::{Chains, Piece};
+use frazil_core::boundary::patch::Boundary;
+use frazil_core::boundary::shells::Touch;
+use frazil_core::boundary::wall_layers::WallModel;
+use frazil_core::physics::uptake::Materials;
+use frazil_core::space::lattice::Lattice;
 use frazil_scene::{Numerics, Scene};
 
 /// Particles and what they see.

@@ -2,10 +2,10 @@
 
 use glam::DVec2;
 
-use frazil_core::boundary::{Boundary, Side};
-use frazil_core::interface::Piece;
-use frazil_core::lattice::Lattice;
-use frazil_core::symmetry::Symmetry;
+use frazil_core::boundary::interface::Piece;
+use frazil_core::boundary::patch::{Boundary, Side};
+use frazil_core::space::lattice::Lattice;
+use frazil_core::space::symmetry::Symmetry;
 use frazil_scene::Scene;
 use frazil_scene::region::Cell;
 

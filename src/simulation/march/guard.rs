@@ -1,8 +1,8 @@
 //! Watching over the range of temperatures while a run goes on.
 
-use frazil_core::method::{Bound, Clock};
+use frazil_core::boundary::pipe::Extent;
 use frazil_core::particles::Particles;
-use frazil_core::pipe::Extent;
+use frazil_core::solvers::step::{Bound, Clock};
 use frazil_scene::Scene;
 
 /// Watches over the range of temperatures.

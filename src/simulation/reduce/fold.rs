@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use glam::DVec2;
 
-use frazil_core::condition::Condition;
-use frazil_core::domain::{Domain, Sector};
-use frazil_core::lattice::Lattice;
-use frazil_core::pipe::Pipe;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::boundary::pipe::Pipe;
+use frazil_core::space::domain::{Domain, Sector};
+use frazil_core::space::lattice::Lattice;
 use frazil_scene::region::Cell;
 use frazil_scene::{PipeRing, Region, Scene, Shape, Wall};
 

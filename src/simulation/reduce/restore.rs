@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::fold::{Fold, folded, same_direction};
 use crate::watch::rays::pairs;
-use frazil_core::domain::Sector;
+use frazil_core::space::domain::Sector;
 use frazil_record::{Field, GapRow, MeanOver, ProfileRow, RunResult};
 use frazil_scene::Scene;
 

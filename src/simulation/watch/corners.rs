@@ -4,9 +4,9 @@ use std::f64::consts::SQRT_2;
 
 use glam::DVec2;
 
-use frazil_core::condition::Condition;
-use frazil_core::domain::Domain;
+use frazil_core::boundary::condition::Condition;
 use frazil_core::particles::Particles;
+use frazil_core::space::domain::Domain;
 use frazil_scene::Scene;
 
 /// Half the width of the strip around a diagonal whose frozen fractions tell its front, over the spacing.

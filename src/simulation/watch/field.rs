@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-use frazil_core::lattice::Lattice;
 use frazil_core::particles::Particles;
+use frazil_core::space::lattice::Lattice;
 use frazil_record::Field;
 
 /// Largest number of cells of a kept field along one direction.

@@ -6,9 +6,9 @@
 
 use glam::DVec2;
 
-use frazil_core::lattice::Lattice;
 use frazil_core::memory::Held;
 use frazil_core::particles::Particles;
+use frazil_core::space::lattice::Lattice;
 
 /// Frozen share of a cell from which on it bars a way.
 const BARS: f64 = 0.5;
@@ -339,7 +339,7 @@ impl PassageFinder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use frazil_core::domain::{Domain, Sector};
+    use frazil_core::space::domain::{Domain, Sector};
 
     /// Cells of 0.1 m over a disc of 6 m whose frozen share is given.
     fn ground(share: impl Fn(DVec2) -> f64) -> PassageFinder {

@@ -4,9 +4,9 @@ use glam::DVec2;
 
 use super::rays::Ray;
 use super::sampler::{Sample, Sampler};
-use frazil_core::domain::{Domain, Surface};
 use frazil_core::memory::Held;
 use frazil_core::particles::Particles;
+use frazil_core::space::domain::{Domain, Surface};
 use frazil_record::{MeanOver, ProfileRow};
 use frazil_scene::{FreezingDirection, Scene};
 

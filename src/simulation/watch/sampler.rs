@@ -2,11 +2,12 @@
 
 use glam::DVec2;
 
-use frazil_core::boundary::moving_least_squares;
-use frazil_core::domain::{Domain, Sector};
-use frazil_core::lattice::Lattice;
-use frazil_core::neighbours::{NeighbourSearch, Period, tree::Tree};
+use frazil_core::boundary::patch::moving_least_squares;
+use frazil_core::neighbours::tree::Tree;
+use frazil_core::neighbours::{NeighbourSearch, Period};
 use frazil_core::particles::Particles;
+use frazil_core::space::domain::{Domain, Sector};
+use frazil_core::space::lattice::Lattice;
 use frazil_scene::Scene;
 
 /// A point read as a weighted sum over particles.

@@ -1,9 +1,9 @@
 //! What is read off bodies of shells: fronts as radii.
 
-use frazil_core::condition::Condition;
-use frazil_core::domain::Domain;
-use frazil_core::material::FreezingLaw;
-use frazil_core::symmetry::Symmetry;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::physics::material::FreezingLaw;
+use frazil_core::space::domain::Domain;
+use frazil_core::space::symmetry::Symmetry;
 use frazil_scene::Scene;
 
 /// Where the front of a radial body starts, and how it is measured.

@@ -4,9 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use super::rays::Ray;
 use super::wall::SAME_PLACE;
+use frazil_core::boundary::pipe::Extent;
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
-use frazil_core::pipe::Extent;
 use frazil_scene::Scene;
 
 /// A ring of pipes sunk into particles.

@@ -8,12 +8,12 @@ use super::passage::{Passage, PassageFinder};
 use super::standing::Standing;
 use super::sunk::{FrozenIn, Sunk, frozen_in};
 use super::{Ray, Sample, Sampler};
-use frazil_core::domain::{Domain, Sector};
+use frazil_core::boundary::pipe::Extent;
 use frazil_core::ledger::Ledger;
-use frazil_core::material::FreezingLaw;
 use frazil_core::memory::Held;
 use frazil_core::particles::Particles;
-use frazil_core::pipe::Extent;
+use frazil_core::physics::material::FreezingLaw;
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{LinkRow, PlaneRow, WallRecord};
 use frazil_scene::Scene;
 

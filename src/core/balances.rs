@@ -1,0 +1,3 @@
+//! What particles exchange beside heat.
+
+pub mod groundwater;

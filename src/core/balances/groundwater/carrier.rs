@@ -1,0 +1,537 @@
+//! Heat that water carries along its paths.
+//!
+//! Particle i gains `-C sum_j q_ij (T_ij - T_i)` from the water `q_ij` (1/s by volume) that it sends to j, with the heat
+//! capacity C of water and the temperature `T_ij` that the path carries. What i gains so is what the paths bring less
+//! what they take, and the heat of the water that i itself keeps or gives as ice; an even temperature stays even
+//! whatever water does. With the mean of both ends for `T_ij` this is `-C sum_j q_ij (T_j - T_i) / 2`.
+//!
+//! A long path sees more of the bend of a profile than a short one: the third derivative that the mean of both ends
+//! leaves is taken out with the gradients `g` there, `T_ij = (T_i + T_j)/2 - x_ij.(g_j - g_i)/6`, wherever water is not
+//! much slower than conduction.
+//!
+//! The factor of `T_j - T_i` is negative where water outruns conduction. An exchange beside it mends that, at the price
+//! of smeared fronts; limited, most of it is taken back again: as much as leaves every particle within the enthalpies
+//! around it (Zalesak 1979).
+
+use std::sync::Arc;
+
+use glam::DVec2;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+
+use crate::balances::groundwater::diagonals::{Carried, Diagonals, Fields};
+use crate::balances::groundwater::network::{NONE, Network};
+use crate::balances::groundwater::numerics::Advection;
+use crate::balances::groundwater::pressure::Pressure;
+use crate::memory::Held;
+
+/// Particles that one task handles; fixed, so that results do not depend on the number of threads.
+const TASK: usize = 2048;
+
+/// Heat that water carries along a path over what the path conducts, from which the bend of profiles counts.
+const FAST: f64 = 1.0;
+
+/// Water of one particle through one wall of given pressure (1/s by volume).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mouth {
+    /// The particle.
+    pub particle: u32,
+    /// The pressure wall.
+    pub wall: u8,
+    /// What enters.
+    pub inflow: f64,
+    /// What leaves.
+    pub outflow: f64,
+}
+
+/// Water of all paths at one solution for the pressure, as heat meets it.
+#[derive(Debug, Clone, Default)]
+pub struct Carrier {
+    /// Heat carried along each path from its earlier end, for each kelvin of the mean of both ends (W/m3K), by slot.
+    carried: Vec<f64>,
+    /// Exchange of both ends beside it (W/m3K), by slot; empty where there is none.
+    exchange: Vec<f64>,
+    /// Exchange beside walls, of particles that see each other's images (W/m3K), by slot; and the paths that have some, with
+    /// both ends.
+    beside: Vec<f64>,
+    beside_walls: Vec<(u32, u32, u32)>,
+    /// Water through walls.
+    pub mouths: Vec<Mouth>,
+    /// Water that each particle keeps (1/s by volume).
+    pub kept: Vec<f64>,
+    /// Greatest sum of factors of one particle (W/m3K), and the particle.
+    pub greatest: (f64, usize),
+    /// Least conductivity of each particle (W/mK), and the sum of its factors (W/m3K).
+    least: Vec<f64>,
+    sums: Vec<f64>,
+    limits_now: bool,
+    exchanges: bool,
+    /// Whether gradients are used, the gradients, and what paths make of them, by slot.
+    bends: bool,
+    gradients: Vec<DVec2>,
+    bent: [Vec<f64>; 2],
+    /// What conduction does to each particle, times what a bend is worth (W/m); empty where it is not corrected.
+    conducted: Vec<f64>,
+    /// Columns with room on both sides, on diagonals.
+    columns: [Vec<f64>; 5],
+    mouth_of: Vec<u32>,
+    rows: Vec<Row>,
+    marked: Vec<bool>,
+    limits: Vec<(f64, f64)>,
+}
+
+/// What the exchange would do to a particle, and what it may.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Row {
+    /// Gain with all of the exchange (W/m3).
+    pub gain: f64,
+    /// What taking the exchange back would add and take (W/m3).
+    pub up: f64,
+    pub down: f64,
+    /// Least and greatest enthalpy around (J/m3), of some partners where those of all are asked for only if need be.
+    pub least: f64,
+    pub most: f64,
+}
+
+impl Held for Carrier {
+    fn held(&self) -> usize {
+        let rows = self.rows.capacity() * size_of::<Row>() + self.mouths.capacity() * size_of::<Mouth>();
+        let paths = self.exchange.held() + self.least.held() + self.sums.held();
+        let more = self.bent.iter().chain(&self.columns).map(Held::held).sum::<usize>();
+        let beside = self.beside.held() + self.beside_walls.capacity() * size_of::<(u32, u32, u32)>();
+        rows + paths
+            + more
+            + beside
+            + self.carried.held()
+            + self.conducted.held()
+            + self.kept.held()
+            + self.mouth_of.held()
+            + self.marked.capacity()
+            + self.limits.held()
+    }
+}
+
+/// What the carrier must know of the ground.
+pub struct Ground<'a> {
+    /// Least conductivity of each particle (W/mK).
+    pub least_conductivity: &'a dyn Fn(usize) -> f64,
+    /// Heat capacity of water (J/m3K).
+    pub capacity: f64,
+    /// Whether each pressure wall has a temperature of its own.
+    pub warm: &'a [bool],
+}
+
+impl Carrier {
+    /// Room for a network.
+    pub fn new(network: &Network, advection: Advection) -> Self {
+        let (count, paths) = (network.len(), network.places);
+        let mut carrier = Carrier {
+            carried: vec![0.0; paths],
+            beside: vec![0.0; paths],
+            least: vec![0.0; count],
+            sums: vec![0.0; count],
+            kept: vec![0.0; count],
+            mouth_of: Vec::with_capacity(network.openings.len()),
+            ..Carrier::default()
+        };
+        for opening in &network.openings {
+            let same = |mouth: &Mouth| (mouth.particle, mouth.wall) == (opening.particle, opening.wall);
+            let mouth = Mouth { particle: opening.particle, wall: opening.wall, inflow: 0.0, outflow: 0.0 };
+            // Openings of one particle stand together.
+            let near = carrier.mouths.len().saturating_sub(crate::balances::groundwater::network::MOST_WALLS);
+            let place = carrier.mouths[near..].iter().position(same).map_or(carrier.mouths.len(), |place| near + place);
+            if place == carrier.mouths.len() {
+                carrier.mouths.push(mouth);
+            }
+            carrier.mouth_of.push(place as u32);
+        }
+        if !matches!(advection, Advection::Central | Advection::Paper) {
+            carrier.exchange = vec![0.0; paths];
+        }
+        if advection == Advection::Limited {
+            carrier.rows = vec![Row::default(); count];
+            carrier.marked = vec![false; count];
+            carrier.limits = vec![(1.0, 1.0); count];
+        }
+        if let Some(diagonals) = &network.diagonals {
+            carrier.columns = std::array::from_fn(|_| vec![0.0; diagonals.padded()]);
+        }
+        carrier
+    }
+
+    /// Takes the rates of conduction (W/m3), whose bends are to be taken out, and what those are worth (m2).
+    pub fn conducted(&mut self, rates: &[f64], kappa: f64) {
+        self.conducted.clear();
+        self.conducted.extend(rates.iter().map(|rate| kappa * rate));
+    }
+
+    /// Takes the water of a solution for the pressure.
+    pub fn take(&mut self, network: &Network, pressure: &Pressure, ground: &Ground<'_>, advection: Advection) {
+        self.follow(network, pressure, ground.capacity, advection);
+        for mouth in &mut self.mouths {
+            (mouth.inflow, mouth.outflow) = (0.0, 0.0);
+        }
+        for (_, _, slot) in self.beside_walls.drain(..) {
+            self.beside[slot as usize] = 0.0;
+        }
+        let values = &pressure.pressure;
+        for ((opening, conductance), mouth) in network.openings.iter().zip(&pressure.mouths).zip(&self.mouth_of) {
+            let (own, image) = (values[opening.particle as usize], values[opening.image as usize]);
+            let water = conductance * (own - opening.sign * image - pressure.wall_parts(opening));
+            self.kept[opening.particle as usize] -= water;
+            let mouth = &mut self.mouths[*mouth as usize];
+            if water < 0.0 {
+                mouth.inflow -= water;
+            } else {
+                mouth.outflow += water;
+            }
+            // Two particles and their images exchange water twice across the wall. What enters has its temperature, and
+            // what leaves that of the particles; the mean of a pair differs from that by an exchange of the two.
+            let enters_warm = water < 0.0 && ground.warm[opening.wall as usize];
+            let leaves_free = water > 0.0 && !ground.warm[opening.wall as usize];
+            if opening.path != NONE
+                && opening.particle < opening.image
+                && opening.sign < 0.0
+                && advection != Advection::Upwind
+                && (enters_warm || leaves_free)
+            {
+                let slot = network.slots[opening.path as usize];
+                if self.beside[slot as usize] == 0.0 {
+                    self.beside_walls.push((opening.particle, opening.image, slot));
+                }
+                self.beside[slot as usize] -= 0.5 * ground.capacity * water.abs();
+            }
+        }
+        self.bound(network, ground, advection);
+    }
+
+    /// The water of paths, and what particles keep of it.
+    fn follow(&mut self, network: &Network, pressure: &Pressure, capacity: f64, advection: Advection) {
+        let values = &pressure.pressure;
+        let velocity = if advection == Advection::Paper { velocities(network, pressure) } else { Vec::new() };
+        let Carrier { carried, kept, .. } = self;
+        kept.fill(0.0);
+        network.each_path(|i, j, slot| {
+            let sent = if advection == Advection::Paper {
+                0.5 * network.weights[slot] * network.spans[slot].dot(velocity[i] + velocity[j])
+            } else {
+                pressure.conductances[slot] * (values[i] - values[j])
+            };
+            // Water along a path carries half of each end's temperature.
+            carried[slot] = 0.5 * capacity * sent;
+            kept[i] -= sent;
+            kept[j] += sent;
+        });
+    }
+
+    /// Adds the exchange that keeps factors and conduction together from being negative, and finds the greatest sum.
+    fn bound(&mut self, network: &Network, ground: &Ground<'_>, advection: Advection) {
+        let limited = advection == Advection::Limited;
+        let central = matches!(advection, Advection::Central | Advection::Paper);
+        let stiff = |factor: f64| if central { factor.abs() } else { factor.max(0.0) };
+        let may_bend = matches!(advection, Advection::Central | Advection::Limited);
+        for (i, least) in self.least.iter_mut().enumerate() {
+            *least = (ground.least_conductivity)(i);
+        }
+        let Carrier { carried, exchange, beside, least, sums, .. } = self;
+        let (mut bends, mut exchanges) = (false, false);
+        sums.fill(0.0);
+        network.each_path(|i, j, slot| {
+            let (carried, beside) = (carried[slot], beside[slot]);
+            let conducted = network.heat_weights[slot] * least[i].min(least[j]);
+            bends |= may_bend && 2.0 * carried.abs() > FAST * conducted.abs();
+            let added = match advection {
+                Advection::Central | Advection::Paper => 0.0,
+                Advection::Upwind => carried.abs() - beside,
+                Advection::Blended | Advection::Limited => (carried.abs() - beside - conducted).max(0.0),
+            };
+            if !central {
+                exchange[slot] = added;
+                exchanges |= added > 0.0;
+            }
+            sums[i] += stiff(beside - carried + added);
+            sums[j] += stiff(beside + carried + added);
+        });
+        (self.bends, self.exchanges) = (bends, exchanges);
+        self.limits_now = limited && (bends || exchanges);
+        self.gradients.resize(if self.bends { network.len() } else { 0 }, DVec2::ZERO);
+        if self.bends {
+            for (axis, bent) in self.bent.iter_mut().enumerate() {
+                bent.clear();
+                bent.extend(network.spans.iter().zip(&self.carried).map(|(span, carried)| carried / 3.0 * span[axis]));
+            }
+        }
+        let sums = &mut self.sums;
+        for mouth in &self.mouths {
+            sums[mouth.particle as usize] += ground.capacity * mouth.inflow;
+        }
+        self.greatest =
+            sums.iter().enumerate().fold((0.0, 0), |most, (i, sum)| if *sum > most.0 { (*sum, i) } else { most });
+    }
+
+    /// Adds what paths carry to the rates (W/m3), from temperatures and enthalpies (J/m3) at the start of a step (s);
+    /// `beside` are particles next to walls with the enthalpies that those hold.
+    pub fn carry(&mut self, network: &Network, state: &State<'_>, rate: &mut [f64]) {
+        let temperature = state.temperature;
+        if self.bends {
+            self.slope(network, state);
+        }
+        let limits_now = self.limits_now || !self.conducted.is_empty();
+        if !limits_now {
+            self.exchange_beside(temperature, |particle, gain| rate[particle] += gain);
+            match &network.diagonals {
+                Some(diagonals) if !self.bends => {
+                    let [column, ..] = &mut self.columns;
+                    column[diagonals.pad..diagonals.pad + temperature.len()].copy_from_slice(temperature);
+                    let exchange = when(self.exchanges, &self.exchange);
+                    tasks(state.pool, rate, |first, rates| {
+                        diagonals.carry(&self.carried, exchange, &self.columns[0], first, rates);
+                    });
+                }
+                _ => each(state.pool, rate, |i, rate| {
+                    let own = temperature[i];
+                    for (j, slot, later) in network.paths(i) {
+                        *rate += self.factor(slot, later) * (temperature[j] - own);
+                        if self.bends {
+                            *rate += self.bend(network, i, j, slot);
+                        }
+                    }
+                }),
+            }
+            return;
+        }
+        self.gather(network, state);
+        let mut rows = std::mem::take(&mut self.rows);
+        self.exchange_beside(temperature, |particle, gain| rows[particle].gain += gain);
+        self.rows = rows;
+        self.limit(network, state, rate);
+        let (rows, limits, marked, this) = (&self.rows, &self.limits, &self.marked, &*self);
+        each(state.pool, rate, |i, rate| {
+            let row = rows[i];
+            let back = if marked[i] {
+                let (own, (up, down)) = (temperature[i], limits[i]);
+                let share = |j: usize, back: f64| if back > 0.0 { up.min(limits[j].1) } else { down.min(limits[j].0) };
+                let paths = network.paths(i).map(|(j, slot, _)| {
+                    let exchange = if this.exchanges { this.exchange[slot] } else { 0.0 };
+                    let back = exchange * (own - temperature[j]) + this.bend(network, i, j, slot);
+                    back * share(j, back)
+                });
+                paths.sum::<f64>()
+            } else {
+                row.up + row.down
+            };
+            *rate += row.gain + back;
+        });
+    }
+
+    /// What particles exchange that see each other's images behind walls (W/m3).
+    fn exchange_beside(&self, temperature: &[f64], mut add: impl FnMut(usize, f64)) {
+        for (i, j, slot) in &self.beside_walls {
+            let (i, j) = (*i as usize, *j as usize);
+            let gain = self.beside[*slot as usize] * (temperature[j] - temperature[i]);
+            add(i, gain);
+            add(j, -gain);
+        }
+    }
+
+    /// Factor with which a particle takes part in a path, whose other end may be the later one.
+    #[inline(always)]
+    fn factor(&self, slot: usize, later: bool) -> f64 {
+        let exchange = if self.exchanges { self.exchange[slot] } else { 0.0 };
+        if later { exchange - self.carried[slot] } else { exchange + self.carried[slot] }
+    }
+
+    /// What the bend of the profile takes from what a path carries and conducts (W/m3).
+    #[inline(always)]
+    fn bend(&self, network: &Network, i: usize, j: usize, slot: usize) -> f64 {
+        let conducted = if self.conducted.is_empty() {
+            0.0
+        } else {
+            network.even_weights[slot] * (self.conducted[i] - self.conducted[j])
+        };
+        if !self.bends {
+            return conducted;
+        }
+        let rise = self.gradients[j] - self.gradients[i];
+        conducted + (self.bent[0][slot] * rise.x + self.bent[1][slot] * rise.y)
+    }
+
+    /// Gradients of the temperature: half of the sum, as the second moment of weights is twice the unit matrix.
+    fn slope(&mut self, network: &Network, state: &State<'_>) {
+        each(state.pool, &mut self.gradients, |i, gradient| {
+            let own = state.temperature[i];
+            let paths = network.starts[i]..network.starts[i + 1];
+            let rise = |k: usize| state.temperature[network.partners[k] as usize] - own;
+            *gradient = paths.map(|k| rise(k) * network.arms[k]).sum();
+        });
+        for (opening, wall) in network.openings.iter().zip(state.openings) {
+            let (own, image) = (opening.particle as usize, opening.image as usize);
+            let image = state.temperature[image];
+            let ghost = wall.map_or(image, |wall| if opening.sign == 0.0 { wall } else { 2.0 * wall - image });
+            self.gradients[own] += 0.5 * opening.weight * (ghost - state.temperature[own]) * opening.arm;
+        }
+    }
+
+    /// What each particle gains with the whole exchange, and what lies around it.
+    fn gather(&mut self, network: &Network, state: &State<'_>) {
+        let mut rows = std::mem::take(&mut self.rows);
+        match &network.diagonals {
+            Some(diagonals) if !state.mixed => self.gather_diagonals(network, diagonals, state, &mut rows),
+            _ => self.gather_paths(network, state, &mut rows),
+        }
+        self.rows = rows;
+        for (i, temperature) in state.beside {
+            let wall = (state.enthalpy_at)(*i as usize, *temperature);
+            let row = &mut self.rows[*i as usize];
+            (row.least, row.most) = (row.least.min(wall), row.most.max(wall));
+        }
+    }
+
+    fn gather_diagonals(&mut self, network: &Network, diagonals: &Diagonals, state: &State<'_>, rows: &mut [Row]) {
+        let pad = diagonals.pad;
+        let copied = [state.temperature, state.enthalpy, &self.conducted];
+        for (column, values) in self.columns.iter_mut().zip(copied) {
+            column[pad..pad + values.len()].copy_from_slice(values);
+        }
+        let [temperature, enthalpy, conducted, x, y] = &mut self.columns;
+        if self.bends {
+            for (i, gradient) in self.gradients.iter().enumerate() {
+                (x[pad + i], y[pad + i]) = (gradient.x, gradient.y);
+            }
+        }
+        let carried = Carried {
+            carried: &self.carried,
+            exchange: when(self.exchanges, &self.exchange),
+            weights: &network.weights,
+            even: when(!self.conducted.is_empty(), &network.even_weights),
+            bends: [when(self.bends, &self.bent[0]), when(self.bends, &self.bent[1])],
+        };
+        let fields = Fields { temperature, enthalpy, conducted, gradients: [x, y] };
+        tasks(state.pool, rows, |first, rows| diagonals.gather(&carried, &fields, first, rows));
+    }
+
+    fn gather_paths(&self, network: &Network, state: &State<'_>, rows: &mut [Row]) {
+        each(state.pool, rows, |i, row| {
+            let (own, enthalpy) = (state.temperature[i], state.enthalpy[i]);
+            *row = Row { least: enthalpy, most: enthalpy, ..Row::default() };
+            let mut warmest = (own, i);
+            let mut coldest = (own, i);
+            for (j, slot, later) in network.paths(i) {
+                let rise = state.temperature[j] - own;
+                row.gain += self.factor(slot, later) * rise;
+                let exchange = if self.exchanges { self.exchange[slot] } else { 0.0 };
+                let back = self.bend(network, i, j, slot) - exchange * rise;
+                if back > 0.0 {
+                    row.up += back;
+                } else {
+                    row.down += back;
+                }
+                let other = state.enthalpy[j];
+                if !state.mixed {
+                    row.least = if other < row.least { other } else { row.least };
+                    row.most = if other > row.most { other } else { row.most };
+                } else {
+                    warmest = if state.temperature[j] > warmest.0 { (state.temperature[j], j) } else { warmest };
+                    coldest = if state.temperature[j] < coldest.0 { (state.temperature[j], j) } else { coldest };
+                }
+            }
+            if state.mixed {
+                row.most = row.most.max((state.enthalpy_at)(i, warmest.0));
+                row.least = row.least.min((state.enthalpy_at)(i, coldest.0));
+            }
+        });
+    }
+
+    /// How much of the exchange may be taken back at each particle; marks those where it is not all.
+    fn limit(&mut self, network: &Network, state: &State<'_>, rate: &[f64]) {
+        self.marked.fill(false);
+        let nearest_only = network.diagonals.is_some() && !state.mixed;
+        let share = |room: f64, wanted: f64| if wanted > room { (room / wanted).max(0.0) } else { 1.0 };
+        for i in 0..network.len() {
+            let mut row = self.rows[i];
+            let low = state.enthalpy[i] + state.step * (rate[i] + row.gain);
+            let shares = |row: &Row| {
+                (share(row.most - low, state.step * row.up), share(low - row.least, -state.step * row.down))
+            };
+            let (mut up, mut down) = shares(&row);
+            if nearest_only && (up < 1.0 || down < 1.0) {
+                for (j, ..) in network.paths(i) {
+                    let other = state.enthalpy[j];
+                    (row.least, row.most) = (row.least.min(other), row.most.max(other));
+                }
+                (up, down) = shares(&row);
+            }
+            self.limits[i] = (up, down);
+            if up < 1.0 || down < 1.0 {
+                self.marked[i] = true;
+                for j in &network.partners[network.starts[i]..network.starts[i + 1]] {
+                    self.marked[*j as usize] = true;
+                }
+            }
+        }
+    }
+}
+
+/// The state from which heat is carried.
+pub struct State<'a> {
+    /// Temperatures.
+    pub temperature: &'a [f64],
+    /// Enthalpies (J/m3), relative to each particle's own zero.
+    pub enthalpy: &'a [f64],
+    /// The step that the rates are for (s).
+    pub step: f64,
+    /// Whether there are several materials.
+    pub mixed: bool,
+    /// Enthalpy (J/m3) of a particle at a temperature.
+    pub enthalpy_at: &'a (dyn Fn(usize, f64) -> f64 + Sync),
+    /// Temperatures that pressure walls hold, by opening.
+    pub openings: &'a [Option<f64>],
+    /// Particles next to walls, with the temperatures that those hold.
+    pub beside: &'a [(u32, f64)],
+    /// Threads, if more than one.
+    pub pool: Option<&'a Arc<ThreadPool>>,
+}
+
+/// A column, if it is used.
+fn when(used: bool, column: &[f64]) -> &[f64] {
+    if used { column } else { &[] }
+}
+
+/// Does something to tasks of fixed size, by the number of their first row.
+fn tasks<T: Send>(pool: Option<&Arc<ThreadPool>>, rows: &mut [T], one: impl Fn(usize, &mut [T]) + Sync) {
+    let task = |(number, rows): (usize, &mut [T])| one(number * TASK, rows);
+    match pool {
+        Some(pool) if rows.len() > 2 * TASK => {
+            pool.install(|| rows.par_chunks_mut(TASK).enumerate().for_each(task));
+        }
+        _ => rows.chunks_mut(TASK).enumerate().for_each(task),
+    }
+}
+
+/// Does something to each row, in tasks of fixed size.
+fn each<T: Send>(pool: Option<&Arc<ThreadPool>>, rows: &mut [T], one: impl Fn(usize, &mut T) + Sync) {
+    tasks(pool, rows, |first, rows| rows.iter_mut().enumerate().for_each(|(offset, row)| one(first + offset, row)));
+}
+
+/// Darcy velocities (m/s) of all particles, from the water of their paths and openings.
+pub fn velocities(network: &Network, pressure: &Pressure) -> Vec<DVec2> {
+    // The second moment of weights is twice the unit matrix: half of the sum is the velocity.
+    let values = &pressure.pressure;
+    let mut found: Vec<DVec2> = (0..network.len())
+        .map(|i| {
+            let paths = network.paths(i).zip(&network.arms[network.starts[i]..network.starts[i + 1]]);
+            // A path to an image behind an opening alone has no weight.
+            let open = paths.filter(|((_, slot, _), _)| network.weights[*slot] > 0.0);
+            open.map(|((j, slot, _), arm)| {
+                pressure.conductances[slot] / network.weights[slot] * (values[i] - values[j]) * *arm
+            })
+            .sum()
+        })
+        .collect();
+    for (opening, conductance) in network.openings.iter().zip(&pressure.mouths) {
+        let (own, image) = (values[opening.particle as usize], values[opening.image as usize]);
+        let water = conductance * (own - opening.sign * image - pressure.wall_parts(opening));
+        found[opening.particle as usize] += 0.5 * water * opening.arm;
+    }
+    found
+}

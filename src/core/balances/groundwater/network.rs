@@ -1,0 +1,355 @@
+//! The paths of water: the pairs that conduct heat, with ghosts folded into the particles that they mirror.
+//!
+//! A ghost behind a closed wall holds the pressure of its image: the pair with it is one more path to the image. A ghost
+//! behind a wall of given pressure holds twice that pressure less its image's: the pair with it is an opening, through
+//! which water enters or leaves. Behind the curved wall of a ring the pressure is that of water which nothing disturbs: each
+//! pair that the wall cuts is an opening.
+
+use glam::DVec2;
+
+use crate::balances::groundwater::diagonals::Diagonals;
+use crate::balances::groundwater::ground::Flow;
+use crate::balances::groundwater::numerics::Conduction;
+use crate::bonds::pair_list::PairList;
+use crate::boundary::ghosts::Ghosts;
+use crate::boundary::patch::{Boundary, Face};
+use crate::memory::Held;
+
+/// Walls that a body can have.
+pub const MOST_WALLS: usize = 4;
+
+/// No path: an opening whose image is its own particle.
+pub const NONE: u32 = u32::MAX;
+
+/// A pair across a wall of given pressure. The ghost holds `sign p_image + sum of multiples p_wall`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Opening {
+    /// The particle.
+    pub particle: u32,
+    /// What the ghost mirrors; the particle itself where it mirrors nothing.
+    pub image: u32,
+    /// The path from particle to image, or [`NONE`].
+    pub path: u32,
+    /// The wall: index into the scene's pressure walls.
+    pub wall: u8,
+    /// Weight by volume (m^-2).
+    pub weight: f64,
+    /// Sign with which the ghost follows its image; 0 where it does not.
+    pub sign: f64,
+    /// How often each wall's pressure counts.
+    pub multiples: [f64; MOST_WALLS],
+    /// From particle to ghost (m).
+    pub arm: DVec2,
+}
+
+/// A pair that a curved wall cuts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WayOut {
+    /// The particle.
+    pub particle: u32,
+    /// Weight by volume (m^-2).
+    pub weight: f64,
+    /// From the particle to the place behind the wall (m).
+    pub way: DVec2,
+}
+
+/// Paths in compressed rows, in both directions, with partners in order. What both directions share stands in columns by
+/// slot.
+#[derive(Debug, Clone, Default)]
+pub struct Network {
+    /// Start of each particle's paths, and the end of the last.
+    pub starts: Vec<usize>,
+    /// The first of each particle's paths to a later particle.
+    pub laters: Vec<usize>,
+    /// The particle at the other end.
+    pub partners: Vec<u32>,
+    /// Place in the columns that both directions share.
+    pub slots: Vec<u32>,
+    /// Places of those columns.
+    pub places: usize,
+    /// How they are ordered, on a lattice; otherwise by the earlier particle.
+    pub diagonals: Option<Diagonals>,
+    /// Weight by volume (m^-2) with which the path conducts water, by slot.
+    pub weights: Vec<f64>,
+    /// Weight by volume (m^-2) with which it conducts heat, by slot; odd images behind walls of given temperature count
+    /// against.
+    pub heat_weights: Vec<f64>,
+    /// Weight (m^-2) of the images alone that follow their particles, by slot; empty where conduction is not corrected.
+    pub even_weights: Vec<f64>,
+    /// Mean vector of the path, a way over a closed wall as it is seen from this end, times half of the weight for water (1/m).
+    pub arms: Vec<DVec2>,
+    /// The part of the mean vector (m) that both ends see alike, from the earlier particle, by slot.
+    pub spans: Vec<DVec2>,
+    /// Pairs across walls of given pressure, by particle.
+    pub openings: Vec<Opening>,
+    /// Door of the boundary of each pressure wall.
+    pub doors: Vec<usize>,
+    /// Particles that conduct heat across each door: particle and door.
+    pub beside: Vec<(u32, u8)>,
+}
+
+impl Held for Network {
+    fn held(&self) -> usize {
+        let rows = self.starts.held() + self.laters.held() + self.partners.held() + self.slots.held();
+        let openings = self.openings.capacity() * size_of::<Opening>();
+        let beside = self.beside.capacity() * size_of::<(u32, u8)>();
+        rows + self.weights.held()
+            + self.heat_weights.held()
+            + self.even_weights.held()
+            + self.arms.held()
+            + self.spans.held()
+            + openings
+            + self.doors.held()
+            + beside
+    }
+}
+
+/// One contribution to a path while rows are gathered.
+#[derive(Clone, Copy)]
+struct Part {
+    partner: u32,
+    water: f64,
+    heat: f64,
+    arm: DVec2,
+}
+
+impl Network {
+    /// The paths of a list of pairs. `faces` are the walls of the boundary at the start.
+    pub fn new(
+        positions: &[DVec2],
+        (pairs, ways_out): (&PairList, &[WayOut]),
+        ghosts: &Ghosts,
+        boundary: &Boundary,
+        faces: &[Face],
+        flow: &Flow,
+        conduction: Conduction,
+    ) -> Result<Self, String> {
+        let count = positions.len();
+        let wall_of = |door: usize| flow.walls.iter().position(|wall| wall.name == boundary.doors[door].name);
+        let mut network = Network { starts: vec![0], ..Network::default() };
+        for wall in &flow.walls {
+            let door = boundary.doors.iter().position(|door| door.name == wall.name);
+            network.doors.push(door.ok_or_else(|| format!("the body has no wall \"{}\" for water", wall.name))?);
+        }
+        let mut row: Vec<Part> = Vec::new();
+        let (mut water_weights, mut heat_weights, mut even_weights) = (Vec::new(), Vec::new(), Vec::new());
+        for i in 0..count {
+            row.clear();
+            let first_opening = network.openings.len();
+            for k in pairs.starts[i]..pairs.starts[i + 1] {
+                let (partner, weight) = (pairs.partners[k], pairs.weights[k]);
+                let Some(ghost) = (partner as usize).checked_sub(count) else {
+                    let arm = positions[partner as usize] - positions[i];
+                    row.push(Part { partner, water: weight, heat: weight, arm });
+                    continue;
+                };
+                let chain = Chain::of(ghost, count, ghosts, faces, wall_of)?;
+                let arm = ghosts.position[ghost] - positions[i];
+                let water = if chain.wall.is_some() { 0.0 } else { weight };
+                row.push(Part { partner: chain.image, water, heat: chain.heat * weight, arm });
+                if let Some(wall) = chain.wall {
+                    network.openings.push(Opening {
+                        particle: i as u32,
+                        image: chain.image,
+                        path: NONE,
+                        wall: wall as u8,
+                        weight,
+                        sign: chain.sign,
+                        multiples: chain.multiples,
+                        arm,
+                    });
+                }
+                if let Some(door) = ghosts.pays[ghost] {
+                    network.beside.push((i as u32, door));
+                }
+            }
+            row.sort_by_key(|part| part.partner);
+            for group in row.chunk_by(|a, b| a.partner == b.partner) {
+                let partner = group[0].partner;
+                if partner as usize == i {
+                    continue;
+                }
+                let water: f64 = group.iter().map(|part| part.water).sum();
+                let arm: DVec2 = group.iter().map(|part| part.water * part.arm).sum();
+                network.partners.push(partner);
+                water_weights.push(water);
+                heat_weights.push(group.iter().map(|part| part.heat).sum());
+                if conduction == Conduction::Corrected {
+                    even_weights.push(group.iter().map(|part| part.heat.max(0.0)).sum());
+                }
+                network.arms.push(if water > 0.0 { arm / water } else { DVec2::ZERO });
+            }
+            let start = network.starts[i];
+            for opening in &mut network.openings[first_opening..] {
+                if let Ok(place) = network.partners[start..].binary_search(&opening.image) {
+                    opening.path = (start + place) as u32;
+                }
+            }
+            network.starts.push(network.partners.len());
+        }
+        if let Some((across, door)) = flow.across.as_ref().zip(network.doors.first()) {
+            for out in ways_out {
+                let mut multiples = [0.0; MOST_WALLS];
+                multiples[0] = across.share(positions[out.particle as usize] + out.way);
+                network.openings.push(Opening {
+                    particle: out.particle,
+                    image: out.particle,
+                    path: NONE,
+                    wall: 0,
+                    weight: out.weight,
+                    sign: 0.0,
+                    multiples,
+                    arm: out.way,
+                });
+                network.beside.push((out.particle, *door as u8));
+            }
+        }
+        network.beside.sort_unstable();
+        network.beside.dedup();
+        network.pair_up()?;
+        network.weights = network.by_slot(&water_weights);
+        for (arm, slot) in network.arms.iter_mut().zip(&network.slots) {
+            *arm *= 0.5 * network.weights[*slot as usize];
+        }
+        network.heat_weights = network.by_slot(&heat_weights);
+        if conduction == Conduction::Corrected {
+            network.even_weights = network.by_slot(&even_weights);
+        }
+        Ok(network)
+    }
+
+    /// Gives both directions of each path one slot.
+    fn pair_up(&mut self) -> Result<(), String> {
+        let count = self.starts.len() - 1;
+        self.diagonals = Diagonals::of(&self.starts, &self.partners);
+        self.places = self.diagonals.as_ref().map_or(self.partners.len() / 2, Diagonals::slots);
+        self.slots = vec![NONE; self.partners.len()];
+        self.spans = vec![DVec2::ZERO; self.places];
+        let mut next = 0;
+        for i in 0..count {
+            let row = self.starts[i]..self.starts[i + 1];
+            self.laters.push(row.start + self.partners[row.clone()].partition_point(|j| (*j as usize) < i));
+            for k in self.laters[i]..row.end {
+                let j = self.partners[k] as usize;
+                let back = &self.partners[self.starts[j]..self.starts[j + 1]];
+                let Ok(place) = back.binary_search(&(i as u32)) else {
+                    return Err("water would flow through a pair in one direction only".into());
+                };
+                let twin = self.starts[j] + place;
+                let slot = self.diagonals.as_ref().map_or(next, |diagonals| diagonals.slot(i, j - i));
+                next += 1;
+                (self.slots[k], self.slots[twin]) = (slot as u32, slot as u32);
+                self.spans[slot] = 0.5 * (self.arms[k] - self.arms[twin]);
+            }
+        }
+        if self.slots.contains(&NONE) {
+            return Err("water would flow through a pair in one direction only".into());
+        }
+        if let Some(diagonals) = &mut self.diagonals {
+            let length = |slots: &[DVec2]| slots.iter().map(|span| span.length()).fold(0.0, f64::max);
+            let lengths: Vec<f64> = self.spans.chunks(diagonals.stride).map(length).collect();
+            let shortest = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+            diagonals.nearest = (0..lengths.len()).filter(|number| lengths[*number] < 1.1 * shortest).collect();
+        }
+        Ok(())
+    }
+
+    /// What the earlier particle of each path says of it, by slot.
+    fn by_slot(&self, values: &[f64]) -> Vec<f64> {
+        let mut column = vec![0.0; self.places];
+        for i in 0..self.len() {
+            for k in self.laters[i]..self.starts[i + 1] {
+                column[self.slots[k] as usize] = values[k];
+            }
+        }
+        column
+    }
+
+    /// All partners of a particle, with slots and whether they are later ones.
+    #[inline]
+    pub fn paths(&self, particle: usize) -> impl Iterator<Item = (usize, usize, bool)> + '_ {
+        let (range, later) = (self.starts[particle]..self.starts[particle + 1], self.laters[particle]);
+        range.map(move |k| (self.partners[k] as usize, self.slots[k] as usize, k >= later))
+    }
+
+    /// Does something to every path once, by its earlier and its later end and its slot, in the order of slots. Places on
+    /// diagonals without a path come too: their weights are zero.
+    #[inline(always)]
+    pub fn each_path(&self, mut one: impl FnMut(usize, usize, usize)) {
+        match &self.diagonals {
+            Some(diagonals) => {
+                for (number, offset) in diagonals.offsets.iter().enumerate() {
+                    let base = number * diagonals.stride + diagonals.pad;
+                    for i in 0..self.len() - offset {
+                        one(i, i + offset, base + i);
+                    }
+                }
+            }
+            None => {
+                for i in 0..self.len() {
+                    for k in self.laters[i]..self.starts[i + 1] {
+                        one(i, self.partners[k] as usize, self.slots[k] as usize);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.starts.len().saturating_sub(1)
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// What a ghost holds, through all its mirrors.
+struct Chain {
+    image: u32,
+    wall: Option<usize>,
+    sign: f64,
+    multiples: [f64; MOST_WALLS],
+    heat: f64,
+}
+
+impl Chain {
+    fn of(
+        ghost: usize,
+        count: usize,
+        ghosts: &Ghosts,
+        faces: &[Face],
+        wall_of: impl Fn(usize) -> Option<usize>,
+    ) -> Result<Self, String> {
+        let mut chain = Chain { image: 0, wall: None, sign: 1.0, multiples: [0.0; MOST_WALLS], heat: 1.0 };
+        let mut ghost = ghost;
+        loop {
+            if let Some(door) = ghosts.door[ghost] {
+                chain.heat *= -faces[door as usize].stiffness();
+                if let Some(wall) = wall_of(door as usize) {
+                    chain.wall = chain.wall.or(Some(wall));
+                    chain.multiples[wall] += 2.0 * chain.sign;
+                    chain.sign = -chain.sign;
+                }
+            }
+            let original = ghosts.original(ghost).ok_or("water needs walls that mirror particles one by one")?;
+            match (original as usize).checked_sub(count) {
+                Some(parent) => ghost = parent,
+                None => {
+                    chain.image = original;
+                    return Ok(chain);
+                }
+            }
+        }
+    }
+}
+
+impl Opening {
+    /// The part of the ghost's pressure (Pa) that walls hold.
+    #[inline]
+    pub fn wall_part(&self, walls: &[f64]) -> f64 {
+        self.multiples.iter().zip(walls).map(|(multiple, pressure)| multiple * pressure).sum()
+    }
+}

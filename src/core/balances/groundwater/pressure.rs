@@ -1,0 +1,249 @@
+//! The pressure: what leaves each particle through its paths and openings is what it gives.
+//!
+//! The matrix is symmetric and positive. Conjugate gradients start from the last pressure, with a symmetric
+//! Gauss-Seidel sweep as preconditioner, and are deflated: the body is cut into blocks, and the balance of every block
+//! is met exactly in each iteration (Nicolaides 1987; Saad et al. 2000). Slow changes over the whole body are then not
+//! left to the iteration, and no water is lost however early it ends.
+
+mod coarse;
+
+use glam::DVec2;
+
+use self::coarse::Coarse;
+use crate::balances::groundwater::diagonals::sum;
+use crate::balances::groundwater::network::{NONE, Network, Opening};
+use crate::bonds::exchange::Mean;
+use crate::memory::Held;
+
+/// What remains of a particle's balance over the water that passes through it, in the root of the mean of squares.
+const TOLERANCE: f64 = 1e-8;
+
+/// The same over what walls drive, for the first solution, which knows of no water that passes.
+const FIRST_TOLERANCE: f64 = 1e-11;
+
+/// Iterations of one solution, beyond which there is none.
+const MOST_ITERATIONS: usize = 10_000;
+
+/// Pressure of all particles, and the solver.
+#[derive(Debug, Clone)]
+pub struct Pressure {
+    /// Pressure (Pa).
+    pub pressure: Vec<f64>,
+    /// Conductance by volume (m/(Pa s m^2) times m: `weight K`) of each path, by slot.
+    pub conductances: Vec<f64>,
+    /// The same of each opening.
+    pub mouths: Vec<f64>,
+    /// Solutions so far.
+    pub solutions: u64,
+    /// Iterations of all solutions.
+    pub iterations: u64,
+    walls: Vec<f64>,
+    diagonal: Vec<f64>,
+    inverse: Vec<f64>,
+    /// By slot.
+    rest: Vec<f64>,
+    right: Vec<f64>,
+    coarse: Coarse,
+    residual: Vec<f64>,
+    /// Room before the first particle in the next two columns.
+    pad: usize,
+    swept: Vec<f64>,
+    direction: Vec<f64>,
+    image: Vec<f64>,
+}
+
+impl Held for Pressure {
+    fn held(&self) -> usize {
+        let columns =
+            [&self.pressure, &self.diagonal, &self.inverse, &self.right, &self.residual, &self.swept, &self.direction];
+        let columns: usize = columns.iter().map(|column| column.held()).sum();
+        let paths = self.conductances.held() + self.mouths.held() + self.rest.held();
+        columns + self.image.held() + paths + self.coarse.held()
+    }
+}
+
+impl Pressure {
+    /// A solver for particles at these places.
+    pub fn new(network: &Network, positions: &[DVec2]) -> Self {
+        let (count, paths) = (network.len(), network.places);
+        let (pad, padded) =
+            network.diagonals.as_ref().map_or((0, count), |diagonals| (diagonals.pad, diagonals.padded()));
+        Pressure {
+            pressure: vec![0.0; count],
+            conductances: vec![0.0; paths],
+            mouths: vec![0.0; network.openings.len()],
+            solutions: 0,
+            iterations: 0,
+            walls: Vec::new(),
+            diagonal: vec![0.0; count],
+            inverse: vec![0.0; count],
+            rest: vec![0.0; paths],
+            right: vec![0.0; count],
+            coarse: Coarse::new(network, positions),
+            residual: vec![0.0; count],
+            pad,
+            swept: vec![0.0; padded],
+            direction: vec![0.0; padded],
+            image: vec![0.0; count],
+        }
+    }
+
+    /// Solves for hydraulic conductivities (m2/(Pa s)) of particles, pressures (Pa) of walls, and the water that each
+    /// particle takes up by volume (1/s).
+    pub fn solve(
+        &mut self,
+        network: &Network,
+        conductivity: &[f64],
+        walls: &[f64],
+        taken: Option<&[f64]>,
+        mean: Mean,
+    ) -> Result<(), String> {
+        self.walls.clear();
+        self.walls.extend_from_slice(walls);
+        match mean {
+            Mean::Harmonic => self.assemble(network, conductivity, walls, taken, |a, b| 2.0 * a * b / (a + b)),
+            Mean::Arithmetic => self.assemble(network, conductivity, walls, taken, |a, b| 0.5 * (a + b)),
+            Mean::Geometric => self.assemble(network, conductivity, walls, taken, |a, b| (a * b).sqrt()),
+        }
+        self.coarse.assemble(network, &self.diagonal, &self.rest);
+        let norm = |column: &[f64]| dot(column, column).sqrt();
+        let limit =
+            if self.solutions == 0 { FIRST_TOLERANCE * norm(&self.right) } else { TOLERANCE * self.passing(network) };
+        // The balance of each block first.
+        let own = self.pad..self.pad + network.len();
+        self.direction[own.clone()].copy_from_slice(&self.pressure);
+        self.multiply(network);
+        for ((residual, right), image) in self.residual.iter_mut().zip(&self.right).zip(&self.image) {
+            *residual = right - image;
+        }
+        self.coarse.correct(&mut self.pressure, &mut self.residual);
+        let (mut last, mut count) = (0.0, 0);
+        while norm(&self.residual) > limit {
+            if count == MOST_ITERATIONS {
+                return Err(format!("the pressure was not found within {MOST_ITERATIONS} iterations"));
+            }
+            self.sweep(network);
+            let swept = &self.swept[own.clone()];
+            let product = dot(&self.residual, swept);
+            let grow = if count == 0 { 0.0 } else { product / last };
+            let direction = &mut self.direction[own.clone()];
+            for (direction, swept) in direction.iter_mut().zip(swept) {
+                *direction = grow * *direction + swept;
+            }
+            self.coarse.deflate(swept, direction);
+            last = product;
+            self.multiply(network);
+            let direction = &self.direction[own.clone()];
+            let length = product / dot(direction, &self.image);
+            if !length.is_finite() {
+                return Err("the pressure is not finite".into());
+            }
+            for i in 0..self.pressure.len() {
+                self.pressure[i] += length * direction[i];
+                self.residual[i] -= length * self.image[i];
+            }
+            count += 1;
+        }
+        // Rounding of the sums over iterations.
+        self.coarse.correct(&mut self.pressure, &mut self.residual);
+        self.solutions += 1;
+        self.iterations += count as u64;
+        Ok(())
+    }
+
+    /// The part of a ghost's pressure (Pa) that walls held in the last solution.
+    pub fn wall_parts(&self, opening: &Opening) -> f64 {
+        opening.wall_part(&self.walls)
+    }
+
+    fn assemble(
+        &mut self,
+        network: &Network,
+        conductivity: &[f64],
+        walls: &[f64],
+        taken: Option<&[f64]>,
+        mean: impl Fn(f64, f64) -> f64,
+    ) {
+        let Pressure { diagonal, conductances, rest, right, .. } = self;
+        diagonal.fill(0.0);
+        network.each_path(|i, j, slot| {
+            let conductance = network.weights[slot] * mean(conductivity[i], conductivity[j]);
+            conductances[slot] = conductance;
+            rest[slot] = -conductance;
+            diagonal[i] += conductance;
+            diagonal[j] += conductance;
+        });
+        for (i, right) in right.iter_mut().enumerate() {
+            *right = taken.map_or(0.0, |taken| -taken[i]);
+        }
+        for (opening, mouth) in network.openings.iter().zip(&mut self.mouths) {
+            let (i, j) = (opening.particle as usize, opening.image as usize);
+            *mouth = opening.weight * mean(conductivity[i], conductivity[j]);
+            self.diagonal[i] += *mouth;
+            if opening.path == NONE {
+                self.diagonal[i] -= opening.sign * *mouth;
+            } else if i < j {
+                // The other way is the opening of the image, with the same mouth.
+                self.rest[network.slots[opening.path as usize] as usize] -= opening.sign * *mouth;
+            }
+            self.right[i] += *mouth * opening.wall_part(walls);
+        }
+        // A particle without any path stays as it is.
+        for (diagonal, right) in self.diagonal.iter_mut().zip(&mut self.right).filter(|row| *row.0 <= 0.0) {
+            (*diagonal, *right) = (1.0, 0.0);
+        }
+        for (inverse, diagonal) in self.inverse.iter_mut().zip(&self.diagonal) {
+            *inverse = 1.0 / diagonal;
+        }
+    }
+
+    /// Water that passes through particles by volume (1/s), in the root of the sum of squares.
+    fn passing(&mut self, network: &Network) -> f64 {
+        let Pressure { image, conductances, pressure, .. } = self;
+        image.fill(0.0);
+        network.each_path(|i, j, slot| {
+            let water = conductances[slot] * (pressure[i] - pressure[j]).abs();
+            image[i] += water;
+            image[j] += water;
+        });
+        dot(&self.image, &self.image).sqrt()
+    }
+
+    /// The image of the direction.
+    fn multiply(&mut self, network: &Network) {
+        if let Some(diagonals) = &network.diagonals {
+            return diagonals.multiply(&self.diagonal, &self.rest, &self.direction, &mut self.image);
+        }
+        for i in 0..network.len() {
+            let range = network.starts[i]..network.starts[i + 1];
+            let paths = network.partners[range.clone()].iter().zip(&network.slots[range]);
+            let rest: f64 = paths.map(|(j, slot)| self.rest[*slot as usize] * self.direction[*j as usize]).sum();
+            self.image[i] = self.diagonal[i] * self.direction[i] + rest;
+        }
+    }
+
+    /// Symmetric Gauss-Seidel: forward over the paths to earlier particles, back over those to later ones.
+    fn sweep(&mut self, network: &Network) {
+        if let Some(diagonals) = &network.diagonals {
+            return diagonals.sweep(&self.inverse, &self.rest, &self.residual, &mut self.swept);
+        }
+        let of = |paths: std::ops::Range<usize>, swept: &[f64]| -> f64 {
+            let paths = network.partners[paths.clone()].iter().zip(&network.slots[paths]);
+            paths.map(|(j, slot)| self.rest[*slot as usize] * swept[*j as usize]).sum()
+        };
+        for i in 0..network.len() {
+            let earlier = of(network.starts[i]..network.laters[i], &self.swept);
+            self.swept[i] = (self.residual[i] - earlier) * self.inverse[i];
+        }
+        for i in (0..network.len()).rev() {
+            let later = of(network.laters[i]..network.starts[i + 1], &self.swept);
+            self.swept[i] -= later * self.inverse[i];
+        }
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let count = a.len().min(b.len());
+    let (a, b) = (&a[..count], &b[..count]);
+    sum(count, |i| a[i] * b[i])
+}

@@ -1,0 +1,276 @@
+//! Ghost particles around a cloud: mirrors of particles at straight walls, or moving least squares.
+
+mod build;
+
+use glam::DVec2;
+
+use crate::boundary::interface::Chains;
+use crate::boundary::patch::Face;
+use crate::memory::Held;
+use crate::physics::uptake::Materials;
+
+/// Ghosts, numbered after the particles; each depends only on particles and earlier ghosts.
+#[derive(Debug, Clone, Default)]
+pub struct Ghosts {
+    /// Position (m).
+    pub position: Vec<DVec2>,
+    /// Wall that the ghost stands behind, or none for a mirror plane of the domain.
+    pub door: Vec<Option<u8>>,
+    /// Door through which heat to the ghost goes: its own, or for mirrors of ghosts their image's.
+    pub pays: Vec<Option<u8>>,
+    /// Depth behind the wall (m).
+    pub depth: Vec<f64>,
+    /// A particle near the image, whose material and normalisation the ghost takes.
+    pub model: Vec<u32>,
+    /// Its material, by index; empty where it is that of the model.
+    pub material: Vec<u8>,
+    /// What noise calls the ghost: the particle that it mirrors by symmetry alone, or a number of its own.
+    pub identity: Vec<u32>,
+    /// Tells images of one particle apart.
+    pub stream: Vec<u32>,
+    /// Share of the ghost's pairs that counts; empty where all do.
+    share: Vec<f64>,
+    starts: Vec<u32>,
+    images: Vec<(u32, f64)>,
+}
+
+/// What a ghost becomes in a layer of one value.
+pub struct Levelled {
+    /// Wall by whose condition it follows its images, or none where it is as they are.
+    pub door: Option<u8>,
+    /// Door through which heat to it goes.
+    pub pays: u8,
+    /// Particles, or an earlier ghost, with their shares.
+    pub images: Vec<(u32, f64)>,
+    /// Half of the distance over which it follows them (m).
+    pub depth: f64,
+    /// The particle whose material it has.
+    pub model: u32,
+}
+
+impl Held for Ghosts {
+    fn held(&self) -> usize {
+        // Doors are a byte and whether there is one.
+        let doors = (self.door.capacity() + self.pays.capacity()) * size_of::<Option<u8>>();
+        let names = self.material.held() + self.model.held() + self.identity.held() + self.stream.held();
+        let numbers = self.depth.held() + self.share.held();
+        self.position.held() + doors + numbers + names + self.starts.held() + self.images.held()
+    }
+}
+
+impl Ghosts {
+    /// No ghosts.
+    pub fn none() -> Self {
+        Ghosts { starts: vec![0], ..Ghosts::default() }
+    }
+
+    /// Gives ghosts other images, where there are any.
+    pub fn level(&mut self, levelled: Vec<Option<Levelled>>) {
+        let mut images = Vec::with_capacity(self.images.len());
+        let mut starts = vec![0];
+        for (ghost, new) in levelled.into_iter().enumerate() {
+            match new {
+                None => images.extend_from_slice(&self.images[self.images_of(ghost)]),
+                Some(new) => {
+                    images.extend(new.images);
+                    self.door[ghost] = new.door;
+                    self.pays[ghost] = Some(new.pays);
+                    self.depth[ghost] = new.depth;
+                    self.model[ghost] = new.model;
+                }
+            }
+            starts.push(images.len() as u32);
+        }
+        (self.images, self.starts) = (images, starts);
+    }
+
+    /// Adds a ghost at a place behind a door that holds the wall's own value, in place of the particle `model` of `count`.
+    pub fn hold(&mut self, count: usize, model: u32, place: DVec2, door: u8) {
+        let number = (count + self.position.len()) as u32;
+        self.position.push(place);
+        self.door.push(Some(door));
+        self.pays.push(Some(door));
+        self.depth.push(0.0);
+        self.model.push(model);
+        self.identity.push(number);
+        self.stream.push(0);
+        self.images.push((model, 1.0));
+        self.starts.push(self.images.len() as u32);
+    }
+
+    /// For each ghost that mirrors one particle, directly or through another ghost: the particle, and the factor
+    /// with which the ghost follows it.
+    pub fn mirrored(&self, count: usize, faces: &[Face]) -> Vec<Option<(u32, f64)>> {
+        let mut mirrored: Vec<Option<(u32, f64)>> = Vec::with_capacity(self.len());
+        for ghost in 0..self.len() {
+            let sign = -self.door[ghost].map_or(-1.0, |door| faces[door as usize].stiffness());
+            let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
+            mirrored.push(match images {
+                [(image, 1.0)] => match (*image as usize).checked_sub(count) {
+                    None => Some((*image, sign)),
+                    Some(parent) => mirrored[parent].map(|(particle, factor)| (particle, sign * factor)),
+                },
+                _ => None,
+            });
+        }
+        mirrored
+    }
+
+    /// What a ghost mirrors, a particle or an earlier ghost (counted after `count` particles), if it mirrors one alone.
+    pub fn original(&self, ghost: usize) -> Option<u32> {
+        match &self.images[self.images_of(ghost)] {
+            [(original, 1.0)] => Some(*original),
+            _ => None,
+        }
+    }
+
+    /// Share of the ghost's pairs that counts: ghosts of two mirrors that stand in one place count half each.
+    #[inline]
+    pub fn share(&self, ghost: usize) -> f64 {
+        self.share.get(ghost).copied().unwrap_or(1.0)
+    }
+
+    /// Number of ghosts.
+    pub fn len(&self) -> usize {
+        self.position.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.position.is_empty()
+    }
+
+    /// How strongly a fitted ghost falls when a particle rises, by the particle's share in the fit.
+    pub fn own_share(&self, ghost: usize, particle: u32, faces: &[Face]) -> f64 {
+        let stiffness = self.door[ghost].map_or(-1.0, |door| faces[door as usize].stiffness());
+        let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
+        stiffness * images.iter().filter(|image| image.0 == particle).map(|image| image.1).sum::<f64>()
+    }
+
+    /// Fills the potentials of ghosts, behind those of the particles.
+    pub fn fill_potentials(&self, potentials: &mut [f64], faces: &[Vec<Face>], materials: &Materials, chains: &Chains) {
+        let count = potentials.len() - self.len();
+        for ghost in 0..self.len() {
+            let (image, depth) = (self.image(ghost, potentials), self.depth[ghost]);
+            potentials[count + ghost] = match self.door[ghost] {
+                None => image,
+                Some(door) => {
+                    let material = self.material(ghost, materials);
+                    let (thermal, face) = (&materials.thermals[material], &faces[material][door as usize]);
+                    match chains.of_ghost(ghost, &materials.thermals) {
+                        None => face.ghost(image, depth, &thermal.curve, thermal.initial_potential),
+                        Some(way) => {
+                            let (wall, flux) = way.wall(face, depth, image);
+                            wall + depth * flux
+                        }
+                    }
+                }
+            };
+        }
+    }
+
+    /// How each ghost follows its image, from the potentials of particles and ghosts.
+    pub fn slopes(
+        &self,
+        potentials: &[f64],
+        faces: &[Vec<Face>],
+        materials: &Materials,
+        chains: &Chains,
+        slopes: &mut Vec<f64>,
+    ) {
+        slopes.clear();
+        slopes.extend((0..self.len()).map(|ghost| match self.door[ghost] {
+            None => 1.0,
+            Some(door) => {
+                let (image, depth) = (self.image(ghost, potentials), self.depth[ghost]);
+                let material = self.material(ghost, materials);
+                let (thermal, face) = (&materials.thermals[material], &faces[material][door as usize]);
+                match chains.of_ghost(ghost, &materials.thermals) {
+                    None => face.ghost_slope(image, depth, &thermal.curve, thermal.initial_potential),
+                    Some(way) => {
+                        let (wall, flux) = way.wall_slopes(face, depth, image);
+                        wall + depth * flux
+                    }
+                }
+            }
+        }));
+    }
+
+    /// Fills small changes of the potentials of ghosts, behind those of the particles.
+    pub fn fill_changes(&self, changes: &mut [f64], slopes: &[f64]) {
+        let count = changes.len() - self.len();
+        for (ghost, slope) in slopes.iter().enumerate() {
+            changes[count + ghost] = slope * self.image(ghost, changes);
+        }
+    }
+
+    /// Particles that the image of a ghost is made of, directly or through other ghosts.
+    pub fn makers(&self, ghost: usize, count: usize) -> Vec<u32> {
+        let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
+        let maker = |index: u32| match (index as usize).checked_sub(count) {
+            None => vec![index],
+            Some(parent) => self.makers(parent, count),
+        };
+        images.iter().flat_map(|image| maker(image.0)).collect()
+    }
+
+    /// Whether every ghost is the mirror image of one particle or ghost.
+    pub fn all_mirrored(&self) -> bool {
+        self.images.len() == self.len()
+    }
+
+    /// Fills the temperatures and conductivities of ghosts, behind those of the particles.
+    pub fn fill_temperatures(
+        &self,
+        temperatures: &mut [f64],
+        conductivities: &mut [f64],
+        faces: &[Vec<Face>],
+        materials: &Materials,
+    ) {
+        let count = temperatures.len() - self.len();
+        for ghost in 0..self.len() {
+            let image = self.image(ghost, temperatures);
+            let carried = conductivities[self.model[ghost] as usize];
+            let material = self.material(ghost, materials);
+            let curve = &materials.thermals[material].curve;
+            let (temperature, conductivity) = match self.door[ghost].map(|door| faces[material][door as usize]) {
+                // A mirror conducts as what it mirrors, be that a ghost itself.
+                None | Some(Face::Even) => match &self.images[self.images_of(ghost)] {
+                    [(own, 1.0)] => (image, conductivities[*own as usize]),
+                    _ => (image, carried),
+                },
+                Some(Face::Odd { temperature, .. }) => {
+                    let ghost = 2.0 * temperature - image;
+                    (ghost, curve.conductivity(ghost))
+                }
+                Some(Face::Held { temperature, .. }) => (temperature, curve.conductivity(temperature)),
+                Some(Face::Flux(flux)) => (image + 2.0 * self.depth[ghost] * flux / carried, carried),
+                Some(Face::Film { coefficient, ambient, through }) => {
+                    let film = coefficient * self.depth[ghost] / carried;
+                    (image + 2.0 * film / (1.0 + through * film) * (ambient - image), carried)
+                }
+            };
+            temperatures[count + ghost] = temperature;
+            conductivities[count + ghost] = conductivity;
+        }
+    }
+
+    #[inline]
+    fn images_of(&self, ghost: usize) -> std::ops::Range<usize> {
+        self.starts[ghost] as usize..self.starts[ghost + 1] as usize
+    }
+
+    #[inline]
+    fn image(&self, ghost: usize, values: &[f64]) -> f64 {
+        self.images[self.images_of(ghost)].iter().map(|(index, weight)| weight * values[*index as usize]).sum()
+    }
+
+    /// Material of a ghost.
+    #[inline]
+    pub fn material(&self, ghost: usize, materials: &Materials) -> usize {
+        match self.material.get(ghost) {
+            Some(material) => *material as usize,
+            None => materials.index(self.model[ghost] as usize),
+        }
+    }
+}

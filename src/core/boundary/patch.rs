@@ -1,0 +1,343 @@
+//! Walls: what a ghost holds. Written once for lattice rows and for lists of ghost particles.
+//!
+//! Walls lie half-way between particles. A ghost mirrors a particle (or a moving-least-squares value) at the same
+//! depth on the other side: odd about the wall's potential for a temperature, even for symmetry, even plus the
+//! wanted slope for a flux. A linear profile is met exactly, whatever the reach of the method.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use crate::boundary::condition::Condition;
+use crate::physics::potential::{Curve, Thermal};
+
+/// Walls and parts of walls that a body may have.
+pub const MOST_DOORS: usize = 24;
+
+/// Name of the face of a shaft in the heat balance.
+pub const FACE: &str = "shaft";
+
+/// Temperature of a wall at a time (s), where it is known.
+pub type WallTemperature = Arc<dyn Fn(f64) -> Option<f64> + Send + Sync>;
+
+/// A wall that heat may cross.
+#[derive(Clone)]
+pub struct Door {
+    /// Name in the scene; of a part, the wall's and its number.
+    pub name: String,
+    /// Condition.
+    pub condition: Condition,
+    /// Ghosts hold the wall's own value instead of being mirrored ([`crate::boundary::wall_layers`]).
+    pub layers: bool,
+    /// Whether the condition changes in time.
+    pub changes: bool,
+    /// The exact solution, for walls that follow it.
+    pub exact: Option<WallTemperature>,
+}
+
+/// A wall at one instant, in potentials relative to the initial state.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Face {
+    /// Mirror.
+    Even,
+    /// Ghosts are twice the wall's value less their image.
+    Odd {
+        /// Potential (W/m) at the wall.
+        wall: f64,
+        /// Temperature at the wall.
+        temperature: f64,
+    },
+    /// Ghosts are the wall's value.
+    Held {
+        /// Potential (W/m) at the wall.
+        wall: f64,
+        /// Temperature at the wall.
+        temperature: f64,
+    },
+    /// Ghosts carry the slope of a flux (W/m2) into the body.
+    Flux(f64),
+    /// Ghosts carry the slope of the flux through a film.
+    Film {
+        /// Film coefficient (W/m2K).
+        coefficient: f64,
+        /// Temperature of the surroundings.
+        ambient: f64,
+        /// Depths of a ghost that heat is conducted through behind the film: one to a mirror, and all of two to a layer
+        /// of one value.
+        through: f64,
+    },
+}
+
+impl Face {
+    /// Potential of a ghost whose image holds `image`, `depth` (m) behind the wall.
+    #[inline(always)]
+    pub fn ghost(&self, image: f64, depth: f64, curve: &Curve, initial_potential: f64) -> f64 {
+        match *self {
+            Face::Even => image,
+            Face::Odd { wall, .. } => 2.0 * wall - image,
+            Face::Held { wall, .. } => wall,
+            Face::Flux(flux) => image + 2.0 * depth * flux,
+            Face::Film { coefficient, ambient, through } => {
+                image + 2.0 * depth * curve.film_flux(image + initial_potential, through * depth, coefficient, ambient)
+            }
+        }
+    }
+
+    /// The wall as small changes of potentials meet it.
+    pub fn homogeneous(&self) -> Face {
+        match *self {
+            Face::Even | Face::Flux(_) => Face::Even,
+            Face::Odd { .. } => Face::Odd { wall: 0.0, temperature: 0.0 },
+            Face::Held { .. } => Face::Held { wall: 0.0, temperature: 0.0 },
+            Face::Film { .. } => *self,
+        }
+    }
+
+    /// Change of a ghost with its image, at the same place.
+    pub fn ghost_slope(&self, image: f64, depth: f64, curve: &Curve, initial_potential: f64) -> f64 {
+        match *self {
+            Face::Even | Face::Flux(_) => 1.0,
+            Face::Odd { .. } => -1.0,
+            Face::Held { .. } => 0.0,
+            Face::Film { coefficient, ambient, through } => {
+                1.0 + 2.0 * depth * curve.film_slope(image + initial_potential, through * depth, coefficient, ambient)
+            }
+        }
+    }
+
+    /// Heat flux (W/m2) into the body by the linear profile through the wall and a particle of this potential (W/m,
+    /// relative) at a depth (m).
+    #[inline]
+    pub fn flux(&self, potential: f64, depth: f64, thermal: &Thermal) -> f64 {
+        match *self {
+            Face::Even => 0.0,
+            Face::Odd { wall, .. } | Face::Held { wall, .. } => (wall - potential) / depth,
+            Face::Flux(flux) => flux,
+            Face::Film { coefficient, ambient, .. } => {
+                thermal.curve.film_flux(potential + thermal.initial_potential, depth, coefficient, ambient)
+            }
+        }
+    }
+
+    /// How the flux follows the potential (1/m).
+    pub fn flux_slope(&self, potential: f64, depth: f64, thermal: &Thermal) -> f64 {
+        match *self {
+            Face::Even | Face::Flux(_) => 0.0,
+            Face::Odd { .. } | Face::Held { .. } => -1.0 / depth,
+            Face::Film { coefficient, ambient, .. } => {
+                thermal.curve.film_slope(potential + thermal.initial_potential, depth, coefficient, ambient)
+            }
+        }
+    }
+
+    /// The same where a particle of this temperature conducts by its own conductivity (W/mK).
+    #[inline]
+    pub fn flux_by_temperature(&self, inside: f64, conductivity: f64, depth: f64) -> f64 {
+        match *self {
+            Face::Even => 0.0,
+            Face::Odd { temperature, .. } | Face::Held { temperature, .. } => {
+                conductivity * (temperature - inside) / depth
+            }
+            Face::Flux(flux) => flux,
+            Face::Film { coefficient, ambient, .. } => {
+                coefficient / (1.0 + coefficient * depth / conductivity) * (ambient - inside)
+            }
+        }
+    }
+
+    /// One where the flux falls with the potential inside, zero where it does not.
+    pub fn holds(&self) -> f64 {
+        match self {
+            Face::Even | Face::Flux(_) => 0.0,
+            Face::Odd { .. } | Face::Held { .. } | Face::Film { .. } => 1.0,
+        }
+    }
+
+    /// How strongly a ghost falls when its image rises: what a ghost adds to its own image's row sum.
+    pub fn stiffness(&self) -> f64 {
+        match self {
+            Face::Even => -1.0,
+            Face::Flux(_) => -1.0,
+            Face::Held { .. } => 0.0,
+            // Behind a layer the flux never reverses a rise of its images.
+            Face::Film { through, .. } if *through > 1.0 => 0.0,
+            Face::Odd { .. } | Face::Film { .. } => 1.0,
+        }
+    }
+}
+
+impl Door {
+    /// The wall at a time, in potentials of the given material curve.
+    pub fn face(&self, time: f64, curve: &Curve, initial_potential: f64) -> Face {
+        let at = |temperature: f64| {
+            let wall = curve.potential(temperature) - initial_potential;
+            if self.layers { Face::Held { wall, temperature } } else { Face::Odd { wall, temperature } }
+        };
+        match &self.condition {
+            Condition::Symmetry => Face::Even,
+            Condition::Temperature(series) => at(series.at(time)),
+            Condition::Flux(series) => Face::Flux(series.at(time)),
+            Condition::Convection { coefficient, ambient } => {
+                let through = if self.layers { 2.0 } else { 1.0 };
+                Face::Film { coefficient: coefficient.at(time), ambient: ambient.at(time), through }
+            }
+            Condition::Exact => match self.exact.as_ref().and_then(|exact| exact(time)) {
+                Some(temperature) => at(temperature),
+                None => Face::Even,
+            },
+        }
+    }
+
+    /// Whether the wall is held at a temperature, however its heat flows.
+    pub fn is_held(&self) -> bool {
+        matches!(self.condition, Condition::Temperature(_) | Condition::Exact)
+    }
+
+    /// Whether no heat passes but what the condition itself brings.
+    pub fn is_closed(&self) -> bool {
+        matches!(self.condition, Condition::Symmetry | Condition::Flux(_))
+    }
+
+    /// Whether heat may cross.
+    pub fn lets_heat_through(&self) -> bool {
+        self.condition != Condition::Symmetry
+    }
+}
+
+/// One side of the box around a lattice.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// A straight wall: index into the doors.
+    Wall(usize),
+    /// A mirror plane of the domain.
+    Mirror,
+    /// The domain ends in a curved wall before this side.
+    Curved,
+}
+
+/// The walls of a body.
+#[derive(Clone)]
+pub struct Boundary {
+    /// Parts of walls: wall, from and to along it (m), and door. Later ones win.
+    pub parts: Vec<(&'static str, f64, f64, usize)>,
+    /// Whether heat through closed walls is booked: mirrored shells leak, by the papers' shape factors.
+    pub books_all: bool,
+    /// All walls that the scene names.
+    pub doors: Vec<Door>,
+    /// Left, right, bottom, top.
+    pub sides: [Side; 4],
+    /// The curved outer wall: its door and radius (m).
+    pub curved: Option<(usize, f64)>,
+    /// The face of a shaft that is dug.
+    pub dug: Option<Dug>,
+}
+
+/// The face of a shaft, from when it is dug on.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Dug {
+    /// Its door.
+    pub door: usize,
+    /// Radius (m).
+    pub radius: f64,
+    /// When (s).
+    pub start: f64,
+}
+
+impl Boundary {
+    /// Whether walls are in parts.
+    pub fn has_parts(&self) -> bool {
+        !self.parts.is_empty()
+    }
+
+    /// The door at a place (m) along a wall, given by the door of the whole wall.
+    pub fn door_at(&self, door: usize, along: f64) -> usize {
+        let name = &self.doors[door].name;
+        let part = self.parts.iter().rev().find(|part| part.0 == name && along >= part.1 && along < part.2);
+        part.map_or(door, |part| part.3)
+    }
+
+    /// The stretches of a wall from one place (m) along it to another, each with its door.
+    pub fn stretches(&self, wall: &str, low: f64, high: f64) -> Vec<(f64, f64, usize)> {
+        let Some(whole) = self.doors.iter().position(|door| door.name == wall) else { return Vec::new() };
+        let mut places = vec![low, high];
+        let ends = self.parts.iter().filter(|part| part.0 == wall).flat_map(|part| [part.1, part.2]);
+        places.extend(ends.filter(|end| *end > low && *end < high));
+        places.sort_by(f64::total_cmp);
+        places.dedup();
+        let door = |ends: &[f64]| self.door_at(whole, 0.5 * (ends[0] + ends[1]));
+        places.windows(2).map(|ends| (ends[0], ends[1], door(ends))).collect()
+    }
+
+    /// Whether ghosts follow their images in the same way at all states and times.
+    pub fn is_linear(&self) -> bool {
+        !self.doors.iter().any(|door| matches!(door.condition, Condition::Convection { .. } | Condition::Exact))
+    }
+
+    /// Takes the walls as they are from now on, whatever the time.
+    pub fn hold_still(&mut self) {
+        for door in &mut self.doors {
+            door.changes = false;
+        }
+    }
+
+    /// All walls at time zero.
+    pub fn first_faces(&self, curve: &Curve, initial_potential: f64) -> Vec<Face> {
+        self.doors.iter().map(|door| door.face(0.0, curve, initial_potential)).collect()
+    }
+
+    /// Brings the walls that change to a later time.
+    #[inline]
+    pub fn update_faces(&self, faces: &mut [Face], time: f64, curve: &Curve, initial_potential: f64) {
+        for (face, door) in faces.iter_mut().zip(&self.doors).filter(|(_, door)| door.changes) {
+            *face = door.face(time, curve, initial_potential);
+        }
+    }
+}
+
+/// Moving least squares: weights with which values at `points` give a linear fit's value at `target`.
+///
+/// Gaussian weights of scale `scale` (m). Exact for linear fields; falls back to the nearest point where the points
+/// do not span the space.
+pub fn moving_least_squares(target: DVec2, points: &[DVec2], scale: f64, dimension: usize) -> Vec<f64> {
+    let weight: Vec<f64> = points.iter().map(|p| (-(*p - target).length_squared() / (scale * scale)).exp()).collect();
+    let unknowns = dimension + 1;
+    let basis = |p: &DVec2| [1.0, (p.x - target.x) / scale, (p.y - target.y) / scale];
+    let mut matrix = [[0.0; 4]; 3];
+    for (point, w) in points.iter().zip(&weight) {
+        let b = basis(point);
+        for r in 0..unknowns {
+            for c in 0..unknowns {
+                matrix[r][c] += w * b[r] * b[c];
+            }
+        }
+    }
+    // Coefficients of the row that picks the constant: matrix * a = e_0.
+    matrix[0][3] = 1.0;
+    for pivot in 0..unknowns {
+        let best = (pivot..unknowns).max_by(|a, b| matrix[*a][pivot].abs().total_cmp(&matrix[*b][pivot].abs()));
+        let Some(best) = best.filter(|row| matrix[*row][pivot].abs() > 1e-10 * weight.iter().sum::<f64>()) else {
+            let nearest = (0..points.len()).min_by(|a, b| {
+                (points[*a] - target).length_squared().total_cmp(&(points[*b] - target).length_squared())
+            });
+            return (0..points.len()).map(|k| if Some(k) == nearest { 1.0 } else { 0.0 }).collect();
+        };
+        matrix.swap(pivot, best);
+        for row in 0..unknowns {
+            if row != pivot {
+                let factor = matrix[row][pivot] / matrix[pivot][pivot];
+                for column in pivot..4 {
+                    matrix[row][column] -= factor * matrix[pivot][column];
+                }
+            }
+        }
+    }
+    let coefficients: Vec<f64> = (0..unknowns).map(|row| matrix[row][3] / matrix[row][row]).collect();
+    points
+        .iter()
+        .zip(&weight)
+        .map(|(point, w)| {
+            let b = basis(point);
+            w * coefficients.iter().zip(b).map(|(c, b)| c * b).sum::<f64>()
+        })
+        .collect()
+}

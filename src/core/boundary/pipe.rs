@@ -1,0 +1,285 @@
+//! Freeze pipes: line sinks of true radius at their exact position.
+//!
+//! The ground is sampled and the heat spread with one regularised delta. The ground within the delta's own
+//! effective radius belongs to the sink; the annulus from there to the pipe's wall is a resistance:
+//! `q = (U_sampled - U_pipe) / R`, `R = S - c - ln(r/dx) / 2 pi`, `S = sum a_i a_j g_ij` (lattice Green's function).
+//!
+//! A film between brine and ground carries the same heat: `q = 2 pi r h (T_wall - T_brine)`, `q = (U_sampled - U(T_wall)) / R`.
+//! That is the film of a flat wall with a depth of `2 pi r R`.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+
+use crate::boundary::green::Green;
+use crate::memory::Held;
+use crate::physics::potential::Thermal;
+use crate::series::{Schedule, Series};
+use crate::space::lattice::Lattice;
+
+/// A freeze pipe: a cold circle of true radius at an exact position.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pipe {
+    /// Centre (m).
+    pub x: f64,
+    /// Centre (m).
+    pub y: f64,
+    /// Outer radius of the pipe (m); 0 for one that is a single particle.
+    pub radius: f64,
+    /// Whether it is the particle nearest to its place, and has the radius that the lattice gives it.
+    pub one_particle: bool,
+    /// Temperature of the pipe's outer wall while it works; of what flows in it, where there is a film.
+    pub temperature: Series,
+    /// Coefficient (W/m2K) between what flows in it and the ground at its outer wall.
+    pub film: Option<f64>,
+    /// When it works; always if absent. No heat crosses its wall at other times.
+    pub schedule: Option<Arc<Schedule>>,
+}
+
+/// Stretches of the delta that are tried, in order.
+const STRETCHES: [f64; 14] = [1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0];
+
+/// Least resistance (in units of 1 / conductivity) that is accepted: below, the sink would limit the step.
+const LEAST_RESISTANCE: f64 = 0.03;
+
+/// Where a pipe is at work on particles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Extent {
+    /// Ring to which the pipe belongs.
+    pub ring: usize,
+    /// Centre (m).
+    pub centre: DVec2,
+    /// Half width (m) of the particles that the heat is spread over.
+    pub half_width: f64,
+    /// Share of the pipe that belongs to this sector.
+    pub share: f64,
+    /// What the spread heat keeps from the field around the pipe (m2): the integral of the potential over the ground is
+    /// greater by that much, times the heat that the pipe takes, than if the pipe were a line.
+    pub smoothing: f64,
+}
+
+impl Extent {
+    /// The particles of the sector that lie in it.
+    pub fn particles(&self, lattice: &Lattice) -> Vec<u32> {
+        let cells = lattice.to_cells(self.centre);
+        let reach = (self.half_width / lattice.spacing).ceil() as i64;
+        let (column, row) = (cells.x as i64, cells.y as i64);
+        (row - reach..=row + reach)
+            .flat_map(|row| (column - reach..=column + reach).map(move |column| (column, row)))
+            .filter_map(|(column, row)| lattice.index(column, row).map(|index| index as u32))
+            .collect()
+    }
+}
+
+/// A pipe joined to particles.
+#[derive(Debug, Clone)]
+pub struct Sink {
+    /// Ring to which the pipe belongs.
+    pub ring: usize,
+    /// Particles and the weights with which they are sampled; images behind mirror planes are folded in.
+    pub sample: Vec<(u32, f64)>,
+    /// Share of the pipe that belongs to this sector: 1/2 on a mirror plane.
+    pub share: f64,
+    /// Resistance between the sampled ground and the pipe's wall, times conductivity (-).
+    pub resistance: f64,
+    /// Temperature of the pipe's wall, or of the brine where there is a film.
+    pub temperature: Series,
+    /// What lies between brine and ground.
+    pub film: Option<Film>,
+    /// When the pipe works; always if absent.
+    pub schedule: Option<Arc<Schedule>>,
+    /// Ground (m2) in whose place the pipe stands.
+    pub displaced: f64,
+    /// Where the delta is at work.
+    pub extent: Extent,
+}
+
+/// A film at the wall of a pipe.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Film {
+    /// Coefficient (W/m2K).
+    pub coefficient: f64,
+    /// Perimeter of the pipe (m).
+    pub perimeter: f64,
+}
+
+/// Resistance (in units of 1 / conductivity) between a pipe of one particle and that particle: it makes the particle's
+/// radius 3 % smaller than if it were held, and the step of explicit integrators six times shorter than its neighbours need.
+const HELD_RESISTANCE: f64 = 0.005;
+
+/// Peskin's four-point delta in one direction, at a distance in cells.
+fn peskin(distance: f64) -> f64 {
+    let r = distance.abs();
+    if r <= 1.0 {
+        (3.0 - 2.0 * r + (1.0 + 4.0 * r - 4.0 * r * r).max(0.0).sqrt()) / 8.0
+    } else if r <= 2.0 {
+        (5.0 - 2.0 * r - (-7.0 + 12.0 * r - 4.0 * r * r).max(0.0).sqrt()) / 8.0
+    } else {
+        0.0
+    }
+}
+
+/// Cells and weights of a delta at `centre` (in cells), stretched.
+fn delta(centre: DVec2, stretch: f64) -> Vec<((i64, i64), f64)> {
+    let half = (2.0 * stretch).ceil() as i64;
+    let (x0, y0) = (centre.x.floor() as i64, centre.y.floor() as i64);
+    let mut cells: Vec<((i64, i64), f64)> = (y0 - half..=y0 + half + 1)
+        .flat_map(|y| (x0 - half..=x0 + half + 1).map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let weight = peskin((x as f64 - centre.x) / stretch) * peskin((y as f64 - centre.y) / stretch);
+            ((x, y), weight)
+        })
+        .filter(|cell| cell.1 > 0.0)
+        .collect();
+    let total: f64 = cells.iter().map(|cell| cell.1).sum();
+    cells.iter_mut().for_each(|cell| cell.1 /= total);
+    cells
+}
+
+/// Widest offset between two cells of any delta that may be tried, capped to what the spacing needs.
+pub fn green_reach(pipe_radius: f64, spacing: f64) -> usize {
+    let stretch = STRETCHES.iter().copied().find(|s| *s >= 1.5 * pipe_radius / spacing + 1.0).unwrap_or(16.0);
+    2 * ((2.0 * stretch).ceil() as usize + 1)
+}
+
+/// Joins a pipe to the particles of a lattice. `mirrors` tells for x and y whether the axis is a mirror plane.
+pub fn immerse(
+    pipe: &Pipe,
+    ring: usize,
+    lattice: &Lattice,
+    mirrors: (bool, bool),
+    green: &Green,
+) -> Result<Option<Sink>, String> {
+    let centre = DVec2::new(pipe.x, pipe.y);
+    let tolerance = 1e-9 * (centre.length() + lattice.spacing);
+    if (mirrors.0 && centre.x < -tolerance) || (mirrors.1 && centre.y < -tolerance) {
+        return Ok(None);
+    }
+    let on_plane = |mirror: bool, distance: f64| mirror && distance.abs() <= tolerance;
+    let share =
+        if on_plane(mirrors.0, centre.x) { 0.5 } else { 1.0 } * if on_plane(mirrors.1, centre.y) { 0.5 } else { 1.0 };
+    let in_cells = lattice.to_cells(centre);
+    if pipe.one_particle {
+        let (x, y) = (in_cells.x.round() as i64, in_cells.y.round() as i64);
+        let index = lattice.index(x, y).ok_or_else(|| outside(pipe, lattice, 1.0))?;
+        let smoothing = -green.spread * lattice.spacing * lattice.spacing;
+        let extent = Extent { ring, centre, half_width: lattice.spacing, share, smoothing };
+        let (temperature, schedule) = (pipe.temperature.clone(), pipe.schedule.clone());
+        let sample = vec![(index as u32, 1.0)];
+        let resistance = HELD_RESISTANCE;
+        return Ok(Some(Sink {
+            ring,
+            sample,
+            share,
+            resistance,
+            temperature,
+            film: None,
+            schedule,
+            displaced: 0.0,
+            extent,
+        }));
+    }
+    let film = pipe.film.map(|coefficient| Film { coefficient, perimeter: std::f64::consts::TAU * pipe.radius });
+    for stretch in STRETCHES {
+        let cells = delta(in_cells, stretch);
+        let widest = cells
+            .iter()
+            .map(|((x, y), _)| ((*x as f64 - in_cells.x).abs().max((*y as f64 - in_cells.y).abs())).ceil() as usize);
+        if 2 * widest.max().unwrap_or(0) > green.reach() + 1 {
+            break;
+        }
+        let own: f64 = cells
+            .iter()
+            .flat_map(|((x, y), a)| cells.iter().map(move |((u, v), b)| a * b * green.at(x - u, y - v)))
+            .sum();
+        let resistance = own - green.far_constant - (pipe.radius / lattice.spacing).ln() / (2.0 * std::f64::consts::PI);
+        if resistance < LEAST_RESISTANCE {
+            continue;
+        }
+        // Both the delta and the stencil leave a field that is flatter, or steeper, than that of a line: in Fourier space
+        // (1 - M k^2 / 4) (1/k^2 + c) for 1/k^2, M the second moment of the delta.
+        let moment: f64 =
+            cells.iter().map(|((x, y), a)| a * DVec2::new(*x as f64, *y as f64).distance_squared(in_cells)).sum();
+        let smoothing = (0.25 * moment - green.spread) * lattice.spacing * lattice.spacing;
+        let mut sample: Vec<(u32, f64)> = Vec::with_capacity(cells.len());
+        for ((x, y), weight) in cells {
+            let fold = |mirror: bool, cell: i64| if mirror && cell < 0 { -1 - cell } else { cell };
+            let Some(index) = lattice.index(fold(mirrors.0, x), fold(mirrors.1, y)) else {
+                return Err(outside(pipe, lattice, stretch));
+            };
+            match sample.iter_mut().find(|entry| entry.0 as usize == index) {
+                Some(entry) => entry.1 += weight,
+                None => sample.push((index as u32, weight)),
+            }
+        }
+        sample.sort_unstable_by_key(|entry| entry.0);
+        let extent = Extent { ring, centre, half_width: 2.0 * stretch * lattice.spacing, share, smoothing };
+        let (temperature, schedule) = (pipe.temperature.clone(), pipe.schedule.clone());
+        let displaced = std::f64::consts::PI * pipe.radius * pipe.radius;
+        return Ok(Some(Sink { ring, sample, share, resistance, temperature, film, schedule, displaced, extent }));
+    }
+    Err(format!(
+        "the pipe of radius {} m is too wide for a line sink on particles {} m apart; a spacing of at least {:.3} m is needed",
+        pipe.radius,
+        lattice.spacing,
+        pipe.radius / 6.0
+    ))
+}
+
+fn outside(pipe: &Pipe, lattice: &Lattice, stretch: f64) -> String {
+    format!(
+        "the pipe at ({:.4}, {:.4}) m lies too close to a wall for particles {} m apart: {:.3} m are needed",
+        pipe.x,
+        pipe.y,
+        lattice.spacing,
+        (2.0 * stretch + 1.0) * lattice.spacing
+    )
+}
+
+/// Radius (m) as which a pipe of one particle acts: that of a particle held at the pipe's temperature, less what the
+/// resistance between both takes off.
+pub fn radius_of_one_particle(green: &Green, spacing: f64) -> f64 {
+    spacing * green.one_particle_radius() * (-2.0 * std::f64::consts::PI * HELD_RESISTANCE).exp()
+}
+
+impl Held for Sink {
+    fn held(&self) -> usize {
+        self.sample.held()
+    }
+}
+
+impl Sink {
+    /// Whether heat crosses the pipe's wall in a step that begins at `time` (s). Steps land on switches.
+    #[inline]
+    pub fn works(&self, time: f64) -> bool {
+        self.schedule.as_ref().is_none_or(|schedule| schedule.works(time))
+    }
+
+    /// What the pipe sees of a quantity of its particles.
+    #[inline]
+    pub fn sampled(&self, value: impl Fn(usize) -> f64) -> f64 {
+        self.sample.iter().map(|(index, weight)| weight * value(*index as usize)).sum()
+    }
+
+    /// Heat (W/m) that the whole pipe takes from the ground at `time` (s), by what it sees of potentials (W/m, relative)
+    /// and the potential of its own temperature.
+    #[inline]
+    pub fn heat(&self, sampled: f64, own: f64, time: f64, thermal: &Thermal) -> f64 {
+        let Some(Film { coefficient, perimeter }) = self.film else { return (sampled - own) / self.resistance };
+        let (inside, brine) = (sampled + thermal.initial_potential, self.temperature.at(time));
+        -perimeter * thermal.curve.film_flux(inside, perimeter * self.resistance, coefficient, brine)
+    }
+
+    /// Resistance with which small changes around a state meet the pipe.
+    pub fn resistance_to_changes(&self, sampled: f64, time: f64, thermal: &Thermal) -> f64 {
+        let Some(Film { coefficient, perimeter }) = self.film else { return self.resistance };
+        let (inside, brine) = (sampled + thermal.initial_potential, self.temperature.at(time));
+        -1.0 / (perimeter * thermal.curve.film_slope(inside, perimeter * self.resistance, coefficient, brine))
+    }
+
+    /// What the sink adds to the row sum of a particle (m^-2), by particle.
+    pub fn row_sums(&self, spacing: f64) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let scale = self.share / (self.resistance * spacing * spacing);
+        self.sample.iter().map(move |(index, weight)| (*index as usize, weight * weight * scale))
+    }
+}

@@ -1,0 +1,286 @@
+//! Walls as layers of particles, in place of mirror images: the papers' other two ways.
+//!
+//! - *Naive*: all particles of the layers behind a place of a wall hold one value. At a wall of known temperature it is the
+//!   wall's own; at a flux or film it is the mean of the particles that see the layers there, by the strength of their
+//!   pairs, and as much more as makes the pairs together carry the flux. A film conducts from that mean through all pairs
+//!   at once.
+//! - *Inner layers*: nothing lies behind the wall, and the outermost particles of the body within reach of it are the wall.
+//!   At a known temperature the others see the wall's value there, and they themselves follow it through a conductance as
+//!   strong as all their pairs were, so what they take up is counted like all heat. At a flux or film each of them takes the
+//!   same share of the heat.
+//!
+//! Either way a rate rises with the potential of every other particle, so the maximum principle holds, and what particles
+//! gain is what walls book. But a known temperature holds over a layer as deep as pairs reach, and not at the wall, so errors
+//! fall with the first power of the reach alone (docs/theory.md).
+
+use std::collections::BTreeMap;
+
+use glam::DVec2;
+
+use crate::bonds::pair_list::PairList;
+use crate::boundary::ghosts::{Ghosts, Levelled};
+use crate::boundary::patch::Boundary;
+use crate::boundary::shells::Touch;
+use crate::physics::uptake::Materials;
+use crate::space::lattice::Lattice;
+use crate::space::symmetry::Symmetry;
+use crate::space::volumes::Volumes;
+
+/// How walls act on particles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WallModel {
+    /// Ghosts mirrored about the wall.
+    Mirror,
+    /// Ghosts from moving least squares everywhere.
+    MovingLeastSquares,
+    /// Layers of ghosts that hold one value: the papers' simplest way.
+    Naive,
+    /// The outermost particles of the body as the wall.
+    InnerLayers,
+}
+
+/// A body between layers.
+pub struct Body<'a> {
+    /// Positions of particles (m).
+    pub positions: &'a [DVec2],
+    /// Cells.
+    pub lattice: &'a Lattice,
+    /// Walls.
+    pub boundary: &'a Boundary,
+    /// Volumes of particles.
+    pub volumes: &'a Volumes,
+    /// Materials of particles.
+    pub materials: &'a Materials,
+    /// What the body does not vary along, if it is one of shells.
+    pub symmetry: Option<Symmetry>,
+}
+
+impl Body<'_> {
+    /// Column and row of the cell of a particle.
+    fn cell(&self, particle: usize) -> (usize, usize) {
+        let place = (self.positions[particle] - self.lattice.corner) / self.lattice.spacing;
+        let number = |x: f64, count: usize| (x.max(0.0) as usize).min(count - 1);
+        let row = if self.lattice.dimension == 1 { 0 } else { number(place.y, self.lattice.rows) };
+        (number(place.x, self.lattice.columns), row)
+    }
+
+    /// Door of a side (left or inner, right or outer, bottom, top) beside a particle, if heat crosses it.
+    fn open_door(&self, side: usize, particle: usize) -> Option<usize> {
+        let names: [&[&str]; 4] = [&["left", "inner"], &["right", "outer"], &["bottom"], &["top"]];
+        let whole = self.boundary.doors.iter().position(|door| names[side].contains(&door.name.as_str()))?;
+        let place = self.positions[particle];
+        let door = self.boundary.door_at(whole, if side < 2 { place.y } else { place.x });
+        self.boundary.doors[door].lets_heat_through().then_some(door)
+    }
+
+    /// Whether a door lies in a wall across y or z.
+    fn is_across_y(&self, door: usize) -> bool {
+        let name = &self.boundary.doors[door].name;
+        name.starts_with("bottom") || name.starts_with("top")
+    }
+
+    /// Area of a wall (m^(d-1); of shells by length of the axis or of the whole sphere) that belongs to a column or row.
+    fn area(&self, side: usize, column: usize) -> f64 {
+        let Lattice { spacing, dimension, corner, .. } = *self.lattice;
+        let height = if dimension == 2 { spacing } else { 1.0 };
+        let edge = |column: usize| corner.x + column as f64 * spacing;
+        match self.symmetry {
+            None => height,
+            Some(symmetry) if side == 0 => symmetry.area(edge(0)) * height,
+            Some(symmetry) if side == 1 => symmetry.area(edge(self.lattice.columns)) * height,
+            Some(symmetry) => symmetry.volume(edge(column), edge(column + 1)),
+        }
+    }
+
+    /// Depth (m) of a particle behind a side, as a plane wall would have it.
+    fn depth(&self, side: usize, particle: usize) -> f64 {
+        let far = self.lattice.corner
+            + self.lattice.spacing * DVec2::new(self.lattice.columns as f64, self.lattice.rows as f64);
+        let place = self.positions[particle];
+        match (side, self.symmetry) {
+            (0, Some(symmetry)) => symmetry.depth(self.lattice.corner.x, place.x),
+            (1, Some(symmetry)) => symmetry.depth(far.x, place.x),
+            (0, None) => place.x - self.lattice.corner.x,
+            (1, None) => far.x - place.x,
+            (2, _) => place.y - self.lattice.corner.y,
+            _ => far.y - place.y,
+        }
+    }
+
+    /// The place on a side next to a particle.
+    fn on_wall(&self, side: usize, particle: usize) -> DVec2 {
+        let far = self.lattice.corner
+            + self.lattice.spacing * DVec2::new(self.lattice.columns as f64, self.lattice.rows as f64);
+        let place = self.positions[particle];
+        match side {
+            0 => DVec2::new(self.lattice.corner.x, place.y),
+            1 => DVec2::new(far.x, place.y),
+            2 => DVec2::new(place.x, self.lattice.corner.y),
+            _ => DVec2::new(place.x, far.y),
+        }
+    }
+}
+
+/// Ghosts that hold one value, and how strongly particles see them.
+#[derive(Default)]
+struct Group {
+    members: Vec<usize>,
+    seen: BTreeMap<u32, f64>,
+}
+
+/// Gives all ghosts behind a place of a wall one value. `closed` takes in walls through which no heat passes, which are
+/// mirrors otherwise.
+pub fn level(ghosts: &mut Ghosts, pairs: &PairList, body: &Body<'_>, closed: bool) {
+    let count = body.positions.len();
+    let takes = |door: &u8| closed || body.boundary.doors[*door as usize].lets_heat_through();
+    // By door, column or row, and material.
+    let mut groups: BTreeMap<(u8, usize, usize), Group> = BTreeMap::new();
+    let mut key_of = vec![None; ghosts.len()];
+    for ghost in 0..ghosts.len() {
+        // At corners the wall that books the heat also has the value.
+        let Some(door) = ghosts.pays[ghost].filter(takes).or(ghosts.door[ghost].filter(takes)) else { continue };
+        let model = ghosts.model[ghost] as usize;
+        let (column, row) = body.cell(model);
+        let along = if body.is_across_y(door as usize) { column } else { row };
+        let key = (door, along, body.materials.index(model));
+        groups.entry(key).or_default().members.push(ghost);
+        key_of[ghost] = Some(key);
+    }
+    for i in 0..count {
+        for k in pairs.starts[i]..pairs.starts[i + 1] {
+            let Some(ghost) = (pairs.partners[k] as usize).checked_sub(count) else { continue };
+            if let Some(key) = key_of[ghost].filter(|key| key.2 == body.materials.index(i))
+                && let Some(group) = groups.get_mut(&key)
+                && pairs.weights[k] > 0.0
+            {
+                *group.seen.entry(i as u32).or_default() += body.volumes.of(i) * pairs.weights[k];
+            }
+        }
+    }
+    let mut levelled: Vec<Option<Levelled>> = (0..ghosts.len()).map(|_| None).collect();
+    for ((door, along, _), Group { members, seen }) in groups {
+        let Some(first) = members.first().copied() else { continue };
+        let side = side_of(body, door as usize);
+        let sum: f64 = seen.values().sum();
+        let nearest = |a: &&usize, b: &&usize| {
+            let depth = |ghost: usize| body.depth(side, ghosts.model[ghost] as usize);
+            depth(**a).total_cmp(&depth(**b))
+        };
+        let model = members.iter().min_by(nearest).map_or(ghosts.model[first], |ghost| ghosts.model[*ghost]);
+        let images = match sum > 0.0 {
+            true => seen.iter().map(|(particle, strength)| (*particle, strength / sum)).collect(),
+            false => vec![(model, 1.0)],
+        };
+        // Half of the distance over which a difference of potentials drives the flux through all pairs at once.
+        let depth = if sum > 0.0 { 0.5 * body.area(side, along) / sum } else { 0.0 };
+        for ghost in &members[1..] {
+            let images = vec![((count + first) as u32, 1.0)];
+            levelled[*ghost] = Some(Levelled { door: None, pays: door, images, depth: 0.0, model });
+        }
+        levelled[first] = Some(Levelled { door: Some(door), pays: door, images, depth, model });
+    }
+    ghosts.level(levelled);
+}
+
+/// Side of a door by its name.
+fn side_of(body: &Body<'_>, door: usize) -> usize {
+    match body.boundary.doors[door].name.as_str() {
+        name if name.starts_with("left") || name.starts_with("inner") => 0,
+        name if name.starts_with("right") || name.starts_with("outer") => 1,
+        name if name.starts_with("bottom") => 2,
+        _ => 3,
+    }
+}
+
+/// Makes the outermost `layers` of particles at open walls the walls themselves; gives where walls touch them, or why they
+/// cannot.
+pub fn inner(pairs: &mut PairList, ghosts: &mut Ghosts, body: &Body<'_>, layers: usize) -> Result<Vec<Touch>, String> {
+    let count = body.positions.len();
+    let depth_in_cells = |side: usize, particle: usize| {
+        let (column, row) = body.cell(particle);
+        match side {
+            0 => column,
+            1 => body.lattice.columns - 1 - column,
+            2 => row,
+            _ => body.lattice.rows - 1 - row,
+        }
+    };
+    // The open doors of each particle, the nearest first.
+    let doors = |particle: usize| {
+        let near = (0..4).filter(|side| depth_in_cells(*side, particle) < layers);
+        let mut near: Vec<(usize, usize)> =
+            near.filter_map(|side| Some((side, body.open_door(side, particle)?))).collect();
+        near.sort_by_key(|(side, _)| depth_in_cells(*side, particle));
+        near
+    };
+    // The nearest that hold each particle at a temperature: several in corners, which share it.
+    let held: Vec<Vec<(usize, usize)>> = (0..count)
+        .map(|i| {
+            let mut near = doors(i);
+            near.retain(|(_, door)| body.boundary.doors[*door].is_held());
+            let nearest = near.first().map(|(side, _)| depth_in_cells(*side, i));
+            near.retain(|(side, _)| Some(depth_in_cells(*side, i)) == nearest);
+            near
+        })
+        .collect();
+    if held.iter().all(|held| !held.is_empty()) {
+        return Err(format!(
+            "wall_model = \"inner-layers\" holds the {layers} outermost layers at each wall, which leaves no particle free"
+        ));
+    }
+    let mut touches = Vec::new();
+    // The first of the ghosts that stand for a held particle, one for each of its walls.
+    let mut stands_for: Vec<u32> = vec![0; count];
+    for i in 0..count {
+        let touch = |(side, door): (usize, usize), depth: f64, area: f64| Touch {
+            particle: i as u32,
+            door: door as u8,
+            depth,
+            area,
+            across_y: side >= 2,
+            at_end: side % 2 == 1,
+        };
+        if !held[i].is_empty() {
+            let stiffness: f64 = pairs.weights[pairs.starts[i]..pairs.starts[i + 1]].iter().sum();
+            let depth = 0.5 * body.lattice.spacing;
+            stands_for[i] = (count + ghosts.len()) as u32;
+            for (side, door) in &held[i] {
+                touches.push(touch((*side, *door), depth, stiffness * depth / held[i].len() as f64));
+                // On the wall: what the others gain of it crosses every surface in between.
+                ghosts.hold(count, i as u32, body.on_wall(*side, i), *door as u8);
+            }
+        } else {
+            for (side, door) in doors(i) {
+                let area = body.area(side, body.cell(i).0) / (layers as f64 * body.volumes.of(i));
+                touches.push(touch((side, door), body.depth(side, i), area));
+            }
+        }
+    }
+    let is_open = |door: &Option<u8>| door.is_some_and(|door| body.boundary.doors[door as usize].lets_heat_through());
+    let mut kept = PairList { starts: vec![0], ..PairList::default() };
+    for i in 0..count {
+        for k in pairs.starts[i]..pairs.starts[i + 1] {
+            let (partner, weight) = (pairs.partners[k], pairs.weights[k]);
+            let particle = match (partner as usize).checked_sub(count) {
+                _ if !held[i].is_empty() => continue,
+                None => partner as usize,
+                Some(ghost) if is_open(&ghosts.pays[ghost]) || is_open(&ghosts.door[ghost]) => continue,
+                // Mirrors of the wall are the wall.
+                Some(ghost) => ghosts.model[ghost] as usize,
+            };
+            match held[particle].len() as u32 {
+                0 => {
+                    kept.partners.push(partner);
+                    kept.weights.push(weight);
+                }
+                walls => {
+                    kept.partners.extend((0..walls).map(|wall| stands_for[particle] + wall));
+                    kept.weights.extend((0..walls).map(|_| weight / f64::from(walls)));
+                }
+            }
+        }
+        kept.starts.push(kept.partners.len());
+    }
+    *pairs = kept;
+    Ok(touches)
+}

@@ -1,0 +1,4 @@
+//! What cuts bonds.
+
+pub mod crack;
+pub mod excavation;

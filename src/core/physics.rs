@@ -1,0 +1,7 @@
+//! What one particle makes of its content.
+
+pub mod blend;
+pub mod material;
+pub mod potential;
+pub mod sub_cell;
+pub mod uptake;

@@ -1,0 +1,33 @@
+//! Particles, neighbours and walls, ready for a method that makes its own steps.
+
+use std::sync::Arc;
+
+use crate::kernels::rows::{ListOperator, ListParts, PairTerm};
+use crate::physics::uptake::{Mushy, Uptake, scheme};
+use crate::solvers::euler::SchemeEuler;
+use crate::solvers::method::Method;
+
+/// Particles, neighbours and walls on a list, ready for a method's own step.
+pub struct Assembly {
+    /// The parts of a list operator.
+    pub parts: ListParts,
+    /// Enthalpies at the start (see [`crate::particles::Particles::start`]).
+    pub start: Arc<[f64]>,
+    /// Latent heat.
+    pub uptake: Uptake,
+    /// Conductivity inside the freezing interval.
+    pub mushy: Mushy,
+    /// Absolute zero on the scale of the temperatures.
+    pub absolute_zero: f64,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+impl Assembly {
+    /// The shared explicit step with a term beside conduction.
+    pub fn into_method<T: PairTerm>(self, term: T) -> Box<dyn Method> {
+        let count = self.parts.positions.len();
+        let scheme = scheme(self.uptake, self.mushy, &self.parts.materials, &self.start, count);
+        Box::new(SchemeEuler::new(ListOperator::new(self.parts, term), scheme, count))
+    }
+}

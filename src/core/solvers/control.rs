@@ -1,0 +1,185 @@
+//! How long the next step should be, and whether the last one was good enough.
+
+use crate::physics::uptake::Materials;
+
+/// Longest growth and strongest shrinking from one step to the next.
+const MOST_GROWTH: f64 = 2.0;
+const MOST_SHRINKING: f64 = 0.2;
+
+/// Safety of the proposed step against its own estimate.
+const SAFETY: f64 = 0.9;
+
+/// Steps by an error estimate. The error of a step is heat in the wrong place: the sum over particles of the estimated
+/// error of their enthalpy, over the most heat that particles have held so far (against their start). It measures a
+/// front of one cell in a large body by the heat that the front has moved, in any dimension and at any spacing.
+#[derive(Debug, Clone)]
+pub struct Control {
+    /// Error allowed in one step.
+    tolerance: f64,
+    /// Exponent of the step's length in its error.
+    order: f64,
+    /// Steps up to this length are always good enough (s): explicit Euler's own.
+    least: f64,
+    next: f64,
+    most_heat: f64,
+    /// Whether the step that is being made was too long at first.
+    shortened: bool,
+}
+
+/// What is to be done with a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Judgement {
+    /// Keep it.
+    Keep,
+    /// Make it again, this long (s).
+    Again(f64),
+}
+
+impl Control {
+    /// A control that starts with steps of `least` seconds.
+    pub fn new(tolerance: f64, order: f64, least: f64) -> Self {
+        Control { tolerance, order, least, next: least, most_heat: 0.0, shortened: false }
+    }
+
+    /// The step that should come next (s).
+    pub fn next(&self) -> f64 {
+        self.next
+    }
+
+    /// Judges a step of length `step` (s) that moved particles to `state` with the estimated `error`, both by the sum
+    /// of magnitudes of enthalpies (J/m3); `allowed` is what the step was cut to by others.
+    pub fn judge(&mut self, step: f64, error: f64, state: f64) -> Judgement {
+        let most_heat = self.most_heat.max(state);
+        let relative = if error == 0.0 { 0.0 } else { error / most_heat };
+        let factor = SAFETY * (self.tolerance / relative).powf(1.0 / self.order);
+        let keep = relative <= self.tolerance || step <= self.least * (1.0 + 1e-9);
+        if keep {
+            self.most_heat = most_heat;
+            // A step cut short by an output says nothing against a longer one.
+            let grown = step * factor.min(if self.shortened { 1.0 } else { MOST_GROWTH });
+            self.shortened = false;
+            let kept = if relative <= self.tolerance { self.next.min(step * factor) } else { 0.0 };
+            self.next = grown.max(kept).max(self.least);
+            Judgement::Keep
+        } else {
+            self.again(step, factor.max(MOST_SHRINKING))
+        }
+    }
+
+    /// Makes a step again, shorter by a factor.
+    pub fn again(&mut self, step: f64, factor: f64) -> Judgement {
+        self.shortened = true;
+        self.next = (step * factor.min(SAFETY)).max(self.least);
+        Judgement::Again(self.next)
+    }
+
+    /// Whether no shorter step than this one (s) will be asked for.
+    pub fn is_least(&self, step: f64) -> bool {
+        step <= self.least * (1.0 + 1e-9)
+    }
+}
+
+/// Sum of magnitudes of the enthalpies (J/m3) that particles have taken up since the start. `by_state` is the sum of those of
+/// the state itself, which are the same where all started from zero.
+pub fn taken_up(state: &[f64], start: &[f64], by_state: f64) -> f64 {
+    if start.is_empty() {
+        return by_state;
+    }
+    state.iter().zip(start).map(|(now, start)| (now - start).abs()).sum()
+}
+
+/// Least share of the whole range of enthalpies that errors are measured by: below, the rounding of latent heat would be
+/// taken for an error.
+const LEAST_SCALE: f64 = 1e-4;
+
+/// The range of enthalpies that the data of a scene span, where nothing can drive particles beyond it.
+#[derive(Debug, Clone)]
+pub struct EnthalpyRange {
+    by_material: Vec<MaterialRange>,
+    of_particle: Vec<u32>,
+    /// Particles that stand for pipes and not for ground, in order.
+    exempt: Vec<u32>,
+    /// Whether fluxes can drive particles out of the range.
+    open: bool,
+}
+
+/// Enthalpies of one material, less the initial one (J/m3).
+#[derive(Debug, Clone, Copy)]
+struct MaterialRange {
+    low: f64,
+    high: f64,
+    /// Sensible heat of the range of temperatures, or of one degree where there is no range: errors of enthalpy over it
+    /// are errors of temperature over its range.
+    scale: f64,
+}
+
+impl EnthalpyRange {
+    /// The range between two temperatures.
+    pub fn new(materials: &Materials, temperatures: (f64, f64), exempt: Vec<u32>, open: bool) -> Self {
+        let width = temperatures.1 - temperatures.0;
+        let by_material = materials
+            .laws()
+            .map(|thermal| {
+                let low = thermal.curve.least_enthalpy(temperatures.0) - thermal.initial_enthalpy;
+                let high = thermal.enthalpy(temperatures.1);
+                let sensible = thermal.curve.least_capacity() * if width > 0.0 { width } else { 1.0 };
+                MaterialRange { low, high, scale: sensible.max(LEAST_SCALE * (high - low)) }
+            })
+            .collect();
+        // Where the data are one temperature, nothing moves, or only fluxes move it.
+        let open = open || width <= 0.0;
+        let of_particle = match materials.law_of.is_empty() {
+            true => materials.of_particle.iter().map(|material| u32::from(*material)).collect(),
+            false => materials.law_of.clone(),
+        };
+        EnthalpyRange { by_material, of_particle, exempt, open }
+    }
+
+    #[inline(always)]
+    fn of(&self, particle: usize) -> &MaterialRange {
+        &self.by_material[self.of_particle.get(particle).map_or(0, |material| *material as usize)]
+    }
+
+    /// The enthalpy (J/m3) by which errors of a particle are measured.
+    #[inline(always)]
+    pub fn scale(&self, particle: usize) -> f64 {
+        self.of(particle).scale
+    }
+
+    /// How far, over its scale, the worst particle has left its range.
+    pub fn excess(&self, enthalpy: &[f64]) -> f64 {
+        if self.open {
+            return 0.0;
+        }
+        let mut exempt = self.exempt.iter().copied().peekable();
+        let mut worst: f64 = 0.0;
+        for (i, h) in enthalpy.iter().enumerate() {
+            if exempt.next_if_eq(&(i as u32)).is_none() {
+                let MaterialRange { low, high, scale } = *self.of(i);
+                worst = worst.max((low - h).max(h - high) / scale);
+            }
+        }
+        worst
+    }
+
+    /// Largest share (0 to 1) of the way from `inside` to `beyond` that stays in the range, widened by `slack` of its
+    /// scale.
+    pub fn share(&self, inside: &[f64], beyond: &[f64], slack: f64) -> f64 {
+        if self.open {
+            return 1.0;
+        }
+        let mut exempt = self.exempt.iter().copied().peekable();
+        let mut share: f64 = 1.0;
+        for (i, (from, to)) in inside.iter().zip(beyond).enumerate() {
+            if exempt.next_if_eq(&(i as u32)).is_some() {
+                continue;
+            }
+            let MaterialRange { low, high, scale } = *self.of(i);
+            let limit = if *to > high { high + slack * scale } else { low - slack * scale };
+            if *to > limit && *to > high || *to < limit && *to < low {
+                share = share.min(((limit - from) / (to - from)).max(0.0));
+            }
+        }
+        share
+    }
+}

@@ -1,0 +1,284 @@
+//! Implicit steps: singly diagonally implicit Runge-Kutta of second order, with steps by error.
+
+use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
+use crate::solvers::newton::{Newton, NotConverged, RESIDUAL, Stage};
+use crate::solvers::sharp::{just_before, sharp_step};
+use frazil_record::Work;
+
+use crate::ledger::{Hermite, Ledger};
+use crate::memory::Held;
+use crate::particles::Particles;
+use crate::solvers::method::Method;
+use crate::solvers::operator::Operator;
+use crate::solvers::step::{Bound, Clock, StepError};
+
+/// The diagonal of the scheme, 1 - 1/sqrt 2: L-stable and of second order (Alexander 1977).
+const DIAGONAL: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
+
+/// Share of Euler's bound at which steps start: there the scheme keeps the maximum principle.
+const START: f64 = 0.9;
+
+/// Room (over the scale of enthalpies) that steps are given beyond it: what the residual of the stages
+/// explains.
+const SLACK: f64 = 5.0 * RESIDUAL;
+
+/// Weights of the rates at 0, DIAGONAL and 1 by which the quadrature through all three differs from the step's own:
+/// the estimated error of a step (s of the step's length).
+fn error_weights() -> [f64; 3] {
+    let g = DIAGONAL;
+    let third = [(g / 2.0 - 1.0 / 6.0) / g, 1.0 / (6.0 * g * (1.0 - g)), (1.0 / 3.0 - g / 2.0) / (1.0 - g)];
+    [third[0], third[1] - (1.0 - g), third[2] - g]
+}
+
+/// Two implicit stages of equal weight: `H1 = H + g h F(H1)`, `H2 = H + (1 - g) h F(H1) + g h F(H2)`, g = 1 - 1/sqrt 2.
+///
+/// The new state is put together from the rates of the stages, so heat is conserved to rounding whatever Newton's
+/// iteration leaves. A step that would leave the range of the data is mixed with the backward Euler step, which never
+/// does, as little as keeps the range.
+pub struct Implicit {
+    operator: Box<dyn Operator>,
+    ledger: Ledger,
+    euler: Bound,
+    control: Control,
+    range: EnthalpyRange,
+    newton: Newton,
+    stage: Vec<f64>,
+    known: Vec<f64>,
+    next: Vec<f64>,
+    /// State at the start of the last step, and its length (s).
+    previous: Vec<f64>,
+    last_step: f64,
+    /// Rates: at the start of the step that is being made, at the start of the last one, of both stages, of the
+    /// backward Euler step.
+    rate: Vec<f64>,
+    previous_rate: Vec<f64>,
+    rates: [Vec<f64>; 2],
+    euler_rate: Vec<f64>,
+    /// Rates of doors: of both stages, of the backward Euler step; at the end of the last step and at its start; and
+    /// the heat that it brought (J).
+    doors: [Vec<f64>; 3],
+    end_doors: Vec<f64>,
+    start_doors: Vec<f64>,
+    heat: Vec<f64>,
+    turns: u64,
+    rejected: u64,
+    limited: u64,
+}
+
+impl Implicit {
+    /// Steps whose estimated error is at most `tolerance` (see [`Control`]).
+    pub fn new(
+        operator: Box<dyn Operator>,
+        tolerance: f64,
+        range: EnthalpyRange,
+        largest_slope: f64,
+        count: usize,
+    ) -> Self {
+        let ledger = Ledger::new(operator.doors());
+        let count_doors = ledger.names().len();
+        let door = || vec![0.0; count_doors];
+        let doors = std::array::from_fn(|_| door());
+        let euler = operator.bound();
+        let newton = Newton::new(operator.as_ref(), count, largest_slope);
+        let column = || vec![0.0; count];
+        Implicit {
+            operator,
+            ledger,
+            control: Control::new(tolerance, 3.0, START * euler.step),
+            euler,
+            range,
+            newton,
+            stage: column(),
+            known: column(),
+            next: column(),
+            previous: column(),
+            last_step: 0.0,
+            rate: column(),
+            previous_rate: column(),
+            rates: [column(), column()],
+            euler_rate: Vec::new(),
+            doors,
+            end_doors: door(),
+            start_doors: door(),
+            heat: door(),
+            turns: 0,
+            rejected: 0,
+            limited: 0,
+        }
+    }
+
+    /// Solves both stages from `start`, and leaves the new state in `next`.
+    fn stages(&mut self, start: &[f64], time: f64, step: f64) -> Result<(), NotConverged> {
+        let weight = DIAGONAL * step;
+        let Implicit { operator, newton, range, stage, known, next, rates: [first, second], doors, .. } = self;
+        let [first_doors, second_doors, _] = doors;
+        extrapolate(stage, start, &self.rate, weight);
+        let system = Stage { known: start, weight, time: time + weight, range };
+        newton.solve(operator.as_mut(), &system, stage, first, first_doors)?;
+        extrapolate(known, start, first, (1.0 - DIAGONAL) * step);
+        extrapolate(stage, start, first, step);
+        let system = Stage { known, weight, time: just_before(time, step), range };
+        newton.solve(operator.as_mut(), &system, stage, second, second_doors)?;
+        extrapolate(next, known, second, weight);
+        Ok(())
+    }
+
+    /// Mixes the step in `next` with the backward Euler step, if it leaves the range; returns the share of the former.
+    fn limit(&mut self, start: &[f64], time: f64, step: f64) -> Result<f64, NotConverged> {
+        if self.range.excess(&self.next) <= SLACK {
+            return Ok(1.0);
+        }
+        self.euler_rate.resize(start.len(), 0.0);
+        let Implicit { operator, newton, range, stage, next, euler_rate, doors, .. } = self;
+        stage.copy_from_slice(start);
+        let system = Stage { known: start, weight: step, time: just_before(time, step), range };
+        newton.solve(operator.as_mut(), &system, stage, euler_rate, &mut doors[2])?;
+        extrapolate(stage, start, euler_rate, step);
+        let share = range.share(stage, next, SLACK);
+        for (next, euler) in next.iter_mut().zip(stage.iter()) {
+            *next = euler + share * (*next - euler);
+        }
+        Ok(share)
+    }
+
+    /// Takes the step in `next`, of which `share` is of second order.
+    fn keep(&mut self, state: &mut [f64], step: f64, share: f64) {
+        std::mem::swap(&mut self.previous_rate, &mut self.rate);
+        std::mem::swap(&mut self.start_doors, &mut self.end_doors);
+        let [first, second, euler] = &self.doors;
+        for door in 0..first.len() {
+            let high = (1.0 - DIAGONAL) * first[door] + DIAGONAL * second[door];
+            let mix = |high: f64, low: &[f64]| if share < 1.0 { low[door] + share * (high - low[door]) } else { high };
+            self.heat[door] = step * mix(high, euler);
+            self.end_doors[door] = mix(second[door], euler);
+            self.ledger.book(door, self.heat[door], step);
+        }
+        std::mem::swap(&mut self.rate, &mut self.rates[1]);
+        if share < 1.0 {
+            for (rate, euler) in self.rate.iter_mut().zip(&self.euler_rate) {
+                *rate = euler + share * (*rate - euler);
+            }
+        }
+        self.previous.copy_from_slice(state);
+        state.copy_from_slice(&self.next);
+        self.last_step = step;
+    }
+
+    /// Sum over particles, by their volumes, of the estimated error of a step, and of the magnitude of its result. `share` belongs to the
+    /// second-order step, the rest to backward Euler.
+    fn error(&self, step: f64, share: f64, volume: impl Fn(usize) -> f64) -> (f64, f64) {
+        let weights = error_weights();
+        let (last, [first, second]) = (&self.rate, &self.rates);
+        let mut sums = (0.0, 0.0);
+        for i in 0..last.len() {
+            let high = weights[0] * last[i] + weights[1] * first[i] + weights[2] * second[i];
+            let low = if share < 1.0 { 0.5 * (self.euler_rate[i] - last[i]) } else { 0.0 };
+            sums.0 += volume(i) * (step * (share * high + (1.0 - share) * low)).abs();
+            sums.1 += volume(i) * self.next[i].abs();
+        }
+        sums
+    }
+}
+
+/// `out = from + weight * rate`.
+fn extrapolate(out: &mut [f64], from: &[f64], rate: &[f64], weight: f64) {
+    for (out, (from, rate)) in out.iter_mut().zip(from.iter().zip(rate)) {
+        *out = from + weight * rate;
+    }
+}
+
+impl Method for Implicit {
+    fn bound(&self) -> Bound {
+        self.euler.clone()
+    }
+
+    fn sharp_step(&mut self) -> f64 {
+        sharp_step(self.operator.as_mut())
+    }
+
+    fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
+        let (state, volumes) = (&mut particles.enthalpy, &particles.volumes);
+        if clock.turned {
+            self.turns += 1;
+            self.operator.rate(state, clock.time, &mut self.rate, &mut self.end_doors);
+        }
+        let mut step = clock.step;
+        loop {
+            let solved = self.stages(state, clock.time, step).and_then(|()| self.limit(state, clock.time, step));
+            let judgement = match solved {
+                Ok(share) => {
+                    self.limited += u64::from(share < 1.0);
+                    let (error, size) = match volumes.is_even() {
+                        true => self.error(step, share, |_| 1.0),
+                        false => self.error(step, share, |i| volumes.share(i)),
+                    };
+                    let size = taken_up(&self.next, &particles.start, size);
+                    (self.control.judge(step, error, size), share)
+                }
+                Err(NotConverged) if self.control.is_least(step) => {
+                    let reason = format!("Newton's iteration finds no solution for a step of {step:e} s");
+                    return Err(StepError { reason });
+                }
+                Err(NotConverged) => (self.control.again(step, 0.25), 1.0),
+            };
+            match judgement {
+                (Judgement::Keep, share) => {
+                    self.keep(state, step, share);
+                    return Ok(step);
+                }
+                (Judgement::Again(shorter), _) => {
+                    self.rejected += 1;
+                    step = shorter;
+                }
+            }
+        }
+    }
+
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
+        self.operator.across(enthalpy, time)
+    }
+
+    fn pairs(&self) -> u64 {
+        self.operator.pairs()
+    }
+
+    fn held(&self) -> usize {
+        let columns = [&self.stage, &self.known, &self.next, &self.previous, &self.rate, &self.previous_rate];
+        let columns: usize = columns.into_iter().map(Held::held).sum();
+        self.operator.held() + self.newton.held() + columns + self.rates.held() + self.euler_rate.held()
+    }
+
+    fn wanted_step(&self) -> f64 {
+        self.control.next()
+    }
+
+    fn is_dense(&self) -> bool {
+        true
+    }
+
+    fn between(&self, particles: &Particles, share: f64, enthalpy: &mut [f64]) -> Ledger {
+        let states = (&self.previous[..], &particles.enthalpy[..]);
+        let rates = (&self.previous_rate[..], &self.rate[..]);
+        Hermite::at(share).fill(enthalpy, states, rates, self.last_step);
+        self.ledger.between(share, self.last_step, &self.heat, &self.start_doors, &self.end_doors)
+    }
+
+    fn work(&self) -> Work {
+        let (newton_median, newton_most) = self.newton.median_and_most();
+        Work {
+            evaluations: self.turns + self.newton.evaluations,
+            rejected_steps: self.rejected,
+            limited_steps: self.limited,
+            newton_solves: self.newton.solves,
+            newton_iterations: self.newton.iterations,
+            newton_median,
+            newton_most,
+            newton_paths: self.newton.paths,
+            linear_iterations: self.newton.linear_iterations,
+        }
+    }
+}

@@ -1,0 +1,304 @@
+//! Runge-Kutta-Legendre of second order.
+
+use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
+use crate::solvers::sharp::{just_before, sharp_step};
+use frazil_record::Work;
+
+use crate::ledger::{Hermite, Ledger};
+use crate::memory::Held;
+use crate::particles::Particles;
+use crate::solvers::method::Method;
+use crate::solvers::operator::{Operator, Stage, StageColumns};
+use crate::solvers::step::{Bound, Clock, StepError};
+
+/// Growth of the steps of a fixed chain, from one step to the next: modes that a step cannot resolve have decayed by
+/// the time it is taken.
+pub const GROWTH: f64 = 1.15;
+
+/// How far, over the range of the data, a controlled step may leave it.
+const EXCESS: f64 = 1e-3;
+
+/// Share of Euler's bound at which controlled steps start.
+const START: f64 = 0.9;
+
+/// Runge-Kutta-Legendre of second order (Meyer, Balsara and Aslam 2014): s stages reach (s^2 + s - 2) / 4 Euler
+/// steps. Stable, but not monotone: a full step right after a jump leaves the range of the data, so steps grow from
+/// Euler's: by a fixed factor, or as the estimated error allows.
+pub struct Rkl2 {
+    operator: Box<dyn Operator>,
+    ledger: Ledger,
+    euler: Bound,
+    pace: Pace,
+    /// State two stages back and one stage back.
+    older: Vec<f64>,
+    old: Vec<f64>,
+    /// Rate at the start of the step, and the time at which it holds for the present state.
+    first_rate: Vec<f64>,
+    first_holds_at: Option<f64>,
+    /// Rate at the end of a controlled step.
+    last_rate: Vec<f64>,
+    last_step: f64,
+    doors: Doors,
+    work: Work,
+}
+
+/// Rates (W) and heats (J) of doors.
+struct Doors {
+    older: Vec<f64>,
+    old: Vec<f64>,
+    first: Vec<f64>,
+    rate: Vec<f64>,
+    last: Vec<f64>,
+}
+
+/// How steps and stages are chosen.
+enum Pace {
+    /// This many stages, steps of their full reach.
+    Fixed { stages: usize, steps: i32 },
+    /// Steps by error, with as many stages as they need but no more than `most`.
+    Controlled { most: usize, control: Control, range: EnthalpyRange },
+}
+
+impl Rkl2 {
+    /// Steps of `stages` stages for `count` particles.
+    pub fn fixed(operator: Box<dyn Operator>, stages: usize, count: usize) -> Self {
+        Self::new(operator, count, |_| Pace::Fixed { stages, steps: 0 })
+    }
+
+    /// Steps whose estimated error is at most `tolerance` (see [`Control`]), of at most `most` stages.
+    pub fn controlled(
+        operator: Box<dyn Operator>,
+        most: usize,
+        tolerance: f64,
+        range: EnthalpyRange,
+        count: usize,
+    ) -> Self {
+        // The estimate is of third order in the step.
+        let pace = |euler: f64| Pace::Controlled { most, control: Control::new(tolerance, 3.0, START * euler), range };
+        Self::new(operator, count, pace)
+    }
+
+    fn new(operator: Box<dyn Operator>, count: usize, pace: impl FnOnce(f64) -> Pace) -> Self {
+        let ledger = Ledger::new(operator.doors());
+        let door = || vec![0.0; ledger.names().len()];
+        let doors = Doors { older: door(), old: door(), first: door(), rate: door(), last: door() };
+        let euler = operator.bound();
+        let pace = pace(euler.step);
+        let last_rate = if matches!(pace, Pace::Fixed { .. }) { Vec::new() } else { vec![0.0; count] };
+        let column = || vec![0.0; count];
+        Rkl2 {
+            operator,
+            ledger,
+            euler,
+            pace,
+            older: column(),
+            old: column(),
+            first_rate: column(),
+            first_holds_at: None,
+            last_rate,
+            last_step: 0.0,
+            doors,
+            work: Work::default(),
+        }
+    }
+
+    /// How many Euler steps one step of `stages` stages reaches.
+    pub fn reach(stages: usize) -> f64 {
+        let s = stages as f64;
+        (s * s + s - 2.0) / 4.0
+    }
+
+    /// Least number of stages that reach `steps` Euler steps.
+    pub fn stages_for(steps: f64) -> usize {
+        let s = 0.5 * ((9.0 + 16.0 * steps).sqrt() - 1.0);
+        (s * (1.0 - 1e-12)).ceil().max(3.0) as usize
+    }
+
+    /// The chain of stages from `start`; the result is left in `old`.
+    fn chain(&mut self, start: &[f64], time: f64, step: f64, stages: usize) {
+        let s = stages as f64;
+        let w1 = 4.0 / (s * s + s - 2.0);
+        let b = |j: usize| {
+            let j = j as f64;
+            if j < 2.0 { 1.0 / 3.0 } else { (j * j + j - 2.0) / (2.0 * j * (j + 1.0)) }
+        };
+        if self.first_holds_at != Some(time) {
+            self.operator.rate(start, time, &mut self.first_rate, &mut self.doors.first);
+            self.work.evaluations += 1;
+        }
+        let by_first = b(1) * w1 * step;
+        self.older.copy_from_slice(start);
+        for (old, (start, rate)) in self.old.iter_mut().zip(start.iter().zip(&self.first_rate)) {
+            *old = start + by_first * rate;
+        }
+        let doors = &mut self.doors;
+        doors.older.fill(0.0);
+        for (old, rate) in doors.old.iter_mut().zip(&doors.first) {
+            *old = by_first * rate;
+        }
+        for j in 2..=stages {
+            let k = j as f64;
+            let mu = (2.0 * k - 1.0) / k * b(j) / b(j - 1);
+            let nu = -(k - 1.0) / k * b(j) / b(j - 2);
+            let by_rate = mu * w1 * step;
+            let stage = Stage {
+                newest: mu,
+                oldest: nu,
+                start: 1.0 - mu - nu,
+                rate: by_rate,
+                first: -(1.0 - b(j - 1)) * by_rate,
+            };
+            // Abscissa of the previous stage, for walls that change in time.
+            let p = k - 1.0;
+            let abscissa = if j == 2 { b(1) * w1 } else { (p * p + p - 2.0) / (s * s + s - 2.0) };
+            let mut columns =
+                StageColumns { newest: &self.old, oldest: &mut self.older, start, first: &self.first_rate };
+            self.operator.stage(&stage, &mut columns, time + abscissa * step, &mut doors.rate);
+            std::mem::swap(&mut self.old, &mut self.older);
+            for door in 0..doors.old.len() {
+                let next = mu * doors.old[door]
+                    + nu * doors.older[door]
+                    + by_rate * doors.rate[door]
+                    + stage.first * doors.first[door];
+                doors.older[door] = doors.old[door];
+                doors.old[door] = next;
+            }
+        }
+        self.work.evaluations += stages as u64 - 1;
+    }
+
+    /// Sum over particles, by their volumes, of the estimated error of a step from `start` to `old` (Sommeijer, Shampine and Verwer 1998:
+    /// the distance to the Hermite interpolant), and of the magnitude of the new state.
+    fn error(&self, start: &[f64], step: f64, volume: impl Fn(usize) -> f64) -> (f64, f64) {
+        let states = start.iter().zip(&self.old);
+        let rates = self.first_rate.iter().zip(&self.last_rate);
+        let mut sums = (0.0, 0.0);
+        for (i, ((start, end), (first, last))) in states.zip(rates).enumerate() {
+            sums.0 += volume(i) * (0.8 * (start - end) + 0.4 * step * (first + last)).abs();
+            sums.1 += volume(i) * end.abs();
+        }
+        sums
+    }
+
+    fn book(&mut self, step: f64) {
+        for (door, heat) in self.doors.old.iter().enumerate() {
+            self.ledger.book(door, *heat, step);
+        }
+    }
+}
+
+impl Method for Rkl2 {
+    fn bound(&self) -> Bound {
+        match self.pace {
+            Pace::Fixed { stages, .. } => {
+                Bound { step: self.euler.step * Self::reach(stages), cause: self.euler.cause.clone() }
+            }
+            Pace::Controlled { .. } => self.euler.clone(),
+        }
+    }
+
+    fn sharp_step(&mut self) -> f64 {
+        sharp_step(self.operator.as_mut())
+    }
+
+    fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
+        let (state, volumes) = (&mut particles.enthalpy, &particles.volumes);
+        if clock.turned {
+            self.first_holds_at = None;
+        }
+        if let Pace::Fixed { stages, steps } = &mut self.pace {
+            *steps = steps.saturating_add(1);
+            let stages = *stages;
+            self.chain(state, clock.time, clock.step, stages);
+            std::mem::swap(&mut self.old, state);
+            self.book(clock.step);
+            return Ok(clock.step);
+        }
+        let mut step = clock.step;
+        loop {
+            self.chain(state, clock.time, step, Self::stages_for(step / self.euler.step));
+            self.first_holds_at = Some(clock.time);
+            let end = clock.time + step;
+            self.operator.rate(&self.old, just_before(clock.time, step), &mut self.last_rate, &mut self.doors.last);
+            self.work.evaluations += 1;
+            let (error, size) = match volumes.is_even() {
+                true => self.error(state, step, |_| 1.0),
+                false => self.error(state, step, |i| volumes.share(i)),
+            };
+            let size = taken_up(&self.old, &particles.start, size);
+            let Pace::Controlled { control, range, .. } = &mut self.pace else { return Ok(step) };
+            let judgement = if !error.is_finite() {
+                if control.is_least(step) {
+                    return Err(StepError {
+                        reason: format!("a step of {step:e} s gives numbers that are not finite"),
+                    });
+                }
+                control.again(step, 0.1)
+            } else if range.excess(&self.old) > EXCESS && !control.is_least(step) {
+                control.again(step, 0.5)
+            } else {
+                control.judge(step, error, size)
+            };
+            match judgement {
+                Judgement::Keep => {
+                    // The state of two stages back is not needed any more: its column keeps the start of the step.
+                    std::mem::swap(&mut self.older, state);
+                    std::mem::swap(&mut self.old, state);
+                    self.last_step = step;
+                    std::mem::swap(&mut self.first_rate, &mut self.last_rate);
+                    std::mem::swap(&mut self.doors.first, &mut self.doors.last);
+                    self.first_holds_at = Some(end);
+                    self.book(step);
+                    return Ok(step);
+                }
+                Judgement::Again(shorter) => {
+                    self.work.rejected_steps += 1;
+                    step = shorter;
+                }
+            }
+        }
+    }
+
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
+        self.operator.across(enthalpy, time)
+    }
+
+    fn pairs(&self) -> u64 {
+        self.operator.pairs()
+    }
+
+    fn gentle_step(&self) -> Option<f64> {
+        matches!(self.pace, Pace::Fixed { .. }).then_some(self.euler.step)
+    }
+
+    fn held(&self) -> usize {
+        let columns = [&self.older, &self.old, &self.first_rate, &self.last_rate];
+        self.operator.held() + columns.into_iter().map(Held::held).sum::<usize>()
+    }
+
+    fn wanted_step(&self) -> f64 {
+        match &self.pace {
+            Pace::Fixed { steps, .. } => self.euler.step * GROWTH.powi((*steps).min(1000)),
+            Pace::Controlled { most, control, .. } => control.next().min(self.euler.step * Self::reach(*most)),
+        }
+    }
+
+    fn is_dense(&self) -> bool {
+        matches!(self.pace, Pace::Controlled { .. })
+    }
+
+    fn between(&self, particles: &Particles, share: f64, enthalpy: &mut [f64]) -> Ledger {
+        // A kept step has exchanged the columns of rates: the first now belong to its end.
+        let (states, rates) = ((&self.older[..], &particles.enthalpy[..]), (&self.last_rate[..], &self.first_rate[..]));
+        Hermite::at(share).fill(enthalpy, states, rates, self.last_step);
+        self.ledger.between(share, self.last_step, &self.doors.old, &self.doors.last, &self.doors.first)
+    }
+
+    fn work(&self) -> Work {
+        self.work
+    }
+}

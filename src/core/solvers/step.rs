@@ -1,0 +1,31 @@
+//! A step: where it stands, how long it may be, and why it could not be made.
+
+/// Where a run stands in time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clock {
+    /// Time at the start of the step (s).
+    pub time: f64,
+    /// Length of the step (s).
+    pub step: f64,
+    /// Number of steps made before this one.
+    pub index: u64,
+    /// Whether walls or pipes may have jumped since the last step.
+    pub turned: bool,
+}
+
+/// The explicit limit of a step, and why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Bound {
+    /// Longest stable step (s).
+    pub step: f64,
+    /// What sets it, in words, with the particle.
+    pub cause: String,
+}
+
+/// A step that could not be made.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{reason}")]
+pub struct StepError {
+    /// What went wrong, in words.
+    pub reason: String,
+}

@@ -1,0 +1,7 @@
+//! Where particles are: bodies, lattices, shells.
+
+pub mod domain;
+pub mod lattice;
+pub mod segment;
+pub mod symmetry;
+pub mod volumes;

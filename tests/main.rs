@@ -1,5 +1,6 @@
 //! One binary for all tests of the program.
 
+mod architecture;
 mod asked;
 mod bad_scenes;
 mod brine;

@@ -1,6 +1,6 @@
 //! What a run holds on the heap, counted part by part.
 //!
-//! Every part counts what it owns; what several share through an [`Arc`] is counted by [`Particles`] or by the
+//! Every part counts what it owns; what several share through an [`Arc`] is counted by `Particles` or by the
 //! operator alone, as they say. Small things (names, boxes, causes in words) are no part's: they are one lump.
 
 use std::sync::Arc;

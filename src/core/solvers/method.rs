@@ -1,4 +1,4 @@
-//! The two seams of the program: what a method must say ([`PairWeight`]) and what it may do instead ([`Method`]).
+//! What a method may do instead of giving weights: make its own steps ([`Method`]).
 
 use crate::solvers::step::{Bound, Clock, StepError};
 use frazil_record::Work;

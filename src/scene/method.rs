@@ -42,13 +42,16 @@ impl Discretisation {
 pub type MakeCrowd =
     dyn Fn(&Scene, &MethodSettings, Option<Arc<ThreadPool>>, u64, Purpose) -> Result<Crowd, String> + Send + Sync;
 
+/// Makes a method that makes its own steps.
+pub type OwnStep = dyn Fn(Assembly) -> Box<dyn Method> + Send + Sync;
+
 /// Who makes the step.
 #[derive(Clone)]
 pub enum Stepper {
     /// The shared conduction operator and integrator.
     Shared,
     /// The method itself, from the assembled particles, neighbours and walls.
-    Own(Arc<dyn Fn(Assembly) -> Box<dyn Method> + Send + Sync>),
+    Own(Arc<OwnStep>),
     /// The method itself, which also places and moves the particles.
     Moving(Arc<MakeCrowd>),
 }

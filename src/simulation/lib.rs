@@ -11,6 +11,7 @@ pub mod plan;
 pub mod predict;
 pub mod reduce;
 pub mod reference;
+mod refused;
 pub mod start;
 pub mod stream;
 pub mod terms;

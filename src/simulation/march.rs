@@ -3,6 +3,7 @@
 pub(crate) mod guard;
 pub(crate) mod instants;
 
+pub use crate::refused::Refused;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -73,14 +74,6 @@ pub struct Progress {
     pub steps: u64,
     /// Wall time since the first step (s).
     pub elapsed_s: f64,
-}
-
-/// A run that was refused before its first step.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{reason}")]
-pub struct Refused {
-    /// Why, in words that name the setting and what is allowed.
-    pub reason: String,
 }
 
 /// Steps between two looks at the whole state for non-finite or absurd values. The first steps, in which walls jump,

@@ -1,0 +1,93 @@
+//! Methods on a list of neighbours.
+
+use crate::plan::bonds::list;
+use crate::plan::prepared::Prepared;
+use crate::plan::steps;
+use crate::refused::{Refused, refuse};
+use frazil_core::balances::groundwater::FlowMethod;
+use frazil_core::balances::groundwater::FlowParts;
+use frazil_core::kernels::rows::EnthalpyList;
+use frazil_core::kernels::rows::ListOperator;
+use frazil_core::kernels::rows::ListParts;
+use frazil_core::kernels::rows::Off;
+use frazil_core::kernels::rows::Tangent;
+use frazil_core::physics::uptake::Mushy;
+use frazil_core::physics::uptake::Uptake;
+use frazil_core::physics::uptake::scheme;
+use frazil_core::solvers::assembly::Assembly;
+use frazil_core::solvers::method::Method;
+use frazil_scene::Scene;
+use frazil_scene::method::OwnStep;
+use frazil_scene::settings::MethodSettings;
+use frazil_scene::settings::StepChoice;
+use rayon::ThreadPool;
+use std::sync::Arc;
+
+/// A method on a list, in the making.
+pub(super) struct Listed<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) settings: &'a MethodSettings,
+    /// A method's own step.
+    pub(super) own_step: Option<&'a OwnStep>,
+    /// Whether heat is conducted over the lattice, beside what flows along the pairs.
+    pub(super) conducts_on_lattice: bool,
+    pub(super) seed: u64,
+}
+
+impl Listed<'_> {
+    /// The method of these particles.
+    pub(super) fn method(
+        &self,
+        prepared: &mut Prepared,
+        pool: Option<Arc<ThreadPool>>,
+    ) -> Result<Box<dyn Method>, Refused> {
+        let (scene, numerics) = (self.scene, &self.settings.numerics);
+        let (range, count) = (prepared.range(scene), prepared.count());
+        let on_lattice = self.conducts_on_lattice && self.own_step.is_none() && scene.flow.is_some();
+        let lattice = on_lattice.then(|| prepared.clone_lattice_parts(self.settings, pool.clone()));
+        let (parts, ways_out) = list(scene, self.settings, prepared, pool)?;
+        let uptake = (numerics.uptake, numerics.mushy);
+        match (self.own_step, scene.flow.as_ref().zip(numerics.flow)) {
+            (None, Some((flow, own))) => {
+                let fraction = match numerics.step {
+                    StepChoice::Fraction(fraction) => fraction,
+                    StepChoice::Fixed(_) => 1.0,
+                };
+                let parts = FlowParts {
+                    list: parts,
+                    ways_out: &ways_out,
+                    lattice: lattice.map(steps::on_lattice),
+                    ground: &scene.materials,
+                    domain: scene.domain,
+                    flow,
+                    numerics: own,
+                    conduction: numerics.conduction,
+                    fraction,
+                };
+                Ok(Box::new(FlowMethod::new(parts, &prepared.enthalpies()).map_err(refuse)?))
+            }
+            (Some(step), _) => Ok(step(self.assembly(prepared, parts))),
+            (None, None) if uptake == (Uptake::Enthalpy, Mushy::Fraction) => {
+                let operator = EnthalpyList {
+                    operator: ListOperator::new(parts, Off),
+                    scheme: scheme(Uptake::Enthalpy, Mushy::Fraction, &prepared.materials, &prepared.start, count),
+                    rate: vec![0.0; count],
+                    tangent: Tangent::default(),
+                };
+                Ok(steps::integrator(numerics, Box::new(operator), range, prepared.largest_slope(), count))
+            }
+            (None, None) => Ok(self.assembly(prepared, parts).into_method(Off)),
+        }
+    }
+
+    fn assembly(&self, prepared: &Prepared, parts: ListParts) -> Assembly {
+        Assembly {
+            parts,
+            start: prepared.start.clone(),
+            uptake: self.settings.numerics.uptake,
+            mushy: self.settings.numerics.mushy,
+            absolute_zero: self.scene.units.absolute_zero(),
+            seed: self.seed,
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Plans of particles that move.
+
+use crate::plan::Plan;
+use crate::plan::PlanSummary;
+use crate::plan::steps::choose_step;
+use crate::predict::StepCount;
+use crate::predict::planned_steps;
+use crate::refused::Refused;
+use frazil_core::memory::Held;
+use frazil_core::memory::Memory;
+use frazil_core::particles::Particles;
+use frazil_core::particles::Places;
+use frazil_core::physics::uptake::Materials;
+use frazil_core::solvers::moving::Crowd;
+use frazil_core::space::lattice::Lattice;
+use frazil_core::space::volumes::Volumes;
+use frazil_scene::Scene;
+use frazil_scene::settings::MethodSettings;
+use glam::DVec2;
+use std::sync::Arc;
+
+/// The plan of a scene whose particles move.
+pub(super) fn plan(scene: &Scene, settings: &MethodSettings, crowd: Crowd) -> Result<Plan, Refused> {
+    let numerics = &settings.numerics;
+    let Crowd { thermal, enthalpy, volume, differences, mut method } = crowd;
+    let bound = method.bound();
+    let step = choose_step(numerics, &bound, scene)?;
+    let count = enthalpy.len();
+    let mut particles = Particles {
+        start: if scene.has_regional_starts() { enthalpy.as_slice().into() } else { Arc::new([]) },
+        enthalpy,
+        places: Places::Cloud(vec![DVec2::ZERO; count].into()),
+        velocity: vec![DVec2::ZERO; count],
+        lattice: Arc::new(Lattice::new(&scene.domain, numerics.spacing)),
+        volumes: Volumes::even(volume),
+        sub_cell: false,
+        shaft: None,
+        materials: Materials::new([thermal].into(), Vec::new()),
+    };
+    method.publish(&mut particles);
+    let summary = PlanSummary {
+        particles: count as u64,
+        pairs: method.pairs(),
+        memory: Memory { particles: particles.held(), method: method.held(), watches: 0 },
+        step_s: step,
+        step_bound_s: bound.step,
+        step_limit: bound.cause.clone(),
+        steps: StepCount::Planned(planned_steps(scene, step, None)),
+        used: vec![
+            format!("{count} particles that move, {} m apart in the mean", numerics.spacing),
+            "columns of enthalpy, place and velocity; cells and a list of pairs with a skin".into(),
+        ],
+        spared: Vec::new(),
+        relaxed_by: Vec::new(),
+        differences: [settings.discretisation.differences.clone(), differences].concat(),
+    };
+    Ok(Plan { particles, method, step, bound, summary, pipe_extents: Vec::new() })
+}

@@ -1,0 +1,74 @@
+//! Pipes of a scene, joined to particles.
+
+use crate::refused::{Refused, refuse};
+use frazil_core::bonds::stencil::Stencil;
+use frazil_core::boundary::green::Green;
+use frazil_core::boundary::patch::Boundary;
+use frazil_core::boundary::patch::Side;
+use frazil_core::boundary::pipe::Sink;
+use frazil_core::boundary::pipe::green_reach;
+use frazil_core::boundary::pipe::immerse;
+use frazil_core::boundary::pipe::radius_of_one_particle;
+use frazil_core::space::lattice::Lattice;
+use frazil_scene::Scene;
+use frazil_scene::settings::Layout;
+use frazil_scene::settings::Numerics;
+
+/// Times that a ring of pipes may be switched in one run.
+const MOST_SWITCHES: f64 = 1e7;
+
+/// Pipes joined to particles.
+#[derive(Default)]
+pub(super) struct Pipes {
+    pub(super) sinks: Vec<Sink>,
+    /// Names of the rings in the heat balance.
+    pub(super) rings: Vec<String>,
+    /// As what pipes of one particle act.
+    pub(super) acting: Vec<String>,
+}
+
+/// Sinks of all pipes in the sector, and the names of their rings.
+pub(super) fn pipes(
+    scene: &Scene,
+    numerics: &Numerics,
+    lattice: &Lattice,
+    boundary: &Boundary,
+    stencil: &Stencil,
+) -> Result<Pipes, Refused> {
+    if scene.rings.is_empty() {
+        return Ok(Pipes::default());
+    }
+    if numerics.layout != Layout::Lattice {
+        return Err(refuse("freeze pipes need particles on a lattice: set layout = \"lattice\"".into()));
+    }
+    let mirrors = (boundary.sides[0] == Side::Mirror, boundary.sides[2] == Side::Mirror);
+    let mut sinks = Vec::new();
+    let mut rings = Vec::new();
+    let mut acting = Vec::new();
+    for (number, ring) in scene.rings.iter().enumerate() {
+        if let Some(schedule) = &ring.schedule
+            && schedule.switches(scene.duration) > MOST_SWITCHES
+        {
+            return Err(refuse(format!(
+                "the pipes of ring {} are switched {:.1e} times, must be at most {MOST_SWITCHES:.0e}: steps land on \
+                 every switch",
+                number + 1,
+                schedule.switches(scene.duration)
+            )));
+        }
+        let green = Green::new(stencil, lattice.spacing, green_reach(ring.pipe_radius, lattice.spacing));
+        if ring.one_particle {
+            acting.push(format!(
+                "each pipe of ring {} is one particle, which acts as one of radius {:.3e} m",
+                number + 1,
+                radius_of_one_particle(&green, lattice.spacing)
+            ));
+        }
+        for pipe in ring.pipes() {
+            let sink = immerse(&pipe, number, lattice, mirrors, &green).map_err(refuse)?;
+            sinks.extend(sink);
+        }
+        rings.push(if scene.rings.len() == 1 { "pipes".to_string() } else { format!("pipes_{}", number + 1) });
+    }
+    Ok(Pipes { sinks, rings, acting })
+}

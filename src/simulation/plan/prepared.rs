@@ -1,0 +1,265 @@
+//! Particles before their bonds: where they stand, what they are made of, what they hold at the start, and what is around them.
+
+use crate::cut_cells::blend;
+use crate::layers;
+use crate::plan::pipes::Pipes;
+use crate::plan::pipes::pipes;
+use crate::plan::refusals::blends;
+use crate::reference::Reference;
+use crate::refused::{Refused, refuse};
+use crate::start;
+use crate::walls::boundary;
+use frazil_core::bonds::stencil::Stencil;
+use frazil_core::bonds::weight::Normalisation;
+use frazil_core::boundary::patch::Boundary;
+use frazil_core::boundary::patch::MOST_DOORS;
+use frazil_core::boundary::pipe::Sink;
+use frazil_core::kernels::lattice::LatticeParts;
+use frazil_core::physics::material::Material;
+use frazil_core::physics::potential::Curve;
+use frazil_core::physics::potential::Thermal;
+use frazil_core::physics::sub_cell::SubCellFront;
+use frazil_core::physics::uptake::Materials;
+use frazil_core::physics::uptake::Uptake;
+use frazil_core::solvers::control::EnthalpyRange;
+use frazil_core::space::domain::Domain;
+use frazil_core::space::domain::Sector;
+use frazil_core::space::lattice::Lattice;
+use frazil_core::space::volumes::Volumes;
+use frazil_scene::Scene;
+use frazil_scene::settings::Front;
+use frazil_scene::settings::Layout;
+use frazil_scene::settings::MethodSettings;
+use frazil_scene::settings::Numerics;
+use glam::DVec2;
+use rand::SeedableRng;
+use rand_distr::Distribution;
+use rand_distr::Uniform;
+use rayon::ThreadPool;
+use std::sync::Arc;
+
+/// Particles before their bonds.
+pub(super) struct Prepared {
+    pub(super) lattice: Arc<Lattice>,
+    /// Places off the lattice (m).
+    pub(super) cloud: Option<Arc<[DVec2]>>,
+    pub(super) boundary: Boundary,
+    pub(super) volumes: Volumes,
+    pub(super) materials: Materials,
+    /// Enthalpies at the start (J/m3); empty where all are zero.
+    pub(super) start: Arc<[f64]>,
+    pub(super) stencil: Stencil,
+    pub(super) sinks: Vec<Sink>,
+    /// Names of pipe rings.
+    pub(super) rings: Vec<String>,
+    /// Whether shells take the papers' shape factors and mirrors, in their own setting.
+    pub(super) printed: bool,
+    /// Whether pairs reach farther than the body is wide.
+    pub(super) narrow: bool,
+    /// How the body differs from the scene, in words.
+    pub(super) differences: Vec<String>,
+}
+
+impl Prepared {
+    /// The particles of a scene under a method.
+    pub(super) fn new(
+        scene: &Scene,
+        settings: &MethodSettings,
+        reference: Option<&Arc<dyn Reference>>,
+        seed: u64,
+    ) -> Result<Self, Refused> {
+        let MethodSettings { numerics, discretisation, .. } = settings;
+        let lattice = Arc::new(Lattice::new(&scene.domain, numerics.spacing));
+        if lattice.is_empty() {
+            return Err(refuse(format!("a spacing of {} m leaves no particle in the domain", numerics.spacing)));
+        }
+        let printed = scene.domain.symmetry().is_some() && discretisation.normalisation == Normalisation::Nominal;
+        let boundary = boundary(scene, numerics.walls, reference.cloned(), printed).map_err(refuse)?;
+        if boundary.doors.len() > MOST_DOORS {
+            let doors = boundary.doors.len();
+            return Err(refuse(format!("{doors} walls and parts of walls, must be at most {MOST_DOORS}")));
+        }
+        let volumes = Volumes::new(&scene.domain, &lattice, printed);
+        let cloud = place(scene, numerics, &lattice, seed)?;
+        let materials = materials(scene, numerics, &lattice, cloud.as_deref());
+        let start = start::enthalpies(scene, &materials, &lattice, cloud.as_deref());
+        // Particles that store what is in their cells fill regions exactly.
+        let mut differences = match materials.mixed() && blends(scene, numerics) {
+            true => Vec::new(),
+            false => start::volume_errors(scene, &lattice, cloud.as_deref()),
+        };
+        let stencil = discretisation.stencil(lattice.spacing, lattice.dimension);
+        if !stencil.sum().is_finite() || stencil.sum() <= 0.0 {
+            return Err(refuse("no pair of particles has a weight: the reach is shorter than the spacing".into()));
+        }
+        if materials.mixed() {
+            differences.extend(layers::unresolved(scene, numerics, &lattice, &stencil, &materials.thermals));
+        }
+        let Pipes { sinks, rings, acting } = pipes(scene, numerics, &lattice, &boundary, &stencil)?;
+        differences.extend(acting);
+        let count = cloud.as_ref().map_or(lattice.len(), |cloud| cloud.len());
+        let start = start::without_displaced(start, &sinks, &materials, &volumes, count);
+        let narrow = stencil.reach > lattice.columns || (lattice.dimension == 2 && stencil.reach > lattice.rows);
+        Ok(Prepared {
+            lattice,
+            cloud,
+            boundary,
+            volumes,
+            materials,
+            start,
+            stencil,
+            sinks,
+            rings,
+            printed,
+            narrow,
+            differences,
+        })
+    }
+
+    /// Number of particles.
+    pub(super) fn count(&self) -> usize {
+        self.cloud.as_ref().map_or(self.lattice.len(), |cloud| cloud.len())
+    }
+
+    /// Where particles stand (m).
+    pub(super) fn positions(&self) -> Arc<[DVec2]> {
+        match &self.cloud {
+            Some(cloud) => cloud.clone(),
+            None => self.lattice.positions().into(),
+        }
+    }
+
+    /// Enthalpies of all particles at the start (J/m3).
+    pub(super) fn enthalpies(&self) -> Vec<f64> {
+        if self.start.is_empty() { vec![0.0; self.count()] } else { self.start.to_vec() }
+    }
+
+    /// Particles and how they stand, in words.
+    pub(super) fn words(&self, numerics: &Numerics) -> String {
+        let stand = match numerics.layout {
+            Layout::Lattice => "on a lattice".to_string(),
+            Layout::Jittered { fraction } => format!("on a lattice jittered by {fraction} of the spacing"),
+            Layout::Random => "at random".to_string(),
+        };
+        format!("{} particles, {} m apart, {stand}", self.lattice.len(), self.lattice.spacing)
+    }
+
+    /// The steepest answer of a potential to enthalpy (m2/s).
+    pub(super) fn largest_slope(&self) -> f64 {
+        self.materials.laws().map(|thermal| thermal.largest_slope).fold(0.0, f64::max)
+    }
+
+    /// What the sweep over the lattice is made from; pipes go with it.
+    pub(super) fn lattice_parts(
+        &mut self,
+        scene: &Scene,
+        settings: &MethodSettings,
+        pool: Option<Arc<ThreadPool>>,
+    ) -> LatticeParts {
+        let thermal = &self.materials.thermals[0];
+        let front = match settings.numerics.front {
+            Front::Cell => None,
+            Front::SubCell => Some(SubCellFront::new(thermal, scene.temperature_range(), &self.lattice, &self.stencil)),
+        };
+        let (sinks, rings) = (std::mem::take(&mut self.sinks), std::mem::take(&mut self.rings));
+        LatticeParts { front, sinks, rings, ..self.clone_lattice_parts(settings, pool) }
+    }
+
+    /// The same beside a list, with pipes of its own.
+    pub(super) fn clone_lattice_parts(&self, settings: &MethodSettings, pool: Option<Arc<ThreadPool>>) -> LatticeParts {
+        LatticeParts {
+            lattice: self.lattice.clone(),
+            front: None,
+            stencil: self.stencil.clone(),
+            thermal: self.materials.thermals[0].clone(),
+            boundary: self.boundary.clone(),
+            sinks: self.sinks.clone(),
+            rings: self.rings.clone(),
+            pool,
+            bound: settings.bound.clone(),
+        }
+    }
+
+    /// The enthalpies that steps by error keep; particles that stand for pipes are exempt.
+    pub(super) fn range(&self, scene: &Scene) -> EnthalpyRange {
+        let sampled = self.sinks.iter().flat_map(|sink| sink.sample.iter().map(|entry| entry.0));
+        let mut exempt: Vec<u32> = sampled.collect();
+        exempt.sort_unstable();
+        exempt.dedup();
+        EnthalpyRange::new(&self.materials, scene.temperature_range(), exempt, scene.has_flux())
+    }
+}
+
+/// Laws of all particles.
+fn materials(scene: &Scene, numerics: &Numerics, lattice: &Lattice, cloud: Option<&[DVec2]>) -> Materials {
+    let thermal = |material: &Material| {
+        let curve = Curve::new(material);
+        let curve = match numerics.uptake {
+            Uptake::ApparentCapacity { interval } => curve.spread(interval),
+            Uptake::Enthalpy | Uptake::Flags => curve,
+        };
+        Thermal::new(curve, scene.initial_temperature)
+    };
+    let thermals: Arc<[Thermal]> = scene.materials.iter().map(thermal).collect();
+    if !scene.has_regional_materials() {
+        return Materials::new(thermals, Vec::new());
+    }
+    let stood: Vec<DVec2>;
+    let places = match cloud {
+        Some(positions) => positions,
+        None => {
+            stood = lattice.positions();
+            &stood
+        }
+    };
+    let of_particle = places.iter().map(|place| scene.material_at(place.x, place.y) as u8).collect();
+    let mut materials = Materials::new(thermals, of_particle);
+    if materials.mixed() && blends(scene, numerics) {
+        blend(scene, &mut materials, places, lattice.spacing);
+    }
+    materials
+}
+
+/// Positions of particles off the lattice.
+fn place(scene: &Scene, numerics: &Numerics, lattice: &Lattice, seed: u64) -> Result<Option<Arc<[DVec2]>>, Refused> {
+    let uniform = Uniform::new(-0.5, 0.5).map_err(|error| refuse(error.to_string()))?;
+    let plane = if lattice.dimension == 1 { DVec2::X } else { DVec2::ONE };
+    let mut random = rand::rngs::StdRng::seed_from_u64(seed);
+    let mut shift = || DVec2::new(uniform.sample(&mut random), uniform.sample(&mut random)) * plane;
+    let inside = |place: DVec2| match scene.domain {
+        Domain::Line { length } => place.x > 0.0 && place.x < length,
+        Domain::Rectangle { width, height } => place.x > 0.0 && place.x < width && place.y > 0.0 && place.y < height,
+        Domain::Ring { outer_radius, sector } => {
+            place.length() < outer_radius
+                && (sector != Sector::Quarter || place.x > 0.0)
+                && (sector == Sector::Whole || place.y > 0.0)
+        }
+        // Shells stand on their lattice.
+        Domain::Radial { .. } | Domain::Axial { .. } => true,
+    };
+    Ok(match numerics.layout {
+        Layout::Lattice => None,
+        Layout::Jittered { fraction } => Some(
+            lattice
+                .positions()
+                .into_iter()
+                .map(|place| {
+                    let moved = place + 2.0 * fraction * lattice.spacing * shift();
+                    if inside(moved) { moved } else { place }
+                })
+                .collect(),
+        ),
+        Layout::Random => {
+            let extent = DVec2::new(lattice.columns as f64, lattice.rows as f64) * lattice.spacing * plane;
+            let centre = lattice.corner * plane + 0.5 * extent;
+            let mut places: Vec<DVec2> = Vec::with_capacity(lattice.len());
+            while places.len() < lattice.len() {
+                let place = centre + extent * shift();
+                if inside(place) {
+                    places.push(place);
+                }
+            }
+            Some(places.into())
+        }
+    })
+}

@@ -1,0 +1,93 @@
+//! How steps are made, and how long they are.
+
+use crate::refused::{Refused, refuse};
+use frazil_core::kernels::lattice::LatticeOperator;
+use frazil_core::kernels::lattice::LatticeParts;
+use frazil_core::physics::potential::Law;
+use frazil_core::solvers::control::EnthalpyRange;
+use frazil_core::solvers::euler::Euler;
+use frazil_core::solvers::implicit::Implicit;
+use frazil_core::solvers::method::Method;
+use frazil_core::solvers::operator::Operator;
+use frazil_core::solvers::rkl2::Rkl2;
+use frazil_core::solvers::step::Bound;
+use frazil_scene::Scene;
+use frazil_scene::settings::IntegratorChoice;
+use frazil_scene::settings::Numerics;
+use frazil_scene::settings::StepChoice;
+use rayon::ThreadPool;
+use std::sync::Arc;
+
+/// Stages of one step by error: longer steps are rarely as exact as they are stable, and gain less and less.
+const MOST_STAGES: usize = 99;
+
+/// Steps of one run: more and time, which is as good as 16 digits, would stand still.
+const MOST_STEPS: f64 = 1e15;
+
+/// The operator on a lattice, with the law of its material.
+pub(super) fn on_lattice(parts: LatticeParts) -> Box<dyn Operator> {
+    match parts.thermal.law.clone() {
+        Law::Straight(law) => Box::new(LatticeOperator::new(parts, law)),
+        Law::Kinked(law) => Box::new(LatticeOperator::new(parts, law)),
+        Law::Curved(law) => Box::new(LatticeOperator::new(parts, law)),
+        // A lattice without a list has one material.
+        Law::Blended(_) => unreachable!("cells of one material"),
+    }
+}
+
+pub(super) fn integrator(
+    numerics: &Numerics,
+    operator: Box<dyn Operator>,
+    range: EnthalpyRange,
+    largest_slope: f64,
+    count: usize,
+) -> Box<dyn Method> {
+    match numerics.integrator {
+        IntegratorChoice::Euler => Box::new(Euler::new(operator)),
+        IntegratorChoice::Rkl2 { stages } => Box::new(Rkl2::fixed(operator, stages, count)),
+        IntegratorChoice::ControlledRkl2 { tolerance } => {
+            Box::new(Rkl2::controlled(operator, MOST_STAGES, tolerance, range, count))
+        }
+        IntegratorChoice::Implicit { tolerance } => {
+            Box::new(Implicit::new(operator, tolerance, range, largest_slope, count))
+        }
+    }
+}
+
+/// The longest step that a run will make (s); steps by error may be shorter.
+pub(super) fn choose_step(numerics: &Numerics, bound: &Bound, scene: &Scene) -> Result<f64, Refused> {
+    let by_error = numerics.integrator.tolerance().is_some();
+    let step = match numerics.step {
+        StepChoice::Fraction(_) if by_error => scene.duration,
+        StepChoice::Fraction(fraction) => fraction * bound.step,
+        StepChoice::Fixed(step) => {
+            // A step equal to the bound to rounding is the bound.
+            if !by_error && step > bound.step * (1.0 + 1e-12) {
+                return Err(refuse(format!(
+                    "step_s = {step} is above the stable bound of {:.6} s, which is set by {}",
+                    bound.step, bound.cause
+                )));
+            }
+            step
+        }
+    };
+    let steps = scene.duration / step;
+    if steps.is_nan() || steps > MOST_STEPS {
+        return Err(refuse(format!(
+            "the run would take {steps:.1e} steps of {step:.1e} s, must be at most {MOST_STEPS:.0e}: the bound is set by {}",
+            bound.cause
+        )));
+    }
+    Ok(step.min(scene.duration))
+}
+
+pub(super) fn pool(threads: usize) -> Result<Option<Arc<ThreadPool>>, Refused> {
+    if threads <= 1 {
+        return Ok(None);
+    }
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map(|pool| Some(Arc::new(pool)))
+        .map_err(|error| refuse(format!("cannot start {threads} threads: {error}")))
+}

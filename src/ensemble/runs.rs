@@ -50,13 +50,7 @@ pub fn means(runs: &[Tables], spacing: Option<f64>) -> Result<Tables, String> {
 /// A run, as far as errors are taken of it, from its record and its series.
 pub fn result(record: Record, tables: &Tables) -> Result<RunResult, String> {
     let cut = typed(tables, "cut.csv")?;
-    let water = if cut.is_empty() {
-        None
-    } else {
-        let mut water = WaterSeries::default();
-        water.cut = cut;
-        Some(water)
-    };
+    let water = (!cut.is_empty()).then(|| WaterSeries { cut, ..WaterSeries::default() });
     Ok(RunResult {
         front: typed(tables, "front.csv")?,
         frozen: typed(tables, "frozen.csv")?,

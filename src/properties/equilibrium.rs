@@ -78,20 +78,7 @@ pub fn equilibrium(request: &PropertiesRequest, calibrated: &Calibrated<'_>, pat
     let run = |k: usize| {
         let (dimension, times) = jobs[k];
         let parameters = Parameters { step: own.step * times, ..own.clone() };
-        let found = if dimension == 2 {
-            let height = (1500.0 / parameters.density).sqrt();
-            one(parameters, [height; 2], row.temperature, steps, &meter, stop)
-        } else {
-            let reach = |cutoff: f64| cutoff * SPACE_CUTOFF / own.reach();
-            let parameters = Parameters {
-                conservative_cutoff: reach(parameters.conservative_cutoff),
-                dissipative_cutoff: reach(parameters.dissipative_cutoff),
-                thermal_cutoff: reach(parameters.thermal_cutoff),
-                ..parameters
-            };
-            let height = (1500.0 / parameters.density).cbrt();
-            one(parameters, [height; 3], row.temperature, steps, &meter, stop)
-        };
+        let found = in_dimension(dimension, parameters, row.temperature, steps, &meter, stop);
         found.unwrap_or_else(|message| {
             let failure = Failure::Request(format!("{dimension}D, step {}: {message}", own.step * times));
             failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(failure);
@@ -140,6 +127,30 @@ pub fn equilibrium(request: &PropertiesRequest, calibrated: &Calibrated<'_>, pat
             && row.drift_over_kinetic <= ENERGY
     };
     Ok(if rows.iter().all(good) { Verdict::Done } else { Verdict::CheckFailed })
+}
+
+/// A fluid of some 1500 particles in a box of two or three dimensions.
+fn in_dimension(
+    dimension: usize,
+    parameters: Parameters,
+    temperature: f64,
+    steps: u64,
+    meter: &Meter,
+    stop: &AtomicBool,
+) -> Result<Option<(usize, Equilibrium)>, String> {
+    if dimension == 2 {
+        let height = (1500.0 / parameters.density).sqrt();
+        return one(parameters, [height; 2], temperature, steps, meter, stop);
+    }
+    let reach = |cutoff: f64| cutoff * SPACE_CUTOFF / parameters.reach();
+    let parameters = Parameters {
+        conservative_cutoff: reach(parameters.conservative_cutoff),
+        dissipative_cutoff: reach(parameters.dissipative_cutoff),
+        thermal_cutoff: reach(parameters.thermal_cutoff),
+        ..parameters
+    };
+    let height = (1500.0 / parameters.density).cbrt();
+    one(parameters, [height; 3], temperature, steps, meter, stop)
 }
 
 /// The paper's integrator in the plane.

@@ -2,30 +2,36 @@
 
 pub(crate) mod guard;
 pub(crate) mod instants;
+mod leave;
+mod stopwatch;
+mod verdict;
 
-pub use crate::refused::Refused;
+use std::iter::Peekable;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use std::vec::IntoIter;
 
-use crate::measure::attach;
 use crate::plan::{Plan, build, settings_of};
 use crate::reference::Reference;
-use crate::terms::fluctuation;
 use crate::watch::Watches;
 use crate::water::WaterWatch;
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
-use frazil_core::physics::uptake::Uptake;
 use frazil_core::solvers::method::Method;
-use frazil_core::solvers::step::Clock;
-use frazil_record::{Errors, Outcome, Record, RunResult};
+use frazil_core::solvers::step::{Bound, Clock};
+use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
 use frazil_scene::settings::MethodSettings;
 
 use guard::Guard;
-pub use instants::outputs;
 use instants::{next_turn, stops};
+use leave::Course;
+use stopwatch::{Elapsed, Stopwatch};
+
+pub use crate::refused::Refused;
+pub use instants::outputs;
+pub use verdict::{BALANCE_TOLERANCE, RANGE_TOLERANCE, SETBACK_TOLERANCE};
 
 /// What is told the state at an output and its time (s).
 pub type EachOutput<'a> = dyn Fn(&Particles, f64) + Sync + 'a;
@@ -83,6 +89,36 @@ pub(crate) const GUARD_STEPS: u64 = 64;
 /// Looks into a step in which a gap between pipes closes, where states between steps are known.
 const LOOKS: u32 = 8;
 
+/// A run on its way.
+struct Simulation<'a> {
+    scene: &'a Scene,
+    settings: &'a MethodSettings,
+    options: &'a Options<'a>,
+    particles: Particles,
+    method: Box<dyn Method>,
+    bound: Bound,
+    /// The longest step that will be made (s), and that was made.
+    step: f64,
+    longest: f64,
+    clock: Clock,
+    /// When walls or pipes may jump next (s).
+    turn: f64,
+    /// Whether states within steps are known, and room for one.
+    dense: bool,
+    between: Vec<f64>,
+    /// Outputs to come.
+    pending: Peekable<IntoIter<f64>>,
+    watches: Watches,
+    water: Option<WaterWatch>,
+    guard: Guard,
+    observation: Elapsed,
+    began: Instant,
+    last_progress: Instant,
+}
+
+/// Why a run stopped before its end.
+type Stop = (Outcome, String);
+
 /// Runs a scene under one method. Errors are taken against `reference`, if there is one.
 pub fn run(
     scene: &Scene,
@@ -90,333 +126,178 @@ pub fn run(
     reference: Option<&Arc<dyn Reference>>,
     options: &Options<'_>,
 ) -> Result<RunResult, Refused> {
-    let threads = options.threads;
-    let setup = Stopwatch::start(threads);
+    let setup = Stopwatch::start(options.threads);
     let settings = settings_of(scene, method)?;
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
-    let mut watches = Watches::new(scene, &plan.particles, &plan.pipe_extents, options.fields);
-    let mut water = WaterWatch::new(scene, &plan.particles, plan.method.as_ref(), options.fields);
+    let watches = Watches::new(scene, &plan.particles, &plan.pipe_extents, options.fields);
+    let water = WaterWatch::new(scene, &plan.particles, plan.method.as_ref(), options.fields);
     let setup = setup.stop();
-    let Plan { mut particles, mut method, step, bound, summary, pipe_extents } = plan;
-    let mut guard = Guard::new(scene, &particles, &pipe_extents);
-    let solve = Stopwatch::start(threads);
-    let began = Instant::now();
-    let mut last_progress = began;
-    let mut clock = Clock { time: 0.0, step: 0.0, index: 0, turned: true };
-    let mut longest: f64 = 0.0;
-    let mut stop: Option<(Outcome, String)> = None;
-    watches.begin(&particles);
-    watches.look(&particles, 0.0);
-    let show = |particles: &Particles, time: f64| {
-        if let Some(see) = options.each_output {
-            see(particles, time);
-        }
-    };
-    show(&particles, 0.0);
-    let dense = method.is_dense();
+    let guard = Guard::new(scene, &plan.particles, &plan.pipe_extents);
+    let solve = Stopwatch::start(options.threads);
+    let (began, dense) = (Instant::now(), plan.method.is_dense());
+    let Plan { particles, method, step, bound, summary, .. } = plan;
     let outputs = outputs(scene);
-    let mut pending = outputs.iter().copied().peekable();
-    let mut turn = f64::NEG_INFINITY;
-    let mut observation = Elapsed::default();
-    let mut between = vec![0.0; if dense { particles.len() } else { 0 }];
-    'run: for instant in stops(scene, &outputs, dense) {
-        while clock.time < instant {
-            let allowed = step.min(method.wanted_step());
-            clock.turned = clock.time >= turn || clock.index == 0;
-            if clock.turned {
-                turn = next_turn(scene, clock.time, dense);
-                particles.shaft =
-                    scene.excavation.as_ref().filter(|shaft| clock.time >= shaft.start).map(|shaft| shaft.radius);
-            }
-            let landing = instant.min(turn);
-            let count = ((landing - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
-            clock.step = (landing - clock.time) / count;
-            let made = match method.advance(&mut particles, &clock) {
-                Ok(made) => made,
-                Err(error) => {
-                    stop = Some((Outcome::Diverged, error.reason));
-                    break 'run;
-                }
-            };
-            longest = longest.max(made);
-            clock.index += 1;
-            let before = clock.time;
-            let now = if count == 1.0 && made == clock.step { landing } else { before + made };
-            clock.time = now;
-            if dense && (pending.peek().is_some_and(|time| *time < now) || watches.closes(&particles)) {
-                let seen = Stopwatch::start(threads);
-                type See<'a> = &'a mut dyn FnMut(&mut dyn Method, &Particles, &Ledger);
-                let mut at = |method: &mut dyn Method, time: f64, particles: &mut Particles, see: See<'_>| {
-                    let ledger = method.between(particles, (time - before) / made, &mut between);
-                    std::mem::swap(&mut particles.enthalpy, &mut between);
-                    see(method, particles, &ledger);
-                    std::mem::swap(&mut particles.enthalpy, &mut between);
-                };
-                while let Some(time) = pending.next_if(|time| *time < now) {
-                    at(method.as_mut(), time, &mut particles, &mut |method, particles, ledger| {
-                        watches.output(scene, particles, ledger, time, false);
-                        watches.surfaces(scene, &method.across(&particles.enthalpy, time), time);
-                        show(particles, time);
-                    });
-                }
-                if watches.closes(&particles) {
-                    for part in 1..LOOKS {
-                        let time = before + made * part as f64 / LOOKS as f64;
-                        at(method.as_mut(), time, &mut particles, &mut |_, particles, _| watches.look(particles, time));
-                    }
-                }
-                observation.add(&seen);
-            }
-            if watches.due(now) {
-                method.publish(&mut particles);
-                watches.look(&particles, now);
-            }
-            if dense || clock.index.is_multiple_of(GUARD_STEPS) || clock.index.is_power_of_two() {
-                method.publish(&mut particles);
-                if let Err(cause) = guard.look(&particles, &clock, &bound) {
-                    stop = Some((Outcome::Diverged, cause));
-                    break 'run;
-                }
-            }
-            if dense || clock.index.is_multiple_of(16) {
-                let elapsed = Instant::now();
-                if let Some(progress) = options.progress
-                    && elapsed - last_progress > Duration::from_millis(100)
-                {
-                    last_progress = elapsed;
-                    progress(&Progress {
-                        time_s: now,
-                        duration_s: scene.duration,
-                        steps: clock.index,
-                        elapsed_s: (elapsed - began).as_secs_f64(),
-                    });
-                }
-                if options.time_limit_s.is_some_and(|limit| (elapsed - began).as_secs_f64() > limit) {
-                    stop = Some((Outcome::TimedOut, format!("the time allowed ran out at {now:.6} s")));
-                    break 'run;
-                }
-            }
-            if options.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
-                stop = Some((Outcome::Interrupted, format!("interrupted at {now:.6} s of {} s", scene.duration)));
-                break 'run;
-            }
-        }
-        method.publish(&mut particles);
-        if let Err(cause) = guard.look(&particles, &clock, &bound) {
-            stop = Some((Outcome::Diverged, cause));
-            break 'run;
-        }
-        if pending.next_if(|time| *time <= instant).is_some() {
-            let seen = Stopwatch::start(threads);
-            watches.output(scene, &particles, method.ledger(), instant, true);
-            watches.surfaces(scene, &method.across(&particles.enthalpy, instant), instant);
-            show(&particles, instant);
-            if let Some(water) = &mut water {
-                water.output(scene, &particles, method.as_ref(), instant, options.fields);
-            }
-            observation.add(&seen);
-        }
-    }
-    let mut solve = solve.stop();
-    solve.0 -= observation.wall;
-    solve.1 -= observation.cpu;
-    let gaps = watches.gap_rows();
-    let balance = watches.budget.iter().map(|row| row.balance_rel).fold(0.0, larger_magnitude);
-    let noise = noise(scene, settings, &particles);
-    let setback = watches.one_way.setback();
-    let (outcome, cause) = match stop {
-        Some((outcome, cause)) => (outcome, Some(cause)),
-        None => judge(settings.numerics.uptake, balance, guard.violation(), setback, noise),
+    let stops = stops(scene, &outputs, dense);
+    let mut simulation = Simulation {
+        scene,
+        settings,
+        options,
+        between: vec![0.0; if dense { particles.len() } else { 0 }],
+        particles,
+        method,
+        bound,
+        step,
+        longest: 0.0,
+        clock: Clock { time: 0.0, step: 0.0, index: 0, turned: true },
+        turn: f64::NEG_INFINITY,
+        dense,
+        pending: outputs.into_iter().peekable(),
+        watches,
+        water,
+        guard,
+        observation: Elapsed::default(),
+        began,
+        last_progress: began,
     };
-    let (stream, mut sections) = watches.stream(&particles);
-    let work = method.work();
-    let record = Record {
-        frazil_version: env!("CARGO_PKG_VERSION").to_string(),
-        scene: scene.name.clone(),
-        title: scene.title.clone(),
-        scene_hash: scene.hash.clone(),
-        method: settings.method.to_string(),
-        settings: settings.values(),
-        units: scene.units.name().to_string(),
-        particles: summary.particles,
-        pairs: summary.pairs,
-        steps: clock.index,
-        pair_evaluations: summary.pairs * work.evaluations,
-        particle_updates: summary.particles * work.evaluations,
-        work,
-        step_s: longest,
-        step_bound_s: bound.step,
-        step_limit: bound.cause.clone(),
-        threads: options.threads,
-        seed: options.seed,
-        setup_wall_s: setup.0,
-        setup_cpu_s: setup.1,
-        solve_wall_s: solve.0,
-        solve_cpu_s: solve.1,
-        observation_wall_s: observation.wall,
-        observation_cpu_s: observation.cpu,
-        peak_memory_bytes: peak_memory(),
-        outcome,
-        cause,
-        energy_balance_rel: balance,
-        bounds_violation_rel: guard.violation(),
-        setback_rel: setback,
-        errors: Errors::default(),
-        reference: None,
-        reduced_from: None,
-        water: water.as_mut().map(|water| water.judge(scene, reference.map(|reference| reference.as_ref()))),
-        stream: crate::stream::judge(scene, &stream, &mut sections),
-        wall: watches.wall_record(),
-        spared: summary.spared,
-        differences: summary.differences,
-        remarks: scene.remarks.clone(),
-        state_hash: particles.state_hash(),
-    };
-    let (links, planes) = watches.wall();
-    let mut result = RunResult {
-        record,
-        front: watches.front,
-        start: watches.start,
-        beside: Vec::new(),
-        frozen: watches.frozen,
-        phases: watches.phases,
-        stream,
-        sections,
-        surfaces: watches.surfaces,
-        profiles: watches.profiles,
-        probes: watches.probe_rows,
-        budget_names: method.ledger().names().to_vec(),
-        budget: watches.budget,
-        walls: watches.walls,
-        gaps,
-        links,
-        planes,
-        fields: watches.fields,
-        water: water.map(|water| water.series),
-    };
-    if let Some(reference) = reference {
-        attach(scene, particles.lattice.spacing, &mut result, reference.as_ref());
-    }
-    Ok(result)
+    let stopped = simulation.march(stops).err();
+    let solve = solve.stop();
+    let solve = (solve.0 - simulation.observation.wall, solve.1 - simulation.observation.cpu);
+    Ok(simulation.leave(Course { stopped, setup, solve, summary }, reference))
 }
 
-/// How far noise alone may take temperatures out of the range of the data, over that range: eight standard deviations
-/// of one particle at the warmest datum, in the material and phase that fluctuates most ([`crate::terms::fluctuation`]). A
-/// normal variable stays within 6.5 over a billion looks; steps up to the bound do not add to it (3.3 at most on
-/// `stefan-water`, for 0.05 of the bound as for the whole). Beside walls of moving particles it is twice that: what is seen
-/// there is fitted to few neighbours, whose own noise it mirrors (12 at most over the 26 000 steps of `entry-channel`). It is
-/// never more than [`MOST_NOISE`].
-fn noise(scene: &Scene, settings: &MethodSettings, particles: &Particles) -> f64 {
-    let (low, high) = scene.temperature_range();
-    let own = settings.discretisation.fluctuation * (high - scene.units.absolute_zero());
-    let deviation = particles.materials.laws().map(|law| own * fluctuation(law)).fold(0.0, f64::max);
-    let deviations = if particles.move_about() { 16.0 } else { 8.0 };
-    if deviation > 0.0 { (deviations * deviation / (high - low)).min(MOST_NOISE) } else { 0.0 }
-}
-
-/// Part of the range of the data by which noise may take temperatures out of it. With more, a particle in the middle of the
-/// data could be anywhere in them and beyond: noise would no longer be small beside what it is noise of.
-const MOST_NOISE: f64 = 0.5;
-
-fn larger_magnitude(a: f64, b: f64) -> f64 {
-    if b.abs() > a.abs() { b } else { a }
-}
-
-/// Heat not accounted for, over that exchanged, up to which a run is `ok`.
-pub const BALANCE_TOLERANCE: f64 = 1e-3;
-/// How far temperatures of a run that is `ok` may leave the range of the data, over that range.
-pub const RANGE_TOLERANCE: f64 = 0.01;
-/// How far what can only go one way may go back in a run that is `ok`, over the greatest before.
-pub const SETBACK_TOLERANCE: f64 = 0.01;
-
-/// How a run that came to its end is to be called. Balances that rounding explains lie below 1e-10; a lost latent
-/// heat shows as more than a thousandth.
-fn judge(
-    uptake: Uptake,
-    balance: f64,
-    violation: Option<f64>,
-    setback: Option<f64>,
-    noise: f64,
-) -> (Outcome, Option<String>) {
-    if balance.abs() > BALANCE_TOLERANCE {
-        let cause = format!("the heat balance misses {:.3e} of the heat exchanged", balance);
-        return match uptake {
-            Uptake::ApparentCapacity { .. } => {
-                (Outcome::PhaseSkipped, Some(format!("{cause}: particles stepped over the freezing interval")))
+impl Simulation<'_> {
+    /// The time loop: from instant to instant on which steps land.
+    fn march(&mut self, stops: Vec<f64>) -> Result<(), Stop> {
+        self.watches.begin(&self.particles);
+        self.watches.look(&self.particles, 0.0);
+        self.show(0.0);
+        for instant in stops {
+            while self.clock.time < instant {
+                let before = self.clock.time;
+                let made = self.advance(instant)?;
+                if self.dense {
+                    self.look_back(before, made);
+                }
+                self.look()?;
+                self.have_patience()?;
             }
-            Uptake::Enthalpy | Uptake::Flags => (Outcome::EnergyDrift, Some(cause)),
-        };
-    }
-    if let Some(violation) = violation.filter(|violation| *violation > RANGE_TOLERANCE + noise) {
-        let mut cause = format!("temperatures left the range of the data by {:.2} % of it", 100.0 * violation);
-        if noise > 0.0 {
-            cause.push_str(&format!(
-                ": noise may do so by {:.2} %, eight standard deviations of one particle or half of the range; particles \
-                 that store more heat fluctuate less",
-                100.0 * noise
-            ));
+            self.arrive(instant)?;
         }
-        return (Outcome::Oscillating, Some(cause));
-    }
-    // Noise may push a front or a flow back for a moment.
-    if let Some(setback) = setback.filter(|setback| *setback > SETBACK_TOLERANCE && noise == 0.0) {
-        let cause = format!(
-            "the front, or the heat through the coldest or warmest pipes, went back by {:.2} %",
-            100.0 * setback
-        );
-        return (Outcome::Oscillating, Some(cause));
-    }
-    (Outcome::Ok, None)
-}
-
-/// Wall and CPU time together.
-struct Stopwatch {
-    wall: Instant,
-    cpu: Cpu,
-}
-
-/// CPU time of whom: a run on one thread is that thread's alone, so that runs side by side are not booked to each other.
-enum Cpu {
-    Thread(cpu_time::ThreadTime),
-    Process(cpu_time::ProcessTime),
-}
-
-impl Stopwatch {
-    fn start(threads: usize) -> Self {
-        let cpu = match threads {
-            0 | 1 => Cpu::Thread(cpu_time::ThreadTime::now()),
-            _ => Cpu::Process(cpu_time::ProcessTime::now()),
-        };
-        Stopwatch { wall: Instant::now(), cpu }
+        Ok(())
     }
 
-    fn stop(&self) -> (f64, f64) {
-        let cpu = match &self.cpu {
-            Cpu::Thread(time) => time.elapsed(),
-            Cpu::Process(time) => time.elapsed(),
-        };
-        (self.wall.elapsed().as_secs_f64(), cpu.as_secs_f64())
+    /// One step towards an instant; its length (s).
+    fn advance(&mut self, instant: f64) -> Result<f64, Stop> {
+        let allowed = self.step.min(self.method.wanted_step());
+        let clock = &mut self.clock;
+        clock.turned = clock.time >= self.turn || clock.index == 0;
+        if clock.turned {
+            self.turn = next_turn(self.scene, clock.time, self.dense);
+            let dug = self.scene.excavation.as_ref().filter(|shaft| clock.time >= shaft.start);
+            self.particles.shaft = dug.map(|shaft| shaft.radius);
+        }
+        let landing = instant.min(self.turn);
+        let count = ((landing - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
+        clock.step = (landing - clock.time) / count;
+        let made =
+            self.method.advance(&mut self.particles, clock).map_err(|error| (Outcome::Diverged, error.reason))?;
+        self.longest = self.longest.max(made);
+        clock.index += 1;
+        clock.time = if count == 1.0 && made == clock.step { landing } else { clock.time + made };
+        Ok(made)
     }
-}
 
-/// Wall and CPU time of many stretches (s).
-#[derive(Default)]
-struct Elapsed {
-    wall: f64,
-    cpu: f64,
-}
-
-impl Elapsed {
-    fn add(&mut self, stretch: &Stopwatch) {
-        let (wall, cpu) = stretch.stop();
-        self.wall += wall;
-        self.cpu += cpu;
+    /// Takes outputs that the last step passed over, and looks into it where a gap closes in it.
+    fn look_back(&mut self, before: f64, made: f64) {
+        let now = self.clock.time;
+        if !self.pending.peek().is_some_and(|time| *time < now) && !self.watches.closes(&self.particles) {
+            return;
+        }
+        let seen = Stopwatch::start(self.options.threads);
+        while let Some(time) = self.pending.next_if(|time| *time < now) {
+            self.at((time - before) / made, |simulation, ledger| {
+                simulation.watches.output(simulation.scene, &simulation.particles, ledger, time, false);
+                let across = simulation.method.across(&simulation.particles.enthalpy, time);
+                simulation.watches.surfaces(simulation.scene, &across, time);
+                simulation.show(time);
+            });
+        }
+        if self.watches.closes(&self.particles) {
+            for part in 1..LOOKS {
+                let share = part as f64 / LOOKS as f64;
+                self.at((before + made * share - before) / made, |simulation, _| {
+                    simulation.watches.look(&simulation.particles, before + made * share);
+                });
+            }
+        }
+        self.observation.add(&seen);
     }
-}
 
-/// Greatest resident memory of the process so far (bytes), where the system tells.
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
+    /// Shows the state at a share of the last step.
+    fn at(&mut self, share: f64, see: impl FnOnce(&mut Self, &Ledger)) {
+        let ledger = self.method.between(&self.particles, share, &mut self.between);
+        std::mem::swap(&mut self.particles.enthalpy, &mut self.between);
+        see(self, &ledger);
+        std::mem::swap(&mut self.particles.enthalpy, &mut self.between);
+    }
+
+    /// Looks at the state where it is time to: for gaps that close, and for values that are absurd.
+    fn look(&mut self) -> Result<(), Stop> {
+        let Clock { time, index, .. } = self.clock;
+        if self.watches.due(time) {
+            self.method.publish(&mut self.particles);
+            self.watches.look(&self.particles, time);
+        }
+        if self.dense || index.is_multiple_of(GUARD_STEPS) || index.is_power_of_two() {
+            self.method.publish(&mut self.particles);
+            self.guard.look(&self.particles, &self.clock, &self.bound).map_err(|cause| (Outcome::Diverged, cause))?;
+        }
+        Ok(())
+    }
+
+    /// Tells how far the run has come, and stops it where it takes too long or is asked to.
+    fn have_patience(&mut self) -> Result<(), Stop> {
+        let (now, index) = (self.clock.time, self.clock.index);
+        if self.dense || index.is_multiple_of(16) {
+            let time = Instant::now();
+            let elapsed_s = (time - self.began).as_secs_f64();
+            if let Some(progress) = self.options.progress
+                && time - self.last_progress > Duration::from_millis(100)
+            {
+                self.last_progress = time;
+                progress(&Progress { time_s: now, duration_s: self.scene.duration, steps: index, elapsed_s });
+            }
+            if self.options.time_limit_s.is_some_and(|limit| elapsed_s > limit) {
+                return Err((Outcome::TimedOut, format!("the time allowed ran out at {now:.6} s")));
+            }
+        }
+        if self.options.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+            return Err((Outcome::Interrupted, format!("interrupted at {now:.6} s of {} s", self.scene.duration)));
+        }
+        Ok(())
+    }
+
+    /// Takes the output at an instant on which a step has landed.
+    fn arrive(&mut self, instant: f64) -> Result<(), Stop> {
+        self.method.publish(&mut self.particles);
+        self.guard.look(&self.particles, &self.clock, &self.bound).map_err(|cause| (Outcome::Diverged, cause))?;
+        if self.pending.next_if(|time| *time <= instant).is_some() {
+            let seen = Stopwatch::start(self.options.threads);
+            self.watches.output(self.scene, &self.particles, self.method.ledger(), instant, true);
+            let across = self.method.across(&self.particles.enthalpy, instant);
+            self.watches.surfaces(self.scene, &across, instant);
+            self.show(instant);
+            if let Some(water) = &mut self.water {
+                water.output(self.scene, &self.particles, self.method.as_ref(), instant, self.options.fields);
+            }
+            self.observation.add(&seen);
+        }
+        Ok(())
+    }
+
+    fn show(&self, time: f64) {
+        if let Some(see) = self.options.each_output {
+            see(&self.particles, time);
+        }
+    }
 }

@@ -18,14 +18,13 @@ use crate::plan::steps::on_lattice;
 use crate::plan::steps::pool;
 use std::sync::Arc;
 
-use crate::closing::dug_too_early;
 use crate::predict::{StepCount, planned_steps};
 use crate::reference::Reference;
 use crate::refused::{Refused, refuse};
-use crate::terms::{self, Parts};
+use crate::terms::{self};
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::memory::{Held, Memory};
-use frazil_core::particles::{Particles, Places};
+use frazil_core::particles::Particles;
 use frazil_core::solvers::method::Method;
 use frazil_core::solvers::moving::Purpose;
 use frazil_core::solvers::step::Bound;
@@ -138,17 +137,7 @@ pub(crate) fn build_for(
         Stepper::Own(step) => Some(step.as_ref()),
         Stepper::Shared => None,
     };
-    if scene.stream.is_some() {
-        return Err(refuse("a driven liquid needs particles that move: method.edpd.motion = true".into()));
-    }
-    if !scene.wall_parts.is_empty() && scene.domain.symmetry().is_none() {
-        return Err(refuse(
-            "parts of the walls of a rectangle need particles that move (method.edpd.motion = true) or an axis".into(),
-        ));
-    }
-    if let Some(reason) = dug_too_early(scene) {
-        return Err(refuse(reason));
-    }
+    refusals::unsupported(scene)?;
     let mut prepared = Prepared::new(scene, settings, reference, seed)?;
     let pool = pool(threads)?;
     refusals::out_of_place(scene, numerics, &prepared)?;
@@ -160,16 +149,7 @@ pub(crate) fn build_for(
     if let (Some(reason), Front::SubCell) = (why_list, numerics.front) {
         return Err(refuse(format!("front = \"sub-cell\" needs a lattice without a neighbour list, but {reason}")));
     }
-    let terms = Parts {
-        scene,
-        numerics,
-        discretisation,
-        materials: &prepared.materials,
-        boundary: &prepared.boundary,
-        pipes: prepared.sinks.len(),
-        list: why_list.is_some(),
-    };
-    let (terms, spared, relaxed_by) = (terms.used(), terms.spared(), terms.relaxed_by());
+    let (terms, spared, relaxed_by) = prepared.terms(scene, settings, why_list.is_some());
     let mut used = vec![prepared.words(numerics)];
     let method: Box<dyn Method> = match why_list {
         None => {
@@ -190,22 +170,9 @@ pub(crate) fn build_for(
     };
     let bound = method.bound();
     let step = choose_step(numerics, &bound, scene)?;
-    let count = prepared.count();
-    let enthalpy = prepared.enthalpies();
-    let Prepared { lattice, cloud, volumes, materials, start, differences, .. } = prepared;
-    let particles = Particles {
-        enthalpy,
-        start,
-        places: cloud.map_or(Places::Lattice, Places::Cloud),
-        velocity: Vec::new(),
-        volumes,
-        sub_cell: numerics.front == Front::SubCell,
-        shaft: None,
-        lattice,
-        materials,
-    };
+    let (particles, differences) = prepared.into_particles(numerics);
     let summary = PlanSummary {
-        particles: count as u64,
+        particles: particles.len() as u64,
         pairs: method.pairs(),
         memory: Memory { particles: particles.held(), method: method.held(), watches: 0 },
         step_s: step,

@@ -207,35 +207,49 @@ fn pairs(
             place += 1;
         }
     }
+    let pairs = PairList { starts: list.starts, partners: list.partners, weights };
+    let Some((door, radius)) = boundary.curved else { return (pairs, Contacts::default(), Vec::new()) };
+    let layers = boundary.doors[door].layers;
+    let behind = |i: usize| behind(i).map(|(way, depth, pair)| (way, depth, scale[i] * pair)).collect();
+    let (contacts, ways_out) = cut_by_curve(positions, ghosts, materials, &pairs, (radius, layers), &behind);
+    (pairs, contacts, if flows { ways_out } else { Vec::new() })
+}
+
+/// What becomes of pairs that a curved wall of a radius (m) cuts; `behind` gives the way, depth and weight of those of a particle.
+fn cut_by_curve(
+    positions: &[DVec2],
+    ghosts: &Ghosts,
+    materials: &Materials,
+    pairs: &PairList,
+    (radius, layers): (f64, bool),
+    behind: &dyn Fn(usize) -> Vec<(DVec2, f64, f64)>,
+) -> (Contacts, Vec<WayOut>) {
+    let count = positions.len();
     let (mut contacts, mut ways_out) = (Contacts::default(), Vec::new());
-    if let Some((door, radius)) = boundary.curved {
-        for i in 0..count {
-            let mut near = Neighbourhood::new(radius - positions[i].length());
-            let mut sum = 0.0;
-            for (way, depth, pair) in behind(i) {
-                near.cut(scale[i] * pair, if boundary.doors[door].layers { 0.0 } else { depth });
-                sum += scale[i] * pair;
-                if flows {
-                    ways_out.push(WayOut { particle: i as u32, weight: scale[i] * pair, way });
-                }
-            }
-            if sum == 0.0 {
-                continue;
-            }
-            for k in list.starts[i]..list.starts[i + 1] {
-                // Beside a curved wall there are mirror planes alone, whose ghosts are their particles.
-                let partner = list.partners[k] as usize;
-                let particle = partner.checked_sub(count).map_or(partner as u32, |ghost| ghosts.model[ghost]);
-                sum += weights[k];
-                // A neighbour of another material pulls by the potential of the interface, not by its own.
-                if materials.index(particle as usize) == materials.index(i) {
-                    near.pair(particle, weights[k], radius - positions[particle as usize].length());
-                }
-            }
-            contacts.add(i as u32, &near, sum);
+    for i in 0..count {
+        let mut near = Neighbourhood::new(radius - positions[i].length());
+        let mut sum = 0.0;
+        for (way, depth, weight) in behind(i) {
+            near.cut(weight, if layers { 0.0 } else { depth });
+            sum += weight;
+            ways_out.push(WayOut { particle: i as u32, weight, way });
         }
+        if sum == 0.0 {
+            continue;
+        }
+        for k in pairs.starts[i]..pairs.starts[i + 1] {
+            // Beside a curved wall there are mirror planes alone, whose ghosts are their particles.
+            let partner = pairs.partners[k] as usize;
+            let particle = partner.checked_sub(count).map_or(partner as u32, |ghost| ghosts.model[ghost]);
+            sum += pairs.weights[k];
+            // A neighbour of another material pulls by the potential of the interface, not by its own.
+            if materials.index(particle as usize) == materials.index(i) {
+                near.pair(particle, pairs.weights[k], radius - positions[particle as usize].length());
+            }
+        }
+        contacts.add(i as u32, &near, sum);
     }
-    (PairList { starts: list.starts, partners: list.partners, weights }, contacts, ways_out)
+    (contacts, ways_out)
 }
 
 /// Multiplies pairs by the shape factors that the papers print.

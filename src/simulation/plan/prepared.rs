@@ -8,6 +8,7 @@ use crate::plan::refusals::blends;
 use crate::reference::Reference;
 use crate::refused::{Refused, refuse};
 use crate::start;
+use crate::terms::Parts;
 use crate::walls::boundary;
 use frazil_core::bonds::stencil::Stencil;
 use frazil_core::bonds::weight::Normalisation;
@@ -15,6 +16,7 @@ use frazil_core::boundary::patch::Boundary;
 use frazil_core::boundary::patch::MOST_DOORS;
 use frazil_core::boundary::pipe::Sink;
 use frazil_core::kernels::lattice::LatticeParts;
+use frazil_core::particles::{Particles, Places};
 use frazil_core::physics::material::Material;
 use frazil_core::physics::potential::Curve;
 use frazil_core::physics::potential::Thermal;
@@ -178,6 +180,41 @@ impl Prepared {
             pool,
             bound: settings.bound.clone(),
         }
+    }
+
+    /// What a run uses, what it is spared, and what would allow longer steps, in words.
+    pub(super) fn terms(
+        &self,
+        scene: &Scene,
+        settings: &MethodSettings,
+        list: bool,
+    ) -> (Vec<String>, Vec<String>, Vec<String>) {
+        let terms = Parts {
+            scene,
+            numerics: &settings.numerics,
+            discretisation: &settings.discretisation,
+            materials: &self.materials,
+            boundary: &self.boundary,
+            pipes: self.sinks.len(),
+            list,
+        };
+        (terms.used(), terms.spared(), terms.relaxed_by())
+    }
+
+    /// The particles, and how they differ from the scene.
+    pub(super) fn into_particles(self, numerics: &Numerics) -> (Particles, Vec<String>) {
+        let particles = Particles {
+            enthalpy: self.enthalpies(),
+            start: self.start,
+            places: self.cloud.map_or(Places::Lattice, Places::Cloud),
+            velocity: Vec::new(),
+            volumes: self.volumes,
+            sub_cell: numerics.front == Front::SubCell,
+            shaft: None,
+            lattice: self.lattice,
+            materials: self.materials,
+        };
+        (particles, self.differences)
     }
 
     /// The enthalpies that steps by error keep; particles that stand for pipes are exempt.

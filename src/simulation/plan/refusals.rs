@@ -1,5 +1,6 @@
 //! What a plan refuses, and why a scene needs a list of neighbours.
 
+use crate::closing::dug_too_early;
 use crate::plan::prepared::Prepared;
 use crate::refused::{Refused, refuse};
 use frazil_core::bonds::exchange::Exchange;
@@ -96,6 +97,22 @@ pub(super) fn why_list(
         ),
     ];
     reasons.into_iter().find(|reason| reason.0).map(|reason| reason.1)
+}
+
+/// Refuses what needs particles that move, and a shaft that is dug before a wall can stand.
+pub(super) fn unsupported(scene: &Scene) -> Result<(), Refused> {
+    if scene.stream.is_some() {
+        return Err(refuse("a driven liquid needs particles that move: method.edpd.motion = true".into()));
+    }
+    if !scene.wall_parts.is_empty() && scene.domain.symmetry().is_none() {
+        return Err(refuse(
+            "parts of the walls of a rectangle need particles that move (method.edpd.motion = true) or an axis".into(),
+        ));
+    }
+    if let Some(reason) = dug_too_early(scene) {
+        return Err(refuse(reason));
+    }
+    Ok(())
 }
 
 /// Refuses a search, cracks and shafts that a body has no place for.

@@ -1,0 +1,76 @@
+//! How a run ended.
+
+use frazil_core::particles::Particles;
+use frazil_core::physics::uptake::Uptake;
+use frazil_record::Outcome;
+use frazil_scene::Scene;
+use frazil_scene::settings::MethodSettings;
+
+use crate::terms::fluctuation;
+
+/// How far noise alone may take temperatures out of the range of the data, over that range: eight standard deviations
+/// of one particle at the warmest datum, in the material and phase that fluctuates most ([`crate::terms::fluctuation`]). A
+/// normal variable stays within 6.5 over a billion looks; steps up to the bound do not add to it (3.3 at most on
+/// `stefan-water`, for 0.05 of the bound as for the whole). Beside walls of moving particles it is twice that: what is seen
+/// there is fitted to few neighbours, whose own noise it mirrors (12 at most over the 26 000 steps of `entry-channel`). It is
+/// never more than [`MOST_NOISE`].
+pub(super) fn noise(scene: &Scene, settings: &MethodSettings, particles: &Particles) -> f64 {
+    let (low, high) = scene.temperature_range();
+    let own = settings.discretisation.fluctuation * (high - scene.units.absolute_zero());
+    let deviation = particles.materials.laws().map(|law| own * fluctuation(law)).fold(0.0, f64::max);
+    let deviations = if particles.move_about() { 16.0 } else { 8.0 };
+    if deviation > 0.0 { (deviations * deviation / (high - low)).min(MOST_NOISE) } else { 0.0 }
+}
+
+/// Part of the range of the data by which noise may take temperatures out of it. With more, a particle in the middle of the
+/// data could be anywhere in them and beyond: noise would no longer be small beside what it is noise of.
+const MOST_NOISE: f64 = 0.5;
+
+/// Heat not accounted for, over that exchanged, up to which a run is `ok`.
+pub const BALANCE_TOLERANCE: f64 = 1e-3;
+
+/// How far temperatures of a run that is `ok` may leave the range of the data, over that range.
+pub const RANGE_TOLERANCE: f64 = 0.01;
+
+/// How far what can only go one way may go back in a run that is `ok`, over the greatest before.
+pub const SETBACK_TOLERANCE: f64 = 0.01;
+
+/// How a run that came to its end is to be called. Balances that rounding explains lie below 1e-10; a lost latent
+/// heat shows as more than a thousandth.
+pub(super) fn judge(
+    uptake: Uptake,
+    balance: f64,
+    violation: Option<f64>,
+    setback: Option<f64>,
+    noise: f64,
+) -> (Outcome, Option<String>) {
+    if balance.abs() > BALANCE_TOLERANCE {
+        let cause = format!("the heat balance misses {:.3e} of the heat exchanged", balance);
+        return match uptake {
+            Uptake::ApparentCapacity { .. } => {
+                (Outcome::PhaseSkipped, Some(format!("{cause}: particles stepped over the freezing interval")))
+            }
+            Uptake::Enthalpy | Uptake::Flags => (Outcome::EnergyDrift, Some(cause)),
+        };
+    }
+    if let Some(violation) = violation.filter(|violation| *violation > RANGE_TOLERANCE + noise) {
+        let mut cause = format!("temperatures left the range of the data by {:.2} % of it", 100.0 * violation);
+        if noise > 0.0 {
+            cause.push_str(&format!(
+                ": noise may do so by {:.2} %, eight standard deviations of one particle or half of the range; particles \
+                 that store more heat fluctuate less",
+                100.0 * noise
+            ));
+        }
+        return (Outcome::Oscillating, Some(cause));
+    }
+    // Noise may push a front or a flow back for a moment.
+    if let Some(setback) = setback.filter(|setback| *setback > SETBACK_TOLERANCE && noise == 0.0) {
+        let cause = format!(
+            "the front, or the heat through the coldest or warmest pipes, went back by {:.2} %",
+            100.0 * setback
+        );
+        return (Outcome::Oscillating, Some(cause));
+    }
+    (Outcome::Ok, None)
+}

@@ -2,8 +2,9 @@
 //! and one of its tables.
 //!
 //! `cargo bench --bench baseline` names the commands that give something else now; `-- WORD ...` runs those alone that hold one of
-//! the words. `-- --write` writes what they give now: say why in the same commit. Bits depend on the mathematical library of the
-//! machine and on its instructions, so a table is compared with one that was written on the same kind of machine.
+//! the words, `-- --program FILE` asks another build. `-- --write` writes what they give now: say why in the same commit. Bits depend
+//! on the mathematical library of the machine and on its instructions, so a table is compared with one that was written on the same
+//! kind of machine.
 
 #![allow(clippy::print_stdout)]
 
@@ -25,14 +26,21 @@ struct Row {
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
-    let write = arguments.iter().any(|argument| argument == "--write");
-    let words: Vec<&String> = arguments.iter().filter(|argument| *argument != "--write").collect();
+    let mut arguments: Vec<String> = std::env::args().skip(1).filter(|argument| argument != "--bench").collect();
+    let all = arguments.len();
+    arguments.retain(|argument| argument != "--write");
+    let write = arguments.len() < all;
+    let mut program = env!("CARGO_BIN_EXE_frazil").to_owned();
+    if let Some(at) = arguments.iter().position(|argument| argument == "--program") {
+        let end = (at + 2).min(arguments.len());
+        program = arguments.drain(at..end).nth(1).ok_or("--program needs a file")?;
+    }
+    let words = arguments;
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/baseline.csv");
     let mut rows = csv::Reader::from_path(&path)?.deserialize().collect::<Result<Vec<Row>, _>>()?;
-    let asked = |row: &Row| words.is_empty() || words.iter().any(|word| row.command.contains(*word));
+    let asked = |row: &Row| words.is_empty() || words.iter().any(|word| row.command.contains(word.as_str()));
     let numbers: Vec<usize> = (0..rows.len()).filter(|number| asked(&rows[*number])).collect();
-    let given = run_all(&numbers.iter().map(|number| rows[*number].command.as_str()).collect::<Vec<_>>())?;
+    let given = run_all(&program, &numbers.iter().map(|number| rows[*number].command.as_str()).collect::<Vec<_>>())?;
     let mut others = 0;
     for (number, (states, tables)) in numbers.iter().zip(given) {
         let row = &mut rows[*number];
@@ -57,16 +65,17 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
 }
 
 /// What commands give, as many at once as the machine has processors.
-fn run_all(commands: &[&str]) -> Result<Vec<(String, String)>, Box<dyn Error>> {
+fn run_all(program: &str, commands: &[&str]) -> Result<Vec<(String, String)>, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
-    let (next, found) = (AtomicUsize::new(0), Mutex::new(vec![None; commands.len()]));
+    let (next, found) = (AtomicUsize::new(0), Mutex::new(vec![(String::new(), String::new()); commands.len()]));
     let work = || {
         while let Some((number, command)) =
             Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|k| Some((k, *commands.get(k)?)))
         {
             let out = folder.path().join(number.to_string());
-            let given = run(command, &out).map_err(|error| format!("{command}: {error}"));
-            found.lock().unwrap_or_else(PoisonError::into_inner)[number] = Some(given);
+            // What cannot be run is a result too.
+            let given = run(program, command, &out).unwrap_or_else(|error| (error.to_string(), String::new()));
+            found.lock().unwrap_or_else(PoisonError::into_inner)[number] = given;
             fs::remove_dir_all(&out).ok();
         }
     };
@@ -75,21 +84,21 @@ fn run_all(commands: &[&str]) -> Result<Vec<(String, String)>, Box<dyn Error>> {
             scope.spawn(work);
         });
     });
-    let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok(found.into_iter().map(|given| given.unwrap_or_else(|| Err("not run".into()))).collect::<Result<_, String>>()?)
+    Ok(found.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
 /// Hashes of the states and of the tables that a command gives in a folder.
-fn run(command: &str, out: &Path) -> Result<(String, String), Box<dyn Error>> {
-    let mut process = Command::new(env!("CARGO_BIN_EXE_frazil"));
+fn run(program: &str, command: &str, out: &Path) -> Result<(String, String), Box<dyn Error>> {
+    let mut process = Command::new(program);
     process.args(command.split_whitespace()).args(["--threads", "1", "--quiet", "--out"]).arg(out);
     let output = process.output()?;
+    if !out.is_dir() {
+        let told = String::from_utf8_lossy(&output.stderr);
+        return Err(told.lines().next().unwrap_or_default().into());
+    }
     let mut files = Vec::new();
     gather(out, &mut files)?;
     files.sort();
-    if files.is_empty() {
-        return Err(String::from_utf8_lossy(&output.stderr).into());
-    }
     let (mut states, mut tables) = (Xxh3::new(), Xxh3::new());
     for file in &files {
         if file.ends_with("record.json") {

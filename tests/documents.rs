@@ -165,7 +165,7 @@ fn every_key_that_the_reader_asks_for_is_in_the_guide() {
         .chain(blocks(&guide, "toml"))
         .flat_map(|text| text.split(|c: char| !(c.is_alphanumeric() || c == '_')))
         .collect();
-    let folder = root().join("src/core/scene/read");
+    let folder = root().join("src/scene/read");
     let methods = frazil::registry::methods().iter().map(|kind| root().join("methods").join(kind.name).join("lib.rs"));
     let files = [
         "body.rs",

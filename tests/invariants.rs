@@ -4,7 +4,8 @@
 use std::sync::{Arc, Mutex};
 
 use frazil::registry::methods;
-use frazil_core::kernels::rows::{ListParts, Off};
+use frazil_core::kernels::list_parts::ListParts;
+use frazil_core::kernels::term::Off;
 use frazil_core::solvers::assembly::Assembly;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_scene::method::{Discretisation, MethodKind, Stepper};
@@ -338,7 +339,7 @@ fn mirrored(sketch: &Sketch, in_y: bool) -> Sketch {
 /// term that is smaller than the span of enthalpies, distances on the list are rounded at the scale of the body and
 /// not of the spacing (a factor of extent over spacing), and the exchange itself does not enlarge differences.
 fn rounding(plan: &Plan, steps: u64, temperatures: (f64, f64)) -> f64 {
-    let span = |thermal: &frazil_core::physics::potential::Thermal| {
+    let span = |thermal: &frazil_core::physics::thermal::Thermal| {
         thermal.enthalpy(temperatures.0).abs().max(thermal.enthalpy(temperatures.1).abs())
     };
     let span = plan.particles.materials.thermals.iter().map(span).fold(0.0, f64::max);
@@ -349,7 +350,7 @@ fn rounding(plan: &Plan, steps: u64, temperatures: (f64, f64)) -> f64 {
 /// How much larger roundings of temperatures are, taken as enthalpies, than those of enthalpies: where temperature is
 /// the unknown, they come back multiplied by the largest apparent capacity.
 fn rounding_of_temperatures(plan: &Plan, (low, high): (f64, f64)) -> f64 {
-    let ratio = |thermal: &frazil_core::physics::potential::Thermal| {
+    let ratio = |thermal: &frazil_core::physics::thermal::Thermal| {
         let capacities =
             (0..=1000).map(|k| thermal.curve.apparent_capacity(low + (high - low) * f64::from(k) / 1000.0));
         let span = thermal.enthalpy(low).abs().max(thermal.enthalpy(high).abs());

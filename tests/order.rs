@@ -3,7 +3,7 @@
 use frazil::registry::methods;
 use frazil_core::bonds::stencil::Stencil;
 use frazil_core::space::domain::Domain;
-use frazil_core::statistics::observed_order;
+use frazil_core::statistics::order::observed_order;
 use frazil_scene::method::MethodKind;
 use frazil_simulation::plan;
 

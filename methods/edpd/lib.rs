@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::bonds::weight::{Normalisation, PairWeight};
-use frazil_core::kernels::rows::{Off, PairTerm, PairView};
+use frazil_core::kernels::term::{Off, PairTerm, PairView};
 use frazil_core::memory::Held;
 use frazil_core::noise::StepNoise;
 use frazil_core::solvers::assembly::Assembly;

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use frazil_core::statistics::{self, Interval, Order};
+use frazil_core::statistics::order::Order;
+use frazil_core::statistics::{self, Interval};
 use rand::SeedableRng;
 
 use super::curve::{Clock, Curve, Kind, Point};
@@ -160,7 +161,7 @@ impl Comparison {
         for target in TARGETS {
             for (k, curve) in curves.iter().enumerate() {
                 let costs = |k: usize| -> Vec<Option<f64>> {
-                    drawn[k].iter().map(|front| statistics::cost_at_error(front, target)).collect()
+                    drawn[k].iter().map(|front| statistics::order::cost_at_error(front, target)).collect()
                 };
                 let (time, error_at_most) = time_at(curve, target);
                 let interval = match time {
@@ -205,7 +206,7 @@ fn baseline(curves: &[Curve]) -> Option<usize> {
             let times: Vec<(usize, f64)> = curves
                 .iter()
                 .enumerate()
-                .filter_map(|(k, curve)| Some((k, statistics::cost_at_error(&curve.front(), *target)?)))
+                .filter_map(|(k, curve)| Some((k, statistics::order::cost_at_error(&curve.front(), *target)?)))
                 .collect();
             if times.len() < 2 { None } else { times.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map(|(k, _)| k) }
         })
@@ -219,7 +220,7 @@ pub fn time_at(curve: &Curve, target: f64) -> (Reached, Option<f64>) {
         runs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(cost, point)| (cost, point.at_most))
     };
     let bounded = cheapest(&|point| point.at_most.is_some_and(|error| error <= target));
-    match (statistics::cost_at_error(&curve.front(), target), bounded) {
+    match (statistics::order::cost_at_error(&curve.front(), target), bounded) {
         (Some(time), None) => (Reached::At(time), None),
         (Some(time), Some((cost, _))) if time <= cost => (Reached::At(time), None),
         (_, Some((cost, error))) => (Reached::Within(cost), error),
@@ -235,7 +236,7 @@ pub fn time_at(curve: &Curve, target: f64) -> (Reached, Option<f64>) {
 pub fn error_in(curve: &Curve, time: f64) -> Reached {
     let in_time = curve.points.iter().filter(|point| point.cost().is_some_and(|cost| cost <= time));
     let bound = in_time.filter_map(|point| point.at_most).reduce(f64::min);
-    match (statistics::error_at_cost(&curve.front(), time), bound) {
+    match (statistics::order::error_at_cost(&curve.front(), time), bound) {
         (Some(error), bound) if bound.is_none_or(|bound| error <= bound) => Reached::At(error),
         (_, Some(bound)) => Reached::Within(bound),
         _ => Reached::Not,
@@ -280,7 +281,7 @@ fn order(curve: &Curve) -> Option<Order> {
     let usable = curve.points.iter().filter(|point| !point.hollow);
     let (spacings, errors): (Vec<f64>, Vec<f64>) =
         usable.filter_map(|point| Some((point.spacing, point.signed?))).unzip();
-    statistics::observed_order(&spacings, &errors)
+    statistics::order::observed_order(&spacings, &errors)
 }
 
 /// How a method fares over several scenes at one error.

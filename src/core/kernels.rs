@@ -1,6 +1,14 @@
 //! Exchange through bonds, in the form that a body allows.
 
+pub mod around;
 pub mod corner;
+pub mod crossing;
+pub mod enthalpy_rows;
+pub mod exterior;
 pub mod lattice;
+pub mod lattice_parts;
+pub mod list_parts;
 pub mod rows;
 pub mod sweep;
+pub mod target;
+pub mod term;

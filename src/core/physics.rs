@@ -1,7 +1,9 @@
 //! What one particle makes of its content.
 
 pub mod blend;
+pub mod curve;
 pub mod material;
 pub mod potential;
 pub mod sub_cell;
+pub mod thermal;
 pub mod uptake;

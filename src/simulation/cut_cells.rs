@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use frazil_core::physics::blend::Blend;
-use frazil_core::physics::potential::Thermal;
+use frazil_core::physics::thermal::Thermal;
 use frazil_core::physics::uptake::Materials;
 use glam::DVec2;
 

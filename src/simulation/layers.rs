@@ -2,7 +2,7 @@
 
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::bonds::stencil::Stencil;
-use frazil_core::physics::potential::Thermal;
+use frazil_core::physics::thermal::Thermal;
 use frazil_core::space::lattice::Lattice;
 use frazil_scene::region::Shape;
 use frazil_scene::{Numerics, Scene};

@@ -3,7 +3,8 @@
 use frazil_core::bonds::exchange::Exchange;
 use frazil_core::boundary::patch::Boundary;
 use frazil_core::physics::material::{FreezingLaw, Material};
-use frazil_core::physics::potential::{Law, Thermal};
+use frazil_core::physics::potential::Law;
+use frazil_core::physics::thermal::Thermal;
 use frazil_core::physics::uptake::Materials;
 use frazil_core::physics::uptake::Mushy;
 use frazil_core::physics::uptake::Uptake;

@@ -1,7 +1,7 @@
 //! Heat of moving particles as the enthalpy of the scene's material.
 
 use frazil_core::bonds::exchange::{Exchange, Mean};
-use frazil_core::physics::potential::Thermal;
+use frazil_core::physics::thermal::Thermal;
 use frazil_core::physics::uptake::Mushy;
 
 use crate::fluid::Matter;

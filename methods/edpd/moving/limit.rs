@@ -1,6 +1,6 @@
 //! How long a step of moving particles may be.
 
-use frazil_core::physics::potential::Curve;
+use frazil_core::physics::curve::Curve;
 use frazil_core::solvers::step::Bound;
 
 use super::{Map, SETTLING_STEP};

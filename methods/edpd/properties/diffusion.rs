@@ -1,6 +1,6 @@
 //! Self-diffusivity from the mean square displacement (Ng et al. 2017, eqs 16 and 17).
 
-use frazil_core::statistics::line;
+use frazil_core::statistics::order::line;
 
 use super::{Span, Watch, advance};
 use crate::fluid::{Fluid, Undriven};

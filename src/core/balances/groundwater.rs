@@ -7,13 +7,20 @@
 //! A step is Heun's, of two explicit Euler steps: second order, and a mean of two states that each keep the range of
 //! the data, so it keeps it too (Shu and Osher 1988).
 
+use crate::balances::groundwater::aquifer::{Aquifer, Warmth};
+
+pub mod aquifer;
 pub mod bend;
+mod build;
 pub mod carrier;
 pub mod diagonals;
 pub mod ground;
 pub mod network;
 pub mod numerics;
 pub mod pressure;
+pub mod row;
+pub mod tasks;
+pub mod velocity;
 
 use crate::solvers::method::Water;
 use std::sync::Arc;
@@ -27,89 +34,27 @@ use frazil_record::Work;
 use crate::boundary::patch::{Boundary, Face};
 use crate::solvers::sharp::{just_before, sharp_step};
 
-use crate::balances::groundwater::ground::{Flow, PressureWall};
-use crate::balances::groundwater::numerics::{Conduction, FlowNumerics};
-use crate::kernels::rows::{EnthalpyList, ListOperator, ListParts, Off, Tangent};
+use crate::balances::groundwater::ground::Flow;
+use crate::balances::groundwater::numerics::FlowNumerics;
 use crate::ledger::{Ledger, Sum};
 use crate::memory::Held;
 use crate::particles::Particles;
-use crate::physics::material::{FreezingLaw, Material, Pores};
-use crate::physics::potential::{Curved, PotentialLaw, Thermal};
-use crate::physics::uptake::Mushy;
-use crate::physics::uptake::Uptake;
-use crate::physics::uptake::{Materials, scheme};
+use crate::physics::uptake::Materials;
 use crate::solvers::method::Method;
 use crate::solvers::operator::Operator;
 use crate::solvers::step::{Bound, Clock, StepError};
-use crate::space::domain::Domain;
 
 use crate::balances::groundwater::bend::Bend;
-use crate::balances::groundwater::carrier::{Carrier, Ground, State, velocities};
-use crate::balances::groundwater::network::{Network, WayOut};
+use crate::balances::groundwater::carrier::{Carrier, Ground, State};
+use crate::balances::groundwater::network::Network;
 use crate::balances::groundwater::pressure::Pressure;
+use crate::balances::groundwater::velocity::velocities;
+
+pub use build::FlowParts;
 
 /// Intervals between solutions for the pressure grow at most by this factor: the water that ice has taken or given
 /// meanwhile is made up for over the next interval.
 const GROWTH: f64 = 2.0;
-
-/// Temperature of a particle by its enthalpy, fast.
-#[derive(Debug, Clone)]
-enum Warmth {
-    /// Straight pieces.
-    Exact(Thermal),
-    /// A table of the temperature above the freezing point, by the enthalpy from there.
-    Table { table: Curved, freezing_point: f64, initial_enthalpy: f64 },
-}
-
-impl Warmth {
-    fn new(thermal: &Thermal) -> Self {
-        if thermal.curve.is_kinked() {
-            return Warmth::Exact(thermal.clone());
-        }
-        let (freezing_point, initial_enthalpy) = (thermal.curve.freezing_point(), thermal.initial_enthalpy);
-        Warmth::Table { table: Curved::of_temperature(&thermal.curve), freezing_point, initial_enthalpy }
-    }
-
-    #[inline]
-    fn at(&self, enthalpy: f64) -> f64 {
-        match self {
-            Warmth::Exact(thermal) => thermal.curve.temperature(enthalpy + thermal.initial_enthalpy),
-            Warmth::Table { table, freezing_point, initial_enthalpy } => {
-                freezing_point + table.potential(enthalpy + initial_enthalpy)
-            }
-        }
-    }
-}
-
-/// One material as water sees it.
-#[derive(Debug, Clone)]
-struct Aquifer {
-    warmth: Warmth,
-    thermal: Thermal,
-    pores: Pores,
-    /// Hydraulic conductivity of thawed ground (m2/(Pa s)).
-    open: f64,
-    least_conductivity: f64,
-    /// Whether it freezes at one temperature, which then does not tell how much is frozen.
-    by_enthalpy: bool,
-}
-
-impl Aquifer {
-    /// Unfrozen fraction of a particle of this enthalpy (J/m3) and temperature.
-    #[inline]
-    fn unfrozen(&self, enthalpy: f64, temperature: f64) -> f64 {
-        // The temperature is known already, but says nothing of ground that freezes at one.
-        match self.by_enthalpy {
-            true => 1.0 - self.thermal.frozen_fraction(enthalpy),
-            false => self.thermal.curve.unfrozen_fraction(temperature),
-        }
-    }
-
-    /// Water that freezing of all pores would push aside (by volume).
-    fn expansion(&self) -> f64 {
-        self.pores.porosity * (1.0 - self.pores.ice_density / self.pores.water_density)
-    }
-}
 
 /// Water so far, by volume of the body (m^d).
 #[derive(Debug, Clone, Default)]
@@ -170,147 +115,7 @@ pub struct FlowMethod {
     seconds: f64,
 }
 
-/// What water flows through.
-pub struct FlowParts<'a> {
-    /// Particles, pairs and walls.
-    pub list: ListParts,
-    /// Pairs that a curved wall cuts.
-    pub ways_out: &'a [WayOut],
-    /// What conducts heat, where that is a lattice.
-    pub lattice: Option<Box<dyn Operator>>,
-    /// Materials, in the order of the particles'.
-    pub ground: &'a [Material],
-    /// The body.
-    pub domain: Domain,
-    /// What drives the water.
-    pub flow: &'a Flow,
-    /// How it is computed.
-    pub numerics: FlowNumerics,
-    /// Conduction beside it.
-    pub conduction: Conduction,
-    /// Steps over their bound.
-    pub fraction: f64,
-}
-
 impl FlowMethod {
-    /// Water through the assembled particles, neighbours and walls of a scene, from these enthalpies (J/m3) on. Heat is
-    /// conducted by the pairs, or by the same on a lattice where there is one.
-    pub fn new(parts: FlowParts<'_>, enthalpy: &[f64]) -> Result<Self, String> {
-        let FlowParts { list: parts, ways_out, lattice, ground, domain, flow, numerics, conduction, fraction } = parts;
-        let spacing = parts.spacing;
-        let (materials, boundary) = (parts.materials.clone(), parts.boundary.clone());
-        let first = &materials.thermals[0];
-        let faces = boundary.first_faces(&first.curve, first.initial_potential);
-        let pairs = (&parts.pairs, ways_out);
-        let network = Network::new(&parts.positions, pairs, &parts.ghosts, &boundary, &faces, flow, conduction)?;
-        let count = network.len();
-        let aquifers: Vec<Aquifer> = ground
-            .iter()
-            .zip(materials.thermals.iter())
-            .map(|(material, thermal)| {
-                let pores = material.pores.ok_or_else(|| format!("\"{}\" has no pores", material.name))?;
-                let permeability =
-                    pores.permeability.ok_or_else(|| format!("\"{}\" has no permeability", material.name))?;
-                Ok(Aquifer {
-                    warmth: Warmth::new(thermal),
-                    thermal: thermal.clone(),
-                    pores,
-                    open: permeability / flow.viscosity,
-                    least_conductivity: thermal.curve.least_conductive(),
-                    by_enthalpy: material.law == FreezingLaw::Isothermal,
-                })
-            })
-            .collect::<Result<_, String>>()?;
-        let water = aquifers[0].pores;
-        let pressure = Pressure::new(&network, &parts.positions);
-        let carrier = Carrier::new(&network, numerics.advection);
-        let (volume, pool) = (parts.volumes.unit(), parts.pool.clone());
-        let bend = (conduction == Conduction::Corrected)
-            .then(|| Bend::new(&parts.positions, &parts.ghosts.position, &parts.pairs, spacing));
-        // Water of one density: with its weight, p + rho g y takes the place of the pressure.
-        let weight = water.water_density * flow.gravity;
-        let height = if let Domain::Rectangle { height, .. } = domain { height } else { 0.0 };
-        let lift = |wall: &PressureWall| if wall.name == "top" { weight * height } else { 0.0 };
-        let lifts = flow.walls.iter().map(lift).collect();
-        let heights =
-            if weight > 0.0 { parts.positions.iter().map(|place| weight * place.y).collect() } else { vec![] };
-        let pairs = parts.pair_count();
-        let operator = lattice.unwrap_or_else(|| {
-            Box::new(EnthalpyList {
-                operator: ListOperator::new(parts, Off),
-                scheme: scheme(Uptake::Enthalpy, Mushy::Fraction, &materials, enthalpy, count),
-                rate: Vec::new(),
-                tangent: Tangent::default(),
-            })
-        });
-        let names: Vec<String> = operator.doors().into_iter().chain(["ice".to_owned()]).collect();
-        let doors = vec![0.0; names.len()];
-        let expands = flow.density_change && aquifers.iter().any(|aquifer| aquifer.expansion() != 0.0);
-        let mut own_bound = operator.bound();
-        if let Some(bend) = bend {
-            let steepest = operator.steepest().into_iter().fold(0.0, f64::max);
-            let linear = 2.0 / (bend.rate * steepest);
-            if linear < own_bound.step {
-                own_bound = Bound { step: linear, cause: "linear limit of conduction without its bends".into() };
-            }
-        }
-        let mut method = FlowMethod {
-            pairs,
-            pressure,
-            carrier,
-            bend,
-            aquifers,
-            boundary,
-            faces,
-            flow: flow.clone(),
-            numerics,
-            fraction,
-            volume,
-            across: match domain {
-                Domain::Line { .. } => 1.0,
-                // As it is on the whole plan.
-                Domain::Ring { sector, .. } => (count as f64 / sector.images() as f64).sqrt(),
-                _ => (count as f64).sqrt(),
-            },
-            lifts,
-            heights,
-            capacity: water.water_density * water.water_heat_capacity,
-            pool,
-            temperature: vec![0.0; count],
-            permeability: vec![1.0; count],
-            solved: Vec::new(),
-            conductivity: vec![0.0; count],
-            walls: vec![0.0; flow.walls.len()],
-            started: Vec::new(),
-            asked: if expands { vec![0.0; count] } else { Vec::new() },
-            asking: if expands { vec![0.0; count] } else { Vec::new() },
-            last_solution: 0.0,
-            interval: 0.0,
-            ledger: Ledger::new(names),
-            water: WaterLedger { walls: vec![Sum::default(); flow.walls.len()], ..WaterLedger::default() },
-            rate: vec![0.0; count],
-            start: vec![0.0; count],
-            doors: [doors.clone(), doors],
-            beside: Vec::new(),
-            opening_temperatures: Vec::new(),
-            bound: own_bound.clone(),
-            own_bound,
-            steps: 0,
-            seconds: 0.0,
-            materials,
-            network,
-            operator,
-        };
-        method.warm(enthalpy);
-        if expands {
-            method.started =
-                (0..count).map(|i| method.aquifer(i).unfrozen(enthalpy[i], method.temperature[i])).collect();
-        }
-        method.permeate(enthalpy);
-        method.solve(0.0, enthalpy)?;
-        Ok(method)
-    }
-
     fn aquifer(&self, particle: usize) -> &Aquifer {
         &self.aquifers[self.materials.index(particle)]
     }

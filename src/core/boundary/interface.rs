@@ -11,7 +11,8 @@
 
 use crate::boundary::patch::Face;
 use crate::memory::Held;
-use crate::physics::potential::{Thermal, solve_increasing};
+use crate::physics::curve::solve_increasing;
+use crate::physics::thermal::Thermal;
 
 /// A piece of a chain.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -9,7 +9,8 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::boundary::condition::Condition;
-use crate::physics::potential::{Curve, Thermal};
+use crate::physics::curve::Curve;
+use crate::physics::thermal::Thermal;
 
 /// Walls and parts of walls that a body may have.
 pub const MOST_DOORS: usize = 24;

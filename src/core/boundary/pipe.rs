@@ -13,7 +13,7 @@ use glam::DVec2;
 
 use crate::boundary::green::Green;
 use crate::memory::Held;
-use crate::physics::potential::Thermal;
+use crate::physics::thermal::Thermal;
 use crate::series::{Schedule, Series};
 use crate::space::lattice::Lattice;
 

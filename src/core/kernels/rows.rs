@@ -1,187 +1,39 @@
 //! The pair operator on a list: any cloud, any exchange, several materials, and a random part for those who need it.
 
-use crate::bonds::pair_list::PairList;
 use crate::boundary::patch::MOST_DOORS;
-use std::sync::Arc;
+use crate::kernels::crossing::{Crossing, Portion, pairs_across};
+use crate::kernels::enthalpy_rows::Tangent;
+use crate::kernels::list_parts::{ListParts, bound};
+use crate::kernels::term::{PairTerm, PairView};
 
-use glam::DVec2;
-use rayon::ThreadPool;
 use rayon::prelude::*;
 
 use crate::bonds::exchange::{Exchange, Mean};
 use crate::boundary::curved_wall::Rim;
-use crate::boundary::ghosts::Ghosts;
-use crate::boundary::interface::{Chains, Way};
-use crate::boundary::patch::{Boundary, Face};
-use crate::boundary::pipe::Sink;
+use crate::boundary::interface::Way;
+use crate::boundary::patch::Face;
 use crate::boundary::shells::Touch;
-use crate::breakage::crack::Cuts;
 use crate::ledger::Sum;
 use crate::memory::{Held, shared};
-use crate::physics::uptake::{Fields, LatentScheme, Materials};
-use crate::solvers::operator::{Operator, Stage, StageColumns};
+use crate::physics::uptake::{Fields, LatentScheme};
 use crate::solvers::step::{Bound, Clock};
 use crate::space::domain::Surface;
-use crate::space::volumes::Volumes;
 
 /// Particles that one task handles; fixed, so that results do not depend on the number of threads.
 const TASK: usize = 2048;
 
-/// A term beside conduction: eDPD's random heat flux. Off by type where it is [`Off`].
-pub trait PairTerm: Held + Clone + Send + Sync + 'static {
-    /// Whether the term needs temperatures and conductivities of particles.
-    const ACTIVE: bool;
-    /// Prepares the term for a step.
-    fn begin(&mut self, clock: &Clock);
-    /// What the term adds to `weight * conducted`, from partner to particle (W/m3).
-    fn add(&self, pair: &PairView<'_>) -> f64;
-}
-
-/// A pair as a term sees it.
-pub struct PairView<'a> {
-    /// Noise names of particle and partner.
-    pub names: (u32, u32),
-    /// Tells images of one partner apart.
-    pub stream: u32,
-    /// Weight by volume (m^-2).
-    pub weight: f64,
-    /// Conducted potential difference (W/m).
-    pub conducted: f64,
-    /// Least and greatest conductivity (W/mK) of what lies between them, where that is of several materials.
-    pub between: Option<(f64, f64)>,
-    /// Particle and partner.
-    pub indices: (usize, usize),
-    /// State.
-    pub fields: &'a Fields,
-}
-
-/// What of a pair's heat goes a way: in corners a ghost is the image of another one, and the heat to that passes the
-/// other's wall.
-#[derive(Debug, Clone, Copy)]
-enum Portion {
-    All,
-    /// As far as the ghost that the partner is an image of.
-    UpTo(u32),
-    /// From there on.
-    From(u32),
-}
-
-/// A pair of which something passes a door or a surface.
-#[derive(Debug, Clone, Copy)]
-struct Crossing {
-    particle: u32,
-    /// Position in the list.
-    pair: usize,
-    portion: Portion,
-}
-
-impl Held for Crossing {
-    fn held(&self) -> usize {
-        0
-    }
-}
-
-impl Portion {
-    /// The portions of a pair of particle `i` with a ghost, each with the door that it passes.
-    fn of(parts: &ListParts, i: usize, k: usize, ghost: usize) -> Vec<(Portion, u8)> {
-        let (count, ghosts, materials) = (parts.positions.len(), &parts.ghosts, &parts.materials);
-        let Some(door) = ghosts.pays[ghost] else { return Vec::new() };
-        let corner = ghosts.original(ghost).filter(|_| ghosts.share(ghost) < 1.0).and_then(|image| {
-            let parent = (image as usize).checked_sub(count)?;
-            let first = ghosts.pays[parent].filter(|first| *first != door)?;
-            // Potentials of other materials say nothing of this pair.
-            let alike = materials.index(i) == ghosts.material(parent, materials);
-            let plain = parts.chains.of_pair(k, &materials.thermals).is_none();
-            (alike && plain).then_some((image, first))
-        });
-        match corner {
-            None => vec![(Portion::All, door)],
-            Some((image, first)) => vec![(Portion::UpTo(image), first), (Portion::From(image), door)],
-        }
-    }
-}
-
-/// No term.
-#[derive(Debug, Clone, Copy)]
-pub struct Off;
-
-impl Held for Off {
-    fn held(&self) -> usize {
-        0
-    }
-}
-
-impl PairTerm for Off {
-    const ACTIVE: bool = false;
-
-    fn begin(&mut self, _clock: &Clock) {}
-
-    #[inline(always)]
-    fn add(&self, _pair: &PairView<'_>) -> f64 {
-        0.0
-    }
-}
-
-/// Everything a list operator is made from.
-#[derive(Clone)]
-pub struct ListParts {
-    /// Positions of particles (m).
-    pub positions: Arc<[DVec2]>,
-    /// Volumes of particles.
-    pub volumes: Volumes,
-    /// Spacing (m).
-    pub spacing: f64,
-    /// Materials.
-    pub materials: Materials,
-    /// Pairs.
-    pub pairs: PairList,
-    /// Those of several materials.
-    pub chains: Chains,
-    /// What cracks and shafts do to them.
-    pub cuts: Cuts,
-    /// Ghosts.
-    pub ghosts: Ghosts,
-    /// Walls.
-    pub boundary: Boundary,
-    /// Contacts with curved walls.
-    pub rims: Vec<Rim>,
-    /// Where walls touch a body of shells.
-    pub touches: Vec<Touch>,
-    /// Pipes.
-    pub sinks: Vec<Sink>,
-    /// Names of pipe rings.
-    pub rings: Vec<String>,
-    /// Surfaces through which heat is counted.
-    pub surfaces: Vec<Surface>,
-    /// How pairs exchange heat.
-    pub exchange: Exchange,
-    /// Threads, if more than one.
-    pub pool: Option<Arc<ThreadPool>>,
-    /// The bound of the step, where it is known from elsewhere.
-    pub bound: Option<Bound>,
-}
-
-impl ListParts {
-    /// Pairs, each once.
-    pub fn pair_count(&self) -> u64 {
-        let count = self.positions.len();
-        let inner = self.pairs.partners.iter().filter(|j| (**j as usize) < count).count();
-        (inner / 2 + self.pairs.partners.len() - inner) as u64
-    }
-}
-
 /// The operator.
 pub struct ListOperator<T> {
-    parts: ListParts,
-    term: T,
-    fields: Fields,
-    faces: Vec<Vec<Face>>,
-    sink_heat: Vec<f64>,
+    pub(super) parts: ListParts,
+    pub(super) term: T,
+    pub(super) fields: Fields,
+    pub(super) faces: Vec<Vec<Face>>,
+    pub(super) sink_heat: Vec<f64>,
     /// Pairs across open doors, and the doors.
-    crossings: Vec<(Crossing, u8)>,
+    pub(super) crossings: Vec<(Crossing, u8)>,
     /// Pairs across each surface, and the volume of the particle, negative where heat to it comes from greater coordinates.
-    across: Vec<Vec<(Crossing, f64)>>,
-    bound: Bound,
+    pub(super) across: Vec<Vec<(Crossing, f64)>>,
+    pub(super) bound: Bound,
 }
 
 impl<T: PairTerm> ListOperator<T> {
@@ -614,171 +466,6 @@ impl<T: PairTerm> ListOperator<T> {
     }
 }
 
-/// A scheme for [`Operator`] calls: enthalpy is the unknown.
-impl<T: PairTerm> ListOperator<T> {
-    /// Doors of the operator.
-    pub fn door_names(&self) -> Vec<String> {
-        let walls = self.parts.boundary.doors.iter().map(|door| door.name.to_string());
-        walls.chain(self.parts.rings.iter().cloned()).collect()
-    }
-
-    /// The explicit bound.
-    pub fn step_bound(&self) -> Bound {
-        self.bound.clone()
-    }
-
-    /// Pairs, each once.
-    pub fn pair_count(&self) -> u64 {
-        self.parts.pair_count()
-    }
-
-    /// The largest slope dU/dH (m2/s) with which each particle can answer: under pair means, the largest conductivity
-    /// of all over its least capacity.
-    pub fn steepest(&self) -> Vec<f64> {
-        (0..self.parts.positions.len()).map(|i| steepest(&self.parts, i)).collect()
-    }
-
-    /// Materials.
-    pub fn materials(&self) -> &Materials {
-        &self.parts.materials
-    }
-}
-
-/// The list operator with enthalpy as its unknown, for the shared integrators.
-pub struct EnthalpyList {
-    /// The operator.
-    pub operator: ListOperator<Off>,
-    /// The scheme that reads enthalpies.
-    pub scheme: Box<dyn LatentScheme>,
-    /// Rates of one evaluation.
-    pub rate: Vec<f64>,
-    /// The last linearisation.
-    pub tangent: Tangent,
-}
-
-/// The exchange of small changes around a state.
-#[derive(Debug, Clone, Default)]
-pub struct Tangent {
-    /// Changes of the potentials of particles and ghosts.
-    changes: Vec<f64>,
-    /// How ghosts follow their images.
-    ghosts: Vec<f64>,
-    /// How the flux of each pair follows its own particle and its partner; empty for a single material.
-    shares: Vec<(f64, f64)>,
-    /// How the gains at each curved wall follow what is seen of it.
-    views: Vec<Vec<f64>>,
-    /// How the gains at touching walls follow the particles.
-    touches: Vec<f64>,
-    /// Resistances with which they meet pipes.
-    pipes: Vec<f64>,
-    /// Time (s) of the linearisation.
-    time: f64,
-}
-
-impl Operator for EnthalpyList {
-    fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], doors: &mut [f64]) {
-        let clock = Clock { time, step: 0.0, index: 0, turned: false };
-        self.operator.rate_of(self.scheme.as_ref(), enthalpy, &clock, rate, doors);
-    }
-
-    fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, doors: &mut [f64]) {
-        let clock = Clock { time, step, index: 0, turned: false };
-        self.operator.rate_of(self.scheme.as_ref(), enthalpy, &clock, &mut self.rate, doors);
-        for (h, rate) in enthalpy.iter_mut().zip(&self.rate) {
-            *h += step * rate;
-        }
-    }
-
-    fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64, doors: &mut [f64]) {
-        let clock = Clock { time, step: 0.0, index: 0, turned: false };
-        self.operator.rate_of(self.scheme.as_ref(), columns.newest, &clock, &mut self.rate, doors);
-        let states = columns.newest.iter().zip(columns.start);
-        let rates = self.rate.iter().zip(columns.first);
-        for (out, ((newest, start), (rate, first))) in columns.oldest.iter_mut().zip(states.zip(rates)) {
-            *out = stage.newest * newest
-                + stage.oldest * *out
-                + stage.start * start
-                + stage.rate * rate
-                + stage.first * first;
-        }
-    }
-
-    fn linearise(&mut self, enthalpy: &[f64], time: f64, slopes: &mut [f64]) {
-        self.operator.linearise(self.scheme.as_ref(), enthalpy, time, slopes, &mut self.tangent);
-    }
-
-    fn act(&mut self, potentials: &[f64], rate: &mut [f64]) {
-        self.operator.act(&mut self.tangent, potentials, rate);
-    }
-
-    fn is_symmetric(&self) -> bool {
-        let parts = &self.operator.parts;
-        let curved = parts.rims.iter().any(|rim| self.operator.faces[0][rim.door].holds() > 0.0);
-        let even = parts.volumes.is_even();
-        even && parts.ghosts.all_mirrored() && !parts.materials.mixed() && parts.boundary.is_linear() && !curved
-    }
-
-    fn is_constant(&self) -> bool {
-        let parts = &self.operator.parts;
-        let scheduled = parts.sinks.iter().any(|sink| sink.schedule.is_some() || sink.film.is_some());
-        !parts.materials.mixed() && parts.boundary.is_linear() && !scheduled && parts.cuts.is_empty()
-    }
-
-    fn bandwidth(&self) -> usize {
-        let parts = &self.operator.parts;
-        let count = parts.positions.len();
-        let farthest = |i: usize| {
-            let partners = &parts.pairs.partners[parts.pairs.starts[i]..parts.pairs.starts[i + 1]];
-            let width = |j: u32| match (j as usize).checked_sub(count) {
-                None => (j as usize).abs_diff(i),
-                Some(ghost) => {
-                    let makers = parts.ghosts.makers(ghost, count);
-                    makers.iter().map(|maker| (*maker as usize).abs_diff(i)).max().unwrap_or(0)
-                }
-            };
-            partners.iter().map(|j| width(*j)).max().unwrap_or(0)
-        };
-        let sampled = |sink: &Sink| {
-            let numbers = sink.sample.iter().map(|entry| entry.0 as usize);
-            numbers.clone().max().unwrap_or(0) - numbers.min().unwrap_or(0)
-        };
-        let by_pairs = (0..count).map(farthest).max().unwrap_or(0);
-        let by_rims = parts.rims.iter().map(|rim| rim.contacts.bandwidth()).max().unwrap_or(0);
-        by_pairs.max(by_rims).max(parts.sinks.iter().map(sampled).max().unwrap_or(0))
-    }
-
-    fn steepest(&self) -> Vec<f64> {
-        self.operator.steepest()
-    }
-
-    fn bound(&self) -> Bound {
-        self.operator.step_bound()
-    }
-
-    fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
-        let mut doors = vec![0.0; self.operator.door_names().len()];
-        self.operator.across(self.scheme.as_ref(), enthalpy, time, &mut self.rate, &mut doors)
-    }
-
-    fn doors(&self) -> Vec<String> {
-        self.operator.door_names()
-    }
-
-    fn pairs(&self) -> u64 {
-        self.operator.pair_count()
-    }
-
-    fn held(&self) -> usize {
-        let Tangent { changes, ghosts, shares, views, touches, .. } = &self.tangent;
-        let tangent = changes.held()
-            + ghosts.held()
-            + shares.held()
-            + views.iter().map(Held::held).sum::<usize>()
-            + touches.held();
-        self.operator.held() + self.scheme.held() + self.rate.held() + tangent
-    }
-}
-
 impl<T: PairTerm> Held for ListOperator<T> {
     fn held(&self) -> usize {
         let parts = &self.parts;
@@ -800,112 +487,4 @@ impl<T: PairTerm> Held for ListOperator<T> {
             + parts.sinks.held()
             + self.sink_heat.held()
     }
-}
-
-/// The largest slope dU/dH (m2/s) of a particle. Pair means act with conductivities of either partner, so there it is the
-/// largest of all over the least capacity.
-fn steepest(parts: &ListParts, particle: usize) -> f64 {
-    let thermal = parts.materials.of(particle);
-    match parts.exchange {
-        Exchange::Potential => thermal.largest_slope,
-        Exchange::Mean(_) => {
-            let most =
-                parts.materials.thermals.iter().map(|thermal| thermal.curve.most_conductive()).fold(0.0, f64::max);
-            most / thermal.curve.least_capacity()
-        }
-    }
-}
-
-/// Pairs across a surface, each once: those of particles beyond it with partners before it. A ghost is a partner like any
-/// other where it mirrors through closed walls. What an open wall brings passes the surface where the wall faces it, from
-/// whichever side the ghost's own particle is on, and does not where the wall meets it.
-fn pairs_across(parts: &ListParts, surface: &Surface) -> Vec<(Crossing, f64)> {
-    let count = parts.positions.len();
-    let beyond = |j: usize| {
-        let place = j.checked_sub(count).map_or_else(|| parts.positions[j], |ghost| parts.ghosts.position[ghost]);
-        (if surface.across_y { place.y } else { place.x }) >= surface.at
-    };
-    let faces = |door: u8| {
-        let name = &parts.boundary.doors[door as usize].name;
-        (name.starts_with("bottom") || name.starts_with("top")) == surface.across_y
-    };
-    let mut found = Vec::new();
-    for i in 0..count {
-        for k in parts.pairs.starts[i]..parts.pairs.starts[i + 1] {
-            let j = parts.pairs.partners[k] as usize;
-            let portions = j.checked_sub(count).map_or_else(Vec::new, |ghost| Portion::of(parts, i, k, ghost));
-            let crossing = |portion: Portion| Crossing { particle: i as u32, pair: k, portion };
-            match (beyond(i), beyond(j), portions.is_empty()) {
-                (true, false, true) => found.push((crossing(Portion::All), parts.volumes.of(i))),
-                (own, other, false) if own != other => {
-                    let volume = if own { parts.volumes.of(i) } else { -parts.volumes.of(i) };
-                    let faced = portions.into_iter().filter(|(_, door)| faces(*door));
-                    found.extend(faced.map(|(portion, _)| (crossing(portion), volume)));
-                }
-                _ => {}
-            }
-        }
-    }
-    found
-}
-
-fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
-    let count = parts.positions.len();
-    let mirrored = parts.ghosts.mirrored(count, faces);
-    // How a ghost falls when the particle rises: through any number of mirrors, or by its share in a fit.
-    let falls = |ghost: usize, particle: u32| match mirrored[ghost] {
-        Some((own, factor)) if own == particle => -factor,
-        Some(_) => 0.0,
-        None => parts.ghosts.own_share(ghost, particle, faces),
-    };
-    let thermals = &parts.materials.thermals;
-    // How much more than within one material a pair follows its particle and its partner.
-    let shares = |i: usize, k: usize| match parts.chains.of_pair(k, thermals).map(|way| way.greatest_shares()) {
-        None => (1.0, 1.0),
-        Some((near, far)) if i < parts.pairs.partners[k] as usize => (near, far),
-        Some((near, far)) => (far, near),
-    };
-    let mut sums: Vec<f64> = (0..count)
-        .map(|i| {
-            let range = parts.pairs.starts[i]..parts.pairs.starts[i + 1];
-            let own: f64 = range.clone().map(|k| parts.pairs.weights[k] * shares(i, k).0).sum();
-            let mirrored: f64 = range
-                .filter_map(|k| (parts.pairs.partners[k] as usize).checked_sub(count).map(|ghost| (k, ghost)))
-                .map(|(k, ghost)| {
-                    let falls = falls(ghost, i as u32);
-                    match parts.chains.of_ghost(ghost, thermals).map(|way| way.greatest_shares()) {
-                        None => parts.pairs.weights[k] * shares(i, k).1 * falls,
-                        Some((_, far)) => parts.pairs.weights[k] * shares(i, k).1 * far * falls.max(0.0),
-                    }
-                })
-                .sum();
-            own + mirrored.max(0.0)
-        })
-        .collect();
-    let from_wall = |way: Option<Way<'_>>| way.map_or(1.0, |way| way.greatest_shares().1);
-    for (number, rim) in parts.rims.iter().enumerate() {
-        for contact in &rim.contacts.contacts {
-            let share = from_wall(parts.chains.of_rim(number, contact.particle as usize, thermals));
-            sums[contact.particle as usize] += faces[rim.door].holds() * contact.stiffness * share;
-        }
-    }
-    for (number, touch) in parts.touches.iter().enumerate() {
-        let share = from_wall(parts.chains.of_touch(number, thermals));
-        sums[touch.particle as usize] += faces[touch.door as usize].holds() * touch.area / touch.depth * share;
-    }
-    for sink in &parts.sinks {
-        for (index, row_sum) in sink.row_sums(parts.spacing) {
-            sums[index] += row_sum;
-        }
-    }
-    let mut stiffest = (0.0, 0usize);
-    for (i, sum) in sums.iter().enumerate() {
-        let slope = steepest(parts, i);
-        if sum * slope > stiffest.0 {
-            stiffest = (sum * slope, i);
-        }
-    }
-    let at = parts.positions[stiffest.1];
-    let cause = format!("pair exchange of particle {} at ({:.6}, {:.6}) m", stiffest.1, at.x, at.y);
-    Bound { step: if stiffest.0 > 0.0 { 1.0 / stiffest.0 } else { f64::INFINITY }, cause }
 }

@@ -7,9 +7,9 @@
 //! the vectors or the number of bands, and no multiply is fused with an add: the bits are the same everywhere.
 
 use crate::bonds::stencil::Stencil;
+use crate::kernels::target::{Target, settle};
 use crate::memory::Held;
 use crate::physics::potential::PotentialLaw;
-use crate::solvers::operator::{Stage, StageColumns};
 use crate::space::lattice::Lattice;
 
 /// Widest stencil that has a compiled sweep, in cells; wider ones take the pair list.
@@ -26,108 +26,6 @@ const CACHE_LINE: usize = 64;
 
 /// Length of one buffer of column sums.
 const PADDED: usize = BLOCK + 2 * WIDEST + MOST_LANES;
-
-/// Where a band reads enthalpies and leaves what it finds. Ranges count from the band's first particle.
-pub trait Target {
-    /// Enthalpies of a range of particles.
-    fn enthalpy(&self, range: std::ops::Range<usize>) -> &[f64];
-    /// Where the rates of a range of particles go.
-    fn slots(&mut self, range: std::ops::Range<usize>) -> &mut [f64];
-    /// Step (s) with which rates are added to what the slots hold; rates replace it if there is none.
-    fn step(&self) -> Option<f64>;
-}
-
-/// Adds `step` times the rate to the enthalpies themselves: explicit Euler.
-pub struct InPlace<'a> {
-    /// Enthalpies of the band.
-    pub enthalpy: &'a mut [f64],
-    /// Length of the step (s).
-    pub step: f64,
-}
-
-impl Target for InPlace<'_> {
-    #[inline(always)]
-    fn enthalpy(&self, range: std::ops::Range<usize>) -> &[f64] {
-        &self.enthalpy[range]
-    }
-
-    #[inline(always)]
-    fn slots(&mut self, range: std::ops::Range<usize>) -> &mut [f64] {
-        &mut self.enthalpy[range]
-    }
-
-    #[inline(always)]
-    fn step(&self) -> Option<f64> {
-        Some(self.step)
-    }
-}
-
-/// Writes the rates beside the enthalpies.
-pub struct Beside<'a> {
-    /// Enthalpies of the band.
-    pub enthalpy: &'a [f64],
-    /// Rates of the band.
-    pub rate: &'a mut [f64],
-}
-
-impl Target for Beside<'_> {
-    #[inline(always)]
-    fn enthalpy(&self, range: std::ops::Range<usize>) -> &[f64] {
-        &self.enthalpy[range]
-    }
-
-    #[inline(always)]
-    fn slots(&mut self, range: std::ops::Range<usize>) -> &mut [f64] {
-        &mut self.rate[range]
-    }
-
-    #[inline(always)]
-    fn step(&self) -> Option<f64> {
-        None
-    }
-}
-
-/// Takes a rate (W/m3) into its slot.
-#[inline(always)]
-fn settle(slot: &mut f64, rate: f64, step: Option<f64>) {
-    *slot = match step {
-        Some(step) => *slot + step * rate,
-        None => rate,
-    };
-}
-
-/// One stage of a Runge-Kutta chain, in place of the state two stages back.
-pub struct Chained<'a> {
-    /// Coefficients.
-    pub stage: Stage,
-    /// Columns of the band.
-    pub columns: StageColumns<'a>,
-}
-
-impl Target for Chained<'_> {
-    #[inline(always)]
-    fn enthalpy(&self, range: std::ops::Range<usize>) -> &[f64] {
-        &self.columns.newest[range]
-    }
-
-    /// All of the stage but its rate, which is added on top: the slots are asked for once.
-    #[inline(always)]
-    fn slots(&mut self, range: std::ops::Range<usize>) -> &mut [f64] {
-        let Stage { newest, oldest, start, first, .. } = self.stage;
-        let StageColumns { newest: new, oldest: slots, start: begun, first: first_rate } = &mut self.columns;
-        let states = new[range.clone()].iter().zip(&begun[range.clone()]);
-        let states = states.zip(&first_rate[range.clone()]);
-        for (out, ((new, begun), first_rate)) in slots[range.clone()].iter_mut().zip(states) {
-            *out = newest * new + oldest * *out + start * begun + first * first_rate;
-        }
-        &mut slots[range]
-    }
-
-    #[inline(always)]
-    fn step(&self) -> Option<f64> {
-        Some(self.stage.rate)
-    }
-}
 
 /// What a sweep needs to know of the ghosts around a row.
 pub trait Surroundings: Sync {

@@ -16,7 +16,7 @@
 
 use crate::bonds::stencil::Stencil;
 use crate::memory::Held;
-use crate::physics::potential::Thermal;
+use crate::physics::thermal::Thermal;
 use crate::space::lattice::Lattice;
 
 /// Particles that are looked at together: mostly none of them freezes.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::memory::Held;
-use crate::physics::potential::Thermal;
+use crate::physics::thermal::Thermal;
 
 /// How latent heat is taken up.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -351,8 +351,8 @@ impl LatentScheme for ApparentCapacity {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::curve::Curve;
     use crate::physics::material::{FreezingLaw, Material, Mixing, Phase};
-    use crate::physics::potential::Curve;
     use proptest::prelude::*;
 
     fn materials(law: FreezingLaw, initial: f64) -> Materials {

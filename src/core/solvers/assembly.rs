@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::kernels::rows::{ListOperator, ListParts, PairTerm};
+use crate::kernels::list_parts::ListParts;
+use crate::kernels::rows::ListOperator;
+use crate::kernels::term::PairTerm;
 use crate::physics::uptake::{Mushy, Uptake, scheme};
 use crate::solvers::euler::SchemeEuler;
 use crate::solvers::method::Method;

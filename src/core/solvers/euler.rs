@@ -3,7 +3,9 @@
 use crate::solvers::sharp::{sharp_step, stable_step};
 use frazil_record::Work;
 
-use crate::kernels::rows::{ListOperator, PairTerm, Tangent};
+use crate::kernels::enthalpy_rows::Tangent;
+use crate::kernels::rows::ListOperator;
+use crate::kernels::term::PairTerm;
 use crate::ledger::Ledger;
 use crate::memory::Held;
 use crate::particles::Particles;

@@ -1,6 +1,6 @@
 //! Methods whose particles move: they place them, and make their own steps.
 
-use crate::physics::potential::Thermal;
+use crate::physics::thermal::Thermal;
 use crate::solvers::method::Method;
 
 /// Particles that move, at their start, and the method that moves them. [`Method::publish`] fills their columns.

@@ -27,7 +27,7 @@ use frazil_core::breakage::crack::Barriers;
 use frazil_core::breakage::crack::Cuts;
 use frazil_core::breakage::excavation;
 use frazil_core::kernels::corner::strengthen;
-use frazil_core::kernels::rows::ListParts;
+use frazil_core::kernels::list_parts::ListParts;
 use frazil_core::neighbours::NeighbourSearch;
 use frazil_core::neighbours::Period;
 use frazil_core::neighbours::all_pairs::AllPairs;

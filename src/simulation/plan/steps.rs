@@ -2,7 +2,7 @@
 
 use crate::refused::{Refused, refuse};
 use frazil_core::kernels::lattice::LatticeOperator;
-use frazil_core::kernels::lattice::LatticeParts;
+use frazil_core::kernels::lattice_parts::LatticeParts;
 use frazil_core::physics::potential::Law;
 use frazil_core::solvers::control::EnthalpyRange;
 use frazil_core::solvers::euler::Euler;

@@ -13,20 +13,19 @@
 //! of smeared fronts; limited, most of it is taken back again: as much as leaves every particle within the enthalpies
 //! around it (Zalesak 1979).
 
+use crate::balances::groundwater::row::Row;
+use crate::balances::groundwater::tasks::{each, tasks, when};
+use crate::balances::groundwater::velocity::velocities;
 use std::sync::Arc;
 
 use glam::DVec2;
 use rayon::ThreadPool;
-use rayon::prelude::*;
 
 use crate::balances::groundwater::diagonals::{Carried, Diagonals, Fields};
 use crate::balances::groundwater::network::{NONE, Network};
 use crate::balances::groundwater::numerics::Advection;
 use crate::balances::groundwater::pressure::Pressure;
 use crate::memory::Held;
-
-/// Particles that one task handles; fixed, so that results do not depend on the number of threads.
-const TASK: usize = 2048;
 
 /// Heat that water carries along a path over what the path conducts, from which the bend of profiles counts.
 const FAST: f64 = 1.0;
@@ -78,19 +77,6 @@ pub struct Carrier {
     rows: Vec<Row>,
     marked: Vec<bool>,
     limits: Vec<(f64, f64)>,
-}
-
-/// What the exchange would do to a particle, and what it may.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Row {
-    /// Gain with all of the exchange (W/m3).
-    pub gain: f64,
-    /// What taking the exchange back would add and take (W/m3).
-    pub up: f64,
-    pub down: f64,
-    /// Least and greatest enthalpy around (J/m3), of some partners where those of all are asked for only if need be.
-    pub least: f64,
-    pub most: f64,
 }
 
 impl Held for Carrier {
@@ -490,48 +476,4 @@ pub struct State<'a> {
     pub beside: &'a [(u32, f64)],
     /// Threads, if more than one.
     pub pool: Option<&'a Arc<ThreadPool>>,
-}
-
-/// A column, if it is used.
-fn when(used: bool, column: &[f64]) -> &[f64] {
-    if used { column } else { &[] }
-}
-
-/// Does something to tasks of fixed size, by the number of their first row.
-fn tasks<T: Send>(pool: Option<&Arc<ThreadPool>>, rows: &mut [T], one: impl Fn(usize, &mut [T]) + Sync) {
-    let task = |(number, rows): (usize, &mut [T])| one(number * TASK, rows);
-    match pool {
-        Some(pool) if rows.len() > 2 * TASK => {
-            pool.install(|| rows.par_chunks_mut(TASK).enumerate().for_each(task));
-        }
-        _ => rows.chunks_mut(TASK).enumerate().for_each(task),
-    }
-}
-
-/// Does something to each row, in tasks of fixed size.
-fn each<T: Send>(pool: Option<&Arc<ThreadPool>>, rows: &mut [T], one: impl Fn(usize, &mut T) + Sync) {
-    tasks(pool, rows, |first, rows| rows.iter_mut().enumerate().for_each(|(offset, row)| one(first + offset, row)));
-}
-
-/// Darcy velocities (m/s) of all particles, from the water of their paths and openings.
-pub fn velocities(network: &Network, pressure: &Pressure) -> Vec<DVec2> {
-    // The second moment of weights is twice the unit matrix: half of the sum is the velocity.
-    let values = &pressure.pressure;
-    let mut found: Vec<DVec2> = (0..network.len())
-        .map(|i| {
-            let paths = network.paths(i).zip(&network.arms[network.starts[i]..network.starts[i + 1]]);
-            // A path to an image behind an opening alone has no weight.
-            let open = paths.filter(|((_, slot, _), _)| network.weights[*slot] > 0.0);
-            open.map(|((j, slot, _), arm)| {
-                pressure.conductances[slot] / network.weights[slot] * (values[i] - values[j]) * *arm
-            })
-            .sum()
-        })
-        .collect();
-    for (opening, conductance) in network.openings.iter().zip(&pressure.mouths) {
-        let (own, image) = (values[opening.particle as usize], values[opening.image as usize]);
-        let water = conductance * (own - opening.sign * image - pressure.wall_parts(opening));
-        found[opening.particle as usize] += 0.5 * water * opening.arm;
-    }
-    found
 }

@@ -1,0 +1,290 @@
+//! Ghosts and walls around a lattice, as the sweep sees them.
+
+use crate::bonds::stencil::Stencil;
+use crate::boundary::patch::Face;
+use crate::boundary::patch::Side;
+use crate::kernels::exterior::Exterior;
+use crate::kernels::exterior::WallSlopes;
+use crate::kernels::sweep::Shape;
+use crate::kernels::sweep::Surroundings;
+use crate::kernels::sweep::fill_row;
+use crate::physics::potential::PotentialLaw;
+use crate::physics::thermal::Thermal;
+use crate::space::lattice::Lattice;
+use std::sync::Arc;
+
+/// Ghosts and walls, as the sweep sees them.
+pub(super) struct Around<L> {
+    pub(super) lattice: Arc<Lattice>,
+    pub(super) shape: Shape,
+    pub(super) stencil: Stencil,
+    pub(super) law: L,
+    pub(super) thermal: Thermal,
+    pub(super) sides: [Side; 4],
+    pub(super) open: [bool; 4],
+    /// Whether heat passes walls that meet in corners.
+    pub(super) walls_meet: bool,
+    pub(super) faces: Vec<Face>,
+    /// Instead of faces, where potentials are small changes.
+    pub(super) slopes: Option<WallSlopes>,
+    pub(super) exterior: Option<Exterior>,
+    /// Weight with which all particles of a row together reach the ghosts of a column wall: by row offset and layer, and
+    /// last the sums over rows.
+    pub(super) door_weights: Vec<f64>,
+    /// Weight with which a particle of a row reaches all ghosts of a column wall: by its distance from the wall.
+    pub(super) door_own: Vec<f64>,
+}
+
+/// [`Around::door_weights`] and [`Around::door_own`] of a stencil on rows of `columns` particles.
+pub(super) fn door_weights(stencil: &Stencil, shape: Shape, columns: usize) -> (Vec<f64>, Vec<f64>) {
+    let (reach, rows) = (shape.reach, 2 * shape.reach_rows + 1);
+    let cells = reach.min(columns);
+    let mut weights = vec![0.0; rows * reach];
+    let mut own = vec![0.0; cells];
+    for row in 0..rows {
+        for (cell, own) in own.iter_mut().enumerate() {
+            for layer in 0..reach - cell {
+                let weight = stencil.at(cell + layer + 1, row.abs_diff(shape.reach_rows));
+                weights[row * reach + layer] += weight;
+                *own += weight;
+            }
+        }
+    }
+    let all: Vec<f64> = (0..reach).map(|layer| weights.iter().skip(layer).step_by(reach).sum()).collect();
+    weights.extend(all);
+    (weights, own)
+}
+
+impl<L: PotentialLaw> Around<L> {
+    pub(super) fn face(&self, side: usize) -> Face {
+        match self.sides[side] {
+            Side::Wall(door) => self.faces[door],
+            Side::Mirror | Side::Curved => Face::Even,
+        }
+    }
+
+    /// A ghost of a straight wall, `layer` rows behind it at the padded `place` along it.
+    #[inline(always)]
+    pub(super) fn ghost(&self, side: usize, face: &Face, image: f64, place: usize, layer: usize) -> f64 {
+        if let (Some(slopes), Face::Film { .. }) = (&self.slopes, face) {
+            return slopes.by_side[side][place * self.shape.reach + layer] * image;
+        }
+        let depth = (layer as f64 + 0.5) * self.lattice.spacing;
+        face.ghost(image, depth, &self.thermal.curve, self.thermal.initial_potential)
+    }
+
+    /// Potentials of any row, ghost rows included, from the enthalpies of all particles.
+    pub(super) fn fill_any(&self, row: i64, enthalpy: &[f64], potentials: &mut [f64]) {
+        let rows = self.lattice.rows as i64;
+        if (0..rows).contains(&row) {
+            let row = row as usize;
+            let (first, end) = self.lattice.span(row);
+            let enthalpy = &enthalpy[self.lattice.start(row)..self.lattice.start(row + 1)];
+            let reach = self.shape.reach;
+            fill_row(&self.law, enthalpy, &mut potentials[first + reach..end + reach]);
+            self.complete(row, potentials);
+            return;
+        }
+        let (side, layer, image) = if row < 0 { (2, -1 - row, -1 - row) } else { (3, row - rows, 2 * rows - 1 - row) };
+        if self.sides[side] == Side::Curved {
+            self.exterior_row(row, potentials);
+            self.columns((row + self.shape.reach_rows as i64) as usize, potentials);
+            return;
+        }
+        self.fill_any(image, enthalpy, potentials);
+        let face = self.face(side);
+        let used = self.lattice.columns + 2 * self.shape.reach;
+        for (place, potential) in potentials[..used].iter_mut().enumerate() {
+            *potential = self.ghost(side, &face, *potential, place, layer as usize);
+        }
+        if self.walls_meet {
+            self.meet_columns((row + self.shape.reach_rows as i64) as usize, potentials);
+        }
+    }
+
+    /// In the corners of a ghost row, whose ghosts are images of ghost columns: the mean with the images that the walls left
+    /// and right have of the row itself, so that neither wall goes first.
+    pub(super) fn meet_columns(&self, place: usize, potentials: &mut [f64]) {
+        let (reach, columns) = (self.shape.reach, self.lattice.columns);
+        for layer in 0..reach {
+            for (side, ghost, image) in
+                [(0, reach - 1 - layer, reach + layer), (1, reach + columns + layer, reach + columns - 1 - layer)]
+            {
+                if self.sides[side] != Side::Curved {
+                    let other = self.ghost(side, &self.face(side), potentials[image], place, layer);
+                    potentials[ghost] = 0.5 * (potentials[ghost] + other);
+                }
+            }
+        }
+    }
+
+    pub(super) fn exterior_row(&self, row: i64, potentials: &mut [f64]) {
+        if let Some(exterior) = &self.exterior {
+            let row = (row + self.shape.reach_rows as i64) as usize;
+            for column in &exterior.rows[row] {
+                potentials[*column as usize] = 0.0;
+            }
+        }
+    }
+
+    /// What ghosts in a corner give through the wall at the bottom or the top, `layer` rows behind it: half of it the jump that
+    /// this wall makes to the images beyond the columns, half what the particles have of its own ghosts where it is the first
+    /// of both. So each wall brings what its condition says. The rows are those of the particles, of the ghosts' images and
+    /// of the ghosts, `dx` columns on.
+    pub(super) fn through_corner(
+        &self,
+        (side, layer): (usize, usize),
+        [own, images, ghosts]: [&[f64]; 3],
+        dx: i64,
+        cells: std::ops::Range<usize>,
+    ) -> f64 {
+        let (reach, face) = (self.shape.reach, self.face(side));
+        let mirror = if dx < 0 { 2 * reach - 1 } else { 2 * (reach + self.lattice.columns) - 1 };
+        let share = |cell: usize| {
+            let ghost = ((reach + cell) as i64 + dx) as usize;
+            let jump = self.ghost(side, &face, images[ghost], ghost, layer) - images[ghost];
+            0.5 * (jump + ghosts[mirror - ghost] - own[reach + cell])
+        };
+        cells.map(share).sum()
+    }
+
+    /// Ghost columns left and right of a row at a padded place.
+    #[inline]
+    pub(super) fn columns(&self, place: usize, potentials: &mut [f64]) {
+        let (reach, columns) = (self.shape.reach, self.lattice.columns);
+        let (left, right) = (self.face(0), self.face(1));
+        let (has_left, has_right) = (self.sides[0] != Side::Curved, self.sides[1] != Side::Curved);
+        // The two commonest walls without asking again at each layer. In a body narrower than the reach, images are ghosts
+        // themselves: there both sides take turns.
+        if columns >= reach && has_left && has_right {
+            let (near_left, rest) = potentials.split_at_mut(reach);
+            let (inside, near_right) = rest.split_at_mut(columns);
+            let images = near_left.iter_mut().rev().zip(inside.iter());
+            self.mirror(0, &left, images, place);
+            self.mirror(1, &right, near_right[..reach].iter_mut().zip(inside.iter().rev()), place);
+            return;
+        }
+        // From the wall outward.
+        for layer in 0..reach {
+            if has_left {
+                potentials[reach - 1 - layer] = self.ghost(0, &left, potentials[reach + layer], place, layer);
+            }
+            if has_right {
+                potentials[reach + columns + layer] =
+                    self.ghost(1, &right, potentials[reach + columns - 1 - layer], place, layer);
+            }
+        }
+    }
+
+    /// Ghosts of one side from their images, both from the wall outward.
+    #[inline(always)]
+    pub(super) fn mirror<'a>(
+        &self,
+        side: usize,
+        face: &Face,
+        pairs: impl Iterator<Item = (&'a mut f64, &'a f64)>,
+        place: usize,
+    ) {
+        match *face {
+            Face::Even => pairs.for_each(|(ghost, image)| *ghost = *image),
+            Face::Odd { wall, .. } => pairs.for_each(|(ghost, image)| *ghost = 2.0 * wall - image),
+            _ => {
+                for (layer, (ghost, image)) in pairs.enumerate() {
+                    *ghost = self.ghost(side, face, *image, place, layer);
+                }
+            }
+        }
+    }
+}
+
+impl<L: PotentialLaw> Surroundings for Around<L> {
+    #[inline]
+    fn complete(&self, row: usize, potentials: &mut [f64]) {
+        if self.exterior.is_some() {
+            self.exterior_row(row as i64, potentials);
+        }
+        self.columns(row + self.shape.reach_rows, potentials);
+    }
+
+    fn doors(&self, row: usize, rows: &[&[f64]]) -> [f64; 4] {
+        let (reach, reach_rows) = (self.shape.reach, self.shape.reach_rows);
+        let columns = self.lattice.columns;
+        let own = rows[reach_rows];
+        let mut rates = [0.0; 4];
+        for side in 0..2 {
+            if !self.open[side] {
+                continue;
+            }
+            // Only the sum over all rows is asked for: a row of ghosts is booked at once for all rows that see it, the ghosts
+            // of ghost rows with the first and the last row.
+            let ghosts = |near: &[f64], weights: &[f64]| -> f64 {
+                let ghost =
+                    |layer: usize| if side == 0 { near[reach - 1 - layer] } else { near[reach + columns + layer] };
+                weights.iter().enumerate().map(|(layer, weight)| weight * ghost(layer)).sum()
+            };
+            let mut rate = 0.0;
+            let ends = if row >= reach_rows && row + reach_rows < self.lattice.rows {
+                rate += ghosts(own, &self.door_weights[(2 * reach_rows + 1) * reach..]);
+                0..0
+            } else {
+                let from = if row == 0 { 0 } else { reach_rows };
+                from..if row + 1 == self.lattice.rows { rows.len() } else { reach_rows + 1 }
+            };
+            for offset in ends {
+                let seen_by = |distance: usize| {
+                    let seeing = (row + offset + distance).checked_sub(2 * reach_rows);
+                    seeing.is_some_and(|seeing| seeing < self.lattice.rows)
+                };
+                for distance in (0..rows.len()).filter(|distance| seen_by(*distance)) {
+                    rate += ghosts(rows[offset], &self.door_weights[distance * reach..][..reach]);
+                }
+            }
+            for (cell, weight) in self.door_own.iter().enumerate() {
+                let inside = if side == 0 { own[reach + cell] } else { own[reach + columns - 1 - cell] };
+                rate -= weight * inside;
+            }
+            rates[side] = rate;
+        }
+        for side in 2..4 {
+            let to_wall = if side == 2 { row } else { self.lattice.rows - 1 - row };
+            if !self.open[side] || to_wall >= reach_rows {
+                continue;
+            }
+            for distance in to_wall + 1..=reach_rows {
+                let near = rows[if side == 2 { reach_rows - distance } else { reach_rows + distance }];
+                for dx in -(reach as i64)..=reach as i64 {
+                    let weight = self.stencil.at(dx.unsigned_abs() as usize, distance);
+                    if weight == 0.0 {
+                        continue;
+                    }
+                    let sum = |from: usize, to: usize| -> f64 {
+                        let inside = &own[reach + from..reach + to];
+                        let shifted = (reach + from) as i64 + dx;
+                        let ghosts = &near[shifted as usize..][..inside.len()];
+                        ghosts.iter().zip(inside).map(|(ghost, inside)| ghost - inside).sum()
+                    };
+                    // Ghosts beyond the ends of the row have been booked left and right above, if those walls are open.
+                    let cells = dx.unsigned_abs() as usize;
+                    let (beyond, corner) =
+                        if dx < 0 { (0, 0..cells.min(columns)) } else { (1, columns - cells.min(columns)..columns) };
+                    if cells == 0 || !self.open[beyond] {
+                        rates[side] += weight * sum(0, columns);
+                        continue;
+                    }
+                    let (from, to) = if dx < 0 { (corner.end, columns) } else { (0, corner.start) };
+                    rates[side] += weight * sum(from, to);
+                    let layer = distance - to_wall - 1;
+                    let image = if side == 2 { reach_rows + layer - to_wall } else { reach_rows + to_wall - layer };
+                    let shared = self.through_corner((side, layer), [own, rows[image], near], dx, corner);
+                    rates[side] += weight * shared;
+                    rates[beyond] -= weight * shared;
+                }
+            }
+        }
+        rates
+    }
+
+    fn has_doors(&self) -> bool {
+        self.open.iter().any(|open| *open)
+    }
+}

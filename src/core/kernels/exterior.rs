@@ -1,0 +1,123 @@
+//! What lies behind the walls of a lattice.
+
+use crate::bonds::stencil::Stencil;
+use crate::boundary::curved_wall::Contacts;
+use crate::boundary::curved_wall::Neighbourhood;
+use crate::boundary::patch::Boundary;
+use crate::boundary::patch::Face;
+use crate::boundary::patch::Side;
+use crate::kernels::sweep::Shape;
+use crate::ledger::Sum;
+use crate::memory::Held;
+use crate::physics::potential::PotentialLaw;
+use crate::physics::thermal::Thermal;
+use crate::space::lattice::Lattice;
+
+/// What lies behind a curved wall.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Exterior {
+    /// Cells behind the wall that pairs reach, by padded row: column + reach. They hold zero.
+    pub(super) rows: Vec<Vec<u32>>,
+    /// Particles whose pairs the wall cuts.
+    pub(super) contacts: Contacts,
+    /// What each of them gains at the current instant, and what the sweep takes from it for the cut pairs (W/m3).
+    pub(super) gains: Vec<(f64, f64)>,
+}
+
+impl Held for Exterior {
+    fn held(&self) -> usize {
+        self.rows.held() + self.contacts.held() + self.gains.held()
+    }
+}
+
+impl Exterior {
+    pub(super) fn new(lattice: &Lattice, stencil: &Stencil, shape: Shape, boundary: &Boundary, radius: f64) -> Self {
+        let mirror = |side: usize| boundary.sides[side] == Side::Mirror;
+        let fold = |column: i64, row: i64| {
+            (
+                if mirror(0) && column < 0 { -1 - column } else { column },
+                if mirror(2) && row < 0 { -1 - row } else { row },
+            )
+        };
+        let (reach, reach_rows) = (shape.reach as i64, shape.reach_rows as i64);
+        let mut rows = vec![std::collections::BTreeSet::new(); lattice.rows + 2 * shape.reach_rows];
+        let mut contacts = Contacts::default();
+        let sum = stencil.sum();
+        let layers = boundary.curved.is_some_and(|(door, _)| boundary.doors[door].layers);
+        for row in 0..lattice.rows {
+            let (first, end) = lattice.span(row);
+            for column in first as i64..end as i64 {
+                let row = row as i64;
+                let depth = radius - lattice.centre(column, row).length();
+                // Deep inside every offset stays inside.
+                if depth > (reach as f64 + 1.5) * lattice.spacing * 1.5 {
+                    continue;
+                }
+                let mut near = Neighbourhood::new(depth);
+                for (dx, dy, weight) in stencil.offsets() {
+                    let (dx, dy) = (dx as i64, dy as i64);
+                    for (sx, sy) in [(1, 1), (-1, 1), (1, -1), (-1, -1)] {
+                        if (dx == 0 && sx < 0) || (dy == 0 && sy < 0) {
+                            continue;
+                        }
+                        let cell = fold(column + sx * dx, row + sy * dy);
+                        let depth = radius - lattice.centre(cell.0, cell.1).length();
+                        match lattice.index(cell.0, cell.1) {
+                            Some(index) => near.pair(index as u32, weight, depth),
+                            None => {
+                                near.cut(weight, if layers { 0.0 } else { -depth });
+                                rows[(cell.1 + reach_rows) as usize].insert((cell.0 + reach) as u32);
+                            }
+                        }
+                    }
+                }
+                if let Some(index) = lattice.index(column, row) {
+                    contacts.add(index as u32, &near, sum);
+                }
+            }
+        }
+        let rows = rows.into_iter().map(|row| row.into_iter().collect()).collect();
+        Exterior { rows, gains: vec![(0.0, 0.0); contacts.contacts.len()], contacts }
+    }
+
+    pub(super) fn update<L: PotentialLaw>(
+        &mut self,
+        law: &L,
+        enthalpy: &[f64],
+        face: &Face,
+        thermal: &Thermal,
+        slopes: Option<&WallSlopes>,
+    ) {
+        let potential = |particle: usize| law.potential(enthalpy[particle]);
+        for (contact, gain) in self.contacts.contacts.iter().zip(&mut self.gains) {
+            let given = match slopes {
+                Some(slopes) => self.contacts.change(contact, &slopes.curved, potential),
+                None => {
+                    let flux = |particle: usize, depth: f64| face.flux(potential(particle), depth, thermal);
+                    self.contacts.gain(contact, flux)
+                }
+            };
+            *gain = (given, contact.cut * potential(contact.particle as usize));
+        }
+    }
+
+    /// Adds what the wall gives to `rates`, scaled, and gives back what the sweep took for the cut pairs.
+    pub(super) fn add(&self, rates: &mut [f64], scale: f64) {
+        for (contact, (gain, taken)) in self.contacts.contacts.iter().zip(&self.gains) {
+            rates[contact.particle as usize] += scale * (gain + taken);
+        }
+    }
+
+    /// Heat rate in through the wall, by volume of a particle.
+    pub(super) fn heat(&self) -> f64 {
+        self.gains.iter().map(|gain| gain.0).collect::<Sum>().value()
+    }
+}
+
+/// How small changes meet the walls: the ghosts of straight walls with a film follow their images by padded place along the
+/// wall and layer (those of other straight walls all follow alike), the gains at a curved wall follow what is seen of it.
+#[derive(Debug, Clone, Default)]
+pub(super) struct WallSlopes {
+    pub(super) by_side: [Vec<f64>; 4],
+    pub(super) curved: Vec<f64>,
+}

@@ -1,0 +1,143 @@
+//! What the rows of a list are made from, and the bound of their step.
+
+use crate::bonds::exchange::Exchange;
+use crate::bonds::pair_list::PairList;
+use crate::boundary::curved_wall::Rim;
+use crate::boundary::ghosts::Ghosts;
+use crate::boundary::interface::Chains;
+use crate::boundary::interface::Way;
+use crate::boundary::patch::Boundary;
+use crate::boundary::patch::Face;
+use crate::boundary::pipe::Sink;
+use crate::boundary::shells::Touch;
+use crate::breakage::crack::Cuts;
+use crate::physics::uptake::Materials;
+use crate::solvers::step::Bound;
+use crate::space::domain::Surface;
+use crate::space::volumes::Volumes;
+use glam::DVec2;
+use rayon::ThreadPool;
+use std::sync::Arc;
+
+/// Everything a list operator is made from.
+#[derive(Clone)]
+pub struct ListParts {
+    /// Positions of particles (m).
+    pub positions: Arc<[DVec2]>,
+    /// Volumes of particles.
+    pub volumes: Volumes,
+    /// Spacing (m).
+    pub spacing: f64,
+    /// Materials.
+    pub materials: Materials,
+    /// Pairs.
+    pub pairs: PairList,
+    /// Those of several materials.
+    pub chains: Chains,
+    /// What cracks and shafts do to them.
+    pub cuts: Cuts,
+    /// Ghosts.
+    pub ghosts: Ghosts,
+    /// Walls.
+    pub boundary: Boundary,
+    /// Contacts with curved walls.
+    pub rims: Vec<Rim>,
+    /// Where walls touch a body of shells.
+    pub touches: Vec<Touch>,
+    /// Pipes.
+    pub sinks: Vec<Sink>,
+    /// Names of pipe rings.
+    pub rings: Vec<String>,
+    /// Surfaces through which heat is counted.
+    pub surfaces: Vec<Surface>,
+    /// How pairs exchange heat.
+    pub exchange: Exchange,
+    /// Threads, if more than one.
+    pub pool: Option<Arc<ThreadPool>>,
+    /// The bound of the step, where it is known from elsewhere.
+    pub bound: Option<Bound>,
+}
+
+impl ListParts {
+    /// Pairs, each once.
+    pub fn pair_count(&self) -> u64 {
+        let count = self.positions.len();
+        let inner = self.pairs.partners.iter().filter(|j| (**j as usize) < count).count();
+        (inner / 2 + self.pairs.partners.len() - inner) as u64
+    }
+}
+
+/// The largest slope dU/dH (m2/s) of a particle. Pair means act with conductivities of either partner, so there it is the
+/// largest of all over the least capacity.
+pub(super) fn steepest(parts: &ListParts, particle: usize) -> f64 {
+    let thermal = parts.materials.of(particle);
+    match parts.exchange {
+        Exchange::Potential => thermal.largest_slope,
+        Exchange::Mean(_) => {
+            let most =
+                parts.materials.thermals.iter().map(|thermal| thermal.curve.most_conductive()).fold(0.0, f64::max);
+            most / thermal.curve.least_capacity()
+        }
+    }
+}
+
+pub(super) fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
+    let count = parts.positions.len();
+    let mirrored = parts.ghosts.mirrored(count, faces);
+    // How a ghost falls when the particle rises: through any number of mirrors, or by its share in a fit.
+    let falls = |ghost: usize, particle: u32| match mirrored[ghost] {
+        Some((own, factor)) if own == particle => -factor,
+        Some(_) => 0.0,
+        None => parts.ghosts.own_share(ghost, particle, faces),
+    };
+    let thermals = &parts.materials.thermals;
+    // How much more than within one material a pair follows its particle and its partner.
+    let shares = |i: usize, k: usize| match parts.chains.of_pair(k, thermals).map(|way| way.greatest_shares()) {
+        None => (1.0, 1.0),
+        Some((near, far)) if i < parts.pairs.partners[k] as usize => (near, far),
+        Some((near, far)) => (far, near),
+    };
+    let mut sums: Vec<f64> = (0..count)
+        .map(|i| {
+            let range = parts.pairs.starts[i]..parts.pairs.starts[i + 1];
+            let own: f64 = range.clone().map(|k| parts.pairs.weights[k] * shares(i, k).0).sum();
+            let mirrored: f64 = range
+                .filter_map(|k| (parts.pairs.partners[k] as usize).checked_sub(count).map(|ghost| (k, ghost)))
+                .map(|(k, ghost)| {
+                    let falls = falls(ghost, i as u32);
+                    match parts.chains.of_ghost(ghost, thermals).map(|way| way.greatest_shares()) {
+                        None => parts.pairs.weights[k] * shares(i, k).1 * falls,
+                        Some((_, far)) => parts.pairs.weights[k] * shares(i, k).1 * far * falls.max(0.0),
+                    }
+                })
+                .sum();
+            own + mirrored.max(0.0)
+        })
+        .collect();
+    let from_wall = |way: Option<Way<'_>>| way.map_or(1.0, |way| way.greatest_shares().1);
+    for (number, rim) in parts.rims.iter().enumerate() {
+        for contact in &rim.contacts.contacts {
+            let share = from_wall(parts.chains.of_rim(number, contact.particle as usize, thermals));
+            sums[contact.particle as usize] += faces[rim.door].holds() * contact.stiffness * share;
+        }
+    }
+    for (number, touch) in parts.touches.iter().enumerate() {
+        let share = from_wall(parts.chains.of_touch(number, thermals));
+        sums[touch.particle as usize] += faces[touch.door as usize].holds() * touch.area / touch.depth * share;
+    }
+    for sink in &parts.sinks {
+        for (index, row_sum) in sink.row_sums(parts.spacing) {
+            sums[index] += row_sum;
+        }
+    }
+    let mut stiffest = (0.0, 0usize);
+    for (i, sum) in sums.iter().enumerate() {
+        let slope = steepest(parts, i);
+        if sum * slope > stiffest.0 {
+            stiffest = (sum * slope, i);
+        }
+    }
+    let at = parts.positions[stiffest.1];
+    let cause = format!("pair exchange of particle {} at ({:.6}, {:.6}) m", stiffest.1, at.x, at.y);
+    Bound { step: if stiffest.0 > 0.0 { 1.0 / stiffest.0 } else { f64::INFINITY }, cause }
+}

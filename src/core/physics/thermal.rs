@@ -1,0 +1,102 @@
+//! A material in the enthalpies and potentials of a run, both relative to its initial state.
+
+use crate::physics::blend::Blend;
+use crate::physics::curve::Curve;
+use crate::physics::potential::Blended;
+use crate::physics::potential::Curved;
+use crate::physics::potential::Kinked;
+use crate::physics::potential::Law;
+use crate::physics::potential::Straight;
+use std::sync::Arc;
+
+/// The law of one material as the step needs it, with the exact curve beside it.
+#[derive(Debug, Clone)]
+pub struct Thermal {
+    /// Exact relations.
+    pub curve: Curve,
+    /// Initial temperature.
+    pub initial_temperature: f64,
+    /// Initial enthalpy (J/m3), the zero of the enthalpies that particles carry.
+    pub initial_enthalpy: f64,
+    /// Initial potential (W/m), the zero of the potentials that pairs exchange.
+    pub initial_potential: f64,
+    /// The inner loop's function.
+    pub law: Law,
+    /// Largest slope dU/dH (m2/s) of the inner loop's function.
+    pub largest_slope: f64,
+}
+
+impl Thermal {
+    /// Prepares a material that starts at `initial_temperature`.
+    pub fn new(curve: Curve, initial_temperature: f64) -> Self {
+        let initial_enthalpy = curve.enthalpy(initial_temperature);
+        let initial_potential = curve.potential(initial_temperature);
+        let (law, largest_slope) = if curve.is_kinked() {
+            let frozen_below = -curve.latent_heat - initial_enthalpy;
+            let unfrozen_above = -initial_enthalpy;
+            let law = Kinked {
+                frozen_slope: curve.frozen_conductivity / curve.frozen_capacity,
+                unfrozen_slope: curve.unfrozen_conductivity / curve.unfrozen_capacity,
+                frozen_below,
+                unfrozen_above,
+                frozen_rest: frozen_below.min(0.0),
+                unfrozen_rest: unfrozen_above.max(0.0),
+            };
+            // Without latent heat and with one slope there is no kink.
+            let law = if curve.latent_heat == 0.0 && law.frozen_slope == law.unfrozen_slope {
+                Law::Straight(Straight { slope: law.frozen_slope })
+            } else {
+                Law::Kinked(law)
+            };
+            (
+                law,
+                (curve.frozen_conductivity / curve.frozen_capacity)
+                    .max(curve.unfrozen_conductivity / curve.unfrozen_capacity),
+            )
+        } else {
+            let law = Curved::new(&curve, initial_enthalpy);
+            (Law::Curved(law), curve.largest_diffusivity())
+        };
+        Thermal { curve, initial_temperature, initial_enthalpy, initial_potential, law, largest_slope }
+    }
+
+    /// The law of a particle that conducts as one material and stores the heat of several.
+    pub fn blended(own: &Thermal, blend: Arc<Blend>) -> Self {
+        let curve = Curve { blend: Some(blend), ..own.curve.clone() };
+        let initial = (curve.enthalpy(own.initial_temperature), own.initial_potential);
+        // Latent heat only adds to what it stores.
+        let largest_slope = curve.most_conductive() / curve.least_capacity();
+        Thermal {
+            initial_temperature: own.initial_temperature,
+            initial_enthalpy: initial.0,
+            initial_potential: initial.1,
+            law: Law::Blended(Blended { curve: Arc::new(curve.clone()), initial }),
+            largest_slope,
+            curve,
+        }
+    }
+
+    /// Temperature of a particle from the enthalpy that it carries.
+    pub fn temperature(&self, enthalpy: f64) -> f64 {
+        if enthalpy == 0.0 {
+            self.initial_temperature
+        } else {
+            self.curve.temperature(enthalpy + self.initial_enthalpy)
+        }
+    }
+
+    /// Frozen fraction of a particle from the enthalpy that it carries.
+    pub fn frozen_fraction(&self, enthalpy: f64) -> f64 {
+        self.curve.frozen_fraction(enthalpy + self.initial_enthalpy)
+    }
+
+    /// Enthalpy that a particle carries at a temperature.
+    pub fn enthalpy(&self, temperature: f64) -> f64 {
+        self.curve.enthalpy(temperature) - self.initial_enthalpy
+    }
+
+    /// Potential, less the initial one, at a temperature.
+    pub fn potential_at(&self, temperature: f64) -> f64 {
+        self.curve.potential(temperature) - self.initial_potential
+    }
+}

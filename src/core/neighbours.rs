@@ -1,7 +1,7 @@
 //! Neighbour search behind one contract: every pair within a radius, in a fixed order.
 //!
-//! On a lattice no search is needed ([`crate::bonds::stencil`]). Elsewhere a k-d tree serves uneven particles at rest and a
-//! cell list moving ones; [`all_pairs`] is the oracle that the others are tested against.
+//! On a lattice no search is needed ([`crate::bonds::stencil`]). Uneven particles at rest are searched by a k-d tree, or by a
+//! cell list if asked; [`all_pairs`] is the oracle that both are tested against.
 
 pub mod all_pairs;
 pub mod cells;

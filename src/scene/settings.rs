@@ -164,13 +164,12 @@ impl MethodSettings {
                 put("layout", text("jittered"))
             }
         };
-        let exchange = match numerics.exchange {
-            Exchange::Potential => "potential",
-            Exchange::Mean(Mean::Harmonic) => "harmonic mean",
-            Exchange::Mean(Mean::Arithmetic) => "arithmetic mean",
-            Exchange::Mean(Mean::Geometric) => "geometric mean",
+        match numerics.exchange {
+            Exchange::Potential => put("exchange", text("potential")),
+            Exchange::Mean(Mean::Harmonic) => put("mean", text("harmonic")),
+            Exchange::Mean(Mean::Arithmetic) => put("mean", text("arithmetic")),
+            Exchange::Mean(Mean::Geometric) => put("mean", text("geometric")),
         };
-        put("exchange", text(exchange));
         match numerics.uptake {
             Uptake::Enthalpy => put("scheme", text("enthalpy")),
             Uptake::Flags => put("scheme", text("flags")),

@@ -102,6 +102,43 @@ fn a_scene_is_read_in_seconds_and_metres() {
     assert_eq!(scene.hash.len(), 16);
 }
 
+/// What a record says of settings can be written into a scene, and says the same again; spacing and step stand in `GOOD`, with
+/// their units.
+#[test]
+fn settings_of_a_record_can_be_typed_back() {
+    let keys = |setting: &[(&str, &str)]| {
+        let scene = read(GOOD, setting).unwrap_or_else(|problems| unreachable!("{setting:?}: {problems}"));
+        scene.methods[0].values()
+    };
+    for setting in [
+        [("mean", "harmonic"), ("mushy", "false")],
+        [("mean", "geometric"), ("layout", "random")],
+        [("integrator", "implicit"), ("tolerance", "1e-4")],
+        [("scheme", "flags"), ("search", "tree")],
+        [("scheme", "apparent-capacity"), ("interval_K", "0.5")],
+        [("layout", "jittered"), ("jitter_fraction", "0.2")],
+    ] {
+        let typed: Vec<(String, &str)> =
+            setting.iter().map(|(key, value)| (format!("method.plain.{key}"), *value)).collect();
+        let typed: Vec<(&str, &str)> = typed.iter().map(|(key, value)| (key.as_str(), *value)).collect();
+        let first = keys(&typed);
+        let text: Vec<(String, String)> = first
+            .iter()
+            .filter(|(key, _)| !["spacing", "step"].contains(&key.as_str()))
+            .map(|(key, value)| {
+                let value = match value {
+                    Value::Flag(flag) => flag.to_string(),
+                    Value::Number(number) => number.to_string(),
+                    Value::Text(word) => word.clone(),
+                };
+                (format!("method.plain.{key}"), value)
+            })
+            .collect();
+        let again: Vec<(&str, &str)> = text.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect();
+        assert_eq!(keys(&again), first, "{setting:?}");
+    }
+}
+
 #[test]
 fn set_overrides_a_value_and_changes_the_hash() {
     let scene = read(GOOD, &[("method.plain.horizon_ratio", "4"), ("method.plain.layout", "random")]).expect("good");

@@ -48,7 +48,7 @@ pub(super) fn plan(scene: &Scene, settings: &MethodSettings, crowd: Crowd) -> Re
         steps: StepCount::Planned(planned_steps(scene, step, None)),
         used: vec![
             format!("{count} particles that move, {} m apart in the mean", numerics.spacing),
-            "columns of enthalpy, place and velocity; cells and a list of pairs with a skin".into(),
+            "columns of enthalpy, place and velocity; partners are looked for in cells, without a list".into(),
         ],
         spared: Vec::new(),
         relaxed_by: Vec::new(),

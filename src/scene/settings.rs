@@ -197,6 +197,8 @@ impl MethodSettings {
         };
         put("wall_model", text(walls));
         let integrator = match numerics.integrator {
+            // Beside water a step is the mean of two.
+            IntegratorChoice::Euler if numerics.flow.is_some() => "heun",
             IntegratorChoice::Euler => "euler",
             IntegratorChoice::Rkl2 { stages } => {
                 put("stages", Value::Number(stages as f64));

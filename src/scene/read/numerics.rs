@@ -98,7 +98,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
         ("all-pairs", SearchChoice::AllPairs),
     ];
     numerics.search = section.choice_or("search", &searches, numerics.search);
-    numerics.integrator = integrator(section, numerics.integrator);
+    numerics.integrator = integrator(section, numerics.integrator, setup.flow);
     numerics.flow = flow(section, setup.flow, setting);
     numerics.conduction = conduction(section, &numerics, setup.domain);
     numerics.step = step(section, numerics.step, numerics.integrator.tolerance().is_some());
@@ -215,8 +215,12 @@ enum Advance {
     Implicit,
 }
 
-fn integrator(section: &mut Section<'_>, preset: IntegratorChoice) -> IntegratorChoice {
-    let words = [("euler", Advance::Euler), ("rkl2", Advance::Rkl2), ("implicit", Advance::Implicit)];
+fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, flows: bool) -> IntegratorChoice {
+    let mut words = vec![("euler", Advance::Euler), ("rkl2", Advance::Rkl2), ("implicit", Advance::Implicit)];
+    if flows {
+        // Two steps of Euler and their mean.
+        words.push(("heun", Advance::Euler));
+    }
     let preset_word = match preset {
         IntegratorChoice::Euler => Advance::Euler,
         IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. } => Advance::Rkl2,
@@ -337,7 +341,7 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
             ));
         }
         if let Some(word) = integrator {
-            section.problem("integrator", format!("found \"{word}\", must be \"euler\" in a scene with \"flow\""));
+            section.problem("integrator", format!("found \"{word}\", must be \"heun\" in a scene with \"flow\""));
         }
         if numerics.uptake != Uptake::Enthalpy {
             let message = format!("found \"{scheme}\", must be \"enthalpy\" in a scene with \"flow\"");

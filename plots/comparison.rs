@@ -2,8 +2,8 @@
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas, Stroke, Text};
-use crate::run::MARGIN;
 use crate::style::{INK, LABEL, REFERENCE, TITLE, method_style};
+use crate::words::MARGIN;
 
 /// One setting of one method at one resolution.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,8 +2,8 @@
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas, Stroke};
-use crate::run::{MARGIN, title};
 use crate::style::{REFERENCE, TICK, method_style};
+use crate::words::{MARGIN, title};
 
 /// The errors of one method and setting by spacing.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,8 +2,9 @@
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Canvas, Colour, Stroke};
-use crate::run::{MARGIN, aged, reference_entry, reference_stroke, title};
+use crate::run::aged;
 use crate::style::{INK, REFERENCE, method_style, method_title};
+use crate::words::{MARGIN, reference_entry, reference_stroke, title};
 
 /// How far bands, their edges and members are on their way from the colour of their curve to white.
 const BAND: f64 = 0.68;

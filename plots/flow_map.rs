@@ -7,8 +7,8 @@ use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas};
 use crate::ground_plan::arrow;
 use crate::map::{Look, draw_in, notes_at};
-use crate::run::{FigureOptions, MARGIN, Words, reference_entry, reference_stroke, title};
 use crate::style::{LABEL, method_style, method_title, number};
+use crate::words::{FigureOptions, MARGIN, Words, reference_entry, reference_stroke, title};
 
 /// Distance between arrows, and length of that of the fastest water (px).
 const BETWEEN: f64 = 52.0;

@@ -23,8 +23,10 @@ pub mod signed;
 pub mod stability;
 mod stream;
 pub mod style;
+pub mod words;
 
-pub use run::{FigureOptions, frame, run_figures};
+pub use run::{frame, run_figures};
+pub use words::FigureOptions;
 
 /// A figure or page that could not be made.
 #[derive(Debug, thiserror::Error)]

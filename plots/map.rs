@@ -6,8 +6,8 @@ use frazil_record::Field;
 use crate::axes::{Axis, Frame, nice_step};
 use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, Text, text_width};
 use crate::ground_plan::GroundPlan;
-use crate::run::{Words, title};
 use crate::style::{INK, LABEL, TICK, number};
+use crate::words::{Words, title};
 
 /// Longest side of the grid that is contoured; finer fields are thinned, which keeps the SVG small.
 const GRID: usize = 240;

@@ -2,8 +2,8 @@
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Canvas, Colour, Stroke};
-use crate::run::{MARGIN, title};
 use crate::style::{INK, Marker, REFERENCE};
+use crate::words::{MARGIN, title};
 
 /// What was measured, and the line that goes with it.
 #[derive(Debug, Clone, PartialEq)]

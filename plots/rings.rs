@@ -4,8 +4,8 @@ use frazil_record::{RunResult, WallRow};
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Canvas, Stroke};
-use crate::run::{MARGIN, Words, reference_entry, title};
 use crate::style::{INK, Marker, REFERENCE, method_style, method_title};
+use crate::words::{MARGIN, Words, reference_entry, title};
 
 const LONG: &[f64] = &[10.0, 6.0];
 

@@ -1,52 +1,17 @@
 //! The figures of one run: front and profiles beside the reference.
 
+use crate::words::{FigureOptions, MARGIN, Words, reference_entry, reference_stroke, title};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use frazil_record::CutRow;
 use frazil_record::{Field, MeanOver, ProfileRow, RunResult};
-use frazil_scene::{Scene, TimeUnit};
 
 use crate::PlotError;
 use crate::axes::{Axis, Entry, Frame, legend};
-use crate::canvas::{Align, Canvas, Colour, Stroke, Text};
-use crate::ground_plan::GroundPlan;
-use crate::style::{INK, LABEL, REFERENCE, TITLE, method_style, method_title, number};
+use crate::canvas::{Canvas, Colour, Stroke};
+use crate::style::{INK, LABEL, REFERENCE, method_style, method_title, number};
 use crate::{flow_map, map, rings, stream};
-
-/// What figures of a run need beyond the run itself.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FigureOptions {
-    /// What figures are called; the title of the run if absent.
-    pub name: Option<String>,
-    /// Unit of times on axes.
-    pub time_unit: TimeUnit,
-    /// Temperature of the isotherm that is drawn heavy: where the ground freezes.
-    pub freezing_point: f64,
-    /// Names of both directions.
-    pub axes: (&'static str, &'static str),
-    /// Least and greatest pressure of walls (Pa); equal where no water flows.
-    pub pressures: (f64, f64),
-    /// Height of the cut through flowing water (m).
-    pub cut: f64,
-    /// What is drawn over maps.
-    pub plan: GroundPlan,
-}
-
-impl FigureOptions {
-    /// What a scene asks of its figures.
-    pub fn of(scene: &Scene) -> FigureOptions {
-        FigureOptions {
-            name: None,
-            time_unit: scene.time_unit,
-            freezing_point: scene.materials.first().map_or(0.0, |material| material.freezing_point),
-            axes: scene.domain.axes(),
-            pressures: scene.flow.as_ref().map_or((0.0, 0.0), |flow| flow.pressures()),
-            cut: scene.flow.as_ref().and_then(|flow| flow.cut).unwrap_or(0.0),
-            plan: GroundPlan::of(scene),
-        }
-    }
-}
 
 /// Draws every figure that a run has rows for and returns the files.
 pub fn run_figures(result: &RunResult, folder: &Path, options: &FigureOptions) -> Result<Vec<PathBuf>, PlotError> {
@@ -104,88 +69,6 @@ pub fn frame(
     range: (f64, f64),
 ) -> Canvas {
     map::frame_map(field, &options.plan, &Words::new((heading, method, units), 0.0, options), range)
-}
-
-/// How a run speaks of its units.
-pub(crate) struct Words {
-    pub(crate) heading: String,
-    pub(crate) method: String,
-    pub(crate) time_symbol: &'static str,
-    seconds: f64,
-    pub(crate) time_label: String,
-    pub(crate) temperature_label: String,
-    pub(crate) degree: &'static str,
-    /// Names of both directions.
-    pub(crate) axes: (&'static str, &'static str),
-    pub(crate) length_unit: Option<(f64, &'static str)>,
-    pub(crate) freezing_point: f64,
-}
-
-impl Words {
-    pub(crate) fn of(result: &RunResult, options: &FigureOptions) -> Words {
-        let record = &result.record;
-        let reach = result.front.iter().map(|row| row.front_m).fold(0.0, f64::max);
-        let heading = options.name.as_ref().unwrap_or(&record.title);
-        Words::new((heading, &record.method, &record.units), reach, options)
-    }
-
-    /// `reach` is how far fronts go (m).
-    fn new((heading, method, units): (&str, &str, &str), reach: f64, options: &FigureOptions) -> Words {
-        let si = units == "si";
-        let unit = options.time_unit;
-        Words {
-            heading: format!("{heading} — {}", method_title(method)),
-            method: method.to_owned(),
-            time_symbol: if si { unit.symbol() } else { "" },
-            seconds: if si { unit.seconds() } else { 1.0 },
-            time_label: if si { format!("time ({})", unit.symbol()) } else { "time (dimensionless)".into() },
-            temperature_label: if si { "temperature (°C)".into() } else { "temperature (dimensionless)".into() },
-            degree: if si { " °C" } else { "" },
-            axes: options.axes,
-            length_unit: si.then_some(if reach > 0.0 && reach < 0.2 { (1e3, "mm") } else { (1.0, "m") }),
-            freezing_point: options.freezing_point,
-        }
-    }
-
-    pub(crate) fn time(&self, seconds: f64) -> f64 {
-        seconds / self.seconds
-    }
-
-    pub(crate) fn instant(&self, seconds: f64) -> String {
-        format!("{} {}", number(self.time(seconds), 4), self.time_symbol).trim_end().into()
-    }
-
-    pub(crate) fn length(&self, metres: f64) -> f64 {
-        metres * self.length_unit.map_or(1.0, |(scale, _)| scale)
-    }
-
-    pub(crate) fn length_label(&self, what: &str) -> String {
-        match self.length_unit {
-            Some((_, symbol)) => format!("{what} ({symbol})"),
-            None => format!("{what} (dimensionless)"),
-        }
-    }
-}
-
-/// Left margin of titles and legends (px).
-pub(crate) const MARGIN: f64 = 24.0;
-
-pub(crate) fn title(canvas: &mut Canvas, text: &str) {
-    let mut size = TITLE;
-    while crate::canvas::text_width(text, size, true) > canvas.width - 2.0 * MARGIN && size > 12.0 {
-        size -= 0.5;
-    }
-    let at = (MARGIN, 34.0);
-    canvas.place(Text { at, text: text.into(), size, align: Align::Start, bold: true, upward: false, colour: INK });
-}
-
-/// Line and legend entry of the reference.
-pub(crate) fn reference_entry() -> Entry {
-    Entry { text: "reference".into(), stroke: Some(reference_stroke()), marker: None }
-}
-
-pub(crate) fn reference_stroke() -> Stroke {
-    Stroke { colour: REFERENCE, width: 4.5, dash: &[] }
 }
 
 fn front(result: &RunResult, words: &Words) -> Canvas {

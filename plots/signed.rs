@@ -2,8 +2,8 @@
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Canvas, Colour, Stroke};
-use crate::run::{MARGIN, title};
 use crate::style::{Marker, REFERENCE};
+use crate::words::{MARGIN, title};
 
 /// Errors along which one parameter changes.
 #[derive(Debug, Clone, PartialEq)]

@@ -5,8 +5,8 @@ use frazil_simulation::march::{BALANCE_TOLERANCE, RANGE_TOLERANCE};
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, Text, text_width};
-use crate::run::{MARGIN, title};
 use crate::style::{INK, LABEL, Marker, method_style, method_title, percent};
+use crate::words::{MARGIN, title};
 
 /// A cell of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,8 +4,8 @@ use frazil_record::{PhaseRow, RunResult, SectionRow, StreamRow};
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Canvas, Colour, Stroke};
-use crate::run::{MARGIN, Words, reference_entry, reference_stroke, title};
 use crate::style::{INK, method_style, number};
+use crate::words::{MARGIN, Words, reference_entry, reference_stroke, title};
 
 const WIDTH: f64 = 1000.0;
 const HEIGHT: f64 = 640.0;

@@ -1,10 +1,10 @@
 //! By how much of something, as of groundwater, layouts are kept open.
 
-use super::{fitted, look};
+use super::view::{fitted, look};
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Canvas, Stroke};
-use crate::run::{MARGIN, title};
 use crate::style::{LABEL, REFERENCE};
+use crate::words::{MARGIN, title};
 
 /// Height of each of the two frames with its labels (px).
 const EACH: f64 = 400.0;

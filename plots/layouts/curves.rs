@@ -1,10 +1,10 @@
 //! Layouts over time and along radii, all in one figure.
 
-use super::{DAY, LayoutView, between, day, fitted, look};
+use super::view::{DAY, LayoutView, between, day, fitted, look};
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas, Stroke};
-use crate::run::{MARGIN, title};
 use crate::style::{LABEL, REFERENCE, number};
+use crate::words::{MARGIN, title};
 
 /// Height of a frame with its labels (px).
 const HEIGHT: f64 = 520.0;

@@ -1,11 +1,11 @@
 //! Layouts over depth: what the horizons of a shaft differ in.
 
 use super::curves::entry;
-use super::{DAY, fitted, look};
+use super::view::{DAY, fitted, look};
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas, Stroke, text_width};
-use crate::run::{MARGIN, title};
 use crate::style::{INK, REFERENCE, TICK};
+use crate::words::{MARGIN, title};
 
 /// A layout at one horizon.
 #[derive(Debug, Clone, PartialEq)]

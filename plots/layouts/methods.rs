@@ -1,10 +1,10 @@
 //! The same layouts under several methods: how far their answers lie apart.
 
-use super::wrapped;
+use super::view::wrapped;
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas, Stroke, Text, text_width};
-use crate::run::{MARGIN, title};
 use crate::style::{GRID, INK, LABEL, TICK, method_style};
+use crate::words::{MARGIN, title};
 
 /// A number and what the spacing still changes of it.
 pub type Answer = (f64, Option<f64>);

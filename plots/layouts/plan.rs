@@ -1,12 +1,12 @@
 //! Plans of layouts to one scale, and maps of their temperature.
 
-use super::{LayoutView, backed, dashed_circle, day, wrapped};
+use super::view::{LayoutView, backed, dashed_circle, day, wrapped};
 use crate::axes::nice_step;
 use crate::canvas::{Align, Canvas, Spot, Stroke, Text};
 use crate::ground_plan::{GroundPlan, LEAST, ShaftMark, arrow_around};
 use crate::map::{self, Look};
-use crate::run::{FigureOptions, Words, title};
 use crate::style::{INK, REFERENCE, TICK, number};
+use crate::words::{FigureOptions, Words, title};
 use frazil_scene::TimeUnit;
 
 /// Sketches in a row, and in a figure.

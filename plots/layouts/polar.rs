@@ -1,6 +1,6 @@
 //! Closure of every gap at its place around the ring.
 
-use super::{DAY, LayoutView, backed, dashed_circle, day, wrapped};
+use super::view::{DAY, LayoutView, backed, dashed_circle, day, wrapped};
 use crate::axes::{Entry, legend, nice_step};
 use crate::canvas::{Align, Canvas, Stroke, Text, text_width};
 use crate::style::{GRID, INK, LABEL, Marker, REFERENCE, TICK, number};

@@ -1,6 +1,7 @@
 //! All figures of a study.
 
-use super::{LayoutView, axis, gaps_polar, load, maps, mean_temperature, planes, sketches, summary, thickness};
+use super::view::LayoutView;
+use super::{axis, gaps_polar, load, maps, mean_temperature, planes, sketches, summary, thickness};
 use crate::canvas::Canvas;
 
 /// A figure with its file name (without ending) and caption.

@@ -1,10 +1,10 @@
 //! Closure of all layouts as bars from the start: the figure to look at first.
 
-use super::{DAY, LayoutView, day, wrapped};
+use super::view::{DAY, LayoutView, day, wrapped};
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas, Colour, Stroke, Text, text_width};
-use crate::run::{MARGIN, title};
 use crate::style::{INK, LABEL, Marker, TICK, number};
+use crate::words::{MARGIN, title};
 
 /// Height of a row and of its bar (px).
 const ROW: f64 = 52.0;

@@ -8,7 +8,7 @@ use frazil_plots::convergence::{OrderCurve, convergence};
 use frazil_plots::ground_plan::{GroundPlan, ShaftMark, WaterMark};
 use frazil_plots::run::drawings;
 use frazil_plots::{FigureOptions, run_figures};
-use frazil_record::{Errors, Field, FrontRow, GapRow, Outcome, ProfileRow, Record, RunResult, WallRow};
+use frazil_record::{Field, FrontRow, GapRow, Outcome, ProfileRow, Record, RunResult, WallRow};
 use frazil_scene::TimeUnit;
 
 #[path = "figures/layouts.rs"]
@@ -21,14 +21,12 @@ fn record(title: &str, method: &str) -> Record {
         title: title.into(),
         scene_hash: "0".into(),
         method: method.into(),
-        settings: Default::default(),
         units: "si".into(),
         particles: 200,
         pairs: 600,
         steps: 1000,
         pair_evaluations: 600_000,
         particle_updates: 200_000,
-        work: Default::default(),
         step_s: 1.0,
         step_bound_s: 1.1,
         step_limit: "diffusion".into(),
@@ -38,24 +36,11 @@ fn record(title: &str, method: &str) -> Record {
         setup_cpu_s: 0.01,
         solve_wall_s: 1.0,
         solve_cpu_s: 1.0,
-        observation_wall_s: 0.0,
-        observation_cpu_s: 0.0,
-        peak_memory_bytes: None,
         outcome: Outcome::Ok,
-        cause: None,
         energy_balance_rel: 1e-14,
         bounds_violation_rel: Some(0.0),
-        setback_rel: None,
-        errors: Errors::default(),
-        reference: None,
-        reduced_from: None,
-        water: None,
-        wall: None,
-        stream: None,
-        spared: Vec::new(),
-        differences: Vec::new(),
-        remarks: Vec::new(),
         state_hash: "0123456789abcdef".into(),
+        ..Record::default()
     }
 }
 

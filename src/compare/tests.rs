@@ -2,7 +2,6 @@
 //!
 //! With `FRAZIL_COMPARISON=folder` its files stay there to be looked at.
 
-use std::collections::BTreeMap;
 use std::fs;
 
 use frazil_record::{Errors, FrontRow, Outcome, ProfileRow, Record};
@@ -83,41 +82,21 @@ fn blank(scene: &Scene, method: &str) -> Record {
         title: scene.title.clone(),
         scene_hash: scene.hash.clone(),
         method: method.into(),
-        settings: BTreeMap::new(),
         units: scene.units.name().into(),
         particles: 100,
         pairs: 300,
         steps: 1000,
         pair_evaluations: 300_000,
-        particle_updates: 0,
-        work: Default::default(),
         step_s: 1.0,
         step_bound_s: 1.1,
-        step_limit: String::new(),
         threads: 1,
         seed: 1,
-        setup_wall_s: 0.0,
-        setup_cpu_s: 0.0,
-        solve_wall_s: 0.0,
-        solve_cpu_s: 0.0,
-        observation_wall_s: 0.0,
-        observation_cpu_s: 0.0,
-        peak_memory_bytes: None,
         outcome: Outcome::Ok,
-        cause: None,
         energy_balance_rel: 1e-14,
         bounds_violation_rel: Some(0.0),
         setback_rel: Some(0.0),
-        errors: Errors::default(),
-        reference: None,
-        reduced_from: None,
-        water: None,
-        wall: None,
-        stream: None,
-        spared: Vec::new(),
-        differences: Vec::new(),
-        remarks: Vec::new(),
         state_hash: "0123456789abcdef".into(),
+        ..Record::default()
     }
 }
 

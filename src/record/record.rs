@@ -19,7 +19,7 @@ pub enum Value {
 }
 
 /// How a run ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
     /// As it should.
@@ -34,7 +34,8 @@ pub enum Outcome {
     Diverged,
     /// The time allowed ran out.
     TimedOut,
-    /// Stopped by the user.
+    /// Stopped by the user; what nothing says more of has not come to its end.
+    #[default]
     Interrupted,
 }
 
@@ -122,7 +123,7 @@ impl ReferenceInfo {
 }
 
 /// The record of one run: `record.json`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Record {
     /// Version of the program.
     pub frazil_version: String,

@@ -6,7 +6,7 @@ use crate::{
 };
 
 /// Everything one run leaves.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct RunResult {
     /// The record.
     pub record: Record,
@@ -51,26 +51,6 @@ pub struct RunResult {
 impl RunResult {
     /// A record without any series.
     pub fn bare(record: Record) -> Self {
-        RunResult {
-            record,
-            front: Vec::new(),
-            start: Start::default(),
-            beside: Vec::new(),
-            frozen: Vec::new(),
-            phases: Vec::new(),
-            stream: Vec::new(),
-            sections: Vec::new(),
-            profiles: Vec::new(),
-            probes: Vec::new(),
-            surfaces: Vec::new(),
-            budget_names: Vec::new(),
-            budget: Vec::new(),
-            walls: Vec::new(),
-            gaps: Vec::new(),
-            links: Vec::new(),
-            planes: Vec::new(),
-            fields: Vec::new(),
-            water: None,
-        }
+        RunResult { record, ..RunResult::default() }
     }
 }

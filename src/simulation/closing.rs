@@ -5,12 +5,12 @@
 //! when `4 k/L` times the integral of the coldness is `a^2`. So what is frozen lies within `2 sqrt(k/L integral)` of the pipes, and
 //! bodies of that size have to surround the centre. Real walls take several times as long: ground is warm, and stores heat.
 
-use glam::DVec2;
-
-use crate::watch::loops::{closure, neighbours};
 use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::material::{FreezingLaw, Material};
 use frazil_scene::{PipeRing, Scene};
+use glam::DVec2;
+
+use crate::watch::loops::{closure, neighbours};
 
 /// Pieces of the time over which the coldness of pipes is summed.
 const PIECES: usize = 4000;

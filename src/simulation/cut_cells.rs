@@ -6,10 +6,9 @@ use std::sync::Arc;
 use frazil_core::physics::blend::Blend;
 use frazil_core::physics::thermal::Thermal;
 use frazil_core::physics::uptake::Materials;
-use glam::DVec2;
-
 use frazil_scene::Scene;
 use frazil_scene::region::Cell;
+use glam::DVec2;
 
 /// Shares are whole multiples of this: cells that are cut alike are alike to the last bit.
 const SHARE: f64 = 1.0 / (1u64 << 30) as f64;

@@ -12,10 +12,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use std::vec::IntoIter;
 
-use crate::plan::{Plan, build, settings_of};
-use crate::reference::Reference;
-use crate::watch::Watches;
-use crate::water::WaterWatch;
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
 use frazil_core::solvers::method::Method;
@@ -23,6 +19,11 @@ use frazil_core::solvers::step::{Bound, Clock};
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
 use frazil_scene::settings::MethodSettings;
+
+use crate::plan::{Plan, build, settings_of};
+use crate::reference::Reference;
+use crate::watch::Watches;
+use crate::water::WaterWatch;
 
 use guard::Guard;
 use instants::{next_turn, stops};
@@ -215,7 +216,7 @@ impl Simulation<'_> {
         }
         let seen = Stopwatch::start(self.options.threads);
         while let Some(time) = self.pending.next_if(|time| *time < now) {
-            self.at((time - before) / made, |simulation, ledger| {
+            self.at(time, (before, made), |simulation, ledger| {
                 simulation.watches.output(simulation.scene, &simulation.particles, ledger, time, false);
                 let across = simulation.method.across(&simulation.particles.enthalpy, time);
                 simulation.watches.surfaces(simulation.scene, &across, time);
@@ -224,18 +225,16 @@ impl Simulation<'_> {
         }
         if self.watches.closes(&self.particles) {
             for part in 1..LOOKS {
-                let share = part as f64 / LOOKS as f64;
-                self.at((before + made * share - before) / made, |simulation, _| {
-                    simulation.watches.look(&simulation.particles, before + made * share);
-                });
+                let time = before + made * part as f64 / LOOKS as f64;
+                self.at(time, (before, made), |simulation, _| simulation.watches.look(&simulation.particles, time));
             }
         }
         self.observation.add(&seen);
     }
 
-    /// Shows the state at a share of the last step.
-    fn at(&mut self, share: f64, see: impl FnOnce(&mut Self, &Ledger)) {
-        let ledger = self.method.between(&self.particles, share, &mut self.between);
+    /// Shows the state at a time (s) within the last step, given by its start and length (s).
+    fn at(&mut self, time: f64, (before, made): (f64, f64), see: impl FnOnce(&mut Self, &Ledger)) {
+        let ledger = self.method.between(&self.particles, (time - before) / made, &mut self.between);
         std::mem::swap(&mut self.particles.enthalpy, &mut self.between);
         see(self, &ledger);
         std::mem::swap(&mut self.particles.enthalpy, &mut self.between);

@@ -7,9 +7,10 @@ pub mod front;
 
 use std::collections::BTreeMap;
 
-use crate::reference::{Cut, Plane, Reference};
 use frazil_record::{BesideRow, Errors, FrontRow, FrozenRow, GapRow, RunResult, WallRow};
 use frazil_scene::{FreezingDirection, Scene};
+
+use crate::reference::{Cut, Plane, Reference};
 
 /// Temperatures on a plane count only farther than this many particle spacings from the wall of a pipe: an
 /// immersed pipe is smeared over them.

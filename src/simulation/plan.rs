@@ -8,20 +8,8 @@ mod prepared;
 mod refusals;
 mod steps;
 
-use crate::plan::listed::Listed;
-use crate::plan::prepared::Prepared;
-use crate::plan::refusals::affordable;
-use crate::plan::refusals::why_list;
-use crate::plan::steps::choose_step;
-use crate::plan::steps::integrator;
-use crate::plan::steps::on_lattice;
-use crate::plan::steps::pool;
 use std::sync::Arc;
 
-use crate::predict::{StepCount, planned_steps};
-use crate::reference::Reference;
-use crate::refused::{Refused, refuse};
-use crate::terms::{self};
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::memory::{Held, Memory};
 use frazil_core::particles::Particles;
@@ -31,6 +19,15 @@ use frazil_core::solvers::step::Bound;
 use frazil_scene::method::Stepper;
 use frazil_scene::settings::MethodSettings;
 use frazil_scene::{Front, IntegratorChoice, Scene, StepChoice};
+
+use crate::plan::listed::Listed;
+use crate::plan::prepared::Prepared;
+use crate::plan::refusals::{affordable, why_list};
+use crate::plan::steps::{choose_step, integrator, on_lattice, pool};
+use crate::predict::{StepCount, planned_steps};
+use crate::reference::Reference;
+use crate::refused::{Refused, refuse};
+use crate::terms;
 
 /// What a run of a scene under a method will do: the answer of `frazil check`.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,18 +7,19 @@ use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::march::guard::Guard;
-use crate::march::instants::{next_turn, outputs};
-use crate::march::{GUARD_STEPS, Refused};
-use crate::plan::{Plan, PlanSummary, build_for, settings_of};
-use crate::reference::Reference;
-use crate::watch::Watches;
 use frazil_core::memory::Memory;
 use frazil_core::solvers::moving::Purpose;
 use frazil_core::solvers::rkl2::GROWTH;
 use frazil_core::solvers::step::Clock;
 use frazil_core::statistics::median;
 use frazil_scene::Scene;
+
+use crate::march::guard::Guard;
+use crate::march::instants::{next_turn, outputs};
+use crate::march::{GUARD_STEPS, Refused};
+use crate::plan::{Plan, PlanSummary, build_for, settings_of};
+use crate::reference::Reference;
+use crate::watch::Watches;
 
 /// How many steps a run makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

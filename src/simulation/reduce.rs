@@ -11,13 +11,6 @@ mod restore;
 
 use std::sync::Arc;
 
-use fold::Fold;
-use glam::DVec2;
-
-use crate::march::{self, Options, Refused};
-use crate::measure::attach;
-use crate::plan::{build, settings_of};
-use crate::reference::Reference;
 use frazil_core::bonds::weight::{Normalisation, PairWeight};
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::particles::Particles;
@@ -28,6 +21,14 @@ use frazil_record::RunResult;
 use frazil_scene::method::{Discretisation, Stepper};
 use frazil_scene::settings::MethodSettings;
 use frazil_scene::{IntegratorChoice, Layout, Scene};
+use glam::DVec2;
+
+use crate::march::{self, Options, Refused};
+use crate::measure::attach;
+use crate::plan::{build, settings_of};
+use crate::reference::Reference;
+
+use fold::Fold;
 
 /// A smaller scene under one method, and the way back.
 #[derive(Debug, Clone)]

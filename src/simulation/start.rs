@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use glam::DVec2;
-
 use frazil_core::boundary::pipe::Sink;
 use frazil_core::physics::uptake::Materials;
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;
 use frazil_scene::region::{Cell, Part};
+use glam::DVec2;
 
 /// Part of a region's volume by which its particles may differ from it without a word.
 const TOLD: f64 = 0.01;

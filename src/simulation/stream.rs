@@ -4,10 +4,9 @@
 //! second order across and along (Crank and Nicolson's rule after four backward steps of half the length), without
 //! conduction along the stream, which is smaller by the square of the Peclet number. It knows nothing of particles.
 
-use frazil_record::{SectionRow, StreamRecord, StreamRow};
-
 use frazil_core::boundary::condition::Condition;
 use frazil_core::space::domain::Domain;
+use frazil_record::{SectionRow, StreamRecord, StreamRow};
 use frazil_scene::Scene;
 
 /// Cells across and steps along: halving both moves no temperature by more than 1e-4 of the range.

@@ -5,9 +5,7 @@ use frazil_core::boundary::patch::Boundary;
 use frazil_core::physics::material::{FreezingLaw, Material};
 use frazil_core::physics::potential::Law;
 use frazil_core::physics::thermal::Thermal;
-use frazil_core::physics::uptake::Materials;
-use frazil_core::physics::uptake::Mushy;
-use frazil_core::physics::uptake::Uptake;
+use frazil_core::physics::uptake::{Materials, Mushy, Uptake};
 use frazil_scene::method::{Discretisation, Stepper};
 use frazil_scene::{IntegratorChoice, Numerics, Scene, StepChoice, Units};
 

@@ -6,9 +6,9 @@ use frazil_core::boundary::condition::Condition;
 use frazil_core::boundary::patch::{Boundary, Door, Dug, FACE, Side, WallTemperature};
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::space::domain::{Domain, Sector};
+use frazil_scene::Scene;
 
 use crate::reference::Reference;
-use frazil_scene::Scene;
 
 /// The walls of a scene. `exact` is what walls that follow the exact solution ask. `mirrors` sets ghosts behind the
 /// walls of a body of shells, which otherwise touch its outermost particles alone.

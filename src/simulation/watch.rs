@@ -15,17 +15,6 @@ mod stream;
 mod sunk;
 mod wall;
 
-use corners::Corners;
-use field::field;
-use glam::DVec2;
-use profiles::{Line, layers};
-use rays::{Gap, Planes, Ray, frozen_length, planes};
-use sampler::{Sample, Sampler};
-use shells::RadialFront;
-use wall::{Joint, Wall};
-
-use crate::march::instants::outputs;
-use crate::one_way::OneWay;
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::ledger::{Ledger, Sum};
 use frazil_core::particles::Particles;
@@ -36,6 +25,18 @@ use frazil_record::{
     Start, StreamRow, SurfaceRow, WallRecord, WallRow,
 };
 use frazil_scene::{FreezingDirection, PipeRing, Scene};
+use glam::DVec2;
+
+use crate::march::instants::outputs;
+use crate::one_way::OneWay;
+
+use corners::Corners;
+use field::field;
+use profiles::{Line, layers};
+use rays::{Gap, Planes, Ray, frozen_length, planes};
+use sampler::{Sample, Sampler};
+use shells::RadialFront;
+use wall::{Joint, Wall};
 
 /// The map of a state of a scene, as fields are kept.
 pub fn map(scene: &Scene, particles: &Particles, time: f64) -> Field {

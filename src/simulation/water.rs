@@ -1,15 +1,14 @@
 //! What a run with water leaves beside the series of all runs, and how wrong it is.
 
-use frazil_record::{CutRow, FlowPoint, WaterRecord, WaterRow, WaterSeries};
-
-use crate::reference::Reference;
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
-use frazil_core::solvers::method::Method;
-use frazil_core::solvers::method::Water;
+use frazil_core::solvers::method::{Method, Water};
 use frazil_core::space::domain::Domain;
+use frazil_record::{CutRow, FlowPoint, WaterRecord, WaterRow, WaterSeries};
 use frazil_scene::Scene;
 use frazil_scene::region::Cell;
+
+use crate::reference::Reference;
 
 /// Distance (m) over which the pressure beside ice is not compared with a reference: it follows the staircase of the
 /// cells there, in the reference as in the run.

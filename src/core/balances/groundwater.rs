@@ -7,7 +7,30 @@
 //! A step is Heun's, of two explicit Euler steps: second order, and a mean of two states that each keep the range of
 //! the data, so it keeps it too (Shu and Osher 1988).
 
+use std::sync::Arc;
+use std::time::Instant;
+
+use frazil_record::Work;
+use glam::DVec2;
+use rayon::ThreadPool;
+
 use crate::balances::groundwater::aquifer::{Aquifer, Warmth};
+use crate::balances::groundwater::bend::Bend;
+use crate::balances::groundwater::carrier::{Carrier, Ground, State};
+use crate::balances::groundwater::ground::Flow;
+use crate::balances::groundwater::network::Network;
+use crate::balances::groundwater::numerics::FlowNumerics;
+use crate::balances::groundwater::pressure::Pressure;
+use crate::balances::groundwater::velocity::velocities;
+use crate::boundary::patch::{Boundary, Face};
+use crate::ledger::{Ledger, Sum};
+use crate::memory::Held;
+use crate::particles::Particles;
+use crate::physics::uptake::Materials;
+use crate::solvers::method::{Method, Water};
+use crate::solvers::operator::Operator;
+use crate::solvers::sharp::{just_before, sharp_step};
+use crate::solvers::step::{Bound, Clock, StepError};
 
 pub mod aquifer;
 pub mod bend;
@@ -21,34 +44,6 @@ pub mod pressure;
 pub mod row;
 pub mod tasks;
 pub mod velocity;
-
-use crate::solvers::method::Water;
-use std::sync::Arc;
-use std::time::Instant;
-
-use glam::DVec2;
-use rayon::ThreadPool;
-
-use frazil_record::Work;
-
-use crate::boundary::patch::{Boundary, Face};
-use crate::solvers::sharp::{just_before, sharp_step};
-
-use crate::balances::groundwater::ground::Flow;
-use crate::balances::groundwater::numerics::FlowNumerics;
-use crate::ledger::{Ledger, Sum};
-use crate::memory::Held;
-use crate::particles::Particles;
-use crate::physics::uptake::Materials;
-use crate::solvers::method::Method;
-use crate::solvers::operator::Operator;
-use crate::solvers::step::{Bound, Clock, StepError};
-
-use crate::balances::groundwater::bend::Bend;
-use crate::balances::groundwater::carrier::{Carrier, Ground, State};
-use crate::balances::groundwater::network::Network;
-use crate::balances::groundwater::pressure::Pressure;
-use crate::balances::groundwater::velocity::velocities;
 
 pub use build::FlowParts;
 

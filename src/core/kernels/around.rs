@@ -1,17 +1,14 @@
 //! Ghosts and walls around a lattice, as the sweep sees them.
 
+use std::sync::Arc;
+
 use crate::bonds::stencil::Stencil;
-use crate::boundary::patch::Face;
-use crate::boundary::patch::Side;
-use crate::kernels::exterior::Exterior;
-use crate::kernels::exterior::WallSlopes;
-use crate::kernels::sweep::Shape;
-use crate::kernels::sweep::Surroundings;
-use crate::kernels::sweep::fill_row;
+use crate::boundary::patch::{Face, Side};
+use crate::kernels::exterior::{Exterior, WallSlopes};
+use crate::kernels::sweep::{Shape, Surroundings, fill_row};
 use crate::physics::potential::PotentialLaw;
 use crate::physics::thermal::Thermal;
 use crate::space::lattice::Lattice;
-use std::sync::Arc;
 
 /// Ghosts and walls, as the sweep sees them.
 pub(super) struct Around<L> {

@@ -3,16 +3,11 @@
 use crate::boundary::pipe::Sink;
 use crate::kernels::list_parts::steepest;
 use crate::kernels::rows::ListOperator;
-use crate::kernels::term::Off;
-use crate::kernels::term::PairTerm;
+use crate::kernels::term::{Off, PairTerm};
 use crate::memory::Held;
-use crate::physics::uptake::LatentScheme;
-use crate::physics::uptake::Materials;
-use crate::solvers::operator::Operator;
-use crate::solvers::operator::Stage;
-use crate::solvers::operator::StageColumns;
-use crate::solvers::step::Bound;
-use crate::solvers::step::Clock;
+use crate::physics::uptake::{LatentScheme, Materials};
+use crate::solvers::operator::{Operator, Stage, StageColumns};
+use crate::solvers::step::{Bound, Clock};
 
 /// The list operator with enthalpy as its unknown, for the shared integrators.
 pub struct EnthalpyList {

@@ -1,11 +1,8 @@
 //! What lies behind the walls of a lattice.
 
 use crate::bonds::stencil::Stencil;
-use crate::boundary::curved_wall::Contacts;
-use crate::boundary::curved_wall::Neighbourhood;
-use crate::boundary::patch::Boundary;
-use crate::boundary::patch::Face;
-use crate::boundary::patch::Side;
+use crate::boundary::curved_wall::{Contacts, Neighbourhood};
+use crate::boundary::patch::{Boundary, Face, Side};
 use crate::kernels::sweep::Shape;
 use crate::ledger::Sum;
 use crate::memory::Held;

@@ -1,15 +1,15 @@
 //! The pair operator on a lattice: one fused sweep a step, no neighbour list.
 
-use crate::kernels::around::{Around, door_weights};
-use crate::kernels::exterior::{Exterior, WallSlopes};
-use crate::kernels::lattice_parts::{LatticeParts, bands, bound};
 use std::sync::Arc;
 
 use rayon::ThreadPool;
 
 use crate::boundary::patch::{Boundary, Face, Side};
 use crate::boundary::pipe::Sink;
+use crate::kernels::around::{Around, door_weights};
 use crate::kernels::corner::{CornerPair, lattice_pairs};
+use crate::kernels::exterior::{Exterior, WallSlopes};
+use crate::kernels::lattice_parts::{LatticeParts, bands, bound};
 use crate::kernels::sweep::{Band, Frame, Shape, sweep};
 use crate::kernels::target::{Beside, Chained, InPlace, Target};
 use crate::ledger::Sum;

@@ -1,9 +1,11 @@
 //! What the sweep over a lattice is made from, and the bound of its step.
 
+use std::sync::Arc;
+
+use rayon::ThreadPool;
+
 use crate::bonds::stencil::Stencil;
-use crate::boundary::patch::Boundary;
-use crate::boundary::patch::Face;
-use crate::boundary::patch::Side;
+use crate::boundary::patch::{Boundary, Face, Side};
 use crate::boundary::pipe::Sink;
 use crate::kernels::corner::CornerPair;
 use crate::kernels::exterior::Exterior;
@@ -12,8 +14,6 @@ use crate::physics::sub_cell::SubCellFront;
 use crate::physics::thermal::Thermal;
 use crate::solvers::step::Bound;
 use crate::space::lattice::Lattice;
-use rayon::ThreadPool;
-use std::sync::Arc;
 
 /// Everything an operator on a lattice is made from.
 #[derive(Clone)]

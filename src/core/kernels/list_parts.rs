@@ -1,13 +1,16 @@
 //! What the rows of a list are made from, and the bound of their step.
 
+use std::sync::Arc;
+
+use glam::DVec2;
+use rayon::ThreadPool;
+
 use crate::bonds::exchange::Exchange;
 use crate::bonds::pair_list::PairList;
 use crate::boundary::curved_wall::Rim;
 use crate::boundary::ghosts::Ghosts;
-use crate::boundary::interface::Chains;
-use crate::boundary::interface::Way;
-use crate::boundary::patch::Boundary;
-use crate::boundary::patch::Face;
+use crate::boundary::interface::{Chains, Way};
+use crate::boundary::patch::{Boundary, Face};
 use crate::boundary::pipe::Sink;
 use crate::boundary::shells::Touch;
 use crate::breakage::crack::Cuts;
@@ -15,9 +18,6 @@ use crate::physics::uptake::Materials;
 use crate::solvers::step::Bound;
 use crate::space::domain::Surface;
 use crate::space::volumes::Volumes;
-use glam::DVec2;
-use rayon::ThreadPool;
-use std::sync::Arc;
 
 /// Everything a list operator is made from.
 #[derive(Clone)]

@@ -1,18 +1,16 @@
 //! The pair operator on a list: any cloud, any exchange, several materials, and a random part for those who need it.
 
-use crate::boundary::patch::MOST_DOORS;
-use crate::kernels::crossing::{Crossing, Portion, pairs_across};
-use crate::kernels::enthalpy_rows::Tangent;
-use crate::kernels::list_parts::{ListParts, bound};
-use crate::kernels::term::{PairTerm, PairView};
-
 use rayon::prelude::*;
 
 use crate::bonds::exchange::{Exchange, Mean};
 use crate::boundary::curved_wall::Rim;
 use crate::boundary::interface::Way;
-use crate::boundary::patch::Face;
+use crate::boundary::patch::{Face, MOST_DOORS};
 use crate::boundary::shells::Touch;
+use crate::kernels::crossing::{Crossing, Portion, pairs_across};
+use crate::kernels::enthalpy_rows::Tangent;
+use crate::kernels::list_parts::{ListParts, bound};
+use crate::kernels::term::{PairTerm, PairView};
 use crate::ledger::Sum;
 use crate::memory::{Held, shared};
 use crate::physics::uptake::{Fields, LatentScheme};

@@ -1,12 +1,10 @@
 //! Temperature, enthalpy and conduction potential of one material.
 
-use crate::memory::Held;
-use crate::memory::shared;
-use crate::physics::blend::Blend;
-use crate::physics::material::FreezingLaw;
-use crate::physics::material::Material;
-use crate::physics::material::Mixing;
 use std::sync::Arc;
+
+use crate::memory::{Held, shared};
+use crate::physics::blend::Blend;
+use crate::physics::material::{FreezingLaw, Material, Mixing};
 
 const HALF_SQRT_PI: f64 = 0.886_226_925_452_758;
 

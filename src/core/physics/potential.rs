@@ -5,10 +5,10 @@
 //! A [`PotentialLaw`] is the one function of the inner loop, `H -> U`, with both counted from the initial state:
 //! a body at rest then holds exact zeros, so nothing drifts and small changes are not lost in large sums.
 
-use crate::physics::curve::{Curve, TABLE_INTERVALS, simpson};
 use std::sync::Arc;
 
 use crate::memory::{Held, shared};
+use crate::physics::curve::{Curve, TABLE_INTERVALS, simpson};
 
 /// The function of the inner loop: enthalpy to potential, both counted from the initial state.
 pub trait PotentialLaw: Clone + Send + Sync + 'static {

@@ -1,13 +1,10 @@
 //! A material in the enthalpies and potentials of a run, both relative to its initial state.
 
+use std::sync::Arc;
+
 use crate::physics::blend::Blend;
 use crate::physics::curve::Curve;
-use crate::physics::potential::Blended;
-use crate::physics::potential::Curved;
-use crate::physics::potential::Kinked;
-use crate::physics::potential::Law;
-use crate::physics::potential::Straight;
-use std::sync::Arc;
+use crate::physics::potential::{Blended, Curved, Kinked, Law, Straight};
 
 /// The law of one material as the step needs it, with the exact curve beside it.
 #[derive(Debug, Clone)]

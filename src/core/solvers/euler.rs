@@ -1,6 +1,5 @@
 //! Time integrators over an [`Operator`], and the methods that they make.
 
-use crate::solvers::sharp::{sharp_step, stable_step};
 use frazil_record::Work;
 
 use crate::kernels::enthalpy_rows::Tangent;
@@ -12,6 +11,7 @@ use crate::particles::Particles;
 use crate::physics::uptake::LatentScheme;
 use crate::solvers::method::Method;
 use crate::solvers::operator::Operator;
+use crate::solvers::sharp::{sharp_step, stable_step};
 use crate::solvers::step::{Bound, Clock, StepError};
 
 /// Explicit Euler: at its bound it keeps the maximum principle.

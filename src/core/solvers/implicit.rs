@@ -1,15 +1,15 @@
 //! Implicit steps: singly diagonally implicit Runge-Kutta of second order, with steps by error.
 
-use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
-use crate::solvers::newton::{Newton, NotConverged, RESIDUAL, Stage};
-use crate::solvers::sharp::{just_before, sharp_step};
 use frazil_record::Work;
 
 use crate::ledger::{Hermite, Ledger};
 use crate::memory::Held;
 use crate::particles::Particles;
+use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
 use crate::solvers::method::Method;
+use crate::solvers::newton::{Newton, NotConverged, RESIDUAL, Stage};
 use crate::solvers::operator::Operator;
+use crate::solvers::sharp::{just_before, sharp_step};
 use crate::solvers::step::{Bound, Clock, StepError};
 
 /// The diagonal of the scheme, 1 - 1/sqrt 2: L-stable and of second order (Alexander 1977).

@@ -1,9 +1,9 @@
 //! What a method may do instead of giving weights: make its own steps ([`Method`]).
 
-use crate::solvers::step::{Bound, Clock, StepError};
 use frazil_record::Work;
 
 use crate::ledger::Ledger;
+use crate::solvers::step::{Bound, Clock, StepError};
 
 /// A method that owns its step: seam 1. One indirect call a step.
 pub trait Method: Send {

@@ -1,14 +1,14 @@
 //! Runge-Kutta-Legendre of second order.
 
-use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
-use crate::solvers::sharp::{just_before, sharp_step};
 use frazil_record::Work;
 
 use crate::ledger::{Hermite, Ledger};
 use crate::memory::Held;
 use crate::particles::Particles;
+use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
 use crate::solvers::method::Method;
 use crate::solvers::operator::{Operator, Stage, StageColumns};
+use crate::solvers::sharp::{just_before, sharp_step};
 use crate::solvers::step::{Bound, Clock, StepError};
 
 /// Growth of the steps of a fixed chain, from one step to the next: modes that a step cannot resolve have decayed by

@@ -1,7 +1,6 @@
 //! Straight lines through logarithms: orders of convergence, and costs at equal error.
 
-use crate::statistics::Interval;
-use crate::statistics::student_t;
+use crate::statistics::{Interval, student_t};
 
 /// Least-squares line through points.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,8 +1,5 @@
 //! Which pairs, ghosts and walls see several materials.
 
-use glam::DVec2;
-
-use super::ground::Ground;
 use frazil_core::bonds::pair_list::PairList;
 use frazil_core::boundary::curved_wall::Rim;
 use frazil_core::boundary::ghosts::Ghosts;
@@ -13,6 +10,9 @@ use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::physics::uptake::Materials;
 use frazil_core::space::lattice::Lattice;
 use frazil_scene::{Numerics, Scene};
+use glam::DVec2;
+
+use super::ground::Ground;
 
 /// Particles and what they see.
 pub struct Seen<'a> {

@@ -1,13 +1,12 @@
 //! Where materials lie: on the line between two places, and behind walls.
 
-use glam::DVec2;
-
 use frazil_core::boundary::interface::Piece;
 use frazil_core::boundary::patch::{Boundary, Side};
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::symmetry::Symmetry;
 use frazil_scene::Scene;
 use frazil_scene::region::Cell;
+use glam::DVec2;
 
 /// Part of a line below which a piece between others is rounding.
 const NO_PIECE: f64 = 1e-9;

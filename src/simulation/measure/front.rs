@@ -1,8 +1,9 @@
 //! How wrong a front is: over how far it has come since the start, which for a thaw is not what is still frozen.
 
-use crate::reference::Reference;
 use frazil_record::FrontRow;
 use frazil_scene::Scene;
+
+use crate::reference::Reference;
 
 /// Particle spacings that a front must have come before it is judged, where the scene does not say from when on. Before,
 /// it stands inside the first few particles, whatever the method.

@@ -1,47 +1,37 @@
 //! Bonds of particles on a list, and walls around them.
 
-use crate::interface;
-use crate::plan::prepared::Prepared;
-use crate::refused::{Refused, refuse};
+use std::sync::Arc;
+
 use frazil_core::balances::groundwater::network::WayOut;
 use frazil_core::bonds::exchange::Exchange;
 use frazil_core::bonds::pair_list::PairList;
 use frazil_core::bonds::stencil::SHELL_TOLERANCE;
 use frazil_core::bonds::weight::Normalisation;
-use frazil_core::boundary::curved_wall::Contacts;
-use frazil_core::boundary::curved_wall::Neighbourhood;
-use frazil_core::boundary::curved_wall::Rim;
-use frazil_core::boundary::curved_wall::cells_behind;
+use frazil_core::boundary::curved_wall::{Contacts, Neighbourhood, Rim, cells_behind};
 use frazil_core::boundary::ghosts::Ghosts;
 use frazil_core::boundary::interface::Chains;
 use frazil_core::boundary::patch::Boundary;
-use frazil_core::boundary::shells::Shells;
-use frazil_core::boundary::shells::Touch;
-use frazil_core::boundary::shells::naive_shells;
-use frazil_core::boundary::shells::shells;
-use frazil_core::boundary::wall_layers::Body;
-use frazil_core::boundary::wall_layers::WallModel;
-use frazil_core::boundary::wall_layers::inner;
-use frazil_core::boundary::wall_layers::level;
-use frazil_core::breakage::crack::Barriers;
-use frazil_core::breakage::crack::Cuts;
+use frazil_core::boundary::shells::{Shells, Touch, naive_shells, shells};
+use frazil_core::boundary::wall_layers::{Body, WallModel, inner, level};
+use frazil_core::breakage::crack::{Barriers, Cuts};
 use frazil_core::breakage::excavation;
 use frazil_core::kernels::corner::strengthen;
 use frazil_core::kernels::list_parts::ListParts;
-use frazil_core::neighbours::NeighbourSearch;
-use frazil_core::neighbours::Period;
 use frazil_core::neighbours::all_pairs::AllPairs;
 use frazil_core::neighbours::cells::Cells;
 use frazil_core::neighbours::tree::Tree;
+use frazil_core::neighbours::{NeighbourSearch, Period};
 use frazil_core::physics::uptake::Materials;
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::symmetry::Symmetry;
 use frazil_scene::Scene;
-use frazil_scene::settings::MethodSettings;
-use frazil_scene::settings::SearchChoice;
+use frazil_scene::settings::{MethodSettings, SearchChoice};
 use glam::DVec2;
 use rayon::ThreadPool;
-use std::sync::Arc;
+
+use crate::interface;
+use crate::plan::prepared::Prepared;
+use crate::refused::{Refused, refuse};
 
 /// The parts of a list, and the bonds through which water leaves at a curved wall.
 pub(super) fn list(

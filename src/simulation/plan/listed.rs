@@ -1,27 +1,24 @@
 //! Methods on a list of neighbours.
 
-use crate::plan::bonds::list;
-use crate::plan::prepared::Prepared;
-use crate::plan::steps;
-use crate::refused::{Refused, refuse};
-use frazil_core::balances::groundwater::FlowMethod;
-use frazil_core::balances::groundwater::FlowParts;
-use frazil_core::kernels::enthalpy_rows::EnthalpyList;
-use frazil_core::kernels::enthalpy_rows::Tangent;
+use std::sync::Arc;
+
+use frazil_core::balances::groundwater::{FlowMethod, FlowParts};
+use frazil_core::kernels::enthalpy_rows::{EnthalpyList, Tangent};
 use frazil_core::kernels::list_parts::ListParts;
 use frazil_core::kernels::rows::ListOperator;
 use frazil_core::kernels::term::Off;
-use frazil_core::physics::uptake::Mushy;
-use frazil_core::physics::uptake::Uptake;
-use frazil_core::physics::uptake::scheme;
+use frazil_core::physics::uptake::{Mushy, Uptake, scheme};
 use frazil_core::solvers::assembly::Assembly;
 use frazil_core::solvers::method::Method;
 use frazil_scene::Scene;
 use frazil_scene::method::OwnStep;
-use frazil_scene::settings::MethodSettings;
-use frazil_scene::settings::StepChoice;
+use frazil_scene::settings::{MethodSettings, StepChoice};
 use rayon::ThreadPool;
-use std::sync::Arc;
+
+use crate::plan::bonds::list;
+use crate::plan::prepared::Prepared;
+use crate::plan::steps;
+use crate::refused::{Refused, refuse};
 
 /// A method on a list, in the making.
 pub(super) struct Listed<'a> {

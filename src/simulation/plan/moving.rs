@@ -1,15 +1,9 @@
 //! Plans of particles that move.
 
-use crate::plan::Plan;
-use crate::plan::PlanSummary;
-use crate::plan::steps::choose_step;
-use crate::predict::StepCount;
-use crate::predict::planned_steps;
-use crate::refused::Refused;
-use frazil_core::memory::Held;
-use frazil_core::memory::Memory;
-use frazil_core::particles::Particles;
-use frazil_core::particles::Places;
+use std::sync::Arc;
+
+use frazil_core::memory::{Held, Memory};
+use frazil_core::particles::{Particles, Places};
 use frazil_core::physics::uptake::Materials;
 use frazil_core::solvers::moving::Crowd;
 use frazil_core::space::lattice::Lattice;
@@ -17,7 +11,11 @@ use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;
 use frazil_scene::settings::MethodSettings;
 use glam::DVec2;
-use std::sync::Arc;
+
+use crate::plan::steps::choose_step;
+use crate::plan::{Plan, PlanSummary};
+use crate::predict::{StepCount, planned_steps};
+use crate::refused::Refused;
 
 /// The plan of a scene whose particles move.
 pub(super) fn plan(scene: &Scene, settings: &MethodSettings, crowd: Crowd) -> Result<Plan, Refused> {

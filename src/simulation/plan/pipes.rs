@@ -1,18 +1,14 @@
 //! Pipes of a scene, joined to particles.
 
-use crate::refused::{Refused, refuse};
 use frazil_core::bonds::stencil::Stencil;
 use frazil_core::boundary::green::Green;
-use frazil_core::boundary::patch::Boundary;
-use frazil_core::boundary::patch::Side;
-use frazil_core::boundary::pipe::Sink;
-use frazil_core::boundary::pipe::green_reach;
-use frazil_core::boundary::pipe::immerse;
-use frazil_core::boundary::pipe::radius_of_one_particle;
+use frazil_core::boundary::patch::{Boundary, Side};
+use frazil_core::boundary::pipe::{Sink, green_reach, immerse, radius_of_one_particle};
 use frazil_core::space::lattice::Lattice;
 use frazil_scene::Scene;
-use frazil_scene::settings::Layout;
-use frazil_scene::settings::Numerics;
+use frazil_scene::settings::{Layout, Numerics};
+
+use crate::refused::{Refused, refuse};
 
 /// Times that a ring of pipes may be switched in one run.
 const MOST_SWITCHES: f64 = 1e7;

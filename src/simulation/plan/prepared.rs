@@ -1,19 +1,10 @@
 //! Particles before their bonds: where they stand, what they are made of, what they hold at the start, and what is around them.
 
-use crate::cut_cells::blend;
-use crate::layers;
-use crate::plan::pipes::Pipes;
-use crate::plan::pipes::pipes;
-use crate::plan::refusals::blends;
-use crate::reference::Reference;
-use crate::refused::{Refused, refuse};
-use crate::start;
-use crate::terms::Parts;
-use crate::walls::boundary;
+use std::sync::Arc;
+
 use frazil_core::bonds::stencil::Stencil;
 use frazil_core::bonds::weight::Normalisation;
-use frazil_core::boundary::patch::Boundary;
-use frazil_core::boundary::patch::MOST_DOORS;
+use frazil_core::boundary::patch::{Boundary, MOST_DOORS};
 use frazil_core::boundary::pipe::Sink;
 use frazil_core::kernels::lattice_parts::LatticeParts;
 use frazil_core::particles::{Particles, Places};
@@ -21,24 +12,26 @@ use frazil_core::physics::curve::Curve;
 use frazil_core::physics::material::Material;
 use frazil_core::physics::sub_cell::SubCellFront;
 use frazil_core::physics::thermal::Thermal;
-use frazil_core::physics::uptake::Materials;
-use frazil_core::physics::uptake::Uptake;
+use frazil_core::physics::uptake::{Materials, Uptake};
 use frazil_core::solvers::control::EnthalpyRange;
-use frazil_core::space::domain::Domain;
-use frazil_core::space::domain::Sector;
+use frazil_core::space::domain::{Domain, Sector};
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;
-use frazil_scene::settings::Front;
-use frazil_scene::settings::Layout;
-use frazil_scene::settings::MethodSettings;
-use frazil_scene::settings::Numerics;
+use frazil_scene::settings::{Front, Layout, MethodSettings, Numerics};
 use glam::DVec2;
 use rand::SeedableRng;
-use rand_distr::Distribution;
-use rand_distr::Uniform;
+use rand_distr::{Distribution, Uniform};
 use rayon::ThreadPool;
-use std::sync::Arc;
+
+use crate::cut_cells::blend;
+use crate::plan::pipes::{Pipes, pipes};
+use crate::plan::refusals::blends;
+use crate::reference::Reference;
+use crate::refused::{Refused, refuse};
+use crate::terms::Parts;
+use crate::walls::boundary;
+use crate::{layers, start};
 
 /// Particles before their bonds.
 pub(super) struct Prepared {

@@ -1,29 +1,23 @@
 //! What a plan refuses, and why a scene needs a list of neighbours.
 
-use crate::closing::dug_too_early;
-use crate::plan::prepared::Prepared;
-use crate::refused::{Refused, refuse};
 use frazil_core::bonds::exchange::Exchange;
 use frazil_core::bonds::stencil::Stencil;
-use frazil_core::boundary::patch::Boundary;
-use frazil_core::boundary::patch::Dug;
-use frazil_core::boundary::pipe::Extent;
-use frazil_core::boundary::pipe::Sink;
+use frazil_core::boundary::patch::{Boundary, Dug};
+use frazil_core::boundary::pipe::{Extent, Sink};
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::kernels::sweep::WIDEST;
 use frazil_core::memory;
-use frazil_core::physics::uptake::Mushy;
-use frazil_core::physics::uptake::Uptake;
+use frazil_core::physics::uptake::{Mushy, Uptake};
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::segment::meet;
 use frazil_scene::Scene;
-use frazil_scene::method::Discretisation;
-use frazil_scene::method::Stepper;
-use frazil_scene::settings::Layout;
-use frazil_scene::settings::MethodSettings;
-use frazil_scene::settings::Numerics;
-use frazil_scene::settings::SearchChoice;
+use frazil_scene::method::{Discretisation, Stepper};
+use frazil_scene::settings::{Layout, MethodSettings, Numerics, SearchChoice};
 use glam::DVec2;
+
+use crate::closing::dug_too_early;
+use crate::plan::prepared::Prepared;
+use crate::refused::{Refused, refuse};
 
 /// Whether particles store the heat of all materials in their cells. The papers' exchange and columns know one material a
 /// particle, and so does water in its pores.

@@ -1,6 +1,7 @@
 //! How steps are made, and how long they are.
 
-use crate::refused::{Refused, refuse};
+use std::sync::Arc;
+
 use frazil_core::kernels::lattice::LatticeOperator;
 use frazil_core::kernels::lattice_parts::LatticeParts;
 use frazil_core::physics::potential::Law;
@@ -12,11 +13,10 @@ use frazil_core::solvers::operator::Operator;
 use frazil_core::solvers::rkl2::Rkl2;
 use frazil_core::solvers::step::Bound;
 use frazil_scene::Scene;
-use frazil_scene::settings::IntegratorChoice;
-use frazil_scene::settings::Numerics;
-use frazil_scene::settings::StepChoice;
+use frazil_scene::settings::{IntegratorChoice, Numerics, StepChoice};
 use rayon::ThreadPool;
-use std::sync::Arc;
+
+use crate::refused::{Refused, refuse};
 
 /// Stages of one step by error: longer steps are rarely as exact as they are stable, and gain less and less.
 const MOST_STAGES: usize = 99;

@@ -2,14 +2,13 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec2;
-
 use frazil_core::boundary::condition::Condition;
 use frazil_core::boundary::pipe::Pipe;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_core::space::lattice::Lattice;
 use frazil_scene::region::Cell;
 use frazil_scene::{PipeRing, Region, Scene, Shape, Wall};
+use glam::DVec2;
 
 /// Distance (m per m of the body's extent) up to which pipes and angles are in the same place.
 const SAME_PLACE: f64 = 1e-9;

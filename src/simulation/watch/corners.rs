@@ -2,12 +2,11 @@
 
 use std::f64::consts::SQRT_2;
 
-use glam::DVec2;
-
 use frazil_core::boundary::condition::Condition;
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::Domain;
 use frazil_scene::Scene;
+use glam::DVec2;
 
 /// Half the width of the strip around a diagonal whose frozen fractions tell its front, over the spacing.
 const HALF_WIDTH: f64 = 2.0;

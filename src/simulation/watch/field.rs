@@ -1,10 +1,9 @@
 //! Maps: temperatures and frozen fractions on a regular grid.
 
-use glam::DVec2;
-
 use frazil_core::particles::Particles;
 use frazil_core::space::lattice::Lattice;
 use frazil_record::Field;
+use glam::DVec2;
 
 /// Largest number of cells of a kept field along one direction.
 const FIELD_CELLS: usize = 400;

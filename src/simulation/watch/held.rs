@@ -1,14 +1,14 @@
 //! What watches hold on the heap: the samples that they read, and the series that they fill.
 
+use frazil_core::memory::Held;
+use frazil_core::particles::Particles;
+use frazil_record::{BudgetRow, Field, FrontRow, FrozenRow, PlaneRow, ProbeRow, ProfileRow, SurfaceRow, WallRow};
 use glam::DVec2;
 
 use super::field::grid;
 use super::profiles::Line;
 use super::rays::{Gap, Ray};
 use super::{Sample, Watches};
-use frazil_core::memory::Held;
-use frazil_core::particles::Particles;
-use frazil_record::{BudgetRow, Field, FrontRow, FrozenRow, PlaneRow, ProbeRow, ProfileRow, SurfaceRow, WallRow};
 
 impl Held for Sample {
     fn held(&self) -> usize {

@@ -4,11 +4,10 @@
 //! A way is found by fast sweeping: the arrival D at a cell is the least frozen length from the centre to it, so `|grad D|` is the
 //! frozen share of the cell, solved upwind in sweeps of all four directions until nothing changes (Zhao 2005, Math. Comp. 74, 603).
 
-use glam::DVec2;
-
 use frazil_core::memory::Held;
 use frazil_core::particles::Particles;
 use frazil_core::space::lattice::Lattice;
+use glam::DVec2;
 
 /// Frozen share of a cell from which on it bars a way.
 const BARS: f64 = 0.5;

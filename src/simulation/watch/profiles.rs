@@ -1,14 +1,14 @@
 //! Profiles: means over layers across a plane front, and points along lines through the body.
 
-use glam::DVec2;
-
-use super::rays::Ray;
-use super::sampler::{Sample, Sampler};
 use frazil_core::memory::Held;
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::{Domain, Surface};
 use frazil_record::{MeanOver, ProfileRow};
 use frazil_scene::{FreezingDirection, Scene};
+use glam::DVec2;
+
+use super::rays::Ray;
+use super::sampler::{Sample, Sampler};
 
 /// A line of points at which a body is read.
 #[derive(Debug, Clone)]

@@ -2,14 +2,14 @@
 
 use std::f64::consts::TAU;
 
+use frazil_core::particles::Particles;
+use frazil_core::space::domain::Domain;
+use frazil_scene::{PipeRing, Scene};
 use glam::DVec2;
 
 use super::loops::{SAME, neighbours, turn};
 use super::wall::{Joint, Way};
 use super::{Sample, Sampler};
-use frazil_core::particles::Particles;
-use frazil_core::space::domain::Domain;
-use frazil_scene::{PipeRing, Scene};
 
 /// A ray of evenly spaced samples.
 #[derive(Debug, Clone)]

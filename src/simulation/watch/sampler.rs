@@ -1,7 +1,5 @@
 //! Points of a body as weighted sums over its particles.
 
-use glam::DVec2;
-
 use frazil_core::boundary::patch::moving_least_squares;
 use frazil_core::neighbours::tree::Tree;
 use frazil_core::neighbours::{NeighbourSearch, Period};
@@ -9,6 +7,7 @@ use frazil_core::particles::Particles;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_core::space::lattice::Lattice;
 use frazil_scene::Scene;
+use glam::DVec2;
 
 /// A point read as a weighted sum over particles.
 #[derive(Debug, Clone, Default)]

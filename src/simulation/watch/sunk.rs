@@ -2,12 +2,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::rays::Ray;
-use super::wall::SAME_PLACE;
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
 use frazil_scene::Scene;
+
+use super::rays::Ray;
+use super::wall::SAME_PLACE;
 
 /// A ring of pipes sunk into particles.
 #[derive(Debug, Clone, Default)]

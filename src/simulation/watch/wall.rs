@@ -1,13 +1,6 @@
 //! The frozen wall of a ring: neighbouring pipes, joined once a way between them is frozen through, when a closed wall stands around
 //! the centre and how thick it is where it is weakest, and sections of it.
 
-use glam::DVec2;
-
-use super::loops::{closure, neighbours};
-use super::passage::{Passage, PassageFinder};
-use super::standing::Standing;
-use super::sunk::{FrozenIn, Sunk, frozen_in};
-use super::{Ray, Sample, Sampler};
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::ledger::Ledger;
 use frazil_core::memory::Held;
@@ -16,6 +9,13 @@ use frazil_core::physics::material::FreezingLaw;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{LinkRow, PlaneRow, WallRecord};
 use frazil_scene::Scene;
+use glam::DVec2;
+
+use super::loops::{closure, neighbours};
+use super::passage::{Passage, PassageFinder};
+use super::standing::Standing;
+use super::sunk::{FrozenIn, Sunk, frozen_in};
+use super::{Ray, Sample, Sampler};
 
 /// Two places that are the same, over the size of the plan.
 pub(super) const SAME_PLACE: f64 = 1e-9;

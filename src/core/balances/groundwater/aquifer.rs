@@ -1,8 +1,7 @@
 //! One material as water sees it.
 
 use crate::physics::material::Pores;
-use crate::physics::potential::Curved;
-use crate::physics::potential::PotentialLaw;
+use crate::physics::potential::{Curved, PotentialLaw};
 use crate::physics::thermal::Thermal;
 
 /// Temperature of a particle by its enthalpy, fast.

@@ -1,36 +1,26 @@
 //! Water through assembled particles, neighbours and walls.
 
-use super::FlowMethod;
-use super::WaterLedger;
-use crate::balances::groundwater::aquifer::Aquifer;
-use crate::balances::groundwater::aquifer::Warmth;
+use glam::DVec2;
+
+use super::{FlowMethod, WaterLedger};
+use crate::balances::groundwater::aquifer::{Aquifer, Warmth};
 use crate::balances::groundwater::bend::Bend;
 use crate::balances::groundwater::carrier::Carrier;
-use crate::balances::groundwater::ground::Flow;
-use crate::balances::groundwater::ground::PressureWall;
-use crate::balances::groundwater::network::Network;
-use crate::balances::groundwater::network::WayOut;
-use crate::balances::groundwater::numerics::Conduction;
-use crate::balances::groundwater::numerics::FlowNumerics;
+use crate::balances::groundwater::ground::{Flow, PressureWall};
+use crate::balances::groundwater::network::{Network, WayOut};
+use crate::balances::groundwater::numerics::{Conduction, FlowNumerics};
 use crate::balances::groundwater::pressure::Pressure;
-use crate::kernels::enthalpy_rows::EnthalpyList;
-use crate::kernels::enthalpy_rows::Tangent;
+use crate::kernels::enthalpy_rows::{EnthalpyList, Tangent};
 use crate::kernels::list_parts::ListParts;
 use crate::kernels::rows::ListOperator;
 use crate::kernels::term::Off;
-use crate::ledger::Ledger;
-use crate::ledger::Sum;
-use crate::physics::material::FreezingLaw;
-use crate::physics::material::Material;
+use crate::ledger::{Ledger, Sum};
+use crate::physics::material::{FreezingLaw, Material};
 use crate::physics::thermal::Thermal;
-use crate::physics::uptake::Materials;
-use crate::physics::uptake::Mushy;
-use crate::physics::uptake::Uptake;
-use crate::physics::uptake::scheme;
+use crate::physics::uptake::{Materials, Mushy, Uptake, scheme};
 use crate::solvers::operator::Operator;
 use crate::solvers::step::Bound;
 use crate::space::domain::Domain;
-use glam::DVec2;
 
 /// What water flows through.
 pub struct FlowParts<'a> {

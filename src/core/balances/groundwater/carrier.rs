@@ -13,9 +13,6 @@
 //! of smeared fronts; limited, most of it is taken back again: as much as leaves every particle within the enthalpies
 //! around it (Zalesak 1979).
 
-use crate::balances::groundwater::row::Row;
-use crate::balances::groundwater::tasks::{each, tasks, when};
-use crate::balances::groundwater::velocity::velocities;
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -25,6 +22,9 @@ use crate::balances::groundwater::diagonals::{Carried, Diagonals, Fields};
 use crate::balances::groundwater::network::{NONE, Network};
 use crate::balances::groundwater::numerics::Advection;
 use crate::balances::groundwater::pressure::Pressure;
+use crate::balances::groundwater::row::Row;
+use crate::balances::groundwater::tasks::{each, tasks, when};
+use crate::balances::groundwater::velocity::velocities;
 use crate::memory::Held;
 
 /// Heat that water carries along a path over what the path conducts, from which the bend of profiles counts.

@@ -1,8 +1,9 @@
 //! Work in parts that do not depend on the number of threads.
 
+use std::sync::Arc;
+
 use rayon::ThreadPool;
 use rayon::prelude::*;
-use std::sync::Arc;
 
 /// Particles that one task handles; fixed, so that results do not depend on the number of threads.
 const TASK: usize = 2048;

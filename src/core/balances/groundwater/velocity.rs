@@ -1,8 +1,9 @@
 //! Darcy velocities.
 
+use glam::DVec2;
+
 use crate::balances::groundwater::network::Network;
 use crate::balances::groundwater::pressure::Pressure;
-use glam::DVec2;
 
 /// Darcy velocities (m/s) of all particles, from the water of their paths and openings.
 pub fn velocities(network: &Network, pressure: &Pressure) -> Vec<DVec2> {

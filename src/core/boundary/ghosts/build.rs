@@ -28,7 +28,7 @@ enum Walls {
 
 /// The mirrors between a ghost and its particle, by [`Walls`]: whether there are any, and whether heat passes one.
 #[derive(Clone, Copy, Default)]
-struct Way {
+struct Mirrors {
     mirrored: [bool; 2],
     open: [bool; 2],
 }
@@ -41,7 +41,7 @@ struct Builder<'a> {
     /// How far outside the walls ghosts stand (m).
     reach: f64,
     ghosts: Ghosts,
-    ways: Vec<Way>,
+    mirrors: Vec<Mirrors>,
 }
 
 impl Ghosts {
@@ -51,8 +51,8 @@ impl Ghosts {
     /// Ghosts in corners are mirrored twice. Where heat passes both walls, the order matters: there are two ghosts then, one
     /// for each order, and half of the pairs at their place is with either.
     pub fn new(points: &[DVec2], lattice: &Lattice, boundary: &Boundary, reach: f64, fitted: bool) -> Self {
-        let (ghosts, ways) = (Ghosts::none(), Vec::new());
-        let mut builder = Builder { points, lattice, boundary, reach: reach * (1.0 + 1e-9), ghosts, ways };
+        let (ghosts, mirrors) = (Ghosts::none(), Vec::new());
+        let mut builder = Builder { points, lattice, boundary, reach: reach * (1.0 + 1e-9), ghosts, mirrors };
         let kinds: &[Walls] = if lattice.dimension == 1 { &[Walls::Columns] } else { &[Walls::Columns, Walls::Rows] };
         let walled = |walls: &Walls| builder.sides(*walls).iter().any(|s| matches!(boundary.sides[s.0], Side::Wall(_)));
         let fitted: Vec<bool> = kinds.iter().map(|walls| fitted && walled(walls)).collect();
@@ -66,11 +66,11 @@ impl Ghosts {
                 builder.mirror(*walls, (0..all as u32).collect(), true);
             }
         }
-        let first = builder.ways.len();
+        let first = builder.mirrors.len();
         if lattice.dimension > 1 && !fitted.contains(&true) {
             builder.mirror_the_other_way_round();
         }
-        builder.ghosts.share = builder.shares(first, both_fitted);
+        builder.ghosts.share = builder.shares(first, fitted.contains(&true));
         builder.ghosts
     }
 }
@@ -134,13 +134,13 @@ impl Builder<'_> {
             Side::Mirror | Side::Curved => None,
         };
         let open = door.filter(|door| boundary.books_all || boundary.doors[*door as usize].lets_heat_through());
-        let mut way = parent.map_or(Way::default(), |k| self.ways[k]);
-        way.mirrored[side / 2] = true;
-        way.open[side / 2] |= open.is_some();
-        if !all && way.open != [true, true] {
+        let mut mirrors = parent.map_or(Mirrors::default(), |k| self.mirrors[k]);
+        mirrors.mirrored[side / 2] = true;
+        mirrors.open[side / 2] |= open.is_some();
+        if !all && mirrors.open != [true, true] {
             return None;
         }
-        self.ways.push(way);
+        self.mirrors.push(mirrors);
         ghosts.position.push(place);
         ghosts.door.push(door);
         ghosts.pays.push(open.or(pays));
@@ -155,9 +155,10 @@ impl Builder<'_> {
 
     /// Mirrors what stands behind walls at the bottom and the top at those left and right, where heat passes both.
     fn mirror_the_other_way_round(&mut self) {
-        let behind_rows = |ghost: &usize| self.ways[*ghost].mirrored == [false, true] && self.ways[*ghost].open[1];
+        let behind_rows =
+            |ghost: &usize| self.mirrors[*ghost].mirrored == [false, true] && self.mirrors[*ghost].open[1];
         let count = self.points.len();
-        let frontier = (0..self.ways.len()).filter(behind_rows).map(|ghost| (count + ghost) as u32).collect();
+        let frontier = (0..self.mirrors.len()).filter(behind_rows).map(|ghost| (count + ghost) as u32).collect();
         // In a body narrower than the reach, images that pass a closed wall first have images that pass an open one.
         let narrow = self.lattice.columns as f64 * self.lattice.spacing < self.reach;
         self.mirror(Walls::Columns, frontier, narrow);
@@ -166,8 +167,8 @@ impl Builder<'_> {
     /// Which part of its pairs each ghost has, or nothing where all have all of them. From `other_way` on corners are mirrored
     /// the other way round.
     fn shares(&self, other_way: usize, fitted: bool) -> Vec<f64> {
-        let in_two_ways = |way: &Way| way.mirrored == [true, true] && way.open == [true, true];
-        if !self.ways.iter().any(in_two_ways) {
+        let in_both = |passed: &Mirrors| passed.mirrored == [true, true] && passed.open == [true, true];
+        if !self.mirrors.iter().any(in_both) {
             return Vec::new();
         }
         if fitted {
@@ -177,12 +178,12 @@ impl Builder<'_> {
             self.ghosts.position.iter().for_each(|place| *at.entry(key(place)).or_default() += 1.0);
             return self.ghosts.position.iter().map(|place| 1.0 / at[&key(place)]).collect();
         }
-        let share = |(ghost, way): (usize, &Way)| match way.mirrored {
-            [true, true] if in_two_ways(way) => 0.5,
+        let share = |(ghost, passed): (usize, &Mirrors)| match passed.mirrored {
+            [true, true] if in_both(passed) => 0.5,
             [true, true] if ghost >= other_way => 0.0,
             _ => 1.0,
         };
-        self.ways.iter().enumerate().map(share).collect()
+        self.mirrors.iter().enumerate().map(share).collect()
     }
 
     /// Ghosts on lattice points outside straight walls, with fitted images; behind the other walls of corners too, where
@@ -235,7 +236,7 @@ impl Builder<'_> {
             ghosts.starts.push(ghosts.images.len() as u32);
             let beyond = |sides: [BoxSide; 2]| sides.iter().any(|side| side.1.dot(*place) > side.2);
             let mirrored = [beyond(across[0]), beyond(across[1])];
-            self.ways.push(Way { mirrored, open: mirrored });
+            self.mirrors.push(Mirrors { mirrored, open: mirrored });
         }
     }
 }

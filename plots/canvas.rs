@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use frazil_record::write_whole;
+
 use crate::style::{INK, Marker};
 use crate::{PlotError, draw, style};
 
@@ -210,24 +212,20 @@ impl Canvas {
         let mut paths = Vec::new();
         for (ending, bytes) in [("svg", self.svg().into_bytes()), ("png", self.png()?)] {
             let path = folder.join(format!("{name}.{ending}"));
-            write_whole(&path, &bytes)?;
+            write(&path, &bytes)?;
             paths.push(path);
         }
         Ok(paths)
     }
 }
 
-/// Writes a file beside its place and then moves it there, so that no reader sees half of it.
-pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), PlotError> {
-    let failed = |source| PlotError::Write { path: path.into(), source };
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(format!(".{}.part", std::process::id()));
-    let part = path.with_file_name(name);
-    std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path)).map_err(|source| {
-        // The part is of no use to anyone; that it cannot be removed is the lesser trouble.
-        let _ = std::fs::remove_file(&part);
-        failed(source)
-    })
+/// Writes a file whole.
+///
+/// # Errors
+///
+/// If it cannot be written.
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), PlotError> {
+    write_whole(path, |writer| writer.write_all(bytes)).map_err(|source| PlotError::Write { path: path.into(), source })
 }
 
 /// Width of a text (px).

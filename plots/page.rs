@@ -6,7 +6,7 @@ use minijinja::Environment;
 use serde::Serialize;
 
 use crate::PlotError;
-use crate::canvas::{Canvas, write_whole};
+use crate::canvas::{self, Canvas};
 
 /// A whole page.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -122,7 +122,7 @@ pub fn render(page: &Page) -> Result<String, PlotError> {
 
 /// Writes the page.
 pub fn write(page: &Page, path: &Path) -> Result<(), PlotError> {
-    write_whole(path, render(page)?.as_bytes())
+    canvas::write(path, render(page)?.as_bytes())
 }
 
 #[cfg(test)]

@@ -217,11 +217,5 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
 
 /// Writes rows as a table.
 fn write_rows<R: serde::Serialize>(folder: &Path, name: &str, rows: &[R]) -> Result<(), Failure> {
-    output::write_whole(&folder.join(name), |writer| {
-        let mut table = csv::Writer::from_writer(writer);
-        for row in rows {
-            table.serialize(row).map_err(std::io::Error::other)?;
-        }
-        table.flush()
-    })
+    output::write_rows(&folder.join(name), rows)
 }

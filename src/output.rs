@@ -1,34 +1,18 @@
 //! Files, each whole or not at all.
 
 use std::fs;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use frazil_record::{BudgetRow, RunResult};
 use serde::Serialize;
-use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
 use crate::fields;
 
 /// Writes a file beside its place and moves it there when it is whole.
 pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let write = || -> io::Result<()> {
-        let mut writer = BufWriter::new(NamedTempFile::new_in(folder)?);
-        fill(&mut writer)?;
-        let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
-        // Temporary files are for their owner only; results are for everybody.
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            file.as_file().set_permissions(fs::Permissions::from_mode(0o644))?;
-        }
-        file.as_file().sync_all()?;
-        file.persist(path).map_err(|error| error.error)?;
-        Ok(())
-    };
-    write().map_err(|error| Failure::file(path, "cannot be written", error))
+    frazil_record::write_whole(path, fill).map_err(|error| Failure::file(path, "cannot be written", error))
 }
 
 /// Writes JSON for people: indented, with a last line break.
@@ -237,20 +221,6 @@ mod tests {
         let text = fs::read_to_string(folder.path().join("record.json")).expect("the record");
         let record: Record = serde_json::from_str(&text).expect("a record");
         assert_eq!(record, result.record);
-    }
-
-    #[test]
-    fn a_file_that_fails_half_way_leaves_the_old_one() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("record.json");
-        write_json(&path, &1).expect("written");
-        let failed = write_whole(&path, |writer| {
-            writer.write_all(b"half")?;
-            Err(io::Error::other("stopped"))
-        });
-        assert!(failed.is_err());
-        assert_eq!(fs::read_to_string(&path).expect("the file"), "1\n");
-        assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 1);
     }
 
     #[test]

@@ -7,6 +7,7 @@ mod tables;
 mod wall;
 mod water;
 mod work;
+mod write;
 
 pub use record::{Errors, Outcome, Record, ReferenceInfo, Value};
 pub use result::RunResult;
@@ -17,3 +18,4 @@ pub use tables::{
 pub use wall::{GapRow, LinkRow, PlaneRow, WallRecord, WallRow};
 pub use water::{CutRow, FlowPoint, WaterRecord, WaterRow, WaterSeries};
 pub use work::Work;
+pub use write::write_whole;

@@ -9,6 +9,7 @@ use frazil_edpd::calibration::Constants;
 use frazil_scene::Setting;
 
 use crate::calibrate::{CalibrateRequest, Conduction, calibrate};
+use crate::campaign::Shard;
 use crate::compare::plan::Variant;
 use crate::compare::vary::{RATIOS, Vary};
 use crate::failure::{Failure, Verdict, exit_code};
@@ -101,7 +102,7 @@ struct LayoutArguments {
     /// Runs the layouts K, K + N, K + 2 N, ... alone; the same command without it takes all over that the folder holds,
     /// and writes the tables.
     #[arg(long, value_name = "K/N", value_parser = shard)]
-    shard: Option<(usize, usize)>,
+    shard: Option<Shard>,
     /// Folder for the results; by default out/STUDY. Layouts that it holds already are not run again.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -407,7 +408,7 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             method: arguments.method,
             overrides: arguments.set,
             threads: arguments.threads.map_or_else(parallel::cores, usize::from),
-            shard: arguments.shard.unwrap_or((0, 1)),
+            shard: arguments.shard.unwrap_or(Shard::WHOLE),
             check: arguments.check,
             frames: arguments.frames,
             out: arguments.out,
@@ -493,11 +494,11 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
     }
 }
 
-fn shard(text: &str) -> Result<(usize, usize), String> {
+fn shard(text: &str) -> Result<Shard, String> {
     let parts: Option<(usize, usize)> =
         text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
     match parts {
-        Some((k, n)) if k >= 1 && k <= n => Ok((k - 1, n)),
+        Some((k, count)) if k >= 1 && k <= count => Ok(Shard { number: k - 1, count }),
         _ => Err("must be K/N, as 3/16".into()),
     }
 }

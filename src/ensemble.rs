@@ -1,10 +1,9 @@
 //! The same run with many seeds: members side by side, means with intervals, bias and variance apart.
 //!
-//! An ensemble goes one way: members, each whole in a folder of its own; then tables, record and figures from these
-//! folders alone. So members found on disk and members just run are the same.
+//! An ensemble goes one way: members, each whole in a folder of its own and kept by a campaign; then tables, record and
+//! figures from these folders alone. So members known before and members just run are the same.
 
 use std::path::Path;
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use frazil_record::{Outcome, Record, RunResult};
@@ -13,6 +12,7 @@ use frazil_scene::settings::MethodSettings;
 use frazil_simulation::measure;
 use frazil_simulation::reference::Reference;
 
+use crate::campaign::{Campaign, Shard};
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::output::{self, Folder};
 use crate::progress::{clock, forewarn};
@@ -44,17 +44,19 @@ pub fn run(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
     let seeds = seeds(request.seed, count)?;
     let path = request.out.clone().unwrap_or_else(|| run::folder_of(&scene, method));
     let folder = Folder::make(&path)?;
+    let threads = request.threads.min(count);
+    let campaign = Campaign::open(&path, Shard::WHOLE, threads, interrupt::watch())?;
     let members = Members {
         scene: &scene,
         settings,
         reference: reference.as_ref(),
         folder: &path,
+        campaign: &campaign,
         seeds: &seeds,
-        threads: request.threads.min(count),
     };
     if !request.quiet {
         let open = seeds.iter().filter(|seed| members.record_of(**seed).is_none()).count();
-        let rounds = open.div_ceil(members.threads.max(1)) as f64;
+        let rounds = open.div_ceil(threads.max(1)) as f64;
         let seconds = expect::seconds(&scene, method, reference.as_ref(), 1).map(|seconds| rounds * seconds);
         forewarn(&format!("{} under {method}, {open} members", scene.name), seconds);
     }
@@ -68,14 +70,14 @@ pub fn run(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
     };
     if made.finished < count {
         folder.take_back();
-        let stopped = if interrupt::watch().load(Ordering::Relaxed) { "interrupted" } else { "stopped" };
+        let stopped = if campaign.is_interrupted() { "interrupted" } else { "stopped" };
         complain(&format!(
             "{stopped}: {} of {count} members are finished; the same command runs the others",
             made.finished
         ));
         return Ok(Verdict::Broken);
     }
-    let study = Study::of(&members, made, began.elapsed().as_secs_f64(), reference.as_deref())?;
+    let study = Study::of(&members, made, (threads, began.elapsed().as_secs_f64()), reference.as_deref())?;
     study.write(&path)?;
     if let Err(error) = figures::draw(&study, &scene, &path) {
         complain(&format!("figures: {error}"));
@@ -121,7 +123,7 @@ impl Study {
     fn of(
         members: &Members<'_>,
         made: Count,
-        wall_s: f64,
+        (threads, wall_s): (usize, f64),
         reference: Option<&dyn Reference>,
     ) -> Result<Study, Failure> {
         let records: Vec<Record> = members.seeds.iter().filter_map(|seed| members.record_of(*seed)).collect();
@@ -169,7 +171,7 @@ impl Study {
             cpu_s: entries.iter().map(|member| member.cpu_s).sum(),
             members_wall_s: entries.iter().map(|member| member.wall_s).sum(),
             wall_s,
-            threads: members.threads,
+            threads,
             differences: first.differences,
             remarks: first.remarks,
             members: entries,

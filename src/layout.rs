@@ -1,17 +1,18 @@
 //! Layouts of freeze pipes beside each other: when the wall closes, how thick and cold it is, and at what load.
 //!
-//! A study goes one way: layouts, each a scene; their runs, each whole in a folder of its own; then tables, figures and one
-//! page from these folders alone. So layouts found on disk, from other shards and just run are the same.
+//! A study goes one way: layouts, each a scene; their runs, each whole in a folder of its own and kept by a campaign; then
+//! tables, figures and one page of what is kept. So layouts known before, from other shards and just run are the same.
 
 use std::path::{Path, PathBuf};
 
 pub use dug::beside_open;
 
+use crate::campaign::{Campaign, Shard};
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::machine::Machine;
 use crate::output::Folder;
 use crate::progress::forewarn;
-use crate::{journal, load, output, parallel};
+use crate::{interrupt, load, output, parallel};
 
 mod ahead;
 pub mod answers;
@@ -51,8 +52,8 @@ pub struct LayoutRequest {
     pub overrides: Vec<(String, String)>,
     /// Layouts that run at once.
     pub threads: usize,
-    /// Which part of the layouts is to be run, from 0, of how many.
-    pub shard: (usize, usize),
+    /// Which part of the layouts is to be run.
+    pub shard: Shard,
     /// Whether only to say what would be run.
     pub check: bool,
     /// Whether to draw frames of an animation.
@@ -109,18 +110,18 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
     let folder = Folder::make(&path)?;
-    let build = journal::stamp();
+    let campaign = Campaign::open(&path, request.shard, request.threads, interrupt::watch())?;
     let machine = Machine::now();
     let work_of = |method: &'static str, beside: bool| Work {
         study: &study,
         method,
         beside,
         folder: if beside { path.join("methods").join(method) } else { path.clone() },
+        campaign: &campaign,
         threads: request.threads,
         shard: request.shard,
         frames: request.frames,
         quiet: request.quiet,
-        build: &build,
         machine: machine.clone(),
     };
     let works: Vec<Work<'_>> = methods.iter().map(|own| work_of(own, *own != method)).collect();

@@ -2,6 +2,7 @@
 
 pub mod answers;
 pub mod calibrate;
+pub mod campaign;
 pub mod check;
 pub mod cli;
 pub mod compare;
@@ -10,7 +11,6 @@ pub mod expect;
 pub mod failure;
 pub mod fields;
 pub mod interrupt;
-pub mod journal;
 pub mod layout;
 pub mod list;
 pub mod load;

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use frazil_record::{BudgetRow, RunResult};
+use frazil_record::{BudgetRow, Record, RunResult};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -122,6 +122,12 @@ pub const RECORD: &str = "record.json";
 
 /// The record of an ensemble.
 pub const ENSEMBLE: &str = "ensemble.json";
+
+/// Whether a folder holds the run of a record, whole.
+pub fn holds(folder: &Path, record: &Record) -> bool {
+    let text = fs::read_to_string(folder.join(RECORD)).unwrap_or_default();
+    serde_json::from_str::<Record>(&text).is_ok_and(|found| found == *record)
+}
 
 /// Takes back the word of earlier runs that a folder holds results of theirs; removes states and frames.
 pub fn clear(folder: &Path) -> Result<(), Failure> {

@@ -30,7 +30,7 @@ const LONGEST_FILE: usize = 500;
 const LONGEST_FUNCTION: usize = 80;
 
 /// What is larger still: to be mended, and taken off this list.
-const STILL_TOO_LARGE: [&str; 26] = [
+const STILL_TOO_LARGE: [&str; 24] = [
     "src/core/balances/groundwater/network.rs: new",
     "src/core/boundary/pipe.rs: immerse",
     "src/core/boundary/wall_layers.rs: inner",
@@ -49,8 +49,6 @@ const STILL_TOO_LARGE: [&str; 26] = [
     "a circle with src/compare/analysis.rs",
     "a circle with src/layout/ahead.rs",
     "a circle with src/layout/check.rs",
-    "a circle with src/properties/equilibrium.rs",
-    "a circle with src/stability/execute.rs",
     "src/cli.rs",
     "src/cli.rs: dispatch",
     "src/layout/report.rs",

@@ -36,7 +36,7 @@ fn a_study_that_was_killed_goes_on_and_leaves_the_same_tables() {
     let (whole, killed) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
     let output = properties(whole.path(), &[&SMALL[..], &["--threads", "2"]].concat());
     assert!(output.status.success(), "{output:?}");
-    let journal = killed.path().join("out/jobs.journal");
+    let journal = killed.path().join("out/runs.journal");
     let lines = || fs::read(&journal).map_or(0, |bytes| bytes.iter().filter(|byte| **byte == b'\n').count());
     let arguments = [&SMALL[..], &["--threads", "1"]].concat();
     let mut child = command(killed.path(), &arguments).stdout(Stdio::null()).spawn().expect("the program starts");

@@ -2,9 +2,8 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
 
 use frazil_record::{Outcome, Record};
 use frazil_scene::Scene;
@@ -14,9 +13,9 @@ use frazil_simulation::reference::Reference;
 
 use super::runs::Tables;
 use super::table::Table;
+use crate::campaign::{self, Campaign, Meter};
 use crate::failure::Failure;
-use crate::progress::{Reporter, clock, countdown};
-use crate::{interrupt, output, parallel};
+use crate::output;
 
 /// States of single particles, which stand elsewhere in every member: no series.
 const STATES: &str = "flow.csv";
@@ -31,10 +30,10 @@ pub struct Members<'a> {
     pub reference: Option<&'a Arc<dyn Reference>>,
     /// Folder of the ensemble.
     pub folder: &'a Path,
+    /// What keeps them.
+    pub campaign: &'a Campaign<'a>,
     /// Their seeds.
     pub seeds: &'a [u64],
-    /// How many are made at once.
-    pub threads: usize,
 }
 
 /// How members came about.
@@ -61,19 +60,13 @@ impl Members<'_> {
         self.folder.join(format!("seed-{seed}"))
     }
 
-    /// The record of a member that came to its end with this very request; none if it is still to be run.
+    fn key(&self, seed: u64) -> String {
+        campaign::key("member", self.scene, self.settings.method, seed)
+    }
+
+    /// The record of a member that came to its end and stands in its folder; none if it is still to be run.
     pub fn record_of(&self, seed: u64) -> Option<Record> {
-        let text = fs::read_to_string(self.folder_of(seed).join(output::RECORD)).ok()?;
-        let record: Record = serde_json::from_str(&text).ok()?;
-        let same = record.frazil_version == env!("CARGO_PKG_VERSION")
-            && record.scene_hash == self.scene.hash
-            && record.scene == self.scene.name
-            && record.method == self.settings.method
-            && record.settings == self.settings.values()
-            && record.seed == seed
-            && record.reduced_from.is_none();
-        let ended = !matches!(record.outcome, Outcome::Interrupted | Outcome::TimedOut);
-        (same && ended).then_some(record)
+        self.campaign.known(&self.key(seed)).filter(|record| output::holds(&self.folder_of(seed), record))
     }
 
     /// The series of a member, as it wrote them.
@@ -93,76 +86,57 @@ impl Members<'_> {
         Ok(tables)
     }
 
-    /// Runs the members that are not there yet, side by side, each on one thread. An interrupt leaves those that are
-    /// finished.
+    /// Runs the members that are not there yet, each on one thread. An interrupt leaves those that are finished.
     pub fn make(&self, quiet: bool) -> Result<Count, Failure> {
-        let interrupted = interrupt::watch();
         let work = Work {
             members: self,
-            interrupted,
-            reporter: Reporter::new(quiet),
-            failed: Mutex::new(None),
+            meter: Meter::new(quiet, self.seeds.len() as f64),
+            whole: AtomicUsize::new(0),
             cleared: Mutex::new(false),
-            shares: self.seeds.iter().map(|_| AtomicU64::new(0)).collect(),
-            taken_over: AtomicU64::new(0),
-            began: Instant::now(),
         };
-        let made = parallel::in_order(self.seeds.len(), self.threads, |k| work.member(k));
-        work.reporter.finish();
-        if let Some(failure) = work.failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            return Err(failure);
-        }
-        let count = |of: &dyn Fn(&Made) -> bool| made.iter().flatten().filter(|made| of(made)).count();
-        Ok(Count { finished: count(&|_| true), taken_over: count(&|made| *made == Made::Before) })
+        let made = self.campaign.side_by_side(&vec![1.0; self.seeds.len()], |k| work.member(self.seeds[k]));
+        work.meter.finish();
+        let made: Vec<Made> = made?.into_iter().flatten().collect();
+        let taken_over = made.iter().filter(|made| **made == Made::Before).count();
+        Ok(Count { finished: made.len(), taken_over })
     }
 }
 
 struct Work<'a> {
     members: &'a Members<'a>,
-    interrupted: &'static AtomicBool,
-    reporter: Reporter,
-    failed: Mutex<Option<Failure>>,
+    meter: Meter,
+    whole: AtomicUsize,
     cleared: Mutex<bool>,
-    /// Share of each member that is done, as bits of a number.
-    shares: Vec<AtomicU64>,
-    taken_over: AtomicU64,
-    began: Instant,
 }
 
 impl Work<'_> {
     /// One member; none if it was not finished.
-    fn member(&self, k: usize) -> Option<Made> {
-        let seed = self.members.seeds[k];
-        if self.interrupted.load(Ordering::Relaxed) || self.failed.lock().is_ok_and(|failed| failed.is_some()) {
-            return None;
-        }
+    fn member(&self, seed: u64) -> Option<Made> {
+        let Members { campaign, .. } = *self.members;
         if self.members.record_of(seed).is_some() {
-            self.taken_over.fetch_add(1, Ordering::Relaxed);
-            self.done(k, 1.0);
+            self.whole.fetch_add(1, Ordering::Relaxed);
+            self.meter.skip(1.0);
             return Some(Made::Before);
         }
-        match self.run(k, seed) {
-            Ok(made) => made,
-            Err(failure) => {
-                self.failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(failure);
-                None
-            }
-        }
+        campaign.make(&self.members.key(seed), || self.run(seed)).map(|_| Made::Now)
     }
 
-    fn run(&self, k: usize, seed: u64) -> Result<Option<Made>, Failure> {
-        let show = |progress: &Progress| self.done(k, (progress.time_s / progress.duration_s).clamp(0.0, 1.0));
+    /// Runs a member, its files before all else: what is kept has its folder. None if it was interrupted.
+    fn run(&self, seed: u64) -> Result<Option<Record>, Failure> {
+        let Members { scene, settings, reference, folder, campaign, seeds } = *self.members;
+        let task = self.meter.task(1.0);
+        let words = |_| format!("{} of {} members", self.whole.load(Ordering::Relaxed), seeds.len());
+        let show = |progress: &Progress| task.at(progress.time_s / progress.duration_s, words);
         let options = Options {
             threads: 1,
             seed,
-            interrupt: Some(self.interrupted),
+            interrupt: Some(campaign.stop()),
             progress: Some(&show),
             time_limit_s: None,
             // Some series come with them.
             fields: true,
             each_output: None,
         };
-        let Members { scene, settings, reference, folder, .. } = *self.members;
         let result = march::run(scene, settings.method, reference, &options)?;
         if result.record.outcome == Outcome::Interrupted {
             return Ok(None);
@@ -171,8 +145,9 @@ impl Work<'_> {
         let path = self.members.folder_of(seed);
         fs::create_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
         output::write_run(&path, &result)?;
-        self.done(k, 1.0);
-        Ok(Some(Made::Now))
+        self.whole.fetch_add(1, Ordering::Relaxed);
+        task.at(1.0, words);
+        Ok(Some(result.record))
     }
 
     /// Before the first member is written: from then on the folder holds others than those that older results speak of.
@@ -183,19 +158,5 @@ impl Work<'_> {
             *cleared = true;
         }
         Ok(())
-    }
-
-    /// Shows where the ensemble stands.
-    fn done(&self, k: usize, share: f64) {
-        self.shares[k].store(share.to_bits(), Ordering::Relaxed);
-        let shares = || self.shares.iter().map(|share| f64::from_bits(share.load(Ordering::Relaxed)));
-        let (all, sum) = (self.shares.len(), shares().sum::<f64>());
-        self.reporter.at(sum / all as f64, || {
-            let (elapsed, own) =
-                (self.began.elapsed().as_secs_f64(), sum - self.taken_over.load(Ordering::Relaxed) as f64);
-            let left = countdown(elapsed, own / (own + all as f64 - sum).max(f64::MIN_POSITIVE));
-            let whole = shares().filter(|share| *share == 1.0).count();
-            format!("{whole} of {all} members, {}{left}", clock(elapsed))
-        });
     }
 }

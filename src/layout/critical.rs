@@ -2,10 +2,6 @@
 //!
 //! It takes for granted that more of it keeps a wall open that less of it keeps open.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
-
 use frazil_plots::layouts::{CriticalView, critical_map};
 use frazil_plots::page::{Block, Figure, Table};
 use frazil_scene::Scene;
@@ -16,9 +12,8 @@ use super::answers::Answers;
 use super::execute::Work;
 use super::study::Study;
 use super::variants::{Layout, Role};
+use crate::campaign::Meter;
 use crate::failure::Failure;
-use crate::progress::{Reporter, countdown};
-use crate::{interrupt, parallel};
 
 /// What is sought of each layout.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -121,23 +116,20 @@ pub(super) fn check(study: &Study, critical: &Critical, method: &str) -> Result<
 
 /// Seeks the value of each layout, runs side by side; none if it was interrupted.
 pub(super) fn seek(study: &Study, critical: &Critical, work: &Work<'_>) -> Result<Option<Outcome>, Failure> {
-    let layouts = compared(study);
+    let (layouts, campaign) = (compared(study), work.campaign);
     let find = |layout: &Layout| work.made(layout);
     let attempts = Attempts::new(study, critical, &find, work.quiet);
     let each = critical.values.len();
-    let first = parallel::in_order(layouts.len() * each, work.threads, |k| {
-        attempts.one(layouts[k / each], critical.values[k % each])
-    });
-    let sought = parallel::in_order(layouts.len(), work.threads, |k| {
+    let first = campaign.side_by_side(&vec![0.0; layouts.len() * each], |k| {
+        campaign.or_stop(attempts.one(layouts[k / each], critical.values[k % each]))?
+    })?;
+    let sought = campaign.side_by_side(&vec![0.0; layouts.len()], |k| {
         let tried: Option<Vec<Tried>> = first[k * each..(k + 1) * each].iter().cloned().collect();
-        attempts.halve(layouts[k], tried?)
+        campaign.or_stop(attempts.halve(layouts[k], tried?))?
     });
-    attempts.reporter.finish();
-    if let Some(failure) = attempts.failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        return Err(failure);
-    }
+    attempts.meter.finish();
     let mut outcome = Outcome::default();
-    for one in sought {
+    for one in sought? {
         let Some((tried, found)) = one else { return Ok(None) };
         outcome.tried.extend(tried);
         outcome.found.push(found);
@@ -158,16 +150,20 @@ pub(super) fn ahead(
 ) -> Result<Ahead, Failure> {
     let layouts = compared(study);
     let attempts = Attempts::new(study, critical, known, true);
-    let left = |layout: &&Layout| {
-        let tried: Vec<_> = critical.values.iter().map(|value| attempts.one(layout, *value)).collect();
+    let left = |layout: &Layout| {
+        let tried: Vec<_> =
+            critical.values.iter().map(|value| attempts.one(layout, *value)).collect::<Result<_, _>>()?;
         let open = tried.iter().filter(|one| one.is_none()).count();
-        let is_found = tried.into_iter().collect::<Option<Vec<_>>>().and_then(|tried| attempts.halve(layout, tried));
+        let is_found = match tried.into_iter().collect::<Option<Vec<_>>>() {
+            Some(tried) => attempts.halve(layout, tried)?.is_some(),
+            None => false,
+        };
         // Of those between two values none is left where all close.
-        if is_found.is_some() { 0 } else { open + critical.halvings() }
+        Ok::<_, Failure>(if is_found { 0 } else { open + critical.halvings() })
     };
     let (middle, at_once) = (critical.values[critical.values.len() / 2].to_string(), threads.min(layouts.len()));
     layouts.iter().try_fold(Ahead::default(), |ahead, layout| {
-        let (left, example) = (left(layout), study.changed(layout, &critical.key, &middle)?);
+        let (left, example) = (left(layout)?, study.changed(layout, &critical.key, &middle)?);
         Ok(ahead.and(Ahead::of((left, left), &example, method, at_once)))
     })
 }
@@ -177,48 +173,21 @@ struct Attempts<'a> {
     study: &'a Study,
     critical: &'a Critical,
     find: &'a Find<'a>,
-    failed: Mutex<Option<Failure>>,
-    done: AtomicUsize,
+    meter: Meter,
     expected: usize,
-    began: Instant,
-    reporter: Reporter,
 }
 
 impl<'a> Attempts<'a> {
     fn new(study: &'a Study, critical: &'a Critical, find: &'a Find<'a>, quiet: bool) -> Self {
-        Attempts {
-            study,
-            critical,
-            find,
-            failed: Mutex::new(None),
-            done: AtomicUsize::new(0),
-            expected: compared(study).len() * (critical.values.len() + critical.halvings()),
-            began: Instant::now(),
-            reporter: Reporter::new(quiet),
-        }
+        let expected = compared(study).len() * (critical.values.len() + critical.halvings());
+        Attempts { study, critical, find, meter: Meter::new(quiet, expected as f64), expected }
     }
 
-    /// Tries a value; none if it was interrupted or failed, here or elsewhere.
-    fn one(&self, layout: &Layout, value: f64) -> Option<Tried> {
-        let failed = || self.failed.lock().unwrap_or_else(PoisonError::into_inner);
-        if failed().is_some() || interrupt::watch().load(Ordering::Relaxed) {
-            return None;
-        }
-        match self.run(layout, value) {
-            Ok(tried) => {
-                let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
-                let share = done as f64 / self.expected as f64;
-                self.reporter.at(share, || {
-                    let left = countdown(self.began.elapsed().as_secs_f64(), share);
-                    format!("{}: {done} of about {} runs{left}", self.critical.key, self.expected)
-                });
-                tried
-            }
-            Err(failure) => {
-                failed().get_or_insert(failure);
-                None
-            }
-        }
+    /// Tries a value; none if it was interrupted.
+    fn one(&self, layout: &Layout, value: f64) -> Result<Option<Tried>, Failure> {
+        let tried = self.run(layout, value)?;
+        self.meter.made(1.0, |done| format!("{}: {done} of about {} runs", self.critical.key, self.expected));
+        Ok(tried)
     }
 
     fn run(&self, layout: &Layout, value: f64) -> Result<Option<Tried>, Failure> {
@@ -241,7 +210,7 @@ impl<'a> Attempts<'a> {
     }
 
     /// Halves between the greatest value below which all close and the next.
-    fn halve(&self, layout: &Layout, mut tried: Vec<Tried>) -> Option<(Vec<Tried>, Found)> {
+    fn halve(&self, layout: &Layout, mut tried: Vec<Tried>) -> Result<Option<(Vec<Tried>, Found)>, Failure> {
         let first_open = tried.iter().position(|one| one.closure_days.is_none());
         let mut open = first_open.map(|k| tried[k].value);
         let mut closes = match first_open {
@@ -250,7 +219,7 @@ impl<'a> Attempts<'a> {
         };
         while let Some((low, high)) = closes.zip(open).filter(|(low, high)| high - low > self.critical.within) {
             let middle = 0.5 * (low + high);
-            let one = self.one(layout, middle)?;
+            let Some(one) = self.one(layout, middle)? else { return Ok(None) };
             match one.closure_days {
                 Some(_) => closes = Some(middle),
                 None => open = Some(middle),
@@ -265,7 +234,7 @@ impl<'a> Attempts<'a> {
             open_from: open,
             heat_balance_m_per_day: (self.critical.key == VELOCITY).then(|| balance(&layout.scene)).flatten(),
         };
-        Some((tried, found))
+        Ok(Some((tried, found)))
     }
 }
 

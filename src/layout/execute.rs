@@ -1,10 +1,8 @@
-//! Runs of all layouts, side by side; those that a folder holds are not run again.
+//! Runs of all layouts, as a campaign whose runs leave a folder each.
 
 use std::fs;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
 
 use frazil_core::particles::Particles;
 use frazil_plots::ground_plan::ShaftMark;
@@ -13,23 +11,20 @@ use frazil_record::Outcome;
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, EachOutput, Options};
 use frazil_simulation::predict;
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use super::answers::Kept;
 use super::study::Study;
 use super::variants::{Layout, Role};
+use crate::campaign::{self, Campaign, Meter, Shard};
 use crate::failure::{Failure, complain};
 use crate::fields::{self, Snapshots};
 use crate::machine::Machine;
-use crate::progress::{Reporter, countdown};
-use crate::{interrupt, load, output, parallel};
+use crate::{load, output, parallel};
 
-/// What a folder keeps of a layout: a run, and the same at twice the spacing.
+/// What is kept of a layout: a run, and the same at twice the spacing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
-    /// Name of the layout, program and both scenes, by which it is known again.
-    key: String,
     /// The run.
     pub fine: Kept,
     /// The same at twice the spacing; none where that is too coarse for the layout.
@@ -38,24 +33,26 @@ pub struct Pair {
     pub refused: Option<String>,
 }
 
-/// By what a layout that is kept is known again.
+/// What came of a layout.
 #[derive(Debug, Serialize, Deserialize)]
-struct Known {
-    key: String,
+enum Finding {
+    /// Its runs.
+    Ran(Box<Pair>),
+    /// The method cannot run it, for this reason.
+    Refused(String),
 }
 
-/// Why a method cannot run a layout.
-#[derive(Debug, Serialize, Deserialize)]
-struct Refusal {
-    key: String,
-    reason: String,
+impl Finding {
+    fn ran(self) -> Option<Pair> {
+        match self {
+            Finding::Ran(pair) => Some(*pair),
+            Finding::Refused(_) => None,
+        }
+    }
 }
 
-/// File of a layout that is whole.
-const KEPT: &str = "layout.json";
-
-/// File of a layout that the method cannot run.
-const REFUSED: &str = "refused.json";
+/// Seed of all runs: layouts have no chance.
+const SEED: u64 = 1;
 
 /// About how long (s) a layout takes, from its first steps; absent where they do not tell.
 pub(super) fn seconds_of(scene: &Scene, method: &str) -> Option<f64> {
@@ -74,16 +71,16 @@ pub struct Work<'a> {
     pub beside: bool,
     /// Folder.
     pub folder: PathBuf,
+    /// What keeps what they find.
+    pub campaign: &'a Campaign<'a>,
     /// Workers.
     pub threads: usize,
-    /// Which part of the layouts is to be run, of how many.
-    pub shard: (usize, usize),
+    /// Which part of the layouts is to be run.
+    pub shard: Shard,
     /// Whether layouts that are compared leave frames of an animation.
     pub frames: bool,
     /// Whether to say nothing but errors.
     pub quiet: bool,
-    /// What tells this build of the program from others: what another has left is made anew.
-    pub build: &'a str,
     /// The machine, as it was at the start.
     pub machine: Machine,
 }
@@ -93,49 +90,27 @@ impl Work<'_> {
     pub fn make(&self) -> Result<Option<usize>, Failure> {
         let layouts = &self.study.layouts;
         let wanted = self.wanted();
-        let reporter = Reporter::new(self.quiet);
-        let (began, done, failed) = (Instant::now(), AtomicUsize::new(0), Mutex::new(None));
-        let made = parallel::in_order(wanted.len(), self.threads, |k| {
-            let stopped = interrupt::watch().load(Ordering::Relaxed);
-            if stopped || failed.lock().unwrap_or_else(PoisonError::into_inner).is_some() {
-                return None;
-            }
-            match self.layout(&layouts[wanted[k]]) {
-                Ok(true) => {
-                    let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-                    let share = count as f64 / wanted.len() as f64;
-                    reporter.at(share, || {
-                        let left = countdown(began.elapsed().as_secs_f64(), share);
-                        format!("{count} of {} layouts{left}", wanted.len())
-                    });
-                    Some(())
-                }
-                Ok(false) => None,
-                Err(failure) => {
-                    failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(failure);
-                    None
-                }
-            }
+        // A part of the plan costs as much as its share of the whole.
+        let prices: Vec<f64> = wanted.iter().map(|k| 1.0 / layouts[*k].images() as f64).collect();
+        let (meter, done) = (Meter::new(self.quiet, prices.iter().sum()), AtomicUsize::new(0));
+        let made = self.campaign.side_by_side(&prices, |k| {
+            self.make_one(&layouts[wanted[k]])?;
+            let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+            meter.made(prices[k], |_| format!("{count} of {} layouts", wanted.len()));
+            Some(())
         });
-        reporter.finish();
-        if let Some(failure) = failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
-            return Err(failure);
-        }
-        let count = made.iter().flatten().count();
+        meter.finish();
+        let count = made?.iter().flatten().count();
         Ok((count == wanted.len()).then_some(count))
     }
 
-    /// The layouts of this shard that are not there yet, the longest first, so that none is left alone at the end.
+    /// The layouts of this shard that are not there yet.
     fn wanted(&self) -> Vec<usize> {
-        let (shard, shards) = self.shard;
         let layouts = &self.study.layouts;
-        let own: Vec<usize> = (0..layouts.len())
-            .filter(|k| k % shards == shard && (!self.beside || layouts[*k].role == Role::Compared))
-            .collect();
+        let is_own = |k: &usize| self.shard.has(*k) && (!self.beside || layouts[*k].role == Role::Compared);
+        let own: Vec<usize> = (0..layouts.len()).filter(is_own).collect();
         let open = |k: usize| (!self.is_done(&layouts[own[k]])).then_some(own[k]);
-        let mut wanted: Vec<usize> = parallel::in_order(own.len(), self.threads, open).into_iter().flatten().collect();
-        wanted.sort_by_key(|k| layouts[*k].images());
-        wanted
+        parallel::in_order(own.len(), self.threads, open).into_iter().flatten().collect()
     }
 
     /// About how long (s) these take, from the first steps of one of them; absent where they do not tell.
@@ -151,8 +126,7 @@ impl Work<'_> {
 
     /// Whether nothing is left to other shards, so that what is sought can be tried.
     pub fn is_last(&self) -> bool {
-        let (shard, shards) = self.shard;
-        let mut others = self.study.layouts.iter().enumerate().filter(|(k, _)| k % shards != shard);
+        let mut others = self.study.layouts.iter().enumerate().filter(|(k, _)| !self.shard.has(*k));
         others.all(|(_, layout)| self.is_done(layout))
     }
 
@@ -170,7 +144,8 @@ impl Work<'_> {
     }
 
     fn key(&self, layout: &Layout) -> String {
-        format!("{} {} {} {}", self.build, layout.name, self.method, layout.scene.hash)
+        let beside = if self.beside { " beside" } else { "" };
+        campaign::key(&format!("layout \"{}\"{beside}", layout.name), &layout.scene, self.method, SEED)
     }
 
     fn draws_frames(&self, layout: &Layout) -> bool {
@@ -181,40 +156,49 @@ impl Work<'_> {
         self.draws_frames(layout) && !self.folder_of(layout).join(fields::NAMES[2]).is_dir()
     }
 
-    /// A file of the folder of a layout, if it is of this layout.
-    fn read<T: DeserializeOwned>(&self, layout: &Layout, name: &str, key: fn(&T) -> &str) -> Option<T> {
-        let text = fs::read_to_string(self.folder_of(layout).join(name)).ok()?;
-        let found: T = serde_json::from_str(&text).ok()?;
-        (key(&found) == self.key(layout)).then_some(found)
+    /// What is known of a layout: nothing while its folder lacks the run, or frames that are wanted.
+    fn found(&self, layout: &Layout) -> Option<Finding> {
+        let found = self.campaign.known(&self.key(layout))?;
+        let is_there = match &found {
+            Finding::Ran(pair) => {
+                output::holds(&self.folder_of(layout), &pair.fine.record) && !self.lacks_frames(layout)
+            }
+            Finding::Refused(_) => true,
+        };
+        is_there.then_some(found)
     }
 
-    /// What is known of a layout; nothing while frames are wanted that it has not left.
+    /// The runs of a layout that is known.
     pub fn kept(&self, layout: &Layout) -> Option<Pair> {
-        if self.lacks_frames(layout) { None } else { self.read(layout, KEPT, |pair: &Pair| &pair.key) }
+        self.found(layout).and_then(Finding::ran)
     }
 
     /// Why the method cannot run a layout, where it has been found that it cannot.
     pub fn refused(&self, layout: &Layout) -> Option<String> {
-        let found = self.read(layout, REFUSED, |refusal: &Refusal| &refusal.key);
-        found.filter(|_| self.beside).map(|refusal| refusal.reason)
+        match self.found(layout)? {
+            Finding::Refused(reason) => Some(reason),
+            Finding::Ran(_) => None,
+        }
     }
 
     fn is_done(&self, layout: &Layout) -> bool {
-        let known = || self.read(layout, KEPT, |known: &Known| &known.key).is_some();
-        (!self.lacks_frames(layout) && known()) || self.refused(layout).is_some()
+        self.found(layout).is_some()
     }
 
     /// What is known of a layout, which is run if nothing is; none if it was interrupted.
     pub(super) fn made(&self, layout: &Layout) -> Result<Option<Pair>, Failure> {
         layout.check(self.study.shaft_radius, self.method)?;
-        if let Some(pair) = self.kept(layout) {
-            return Ok(Some(pair));
-        }
-        Ok(if self.layout(layout)? { self.kept(layout) } else { None })
+        let found = self.found(layout).or_else(|| self.make_one(layout));
+        self.campaign.check()?;
+        Ok(found.and_then(Finding::ran))
     }
 
-    /// One layout; says whether it came to its end.
-    fn layout(&self, layout: &Layout) -> Result<bool, Failure> {
+    fn make_one(&self, layout: &Layout) -> Option<Finding> {
+        self.campaign.make(&self.key(layout), || self.layout(layout))
+    }
+
+    /// One layout, its files before all else: what is kept has its folder. None if it was interrupted.
+    fn layout(&self, layout: &Layout) -> Result<Option<Finding>, Failure> {
         let named = |failure: Failure| Failure::Request(format!("layout \"{}\": {failure}", layout.name));
         let path = self.folder_of(layout);
         fs::create_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
@@ -228,8 +212,8 @@ impl Work<'_> {
         };
         let options = Options {
             threads: 1,
-            seed: 1,
-            interrupt: Some(interrupt::watch()),
+            seed: SEED,
+            interrupt: Some(self.campaign.stop()),
             progress: None,
             time_limit_s: None,
             fields: layout.role == Role::Compared && !self.beside,
@@ -246,18 +230,15 @@ impl Work<'_> {
         };
         let fine = match tried {
             Ok(fine) => fine,
-            Err(failure) if self.beside => {
-                let refusal = Refusal { key: self.key(layout), reason: failure.to_string() };
-                return output::write_json(&path.join(REFUSED), &refusal).map(|()| true);
-            }
+            Err(failure) if self.beside => return Ok(Some(Finding::Refused(failure.to_string()))),
             Err(failure) => return Err(failure),
         };
         if matches!(fine.record.outcome, Outcome::Interrupted | Outcome::TimedOut) {
-            return Ok(false);
+            return Ok(None);
         }
         let (mut coarse, mut refused) = (None, None);
         match self.coarser(layout).and_then(|scene| Ok((run(&scene, None)?, scene))) {
-            Ok((result, _)) if result.record.outcome == Outcome::Interrupted => return Ok(false),
+            Ok((result, _)) if result.record.outcome == Outcome::Interrupted => return Ok(None),
             Ok((result, scene)) => coarse = Some(Kept::of(&scene, &result)),
             Err(failure) => refused = Some(failure.to_string()),
         }
@@ -268,11 +249,7 @@ impl Work<'_> {
         {
             complain(&format!("figures: {error}"));
         }
-        output::write_json(
-            &path.join(KEPT),
-            &Pair { key: self.key(layout), fine: Kept::of(&layout.scene, &fine), coarse, refused },
-        )?;
-        Ok(true)
+        Ok(Some(Finding::Ran(Box::new(Pair { fine: Kept::of(&layout.scene, &fine), coarse, refused }))))
     }
 
     /// Figures of a layout have its name, and the shaft also where it is not dug.

@@ -1,21 +1,22 @@
 //! What a fluid that is left alone has to keep: its energy and momentum, and one temperature for motion and heat.
 
+use std::cell::Cell;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
 
 use frazil_edpd::fluid::{Fluid, Parameters};
-use frazil_edpd::properties::equilibrium::{Equilibrium, SETTLE, gain, measure};
-use serde::Serialize;
+use frazil_edpd::properties::equilibrium::{SETTLE, gain, measure};
+use serde::{Deserialize, Serialize};
+use xxhash_rust::xxh3::xxh3_64;
 
-use super::PropertiesRequest;
-use super::execute::{Meter, seconds_of};
+use super::execute::{seconds_of, words};
 use super::plan;
+use super::request::PropertiesRequest;
 use crate::calibrate::Calibrated;
+use crate::campaign::{Campaign, Meter, Shard};
 use crate::failure::{Failure, Verdict, answer, complain};
+use crate::interrupt;
 use crate::output::{Folder, write_rows};
 use crate::progress::forewarn;
-use crate::{interrupt, parallel};
 
 /// Cut-off radius in space: as many partners as 1.96 gives in the plane.
 const SPACE_CUTOFF: f64 = 1.58;
@@ -31,7 +32,7 @@ const MOMENTUM: f64 = 1e-10;
 const ENERGY: f64 = 1e-9;
 
 /// One run in `equilibrium.csv`.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct Row {
     dimension: usize,
     step: f64,
@@ -48,7 +49,7 @@ struct Row {
 const EXPLICIT: (f64, [f64; 2]) = (1500.0, [0.65, 0.5]);
 
 /// One run in `explicit.csv`.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 struct ExplicitRow {
     lambda: f64,
     step: f64,
@@ -68,56 +69,37 @@ pub fn equilibrium(request: &PropertiesRequest, calibrated: &Calibrated<'_>, pat
     let own = plan::parameters(request, table, row);
     let steps = (STEPS * request.effort).round().max(1000.0) as u64;
     let jobs = [(2, 1.0), (2, 3.0), (3, 1.0), (3, 3.0)];
-    let stop = interrupt::watch();
-    let particles = 1500 * (SETTLE + steps) * jobs.len() as u64;
+    let price = 1500 * (SETTLE + steps);
     if !request.quiet {
-        forewarn("properties", Some(seconds_of(particles, request.threads.min(jobs.len()))));
-    }
-    let meter = Meter::new(request.quiet, particles, stop);
-    let failed = Mutex::new(None);
-    let run = |k: usize| {
-        let (dimension, times) = jobs[k];
-        let parameters = Parameters { step: own.step * times, ..own.clone() };
-        let found = in_dimension(dimension, parameters, row.temperature, steps, &meter, stop);
-        found.unwrap_or_else(|message| {
-            let failure = Failure::Request(format!("{dimension}D, step {}: {message}", own.step * times));
-            failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(failure);
-            None
-        })
-    };
-    let found = parallel::in_order(jobs.len(), request.threads, run);
-    meter.finish();
-    if let Some(failure) = failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        return Err(failure);
-    }
-    if stop.load(Ordering::Relaxed) {
-        complain("interrupted");
-        return Ok(Verdict::Broken);
-    }
-    let rows: Vec<Row> = found
-        .into_iter()
-        .zip(jobs)
-        .filter_map(|(found, (dimension, times))| {
-            let (particles, found) = found?;
-            Some(Row {
-                dimension,
-                step: own.step * times,
-                particles,
-                steps,
-                kinetic_over_internal: found.temperatures,
-                kinetic_over_internal_error: found.temperatures_error,
-                momentum: found.momentum,
-                drift_over_kinetic: found.drift_kinetic,
-                drift_over_total: found.drift_total,
-            })
-        })
-        .collect();
-    let explicit = explicit(request, &own, row.temperature, stop)?;
-    if stop.load(Ordering::Relaxed) {
-        complain("interrupted");
-        return Ok(Verdict::Broken);
+        forewarn("properties", Some(seconds_of(price * jobs.len() as u64, request.threads.min(jobs.len()))));
     }
     let folder = Folder::make(path)?;
+    let campaign = Campaign::open(path, Shard::WHOLE, request.threads, interrupt::watch())?;
+    let prices = [price as f64; 4];
+    let meter = Meter::new(request.quiet, prices.iter().sum());
+    let rows = campaign.side_by_side(&prices, |k| {
+        let (dimension, times) = jobs[k];
+        let parameters = Parameters { step: own.step * times, ..own.clone() };
+        let key = key(&format!("equilibrium {dimension}D, {steps} steps"), &parameters, row.temperature);
+        let known = campaign.known(&key).inspect(|_| meter.skip(prices[k]));
+        known.or_else(|| {
+            let (task, made) = (meter.task(prices[k]), Cell::new(0));
+            let go_on = |more: u64| {
+                made.set(made.get() + more);
+                task.at(made.get() as f64 / (SETTLE + steps) as f64, words);
+                !campaign.is_interrupted()
+            };
+            campaign.make(&key, || in_dimension(dimension, parameters, row.temperature, steps, &go_on))
+        })
+    });
+    meter.finish();
+    let (rows, explicit) = (rows?, explicit(request, &own, row.temperature, &campaign)?);
+    if campaign.is_interrupted() {
+        complain("interrupted: the same command goes on from here");
+        return Ok(Verdict::Broken);
+    }
+    let (rows, explicit): (Vec<Row>, Vec<ExplicitRow>) =
+        (rows.into_iter().flatten().collect(), explicit.into_iter().flatten().collect());
     write_rows(&folder.path().join("equilibrium.csv"), &rows)?;
     write_rows(&folder.path().join("explicit.csv"), &explicit)?;
     answer(&report(&calibrated.fluid.name, row.temperature_k, &rows, &explicit, own.heat_capacity, folder.path()))?;
@@ -129,18 +111,22 @@ pub fn equilibrium(request: &PropertiesRequest, calibrated: &Calibrated<'_>, pat
     Ok(if rows.iter().all(good) { Verdict::Done } else { Verdict::CheckFailed })
 }
 
+/// What tells a run from all others.
+fn key(purpose: &str, parameters: &Parameters, temperature: f64) -> String {
+    format!("{purpose} {:016x}", xxh3_64(format!("{parameters:?} {temperature:?}").as_bytes()))
+}
+
 /// A fluid of some 1500 particles in a box of two or three dimensions.
 fn in_dimension(
     dimension: usize,
     parameters: Parameters,
     temperature: f64,
     steps: u64,
-    meter: &Meter,
-    stop: &AtomicBool,
-) -> Result<Option<(usize, Equilibrium)>, String> {
+    go_on: &dyn Fn(u64) -> bool,
+) -> Result<Option<Row>, Failure> {
     if dimension == 2 {
         let height = (1500.0 / parameters.density).sqrt();
-        return one(parameters, [height; 2], temperature, steps, meter, stop);
+        return one(parameters, [height; 2], temperature, steps, go_on);
     }
     let reach = |cutoff: f64| cutoff * SPACE_CUTOFF / parameters.reach();
     let parameters = Parameters {
@@ -150,38 +136,7 @@ fn in_dimension(
         ..parameters
     };
     let height = (1500.0 / parameters.density).cbrt();
-    one(parameters, [height; 3], temperature, steps, meter, stop)
-}
-
-/// The paper's integrator in the plane.
-fn explicit(
-    request: &PropertiesRequest,
-    parameters: &Parameters,
-    temperature: f64,
-    stop: &AtomicBool,
-) -> Result<Vec<ExplicitRow>, Failure> {
-    let steps = (EXPLICIT.0 * request.effort).round().max(100.0) as u64;
-    let height = (1500.0 / parameters.density).sqrt();
-    let run = |k: usize| {
-        let go_on = |_| !stop.load(Ordering::Relaxed);
-        let found = Fluid::new(parameters.clone(), [height; 2], temperature, 1, None).and_then(|mut fluid| {
-            let found = gain(&mut fluid, EXPLICIT.1[k], steps, &go_on)?;
-            Ok(found.map(|found| (fluid.particles().len(), found)))
-        });
-        let found = found.map(|found| {
-            found.map(|(particles, found)| ExplicitRow {
-                lambda: EXPLICIT.1[k],
-                step: parameters.step,
-                particles,
-                steps,
-                gain_by_time: found.by_time,
-                kinetic_over_internal: found.temperatures,
-            })
-        });
-        found.transpose()
-    };
-    let found = parallel::in_order(EXPLICIT.1.len(), request.threads, run);
-    found.into_iter().flatten().map(|row| row.map_err(Failure::Request)).collect()
+    one(parameters, [height; 3], temperature, steps, go_on)
 }
 
 fn one<const D: usize>(
@@ -189,16 +144,54 @@ fn one<const D: usize>(
     lengths: [f64; D],
     temperature: f64,
     steps: u64,
-    meter: &Meter<'_>,
-    stop: &AtomicBool,
-) -> Result<Option<(usize, Equilibrium)>, String> {
-    if stop.load(Ordering::Relaxed) {
-        return Ok(None);
-    }
-    let mut fluid = Fluid::new(parameters, lengths, temperature, 1, None)?;
-    let count = fluid.particles().len();
-    let found = measure(&mut fluid, steps, &|steps| meter.made(steps * count as u64))?;
-    Ok(found.map(|found| (count, found)))
+    go_on: &dyn Fn(u64) -> bool,
+) -> Result<Option<Row>, Failure> {
+    let step = parameters.step;
+    let failure = |message| Failure::Request(format!("{D}D, step {step}: {message}"));
+    let mut fluid = Fluid::new(parameters, lengths, temperature, 1, None).map_err(failure)?;
+    let found = measure(&mut fluid, steps, go_on).map_err(failure)?;
+    Ok(found.map(|found| Row {
+        dimension: D,
+        step,
+        particles: fluid.particles().len(),
+        steps,
+        kinetic_over_internal: found.temperatures,
+        kinetic_over_internal_error: found.temperatures_error,
+        momentum: found.momentum,
+        drift_over_kinetic: found.drift_kinetic,
+        drift_over_total: found.drift_total,
+    }))
+}
+
+/// The paper's integrator in the plane.
+fn explicit(
+    request: &PropertiesRequest,
+    parameters: &Parameters,
+    temperature: f64,
+    campaign: &Campaign<'_>,
+) -> Result<Vec<Option<ExplicitRow>>, Failure> {
+    let steps = (EXPLICIT.0 * request.effort).round().max(100.0) as u64;
+    let height = (1500.0 / parameters.density).sqrt();
+    campaign.side_by_side(&[0.0; EXPLICIT.1.len()], |k| {
+        let lambda = EXPLICIT.1[k];
+        let run = || {
+            let go_on = |_| !campaign.is_interrupted();
+            let found = Fluid::new(parameters.clone(), [height; 2], temperature, 1, None).and_then(|mut fluid| {
+                let found = gain(&mut fluid, lambda, steps, &go_on)?;
+                Ok(found.map(|found| ExplicitRow {
+                    lambda,
+                    step: parameters.step,
+                    particles: fluid.particles().len(),
+                    steps,
+                    gain_by_time: found.by_time,
+                    kinetic_over_internal: found.temperatures,
+                }))
+            });
+            found.map_err(Failure::Request)
+        };
+        let key = key(&format!("explicit {lambda}, {steps} steps"), parameters, temperature);
+        campaign.known(&key).or_else(|| campaign.make(&key, run))
+    })
 }
 
 fn report(

@@ -5,7 +5,7 @@ use frazil_edpd::properties::Span;
 use frazil_edpd::properties::halves::{Push, decay};
 use xxhash_rust::xxh3::xxh3_64;
 
-use super::{PropertiesRequest, Rows};
+use super::request::{PropertiesRequest, Rows};
 use crate::calibrate::{CalibratedRow, Calibration};
 use crate::failure::Failure;
 

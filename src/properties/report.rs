@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::PropertiesRequest;
 use super::execute::Finding;
 use super::plan::Job;
+use super::request::PropertiesRequest;
 use super::tables::Row;
 use crate::calibrate::Calibrated;
 

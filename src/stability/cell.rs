@@ -14,6 +14,7 @@ use frazil_simulation::reference::Reference;
 use serde::{Deserialize, Serialize};
 
 use super::axis::stefan_number;
+use crate::campaign;
 
 /// Outputs of a cell, at which heat balance, front and flows are looked at: about as many.
 const OUTPUTS: f64 = 120.0;
@@ -54,7 +55,7 @@ pub fn class_word(outcome: Outcome) -> &'static str {
 
 /// Name of a run of a scene under a method at a multiple of the stated bound.
 pub fn key(scene: &Scene, method: &str, ratio: f64, seed: u64) -> String {
-    format!("{} {} {method} {ratio:?} {seed}", scene.name, scene.hash)
+    campaign::key(&format!("cell at {ratio:?}"), scene, method, seed)
 }
 
 /// A column of a map: a scene under a method, ready to be run at any step.

@@ -1,21 +1,20 @@
 //! The runs of a study: columns side by side, each along its own steps.
 
 use std::collections::{BTreeMap, HashMap};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use frazil_record::Outcome;
 use frazil_simulation::plan::Bounds;
 
-use super::StabilityRequest;
 use super::axis::{Axis, Override};
 use super::cell::{self, Finding, Probe};
 use super::plan::Job;
+use super::request::StabilityRequest;
 use super::search::{self, Ladder, climb, grid};
 use super::super_steps;
+use crate::campaign::Campaign;
 use crate::failure::Failure;
-use crate::journal::Journal;
 use crate::progress::{self, Reporter};
 use crate::{load, parallel};
 
@@ -39,18 +38,10 @@ pub struct Column {
 }
 
 /// Works on all columns. What they show does not depend on how many are worked on at once.
-pub fn columns(
-    request: &StabilityRequest,
-    jobs: Vec<Job>,
-    journal: &Journal<Finding>,
-    stop: &AtomicBool,
-) -> Result<Vec<Mapped>, Failure> {
-    let order = early_ones_first(&jobs);
+pub fn columns(request: &StabilityRequest, jobs: Vec<Job>, campaign: &Campaign<'_>) -> Result<Vec<Mapped>, Failure> {
     let study = Study {
         request,
-        journal,
-        stop,
-        failed: Mutex::new(None),
+        campaign,
         bounds: Mutex::new(HashMap::new()),
         reporter: Reporter::new(request.quiet),
         tally: Mutex::new(Tally::of(&jobs)),
@@ -58,16 +49,10 @@ pub fn columns(
     if !request.quiet {
         progress::forewarn("stability", study.seconds(&jobs));
     }
-    let mut found = parallel::in_order(order.len(), request.threads, |k| study.column(&jobs[order[k]]));
+    let found = campaign.side_by_side(&early_ones_first(&jobs), |k| study.column(&jobs[k]));
     study.reporter.finish();
-    if let Some(failure) = study.failed.into_inner().unwrap_or_else(PoisonError::into_inner) {
-        return Err(failure);
-    }
-    // Back into the order of the jobs; a study that was stopped has gaps.
-    let mut places: Vec<(usize, usize)> = order.into_iter().enumerate().map(|(k, job)| (job, k)).collect();
-    places.sort_unstable();
-    let mapped = jobs.into_iter().zip(places).filter_map(|(job, (_, k))| Some(Mapped { job, found: found[k].take()? }));
-    Ok(mapped.collect())
+    // A study that was stopped has gaps.
+    Ok(jobs.into_iter().zip(found?).filter_map(|(job, found)| Some(Mapped { job, found: found? })).collect())
 }
 
 /// Largest ratio of two steps between the bound and the linear stability limit: an overshoot there may come and go
@@ -85,13 +70,11 @@ fn refined(mut steps: Vec<f64>, limit: f64) -> Vec<f64> {
     steps
 }
 
-/// The middle column of every kind first, so that the time of all can be told early.
-fn early_ones_first(jobs: &[Job]) -> Vec<usize> {
-    let mut early: Vec<usize> = by_kind(jobs).values().map(|same| same[same.len() / 2]).collect();
-    early.sort_unstable();
-    let others = (0..jobs.len()).filter(|k| !early.contains(k)).collect::<Vec<_>>();
-    early.extend(others);
-    early
+/// Prices by which the middle column of every kind comes first, so that the time of all can be told early.
+fn early_ones_first(jobs: &[Job]) -> Vec<f64> {
+    let mut prices = vec![0.0; jobs.len()];
+    by_kind(jobs).values().for_each(|same| prices[same[same.len() / 2]] = 1.0);
+    prices
 }
 
 /// Numbers of the columns of each kind.
@@ -114,24 +97,14 @@ type Particles = (String, &'static str, Vec<Override>);
 
 struct Study<'a> {
     request: &'a StabilityRequest,
-    journal: &'a Journal<Finding>,
-    stop: &'a AtomicBool,
-    failed: Mutex<Option<Failure>>,
+    campaign: &'a Campaign<'a>,
     bounds: Mutex<HashMap<Particles, Bounds>>,
     reporter: Reporter,
     tally: Mutex<Tally>,
 }
 
 impl Study<'_> {
-    fn stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed) || self.failed.lock().unwrap_or_else(PoisonError::into_inner).is_some()
-    }
-
-    fn fail(&self, failure: Failure) {
-        self.failed.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(failure);
-    }
-
-    /// About how long (s) the columns will take that the journal does not know, from the first steps of the middle one of each
+    /// About how long (s) the columns will take that are not known, from the first steps of the middle one of each
     /// kind; kinds whose steps do not tell are not in it.
     fn seconds(&self, jobs: &[Job]) -> Option<f64> {
         let kinds: Vec<Vec<usize>> = by_kind(jobs).into_values().collect();
@@ -148,7 +121,7 @@ impl Study<'_> {
         Some(all / self.request.threads.clamp(1, jobs.len().max(1)) as f64)
     }
 
-    /// Whether the journal knows the ends of the map of a column, which are run at any limit of stability.
+    /// Whether the ends of the map of a column are known, which are run at any limit of stability.
     fn is_known(&self, job: &Job) -> bool {
         let Ok(scene) = load::scene(&job.scene, &job.overrides) else { return false };
         let steps = match (&self.request.steps[..], job.axis) {
@@ -156,14 +129,13 @@ impl Study<'_> {
             ([], _) => grid(RANGE.0, RANGE.1, self.request.grid),
             (asked, _) => asked.to_vec(),
         };
-        steps.iter().all(|ratio| self.journal.find(&cell::key(&scene, job.method, *ratio, cell::SEED)).is_some())
+        let is_known =
+            |ratio: &f64| self.campaign.known::<Finding>(&cell::key(&scene, job.method, *ratio, cell::SEED)).is_some();
+        steps.iter().all(is_known)
     }
 
     /// One column; no answer if the study stops.
     fn column(&self, job: &Job) -> Option<Result<Column, String>> {
-        if self.stopped() {
-            return None;
-        }
         let began = Instant::now();
         let mut fresh = false;
         let found = match self.probe(job) {
@@ -211,33 +183,23 @@ impl Study<'_> {
         refined(coarse, probe.sharp_over_bound().clamp(1.0, RANGE.1 / FINE))
     }
 
-    /// One run, or what the journal knows of it.
+    /// One run, or what is known of it.
     fn run(&self, probe: &Probe, ratio: f64, seed: u64, fresh: &mut bool) -> Option<Finding> {
-        if self.stopped() {
+        if self.campaign.is_stopped() {
             return None;
         }
         let key = probe.key(ratio, seed);
-        if let Some(finding) = self.journal.find(&key) {
+        if let Some(finding) = self.campaign.known(&key) {
             return Some(finding);
         }
         *fresh = true;
-        let finding = match probe.run(ratio, seed, self.request.time_limit_s, self.stop) {
-            Ok(finding) => finding,
-            Err(refused) => {
-                self.fail(refused.into());
-                return None;
-            }
-        };
+        let run = probe.run(ratio, seed, self.request.time_limit_s, self.campaign.stop());
+        let finding = self.campaign.or_stop(run.map_err(Failure::from))?;
         match finding.outcome {
             Outcome::Interrupted => return None,
             // Another time it may not run out of time.
             Outcome::TimedOut => {}
-            _ => {
-                if let Err(failure) = self.journal.add(&key, &finding) {
-                    self.fail(failure);
-                    return None;
-                }
-            }
+            _ => self.campaign.keep(&key, &finding),
         }
         Some(finding)
     }
@@ -327,11 +289,11 @@ mod tests {
     fn the_time_left_is_told_once_every_kind_has_been_seen() {
         let jobs = [("pd", Axis::Stefan), ("pd", Axis::Capacity), ("edpd", Axis::Noise), ("edpd", Axis::Noise)]
             .map(|(method, axis)| job(method, axis));
-        assert_eq!(early_ones_first(&jobs), [1, 3, 0, 2]);
+        assert_eq!(early_ones_first(&jobs), [0.0, 1.0, 0.0, 1.0]);
         let mut tally = Tally::of(&jobs);
         tally.add(&jobs[1], Some(2.0));
         assert_eq!(tally.seconds_left(2), None);
-        // A column from the journal says nothing about time.
+        // A column that was known says nothing about time.
         tally.add(&jobs[3], None);
         assert_eq!(tally.seconds_left(2), None);
         tally.add(&jobs[2], Some(10.0));

@@ -5,7 +5,7 @@ use frazil_scene::{Scene, Units};
 use frazil_simulation::plan;
 
 use super::axis::{Axis, Override};
-use super::{StabilityRequest, unknown_method};
+use super::request::StabilityRequest;
 use crate::failure::Failure;
 use crate::{load, registry};
 
@@ -28,7 +28,7 @@ pub struct Job {
 pub fn jobs(request: &StabilityRequest, name: &str, scene: &Scene) -> Result<Vec<Job>, Failure> {
     let known: Vec<&str> = registry::methods().iter().map(|kind| kind.name).collect();
     if let Some(unknown) = request.methods.iter().find(|asked| !known.contains(&asked.as_str())) {
-        return Err(unknown_method(unknown, &known).into());
+        return Err(Failure::Request(format!("--methods {unknown}: there are {}", known.join(", "))));
     }
     let wanted: Vec<Axis> = if request.axes.is_empty() {
         Axis::WORDS.iter().map(|(_, axis)| *axis).filter(|axis| *axis != Axis::Own).collect()

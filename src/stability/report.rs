@@ -8,10 +8,10 @@ use frazil_record::Outcome;
 use frazil_scene::Scene;
 use frazil_simulation::march::{BALANCE_TOLERANCE, RANGE_TOLERANCE, SETBACK_TOLERANCE};
 
-use super::StabilityRequest;
 use super::axis::Axis;
 use super::cell::class_word;
 use super::execute::Mapped;
+use super::request::StabilityRequest;
 use super::search::{Cell, Edge};
 use super::{figures, super_steps};
 use crate::failure::Failure;

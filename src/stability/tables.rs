@@ -4,10 +4,10 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::StabilityRequest;
 use super::axis::{Axis, Override};
 use super::cell::class_word;
 use super::execute::{Column, Mapped};
+use super::request::StabilityRequest;
 use super::search::Cell;
 use super::super_steps;
 use crate::failure::Failure;

@@ -10,8 +10,9 @@ use frazil_scene::Setting;
 
 use crate::calibrate::{CalibrateRequest, Conduction, calibrate};
 use crate::campaign::Shard;
-use crate::compare::plan::Variant;
-use crate::compare::vary::{RATIOS, Vary};
+use crate::compare::Vary;
+use crate::compare::variant::Variant;
+use crate::compare::vary::RATIOS;
 use crate::failure::{Failure, Verdict, exit_code};
 use crate::properties::{PropertiesRequest, Rows, properties};
 use crate::stability::axis::Axis;

@@ -5,6 +5,15 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use frazil_plots::page::Fact;
 
+/// What tells machines apart on which runs take other times.
+pub fn identity() -> String {
+    format!("{}, {} cores", processor(), crate::parallel::cores())
+}
+
+fn processor() -> String {
+    value_in("/proc/cpuinfo", "model name").unwrap_or_else(|| std::env::consts::ARCH.into())
+}
+
 /// What is known at the start of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine {
@@ -25,10 +34,7 @@ impl Machine {
         let memory = memory.as_deref().and_then(|text| text.strip_suffix("kB")?.trim().parse::<f64>().ok());
         let memory = memory.map_or("unknown".into(), |kibibytes| format!("{:.1} GiB", kibibytes / 1_048_576.0));
         vec![
-            Fact::new(
-                "Processor",
-                value_in("/proc/cpuinfo", "model name").unwrap_or_else(|| std::env::consts::ARCH.into()),
-            ),
+            Fact::new("Processor", processor()),
             Fact::new("Cores to be had", cores.to_string()),
             Fact::new("Memory", memory),
             Fact::new("System", system()),

@@ -30,7 +30,7 @@ const LONGEST_FILE: usize = 500;
 const LONGEST_FUNCTION: usize = 80;
 
 /// What is larger still: to be mended, and taken off this list.
-const STILL_TOO_LARGE: [&str; 24] = [
+const STILL_TOO_LARGE: [&str; 23] = [
     "src/core/balances/groundwater/network.rs: new",
     "src/core/boundary/pipe.rs: immerse",
     "src/core/boundary/wall_layers.rs: inner",
@@ -46,7 +46,6 @@ const STILL_TOO_LARGE: [&str; 24] = [
     "a circle with cases/corner.rs",
     "cases/exact/similarity.rs",
     "cases/table.rs",
-    "a circle with src/compare/analysis.rs",
     "a circle with src/layout/ahead.rs",
     "a circle with src/layout/check.rs",
     "src/cli.rs",

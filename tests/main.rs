@@ -32,6 +32,7 @@ mod reductions;
 mod references;
 mod regions;
 mod reproducibility;
+mod resumed;
 mod seepage;
 mod shells;
 mod sketch;

@@ -4,7 +4,7 @@ use frazil_core::statistics::{self, Interval};
 use rand::{Rng, RngExt};
 
 use super::measured::{Measured, Status, Timing};
-use super::plan::Variant;
+use super::variant::Variant;
 use crate::ensemble::runs::Headline;
 
 /// Errors below this multiple of the reference's own are not read off: they are bounds.

@@ -1,24 +1,22 @@
 //! The runs of one scene: a first one each, cheap ones first, ensembles, then repeated runs in shuffled rounds.
 
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
-use std::time::Instant;
 
 use frazil_core::statistics;
 use frazil_plots::style::{duration, percent};
 use frazil_record::{Outcome, ReferenceInfo};
-use frazil_scene::{ReferenceChoice, Scene};
-use frazil_simulation::march::{Options, outputs};
-use frazil_simulation::measure;
+use frazil_scene::Scene;
+use frazil_simulation::march::Options;
 use frazil_simulation::reference::Reference;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 
 use super::measured::{Measured, Status, Timing};
 use super::plan::{Configuration, configurations};
-use super::reference::local_reference;
+use super::reference::{judge_alike, truth};
+use super::request::{CompareRequest, Parts};
+use super::runner::{Clock, Count, Made, Purpose, Runner};
 use super::turns::{self, FIRST_RUNS, Line, Turn};
-use super::{CompareRequest, Parts};
 use crate::ensemble::runs::{EnsembleRuns, Headline};
 use crate::failure::Failure;
 use crate::parallel;
@@ -51,8 +49,10 @@ pub struct SceneRuns {
     pub reference_words: String,
     /// Order of the repeated runs, as a list of rounds.
     pub rounds: usize,
-    /// Wall time spent (s).
+    /// Wall time spent (s), with that of runs that were known before.
     pub spent: f64,
+    /// How many runs there are.
+    pub count: Count,
 }
 
 impl SceneRuns {
@@ -66,10 +66,12 @@ impl SceneRuns {
 pub fn scene(
     request: &CompareRequest,
     parts: &Parts<'_>,
+    runner: &Runner<'_>,
     name: &str,
     say: &dyn Fn(&str),
     written: &dyn Fn(&SceneRuns) -> Result<(), Failure>,
 ) -> Result<SceneRuns, Stop> {
+    let before = runner.counts();
     let mut base = (parts.scene_at)(name, &[]).map_err(Stop::Scene)?;
     let mut plan = configurations(request, parts, name, &base).map_err(Stop::Scene)?;
     say(&format!(
@@ -80,7 +82,7 @@ pub fn scene(
     ));
     let spacings = || plan.iter().map(|one| one.spacing);
     let (finest, coarsest) = (spacings().fold(f64::INFINITY, f64::min), spacings().fold(0.0, f64::max));
-    let reference = truth(request, parts, name, &mut base, (finest, coarsest), say)?;
+    let reference = truth(request, parts, runner, (name, &mut base), (finest, coarsest), say).map_err(Stop::Scene)?;
     if let Some(reference) = &reference {
         judge_alike(&mut base, coarsest, reference.as_ref());
     }
@@ -99,22 +101,18 @@ pub fn scene(
         reference: info,
         rounds: 0,
         spent: 0.0,
+        count: Count::default(),
     };
-    let work = Work { request, parts, plan: &plan, reference: reference.as_ref(), started: Instant::now(), say };
+    let work = Work { request, runner, plan: &plan, reference: reference.as_ref(), clock: Clock::start(), say };
     work.first_runs(&mut runs, written)?;
     work.repeated_runs(&mut runs);
-    runs.spent = work.started.elapsed().as_secs_f64();
+    runs.spent = work.clock.elapsed();
+    runs.count = runner.counts() - before;
+    if runs.count.known > 0 {
+        say(&format!("{}: {}", runs.scene.name, runs.count.words()));
+    }
     written(&runs).map_err(Stop::Files)?;
     Ok(runs)
-}
-
-/// Judges all runs of a scene over one window, in which the front has left the first particles of the coarsest spacing (m),
-/// where the scene does not say another.
-pub fn judge_alike(scene: &mut Scene, coarsest: f64, reference: &dyn Reference) {
-    if scene.watch.front_from.is_none() {
-        let from = measure::front::window_start(scene, coarsest, outputs(scene).into_iter(), reference);
-        scene.watch.front_from = Some(from);
-    }
 }
 
 /// What a reference is, in words.
@@ -126,58 +124,27 @@ fn words(info: Option<&ReferenceInfo>) -> String {
     format!("{}, {}; its own error is about {errors}", info.kind, info.source)
 }
 
-/// The reference of a scene: a closed form or a table or, where there is none, fine local runs; none if the scene asks for none.
-/// What stands in for the one that the scene names is among its remarks afterwards. `spacings` are the finest and the
-/// coarsest of the comparison (m).
-pub fn truth(
-    request: &CompareRequest,
-    parts: &Parts<'_>,
-    name: &str,
-    base: &mut Scene,
-    spacings: (f64, f64),
-    say: &dyn Fn(&str),
-) -> Result<Option<Arc<dyn Reference>>, Stop> {
-    let known = (parts.reference_for)(base).map_err(Stop::Scene)?;
-    base.remarks.extend(known.instead);
-    if let Some(closed) = known.reference {
-        return Ok(Some(Arc::from(closed)));
-    }
-    if base.reference == ReferenceChoice::None {
-        return Ok(None);
-    }
-    Ok(match local_reference(parts, name, base, spacings, request.budget(), say) {
-        Ok(reference) => {
-            base.remarks.extend(reference.unknown.iter().cloned());
-            Some(Arc::new(reference))
-        }
-        Err(reason) => {
-            base.remarks.push(format!("no reference: {reason}"));
-            None
-        }
-    })
-}
-
 struct Work<'a> {
     request: &'a CompareRequest,
-    parts: &'a Parts<'a>,
+    runner: &'a Runner<'a>,
     plan: &'a [Configuration],
     reference: Option<&'a Arc<dyn Reference>>,
-    started: Instant,
+    clock: Clock,
     say: &'a dyn Fn(&str),
 }
 
 impl Work<'_> {
     fn left(&self) -> f64 {
-        self.request.budget() - self.started.elapsed().as_secs_f64()
+        self.request.budget() - self.clock.elapsed()
     }
 
     fn stopped(&self) -> bool {
-        self.parts.interrupt.load(Ordering::Relaxed)
+        self.runner.is_stopped()
     }
 
-    fn options(&self, seed: u64, threads: usize, fields: bool, limit: f64) -> Options<'_> {
+    fn options(&self, seed: u64, threads: usize, fields: bool, limit: f64) -> Options<'static> {
         let time_limit_s = Some(limit.max(1.0));
-        Options { threads, seed, interrupt: Some(self.parts.interrupt), time_limit_s, fields, ..Options::default() }
+        Options { threads, seed, time_limit_s, fields, ..Options::default() }
     }
 
     /// One run of each configuration, cheap ones first: it warms up, gives the error and tells the time.
@@ -193,7 +160,7 @@ impl Work<'_> {
             curves.iter().map(|curve| Line { turns: curve.iter().map(waits).collect(), growth }).collect();
         let mut made = 0;
         while let Some((line, level, expected)) = turns::next(&lines) {
-            let left = FIRST_RUNS * self.request.budget() - self.started.elapsed().as_secs_f64();
+            let left = FIRST_RUNS * self.request.budget() - self.clock.elapsed();
             let k = curves[line][level];
             let why = if self.stopped() {
                 Some((Status::Interrupted, "the comparison was stopped before it".to_owned()))
@@ -245,13 +212,15 @@ impl Work<'_> {
     fn first_run(&self, k: usize, share: f64, measured: &mut Measured) -> Turn {
         let one = &self.plan[k];
         let Ok(scene) = &one.scene else { return Turn::Refused };
-        let began = Instant::now();
-        match (self.parts.run)(scene, one.method, self.reference, &self.options(1, self.request.threads, true, share)) {
-            Ok(result) => {
-                let alone = Timing::of(&result.record).wall();
-                measured.result = Some(result);
+        let began = self.clock.elapsed();
+        let options = self.options(1, self.request.threads, true, share);
+        match self.runner.run(Purpose::First, scene, one.method, self.reference, &options) {
+            Ok(made) => {
+                self.clock.add(made.earlier_s);
+                let alone = Timing::of(&made.result.record).wall();
+                measured.result = Some(made.result);
                 if one.stochastic && measured.is_ok() {
-                    self.ensemble(one, scene, measured, share - began.elapsed().as_secs_f64());
+                    self.ensemble(one, scene, measured, share - (self.clock.elapsed() - began));
                 }
                 Turn::Made(alone)
             }
@@ -311,22 +280,23 @@ impl Work<'_> {
             measured.note = Some(format!("one run only: the time does not allow {FEWEST_SEEDS} seeds"));
             return;
         }
-        let (run, reference) = (self.parts.run, self.reference);
+        let (runner, reference) = (self.runner, self.reference);
         // The first run had seed 1. As many at once as there are cores, so that a machine that is busy with other work takes
         // fewer seeds and not more time.
         let mut all = vec![first];
-        let began = Instant::now();
+        let began = self.clock.elapsed();
         let others: Vec<u64> = (2..=wanted as u64).collect();
         for (turn, seeds) in others.chunks(workers).enumerate() {
-            let used = began.elapsed().as_secs_f64();
+            let used = self.clock.elapsed() - began;
             let next = used / turn.max(1) as f64;
             if self.request.seeds.is_none() && turn > 0 && all.len() >= FEWEST_SEEDS && used + next > share {
                 break;
             }
             let limits: Vec<_> = seeds.iter().map(|seed| self.options(*seed, 1, false, self.left())).collect();
-            let found =
-                parallel::in_order(limits.len(), workers, |k| run(scene, one.method, reference, &limits[k]).ok());
-            all.extend(found.into_iter().flatten());
+            let run = |k: usize| runner.run(Purpose::Seed, scene, one.method, reference, &limits[k]).ok();
+            let found: Vec<Made> = parallel::in_order(limits.len(), workers, run).into_iter().flatten().collect();
+            self.clock.add(found.iter().map(|made| made.earlier_s).fold(0.0, f64::max));
+            all.extend(found.into_iter().map(|made| made.result));
         }
         let made = all.len();
         all.retain(|run| run.record.outcome == Outcome::Ok);
@@ -378,7 +348,7 @@ impl Work<'_> {
             }
             turn.shuffle(&mut random);
             for k in turn {
-                self.repeat(k, &mut runs.measured[k]);
+                self.repeat(k, round, &mut runs.measured[k]);
             }
             round += 1;
         }
@@ -392,16 +362,18 @@ impl Work<'_> {
         }
     }
 
-    fn repeat(&self, k: usize, measured: &mut Measured) {
+    fn repeat(&self, k: usize, round: usize, measured: &mut Measured) {
         let one = &self.plan[k];
         let Ok(scene) = &one.scene else {
             return;
         };
         let options = Options { time_limit_s: None, ..self.options(1, self.request.threads, false, 0.0) };
         // The reference goes along because walls may take their temperature from it; errors are not timed.
-        if let Ok(result) = (self.parts.run)(scene, one.method, self.reference, &options)
+        if let Ok(Made { result, earlier_s }) =
+            self.runner.run(Purpose::Repeat(round), scene, one.method, self.reference, &options)
             && result.record.outcome != Outcome::Interrupted
         {
+            self.clock.add(earlier_s);
             let first = measured.result.as_ref().map(|first| &first.record.state_hash);
             measured.repeatable &= first == Some(&result.record.state_hash);
             measured.timings.push(Timing::of(&result.record));

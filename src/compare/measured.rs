@@ -3,7 +3,8 @@
 use frazil_record::{Errors, Outcome, Record, RunResult};
 use frazil_scene::Units;
 
-use super::plan::{Configuration, Variant};
+use super::plan::Configuration;
+use super::variant::Variant;
 use crate::ensemble::runs::EnsembleRuns;
 use crate::words::length_words;
 

@@ -1,9 +1,10 @@
 //! Which runs a comparison of one scene consists of.
 
 use frazil_scene::method::MethodKind;
-use frazil_scene::{Scene, Setting, Units};
+use frazil_scene::{Scene, Units};
 
-use super::{CompareRequest, Parts};
+use super::request::{CompareRequest, Parts};
+use super::variant::Variant;
 
 /// One method under one setting at one resolution.
 #[derive(Debug, Clone)]
@@ -24,36 +25,6 @@ pub struct Configuration {
     pub scene: Result<Scene, String>,
 }
 
-/// One way of running a method: a standard setting, or the best one with a key changed.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Variant {
-    /// What it is called in tables and figures.
-    pub name: String,
-    /// The key of the method's section that it sets, and the value.
-    key: (String, String),
-}
-
-impl Variant {
-    /// A standard setting.
-    pub fn standard(setting: Setting) -> Self {
-        let word = match setting {
-            Setting::Best => "best",
-            Setting::Paper => "paper",
-        };
-        Variant { name: word.into(), key: ("setting".into(), word.into()) }
-    }
-
-    /// The best setting with one key changed.
-    pub fn changed(key: &str, value: &str) -> Self {
-        Variant { name: format!("{key}={value}"), key: (key.into(), value.into()) }
-    }
-
-    /// Whether it is the best setting as it stands.
-    pub fn is_best(&self) -> bool {
-        *self == Variant::standard(Setting::Best)
-    }
-}
-
 /// Spacings from coarse to fine around a scene's own, which is the second finest.
 pub fn spacings(own: f64, levels: usize) -> Vec<f64> {
     if levels <= 1 {
@@ -67,7 +38,7 @@ pub fn overrides(units: Units, method: &str, spacing: f64, setting: &Variant) ->
     let key = if units == Units::Si { "spacing_m" } else { "spacing" };
     vec![
         (format!("method.{method}.{key}"), format!("{spacing}")),
-        (format!("method.{method}.{}", setting.key.0), setting.key.1.clone()),
+        (format!("method.{method}.{}", setting.key().0), setting.key().1.clone()),
     ]
 }
 
@@ -124,7 +95,7 @@ pub fn check(request: &CompareRequest, parts: &Parts<'_>, name: &str, base: &Sce
         }
         if let Some(first) = refusals.first() {
             // The reader says `--set`, by whose way the key came there.
-            let (key, value) = &setting.key;
+            let (key, value) = setting.key();
             let flag = if key == "setting" { "--settings" } else { "--also" };
             let asked = if key == "setting" { value.clone() } else { format!("{key}={value}") };
             return Err(format!("{flag} {asked}: no method of scene `{}` takes it: {first}", base.name));
@@ -147,6 +118,8 @@ fn methods(request: &CompareRequest, parts: &Parts<'_>, base: &Scene) -> Result<
 
 #[cfg(test)]
 mod tests {
+    use frazil_scene::Setting;
+
     use super::*;
 
     #[test]

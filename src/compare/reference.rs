@@ -1,20 +1,22 @@
-//! A reference from fine runs of the local method, accepted only if they are shown converged.
+//! What runs are judged by: a closed form or a table, or fine runs of the local method, accepted only if they are shown
+//! converged.
 
 mod blame;
 
 use std::collections::BTreeMap;
-use std::time::Instant;
+use std::sync::Arc;
 
 use frazil_plots::style::{duration, percent};
 use frazil_record::{Field, Outcome, ReferenceInfo, RunResult};
-use frazil_scene::{Scene, Setting};
-use frazil_simulation::march::Options;
+use frazil_scene::{ReferenceChoice, Scene, Setting};
+use frazil_simulation::march::{Options, outputs};
 use frazil_simulation::measure;
 use frazil_simulation::reference::{Cut, Plane, Reference};
 
-use super::Parts;
-use super::execute::judge_alike;
-use super::plan::{Variant, overrides};
+use super::plan::overrides;
+use super::request::{CompareRequest, Parts};
+use super::runner::{Clock, Purpose, Runner};
+use super::variant::Variant;
 use crate::ensemble::runs::Headline;
 use crate::words::length_words;
 
@@ -162,18 +164,62 @@ impl Reference for LocalReference {
     }
 }
 
+/// Judges all runs of a scene over one window, in which the front has left the first particles of the coarsest spacing (m),
+/// where the scene does not say another.
+pub fn judge_alike(scene: &mut Scene, coarsest: f64, reference: &dyn Reference) {
+    if scene.watch.front_from.is_none() {
+        let from = measure::front::window_start(scene, coarsest, outputs(scene).into_iter(), reference);
+        scene.watch.front_from = Some(from);
+    }
+}
+
+/// The reference of a scene: a closed form or a table or, where there is none, fine local runs; none if the scene asks for none.
+/// What stands in for the one that the scene names is among its remarks afterwards. `spacings` are the finest and the
+/// coarsest of the comparison (m).
+///
+/// # Errors
+///
+/// If the reference that the scene names is none.
+pub fn truth(
+    request: &CompareRequest,
+    parts: &Parts<'_>,
+    runner: &Runner<'_>,
+    (name, base): (&str, &mut Scene),
+    spacings: (f64, f64),
+    say: &dyn Fn(&str),
+) -> Result<Option<Arc<dyn Reference>>, String> {
+    let known = (parts.reference_for)(base)?;
+    base.remarks.extend(known.instead);
+    if let Some(closed) = known.reference {
+        return Ok(Some(Arc::from(closed)));
+    }
+    if base.reference == ReferenceChoice::None {
+        return Ok(None);
+    }
+    Ok(match local_reference(parts, runner, (name, base), spacings, request.budget(), say) {
+        Ok(reference) => {
+            base.remarks.extend(reference.unknown.iter().cloned());
+            Some(Arc::new(reference))
+        }
+        Err(reason) => {
+            base.remarks.push(format!("no reference: {reason}"));
+            None
+        }
+    })
+}
+
 /// Runs the local method at the finest spacing of a comparison and finer, as far as the time allows, and takes the
 /// finest run, with the errors that the difference of the two finest suggests. Measures in which they differ too much it does
 /// not know. `spacings` are the finest and the coarsest of the comparison (m).
-pub fn local_reference(
+fn local_reference(
     parts: &Parts<'_>,
-    name: &str,
-    base: &Scene,
+    runner: &Runner<'_>,
+    (name, base): (&str, &Scene),
     (finest, coarsest): (f64, f64),
     seconds: f64,
     say: &dyn Fn(&str),
 ) -> Result<LocalReference, String> {
-    let mut runs = fine_runs(parts, name, base, finest, seconds, say)?;
+    let mut runs = fine_runs(parts, runner, (name, base), finest, seconds, say)?;
     let Some((spacing, fine)) = runs.pop() else {
         return Err("no local run ended well".into());
     };
@@ -225,8 +271,8 @@ pub fn local_reference(
 /// Local runs from twice the finest spacing (m) on, each at half of the one before, as far as the time (s) allows.
 fn fine_runs(
     parts: &Parts<'_>,
-    name: &str,
-    base: &Scene,
+    runner: &Runner<'_>,
+    (name, base): (&str, &Scene),
     finest: f64,
     seconds: f64,
     say: &dyn Fn(&str),
@@ -235,11 +281,11 @@ fn fine_runs(
         return Err("there is no local method to make one".into());
     }
     let explicit = 2f64.powi(base.domain.dimension() as i32 + 2);
-    let started = Instant::now();
+    let clock = Clock::start();
     let mut runs: Vec<(f64, RunResult)> = Vec::new();
     let mut last = 0.0;
     for spacing in [2.0 * finest, finest, 0.5 * finest, 0.25 * finest] {
-        if started.elapsed().as_secs_f64() + last * explicit > seconds {
+        if clock.elapsed() + last * explicit > seconds {
             break;
         }
         let best = Variant::standard(Setting::Best);
@@ -247,19 +293,16 @@ fn fine_runs(
             continue;
         };
         say(&format!("{}: local run at {} for a reference", base.name, length_words(base.units, spacing)));
-        let begun = Instant::now();
-        let options = Options {
-            interrupt: Some(parts.interrupt),
-            time_limit_s: Some(2.0 * seconds),
-            fields: true,
-            ..Options::default()
-        };
-        let result = (parts.run)(&scene, "local", None, &options).map_err(|refused| refused.to_string())?;
-        if result.record.outcome != Outcome::Ok {
+        let begun = clock.elapsed();
+        let options = Options { time_limit_s: Some(2.0 * seconds), fields: true, ..Options::default() };
+        let made = runner.run(Purpose::Reference, &scene, "local", None, &options);
+        let made = made.map_err(|refused| refused.to_string())?;
+        clock.add(made.earlier_s);
+        if made.result.record.outcome != Outcome::Ok {
             break;
         }
-        last = begun.elapsed().as_secs_f64();
-        runs.push((spacing, result));
+        last = clock.elapsed() - begun;
+        runs.push((spacing, made.result));
     }
     Ok(runs)
 }

@@ -10,10 +10,10 @@ use frazil_plots::comparison::work_precision_panels;
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection};
 use frazil_plots::run::drawings;
 
-use super::CompareRequest;
 use super::analysis::{self, Study};
 use super::curve::Clock;
 use super::figures::{Cost, order_figure, work_figure};
+use super::request::CompareRequest;
 use crate::failure::Failure;
 use crate::machine::Machine;
 use numbers::{

@@ -3,13 +3,17 @@
 //! With `FRAZIL_COMPARISON=folder` its files stay there to be looked at.
 
 use std::fs;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
-use frazil_record::{Errors, FrontRow, Outcome, ProfileRow, Record};
-use frazil_scene::Setting;
+use frazil_record::{Errors, FrontRow, Outcome, ProfileRow, Record, RunResult};
+use frazil_scene::{Scene, Setting};
+use frazil_simulation::march::{Options, Refused};
 use frazil_simulation::measure;
+use frazil_simulation::reference::Reference;
 
+use super::variant::Variant;
 use super::*;
-use crate::failure::Failure;
 
 /// A run whose front is wrong by a known law: first order for PD, second for the others, with noise for eDPD.
 fn made_up(
@@ -100,8 +104,8 @@ fn blank(scene: &Scene, method: &str) -> Record {
     }
 }
 
-fn best() -> plan::Variant {
-    plan::Variant::standard(Setting::Best)
+fn best() -> Variant {
+    Variant::standard(Setting::Best)
 }
 
 /// A comparison of all methods.
@@ -202,7 +206,7 @@ fn a_comparison_leaves_all_its_files() -> Result<(), Failure> {
     let out = std::env::var_os("FRAZIL_COMPARISON").map_or(temporary.path().join("out"), Into::into);
     let request = CompareRequest {
         out: Some(out.clone()),
-        settings: [Setting::Best, Setting::Paper].map(plan::Variant::standard).to_vec(),
+        settings: [Setting::Best, Setting::Paper].map(Variant::standard).to_vec(),
         ..request()
     };
     let parts = parts();

@@ -10,8 +10,6 @@ mod tables;
 
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
-use std::time::Instant;
 
 use frazil_plots::style::{duration, number};
 use frazil_record::{Outcome, RunResult, Value};
@@ -20,13 +18,17 @@ use frazil_scene::method::MethodKind;
 use frazil_simulation::march::Options;
 use frazil_simulation::reference::Reference;
 
-use super::execute::{Stop, judge_alike, truth};
-use super::plan::{Variant, overrides, spacings};
+use super::plan::{self, overrides, spacings};
+use super::reference::{judge_alike, truth};
+use super::request::{CompareRequest, Parts, Vary};
+use super::runner::{Clock, Purpose, Runner};
 use super::turns::{self, Turn};
-use super::{CompareRequest, Parts, plan};
+use super::variant::Variant;
+use crate::campaign::{Campaign, Shard};
 use crate::failure::{Failure, Verdict, complain};
 use crate::machine::Machine;
 use crate::output::Folder;
+use crate::parallel;
 
 /// The keys that can be varied beside the spacing, as methods list them: reach over spacing.
 pub const RATIOS: [&str; 3] = ["horizon_ratio", "smoothing_ratio", "cutoff_ratio"];
@@ -36,15 +38,6 @@ const SPREAD: [f64; 5] = [2.0 / 3.0, 1.0, 4.0 / 3.0, 2.0, 8.0 / 3.0];
 
 /// Relative difference of horizons that are the same.
 const SAME: f64 = 1e-9;
-
-/// What is to be varied beside the spacing.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Vary {
-    /// The key.
-    pub key: String,
-    /// Its values; by default around the scene's own.
-    pub ratios: Vec<f64>,
-}
 
 /// Which error of a run is looked at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -216,6 +209,8 @@ pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<
     request.forewarn();
     let folder = Folder::make(&path)?;
     let machine = Machine::now();
+    let campaign = Campaign::open(&path, Shard::WHOLE, parallel::cores(), parts.interrupt)?;
+    let runner = Runner::new(request, parts, &campaign);
     let say = |text: &str| {
         if !request.quiet {
             complain(text);
@@ -223,16 +218,19 @@ pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<
     };
     let mut grids = Vec::new();
     for (name, scene, methods) in jobs {
-        match runs(request, vary, parts, (name, scene), &methods, &say) {
-            Ok(grid) => grids.push(grid),
-            Err(Stop::Scene(reason)) => return Err(Failure::Request(format!("{name}: {reason}"))),
-            Err(Stop::Files(failure)) => return Err(failure),
-        }
+        let grid = runs(request, vary, parts, &runner, (name, scene), &methods, &say);
+        grids.push(grid.map_err(|reason| Failure::Request(format!("{name}: {reason}")))?);
+        campaign.check()?;
         tables::write(folder.path(), &grids)?;
         report::write(request, &machine, folder.path(), &grids)?;
-        if parts.interrupt.load(Ordering::Relaxed) {
+        if campaign.is_interrupted() {
+            complain("interrupted: the same command goes on from here");
             return Ok(Verdict::Broken);
         }
+    }
+    let count = runner.counts();
+    if count.known > 0 {
+        say(&count.words());
     }
     for warning in grids.iter().flat_map(warnings) {
         say(&format!("warning: {warning}"));
@@ -308,14 +306,15 @@ fn runs(
     request: &CompareRequest,
     vary: &Vary,
     parts: &Parts<'_>,
+    runner: &Runner<'_>,
     (name, mut scene): (&str, Scene),
     methods: &[&'static MethodKind],
     say: &dyn Fn(&str),
-) -> Result<Grid, Stop> {
+) -> Result<Grid, String> {
     let mut grid = planned(request, vary, &scene, methods);
     let spacings = || grid.iter().map(|run| run.spacing);
     let ends = (spacings().fold(f64::INFINITY, f64::min), spacings().fold(0.0, f64::max));
-    let reference = truth(request, parts, name, &mut scene, ends, say)?;
+    let reference = truth(request, parts, runner, (name, &mut scene), ends, say)?;
     if let Some(reference) = &reference {
         judge_alike(&mut scene, ends.1, reference.as_ref());
     }
@@ -326,7 +325,8 @@ fn runs(
         let info = reference.describe();
         format!("{}, {}", info.kind, info.source)
     });
-    let work = Work { request, vary, parts, name, scene: &scene, reference: reference.as_ref(), say };
+    let reference = reference.as_ref();
+    let work = Work { request, vary, parts, runner, name, scene: &scene, reference, clock: Clock::start(), say };
     work.all(&mut grid);
     Ok(Grid { scene, key: vary.key.clone(), runs: grid, reference: words })
 }
@@ -336,16 +336,17 @@ struct Work<'a> {
     request: &'a CompareRequest,
     vary: &'a Vary,
     parts: &'a Parts<'a>,
+    runner: &'a Runner<'a>,
     name: &'a str,
     scene: &'a Scene,
     reference: Option<&'a Arc<dyn Reference>>,
+    clock: Clock,
     say: &'a dyn Fn(&str),
 }
 
 impl Work<'_> {
     /// Makes all runs, cheap ones first over all methods and ratios, as far as the time allows.
     fn all(&self, grid: &mut [Run]) {
-        let started = Instant::now();
         let growth = 2f64.powi(self.scene.domain.dimension() as i32 + 2);
         // Runs of one method and ratio, from coarse to fine.
         let mut curves: Vec<Vec<usize>> = Vec::new();
@@ -361,8 +362,8 @@ impl Work<'_> {
             curves.iter().map(|curve| turns::Line { turns: vec![Turn::Waiting; curve.len()], growth }).collect();
         let mut count = 0;
         while let Some((line, level, expected)) = turns::next(&lines) {
-            let left = self.request.budget() - started.elapsed().as_secs_f64();
-            let stopped = self.parts.interrupt.load(Ordering::Relaxed);
+            let left = self.request.budget() - self.clock.elapsed();
+            let stopped = self.runner.is_stopped();
             if stopped || expected > left {
                 let left = if left > 0.0 { duration(left) } else { "nothing".into() };
                 let note = if stopped {
@@ -379,10 +380,10 @@ impl Work<'_> {
             }
             count += 1;
             let limit = turns::allowed(&lines, expected, left);
-            let begin = Instant::now();
+            let begin = self.clock.elapsed();
             let run = &mut grid[curves[line][level]];
             let was_made = self.make(run, limit);
-            let took = begin.elapsed().as_secs_f64();
+            let took = self.clock.elapsed() - begin;
             lines[line].turns[level] = if was_made { Turn::Made(took) } else { Turn::Refused };
             let signed = |measure: Measure| Some(format!("{} {:+.3} %", measure.name(), 100.0 * measure.signed(run)?));
             let words: Vec<String> = Measure::ALL.into_iter().filter_map(signed).chain(run.note.clone()).collect();
@@ -401,11 +402,10 @@ impl Work<'_> {
 
     /// Makes one run, and says whether it was one.
     fn make(&self, run: &mut Run, limit: f64) -> bool {
-        let Work { request, vary, parts, name, scene, reference, .. } = *self;
-        match one(request, vary, parts, (name, scene), run, reference, limit) {
+        match self.one(run, limit) {
             Ok(result) => {
                 let outcome = result.record.outcome;
-                run.temperature = mean_error(scene, &result).filter(|_| outcome == Outcome::Ok);
+                run.temperature = mean_error(self.scene, &result).filter(|_| outcome == Outcome::Ok);
                 run.result = Some(result).filter(|_| outcome == Outcome::Ok);
                 run.note = (outcome != Outcome::Ok).then(|| outcome.name().to_owned());
                 true
@@ -416,31 +416,22 @@ impl Work<'_> {
             }
         }
     }
-}
 
-/// Makes one run.
-fn one(
-    request: &CompareRequest,
-    vary: &Vary,
-    parts: &Parts<'_>,
-    (name, base): (&str, &Scene),
-    run: &Run,
-    reference: Option<&Arc<dyn Reference>>,
-    left: f64,
-) -> Result<RunResult, String> {
-    let setting = request.settings.first().cloned().unwrap_or_else(|| Variant::standard(frazil_scene::Setting::Best));
-    let mut pairs = overrides(base.units, run.method, run.spacing, &setting);
-    pairs.push((format!("method.{}.{}", run.method, vary.key), format!("{}", run.ratio)));
-    let mut scene =
-        (parts.scene_at)(name, &pairs).map_err(|reason| reason.lines().next().unwrap_or_default().to_owned())?;
-    scene.watch.front_from = base.watch.front_from;
-    let options = Options {
-        threads: request.threads,
-        interrupt: Some(parts.interrupt),
-        time_limit_s: Some(left.max(1.0)),
-        ..Options::default()
-    };
-    (parts.run)(&scene, run.method, reference, &options).map_err(|refused| format!("refused: {refused}"))
+    fn one(&self, run: &Run, limit: f64) -> Result<RunResult, String> {
+        let Work { request, vary, parts, name, scene: base, .. } = *self;
+        let best = || Variant::standard(frazil_scene::Setting::Best);
+        let setting = request.settings.first().cloned().unwrap_or_else(best);
+        let mut pairs = overrides(base.units, run.method, run.spacing, &setting);
+        pairs.push((format!("method.{}.{}", run.method, vary.key), format!("{}", run.ratio)));
+        let mut scene =
+            (parts.scene_at)(name, &pairs).map_err(|reason| reason.lines().next().unwrap_or_default().to_owned())?;
+        scene.watch.front_from = base.watch.front_from;
+        let options = Options { threads: request.threads, time_limit_s: Some(limit.max(1.0)), ..Options::default() };
+        let made = self.runner.run(Purpose::First, &scene, run.method, self.reference, &options);
+        let made = made.map_err(|refused| format!("refused: {refused}"))?;
+        self.clock.add(made.earlier_s);
+        Ok(made.result)
+    }
 }
 
 /// Mean over all profile points of the error of temperature, over the range of the scene's temperatures.

@@ -1,12 +1,14 @@
 //! Everything that one run leaves.
 
+use serde::{Deserialize, Serialize};
+
 use crate::{
     BesideRow, BudgetRow, Field, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow, ProfileRow,
     Record, SectionRow, Start, StreamRow, SurfaceRow, WallRow, WaterSeries,
 };
 
 /// Everything one run leaves.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunResult {
     /// The record.
     pub record: Record,

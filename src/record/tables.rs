@@ -15,7 +15,7 @@ pub struct FrontRow {
 }
 
 /// What is frozen at the start of a run, from which on fronts and frozen volumes are judged.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Start {
     /// The front (m), where there is one.
     pub front_m: Option<f64>,
@@ -134,7 +134,7 @@ pub struct SurfaceRow {
 }
 
 /// A temperature field on a regular grid; NaN outside the body.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Field {
     /// Time (s).
     pub time_s: f64,
@@ -149,9 +149,26 @@ pub struct Field {
     /// Cell size (m).
     pub spacing_m: f64,
     /// Temperatures, row by row from the lowest y.
+    #[serde(with = "holes")]
     pub temperature_c: Vec<f64>,
     /// Frozen fractions in the same order: their level 1/2 is the front, where the temperature is flat.
+    #[serde(with = "holes")]
     pub frozen_fraction: Vec<f64>,
     /// Temperatures of the reference in the same order; empty where it knows none.
+    #[serde(with = "holes")]
     pub temperature_ref_c: Vec<f64>,
+}
+
+/// Numbers of which some are none: JSON knows none that is not finite.
+mod holes {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub fn serialize<S: Serializer>(numbers: &[f64], to: S) -> Result<S::Ok, S::Error> {
+        to.collect_seq(numbers.iter().map(|number| number.is_finite().then_some(*number)))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<f64>, D::Error> {
+        let numbers = Vec::<Option<f64>>::deserialize(from)?;
+        Ok(numbers.into_iter().map(|number| number.unwrap_or(f64::NAN)).collect())
+    }
 }

@@ -93,7 +93,7 @@ pub struct FlowPoint {
 }
 
 /// Water of a run over time.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct WaterSeries {
     /// At all outputs.
     pub rows: Vec<WaterRow>,

@@ -3,9 +3,9 @@
 use frazil_plots::page::Fact;
 use frazil_plots::style::{duration, percent};
 
-use crate::compare::CompareRequest;
 use crate::compare::analysis::Study;
 use crate::compare::curve::{Clock, Kind, REFERENCE_MARGIN};
+use crate::compare::request::CompareRequest;
 use crate::compare::turns::FIRST_RUNS;
 use crate::words;
 
@@ -36,6 +36,9 @@ pub(super) fn fairness(request: &CompareRequest, studies: &[Study]) -> Vec<Fact>
             format!("{}: {} of the points, {clock}", study.name(), percent(study.disturbed, 2))
         })
         .collect();
+    let taken_over: Vec<String> = (studies.iter().filter(|study| study.runs.count.known > 0))
+        .map(|study| format!("{}: {}", study.name(), study.runs.count.words()))
+        .collect();
     let stochastic = studies.iter().flat_map(|study| &study.comparisons).flat_map(|comparison| &comparison.curves);
     let any_ensemble = stochastic.into_iter().any(|curve| matches!(curve.kind, Kind::MeanOf(_)));
     let ensembles = if any_ensemble {
@@ -55,6 +58,13 @@ pub(super) fn fairness(request: &CompareRequest, studies: &[Study]) -> Vec<Fact>
         Fact::new(
             "Quiet machine",
             format!("wall time above 1.05 × CPU time of one thread at {}", disturbed.join("; ")),
+        ),
+        Fact::new(
+            "Taken over",
+            match taken_over.is_empty() {
+                true => "nothing: all runs were made by this call of the program".to_owned(),
+                false => format!("{}, on this machine and by this build", taken_over.join("; ")),
+            },
         ),
         Fact::new(
             "Time allowed",

@@ -8,7 +8,7 @@ use frazil_plots::style::{method_title, number, percent};
 use frazil_scene::Units;
 
 use super::{Grid, Line, Measure, Run, warnings};
-use crate::compare::CompareRequest;
+use crate::compare::request::CompareRequest;
 use crate::failure::Failure;
 use crate::machine::Machine;
 use crate::words;

@@ -15,17 +15,8 @@ pub mod table;
 
 use frazil_core::boundary::condition::Condition;
 use frazil_scene::{ReferenceChoice, Scene};
-use frazil_simulation::reference::Reference;
+use frazil_simulation::reference::{Reference, Truth};
 use table::Unfit;
-
-/// What is known of a scene without a run of its own.
-pub struct Truth {
-    /// A closed form, a similarity solution or a table; the truth has to come from a run of the local method where there is
-    /// none, unless none is asked for.
-    pub reference: Option<Box<dyn Reference>>,
-    /// Why it is not the one that the scene names, in words.
-    pub instead: Option<String>,
-}
 
 /// The reference that a scene asks for and that needs no run. Where the scene is not what its table or closed form is about,
 /// as where a key of it has been changed, whatever else fits stands in and it says so. An error says why what the scene asks

@@ -147,7 +147,7 @@ mod tests {
             ..SceneSection::default()
         };
         let mut canvas = Canvas::new(100.0, 100.0, "a < b");
-        canvas.text((1.0, 1.0), "5 < 6 & 7", 16.0, crate::canvas::Align::Start);
+        canvas.text((1.0, 1.0), "5 < 6 & 7", 16.0, canvas::Align::Start);
         let figure = Figure::new(&canvas, "caption", "work_precision");
         let summary = vec![Block { figures: vec![figure], ..Block::default() }];
         let page = Page {

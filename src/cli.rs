@@ -14,9 +14,10 @@ use crate::compare::Vary;
 use crate::compare::variant::Variant;
 use crate::compare::vary::RATIOS;
 use crate::failure::{Failure, Verdict, exit_code};
+use crate::parts::parts;
 use crate::properties::{PropertiesRequest, Rows, properties};
 use crate::stability::axis::Axis;
-use crate::{check, compare, ensemble, layout, list, load, parallel, run, stability};
+use crate::{check, compare, layout, list, load, parallel, run, stability};
 
 /// Freezing by particles: peridynamics, SPH, eDPD and a local baseline on the same scenes.
 #[derive(Debug, Parser)]
@@ -379,31 +380,34 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
                 quiet: arguments.quiet,
             };
             match arguments.seeds {
-                Some(seeds) => ensemble::run(&request, seeds.into()),
+                Some(seeds) => run::ensemble(&request, seeds.into()),
                 None => run::run(&request),
             }
         }
-        Command::Compare(arguments) => compare::compare(&compare::CompareRequest {
-            scenes: arguments.scenes,
-            methods: arguments.methods,
-            levels: arguments.levels.into(),
-            out: arguments.out,
-            repeats: arguments.repeats.map(Into::into),
-            seeds: arguments.seeds.map(Into::into),
-            threads: arguments.threads.into(),
-            budget_s: arguments.budget_s,
-            vary: arguments.vary.map(|key| Vary { key, ratios: arguments.ratios }),
-            settings: arguments
-                .settings
-                .into_iter()
-                .map(Variant::standard)
-                .chain(arguments.also.iter().map(|(key, value)| Variant::changed(key, value)))
-                .collect(),
-            overrides: arguments.set,
-            reduce: arguments.reduce,
-            quiet: arguments.quiet,
-            command_line: std::env::args().collect::<Vec<_>>().join(" "),
-        }),
+        Command::Compare(arguments) => {
+            let request = compare::CompareRequest {
+                scenes: arguments.scenes,
+                methods: arguments.methods,
+                levels: arguments.levels.into(),
+                out: arguments.out,
+                repeats: arguments.repeats.map(Into::into),
+                seeds: arguments.seeds.map(Into::into),
+                threads: arguments.threads.into(),
+                budget_s: arguments.budget_s,
+                vary: arguments.vary.map(|key| Vary { key, ratios: arguments.ratios }),
+                settings: arguments
+                    .settings
+                    .into_iter()
+                    .map(Variant::standard)
+                    .chain(arguments.also.iter().map(|(key, value)| Variant::changed(key, value)))
+                    .collect(),
+                overrides: arguments.set,
+                reduce: arguments.reduce,
+                quiet: arguments.quiet,
+                command_line: std::env::args().collect::<Vec<_>>().join(" "),
+            };
+            compare::compare(&request, &parts(request.reduce))
+        }
         Command::Layout(arguments) => layout::layout(&layout::LayoutRequest {
             study: arguments.study,
             method: arguments.method,
@@ -429,22 +433,25 @@ fn dispatch(command: Command) -> Result<Verdict, Failure> {
             threads: arguments.threads.map_or_else(parallel::cores, usize::from),
             reduce: arguments.reduce,
         }),
-        Command::Stability(arguments) => stability::stability(&stability::StabilityRequest {
-            scenes: arguments.scenes,
-            methods: arguments.methods,
-            axes: arguments.axes,
-            overrides: arguments.set,
-            steps: arguments.steps,
-            grid: arguments.grid.into(),
-            values: arguments.values.into(),
-            seeds: arguments.seeds.into(),
-            coarsen: arguments.coarsen.into(),
-            time_limit_s: arguments.time_limit_s,
-            threads: arguments.threads.map_or_else(parallel::cores, usize::from),
-            out: arguments.out,
-            quiet: arguments.quiet,
-            command_line: std::env::args().collect::<Vec<_>>().join(" "),
-        }),
+        Command::Stability(arguments) => {
+            let request = stability::StabilityRequest {
+                scenes: arguments.scenes,
+                methods: arguments.methods,
+                axes: arguments.axes,
+                overrides: arguments.set,
+                steps: arguments.steps,
+                grid: arguments.grid.into(),
+                values: arguments.values.into(),
+                seeds: arguments.seeds.into(),
+                coarsen: arguments.coarsen.into(),
+                time_limit_s: arguments.time_limit_s,
+                threads: arguments.threads.map_or_else(parallel::cores, usize::from),
+                out: arguments.out,
+                quiet: arguments.quiet,
+                command_line: std::env::args().collect::<Vec<_>>().join(" "),
+            };
+            stability::stability(&request, &parts(false))
+        }
         Command::Calibrate(arguments) => calibrate(&CalibrateRequest {
             fluid: arguments.fluid,
             constants: Constants {

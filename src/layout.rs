@@ -208,7 +208,7 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
             answer(&format!("  {}\n", search::words(search, &tried)))?;
         }
     }
-    let bad = found.iter().map(|one| crate::run::verdict(one.fine.outcome));
+    let bad = found.iter().map(|one| Verdict::of(one.fine.outcome));
     Ok(bad.fold(Verdict::Done, |worst, own| match (worst, own) {
         (Verdict::Broken, _) | (_, Verdict::Broken) => Verdict::Broken,
         (Verdict::CheckFailed, _) | (_, Verdict::CheckFailed) => Verdict::CheckFailed,

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use frazil_core::particles::Particles;
 use frazil_plots::{FigureOptions, run_figures};
-use frazil_record::{Outcome, RunResult};
+use frazil_record::RunResult;
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options, Progress, Refused};
 use frazil_simulation::reduce::{self, Finding};
 use frazil_simulation::reference::Reference;
 
+use crate::ensemble::{self, EnsembleRequest};
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::fields::Snapshots;
 use crate::output::{self, Folder};
@@ -115,7 +116,28 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     if !request.quiet {
         answer(&summary(&scene, &result, folder.path()))?;
     }
-    Ok(verdict(result.record.outcome))
+    Ok(Verdict::of(result.record.outcome))
+}
+
+/// Runs `count` members of an ensemble, the first with the seed of the request.
+pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
+    let mut scene = load::scene(&request.scene, &request.overrides)?;
+    let method = load::method(&scene, request.method.as_deref())?;
+    let reference = told_reference(&mut scene)?;
+    if !request.quiet {
+        warn(&scene);
+    }
+    let ensemble = EnsembleRequest {
+        scene: &scene,
+        method,
+        reference: reference.as_ref(),
+        seed: request.seed,
+        count,
+        threads: request.threads,
+        out: &request.out.clone().unwrap_or_else(|| folder_of(&scene, method)),
+        quiet: request.quiet,
+    };
+    ensemble::ensemble(&ensemble, interrupt::watch())
 }
 
 /// Where results of a scene under a method go unless another folder is asked for.
@@ -168,15 +190,6 @@ pub fn told_reference(scene: &mut Scene) -> Result<Option<Arc<dyn Reference>>, F
 pub fn warn(scene: &Scene) {
     for remark in &scene.remarks {
         complain(&format!("{}: warning: {remark}", scene.name));
-    }
-}
-
-/// A run that went to its end but against its own checks has failed a check; one that did not get there is broken.
-pub fn verdict(outcome: Outcome) -> Verdict {
-    match outcome {
-        Outcome::Ok => Verdict::Done,
-        Outcome::Oscillating | Outcome::EnergyDrift | Outcome::PhaseSkipped => Verdict::CheckFailed,
-        Outcome::Diverged | Outcome::TimedOut | Outcome::Interrupted => Verdict::Broken,
     }
 }
 

@@ -92,3 +92,12 @@ pub trait Reference: Send + Sync {
         None
     }
 }
+
+/// What is known of a scene without a run of its own.
+pub struct Truth {
+    /// A closed form, a similarity solution or a table; the truth has to come from a run of the local method where there is
+    /// none, unless none is asked for.
+    pub reference: Option<Box<dyn Reference>>,
+    /// Why it is not the one that the scene names, in words.
+    pub instead: Option<String>,
+}

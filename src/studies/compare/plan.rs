@@ -3,8 +3,9 @@
 use frazil_scene::method::MethodKind;
 use frazil_scene::{Scene, Units};
 
-use super::request::{CompareRequest, Parts};
+use super::request::CompareRequest;
 use super::variant::Variant;
+use crate::parts::Parts;
 
 /// One method under one setting at one resolution.
 #[derive(Debug, Clone)]
@@ -65,7 +66,7 @@ pub fn configurations(
                     level,
                     spacing,
                     units: base.units,
-                    scene: (parts.scene_at)(name, &overrides),
+                    scene: request.scene(parts, name, &overrides),
                 });
             }
         }
@@ -85,7 +86,7 @@ pub fn check(request: &CompareRequest, parts: &Parts<'_>, name: &str, base: &Sce
         let mut refusals = Vec::new();
         for kind in &methods {
             let Some(spacing) = own(kind) else { continue };
-            match (parts.scene_at)(name, &overrides(base.units, kind.name, spacing, setting)) {
+            match request.scene(parts, name, &overrides(base.units, kind.name, spacing, setting)) {
                 Ok(_) => refusals.clear(),
                 Err(reason) => refusals.push(reason),
             }

@@ -4,11 +4,13 @@
 //! figures from these folders alone. So members known before and members just run are the same.
 
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use frazil_record::{Outcome, Record, RunResult};
-use frazil_scene::Layout;
 use frazil_scene::settings::MethodSettings;
+use frazil_scene::{Layout, Scene};
 use frazil_simulation::measure;
 use frazil_simulation::reference::Reference;
 
@@ -16,8 +18,7 @@ use crate::campaign::{Campaign, Shard};
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::output::{self, Folder};
 use crate::progress::{clock, forewarn};
-use crate::run::{self, RunRequest};
-use crate::{answers, expect, interrupt, load};
+use crate::{answers, expect};
 
 pub mod figures;
 pub mod members;
@@ -29,35 +30,46 @@ use members::{Count, Members};
 use record::{EnsembleRecord, Member};
 use runs::{EnsembleRuns, Tables};
 
-/// Runs `count` members, the first with the seed of the request.
-pub fn run(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
-    let mut scene = load::scene(&request.scene, &request.overrides)?;
-    let method = load::method(&scene, request.method.as_deref())?;
-    let reference = run::told_reference(&mut scene)?;
-    if !request.quiet {
-        run::warn(&scene);
-    }
+/// What is asked of an ensemble.
+pub struct EnsembleRequest<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Method.
+    pub method: &'a str,
+    /// The truth, if it is known.
+    pub reference: Option<&'a Arc<dyn Reference>>,
+    /// Seed of the first member.
+    pub seed: u64,
+    /// Members.
+    pub count: usize,
+    /// Members that run at once.
+    pub threads: usize,
+    /// Folder for the results.
+    pub out: &'a Path,
+    /// Whether to say nothing but errors.
+    pub quiet: bool,
+}
+
+/// Runs members, and takes their means.
+///
+/// # Errors
+///
+/// If nothing would tell members apart, a run is refused, or a file cannot be written.
+pub fn ensemble(request: &EnsembleRequest<'_>, interrupt: &AtomicBool) -> Result<Verdict, Failure> {
+    let EnsembleRequest { scene, method, reference, count, out, .. } = *request;
     let Some(settings) = scene.method(method) else {
         return Err(Failure::Request(format!("--method {method}: the scene has no settings for it")));
     };
     chance(settings, count)?;
     let seeds = seeds(request.seed, count)?;
-    let path = request.out.clone().unwrap_or_else(|| run::folder_of(&scene, method));
-    let folder = Folder::make(&path)?;
+    let folder = Folder::make(out)?;
     let threads = request.threads.min(count);
-    let campaign = Campaign::open(&path, Shard::WHOLE, threads, interrupt::watch())?;
-    let members = Members {
-        scene: &scene,
-        settings,
-        reference: reference.as_ref(),
-        folder: &path,
-        campaign: &campaign,
-        seeds: &seeds,
-    };
+    let campaign = Campaign::open(out, Shard::WHOLE, threads, interrupt)?;
+    let members = Members { scene, settings, reference, folder: out, campaign: &campaign, seeds: &seeds };
     if !request.quiet {
         let open = seeds.iter().filter(|seed| members.record_of(**seed).is_none()).count();
         let rounds = open.div_ceil(threads.max(1)) as f64;
-        let seconds = expect::seconds(&scene, method, reference.as_ref(), 1).map(|seconds| rounds * seconds);
+        let seconds = expect::seconds(scene, method, reference, 1).map(|seconds| rounds * seconds);
         forewarn(&format!("{} under {method}, {open} members", scene.name), seconds);
     }
     let began = Instant::now();
@@ -77,13 +89,13 @@ pub fn run(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
         ));
         return Ok(Verdict::Broken);
     }
-    let study = Study::of(&members, made, (threads, began.elapsed().as_secs_f64()), reference.as_deref())?;
-    study.write(&path)?;
-    if let Err(error) = figures::draw(&study, &scene, &path) {
+    let study = Study::of(&members, made, (threads, began.elapsed().as_secs_f64()), reference.map(AsRef::as_ref))?;
+    study.write(out)?;
+    if let Err(error) = figures::draw(&study, scene, out) {
         complain(&format!("figures: {error}"));
     }
     if !request.quiet {
-        answer(&study.summary(&path))?;
+        answer(&study.summary(out))?;
     }
     Ok(study.verdict())
 }
@@ -195,7 +207,7 @@ impl Study {
 
     /// The worst of the members'.
     fn verdict(&self) -> Verdict {
-        let verdicts = || self.record.members.iter().map(|member| run::verdict(member.outcome));
+        let verdicts = || self.record.members.iter().map(|member| Verdict::of(member.outcome));
         [Verdict::Broken, Verdict::CheckFailed]
             .into_iter()
             .find(|bad| verdicts().any(|own| own == *bad))

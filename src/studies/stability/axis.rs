@@ -6,8 +6,7 @@ use frazil_scene::method::{MethodKind, Stepper};
 use frazil_scene::settings::MethodSettings;
 use frazil_scene::{Layout, Scene, Units};
 
-/// Key path and value, as of `--set`.
-pub type Override = (String, String);
+use crate::parts::Override;
 
 /// A parameter of a map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -270,11 +269,11 @@ fn noise_levels(settings: &MethodSettings, count: usize) -> Vec<Column> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{load, registry};
+    use crate::bundled;
 
     fn columns(scene: &str, method: &str, axis: Axis) -> Vec<Column> {
-        let scene = load::scene(scene, &[]).unwrap_or_else(|failure| unreachable!("{failure}"));
-        let kind = registry::methods().iter().find(|kind| kind.name == method).expect("known");
+        let scene = bundled::scene(scene, &[]).unwrap_or_else(|failure| unreachable!("{failure}"));
+        let kind = bundled::methods().iter().find(|kind| kind.name == method).expect("known");
         // Scenes leave out methods that cannot represent them.
         scene.method(method).map_or_else(Vec::new, |settings| axis.columns(&scene, kind, settings, 5))
     }
@@ -282,10 +281,10 @@ mod tests {
     #[test]
     fn every_column_is_a_scene_that_has_the_value() {
         for bundled in frazil_cases::scenes::all() {
-            for kind in registry::methods() {
+            for kind in bundled::methods() {
                 for (_, axis) in Axis::WORDS {
                     for column in columns(bundled.name, kind.name, axis) {
-                        let scene = load::scene(bundled.name, &column.overrides);
+                        let scene = bundled::scene(bundled.name, &column.overrides);
                         let scene = scene.unwrap_or_else(|failure| unreachable!("{failure}"));
                         let settings = scene.method(kind.name).expect("settings");
                         let material = &scene.materials[0];

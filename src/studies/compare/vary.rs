@@ -20,7 +20,7 @@ use frazil_simulation::reference::Reference;
 
 use super::plan::{self, overrides, spacings};
 use super::reference::{judge_alike, truth};
-use super::request::{CompareRequest, Parts, Vary};
+use super::request::{CompareRequest, Vary};
 use super::runner::{Clock, Purpose, Runner};
 use super::turns::{self, Turn};
 use super::variant::Variant;
@@ -29,6 +29,7 @@ use crate::failure::{Failure, Verdict, complain};
 use crate::machine::Machine;
 use crate::output::Folder;
 use crate::parallel;
+use crate::parts::Parts;
 
 /// The keys that can be varied beside the spacing, as methods list them: reach over spacing.
 pub const RATIOS: [&str; 3] = ["horizon_ratio", "smoothing_ratio", "cutoff_ratio"];
@@ -201,7 +202,7 @@ pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join("compare"));
     let mut jobs = Vec::new();
     for name in &request.scenes {
-        let scene = (parts.scene_at)(name, &[]).map_err(Failure::Request)?;
+        let scene = request.scene(parts, name, &[]).map_err(Failure::Request)?;
         plan::check(request, parts, name, &scene).map_err(Failure::Request)?;
         let methods = methods(request, vary, parts, &scene)?;
         jobs.push((name, scene, methods));
@@ -423,8 +424,9 @@ impl Work<'_> {
         let setting = request.settings.first().cloned().unwrap_or_else(best);
         let mut pairs = overrides(base.units, run.method, run.spacing, &setting);
         pairs.push((format!("method.{}.{}", run.method, vary.key), format!("{}", run.ratio)));
-        let mut scene =
-            (parts.scene_at)(name, &pairs).map_err(|reason| reason.lines().next().unwrap_or_default().to_owned())?;
+        let mut scene = request
+            .scene(parts, name, &pairs)
+            .map_err(|reason| reason.lines().next().unwrap_or_default().to_owned())?;
         scene.watch.front_from = base.watch.front_from;
         let options = Options { threads: request.threads, time_limit_s: Some(limit.max(1.0)), ..Options::default() };
         let made = self.runner.run(Purpose::First, &scene, run.method, self.reference, &options);
@@ -453,8 +455,7 @@ mod tests {
 
     #[test]
     fn lines_keep_one_parameter_and_tell_changes_of_sign() {
-        let scene = frazil_cases::scenes::find("stefan-unit").expect("bundled");
-        let scene = Scene::read(scene.text, "stefan-unit", "stefan-unit", &[], crate::registry::methods());
+        let scene = crate::bundled::scene("stefan-unit", &[]);
         let errors = [(0.04, [-4.0, -1.0]), (0.02, [-1.0, 0.5]), (0.01, [-0.2, 0.1])];
         let runs = errors.into_iter().flat_map(|(h, [two, four])| [run(h, 2.0, two), run(h, 4.0, four)]).collect();
         let grid = Grid { scene: scene.expect("good"), key: "horizon_ratio".into(), runs, reference: String::new() };

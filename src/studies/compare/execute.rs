@@ -14,12 +14,13 @@ use rand::seq::SliceRandom;
 use super::measured::{Measured, Status, Timing};
 use super::plan::{Configuration, configurations};
 use super::reference::{judge_alike, truth};
-use super::request::{CompareRequest, Parts};
+use super::request::CompareRequest;
 use super::runner::{Clock, Count, Made, Purpose, Runner};
 use super::turns::{self, FIRST_RUNS, Line, Turn};
 use crate::ensemble::runs::{EnsembleRuns, Headline};
 use crate::failure::Failure;
 use crate::parallel;
+use crate::parts::Parts;
 
 /// Fewest seeds for which an ensemble says anything.
 pub const FEWEST_SEEDS: usize = 5;
@@ -72,7 +73,7 @@ pub fn scene(
     written: &dyn Fn(&SceneRuns) -> Result<(), Failure>,
 ) -> Result<SceneRuns, Stop> {
     let before = runner.counts();
-    let mut base = (parts.scene_at)(name, &[]).map_err(Stop::Scene)?;
+    let mut base = request.scene(parts, name, &[]).map_err(Stop::Scene)?;
     let mut plan = configurations(request, parts, name, &base).map_err(Stop::Scene)?;
     say(&format!(
         "{}: {} configurations, at most about {} for them",

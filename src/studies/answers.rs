@@ -167,11 +167,11 @@ impl Say<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::load;
+    use crate::bundled;
 
     #[test]
     fn a_wall_is_said_to_stand_only_while_it_does() {
-        let scene = load::scene("frozen-wall-sand", &[]).expect("a scene");
+        let scene = bundled::scene("frozen-wall-sand", &[]).expect("a scene");
         let say = Say { scene: &scene };
         let day = |day: f64| day * 86_400.0;
         let wall = WallRecord {
@@ -204,7 +204,7 @@ mod tests {
 
     #[test]
     fn water_says_what_its_record_knows() {
-        let scene = load::scene("thawing-inclusion", &[]).expect("a scene");
+        let scene = bundled::scene("thawing-inclusion", &[]).expect("a scene");
         let record = WaterRecord {
             events_s: [("thawed".to_owned(), 2500.0)].into(),
             pressure_solutions: 7,

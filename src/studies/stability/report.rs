@@ -15,8 +15,8 @@ use super::request::StabilityRequest;
 use super::search::{Cell, Edge};
 use super::{figures, super_steps};
 use crate::failure::Failure;
-use crate::load;
 use crate::machine::Machine;
+use crate::parts::Parts;
 use crate::words::{self, length_words};
 
 /// A map with its boundaries, or a table of super-steps, lies in this folder beside the page under the scene's name.
@@ -36,7 +36,13 @@ pub fn broken_promises(mapped: &Mapped) -> impl Iterator<Item = &Cell> {
 }
 
 /// Writes the figures and the page.
-pub fn write(request: &StabilityRequest, machine: &Machine, folder: &Path, columns: &[Mapped]) -> Result<(), Failure> {
+pub fn write(
+    request: &StabilityRequest,
+    parts: &Parts<'_>,
+    machine: &Machine,
+    folder: &Path,
+    columns: &[Mapped],
+) -> Result<(), Failure> {
     let mut page = Page {
         title: "Where methods break".into(),
         lead: vec![
@@ -55,7 +61,7 @@ pub fn write(request: &StabilityRequest, machine: &Machine, folder: &Path, colum
     for name in &request.scenes {
         let own: Vec<&Mapped> = columns.iter().filter(|mapped| mapped.job.scene == *name).collect();
         // Columns have values of their own in place of the scene's.
-        page.scenes.extend(section(folder, &load::scene(name, &request.overrides)?, &own)?);
+        page.scenes.extend(section(folder, &(parts.scene_at)(name, &request.overrides)?, &own)?);
     }
     Ok(page::write(&page, &folder.join("report.html"))?)
 }

@@ -1,18 +1,11 @@
-//! What a comparison is asked for, and the parts of the program that it is given.
+//! What a comparison is asked for.
 
 use std::path::PathBuf;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
-use frazil_cases::Truth;
-use frazil_record::RunResult;
 use frazil_scene::Scene;
-use frazil_scene::method::MethodKind;
-use frazil_simulation::march::{Options, Refused};
-use frazil_simulation::reference::Reference;
 
 use super::variant::Variant;
-use crate::load::Overrides;
+use crate::parts::{Override, Parts};
 use crate::progress::{clock, forewarn};
 
 /// Wall time that is spent on one scene unless told otherwise (s).
@@ -42,7 +35,7 @@ pub struct CompareRequest {
     /// Settings of the methods.
     pub settings: Vec<Variant>,
     /// Pairs of key path and value that override every scene.
-    pub overrides: Overrides,
+    pub overrides: Vec<Override>,
     /// Whether smaller scenes that give the same answer are to be run instead.
     pub reduce: bool,
     /// Whether to say nothing but errors.
@@ -55,6 +48,16 @@ impl CompareRequest {
     /// Wall time for one scene (s).
     pub fn budget(&self) -> f64 {
         self.budget_s.unwrap_or(BUDGET)
+    }
+
+    /// A scene with the overrides of all and these.
+    ///
+    /// # Errors
+    ///
+    /// Why it cannot be had, in words.
+    pub(super) fn scene(&self, parts: &Parts<'_>, name: &str, overrides: &[Override]) -> Result<Scene, String> {
+        let all = [self.overrides.as_slice(), overrides].concat();
+        (parts.scene_at)(name, &all).map_err(|failure| failure.to_string())
     }
 
     /// Says that all scenes together take long, if they may.
@@ -74,26 +77,4 @@ pub struct Vary {
     pub key: String,
     /// Its values; by default around the scene's own.
     pub ratios: Vec<f64>,
-}
-
-/// Reads a scene by name or path with overrides.
-pub type SceneAt<'a> = dyn Fn(&str, &[(String, String)]) -> Result<Scene, String> + 'a;
-/// The reference of a scene that needs no run, and why it is not the one that the scene names.
-pub type ReferenceFor<'a> = dyn Fn(&Scene) -> Result<Truth, String> + 'a;
-/// Makes one run.
-pub type Run<'a> =
-    dyn Fn(&Scene, &str, Option<&Arc<dyn Reference>>, &Options<'_>) -> Result<RunResult, Refused> + Sync + 'a;
-
-/// The rest of the program as a comparison sees it; tests put made-up parts in their place.
-pub struct Parts<'a> {
-    /// Reads scenes.
-    pub scene_at: &'a SceneAt<'a>,
-    /// Knows references.
-    pub reference_for: &'a ReferenceFor<'a>,
-    /// Makes runs.
-    pub run: &'a Run<'a>,
-    /// The methods.
-    pub methods: &'a [&'static MethodKind],
-    /// Set to stop.
-    pub interrupt: &'a AtomicBool,
 }

@@ -9,7 +9,8 @@ use crate::campaign::{Campaign, Shard};
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::machine::Machine;
 use crate::output::Folder;
-use crate::{interrupt, load, parallel, registry};
+use crate::parallel;
+use crate::parts::Parts;
 
 pub mod analysis;
 pub mod curve;
@@ -29,33 +30,27 @@ pub mod variant;
 pub mod vary;
 pub mod verdict;
 
-pub use request::{CompareRequest, Parts, Vary};
+pub use request::{CompareRequest, Vary};
 use runner::Runner;
 
 /// Compares.
-pub fn compare(request: &CompareRequest) -> Result<Verdict, Failure> {
-    let parts = Parts {
-        scene_at: &|name, overrides| {
-            let all = [request.overrides.as_slice(), overrides].concat();
-            load::scene(name, &all).map_err(|failure| failure.to_string())
-        },
-        reference_for: &frazil_cases::truth,
-        run: if request.reduce { &frazil_simulation::reduce::run } else { &frazil_simulation::march::run },
-        methods: registry::methods(),
-        interrupt: interrupt::watch(),
-    };
+///
+/// # Errors
+///
+/// If a scene, method or setting is none, or a file cannot be written.
+pub fn compare(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failure> {
     match &request.vary {
-        Some(wanted) => vary::vary(request, wanted, &parts),
-        None => compare_with(request, &parts),
+        Some(wanted) => vary::vary(request, wanted, parts),
+        None => by_time(request, parts),
     }
 }
 
-/// Compares with given parts.
-pub fn compare_with(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failure> {
+/// Error against run time.
+fn by_time(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failure> {
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join("compare"));
     // Every scene is read under every method and setting before the first run, so that a misspelt word costs no time.
     for name in &request.scenes {
-        let scene = (parts.scene_at)(name, &[]).map_err(Failure::Request)?;
+        let scene = request.scene(parts, name, &[]).map_err(Failure::Request)?;
         plan::check(request, parts, name, &scene).map_err(Failure::Request)?;
     }
     request.forewarn();

@@ -15,9 +15,10 @@ use frazil_simulation::reference::Reference;
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_64;
 
-use super::request::{CompareRequest, Parts, Run};
+use super::request::CompareRequest;
 use crate::campaign::{self, Campaign};
 use crate::machine;
+use crate::parts::{Parts, Run};
 
 /// By how much more time a run that was cut off must be allowed to be tried again: the clock is not exact.
 const MORE_TIME: f64 = 1.1;

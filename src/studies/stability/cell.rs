@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use super::axis::stefan_number;
 use crate::campaign;
+use crate::parts::Parts;
 
 /// Outputs of a cell, at which heat balance, front and flows are looked at: about as many.
 const OUTPUTS: f64 = 120.0;
@@ -75,8 +76,8 @@ pub struct Probe {
 
 impl Probe {
     /// Prepares a column; refused if the scene has no plan under the method. `known` are bounds of the same particles.
-    pub fn new(scene: Scene, method: &'static str, known: Option<Bounds>) -> Result<Probe, Refused> {
-        let reference = wall_data(&scene)?;
+    pub fn new(parts: &Parts<'_>, scene: Scene, method: &'static str, known: Option<Bounds>) -> Result<Probe, Refused> {
+        let reference = wall_data(parts, &scene)?;
         let settings = plan::settings_of(&scene, method)?;
         if settings.numerics.integrator.tolerance().is_some() {
             let reason = format!("[method.{method}]: steps that follow a tolerance have no bound to go beyond");
@@ -184,10 +185,10 @@ impl Probe {
 pub const SEED: u64 = 1;
 
 /// The solution that walls take their temperature from; errors are not asked for, so other scenes need none.
-pub fn wall_data(scene: &Scene) -> Result<Option<Arc<dyn Reference>>, Refused> {
+pub fn wall_data(parts: &Parts<'_>, scene: &Scene) -> Result<Option<Arc<dyn Reference>>, Refused> {
     if !scene.walls.iter().any(|wall| wall.condition == Condition::Exact) {
         return Ok(None);
     }
-    let reference = frazil_cases::reference_for(scene).map_err(|reason| Refused { reason })?;
-    Ok(reference.map(Arc::from))
+    let known = (parts.reference_for)(scene).map_err(|reason| Refused { reason })?;
+    Ok(known.reference.map(Arc::from))
 }

@@ -14,10 +14,11 @@ use frazil_simulation::measure;
 use frazil_simulation::reference::{Cut, Plane, Reference};
 
 use super::plan::overrides;
-use super::request::{CompareRequest, Parts};
+use super::request::CompareRequest;
 use super::runner::{Clock, Purpose, Runner};
 use super::variant::Variant;
 use crate::ensemble::runs::Headline;
+use crate::parts::Parts;
 use crate::words::length_words;
 
 /// Estimated error beyond which fine runs are no reference.
@@ -196,7 +197,7 @@ pub fn truth(
     if base.reference == ReferenceChoice::None {
         return Ok(None);
     }
-    Ok(match local_reference(parts, runner, (name, base), spacings, request.budget(), say) {
+    Ok(match local_reference(request, parts, runner, (name, base), spacings, say) {
         Ok(reference) => {
             base.remarks.extend(reference.unknown.iter().cloned());
             Some(Arc::new(reference))
@@ -212,19 +213,19 @@ pub fn truth(
 /// finest run, with the errors that the difference of the two finest suggests. Measures in which they differ too much it does
 /// not know. `spacings` are the finest and the coarsest of the comparison (m).
 fn local_reference(
+    request: &CompareRequest,
     parts: &Parts<'_>,
     runner: &Runner<'_>,
     (name, base): (&str, &Scene),
     (finest, coarsest): (f64, f64),
-    seconds: f64,
     say: &dyn Fn(&str),
 ) -> Result<LocalReference, String> {
-    let mut runs = fine_runs(parts, runner, (name, base), finest, seconds, say)?;
+    let mut runs = fine_runs(request, parts, runner, (name, base), finest, say)?;
     let Some((spacing, fine)) = runs.pop() else {
         return Err("no local run ended well".into());
     };
     let Some((_, coarser)) = runs.last() else {
-        return Err(format!("{} allow one local run only; give more time with --budget-s", duration(seconds)));
+        return Err(format!("{} allow one local run only; give more time with --budget-s", duration(request.budget())));
     };
     let mut truth = LocalReference::new(base, fine);
     let mut judged = base.clone();
@@ -270,16 +271,17 @@ fn local_reference(
 
 /// Local runs from twice the finest spacing (m) on, each at half of the one before, as far as the time (s) allows.
 fn fine_runs(
+    request: &CompareRequest,
     parts: &Parts<'_>,
     runner: &Runner<'_>,
     (name, base): (&str, &Scene),
     finest: f64,
-    seconds: f64,
     say: &dyn Fn(&str),
 ) -> Result<Vec<(f64, RunResult)>, String> {
     if !parts.methods.iter().any(|kind| kind.name == "local") {
         return Err("there is no local method to make one".into());
     }
+    let seconds = request.budget();
     let explicit = 2f64.powi(base.domain.dimension() as i32 + 2);
     let clock = Clock::start();
     let mut runs: Vec<(f64, RunResult)> = Vec::new();
@@ -289,7 +291,7 @@ fn fine_runs(
             break;
         }
         let best = Variant::standard(Setting::Best);
-        let Ok(scene) = (parts.scene_at)(name, &overrides(base.units, "local", spacing, &best)) else {
+        let Ok(scene) = request.scene(parts, name, &overrides(base.units, "local", spacing, &best)) else {
             continue;
         };
         say(&format!("{}: local run at {} for a reference", base.name, length_words(base.units, spacing)));

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::axis::{Axis, Override};
+use super::axis::Axis;
 use super::cell::class_word;
 use super::execute::{Column, Mapped};
 use super::request::StabilityRequest;
@@ -12,6 +12,7 @@ use super::search::Cell;
 use super::super_steps;
 use crate::failure::Failure;
 use crate::output::write_rows;
+use crate::parts::Override;
 
 /// A cell in `stability.csv`.
 #[derive(Debug, Clone, Serialize)]

@@ -7,7 +7,7 @@ use std::time::Instant;
 use frazil_record::Outcome;
 use frazil_simulation::plan::Bounds;
 
-use super::axis::{Axis, Override};
+use super::axis::Axis;
 use super::cell::{self, Finding, Probe};
 use super::plan::Job;
 use super::request::StabilityRequest;
@@ -15,8 +15,10 @@ use super::search::{self, Ladder, climb, grid};
 use super::super_steps;
 use crate::campaign::Campaign;
 use crate::failure::Failure;
+use crate::parallel;
+use crate::parts::Override;
+use crate::parts::Parts;
 use crate::progress::{self, Reporter};
-use crate::{load, parallel};
 
 /// Ends of a map, in theoretical bounds.
 pub const RANGE: (f64, f64) = (0.25, 4.0);
@@ -38,9 +40,15 @@ pub struct Column {
 }
 
 /// Works on all columns. What they show does not depend on how many are worked on at once.
-pub fn columns(request: &StabilityRequest, jobs: Vec<Job>, campaign: &Campaign<'_>) -> Result<Vec<Mapped>, Failure> {
+pub fn columns(
+    request: &StabilityRequest,
+    parts: &Parts<'_>,
+    jobs: Vec<Job>,
+    campaign: &Campaign<'_>,
+) -> Result<Vec<Mapped>, Failure> {
     let study = Study {
         request,
+        parts,
         campaign,
         bounds: Mutex::new(HashMap::new()),
         reporter: Reporter::new(request.quiet),
@@ -97,6 +105,7 @@ type Particles = (String, &'static str, Vec<Override>);
 
 struct Study<'a> {
     request: &'a StabilityRequest,
+    parts: &'a Parts<'a>,
     campaign: &'a Campaign<'a>,
     bounds: Mutex<HashMap<Particles, Bounds>>,
     reporter: Reporter,
@@ -123,7 +132,7 @@ impl Study<'_> {
 
     /// Whether the ends of the map of a column are known, which are run at any limit of stability.
     fn is_known(&self, job: &Job) -> bool {
-        let Ok(scene) = load::scene(&job.scene, &job.overrides) else { return false };
+        let Ok(scene) = (self.parts.scene_at)(&job.scene, &job.overrides) else { return false };
         let steps = match (&self.request.steps[..], job.axis) {
             ([], Axis::Stages) => super_steps::grid(),
             ([], _) => grid(RANGE.0, RANGE.1, self.request.grid),
@@ -154,12 +163,12 @@ impl Study<'_> {
 
     /// The scene of a column. Bounds are found once for all columns whose particles are the same.
     fn probe(&self, job: &Job) -> Result<Probe, String> {
-        let scene = load::scene(&job.scene, &job.overrides).map_err(|failure| failure.to_string())?;
+        let scene = (self.parts.scene_at)(&job.scene, &job.overrides).map_err(|failure| failure.to_string())?;
         let of_time = |key: &str| key.ends_with(".integrator") || key.ends_with(".stages");
         let particles = job.overrides.iter().filter(|(key, _)| !of_time(key)).cloned().collect();
         let key = (job.scene.clone(), job.method, particles);
         let known = self.bounds.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
-        let probe = Probe::new(scene, job.method, known).map_err(|refused| refused.reason)?;
+        let probe = Probe::new(self.parts, scene, job.method, known).map_err(|refused| refused.reason)?;
         self.bounds.lock().unwrap_or_else(PoisonError::into_inner).insert(key, probe.bounds.clone());
         Ok(probe)
     }

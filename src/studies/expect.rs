@@ -51,12 +51,12 @@ fn is_short(scene: &Scene, method: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::load;
+    use crate::bundled;
 
     fn told(scene: &str, changes: &[(&str, &str)]) -> Option<f64> {
         let changes: Vec<(String, String)> =
             changes.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-        seconds(&load::scene(scene, &changes).expect("a scene"), "local", None, 1)
+        seconds(&bundled::scene(scene, &changes).expect("a scene"), "local", None, 1)
     }
 
     #[test]

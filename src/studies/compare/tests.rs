@@ -14,6 +14,7 @@ use frazil_simulation::reference::Reference;
 
 use super::variant::Variant;
 use super::*;
+use crate::bundled;
 
 /// A run whose front is wrong by a known law: first order for PD, second for the others, with noise for eDPD.
 fn made_up(
@@ -132,10 +133,10 @@ fn request() -> CompareRequest {
 fn parts() -> Parts<'static> {
     static INTERRUPT: AtomicBool = AtomicBool::new(false);
     Parts {
-        scene_at: &|name, overrides| load::scene(name, overrides).map_err(|failure| failure.to_string()),
+        scene_at: &bundled::scene,
         reference_for: &frazil_cases::truth,
         run: &made_up,
-        methods: registry::methods(),
+        methods: bundled::methods(),
         interrupt: &INTERRUPT,
     }
 }
@@ -165,7 +166,7 @@ fn what_is_left_out_for_lack_of_time_is_not_failed() -> Result<(), Failure> {
     let out = temporary.path().join("out");
     let request = CompareRequest { out: Some(out.clone()), settings: vec![best()], ..request() };
     let parts = Parts { run: &slow_edpd, ..parts() };
-    assert_eq!(compare_with(&request, &parts)?, Verdict::Done);
+    assert_eq!(compare(&request, &parts)?, Verdict::Done);
     let read = |name: &str| fs::read_to_string(out.join(name)).unwrap_or_default();
     let column = |text: &str, name: &str| -> Vec<(String, String)> {
         let mut reader = csv::Reader::from_reader(text.as_bytes());
@@ -210,7 +211,7 @@ fn a_comparison_leaves_all_its_files() -> Result<(), Failure> {
         ..request()
     };
     let parts = parts();
-    assert_eq!(compare_with(&request, &parts)?, Verdict::Done);
+    assert_eq!(compare(&request, &parts)?, Verdict::Done);
     let read = |name: &str| fs::read_to_string(out.join(name)).unwrap_or_default();
     let comparison = read("comparison.csv");
     assert_eq!(comparison.lines().count(), 1 + 4 * 2 * 4, "{comparison}");

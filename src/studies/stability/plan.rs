@@ -4,10 +4,11 @@ use frazil_scene::method::MethodKind;
 use frazil_scene::{Scene, Units};
 use frazil_simulation::plan;
 
-use super::axis::{Axis, Override};
+use super::axis::Axis;
 use super::request::StabilityRequest;
 use crate::failure::Failure;
-use crate::{load, registry};
+use crate::parts::Override;
+use crate::parts::Parts;
 
 /// One column of a map that is to be made.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,8 +26,8 @@ pub struct Job {
 }
 
 /// All columns of a scene: by axis, then method, then value.
-pub fn jobs(request: &StabilityRequest, name: &str, scene: &Scene) -> Result<Vec<Job>, Failure> {
-    let known: Vec<&str> = registry::methods().iter().map(|kind| kind.name).collect();
+pub fn jobs(request: &StabilityRequest, parts: &Parts<'_>, name: &str, scene: &Scene) -> Result<Vec<Job>, Failure> {
+    let known: Vec<&str> = parts.methods.iter().map(|kind| kind.name).collect();
     if let Some(unknown) = request.methods.iter().find(|asked| !known.contains(&asked.as_str())) {
         return Err(Failure::Request(format!("--methods {unknown}: there are {}", known.join(", "))));
     }
@@ -38,9 +39,9 @@ pub fn jobs(request: &StabilityRequest, name: &str, scene: &Scene) -> Result<Vec
     let asked = |kind: &&MethodKind| request.methods.is_empty() || request.methods.iter().any(|own| own == kind.name);
     let mut jobs = Vec::new();
     for axis in wanted {
-        for kind in registry::methods().iter().copied().filter(asked) {
+        for kind in parts.methods.iter().copied().filter(asked) {
             let Some(settings) = scene.method(kind.name) else { continue };
-            let spacing = spacing(request, name, scene, kind.name);
+            let spacing = spacing(request, parts, name, scene, kind.name);
             for column in axis.columns(scene, kind, settings, request.values) {
                 let overrides = request.overrides.iter().chain(&spacing).chain(&column.overrides).cloned().collect();
                 jobs.push(Job { scene: name.into(), method: kind.name, axis, value: column.value, overrides });
@@ -52,14 +53,14 @@ pub fn jobs(request: &StabilityRequest, name: &str, scene: &Scene) -> Result<Vec
 
 /// The coarser spacing of a study, as far as the scene takes it: stability is a matter of steps and particles, and a
 /// coarse lattice has as many modes of the shortest wave as it needs.
-fn spacing(request: &StabilityRequest, name: &str, scene: &Scene, method: &str) -> Option<Override> {
+fn spacing(request: &StabilityRequest, parts: &Parts<'_>, name: &str, scene: &Scene, method: &str) -> Option<Override> {
     let own = scene.method(method)?.numerics.spacing;
     let key = if scene.units == Units::Si { "spacing_m" } else { "spacing" };
     (2..=request.coarsen).rev().find_map(|factor| {
         let spacing = (format!("method.{method}.{key}"), format!("{}", own * f64::from(factor)));
         let overrides: Vec<Override> = request.overrides.iter().chain([&spacing]).cloned().collect();
-        let coarse = load::scene(name, &overrides).ok()?;
-        let reference = super::cell::wall_data(&coarse).ok()?;
+        let coarse = (parts.scene_at)(name, &overrides).ok()?;
+        let reference = super::cell::wall_data(parts, &coarse).ok()?;
         plan::build(&coarse, coarse.method(method)?, reference.as_ref(), 1, super::cell::SEED).ok()?;
         Some(spacing)
     })

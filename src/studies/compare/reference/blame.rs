@@ -107,8 +107,7 @@ mod tests {
     use super::*;
 
     fn scene() -> Scene {
-        let bundled = frazil_cases::scenes::find("stefan-water").expect("bundled");
-        Scene::read(bundled.text, "s", "s", &[], crate::registry::methods()).expect("good")
+        crate::bundled::scene("stefan-water", &[]).expect("good")
     }
 
     #[test]

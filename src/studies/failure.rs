@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use frazil_plots::PlotError;
+use frazil_record::Outcome;
 use frazil_scene::Problems;
 use frazil_simulation::march::Refused;
 
@@ -17,6 +18,17 @@ pub enum Verdict {
     CheckFailed,
     /// Results are there, but not to their end.
     Broken,
+}
+
+impl Verdict {
+    /// A run that went to its end but against its own checks has failed a check; one that did not get there is broken.
+    pub fn of(outcome: Outcome) -> Verdict {
+        match outcome {
+            Outcome::Ok => Verdict::Done,
+            Outcome::Oscillating | Outcome::EnergyDrift | Outcome::PhaseSkipped => Verdict::CheckFailed,
+            Outcome::Diverged | Outcome::TimedOut | Outcome::Interrupted => Verdict::Broken,
+        }
+    }
 }
 
 /// Why a command could not do what it was asked.

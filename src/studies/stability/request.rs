@@ -2,7 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::axis::{Axis, Override};
+use super::axis::Axis;
+use crate::parts::Override;
 
 /// What is to be mapped.
 #[derive(Debug, Clone, PartialEq)]

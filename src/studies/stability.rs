@@ -9,7 +9,7 @@ use crate::campaign::{Campaign, Shard};
 use crate::failure::{Failure, Verdict, complain};
 use crate::machine::Machine;
 use crate::output::Folder;
-use crate::{interrupt, load};
+use crate::parts::Parts;
 
 pub mod axis;
 pub mod cell;
@@ -25,12 +25,16 @@ pub mod tables;
 pub use request::StabilityRequest;
 
 /// Maps.
-pub fn stability(request: &StabilityRequest) -> Result<Verdict, Failure> {
+///
+/// # Errors
+///
+/// If a scene, method or axis is none, a run is refused, or a file cannot be written.
+pub fn stability(request: &StabilityRequest, parts: &Parts<'_>) -> Result<Verdict, Failure> {
     let mut jobs = Vec::new();
     // Every scene is read and every column laid out before the first run, so that a misspelt name costs no time.
     for name in &request.scenes {
-        let scene = load::scene(name, &request.overrides)?;
-        jobs.extend(plan::jobs(request, name, &scene)?);
+        let scene = (parts.scene_at)(name, &request.overrides)?;
+        jobs.extend(plan::jobs(request, parts, name, &scene)?);
     }
     if jobs.is_empty() {
         return Err(Failure::Request("none of the axes means anything to these scenes and methods".into()));
@@ -38,14 +42,14 @@ pub fn stability(request: &StabilityRequest) -> Result<Verdict, Failure> {
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join("stability"));
     let folder = Folder::make(&path)?;
     let machine = Machine::now();
-    let campaign = Campaign::open(&path, Shard::WHOLE, request.threads, interrupt::watch())?;
-    let columns = execute::columns(request, jobs, &campaign)?;
+    let campaign = Campaign::open(&path, Shard::WHOLE, request.threads, parts.interrupt)?;
+    let columns = execute::columns(request, parts, jobs, &campaign)?;
     if campaign.is_interrupted() {
         complain("interrupted: the same command goes on from here");
         return Ok(Verdict::Broken);
     }
     tables::write(request, folder.path(), &columns)?;
-    report::write(request, &machine, folder.path(), &columns)?;
+    report::write(request, parts, &machine, folder.path(), &columns)?;
     if !request.quiet {
         complain(&format!("written: {}", path.join("report.html").display()));
     }

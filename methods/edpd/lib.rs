@@ -24,8 +24,8 @@ use frazil_core::solvers::method::Method;
 use frazil_core::solvers::moving::Purpose;
 use frazil_core::solvers::step::Clock;
 use frazil_record::Value;
+use frazil_scene::method::MethodSettings;
 use frazil_scene::method::{Discretisation, MethodKind, Stepper};
-use frazil_scene::settings::MethodSettings;
 use frazil_scene::{Numerics, Range, Scene, Section, Setting, Units};
 use rayon::ThreadPool;
 

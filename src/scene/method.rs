@@ -1,6 +1,8 @@
 //! A method as a scene sees it: its geometry, its own settings, and how it makes steps.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::{fmt, iter};
 
 use frazil_core::bonds::stencil::Stencil;
 use frazil_core::bonds::weight::{Normalisation, PairWeight};
@@ -9,11 +11,13 @@ use frazil_core::boundary::pipe::radius_of_one_particle;
 use frazil_core::solvers::assembly::Assembly;
 use frazil_core::solvers::method::Method;
 use frazil_core::solvers::moving::{Crowd, Purpose};
+use frazil_core::solvers::step::Bound;
 use frazil_record::Value;
 use rayon::ThreadPool;
 
-use crate::settings::MethodSettings;
-use crate::{Numerics, Scene, Section, Setting};
+use crate::read::Section;
+use crate::scene::Scene;
+use crate::settings::{Numerics, Setting, word};
 
 /// A method's geometry on one scene, made by [`MethodKind::read`].
 pub struct Discretisation {
@@ -72,6 +76,42 @@ pub struct MethodKind {
     pub defaults: fn(Setting) -> Numerics,
     /// Reads the method's own keys. Problems go into the section; a best guess is returned all the same.
     pub read: fn(&mut Section<'_>, Setting, &Numerics, usize) -> Discretisation,
+}
+
+/// Everything a scene says about one method.
+#[derive(Clone)]
+pub struct MethodSettings {
+    /// Name in the registry.
+    pub method: &'static str,
+    /// The preset.
+    pub setting: Setting,
+    /// Shared settings.
+    pub numerics: Numerics,
+    /// The method's own geometry.
+    pub discretisation: Arc<Discretisation>,
+    /// The bound of an explicit step, where a larger body knows it for this one (a body that is reduced): both then make
+    /// the same steps. Derived from the particles if absent.
+    pub bound: Option<Bound>,
+}
+
+impl MethodSettings {
+    /// All settings by the keys of the file, defaults included, as a record shows them.
+    pub fn values(&self) -> BTreeMap<String, Value> {
+        let setting = ("setting", word(&Setting::WORDS, &self.setting));
+        let own = self.discretisation.knobs.iter().cloned();
+        let all = iter::once(setting).chain(self.numerics.values()).chain(own);
+        all.map(|(key, value)| (key.to_owned(), value)).collect()
+    }
+}
+
+impl fmt::Debug for MethodSettings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("MethodSettings")
+            .field("method", &self.method)
+            .field("setting", &self.setting)
+            .field("numerics", &self.numerics)
+            .finish_non_exhaustive()
+    }
 }
 
 /// The same of a method's settings.

@@ -19,8 +19,9 @@ mod tests;
 mod tree;
 mod watch;
 
-use super::{Scene, Temperatures, Units};
 use crate::method::MethodKind;
+use crate::scene::{Scene, Temperatures};
+use crate::units::Units;
 use problem::Log;
 
 pub use problem::{Noted, Problem, Problems, Read};
@@ -41,7 +42,8 @@ impl Scene {
         methods: &[&'static MethodKind],
     ) -> Result<Scene, Problems> {
         let mut entries = tree::parse(text).map_err(|problems| Problems::new(file, problems))?;
-        let log = Log::new(methods);
+        let kinds = methods.to_vec();
+        let log = Log::knowing(move || every_key::every_key(&kinds));
         for (key, value) in overrides {
             if let Err(problem) = tree::set(&mut entries, key, value) {
                 log.record(problem);

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use super::Scene;
+use crate::scene::Scene;
 
 /// Rounding of positions, over the size of a shape or of a particle: what lies that near an edge lies on it.
 const ON_EDGE: f64 = 1e-9;

@@ -1,15 +1,9 @@
 //! Numerical settings of one method on one scene: how, never what.
 
-use std::collections::BTreeMap;
-use std::fmt;
-use std::sync::Arc;
-
-use crate::method::Discretisation;
-use frazil_core::balances::groundwater::numerics::{Conduction, FlowNumerics};
+use frazil_core::balances::groundwater::numerics::{Advection, Conduction, FlowNumerics};
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::physics::uptake::{Mushy, Uptake};
-use frazil_core::solvers::step::Bound;
 use frazil_record::Value;
 
 /// Which of a method's two standard settings is the starting point; keys of the file override it one by one.
@@ -19,6 +13,11 @@ pub enum Setting {
     Best,
     /// What the method's paper prints.
     Paper,
+}
+
+impl Setting {
+    /// Both with the words of the file.
+    pub const WORDS: [(&str, Setting); 2] = [("best", Setting::Best), ("paper", Setting::Paper)];
 }
 
 /// Where particles stand at the start.
@@ -44,6 +43,11 @@ pub enum Front {
     SubCell,
 }
 
+impl Front {
+    /// Both with the words of the file.
+    pub const WORDS: [(&str, Front); 2] = [("cell", Front::Cell), ("sub-cell", Front::SubCell)];
+}
+
 /// How neighbours are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SearchChoice {
@@ -57,6 +61,17 @@ pub enum SearchChoice {
     Cells,
     /// Every pair: the oracle.
     AllPairs,
+}
+
+impl SearchChoice {
+    /// All of them with the words of the file.
+    pub const WORDS: [(&str, SearchChoice); 5] = [
+        ("auto", SearchChoice::Auto),
+        ("lattice", SearchChoice::Lattice),
+        ("tree", SearchChoice::Tree),
+        ("cells", SearchChoice::Cells),
+        ("all-pairs", SearchChoice::AllPairs),
+    ];
 }
 
 /// How time advances.
@@ -131,124 +146,6 @@ pub struct Numerics {
     pub flow: Option<FlowNumerics>,
 }
 
-/// Everything a scene says about one method.
-#[derive(Clone)]
-pub struct MethodSettings {
-    /// Name in the registry.
-    pub method: &'static str,
-    /// The preset.
-    pub setting: Setting,
-    /// Shared settings.
-    pub numerics: Numerics,
-    /// The method's own geometry.
-    pub discretisation: Arc<Discretisation>,
-    /// The bound of an explicit step, where a larger body knows it for this one (a body that is reduced): both then make
-    /// the same steps. Derived from the particles if absent.
-    pub bound: Option<Bound>,
-}
-
-impl MethodSettings {
-    /// All settings by the keys of the file, defaults included, as a record shows them.
-    pub fn values(&self) -> BTreeMap<String, Value> {
-        let text = |word: &str| Value::Text(word.to_string());
-        let numerics = &self.numerics;
-        let mut values = BTreeMap::new();
-        let mut put = |key: &str, value: Value| values.insert(key.to_string(), value);
-        put("setting", text(if self.setting == Setting::Best { "best" } else { "paper" }));
-        put("spacing", Value::Number(numerics.spacing));
-        match numerics.layout {
-            Layout::Lattice => put("layout", text("lattice")),
-            Layout::Random => put("layout", text("random")),
-            Layout::Jittered { fraction } => {
-                put("jitter_fraction", Value::Number(fraction));
-                put("layout", text("jittered"))
-            }
-        };
-        match numerics.exchange {
-            Exchange::Potential => put("exchange", text("potential")),
-            Exchange::Mean(Mean::Harmonic) => put("mean", text("harmonic")),
-            Exchange::Mean(Mean::Arithmetic) => put("mean", text("arithmetic")),
-            Exchange::Mean(Mean::Geometric) => put("mean", text("geometric")),
-        };
-        match numerics.uptake {
-            Uptake::Enthalpy => put("scheme", text("enthalpy")),
-            Uptake::Flags => put("scheme", text("flags")),
-            Uptake::ApparentCapacity { interval } => {
-                put("interval_K", Value::Number(interval));
-                put("scheme", text("apparent-capacity"))
-            }
-        };
-        if numerics.exchange != Exchange::Potential {
-            let mushy = match numerics.mushy {
-                Mushy::Fraction => Value::Flag(true),
-                Mushy::LastPhase => Value::Flag(false),
-                Mushy::Mean => text("mean"),
-            };
-            put("mushy", mushy);
-        }
-        if numerics.front == Front::SubCell {
-            put("front", text("sub-cell"));
-        }
-        let walls = match numerics.walls {
-            WallModel::Mirror => "mirror",
-            WallModel::MovingLeastSquares => "moving-least-squares",
-            WallModel::Naive => "naive",
-            WallModel::InnerLayers => "inner-layers",
-        };
-        put("wall_model", text(walls));
-        let integrator = match numerics.integrator {
-            // Beside water a step is the mean of two.
-            IntegratorChoice::Euler if numerics.flow.is_some() => "heun",
-            IntegratorChoice::Euler => "euler",
-            IntegratorChoice::Rkl2 { stages } => {
-                put("stages", Value::Number(stages as f64));
-                "rkl2"
-            }
-            IntegratorChoice::ControlledRkl2 { .. } => "rkl2",
-            IntegratorChoice::Implicit { .. } => "implicit",
-        };
-        put("integrator", text(integrator));
-        if let Some(tolerance) = numerics.integrator.tolerance() {
-            put("tolerance", Value::Number(tolerance));
-        }
-        match numerics.step {
-            // Steps by error know no bound.
-            StepChoice::Fraction(_) if numerics.integrator.tolerance().is_some() => None,
-            StepChoice::Fraction(fraction) => put("step_fraction", Value::Number(fraction)),
-            StepChoice::Fixed(step) => put("step", Value::Number(step)),
-        };
-        if let Some(flow) = numerics.flow {
-            put("advection", text(flow.advection.name()));
-            let conduction = Conduction::WORDS.iter().find(|word| word.1 == numerics.conduction);
-            put("conduction", text(conduction.map_or("", |word| word.0)));
-            let mean = match flow.mean {
-                Mean::Harmonic => "harmonic",
-                Mean::Arithmetic => "arithmetic",
-                Mean::Geometric => "geometric",
-            };
-            put("permeability_mean", text(mean));
-            put("pressure_change", Value::Number(flow.pressure_change));
-            if flow.pressure_interval.is_finite() {
-                put("pressure_interval", Value::Number(flow.pressure_interval));
-            }
-        }
-        for (key, value) in &self.discretisation.knobs {
-            put(key, value.clone());
-        }
-        values
-    }
-}
-
-impl fmt::Debug for MethodSettings {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("MethodSettings")
-            .field("method", &self.method)
-            .field("setting", &self.setting)
-            .field("numerics", &self.numerics)
-            .finish_non_exhaustive()
-    }
-}
-
 impl Default for Numerics {
     /// What works best: potential exchange of enthalpies on a lattice with mirror walls, explicit Euler at 0.9 of
     /// its bound. The spacing comes from the file.
@@ -266,6 +163,89 @@ impl Default for Numerics {
             step: StepChoice::Fraction(0.9),
             conduction: Conduction::Plain,
             flow: None,
+        }
+    }
+}
+
+/// The word of a file that stands for a choice.
+pub(crate) fn word<T: PartialEq>(words: &[(&str, T)], choice: &T) -> Value {
+    Value::Text(words.iter().find(|(_, own)| own == choice).map_or("", |(word, _)| word).to_owned())
+}
+
+fn text(word: &str) -> Value {
+    Value::Text(word.to_owned())
+}
+
+impl Numerics {
+    /// All settings by the keys of the file, defaults included.
+    pub(crate) fn values(&self) -> Vec<(&'static str, Value)> {
+        let mut values =
+            vec![("spacing", Value::Number(self.spacing)), ("wall_model", word(&WallModel::WORDS, &self.walls))];
+        match self.layout {
+            Layout::Lattice => values.push(("layout", text("lattice"))),
+            Layout::Random => values.push(("layout", text("random"))),
+            Layout::Jittered { fraction } => {
+                values.extend([("layout", text("jittered")), ("jitter_fraction", Value::Number(fraction))]);
+            }
+        }
+        match self.uptake {
+            Uptake::Enthalpy => values.push(("scheme", text("enthalpy"))),
+            Uptake::Flags => values.push(("scheme", text("flags"))),
+            Uptake::ApparentCapacity { interval } => {
+                values.extend([("scheme", text("apparent-capacity")), ("interval_K", Value::Number(interval))]);
+            }
+        }
+        match self.exchange {
+            Exchange::Potential => values.push(("exchange", text("potential"))),
+            Exchange::Mean(mean) => {
+                let mushy = match self.mushy {
+                    Mushy::Fraction => Value::Flag(true),
+                    Mushy::LastPhase => Value::Flag(false),
+                    Mushy::Mean => text("mean"),
+                };
+                values.extend([("mean", word(&Mean::WORDS, &mean)), ("mushy", mushy)]);
+            }
+        }
+        if self.front == Front::SubCell {
+            values.push(("front", text("sub-cell")));
+        }
+        self.put_steps(&mut values);
+        self.put_flow(&mut values);
+        values
+    }
+
+    fn put_steps(&self, values: &mut Vec<(&'static str, Value)>) {
+        let integrator = match self.integrator {
+            // Beside water a step is the mean of two.
+            IntegratorChoice::Euler if self.flow.is_some() => "heun",
+            IntegratorChoice::Euler => "euler",
+            IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. } => "rkl2",
+            IntegratorChoice::Implicit { .. } => "implicit",
+        };
+        values.push(("integrator", text(integrator)));
+        if let IntegratorChoice::Rkl2 { stages } = self.integrator {
+            values.push(("stages", Value::Number(stages as f64)));
+        }
+        let tolerance = self.integrator.tolerance();
+        values.extend(tolerance.map(|tolerance| ("tolerance", Value::Number(tolerance))));
+        match self.step {
+            // Steps by error know no bound.
+            StepChoice::Fraction(_) if tolerance.is_some() => {}
+            StepChoice::Fraction(fraction) => values.push(("step_fraction", Value::Number(fraction))),
+            StepChoice::Fixed(step) => values.push(("step", Value::Number(step))),
+        }
+    }
+
+    fn put_flow(&self, values: &mut Vec<(&'static str, Value)>) {
+        let Some(flow) = self.flow else { return };
+        values.extend([
+            ("advection", word(&Advection::WORDS, &flow.advection)),
+            ("conduction", word(&Conduction::WORDS, &self.conduction)),
+            ("permeability_mean", word(&Mean::WORDS, &flow.mean)),
+            ("pressure_change", Value::Number(flow.pressure_change)),
+        ]);
+        if flow.pressure_interval.is_finite() {
+            values.push(("pressure_interval", Value::Number(flow.pressure_interval)));
         }
     }
 }

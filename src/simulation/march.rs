@@ -18,7 +18,7 @@ use frazil_core::solvers::method::Method;
 use frazil_core::solvers::step::{Bound, Clock};
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
-use frazil_scene::settings::MethodSettings;
+use frazil_scene::method::MethodSettings;
 
 use crate::plan::{Plan, build, settings_of};
 use crate::reference::Reference;

@@ -16,8 +16,8 @@ use frazil_core::particles::Particles;
 use frazil_core::solvers::method::Method;
 use frazil_core::solvers::moving::Purpose;
 use frazil_core::solvers::step::Bound;
+use frazil_scene::method::MethodSettings;
 use frazil_scene::method::Stepper;
-use frazil_scene::settings::MethodSettings;
 use frazil_scene::{Front, IntegratorChoice, Scene, StepChoice};
 
 use crate::plan::listed::Listed;

@@ -18,8 +18,8 @@ use frazil_core::solvers::step::Bound;
 use frazil_core::space::domain::Domain;
 use frazil_core::space::lattice::Lattice;
 use frazil_record::RunResult;
+use frazil_scene::method::MethodSettings;
 use frazil_scene::method::{Discretisation, Stepper};
-use frazil_scene::settings::MethodSettings;
 use frazil_scene::{IntegratorChoice, Layout, Scene};
 use glam::DVec2;
 

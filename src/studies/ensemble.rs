@@ -9,7 +9,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use frazil_record::{Outcome, Record, RunResult};
-use frazil_scene::settings::MethodSettings;
+use frazil_scene::method::MethodSettings;
 use frazil_scene::{Layout, Scene};
 use frazil_simulation::measure;
 use frazil_simulation::reference::Reference;

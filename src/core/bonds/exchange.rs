@@ -19,3 +19,9 @@ pub enum Mean {
     /// sqrt(ab).
     Geometric,
 }
+
+impl Mean {
+    /// All of them with the words of files.
+    pub const WORDS: [(&str, Mean); 3] =
+        [("harmonic", Mean::Harmonic), ("arithmetic", Mean::Arithmetic), ("geometric", Mean::Geometric)];
+}

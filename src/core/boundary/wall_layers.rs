@@ -39,6 +39,16 @@ pub enum WallModel {
     InnerLayers,
 }
 
+impl WallModel {
+    /// All of them with the words of files.
+    pub const WORDS: [(&str, WallModel); 4] = [
+        ("mirror", WallModel::Mirror),
+        ("moving-least-squares", WallModel::MovingLeastSquares),
+        ("naive", WallModel::Naive),
+        ("inner-layers", WallModel::InnerLayers),
+    ];
+}
+
 /// A body between layers.
 pub struct Body<'a> {
     /// Positions of particles (m).

@@ -4,7 +4,9 @@ use super::body;
 use super::problem::Read;
 use super::range::{Range, plain};
 use super::section::Section;
-use crate::{Excavation, PipeName, PipeRing};
+use crate::pipe_name::PipeName;
+use crate::pipe_ring::PipeRing;
+use crate::scene::Excavation;
 use frazil_core::boundary::condition::Condition;
 use frazil_core::space::domain::Domain;
 

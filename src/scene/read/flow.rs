@@ -33,15 +33,7 @@ pub(super) fn flow(
     beside: &Beside,
 ) -> Read<Option<Flow>> {
     if !root.has("flow") {
-        for material in materials {
-            if material.pores.is_some_and(|pores| pores.permeability.is_some()) {
-                let message = format!(
-                    "has no effect, the scene has no section \"flow\" that moves water through \"{}\"",
-                    material.name
-                );
-                root.problem("materials", message);
-            }
-        }
+        still(root, materials);
     }
     let Some(mut section) = root.optional_section("flow") else { return Ok(None) };
     let beside = match domain {
@@ -59,42 +51,9 @@ pub(super) fn flow(
         section.abandon();
         return Err(section.section_problem(format!("must not be {beside}")));
     }
-    for material in materials {
-        let missing = match material.pores {
-            None => {
-                "a table \"groundwater\", or porosity, water, ice and solid instead of density, frozen and unfrozen"
-                    .to_owned()
-            }
-            Some(pores) if pores.permeability.is_none() => format!("\"{}_{}\"", PERMEABILITY.0, PERMEABILITY.1),
-            Some(_) => continue,
-        };
-        section.section_problem(format!("water flows through \"{}\", which must have {missing}", material.name));
-    }
-    let crosses = matches!(domain, Some(Domain::Ring { .. }));
+    carry(&mut section, materials);
     let viscosity = section.positive(("viscosity", "Pa_s"));
-    let crossing = match domain {
-        Some(Domain::Ring { outer_radius, sector }) => {
-            section.refuse("walls", "in a ring water comes from afar, with velocity_m_per_day");
-            Some(across(&mut section, *outer_radius, *sector))
-        }
-        _ => {
-            section.refuse(VELOCITY, "only in a ring water comes from afar");
-            section.refuse(DIRECTION, "only in a ring water comes from afar");
-            None
-        }
-    };
-    let open = match crossing {
-        None => Ok((walls(&mut section, domain), None)),
-        Some(crossing) => {
-            let ground = materials.first().and_then(|material| material.pores?.permeability);
-            // Darcy's law in the first material; one without permeability has been told above.
-            let wall = |(velocity, across): (Series, Across), ground: f64| {
-                let pressure = velocity.scaled(viscosity? * across.radius / (DAY * ground));
-                Ok((vec![PressureWall { name: "outer", pressure }], Some(across)))
-            };
-            crossing.and_then(|crossing| ground.map_or(Ok((Vec::new(), None)), |ground| wall(crossing, ground)))
-        }
-    };
+    let open = open(&mut section, domain, materials, viscosity);
     let freezes = materials.iter().any(|material| material.law != FreezingLaw::None);
     let (law, least) = match section.optional_section("relative_permeability") {
         Some(mut table) => relative_permeability(&mut table),
@@ -107,11 +66,12 @@ pub(super) fn flow(
     if density_change && !freezes && !materials.is_empty() {
         section.problem("density_change", "has no effect, no material freezes");
     }
+    let crosses = matches!(domain, Some(Domain::Ring { .. }));
     let gravity = match domain {
         Some(Domain::Rectangle { .. }) => section.number_or(("gravity", "m_per_s2"), 0.0, Range::NOT_NEGATIVE),
         _ => {
-            let reason = if crosses { "the plan of a ring lies level" } else { "a line lies level" };
-            section.refuse(("gravity", "m_per_s2"), reason);
+            let level = if crosses { "the plan of a ring lies level" } else { "a line lies level" };
+            section.refuse(("gravity", "m_per_s2"), level);
             0.0
         }
     };
@@ -133,6 +93,55 @@ pub(super) fn flow(
         density_change,
         gravity,
     }))
+}
+
+/// Refuses permeabilities of ground in which no water flows.
+fn still(root: &mut Section<'_>, materials: &[Material]) {
+    let permeable = |material: &&Material| material.pores.is_some_and(|pores| pores.permeability.is_some());
+    for material in materials.iter().filter(permeable) {
+        let name = &material.name;
+        root.problem(
+            "materials",
+            format!("has no effect, the scene has no section \"flow\" that moves water through \"{name}\""),
+        );
+    }
+}
+
+/// Refuses ground through which no water can flow.
+fn carry(section: &mut Section<'_>, materials: &[Material]) {
+    for material in materials {
+        let missing = match material.pores {
+            None => {
+                "a table \"groundwater\", or porosity, water, ice and solid instead of density, frozen and unfrozen"
+                    .to_owned()
+            }
+            Some(pores) if pores.permeability.is_none() => format!("\"{}_{}\"", PERMEABILITY.0, PERMEABILITY.1),
+            Some(_) => continue,
+        };
+        section.section_problem(format!("water flows through \"{}\", which must have {missing}", material.name));
+    }
+}
+
+/// Where water comes in and goes out: through walls of known pressure, or from afar across a ring.
+fn open(
+    section: &mut Section<'_>,
+    domain: Option<&Domain>,
+    materials: &[Material],
+    viscosity: Read<f64>,
+) -> Read<(Vec<PressureWall>, Option<Across>)> {
+    let Some(Domain::Ring { outer_radius, sector }) = domain else {
+        section.refuse(VELOCITY, "only in a ring water comes from afar");
+        section.refuse(DIRECTION, "only in a ring water comes from afar");
+        return Ok((walls(section, domain), None));
+    };
+    section.refuse("walls", "in a ring water comes from afar, with velocity_m_per_day");
+    let (velocity, across) = across(section, *outer_radius, *sector)?;
+    // Darcy's law in the first material; one without permeability has been told of.
+    let Some(ground) = materials.first().and_then(|material| material.pores?.permeability) else {
+        return Ok((Vec::new(), None));
+    };
+    let pressure = velocity.scaled(viscosity? * across.radius / (DAY * ground));
+    Ok((vec![PressureWall { name: "outer", pressure }], Some(across)))
 }
 
 /// Groundwater that crosses a ring: its velocity (m a day) far from what freezes, and its direction.

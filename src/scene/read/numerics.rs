@@ -5,9 +5,9 @@ use std::sync::Arc;
 use super::range::{Range, all_of, plain};
 use super::section::Section;
 use super::shells;
-use crate::Wall;
-use crate::method::MethodKind;
-use crate::settings::{Front, IntegratorChoice, Layout, MethodSettings, Numerics, SearchChoice, Setting, StepChoice};
+use crate::method::{MethodKind, MethodSettings};
+use crate::scene::Wall;
+use crate::settings::{Front, IntegratorChoice, Layout, Numerics, SearchChoice, Setting, StepChoice};
 use frazil_core::balances::groundwater::numerics::{Advection, Conduction, FlowNumerics};
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::boundary::condition::Condition;
@@ -67,7 +67,7 @@ pub(super) fn methods(root: &mut Section<'_>, setup: &Setup<'_>, kinds: &[&'stat
 }
 
 fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKind) -> MethodSettings {
-    let setting = section.choice_or("setting", &[("best", Setting::Best), ("paper", Setting::Paper)], Setting::Best);
+    let setting = section.choice_or("setting", &Setting::WORDS, Setting::Best);
     let mut numerics = (kind.defaults)(setting);
     let spacing = section.positive(SPACING);
     // Where the spacing is wrong, the method still reads its own keys.
@@ -82,22 +82,9 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
         }
         numerics.mushy = mushy;
     }
-    numerics.front = section.choice_or("front", &[("cell", Front::Cell), ("sub-cell", Front::SubCell)], numerics.front);
-    let models = [
-        ("mirror", WallModel::Mirror),
-        ("moving-least-squares", WallModel::MovingLeastSquares),
-        ("naive", WallModel::Naive),
-        ("inner-layers", WallModel::InnerLayers),
-    ];
-    numerics.walls = section.choice_or("wall_model", &models, numerics.walls);
-    let searches = [
-        ("auto", SearchChoice::Auto),
-        ("lattice", SearchChoice::Lattice),
-        ("tree", SearchChoice::Tree),
-        ("cells", SearchChoice::Cells),
-        ("all-pairs", SearchChoice::AllPairs),
-    ];
-    numerics.search = section.choice_or("search", &searches, numerics.search);
+    numerics.front = section.choice_or("front", &Front::WORDS, numerics.front);
+    numerics.walls = section.choice_or("wall_model", &WallModel::WORDS, numerics.walls);
+    numerics.search = section.choice_or("search", &SearchChoice::WORDS, numerics.search);
     numerics.integrator = integrator(section, numerics.integrator, setup.flow);
     numerics.flow = flow(section, setup.flow, setting);
     numerics.conduction = conduction(section, &numerics, setup.domain);
@@ -164,8 +151,7 @@ fn layout(section: &mut Section<'_>, preset: Layout) -> Layout {
 
 fn exchange(section: &mut Section<'_>, preset: Exchange) -> Exchange {
     let potential = section.optional_choice("exchange", &[("potential", Exchange::Potential)]);
-    let means = [("harmonic", Mean::Harmonic), ("arithmetic", Mean::Arithmetic), ("geometric", Mean::Geometric)];
-    let mean = section.optional_choice("mean", &means);
+    let mean = section.optional_choice("mean", &Mean::WORDS);
     if section.has("exchange") && section.has("mean") {
         section.problem("mean", "found beside \"exchange\", must be only one of them");
     }
@@ -261,9 +247,8 @@ fn flow(section: &mut Section<'_>, flows: bool, setting: Setting) -> Option<Flow
     }
     let usual = if setting == Setting::Paper { Advection::Paper } else { Advection::Limited };
     let advection = section.choice_or("advection", &Advection::WORDS, usual);
-    let means = [("harmonic", Mean::Harmonic), ("arithmetic", Mean::Arithmetic), ("geometric", Mean::Geometric)];
     let usual = if setting == Setting::Paper { Mean::Harmonic } else { Mean::Arithmetic };
-    let mean = section.choice_or("permeability_mean", &means, usual);
+    let mean = section.choice_or("permeability_mean", &Mean::WORDS, usual);
     let pressure_change = section.number_or("pressure_change", PRESSURE_CHANGE, Range::above_to(0.0, 1.0));
     let interval = section.optional_duration("pressure_interval", Range::POSITIVE);
     let pressure_interval = interval.map_or(f64::INFINITY, |interval| interval.seconds);

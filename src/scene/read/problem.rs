@@ -4,9 +4,7 @@ use std::cell::RefCell;
 use std::fmt;
 use std::sync::Arc;
 
-use super::every_key::every_key;
-use crate::Units;
-use crate::method::MethodKind;
+use crate::units::Units;
 
 /// Where a value was written.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -89,16 +87,16 @@ impl KeyOf {
 #[derive(Default)]
 pub(super) struct Log {
     problems: RefCell<Vec<Option<Problem>>>,
-    /// Methods whose sections may occur.
-    kinds: Vec<&'static MethodKind>,
+    /// All keys that the file may have, and where.
+    known: Option<Box<dyn Fn() -> Arc<[KeyOf]>>>,
     /// All keys that are read, where they are collected.
     asked: Option<RefCell<Vec<KeyOf>>>,
 }
 
 impl Log {
-    /// Of a scene under some methods.
-    pub(super) fn new(kinds: &[&'static MethodKind]) -> Self {
-        Log { kinds: kinds.to_vec(), ..Log::default() }
+    /// Of a file of which all keys are known, once one is asked for that it does not have.
+    pub(super) fn knowing(known: impl Fn() -> Arc<[KeyOf]> + 'static) -> Self {
+        Log { known: Some(Box::new(known)), ..Log::default() }
     }
 
     /// One that collects keys and knows of none.
@@ -106,12 +104,9 @@ impl Log {
         Log { asked: Some(RefCell::default()), ..Log::default() }
     }
 
-    /// All keys that a scene may have, and where.
+    /// All keys that the file may have, and where.
     pub(super) fn every_key(&self) -> Arc<[KeyOf]> {
-        match self.asked {
-            Some(_) => Arc::new([]),
-            None => every_key(&self.kinds),
-        }
+        self.known.as_ref().map_or_else(|| Arc::new([]) as Arc<[KeyOf]>, |known| known())
     }
 
     /// Takes note of keys that a section has been read for.

@@ -5,8 +5,7 @@ use glam::DVec2;
 use super::problem::Read;
 use super::range::{Range, one_of, plain, temperatures};
 use super::section::Section;
-use crate::region::{Cell, area, edges};
-use crate::{Region, Shape};
+use crate::region::{Cell, Region, Shape, area, edges};
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_core::space::segment::{meet, side};
 

@@ -9,7 +9,7 @@ use std::ops::RangeInclusive;
 use super::problem::{Log, Noted, Place, Problem, Read};
 use super::range::{Range, one_of, unfit};
 use super::tree::{Entry, Node};
-use crate::Units;
+use crate::units::Units;
 
 pub use lists::Duration;
 pub(super) use pipes::Names;

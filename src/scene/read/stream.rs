@@ -3,7 +3,7 @@
 use super::problem::Read;
 use super::range::{Range, plain, temperatures};
 use super::section::{Duration, Section};
-use crate::Wall;
+use crate::scene::Wall;
 use crate::stream::Stream;
 use frazil_core::boundary::condition::Condition;
 use frazil_core::space::domain::Domain;

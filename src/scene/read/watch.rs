@@ -4,7 +4,7 @@ use super::problem::Read;
 use super::range::{Range, plain};
 use super::section::{Duration, Section};
 use super::shells;
-use crate::{ReferenceChoice, Watch};
+use crate::scene::{ReferenceChoice, Watch};
 use frazil_core::space::domain::{Domain, Sector, Surface};
 
 /// End of the run and the instants of the observations.

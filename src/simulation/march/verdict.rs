@@ -4,7 +4,7 @@ use frazil_core::particles::Particles;
 use frazil_core::physics::uptake::Uptake;
 use frazil_record::Outcome;
 use frazil_scene::Scene;
-use frazil_scene::settings::MethodSettings;
+use frazil_scene::method::MethodSettings;
 
 use crate::terms::fluctuation;
 

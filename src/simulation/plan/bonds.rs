@@ -25,7 +25,8 @@ use frazil_core::physics::uptake::Materials;
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::symmetry::Symmetry;
 use frazil_scene::Scene;
-use frazil_scene::settings::{MethodSettings, SearchChoice};
+use frazil_scene::method::MethodSettings;
+use frazil_scene::settings::SearchChoice;
 use glam::DVec2;
 use rayon::ThreadPool;
 

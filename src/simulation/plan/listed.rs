@@ -11,8 +11,8 @@ use frazil_core::physics::uptake::{Mushy, Uptake, scheme};
 use frazil_core::solvers::assembly::Assembly;
 use frazil_core::solvers::method::Method;
 use frazil_scene::Scene;
-use frazil_scene::method::OwnStep;
-use frazil_scene::settings::{MethodSettings, StepChoice};
+use frazil_scene::method::{MethodSettings, OwnStep};
+use frazil_scene::settings::StepChoice;
 use rayon::ThreadPool;
 
 use crate::plan::bonds::list;

@@ -9,7 +9,7 @@ use frazil_core::solvers::moving::Crowd;
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;
-use frazil_scene::settings::MethodSettings;
+use frazil_scene::method::MethodSettings;
 use glam::DVec2;
 
 use crate::plan::steps::choose_step;

@@ -11,8 +11,8 @@ use frazil_core::physics::uptake::{Mushy, Uptake};
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::segment::meet;
 use frazil_scene::Scene;
-use frazil_scene::method::{Discretisation, Stepper};
-use frazil_scene::settings::{Layout, MethodSettings, Numerics, SearchChoice};
+use frazil_scene::method::{Discretisation, MethodSettings, Stepper};
+use frazil_scene::settings::{Layout, Numerics, SearchChoice};
 use glam::DVec2;
 
 use crate::closing::dug_too_early;

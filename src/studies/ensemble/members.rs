@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use frazil_record::{Outcome, Record};
 use frazil_scene::Scene;
-use frazil_scene::settings::MethodSettings;
+use frazil_scene::method::MethodSettings;
 use frazil_simulation::march::{self, Options, Progress};
 use frazil_simulation::reference::Reference;
 

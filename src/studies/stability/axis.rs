@@ -2,8 +2,8 @@
 
 use frazil_core::physics::material::{FreezingLaw, Material};
 use frazil_record::Value;
+use frazil_scene::method::MethodSettings;
 use frazil_scene::method::{MethodKind, Stepper};
-use frazil_scene::settings::MethodSettings;
 use frazil_scene::{Layout, Scene, Units};
 
 use crate::parts::Override;

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use frazil_core::boundary::condition::Condition;
 use frazil_record::Outcome;
-use frazil_scene::settings::MethodSettings;
+use frazil_scene::method::MethodSettings;
 use frazil_scene::{IntegratorChoice, Scene, StepChoice};
 use frazil_simulation::march::{self, Options, Refused};
 use frazil_simulation::plan::{self, Bounds};

@@ -26,11 +26,6 @@ impl Advection {
         ("limited", Advection::Limited),
         ("paper", Advection::Paper),
     ];
-
-    /// The word of the file.
-    pub fn name(self) -> &'static str {
-        Advection::WORDS.iter().find(|word| word.1 == self).map_or("", |word| word.0)
-    }
 }
 
 /// Conduction beside flowing water.

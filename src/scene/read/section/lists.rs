@@ -4,7 +4,7 @@ use super::super::problem::{Noted, Read};
 use super::super::range::{Range, plain};
 use super::super::tree::{Entry, Item, Node};
 use super::{Asked, Key, Section};
-use crate::{TimeUnit, Units};
+use crate::units::{TimeUnit, Units};
 use frazil_core::series::{Schedule, Series};
 
 /// A time as it was given.

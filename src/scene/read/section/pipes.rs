@@ -4,7 +4,7 @@ use super::super::problem::Read;
 use super::super::range::Range;
 use super::super::tree::{Item, Node};
 use super::{Key, Section};
-use crate::PipeName;
+use crate::pipe_name::PipeName;
 
 /// Names that the pipes of one ring have.
 #[derive(Debug, Clone, Copy)]

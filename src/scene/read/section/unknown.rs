@@ -3,7 +3,7 @@
 use super::super::problem::{KeyOf, Problem};
 use super::super::range::{all_of, one_of};
 use super::{Missing, Section};
-use crate::Units;
+use crate::units::Units;
 
 impl Section<'_> {
     /// What is wrong with a key that nobody asked for, and the keys that were meant.

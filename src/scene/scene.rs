@@ -1,0 +1,313 @@
+//! The physics of a run: body, materials, walls, pipes, water, and what is observed.
+
+use frazil_core::balances::groundwater::ground::Flow;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::boundary::pipe::Pipe;
+use frazil_core::breakage::crack::{Crack, Growth};
+use frazil_core::physics::material::Material;
+use frazil_core::series::Series;
+use frazil_core::space::domain::{Domain, Surface};
+
+use crate::method::MethodSettings;
+use crate::pipe_ring::PipeRing;
+use crate::region::{Region, Shape};
+use crate::stream::Stream;
+use crate::units::{TimeUnit, Units};
+
+/// One named wall of the domain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wall {
+    /// `left`, `right`, `bottom`, `top`, `inner` or `outer`.
+    pub name: &'static str,
+    /// What happens there.
+    pub condition: Condition,
+}
+
+/// A part of a wall of a plane around an axis that has a condition of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WallPart {
+    /// The wall.
+    pub wall: &'static str,
+    /// Where it begins along the wall (m): in z on the inner and outer wall, in r on others.
+    pub from: f64,
+    /// Where it ends (m).
+    pub to: f64,
+    /// What happens there.
+    pub condition: Condition,
+}
+
+/// Ground around the centre of a ring that is dug out: a shaft.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Excavation {
+    /// Radius (m) of the shaft.
+    pub radius: f64,
+    /// When the ground is gone (s).
+    pub start: f64,
+    /// What happens at the face from then on.
+    pub condition: Condition,
+}
+
+/// What is observed, and when.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Watch {
+    /// Number of evenly spaced output instants up to the end; the start is not one of them.
+    pub outputs: usize,
+    /// Instants (s) at which profiles are kept.
+    pub profiles: Vec<f64>,
+    /// Points (m) whose temperature is kept at every output.
+    pub probes: Vec<(f64, f64)>,
+    /// Surfaces through which heat is counted at every output.
+    pub surfaces: Vec<Surface>,
+    /// Lines along which profiles are kept, in bodies of two dimensions; [`Scene::cuts`] has those of every scene.
+    pub cuts: Vec<Surface>,
+    /// Part of the body (m along x) whose shares of liquid, freezing and solid particles are kept at every output.
+    pub phases: Option<(f64, f64)>,
+    /// Whether neighbouring pipes and sections of the frozen wall are watched, in a ring.
+    pub frozen_wall: bool,
+    /// Whether fronts that run from corners between two cold walls are kept at every output.
+    pub corner_front: bool,
+    /// Profiles and their errors end at this distance (m) from the wall; the whole domain if absent.
+    pub profile_length: Option<f64>,
+    /// Start (s) of the window over which the front is judged; where it has come some spacings if absent.
+    pub front_from: Option<f64>,
+}
+
+/// Where the truth about a scene comes from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum ReferenceChoice {
+    /// A closed form or a similarity solution, if the scene fits one.
+    Exact,
+    /// A table shipped with the program, by name.
+    Table(String),
+    /// The local method on finer lattices, accepted only if shown converged.
+    Local,
+    /// Whatever of the above fits first, in that order.
+    Auto,
+    /// Nothing: no errors are asked for.
+    None,
+}
+
+/// Where a plane front runs.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FreezingDirection {
+    /// Along y instead of x.
+    pub along_y: bool,
+    /// Length of the domain in that direction (m).
+    pub length: f64,
+    /// Extent across it (m); 1 on a line.
+    pub across: f64,
+    /// Whether the front starts at the far wall (right or top).
+    pub from_end: bool,
+}
+
+impl FreezingDirection {
+    /// Distance (m) from the wall at which the front starts to a coordinate (m).
+    pub fn distance(&self, coordinate: f64) -> f64 {
+        if self.from_end { self.length - coordinate } else { coordinate }
+    }
+}
+
+/// A whole checked scene.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Short name: the file's stem or the bundled name.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// Where the parameters come from.
+    pub source: String,
+    /// Units of all numbers below.
+    pub units: Units,
+    /// Unit for times in figures and messages.
+    pub time_unit: TimeUnit,
+    /// The body.
+    pub domain: Domain,
+    /// End of the run (s).
+    pub duration: f64,
+    /// Materials; the first fills the domain.
+    pub materials: Vec<Material>,
+    /// Parts of other materials or other starts; later ones win.
+    pub regions: Vec<Region>,
+    /// Segments that no heat crosses.
+    pub cracks: Vec<Crack>,
+    /// Temperature at the start, where regions say nothing else.
+    pub initial_temperature: f64,
+    /// The walls of the domain that are not mirror planes of a sector.
+    pub walls: Vec<Wall>,
+    /// Parts of them with conditions of their own; later ones win.
+    pub wall_parts: Vec<WallPart>,
+    /// Rings of freeze pipes.
+    pub rings: Vec<PipeRing>,
+    /// The shaft, where it is dug during the run.
+    pub excavation: Option<Excavation>,
+    /// Groundwater, where it flows.
+    pub flow: Option<Flow>,
+    /// What drives the liquid itself, where it moves.
+    pub stream: Option<Stream>,
+    /// Observation.
+    pub watch: Watch,
+    /// Where the truth comes from.
+    pub reference: ReferenceChoice,
+    /// Numerical settings for each method that the file names, in the order of the registry.
+    pub methods: Vec<MethodSettings>,
+    /// Hash of the effective file (after `--set`), as 16 hexadecimal digits.
+    pub hash: String,
+    /// What of the file was not taken as it stands, in words.
+    pub remarks: Vec<String>,
+}
+
+/// Parts of a scene that name temperatures, beside its start and its walls.
+pub(crate) struct Temperatures<'a> {
+    pub(crate) regions: &'a [Region],
+    pub(crate) rings: &'a [PipeRing],
+    pub(crate) stream: Option<&'a Stream>,
+}
+
+impl Temperatures<'_> {
+    /// Least and greatest of all of them.
+    pub(crate) fn range<'a>(&self, initial: f64, conditions: impl Iterator<Item = &'a Condition>) -> (f64, f64) {
+        let mut range = (initial, initial);
+        for temperature in self.regions.iter().filter_map(|region| region.temperature) {
+            range = (range.0.min(temperature), range.1.max(temperature));
+        }
+        let mut widen = |series: &Series| {
+            let (lo, hi) = series.range();
+            range = (range.0.min(lo), range.1.max(hi));
+        };
+        for condition in conditions {
+            match condition {
+                Condition::Temperature(series) => widen(series),
+                Condition::Convection { ambient, .. } => widen(ambient),
+                Condition::Symmetry | Condition::Flux(_) | Condition::Exact => {}
+            }
+        }
+        for ring in self.rings {
+            widen(&ring.temperature);
+        }
+        if let Some((_, temperature)) = self.stream.and_then(|stream| stream.reset) {
+            range = (range.0.min(temperature), range.1.max(temperature));
+        }
+        range
+    }
+}
+
+impl Scene {
+    /// What happens at all walls and parts of them, and at the face of the shaft.
+    pub fn conditions(&self) -> impl Iterator<Item = &Condition> {
+        let parts = self.wall_parts.iter().map(|part| &part.condition);
+        let face = self.excavation.iter().map(|shaft| &shaft.condition);
+        self.walls.iter().map(|wall| &wall.condition).chain(parts).chain(face)
+    }
+
+    /// Least and greatest temperature that data of the scene name: start, walls, pipes.
+    pub fn temperature_range(&self) -> (f64, f64) {
+        let data = Temperatures { regions: &self.regions, rings: &self.rings, stream: self.stream.as_ref() };
+        data.range(self.initial_temperature, self.conditions())
+    }
+
+    /// The direction in which a plane front runs, if the scene has one: along a line, or along the one axis of a
+    /// rectangle in which nothing varies across it. It starts at the wall that drives harder.
+    pub fn freezing_direction(&self) -> Option<FreezingDirection> {
+        let (along_y, length, across) = match self.domain {
+            Domain::Line { length } => (false, length, 1.0),
+            Domain::Rectangle { width, height } if self.is_even_along(true) => (false, width, height),
+            Domain::Rectangle { width, height } if self.is_even_along(false) => (true, height, width),
+            _ => return None,
+        };
+        let (near, far) = if along_y { ("bottom", "top") } else { ("left", "right") };
+        // A wall that drives the front has a temperature of its own; the colder of two is the start.
+        let drive = |name: &str| match self.wall(name) {
+            Some(Condition::Temperature(series)) => (series.at(self.duration) - self.initial_temperature).abs(),
+            Some(Condition::Convection { ambient, .. }) => (ambient.at(self.duration) - self.initial_temperature).abs(),
+            Some(Condition::Flux(series)) => series.range().0.abs().max(series.range().1.abs()),
+            _ => 0.0,
+        };
+        Some(FreezingDirection { along_y, length, across, from_end: drive(far) > drive(near) })
+    }
+
+    /// Whether nothing in a rectangle varies along y, or along x: no heat and no water crosses its walls there, regions
+    /// reach from one to the other, and there are neither cracks nor parts of walls nor parts of the body that are driven.
+    fn is_even_along(&self, y: bool) -> bool {
+        let Domain::Rectangle { width, height } = self.domain else { return false };
+        let ends = if y { ["bottom", "top"] } else { ["left", "right"] };
+        let closed = |name: &str| self.wall(name).is_none_or(|condition| *condition == Condition::Symmetry);
+        let dry = |flow: &Flow| {
+            let through = flow.walls.iter().any(|wall| ends.contains(&wall.name));
+            !through && (flow.gravity == 0.0 || !y)
+        };
+        let reaches = |region: &Region| match &region.shape {
+            Shape::Box(cell) if y => cell.low.y <= 0.0 && cell.high.y >= height,
+            Shape::Box(cell) => cell.low.x <= 0.0 && cell.high.x >= width,
+            Shape::Circle { .. } | Shape::Polygon(_) => false,
+        };
+        let driven = |stream: &Stream| stream.pump.is_some() || stream.reset.is_some();
+        ends.into_iter().all(closed)
+            && self.flow.as_ref().is_none_or(dry)
+            && self.regions.iter().all(reaches)
+            && self.cracks.is_empty()
+            && self.wall_parts.is_empty()
+            && !self.stream.as_ref().is_some_and(driven)
+    }
+
+    /// Lines along which profiles are kept: those that the scene names, or, in a rectangle without a plane front, those
+    /// through its middle.
+    pub fn cuts(&self) -> Vec<Surface> {
+        match self.domain {
+            Domain::Rectangle { width, height }
+                if self.watch.cuts.is_empty() && self.freezing_direction().is_none() =>
+            {
+                vec![Surface { across_y: true, at: 0.5 * height }, Surface { across_y: false, at: 0.5 * width }]
+            }
+            _ => self.watch.cuts.clone(),
+        }
+    }
+
+    /// Whether a flux condition can drive temperatures beyond [`Scene::temperature_range`].
+    pub fn has_flux(&self) -> bool {
+        self.conditions().any(|condition| matches!(condition, Condition::Flux(_)))
+    }
+
+    /// Whether a wall or a part of one has a flux or a film.
+    pub fn brings_heat(&self) -> bool {
+        self.conditions().any(|condition| matches!(condition, Condition::Flux(_) | Condition::Convection { .. }))
+    }
+
+    /// The first instant after `t` (s) at which pipes are switched or the shaft is dug: steps land on it.
+    pub fn next_switch(&self, t: f64) -> Option<f64> {
+        let schedules = self.rings.iter().filter_map(|ring| ring.schedule.as_ref());
+        let dug = self.excavation.iter().map(|shaft| shaft.start).filter(|start| *start > t);
+        schedules.filter_map(|schedule| schedule.next_switch(t)).chain(dug).reduce(f64::min)
+    }
+
+    /// The first instant after `t` (s) at which the temperature, flux or film of a wall or the temperature of pipes bends
+    /// or jumps, or a crack opens or begins to grow: long steps land on it.
+    pub fn next_bend(&self, t: f64) -> Option<f64> {
+        let walls = self.conditions().flat_map(|condition| match condition {
+            Condition::Temperature(series) | Condition::Flux(series) => [Some(series), None],
+            Condition::Convection { coefficient, ambient } => [Some(coefficient), Some(ambient)],
+            Condition::Symmetry | Condition::Exact => [None, None],
+        });
+        let rings = self.rings.iter().map(|ring| Some(&ring.temperature));
+        let bends = walls.chain(rings).flatten().filter_map(|series| series.next_bend(t));
+        let cracks = self.cracks.iter().flat_map(|crack| match &crack.growth {
+            Growth::Whole { start } | Growth::Steady { start, .. } => vec![*start],
+            Growth::Table(rows) => rows.iter().map(|row| row.0).collect(),
+        });
+        bends.chain(cracks.filter(|instant| *instant > t)).reduce(f64::min)
+    }
+
+    /// All pipes of all rings.
+    pub fn pipes(&self) -> Vec<Pipe> {
+        self.rings.iter().flat_map(PipeRing::pipes).collect()
+    }
+
+    /// The condition at a named wall.
+    pub fn wall(&self, name: &str) -> Option<&Condition> {
+        self.walls.iter().find(|wall| wall.name == name).map(|wall| &wall.condition)
+    }
+
+    /// The settings of a method, if the scene has them.
+    pub fn method(&self, name: &str) -> Option<&MethodSettings> {
+        self.methods.iter().find(|method| method.method == name)
+    }
+}

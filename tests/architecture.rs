@@ -35,7 +35,7 @@ const LONGEST_FILE: usize = 500;
 const LONGEST_FUNCTION: usize = 80;
 
 /// What is larger still: to be mended, and taken off this list.
-const STILL_TOO_LARGE: [&str; 23] = [
+const STILL_TOO_LARGE: [&str; 22] = [
     "src/core/balances/groundwater/network.rs: new",
     "src/core/boundary/pipe.rs: immerse",
     "src/core/boundary/wall_layers.rs: inner",
@@ -55,7 +55,6 @@ const STILL_TOO_LARGE: [&str; 23] = [
     "src/layout/report.rs",
     "src/layout/study.rs: parse",
     "src/layout.rs: layout",
-    "src/studies/words.rs: parameters",
 ];
 
 /// A file of a package.

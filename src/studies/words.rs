@@ -1,12 +1,14 @@
 //! A scene in words, as pages say it.
 
 use frazil_core::boundary::condition::Condition;
-use frazil_core::breakage::crack::Growth;
+use frazil_core::breakage::crack::{Crack, Growth};
+use frazil_core::physics::material::{Material, Phase};
 use frazil_core::series::Series;
 use frazil_core::space::domain::Domain;
 use frazil_plots::page::Fact;
 use frazil_plots::style::{length, number};
-use frazil_scene::{Scene, Shape, Units};
+use frazil_scene::{PipeRing, Scene, Shape, Units};
+use glam::DVec2;
 
 /// A length (m) in words: with a unit where the scene has any.
 pub fn length_words(units: Units, value: f64) -> String {
@@ -15,119 +17,131 @@ pub fn length_words(units: Units, value: f64) -> String {
 
 /// What a scene says, for a page.
 pub fn parameters(scene: &Scene) -> Vec<Fact> {
-    let si = scene.units == Units::Si;
-    let with = |value: f64, unit: &str| if si { format!("{} {unit}", number(value, 4)) } else { number(value, 4) };
-    let number_words = |value: f64| number(value, 4);
-    let with_point = |x: f64, y: f64| format!("({}, {}){}", number(x, 4), number(y, 4), if si { " m" } else { "" });
-    let series = |series: &Series, unit: &str| match series {
-        Series::Constant(value) => with(*value, unit),
-        Series::Table(rows) => format!("a table of {} instants", rows.len()),
-        Series::Repeated { rows, .. } => format!("a repeated table of {} instants", rows.len()),
-    };
-    let domain = match scene.domain {
-        Domain::Line { length } => format!("line of {}", with(length, "m")),
-        Domain::Rectangle { width, height } => format!("{} by {}", with(width, "m"), with(height, "m")),
-        Domain::Ring { outer_radius, sector } => {
-            format!("{} of a disc of radius {}", sector.name(), with(outer_radius, "m"))
-        }
-        Domain::Radial { symmetry, inner, outer } => {
-            format!("{} shells from radius {} to {}", symmetry.name(), with(inner, "m"), with(outer, "m"))
-        }
-        Domain::Axial { inner, outer, height } => format!(
-            "around an axis from radius {} to {}, {} high",
-            with(inner, "m"),
-            with(outer, "m"),
-            with(height, "m")
-        ),
+    let words = Words { si: scene.units == Units::Si };
+    let duration = match words.si {
+        true => format!("{} {}", number(scene.duration / scene.time_unit.seconds(), 4), scene.time_unit.symbol()),
+        false => number(scene.duration, 4),
     };
     let mut facts = vec![
-        Fact::new("Body", domain),
-        Fact::new(
-            "Duration",
-            if si {
-                format!("{} {}", number(scene.duration / scene.time_unit.seconds(), 4), scene.time_unit.symbol())
-            } else {
-                number(scene.duration, 4)
-            },
-        ),
-        Fact::new("Temperature at the start", with(scene.initial_temperature, "°C")),
+        Fact::new("Body", words.body(scene.domain)),
+        Fact::new("Duration", duration),
+        Fact::new("Temperature at the start", words.with(scene.initial_temperature, "°C")),
     ];
-    for (number, region) in scene.regions.iter().enumerate() {
-        let shape = match &region.shape {
-            Shape::Box(cell) if cell.low.y.is_finite() => format!(
-                "box from ({}, {}) to {}",
-                number_words(cell.low.x),
-                number_words(cell.low.y),
-                with_point(cell.high.x, cell.high.y)
-            ),
-            Shape::Box(cell) => format!("from {} to {}", number_words(cell.low.x), with(cell.high.x, "m")),
+    facts.extend(scene.regions.iter().enumerate().map(|(number, region)| {
+        let material = region.material.map(|index| format!(", of {}", scene.materials[index].name));
+        let start = region.temperature.map(|temperature| format!(", starts at {}", words.with(temperature, "°C")));
+        let all = [Some(words.shape(&region.shape)), material, start].into_iter().flatten().collect::<String>();
+        Fact::new(format!("Region {number}"), all)
+    }));
+    let cracks = scene.cracks.iter().enumerate();
+    facts.extend(cracks.map(|(number, crack)| Fact::new(format!("Crack {number}"), words.crack(crack))));
+    let walls = scene.walls.iter();
+    facts.extend(walls.map(|wall| Fact::new(format!("Wall {}", wall.name), words.condition(&wall.condition))));
+    facts.extend(scene.excavation.iter().map(|shaft| {
+        let days = words.with(shaft.start / scene.time_unit.seconds(), scene.time_unit.symbol());
+        let (radius, face) = (words.with(shaft.radius, "m"), words.condition(&shaft.condition));
+        Fact::new("Shaft", format!("of radius {radius}, dug after {days}; face: {face}"))
+    }));
+    facts.extend(scene.rings.iter().map(|ring| Fact::new("Pipes", words.ring(ring))));
+    let materials = scene.materials.iter();
+    facts.extend(materials.map(|material| Fact::new(format!("Material {}", material.name), words.material(material))));
+    facts
+}
+
+/// Parts of a scene in words, with units where it has any.
+struct Words {
+    si: bool,
+}
+
+impl Words {
+    fn with(&self, value: f64, unit: &str) -> String {
+        if self.si { format!("{} {unit}", number(value, 4)) } else { number(value, 4) }
+    }
+
+    fn point(&self, place: DVec2) -> String {
+        format!("({}, {}){}", number(place.x, 4), number(place.y, 4), if self.si { " m" } else { "" })
+    }
+
+    fn series(&self, series: &Series, unit: &str) -> String {
+        match series {
+            Series::Constant(value) => self.with(*value, unit),
+            Series::Table(rows) => format!("a table of {} instants", rows.len()),
+            Series::Repeated { rows, .. } => format!("a repeated table of {} instants", rows.len()),
+        }
+    }
+
+    fn body(&self, domain: Domain) -> String {
+        let metres = |value: f64| self.with(value, "m");
+        match domain {
+            Domain::Line { length } => format!("line of {}", metres(length)),
+            Domain::Rectangle { width, height } => format!("{} by {}", metres(width), metres(height)),
+            Domain::Ring { outer_radius, sector } => {
+                format!("{} of a disc of radius {}", sector.name(), metres(outer_radius))
+            }
+            Domain::Radial { symmetry, inner, outer } => {
+                format!("{} shells from radius {} to {}", symmetry.name(), metres(inner), metres(outer))
+            }
+            Domain::Axial { inner, outer, height } => {
+                format!("around an axis from radius {} to {}, {} high", metres(inner), metres(outer), metres(height))
+            }
+        }
+    }
+
+    fn shape(&self, shape: &Shape) -> String {
+        match shape {
+            Shape::Box(cell) if cell.low.y.is_finite() => {
+                format!("box from ({}, {}) to {}", number(cell.low.x, 4), number(cell.low.y, 4), self.point(cell.high))
+            }
+            Shape::Box(cell) => format!("from {} to {}", number(cell.low.x, 4), self.with(cell.high.x, "m")),
             Shape::Circle { centre, radius } => {
-                format!("circle of radius {} around {}", with(*radius, "m"), with_point(centre.x, centre.y))
+                format!("circle of radius {} around {}", self.with(*radius, "m"), self.point(*centre))
             }
             Shape::Polygon(corners) => format!("polygon of {} corners", corners.len()),
-        };
-        let material = region.material.map(|index| format!(", of {}", scene.materials[index].name));
-        let start = region.temperature.map(|temperature| format!(", starts at {}", with(temperature, "°C")));
-        let words = [Some(shape), material, start].into_iter().flatten().collect::<String>();
-        facts.push(Fact::new(format!("Region {number}"), words));
+        }
     }
-    for (number, crack) in scene.cracks.iter().enumerate() {
-        let seconds = |time: f64| if si { format!("{} s", number_words(time)) } else { number_words(time) };
+
+    fn crack(&self, crack: &Crack) -> String {
         let growth = match &crack.growth {
             Growth::Whole { start } if *start == 0.0 => "from the start".to_owned(),
-            Growth::Whole { start } => format!("from {} on", seconds(*start)),
+            Growth::Whole { start } => format!("from {} on", self.with(*start, "s")),
             Growth::Steady { start, speed } => {
-                format!("grows from {} on at {}", seconds(*start), with(*speed, "m/s"))
+                format!("grows from {} on at {}", self.with(*start, "s"), self.with(*speed, "m/s"))
             }
             Growth::Table(rows) => format!("grows by a table of {} instants", rows.len()),
         };
-        let (from, to) = (with_point(crack.from.x, crack.from.y), with_point(crack.to.x, crack.to.y));
-        facts.push(Fact::new(format!("Crack {number}"), format!("{from} to {to}, {growth}")));
+        format!("{} to {}, {growth}", self.point(crack.from), self.point(crack.to))
     }
-    let condition = |condition: &Condition| match condition {
-        Condition::Symmetry => "mirror plane, no heat crosses".into(),
-        Condition::Temperature(value) => series(value, "°C"),
-        Condition::Flux(value) => format!("heat flux into the body: {}", series(value, "W/m²")),
-        Condition::Convection { coefficient, ambient } => {
-            format!("film coefficient {} to {}", series(coefficient, "W/m²K"), series(ambient, "°C"))
+
+    fn condition(&self, condition: &Condition) -> String {
+        match condition {
+            Condition::Symmetry => "mirror plane, no heat crosses".into(),
+            Condition::Temperature(value) => self.series(value, "°C"),
+            Condition::Flux(value) => format!("heat flux into the body: {}", self.series(value, "W/m²")),
+            Condition::Convection { coefficient, ambient } => {
+                format!("film coefficient {} to {}", self.series(coefficient, "W/m²K"), self.series(ambient, "°C"))
+            }
+            Condition::Exact => "temperature of the exact solution".into(),
         }
-        Condition::Exact => "temperature of the exact solution".into(),
-    };
-    for wall in &scene.walls {
-        facts.push(Fact::new(format!("Wall {}", wall.name), condition(&wall.condition)));
     }
-    if let Some(shaft) = &scene.excavation {
-        let days = with(shaft.start / scene.time_unit.seconds(), scene.time_unit.symbol());
-        let face = condition(&shaft.condition);
-        facts
-            .push(Fact::new("Shaft", format!("of radius {}, dug after {days}; face: {face}", with(shaft.radius, "m"))));
+
+    fn ring(&self, ring: &PipeRing) -> String {
+        let (around, radius) = (self.with(ring.ring_radius, "m"), self.with(ring.pipe_radius, "m"));
+        let temperature = self.series(&ring.temperature, "°C");
+        format!("{} on a circle of radius {around}, each of radius {radius}, at {temperature}", ring.count)
     }
-    for ring in &scene.rings {
-        facts.push(Fact::new(
-            "Pipes",
-            format!(
-                "{} on a circle of radius {}, each of radius {}, at {}",
-                ring.count,
-                with(ring.ring_radius, "m"),
-                with(ring.pipe_radius, "m"),
-                series(&ring.temperature, "°C")
-            ),
-        ));
+
+    fn material(&self, material: &Material) -> String {
+        let phase = |phase: Phase| {
+            let (conductivity, capacity) = (phase.conductivity, phase.heat_capacity);
+            format!("{}, {}", self.with(conductivity, "W/(m K)"), self.with(capacity, "J/(kg K)"))
+        };
+        format!(
+            "frozen {}; unfrozen {}; density {}; freezes at {}; latent heat {}",
+            phase(material.frozen),
+            phase(material.unfrozen),
+            self.with(material.density, "kg/m³"),
+            self.with(material.freezing_point, "°C"),
+            self.with(material.latent_heat, "J/kg"),
+        )
     }
-    for material in &scene.materials {
-        facts.push(Fact::new(
-            format!("Material {}", material.name),
-            format!(
-                "frozen {}, {}; unfrozen {}, {}; density {}; freezes at {}; latent heat {}",
-                with(material.frozen.conductivity, "W/(m K)"),
-                with(material.frozen.heat_capacity, "J/(kg K)"),
-                with(material.unfrozen.conductivity, "W/(m K)"),
-                with(material.unfrozen.heat_capacity, "J/(kg K)"),
-                with(material.density, "kg/m³"),
-                with(material.freezing_point, "°C"),
-                with(material.latent_heat, "J/kg"),
-            ),
-        ));
-    }
-    facts
 }

@@ -18,7 +18,7 @@ pub fn all() -> &'static [BundledScene] {
         "shaft-clay",
         "shaft-pipe-radius",
         "shaft-deviation",
-        "shaft-horizons",
+        "shaft-strata",
         "shaft-failed-pipe",
         "shaft-excavation",
         "shaft-sensitivity",

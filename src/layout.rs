@@ -5,6 +5,8 @@
 
 use std::path::{Path, PathBuf};
 
+use frazil_plots::page::Block;
+
 pub use dug::beside_open;
 
 use crate::campaign::{Campaign, Shard};
@@ -12,7 +14,7 @@ use crate::failure::{Failure, Verdict, answer, complain};
 use crate::machine::Machine;
 use crate::output::Folder;
 use crate::progress::forewarn;
-use crate::{interrupt, load, output, parallel};
+use crate::{interrupt, load, parallel};
 
 mod ahead;
 pub mod answers;
@@ -24,22 +26,30 @@ pub mod doubts;
 mod dug;
 pub mod execute;
 pub mod formula;
-pub mod horizons;
+pub mod found;
+pub mod goals;
 mod methods;
+pub mod read;
 pub mod reference;
+mod refusals;
 pub mod report;
+mod rows;
 pub mod search;
 pub mod shaft;
 pub(crate) mod soils;
+pub mod strata;
 pub mod study;
 pub mod tables;
 pub mod variants;
 
 use ahead::Ahead;
 use answers::Answers;
-use execute::{Pair, Work};
-use reference::Compared;
-use variants::Layout;
+use execute::Work;
+use found::{Compared, Found};
+use refusals::Refusals;
+use rows::write_rows;
+use search::Tried;
+use study::Study;
 
 /// What is to be studied.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,38 +76,17 @@ pub struct LayoutRequest {
     pub command_line: String,
 }
 
-/// A layout and what is known of it.
-pub struct Found<'a> {
-    /// The layout.
-    pub layout: &'a Layout,
-    /// Its runs.
-    pub pair: Pair,
-    /// What they say.
-    pub fine: Answers,
-    /// The same at twice the spacing.
-    pub coarse: Option<Answers>,
-    /// What it is compared with.
-    pub reference: Option<Compared>,
-}
-
 /// Runs layouts and sets them beside each other.
+///
+/// # Errors
+/// Where the study or one of its layouts cannot be run, or a file cannot be written.
 pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
-    let study = study::read(&request.study, &request.overrides)?;
+    let study = read::study(&request.study, &request.overrides)?;
     let Some(first) = study.layouts.first() else { return Ok(Verdict::Done) };
     let all = request.method.as_deref() == Some(methods::ALL);
     let asked = request.method.as_deref().filter(|_| !all).or(study.method.as_deref());
     let method = load::method(&first.scene, asked)?;
-    let mut references = Vec::new();
-    for layout in &study.layouts {
-        layout.check(study.shaft_radius, method)?;
-        references.push(reference::table(&study, layout, method, &request.overrides)?);
-    }
-    if let Some(wanted) = &study.search {
-        search::check(&study, wanted, method)?;
-    }
-    if let Some(wanted) = &study.critical {
-        critical::check(&study, wanted, method)?;
-    }
+    let references = references(&study, method, &request.overrides)?;
     for doubt in doubts::of(&study) {
         complain(&format!("warning: {doubt}"));
     }
@@ -131,20 +120,45 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
         let named: f64 = works.iter().filter_map(Work::seconds).sum();
         forewarn(&study.name, Some(named + ahead.wall_s));
     }
-    let mut made = Some(0);
-    for work in &works {
-        made = match work.make() {
-            Ok(made) => made,
-            Err(failure) => {
-                folder.take_back();
-                return Err(failure);
-            }
-        };
-        if made.is_none() {
-            break;
+    let made = works.iter().try_fold(true, |made, work| Ok(made && work.make()?.is_some()));
+    let made = made.inspect_err(|_: &Failure| folder.take_back())?;
+    finish(request, &works, &references, made)
+}
+
+/// What each layout is compared with, once all of them have been held against what can be meant and what is sought of them can be
+/// tried.
+fn references(study: &Study, method: &str, asked: &load::Overrides) -> Result<Vec<Option<Compared>>, Failure> {
+    let (mut found, mut refusals) = (Vec::new(), Refusals::new());
+    for layout in &study.layouts {
+        let fits = layout.fits(study.shaft_radius, method).map_err(|unfit| unfit.to_string());
+        let table = || reference::table(study, layout, method, asked).map_err(|failure| failure.to_string());
+        match fits.and_then(|()| table()) {
+            Ok(reference) => found.push(reference),
+            Err(reason) => refusals.add(reason, &layout.name),
         }
     }
+    if found.len() < study.layouts.len() {
+        let told: Vec<String> = refusals.told().map(|(reason, layouts)| format!("{layouts}: {reason}")).collect();
+        return Err(Failure::Request(told.join("\n")));
+    }
+    if let Some(wanted) = &study.search {
+        search::check(study, wanted, method)?;
+    }
+    if let Some(wanted) = &study.critical {
+        critical::check(study, wanted, method)?;
+    }
+    Ok(found)
+}
+
+/// Tables, figures and page of what the folders keep, and what was sought; `made` is whether nothing interrupted the runs.
+fn finish(
+    request: &LayoutRequest,
+    works: &[Work<'_>],
+    references: &[Option<Compared>],
+    made: bool,
+) -> Result<Verdict, Failure> {
     let work = &works[0];
+    let (study, path) = (work.study, &work.folder);
     let known = |k: usize| {
         let layout = &study.layouts[k];
         let pair = work.kept(layout)?;
@@ -155,52 +169,32 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     };
     let found: Vec<Found<'_>> =
         parallel::in_order(study.layouts.len(), request.threads, known).into_iter().flatten().collect();
-    let beside = if all { methods::beside(&study, &works) } else { Vec::new() };
+    let beside =
+        if request.method.as_deref() == Some(methods::ALL) { methods::beside(study, works) } else { Vec::new() };
     let others = beside.iter().map(|one| works.len() - one.said.len()).sum::<usize>();
-    let missing = study.layouts.len() - found.len();
-    if made.is_none() {
-        complain(&format!("interrupted: the same command runs the other {} layouts", missing + others));
+    let missing = study.layouts.len() - found.len() + others;
+    if !made {
+        complain(&format!("interrupted: the same command runs the other {missing} layouts"));
         return Ok(Verdict::Broken);
     }
-    if missing + others > 0 {
+    if missing > 0 {
         if !request.quiet {
-            answer(&format!(
-                "{} of {} layouts are left to other shards\n",
-                missing + others,
-                study.layouts.len() * works.len()
-            ))?;
+            let all = study.layouts.len() * works.len();
+            answer(&format!("{missing} of {all} layouts are left to other shards\n"))?;
         }
         return Ok(Verdict::Done);
     }
-    let mut tried = Vec::new();
-    if let Some(search) = &study.search {
-        match search::search(&study, search, work)? {
-            Some(values) => tried = values,
-            None => {
-                complain("interrupted: the same command goes on with the search");
-                return Ok(Verdict::Broken);
-            }
-        }
-        write_rows(&path, "search.csv", &tried)?;
+    let Some(tried) = searched(work)? else { return Ok(Verdict::Broken) };
+    let Some(critical) = sought(work)? else { return Ok(Verdict::Broken) };
+    tables::write(path, study, work.method, &found)?;
+    if !beside.is_empty() {
+        methods::write(path, &beside)?;
     }
-    let mut critical = None;
-    if let Some(wanted) = &study.critical {
-        let Some(outcome) = critical::seek(&study, wanted, work)? else {
-            complain("interrupted: the same command goes on with the halving");
-            return Ok(Verdict::Broken);
-        };
-        write_rows(&path, "critical.csv", &outcome.found)?;
-        write_rows(&path, "critical_tried.csv", &outcome.tried)?;
-        critical = Some(critical::block(wanted, &outcome, work)?);
-    }
-    tables::write(&path, &study, method, &found)?;
-    if all {
-        methods::write(&path, &beside)?;
-    }
-    report::write(request, &study, work, report::Told { found: &found, tried: &tried, beside: &beside, critical })?;
+    let told = report::Told { found: &found, tried: &tried, beside: &beside, critical };
+    report::write(&request.command_line, study, work, told)?;
     found.iter().filter_map(dug::warning).for_each(|warning| complain(&format!("WARNING: {warning}")));
     if !request.quiet {
-        answer(&tables::summary(&study, method, &found, &path))?;
+        answer(&tables::summary(study, work.method, &found, path))?;
         for words in beside.iter().filter_map(methods::Beside::words) {
             answer(&format!("  {words}\n"))?;
         }
@@ -216,7 +210,25 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     }))
 }
 
-/// Writes rows as a table.
-fn write_rows<R: serde::Serialize>(folder: &Path, name: &str, rows: &[R]) -> Result<(), Failure> {
-    output::write_rows(&folder.join(name), rows)
+/// What a search has tried, with its table; nothing without a search, none if it was interrupted.
+fn searched(work: &Work<'_>) -> Result<Option<Vec<Tried>>, Failure> {
+    let Some(search) = &work.study.search else { return Ok(Some(Vec::new())) };
+    let Some(tried) = search::search(work.study, search, work)? else {
+        complain("interrupted: the same command goes on with the search");
+        return Ok(None);
+    };
+    write_rows(&work.folder, "search.csv", &tried)?;
+    Ok(Some(tried))
+}
+
+/// What was sought of each layout, for the page, with its tables; nothing where nothing is, none if it was interrupted.
+fn sought(work: &Work<'_>) -> Result<Option<Vec<Block>>, Failure> {
+    let Some(wanted) = &work.study.critical else { return Ok(Some(Vec::new())) };
+    let Some(outcome) = critical::seek(work.study, wanted, work)? else {
+        complain("interrupted: the same command goes on with the halving");
+        return Ok(None);
+    };
+    write_rows(&work.folder, "critical.csv", &outcome.found)?;
+    write_rows(&work.folder, "critical_tried.csv", &outcome.tried)?;
+    Ok(Some(vec![critical::block(wanted, &outcome, work)?]))
 }

@@ -23,7 +23,7 @@ pub fn list() -> Result<Verdict, Failure> {
     }
     text.push_str("Studies\n");
     for bundled in frazil_cases::studies::all() {
-        let study = crate::layout::study::read(bundled.name, &[])?;
+        let study = crate::layout::read::study(bundled.name, &[])?;
         text.push_str(&format!("  {:width$}  {}, for layout\n", bundled.name, study.title));
     }
     text.push_str("\nFluids\n");

@@ -211,9 +211,8 @@ fn what_is_hardly_meant_is_told_before_anything_runs() {
     assert_eq!(found, expected);
     let found = warned("[[layouts]]\nname = \"a\"\nset = { \"materials.sand.frozen.conductivity_W_per_m_K\" = 2560 }");
     assert!(found.starts_with("warning: materials.sand: its frozen conductivity is 2560.0000 W/mK"), "{found}");
-    let strata =
-        "[[horizons]]\nname = \"a\"\nfrom_m = 0\nto_m = 80\n[[horizons]]\nname = \"b\"\nfrom_m = 90\nto_m = 120";
-    let expected = "warning: horizons: \"a\" ends at 80 m and \"b\" begins at 90 m: nothing is known of the ground between them, and \
+    let strata = "[[strata]]\nname = \"a\"\nfrom_m = 0\nto_m = 80\n[[strata]]\nname = \"b\"\nfrom_m = 90\nto_m = 120";
+    let expected = "warning: strata: \"a\" ends at 80 m and \"b\" begins at 90 m: nothing is known of the ground between them, and \
                     the load of the shaft is without it";
     assert_eq!(warned(strata), expected);
     let found = warned("[[layouts]]\nname = \"a\"\nset = { \"domain.ring.outer_radius_m\" = 8 }");
@@ -228,8 +227,8 @@ fn what_cannot_be_meant_is_an_error() {
     let borehole = "boreholes = [{ pipe = \"1.6\", inclination_deg = 0.05, azimuth_deg = 170, depth_m = 200 }]";
     let deviation = "[deviation]\ndepth_m = 200\npercent = 0.1\nmembers = 2\nseed = 1";
     let found = refused(&format!("{plain}[[layouts]]\nname = \"a\"\n{borehole}\n{deviation}"));
-    let expected = "s.toml: deviation: beside layout \"a\", whose boreholes are known (pipes.1.moved_m): they do not deviate by \
-                    chance, give them a study of their own";
+    let expected = "s.toml:6: deviation: beside known boreholes (pipes.1.moved_m): they do not deviate by chance, give them a \
+                    study of their own (layout \"a\")";
     assert_eq!(found, expected);
     // A spacing at which there is no run at twice the spacing to tell the error from.
     let found = refused(&format!("{plain}[[layouts]]\nname = \"a\"\nset = {{ \"method.local.spacing_m\" = 0.6 }}"));

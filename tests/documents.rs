@@ -256,7 +256,7 @@ fn commands_of_the_readme_that_take_long_say_so() {
     assert!(readme.contains("more than ten\nminutes on the machine at hand says so before it starts"));
     let lines = blocks(&readme, "sh").concat();
     let long =
-        ["layout shaft-horizons --method all", "layout shaft-seepage", "compare stefan-water frozen", "cargo test"];
+        ["layout shaft-strata --method all", "layout shaft-seepage", "compare stefan-water frozen", "cargo test"];
     for command in long {
         let line = lines.lines().find(|line| line.contains(command)).expect("the command");
         assert!(line.split_once('#').is_some_and(|(_, words)| words.contains(" min")), "{line}");

@@ -320,7 +320,7 @@ fn finite(text: &str) -> Result<(), String> {
 }
 
 fn read_study(text: &str) -> Result<End, String> {
-    let Ok(study) = frazil::layout::study::parse(text, "fuzz", Path::new("fuzz.toml"), &[]) else {
+    let Ok(study) = frazil::layout::read::parse(text, "fuzz", Path::new("fuzz.toml"), &[]) else {
         return Ok(End::Unread);
     };
     for layout in &study.layouts {

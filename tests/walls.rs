@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 use frazil::layout::answers::{Answers, DAY, Day, Kept};
-use frazil::layout::study::Design;
+use frazil::layout::goals::Design;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{Field, RunResult};
 use frazil_scene::Scene;

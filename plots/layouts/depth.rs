@@ -1,4 +1,4 @@
-//! Layouts over depth: what the horizons of a shaft differ in.
+//! Layouts over depth: what the strata of a shaft differ in.
 
 use super::curves::entry;
 use super::view::{DAY, fitted, look};
@@ -7,10 +7,10 @@ use crate::canvas::{Align, Canvas, Stroke, text_width};
 use crate::style::{INK, REFERENCE, TICK};
 use crate::words::{MARGIN, title};
 
-/// A layout at one horizon.
+/// A layout in one stratum.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerView {
-    /// Name of the horizon.
+    /// Name of the stratum.
     pub name: String,
     /// Where the layer begins (m).
     pub from_m: f64,
@@ -24,12 +24,12 @@ pub struct LayerView {
     pub load_w_per_m: f64,
 }
 
-/// A layout over all horizons, downwards.
+/// A layout over all strata, downwards.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShaftView {
     /// Name of the layout.
     pub name: String,
-    /// Its horizons.
+    /// Its strata.
     pub layers: Vec<LayerView>,
 }
 
@@ -45,7 +45,7 @@ const PANELS: [Panel; 3] = [
     Panel { label: "greatest load (W/m)", value: |layer| Some(layer.load_w_per_m) },
 ];
 
-/// Day of closure, thickness and load of each horizon, downwards: one line a layout. Where the wall stays open, a cross stands
+/// Day of closure, thickness and load of each stratum, downwards: one line a layout. Where the wall stays open, a cross stands
 /// on the rim.
 pub fn over_depth(shafts: &[ShaftView]) -> Canvas {
     const WIDTH: f64 = 1000.0;

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::around::{Around, Line, Mapped, around};
 use super::formula::SteadyRing;
-use super::study::Design;
+use super::goals::Design;
 use super::variants::working;
 
 /// Seconds of a day.

@@ -1,67 +1,132 @@
 //! Boreholes that leave the vertical: where they stand at a depth, and whether two of them meet on the way.
 
-use frazil_scene::{NoPipeName, PipeName, PipeRing};
+use frazil_scene::{PipeName, PipeRing, Range, Read, Section};
 use glam::DVec2;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
-use serde::Deserialize;
-use toml::Value;
+
+use super::goals;
 
 /// Times that a borehole is drawn anew because it would meet another, at most.
 const MOST_DRAWS: usize = 1000;
 
 /// A borehole that is known.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(try_from = "Written")]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Borehole {
     pipe: PipeName,
-    inclination_deg: Option<f64>,
-    azimuth_deg: Option<f64>,
-    surveyed_m: Option<Vec<[f64; 3]>>,
-    depth_m: Option<f64>,
+    course: Course,
+    /// Depth (m) at which it is read, where there are no strata that say it.
+    pub(super) depth: Option<f64>,
 }
 
-/// A borehole as a study file has it.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Written {
-    pipe: Value,
-    /// The ring of the pipe in older files.
-    ring: Option<Value>,
-    inclination_deg: Option<f64>,
-    azimuth_deg: Option<f64>,
-    surveyed_m: Option<Vec<[f64; 3]>>,
-    depth_m: Option<f64>,
+/// How a borehole runs.
+#[derive(Debug, Clone, PartialEq)]
+enum Course {
+    /// Straight, with a slope (m/m).
+    Straight(DVec2),
+    /// As surveyed.
+    Surveyed(Way),
 }
 
-impl TryFrom<Written> for Borehole {
-    type Error = String;
+/// Why boreholes cannot stand where they are told to.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Misplaced {
+    /// There is no such ring.
+    #[error("found pipe {pipe}, must be of a ring from 1 to {rings}")]
+    NoRing {
+        /// The pipe.
+        pipe: PipeName,
+        /// Rings that there are.
+        rings: usize,
+    },
+    /// There is no such pipe on the ring.
+    #[error("found pipe {pipe}, must be at most {last}")]
+    NoPipe {
+        /// The pipe.
+        pipe: PipeName,
+        /// The last of the ring.
+        last: PipeName,
+    },
+    /// Two boreholes meet on their way down.
+    #[error(
+        "pipes {first} and {second} meet at a depth of {depth:.1} m: their axes are {distance:.4} m apart, must be more than \
+         {least}"
+    )]
+    Meet {
+        /// One of them.
+        first: PipeName,
+        /// The other.
+        second: PipeName,
+        /// Where (m).
+        depth: f64,
+        /// How near they come (m).
+        distance: f64,
+        /// How near they may come (m).
+        least: f64,
+    },
+    /// Boreholes that deviate by chance meet however they are drawn.
+    #[error(
+        "percent: found {percent}, so far do boreholes deviate that pipe {pipe} meets others in {MOST_DRAWS} draws"
+    )]
+    Crowded {
+        /// How far boreholes deviate (% of their depth).
+        percent: f64,
+        /// The one that finds no place.
+        pipe: PipeName,
+    },
+}
 
-    fn try_from(written: Written) -> Result<Self, String> {
-        let Written { pipe, ring, inclination_deg, azimuth_deg, surveyed_m, depth_m } = written;
-        // Files that count rings and pipes from 0 are told the name.
-        let number = |value: &Value| value.as_integer().and_then(|number| usize::try_from(number).ok());
-        let old = number(&pipe).zip(ring.as_ref().map_or(Some(0), number));
-        let old =
-            old.map(|(pipe, ring)| format!(": what was pipe {pipe} of ring {ring} is \"{}\"", PipeName { ring, pipe }));
-        let wrong = |message: String| format!("{message}{}", old.clone().unwrap_or_default());
-        let name = pipe.as_str().and_then(|name| name.parse().ok());
-        let pipe = name.ok_or_else(|| wrong(format!("pipe: found {pipe}, {NoPipeName}")))?;
-        if let Some(ring) = ring {
-            return Err(format!("ring: found {ring}, must be left out: the name of the pipe has it"));
+/// What is wrong with a survey; depths in m.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+enum BadSurvey {
+    #[error("found no rows, must have at least one")]
+    Empty,
+    #[error("found a depth of {depth}, must be at least 0")]
+    Above { depth: f64 },
+    #[error("found a depth of {to} after {from}, must increase")]
+    Back { from: f64, to: f64 },
+    #[error("found {end} as the last depth, must reach {reach}")]
+    Short { end: f64, reach: f64 },
+}
+
+/// Reads the boreholes of a layout; strata, where there are any, say at which depths they are read, and how deep they go.
+pub(super) fn read(layout: &mut Section<'_>, layered: bool, deepest: Option<f64>) -> Vec<Borehole> {
+    let mut found: Vec<Borehole> = Vec::new();
+    for mut section in layout.sections("boreholes") {
+        let Ok(own) = borehole(&mut section, layered, deepest) else { continue };
+        if found.iter().any(|other| other.pipe == own.pipe) {
+            section.problem("pipe", format!("found pipe {} twice", own.pipe));
         }
-        Ok(Borehole { pipe, inclination_deg, azimuth_deg, surveyed_m, depth_m })
+        if let (Some(first), Some(depth)) = (found.first(), own.depth)
+            && let Some(known) = first.depth.filter(|known| *known != depth)
+        {
+            let message = format!("found {depth}, must be {known} as of pipe {}: the plan is at one depth", first.pipe);
+            section.problem(("depth", "m"), message);
+        }
+        found.push(own);
     }
+    found
 }
 
-/// Boreholes that deviate by chance.
-#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Deviation {
-    pub(super) depth_m: Option<f64>,
-    pub(super) percent: f64,
-    pub(super) members: usize,
-    pub(super) seed: u64,
+fn borehole(section: &mut Section<'_>, layered: bool, deepest: Option<f64>) -> Read<Borehole> {
+    const SURVEYED: (&str, &str) = ("surveyed", "m");
+    section.refuse("ring", "the name of the pipe has it");
+    let pipe = section.pipe_name("pipe");
+    let depth = goals::depth(section, layered, Range::NOT_NEGATIVE);
+    let told = section.only_one(&[("inclination", "deg").into(), SURVEYED.into()]);
+    let told = told.inspect_err(|_| section.abandon())?;
+    let course = if told == 0 {
+        let inclination = section.number(("inclination", "deg"), Range::from_to_below(0.0, 90.0));
+        let azimuth = section.number(("azimuth", "deg"), Range::ANY);
+        Course::Straight(inclination?.to_radians().tan() * DVec2::from_angle(azimuth?.to_radians()))
+    } else {
+        section.refuse(("azimuth", "deg"), "the survey has it");
+        let rows = section.points(SURVEYED, Some(3))?;
+        let reach = deepest.or(depth.unwrap_or(None)).unwrap_or(0.0);
+        let way = Way::surveyed(&rows, reach).map_err(|wrong| section.problem(SURVEYED, wrong.to_string()))?;
+        Course::Surveyed(way)
+    };
+    Ok(Borehole { pipe: pipe?, course, depth: depth? })
 }
 
 /// How far pipes stand from their places.
@@ -80,6 +145,28 @@ impl Way {
     /// A straight borehole by its slope (m/m).
     fn straight(slope: DVec2, depth: f64) -> Way {
         Way(vec![(0.0, DVec2::ZERO), (depth, slope * depth)])
+    }
+
+    /// A borehole by what was measured in it down to a depth: rows of depth and of how far it stands from its place.
+    fn surveyed(rows: &[Vec<f64>], depth: f64) -> Result<Way, BadSurvey> {
+        let mut points: Vec<(f64, DVec2)> = rows.iter().map(|row| (row[0], DVec2::new(row[1], row[2]))).collect();
+        let (Some(first), Some(last)) = (points.first(), points.last()) else {
+            return Err(BadSurvey::Empty);
+        };
+        if first.0 < 0.0 {
+            return Err(BadSurvey::Above { depth: first.0 });
+        }
+        if let Some(pair) = points.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
+            return Err(BadSurvey::Back { from: pair[0].0, to: pair[1].0 });
+        }
+        if depth > last.0 {
+            return Err(BadSurvey::Short { end: last.0, reach: depth });
+        }
+        // It was set up in its place.
+        if first.0 > 0.0 {
+            points.insert(0, (0.0, DVec2::ZERO));
+        }
+        Ok(Way(points))
     }
 
     fn at(&self, depth: f64) -> DVec2 {
@@ -114,49 +201,23 @@ impl Way {
     }
 }
 
-/// The depth at which boreholes without horizons are read, which all of them must name alike.
-pub(super) fn depth(boreholes: &[Borehole]) -> Result<f64, String> {
-    let mut common: Option<(PipeName, f64)> = None;
-    for borehole in boreholes {
-        let own = borehole.pipe;
-        let depth =
-            borehole.depth_m.ok_or_else(|| format!("pipe {own}: depth_m is missing, of the horizon that is run"))?;
-        match common {
-            Some((other, known)) if known != depth => {
-                return Err(format!("found depth_m {known} of pipe {other} and {depth} of pipe {own}, must be one"));
-            }
-            _ => common = Some((own, depth)),
-        }
-    }
-    Ok(common.map_or(0.0, |(_, depth)| depth))
-}
-
-/// Refuses depths of boreholes where horizons have theirs.
-pub(super) fn without_depth(boreholes: &[Borehole]) -> Result<(), String> {
-    match boreholes.iter().find_map(|borehole| Some((borehole.pipe, borehole.depth_m?))) {
-        Some((pipe, depth)) => Err(format!(
-            "pipe {pipe}: depth_m: found {depth}, must be left out: boreholes are read at the depth of each horizon"
-        )),
-        None => Ok(()),
-    }
-}
-
 /// Where boreholes stand at a depth, from what is known of them down to `deepest`.
-pub(super) fn moved(boreholes: &[Borehole], rings: &[PipeRing], depth: f64, deepest: f64) -> Result<Moved, String> {
-    let mut ways: Vec<(PipeName, Way)> = Vec::new();
-    for borehole in boreholes {
-        let pipe = borehole.pipe;
-        let Some(ring) = rings.get(pipe.ring) else {
-            return Err(format!("found pipe {pipe}, must be of a ring from 1 to {}", rings.len()));
-        };
+///
+/// # Errors
+/// Where the rings have no such pipe, or two boreholes meet.
+pub(super) fn moved(boreholes: &[Borehole], rings: &[PipeRing], depth: f64, deepest: f64) -> Result<Moved, Misplaced> {
+    let mut ways: Vec<(PipeName, Way)> = Vec::with_capacity(boreholes.len());
+    for Borehole { pipe, course, .. } in boreholes {
+        let pipe = *pipe;
+        let Some(ring) = rings.get(pipe.ring) else { return Err(Misplaced::NoRing { pipe, rings: rings.len() }) };
         if pipe.pipe >= ring.count {
-            let last = PipeName { pipe: ring.count - 1, ..pipe };
-            return Err(format!("found pipe {pipe}, must be at most {last}"));
+            return Err(Misplaced::NoPipe { pipe, last: PipeName { pipe: ring.count - 1, ..pipe } });
         }
-        if ways.iter().any(|(other, _)| *other == pipe) {
-            return Err(format!("found pipe {pipe} twice"));
-        }
-        ways.push((pipe, way(borehole, deepest).map_err(|message| format!("pipe {pipe}: {message}"))?));
+        let way = match course {
+            Course::Straight(slope) => Way::straight(*slope, deepest),
+            Course::Surveyed(way) => way.clone(),
+        };
+        ways.push((pipe, way));
     }
     let vertical = Way::vertical(deepest);
     let leaning = |pipe: PipeName| ways.iter().find(|(other, _)| *other == pipe).map(|(_, way)| way);
@@ -172,56 +233,19 @@ pub(super) fn moved(boreholes: &[Borehole], rings: &[PipeRing], depth: f64, deep
             let least = ((ring.pipe_radius + beside.pipe_radius) * 1e9).round() / 1e9;
             if distance <= least {
                 let (first, second) = (other.min(*own), other.max(*own));
-                return Err(format!(
-                    "pipes {first} and {second} meet at a depth of {at:.1} m: their axes are {distance:.4} m apart, must be \
-                     more than {least}"
-                ));
+                return Err(Misplaced::Meet { first, second, depth: at, distance, least });
             }
         }
     }
     Ok(ways.iter().map(|(pipe, way)| (*pipe, way.at(depth))).collect())
 }
 
-/// The way of one borehole down to a depth.
-fn way(borehole: &Borehole, depth: f64) -> Result<Way, String> {
-    if !(depth >= 0.0 && depth.is_finite()) {
-        return Err(format!("found depth_m {depth}, must be 0 or more"));
-    }
-    match (borehole.inclination_deg, borehole.azimuth_deg, &borehole.surveyed_m) {
-        (Some(inclination), Some(azimuth), None) => {
-            if !((0.0..90.0).contains(&inclination) && azimuth.is_finite()) {
-                return Err(format!("found inclination_deg {inclination}, must be 0 or more and below 90"));
-            }
-            Ok(Way::straight(inclination.to_radians().tan() * DVec2::from_angle(azimuth.to_radians()), depth))
-        }
-        (None, None, Some(rows)) => surveyed(rows, depth),
-        _ => Err("must have inclination_deg and azimuth_deg, or surveyed_m".into()),
-    }
-}
-
-/// A borehole by what was measured in it: rows of depth and of how far it stands from its place.
-fn surveyed(rows: &[[f64; 3]], depth: f64) -> Result<Way, String> {
-    let (Some(first), Some(last)) = (rows.first(), rows.last()) else { return Err("surveyed_m: found no rows".into()) };
-    if !rows.iter().flatten().all(|number| number.is_finite()) || first[0] < 0.0 {
-        return Err("surveyed_m: found a depth below 0, or what is no number".into());
-    }
-    if let Some(pair) = rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
-        return Err(format!("surveyed_m: found a depth of {} after {}, must increase", pair[1][0], pair[0][0]));
-    }
-    if depth > last[0] {
-        return Err(format!("surveyed_m: ends at a depth of {}, must reach {depth}", last[0]));
-    }
-    let mut points: Vec<(f64, DVec2)> = rows.iter().map(|[depth, x, y]| (*depth, DVec2::new(*x, *y))).collect();
-    // It was set up in its place.
-    if first[0] > 0.0 {
-        points.insert(0, (0.0, DVec2::ZERO));
-    }
-    Ok(Way(points))
-}
-
 /// Slopes (m/m) of all boreholes of all rings, each to end anywhere in a circle, as likely in all of it. One that would meet
 /// another down to a depth is drawn anew.
-pub(super) fn draw(rings: &[PipeRing], percent: f64, random: &mut StdRng, depth: f64) -> Result<Moved, String> {
+///
+/// # Errors
+/// Where one finds no place.
+pub(super) fn draw(rings: &[PipeRing], percent: f64, random: &mut StdRng, depth: f64) -> Result<Moved, Misplaced> {
     let mut slopes = Moved::new();
     let pipes =
         rings.iter().enumerate().flat_map(|(at, ring)| (0..ring.count).map(move |k| PipeName { ring: at, pipe: k }));
@@ -241,12 +265,8 @@ pub(super) fn draw(rings: &[PipeRing], percent: f64, random: &mut StdRng, depth:
                 distance > ring.pipe_radius + beside.pipe_radius
             })
         };
-        let found = (0..MOST_DRAWS).map(|_| one()).find(free).ok_or_else(|| {
-            format!(
-                "percent: found {percent}, so far do boreholes deviate that pipe {own} meets others in {MOST_DRAWS} draws"
-            )
-        })?;
-        slopes.push((own, found));
+        let found = (0..MOST_DRAWS).map(|_| one()).find(free);
+        slopes.push((own, found.ok_or(Misplaced::Crowded { percent, pipe: own })?));
     }
     Ok(slopes)
 }
@@ -260,21 +280,25 @@ pub(super) fn chance(seed: u64) -> StdRng {
 mod tests {
     use super::*;
 
+    fn survey(rows: &[[f64; 3]], depth: f64) -> Result<Way, BadSurvey> {
+        Way::surveyed(&rows.iter().map(|row| row.to_vec()).collect::<Vec<_>>(), depth)
+    }
+
     #[test]
     fn ways_are_read_between_what_was_surveyed() {
-        let way = surveyed(&[[0.0, 0.0, 0.0], [100.0, 0.1, 0.05], [200.0, 0.2, 0.3]], 150.0).expect("a way");
+        let way = survey(&[[0.0, 0.0, 0.0], [100.0, 0.1, 0.05], [200.0, 0.2, 0.3]], 150.0).expect("a way");
         assert!(way.at(150.0).distance(DVec2::new(0.15, 0.175)) < 1e-15);
         assert_eq!(way.at(100.0), DVec2::new(0.1, 0.05));
         // From its place at the collar, where the survey begins deeper.
-        let way = surveyed(&[[100.0, 0.1, 0.0]], 50.0).expect("a way");
+        let way = survey(&[[100.0, 0.1, 0.0]], 50.0).expect("a way");
         assert!(way.at(50.0).distance(DVec2::new(0.05, 0.0)) < 1e-15);
     }
 
     /// Both ways are lines between their points, so a fine search finds nothing closer.
     #[test]
     fn the_closest_depth_is_that_of_a_search() {
-        let one = surveyed(&[[0.0, 0.0, 0.0], [60.0, 0.7, 0.2], [130.0, -0.1, 0.4], [200.0, 0.2, 0.3]], 200.0);
-        let other = surveyed(&[[20.0, -0.1, 0.0], [90.0, -0.9, 0.1], [210.0, 0.3, -0.4]], 200.0);
+        let one = survey(&[[0.0, 0.0, 0.0], [60.0, 0.7, 0.2], [130.0, -0.1, 0.4], [200.0, 0.2, 0.3]], 200.0);
+        let other = survey(&[[20.0, -0.1, 0.0], [90.0, -0.9, 0.1], [210.0, 0.3, -0.4]], 200.0);
         let (one, other) = (one.expect("a way"), other.expect("a way"));
         let (own, place) = (DVec2::new(5.0, 0.0), DVec2::new(6.1, 0.3));
         let apart = |depth: f64| (place + other.at(depth) - own - one.at(depth)).length();

@@ -5,61 +5,16 @@
 use frazil_plots::layouts::{CriticalView, critical_map};
 use frazil_plots::page::{Block, Figure, Table};
 use frazil_scene::Scene;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 use super::ahead::{Ahead, Find};
 use super::answers::Answers;
 use super::execute::Work;
+use super::goals::Critical;
 use super::study::Study;
 use super::variants::{Layout, Role};
 use crate::campaign::Meter;
 use crate::failure::Failure;
-
-/// What is sought of each layout.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Critical {
-    /// The key, as `flow.velocity_m_per_day`.
-    pub key: String,
-    /// Values that are tried in any case, increasing.
-    pub values: Vec<f64>,
-    /// How closely the value is sought between them.
-    pub within: f64,
-}
-
-/// Most values, and most halvings between two of them.
-const MOST: usize = 30;
-
-impl Critical {
-    /// What cannot be meant.
-    pub fn check(&self) -> Result<(), String> {
-        let values = &self.values;
-        let gaps = || values.windows(2).map(|pair| pair[1] - pair[0]);
-        if !(2..=MOST).contains(&values.len()) || gaps().any(|gap| !(gap > 0.0 && gap.is_finite())) {
-            return Err(format!("critical: values: found {values:?}, must be 2 to {MOST} numbers, increasing"));
-        }
-        if !(self.within > 0.0 && halvings(gaps().fold(0.0, f64::max), self.within) <= MOST) {
-            return Err(format!(
-                "critical: within: found {}, must be above 0 and reached by {MOST} halvings",
-                self.within
-            ));
-        }
-        Ok(())
-    }
-}
-
-impl Critical {
-    /// Halvings of the widest gap between two values, at most.
-    fn halvings(&self) -> usize {
-        halvings(self.values.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max), self.within)
-    }
-}
-
-/// Halvings until a gap is this narrow.
-fn halvings(gap: f64, within: f64) -> usize {
-    // The cast of a value beyond the range gives the greatest there is.
-    (gap / within).log2().max(0.0).ceil() as usize
-}
 
 /// A value that was tried of a layout: a row of `critical_tried.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -6,7 +6,7 @@ use frazil_scene::Scene;
 
 use super::study::Study;
 use super::variants::Role;
-use super::{horizons, soils};
+use super::{soils, strata};
 
 /// Reach of cold: thickness of ground between pipes and the outer wall, over the root of its diffusivity times the
 /// time, below which the wall is felt. In `frozen-wall-sand` under `local` the load after 120 days is 1 % off with the wall at
@@ -16,11 +16,11 @@ const REACH: f64 = 1.7;
 /// Doubts about a study, each once.
 pub fn of(study: &Study) -> Vec<String> {
     let mut found = Vec::new();
-    for pair in study.horizons.windows(2) {
+    for pair in study.strata.windows(2) {
         let (above, below) = (&pair[0], &pair[1]);
-        if below.from > above.to + horizons::SAME {
+        if below.from > above.to + strata::SAME {
             found.push(format!(
-                "horizons: \"{}\" ends at {} m and \"{}\" begins at {} m: nothing is known of the ground between them, \
+                "strata: \"{}\" ends at {} m and \"{}\" begins at {} m: nothing is known of the ground between them, \
                  and the load of the shaft is without it",
                 above.name, above.to, below.name, below.from
             ));

@@ -6,9 +6,9 @@ use frazil_record::{Record, WallRow};
 use frazil_scene::Scene;
 use serde::Serialize;
 
-use super::Found;
 use super::answers::{DAY, Day};
-use super::report::cell;
+use super::found::Found;
+use super::rows::cell;
 
 /// A row of `shaft.csv`. Thicknesses are those where the wall is weakest, 0 while it is open.
 #[derive(Debug, Clone, PartialEq, Serialize)]

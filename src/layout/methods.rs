@@ -7,9 +7,9 @@ use serde::Serialize;
 
 use super::answers::Answers;
 use super::execute::Work;
+use super::rows::write_rows;
 use super::study::Study;
 use super::variants::{Layout, Role};
-use super::write_rows;
 use crate::failure::Failure;
 
 /// What stands for all methods of a scene in place of the name of one.

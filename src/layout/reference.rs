@@ -2,9 +2,7 @@
 
 use std::f64::consts::PI;
 
-use frazil_cases::layouts::{
-    self, Gap, HEAT_ERROR, LENGTH_ERROR, LayoutTable, RADIUS_ERROR, Section, TEMPERATURE_ERROR, WallDay,
-};
+use frazil_cases::layouts::{self, Gap, HEAT_ERROR, LENGTH_ERROR, RADIUS_ERROR, Section, TEMPERATURE_ERROR, WallDay};
 use frazil_plots::page::{Block, Table};
 use frazil_record::LinkRow;
 use frazil_scene::Scene;
@@ -12,8 +10,8 @@ use frazil_scene::method::acting_radius;
 use glam::DVec2;
 use serde::Serialize;
 
-use super::Found;
 use super::answers::{DAY, Day, Kept};
+use super::found::{Compared, Found};
 use super::study::Study;
 use super::variants::Layout;
 use crate::failure::Failure;
@@ -22,16 +20,10 @@ use crate::load::{self, Overrides};
 /// Degrees within which a gap lies where a table has it; they are a tenth of those between gaps of a hundred pipes.
 const SAME_ANGLE: f64 = 0.36;
 
-/// What a layout is compared with.
-#[derive(Debug, Clone)]
-pub enum Compared {
-    /// A table.
-    With(LayoutTable),
-    /// None, since what was set with the command made another problem of it: the first difference.
-    Set(String),
-}
-
 /// The table that a layout names. One that is about another problem is refused, unless overrides of the command made it so.
+///
+/// # Errors
+/// Where it is, or there is no such table.
 pub(super) fn table(
     study: &Study,
     layout: &Layout,
@@ -40,7 +32,7 @@ pub(super) fn table(
 ) -> Result<Option<Compared>, Failure> {
     let Some(name) = &layout.reference else { return Ok(None) };
     let of = |scene: &Scene| layouts::by_name(name, scene, one_particle(scene, method));
-    let bad = |message: String| Failure::Request(format!("layout \"{}\": reference: {message}", layout.name));
+    let bad = |message: String| Failure::Request(format!("reference: {message}"));
     match of(&layout.scene) {
         Ok(found) => Ok(Some(Compared::With(found))),
         Err(difference) if set.is_empty() => Err(bad(difference)),

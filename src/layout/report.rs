@@ -11,14 +11,24 @@ use frazil_record::RunResult;
 
 use super::answers::{DAY, Far};
 use super::execute::Work;
+use super::found::Found;
+use super::goals::Search;
 use super::methods::Beside;
+use super::rows::{cell, designed_on, stood};
 use super::search::{self, Tried};
-use super::shaft::{ShaftRow, shafts};
-use super::study::{Design, Search, Study};
+use super::study::Study;
 use super::variants::Role;
-use super::{Found, LayoutRequest, dug, reference, tables};
+use super::{dug, reference};
 use crate::failure::Failure;
 use crate::parallel;
+
+mod depth;
+mod overview;
+mod vary;
+
+use depth::over_depth;
+use overview::overview;
+use vary::what_if;
 
 /// Layouts of which each has its own figures on the page; of more, they lie in the folders.
 const SHOWN: usize = 6;
@@ -32,12 +42,12 @@ pub(super) struct Told<'a> {
     /// Layouts under all methods.
     pub(super) beside: &'a [Beside<'a>],
     /// What has been sought of each layout.
-    pub(super) critical: Option<Block>,
+    pub(super) critical: Vec<Block>,
 }
 
 /// Writes figures and page.
 pub(super) fn write(
-    request: &LayoutRequest,
+    command: &str,
     study: &Study,
     work: &Work<'_>,
     Told { found, tried, beside, critical }: Told<'_>,
@@ -48,11 +58,11 @@ pub(super) fn write(
         lead: vec![format!(
             "{} of freeze pipes under the method {}, from the scene {}. A gap is closed once ground between two pipes is frozen \
              with its latent heat released; the wall once a closed loop of such gaps runs around the centre.",
-            counted(compared.len(), study.horizons.len()),
+            counted(compared.len(), study.strata.len()),
             work.method,
             study.scene
         )],
-        command: request.command_line.clone(),
+        command: command.to_owned(),
         machine: work.machine.facts(Fact::new("Layouts at once", work.threads.to_string())),
         ..Page::default()
     };
@@ -104,12 +114,12 @@ pub(super) fn write(
 }
 
 /// How many layouts there are, in words.
-fn counted(runs: usize, horizons: usize) -> String {
-    let layouts = match runs / horizons.max(1) {
+fn counted(runs: usize, strata: usize) -> String {
+    let layouts = match runs / strata.max(1) {
         1 => "One layout".to_owned(),
         count => format!("{count} layouts"),
     };
-    if horizons > 0 { format!("{layouts} at {horizons} horizons each") } else { layouts }
+    if strata > 0 { format!("{layouts} in {strata} strata each") } else { layouts }
 }
 
 /// What figures show of a layout.
@@ -169,76 +179,6 @@ fn maps(work: &Work<'_>, one: &Found<'_>) -> Vec<Figure> {
     instants.flat_map(|day| [figure("map", "", day), figure("pressure", water, day)]).flatten().collect()
 }
 
-/// Layouts over their horizons, and what the shaft as a whole comes to.
-fn over_depth(study: &Study, work: &Work<'_>, found: &[Found<'_>]) -> Result<Option<Block>, Failure> {
-    let all = shafts(study, found);
-    let compared: Vec<_> = all.iter().filter(|shaft| shaft.compared()).collect();
-    if compared.is_empty() {
-        return Ok(None);
-    }
-    let views: Vec<_> = compared.iter().map(|shaft| shaft.view(study)).collect();
-    let drawing = frazil_plots::layouts::over_depth(&views);
-    drawing.write(&work.folder, "depth")?;
-    let caption = "Each horizon of the layouts; boreholes are read at the depth that stands in the table of horizons.";
-    let figures = vec![Figure::new(&drawing, caption, "depth")];
-    let heads =
-        ["layout", "last to close", "wall closes (day)", "thinnest (m)", "warmest mean (°C)", "plant, greatest (kW)"];
-    let heads = heads.into_iter().chain(["plant at the end (kW)", "energy (GJ)"]).map(String::from);
-    let designed = study.layouts.iter().any(|layout| study.design_of(layout).is_some());
-    let heads = heads.chain(designed.then(|| "as designed (day)".into())).collect();
-    let row = |row: &ShaftRow<'_>| {
-        let mut cells = vec![
-            row.layout.to_owned(),
-            row.weakest_horizon.to_owned(),
-            stood(
-                with_error(
-                    row.closure_days,
-                    row.closure_error_days,
-                    2,
-                    &format!("{} horizons open", row.open_horizons),
-                ),
-                row.reopened_days,
-            ),
-            format!("{:.2} in {}", row.thickness_weakest_m, row.thinnest_horizon),
-            match row.warmest_horizon {
-                Some(horizon) => format!("{} in {horizon}", cell(row.temperature_weakest_c, 2, "none")),
-                None => "none".into(),
-            },
-            format!("{:.0}", row.plant_peak_kw),
-            format!("{:.0}", row.plant_end_kw),
-            format!("{:.0}", row.energy_gj),
-        ];
-        cells.extend(designed.then(|| designed_on(row.design_days, row.design_left_days)));
-        cells
-    };
-    let rows: Vec<ShaftRow<'_>> = compared.iter().filter_map(|shaft| shaft.row(study, found)).collect();
-    let shafts = Table {
-        caption: "The shaft as a whole: closed once it is at all horizons; thickness and mean temperature where the wall is weakest; loads \
-                  are sums over the layers. ± is the change from twice the spacing."
-            .into(),
-        heads,
-        rows: rows.iter().map(row).collect(),
-        words: 2,
-        csv: Some("shafts.csv".into()),
-    };
-    let horizons = Table {
-        caption: "Horizons.".into(),
-        heads: ["horizon", "from (m)", "to (m)", "boreholes read at (m)"].map(String::from).into(),
-        rows: study
-            .horizons
-            .iter()
-            .map(|horizon| {
-                let depths = [horizon.from, horizon.to, horizon.depth].map(|depth| depth.to_string());
-                [vec![horizon.name.clone()], depths.into()].concat()
-            })
-            .collect(),
-        words: 1,
-        csv: None,
-    };
-    let heading = "The shaft over its depth".into();
-    Ok(Some(Block { heading, figures, tables: vec![shafts, horizons], ..Block::default() }))
-}
-
 /// The same layouts under several methods.
 fn methods_block(work: &Work<'_>, beside: &[Beside<'_>]) -> Result<Option<Block>, Failure> {
     if beside.is_empty() {
@@ -277,57 +217,6 @@ fn methods_block(work: &Work<'_>, beside: &[Beside<'_>]) -> Result<Option<Block>
     Ok(Some(Block { heading, figures, tables: vec![table], list, ..Block::default() }))
 }
 
-/// What changes of one key and deviating boreholes do.
-fn what_if(study: &Study, found: &[Found<'_>]) -> Vec<Block> {
-    let mut blocks = Vec::new();
-    let changes: Vec<_> = found.iter().filter_map(|one| tables::change(found, one)).collect();
-    if !changes.is_empty() {
-        let row = |row: &tables::SensitivityRow<'_>| {
-            vec![
-                row.layout.to_owned(),
-                row.key.to_owned(),
-                format!("{:.2}", row.factor),
-                cell(row.closure_days, 2, "not closed"),
-                signed(row.closure_change_days, 2),
-                signed(row.thickness_change_m, 2),
-                signed(row.mean_temperature_change_k, 2),
-                signed(row.energy_change_mj_per_m, 0),
-            ]
-        };
-        let heads =
-            ["layout", "key", "factor", "wall closes (day)", "closure (d)", "thickness (m)", "mean temperature (K)"];
-        let heads = heads.into_iter().chain(["energy (MJ/m)"]).map(String::from).collect();
-        let caption = "Changes against the layout itself; thickness and temperature where the wall is weakest, and energy, at the end.".into();
-        let csv = Some("sensitivity.csv".into());
-        let table = Table { caption, heads, rows: changes.iter().map(row).collect(), words: 2, csv };
-        blocks.push(Block { heading: "Sensitivity".into(), tables: vec![table], ..Block::default() });
-    }
-    let spreads = tables::spreads(study, found);
-    if !spreads.is_empty() {
-        let row = |row: &tables::DeviationRow<'_>| {
-            vec![
-                row.layout.to_owned(),
-                row.members.to_string(),
-                if row.reopened > 0 {
-                    format!("{}, {} OPEN AGAIN", row.closed, row.reopened)
-                } else {
-                    row.closed.to_string()
-                },
-                cell(row.closure_p05_days, 2, "not closed"),
-                cell(row.closure_p50_days, 2, "not closed"),
-                cell(row.closure_p95_days, 2, "not closed"),
-            ]
-        };
-        let heads = ["layout", "members", "closed", "5 % close by (day)", "half close by (day)", "95 % close by (day)"];
-        let heads = heads.map(String::from).into();
-        let caption = "Boreholes that end anywhere in a circle around their places.".into();
-        let csv = Some("deviation.csv".into());
-        let table = Table { caption, heads, rows: spreads.iter().map(row).collect(), words: 1, csv };
-        blocks.push(Block { heading: "Deviating boreholes".into(), tables: vec![table], ..Block::default() });
-    }
-    blocks
-}
-
 /// What a search has tried.
 fn searched(search: &Search, tried: &[Tried]) -> Block {
     let row = |one: &Tried| {
@@ -359,118 +248,11 @@ fn searched(search: &Search, tried: &[Tried]) -> Block {
     Block { heading: "Search".into(), tables: vec![table], ..Block::default() }
 }
 
-fn signed(value: Option<f64>, digits: usize) -> String {
-    value.map_or_else(String::new, |value| format!("{value:+.digits$}"))
-}
-
-/// A number, or what stands in its place.
-pub(super) fn cell(value: Option<f64>, digits: usize, none: &str) -> String {
-    value.map_or_else(|| none.to_owned(), |value| format!("{value:.digits$}"))
-}
-
-/// When a wall closed, and that it opened again.
-fn stood(closed: String, reopened: Option<f64>) -> String {
-    reopened.map_or_else(|| closed.clone(), |day| format!("{closed}, OPENS AGAIN on {day:.2}"))
-}
-
-/// When a wall was as designed, and when no more.
-fn designed_on(design: Option<f64>, left: Option<f64>) -> String {
-    let from = cell(design, 1, "never");
-    left.map_or_else(|| from.clone(), |day| format!("{from}, NO MORE from {day:.1}"))
-}
-
 /// A warning where a wall opens again.
 fn opened(one: &Found<'_>) -> Option<String> {
     let opens = one.fine.reopening?;
     let ends = if one.fine.closed { "closed again at the end" } else { "open at the end" };
     Some(format!("{}: the wall OPENS AGAIN on day {opens:.2} and is {ends}.", one.layout.name))
-}
-
-/// A number and how far off it may be.
-fn with_error(value: Option<f64>, error: Option<f64>, digits: usize, none: &str) -> String {
-    let error = value.and(error).map_or(String::new(), |error| format!(" ± {error:.digits$}"));
-    format!("{}{error}", cell(value, digits, none))
-}
-
-/// A row for each layout: what is asked first.
-fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
-    let mut heads: Vec<String> = [
-        "layout",
-        "weakest gap",
-        "pipes",
-        "wall closes (day)",
-        "first gap (day)",
-        "thickness at the end (m)",
-        "mean temperature there (°C)",
-        "thickness, mean over the ring (m)",
-        "all frozen ground, mean (°C)",
-        "load, greatest (W/m)",
-        "load at the end (W/m)",
-        "energy (MJ/m)",
-    ]
-    .map(String::from)
-    .into();
-    let designs: Vec<Option<Design>> = compared.iter().map(|one| study.design_of(one.layout)).collect();
-    let designed = designs.iter().flatten().next();
-    if let Some(design) = designed {
-        let alike = designs.iter().all(|own| own.as_ref() == Some(design));
-        let words = format!("{} m at {} °C (day)", design.thickness_m, design.mean_temperature_c);
-        heads.push(if alike { words } else { "as designed (day)".into() });
-    }
-    let single = |one: &&Found<'_>| one.layout.scene.rings.iter().any(|ring| ring.one_particle);
-    let acting = compared.iter().any(single);
-    if acting {
-        heads.push("pipes act as (mm)".into());
-    }
-    if compared.iter().any(|one| study.depth_of(one.layout).is_some()) {
-        heads.push("plant, greatest (kW)".into());
-    }
-    let row = |one: &&Found<'_>| {
-        let (fine, coarse) = (&one.fine, one.coarse.as_ref());
-        let (end, far) = (fine.days.last(), coarse.and_then(|coarse| coarse.days.last()));
-        let off = |own: Option<f64>, other: Option<f64>| own.zip(other).map(|(own, other)| (own - other).abs());
-        let thickness = end.map(|day| day.thickness_weakest_m);
-        let mean = end.and_then(|day| day.temperature_weakest_c);
-        let weakest = fine
-            .weakest
-            .as_ref()
-            .map_or("none".into(), |link| format!("{} to {}, {:.2} m", link.from, link.to, link.distance_m));
-        let mut cells = vec![
-            one.layout.name.clone(),
-            weakest,
-            fine.pipes.to_string(),
-            stood(with_error(fine.closure, tables::closure_error(one), 2, "not closed"), fine.reopening),
-            cell(fine.first_gap, 2, "none"),
-            with_error(thickness, off(thickness, far.map(|day| day.thickness_weakest_m)), 2, ""),
-            with_error(mean, off(mean, far.and_then(|day| day.temperature_weakest_c)), 2, "open"),
-            cell(end.map(|day| day.thickness_interface_mean_m), 2, ""),
-            cell(end.and_then(|day| day.mean_c), 2, "none"),
-            format!("{:.0}", fine.peak),
-            cell(end.map(|day| day.heat_per_pipe_w_per_m * fine.pipes as f64), 0, ""),
-            cell(end.map(|day| day.energy_mj_per_m), 0, ""),
-        ];
-        if designed.is_some() {
-            cells.push(designed_on(fine.design, fine.design_left));
-        }
-        if acting {
-            cells.push(format!("{:.3}", 1e3 * reference::effective_radius(&one.layout.scene, method)));
-        }
-        if let Some(depth) = study.depth_of(one.layout) {
-            cells.push(format!("{:.0}", 1e-3 * depth * fine.peak));
-        }
-        cells
-    };
-    Table {
-        caption:
-            "± is the change from twice the spacing, not a bound. Thickness is the frozen length on the least frozen way through the wall, at the \
-             weakest gap, 0 while it is open, and the mean temperature is that on this way; means over planes midway between pipes and of \
-             all frozen ground stand beside them. Loads and energy by metre of depth, greatest after the first day."
-                .into(),
-        heads,
-        rows: compared.iter().map(row).collect(),
-        words: 2,
-        csv: Some("layouts.csv".into()),
-    }
 }
 
 /// A warning where the outer wall is too near.

@@ -14,7 +14,8 @@ use serde::Serialize;
 use super::ahead::{Ahead, Find};
 use super::answers::{Answers, DAY};
 use super::execute::Work;
-use super::study::{Goal, Search, Study};
+use super::goals::{Goal, Search};
+use super::study::Study;
 use super::variants::Layout;
 use crate::failure::Failure;
 use crate::parallel;
@@ -96,10 +97,10 @@ impl<'a> Trials<'a> {
         let mut parts = Vec::new();
         for (pair, layout) in parallel::in_order(layouts.len(), *threads, run).into_iter().flatten().zip(&layouts) {
             let pair = pair.map_err(Stop::Failed)?.ok_or(Stop::Interrupted)?;
-            let thickness = study.depth_of(layout).filter(|_| layout.horizon.is_some()).unwrap_or(1.0);
+            let thickness = study.depth_of(layout).filter(|_| layout.stratum.is_some()).unwrap_or(1.0);
             parts.push((Answers::of(&layout.scene, &pair.fine, study.design_of(layout)), thickness));
         }
-        // A shaft is closed once it is closed at all horizons, and open once it is at one.
+        // A shaft is closed once it is closed in all strata, and open once it is in one.
         let last = |day: fn(&Answers) -> Option<f64>| {
             let days: Option<Vec<f64>> = parts.iter().map(|(answers, _)| day(answers)).collect();
             days.and_then(|days| days.into_iter().reduce(f64::max))

@@ -1,4 +1,4 @@
-//! The shaft as a whole: the same layout at all horizons.
+//! The shaft as a whole: the same layout in all strata.
 
 use std::path::Path;
 
@@ -6,17 +6,18 @@ use frazil_plots::layouts::{LayerView, ShaftView, between};
 use serde::Serialize;
 
 use super::answers::DAY;
+use super::found::Found;
+use super::rows::write_rows;
 use super::study::Study;
 use super::tables::open_width;
 use super::variants::Role;
-use super::{Found, write_rows};
 use crate::failure::Failure;
 
-/// A layout at all horizons, downwards.
+/// A layout in all strata, downwards.
 pub(super) struct Shaft<'a> {
     /// Name of the layout.
     pub(super) name: &'a str,
-    /// What it is at its horizons, with the thickness of their layers (m).
+    /// What it is in its strata, with the thickness of their layers (m).
     pub(super) parts: Vec<(&'a Found<'a>, f64)>,
 }
 
@@ -29,26 +30,26 @@ pub(super) struct ShaftRow<'a> {
     pub(super) closure_days: Option<f64>,
     pub(super) closure_error_days: Option<f64>,
     pub(super) reopened_days: Option<f64>,
-    pub(super) weakest_horizon: &'a str,
+    pub(super) weakest_stratum: &'a str,
     weakest_from: Option<&'a str>,
     weakest_to: Option<&'a str>,
-    pub(super) open_horizons: usize,
+    pub(super) open_strata: usize,
     pub(super) design_days: Option<f64>,
     pub(super) design_left_days: Option<f64>,
-    pub(super) thinnest_horizon: &'a str,
+    pub(super) thinnest_stratum: &'a str,
     pub(super) thickness_weakest_m: f64,
-    pub(super) warmest_horizon: Option<&'a str>,
+    pub(super) warmest_stratum: Option<&'a str>,
     pub(super) temperature_weakest_c: Option<f64>,
     pub(super) plant_peak_kw: f64,
     pub(super) plant_end_kw: f64,
     pub(super) energy_gj: f64,
 }
 
-/// All layouts over their horizons, in the order in which they come.
+/// All layouts over their strata, in the order in which they come.
 pub(super) fn shafts<'a>(study: &Study, found: &'a [Found<'a>]) -> Vec<Shaft<'a>> {
     let mut all: Vec<Shaft<'a>> = Vec::new();
     for one in found {
-        let Some(thickness) = one.layout.horizon.and(study.depth_of(one.layout)) else { continue };
+        let Some(thickness) = one.layout.stratum.and(study.depth_of(one.layout)) else { continue };
         match all.iter_mut().find(|shaft| shaft.name == one.layout.shaft) {
             Some(shaft) => shaft.parts.push((one, thickness)),
             None => all.push(Shaft { name: &one.layout.shaft, parts: vec![(one, thickness)] }),
@@ -58,7 +59,7 @@ pub(super) fn shafts<'a>(study: &Study, found: &'a [Found<'a>]) -> Vec<Shaft<'a>
 }
 
 impl<'a> Shaft<'a> {
-    /// Day on which the wall stood closed at all horizons.
+    /// Day on which the wall stood closed in all strata.
     pub(super) fn closure(&self) -> Option<f64> {
         let days: Option<Vec<f64>> = self.parts.iter().map(|(one, _)| one.fine.closure).collect();
         days?.into_iter().reduce(f64::max)
@@ -75,7 +76,7 @@ impl<'a> Shaft<'a> {
         days?.into_iter().reduce(f64::max)
     }
 
-    /// The horizon that closed last; while some are open, that of the widest open gap.
+    /// The stratum that closed last; while some are open, that of the widest open gap.
     pub(super) fn weakest(&self) -> Option<&'a Found<'a>> {
         let all = || self.parts.iter().map(|(one, _)| *one);
         let open = all().filter(|one| one.fine.closure.is_none());
@@ -85,7 +86,7 @@ impl<'a> Shaft<'a> {
         widest.or_else(|| all().reduce(|best, one| if day(one) > day(best) { one } else { best }))
     }
 
-    /// Heat that all pipes take over time (s, kW), at the instants of the uppermost horizon.
+    /// Heat that all pipes take over time (s, kW), at the instants of the uppermost stratum.
     pub(super) fn load(&self) -> Vec<(f64, f64)> {
         let times = self.parts.first().map_or(&[][..], |(one, _)| &one.fine.load[..]);
         let whole = |time: f64| {
@@ -95,9 +96,9 @@ impl<'a> Shaft<'a> {
         times.iter().filter_map(|(time, _)| Some((*time, whole(*time)?))).collect()
     }
 
-    /// Name of the horizon of a part.
-    fn horizon(study: &'a Study, one: &Found<'_>) -> &'a str {
-        one.layout.horizon.and_then(|at| study.horizons.get(at)).map_or("", |horizon| horizon.name.as_str())
+    /// Name of the stratum of a part.
+    fn stratum(study: &'a Study, one: &Found<'_>) -> &'a str {
+        one.layout.stratum.and_then(|at| study.strata.get(at)).map_or("", |stratum| stratum.name.as_str())
     }
 
     /// Its row, beside all layouts.
@@ -127,15 +128,15 @@ impl<'a> Shaft<'a> {
             closure_days: self.closure(),
             closure_error_days: self.closure().zip(self.coarse_closure()).map(|(fine, coarse)| (fine - coarse).abs()),
             reopened_days: self.reopening(),
-            weakest_horizon: Shaft::horizon(study, weakest),
+            weakest_stratum: Shaft::stratum(study, weakest),
             weakest_from: weakest.fine.weakest.as_ref().map(|link| link.from.as_str()),
             weakest_to: weakest.fine.weakest.as_ref().map(|link| link.to.as_str()),
-            open_horizons: self.parts.iter().filter(|(one, _)| one.fine.closure.is_none()).count(),
+            open_strata: self.parts.iter().filter(|(one, _)| one.fine.closure.is_none()).count(),
             design_days: design.and_then(|days| days.into_iter().reduce(f64::max)),
             design_left_days: self.parts.iter().filter_map(|(one, _)| one.fine.design_left).reduce(f64::min),
-            thinnest_horizon: Shaft::horizon(study, thin.0),
+            thinnest_stratum: Shaft::stratum(study, thin.0),
             thickness_weakest_m: thin.2.thickness_weakest_m,
-            warmest_horizon: warm.map(|warm| Shaft::horizon(study, warm.0)),
+            warmest_stratum: warm.map(|warm| Shaft::stratum(study, warm.0)),
             temperature_weakest_c: warm.map(|warm| warm.1),
             plant_peak_kw: load.iter().filter(|(time, _)| *time > DAY).map(|(_, load)| *load).fold(0.0, f64::max),
             plant_end_kw: load.last().map_or(0.0, |(_, load)| *load),
@@ -146,11 +147,11 @@ impl<'a> Shaft<'a> {
     /// What a figure over depth shows of it.
     pub(super) fn view(&self, study: &Study) -> ShaftView {
         let layer = |(one, _): &(&Found<'_>, f64)| {
-            let horizon = one.layout.horizon.and_then(|at| study.horizons.get(at))?;
+            let stratum = one.layout.stratum.and_then(|at| study.strata.get(at))?;
             Some(LayerView {
-                name: horizon.name.clone(),
-                from_m: horizon.from,
-                to_m: horizon.to,
+                name: stratum.name.clone(),
+                from_m: stratum.from,
+                to_m: stratum.to,
                 closure_s: one.fine.closure.map(|day| day * DAY),
                 thickness_m: one.fine.days.last().map_or(0.0, |end| end.thickness_weakest_m),
                 load_w_per_m: one.fine.peak,
@@ -165,7 +166,7 @@ impl<'a> Shaft<'a> {
     }
 }
 
-/// Writes the table of all shafts, where there are horizons.
+/// Writes the table of all shafts, where there are strata.
 pub(super) fn write(folder: &Path, study: &Study, found: &[Found<'_>]) -> Result<(), Failure> {
     let rows: Vec<ShaftRow<'_>> = shafts(study, found).iter().filter_map(|shaft| shaft.row(study, found)).collect();
     if rows.is_empty() { Ok(()) } else { write_rows(folder, "shafts.csv", &rows) }
@@ -173,13 +174,13 @@ pub(super) fn write(folder: &Path, study: &Study, found: &[Found<'_>]) -> Result
 
 /// A shaft in words.
 pub(super) fn words(row: &ShaftRow<'_>) -> String {
-    let (name, depth, horizon) = (row.layout, row.depth_m, row.weakest_horizon);
+    let (name, depth, stratum) = (row.layout, row.depth_m, row.weakest_stratum);
     let closure = match row.closure_days {
         Some(day) => match row.reopened_days {
-            Some(opens) => format!("closed on day {day:.2}, last in {horizon}, OPENS AGAIN on day {opens:.2}"),
-            None => format!("closed on day {day:.2}, last in {horizon}"),
+            Some(opens) => format!("closed on day {day:.2}, last in {stratum}, OPENS AGAIN on day {opens:.2}"),
+            None => format!("closed on day {day:.2}, last in {stratum}"),
         },
-        None => format!("open at {} of its horizons, widest in {horizon}", row.open_horizons),
+        None => format!("open in {} of its strata, widest in {stratum}", row.open_strata),
     };
     format!("{name}, all {depth} m: {closure}, plant at most {:.0} kW", row.plant_peak_kw)
 }

@@ -1,22 +1,24 @@
 //! Soils that studies know by name.
 
 use frazil_core::physics::material::FreezingLaw;
-use frazil_scene::{Scene, Units};
+use frazil_scene::{Change, Scene, Section, Units};
 use toml::{Table, Value};
 
-use super::study::literals;
-use crate::load::Overrides;
+/// What a section of a study changes of the ground: the soil that it names, and then what it sets.
+pub(super) fn changes(section: &mut Section<'_>) -> Vec<Change> {
+    let soils = soils();
+    let words: Vec<(&str, (&String, &Value))> = soils.iter().map(|soil| (soil.0.as_str(), soil)).collect();
+    let soil = section.optional_choice("soil", &words).map(|(name, material)| Change {
+        key: "materials".to_owned(),
+        value: Value::Table(Table::from_iter([(name.clone(), material.clone())])).to_string(),
+        spot: section.spot("soil"),
+    });
+    soil.into_iter().chain(section.changes("set")).collect()
+}
 
-/// What a scene must be changed by to be all of this soil.
-pub(super) fn overrides(soil: Option<&String>) -> Result<Overrides, String> {
-    let Some(name) = soil else { return Ok(Overrides::new()) };
-    let soils: Table = frazil_cases::soils::TEXT.parse().map_err(|error| format!("soils: {error}"))?;
-    let Some(material) = soils.get(name) else {
-        let known: Vec<String> = soils.keys().map(|known| format!("\"{known}\"")).collect();
-        return Err(format!("soil: found \"{name}\", must be one of {}", known.join(", ")));
-    };
-    let materials = Table::from_iter([(name.clone(), material.clone())]);
-    Ok(literals(&Table::from_iter([("materials".to_owned(), Value::Table(materials))])))
+/// The soils that come with the program, as materials.
+fn soils() -> Table {
+    frazil_cases::soils::TEXT.parse().unwrap_or_default()
 }
 
 /// Between which soils lie, with room beyond (W/mK, J/kg, J/m3K): dry peat conducts some 0.1, quartz 8 and
@@ -57,27 +59,30 @@ pub(crate) fn odd(scene: &Scene) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
+    use frazil_scene::read_section;
+
     use super::*;
     use crate::load;
 
+    fn of(soil: &str) -> Scene {
+        let changed = read_section(&format!("soil = \"{soil}\""), "s.toml", Units::Si, |root| Ok(changes(root)));
+        let pairs: Vec<_> = changed.expect("a soil").into_iter().map(|change| (change.key, change.value)).collect();
+        load::scene("frozen-wall-sand", &pairs).expect("a scene")
+    }
+
     #[test]
     fn a_ring_may_be_of_any_soil() {
-        let soils: Table = frazil_cases::soils::TEXT.parse().expect("a table");
+        let soils = soils();
+        assert!(soils.len() > 3);
         for name in soils.keys() {
-            let changed = overrides(Some(name)).expect("a soil");
-            let scene = load::scene("frozen-wall-sand", &changed).expect("a scene");
-            assert_eq!(scene.materials[0].name, *name);
+            assert_eq!(of(name).materials[0].name, *name);
         }
-        let refused = overrides(Some(&"mud".to_owned())).expect_err("no soil");
-        assert!(refused.starts_with("soil: found \"mud\", must be one of \"clay\", \"clay-as-printed\""), "{refused}");
     }
 
     #[test]
     fn soils_are_those_of_the_scenes_they_come_from() {
         for (soil, scene) in [("sand", "frozen-wall-sand"), ("clay", "frozen-wall-clay")] {
-            let changed = overrides(Some(&soil.to_owned())).expect("a soil");
-            let (own, bundled) = (load::scene("frozen-wall-sand", &changed), load::scene(scene, &[]));
-            assert_eq!(own.expect("a scene").materials, bundled.expect("a scene").materials);
+            assert_eq!(of(soil).materials, load::scene(scene, &[]).expect("a scene").materials);
         }
     }
 }

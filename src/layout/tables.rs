@@ -6,10 +6,12 @@ use frazil_record::Outcome;
 use serde::Serialize;
 
 use super::answers::Answers;
+use super::found::Found;
+use super::rows::write_rows;
 use super::shaft::{self, shafts};
 use super::study::Study;
 use super::variants::Role;
-use super::{Found, dug, reference, write_rows};
+use super::{dug, reference};
 use crate::failure::Failure;
 
 /// One row of `layouts.csv`.
@@ -17,7 +19,7 @@ use crate::failure::Failure;
 struct LayoutRow<'a> {
     layout: &'a str,
     of: &'a str,
-    horizon: &'a str,
+    stratum: &'a str,
     from_m: Option<f64>,
     to_m: Option<f64>,
     method: &'a str,
@@ -203,16 +205,16 @@ fn row<'a>(study: &'a Study, method: &'a str, one: &'a Found<'_>) -> Option<Layo
     let end = fine.days.last()?;
     let far = coarse.and_then(|coarse| coarse.days.last());
     let load = end.heat_per_pipe_w_per_m * fine.pipes as f64;
-    let horizon = one.layout.horizon.and_then(|at| study.horizons.get(at));
+    let stratum = one.layout.stratum.and_then(|at| study.strata.get(at));
     Some(LayoutRow {
         layout: &one.layout.name,
         of: match &one.layout.role {
             Role::Compared | Role::Tried => "",
             Role::Changed { of, .. } | Role::Deviating { of } => of,
         },
-        horizon: horizon.map_or("", |horizon| &horizon.name),
-        from_m: horizon.map(|horizon| horizon.from),
-        to_m: horizon.map(|horizon| horizon.to),
+        stratum: stratum.map_or("", |stratum| &stratum.name),
+        from_m: stratum.map(|stratum| stratum.from),
+        to_m: stratum.map(|stratum| stratum.to),
         method,
         outcome: fine.outcome.name(),
         pipes: fine.pipes,
@@ -288,7 +290,7 @@ pub(super) fn change<'a>(found: &'a [Found<'_>], one: &'a Found<'_>) -> Option<S
     })
 }
 
-/// What deviating boreholes do to each layout, and to the shafts of a study with horizons.
+/// What deviating boreholes do to each layout, and to the shafts of a study with strata.
 pub(super) fn spreads<'a>(study: &Study, found: &'a [Found<'a>]) -> Vec<DeviationRow<'a>> {
     let deviates = |other: &Found<'_>, name: &str| matches!(&other.layout.role, Role::Deviating { of } if of == name);
     let layouts = found.iter().filter_map(|one| {

@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 
 use frazil_core::space::domain::Domain;
-use frazil_scene::{PipeName, PipeRing, Scene};
+use frazil_scene::{Change, PipeName, PipeRing, Scene};
 use frazil_simulation::closing::dug_too_early;
 use glam::DVec2;
-use serde::Deserialize;
 use toml::Value;
 
-use super::boreholes::{self, Borehole, Deviation, Moved};
-use super::horizons::Horizon;
+use super::boreholes::{self, Borehole, Misplaced, Moved};
+use super::goals::{Deviation, Sensitivity};
+use super::strata::Stratum;
 use crate::failure::Failure;
 use crate::load::{self, Overrides};
 
@@ -50,15 +50,15 @@ pub enum Role {
     },
 }
 
-/// One layout, at one horizon.
+/// One layout, in one stratum.
 #[derive(Debug, Clone)]
 pub struct Layout {
     /// Name, one of its kind.
     pub name: String,
-    /// Name without the horizon, which the same layout has at all horizons.
+    /// Name without the stratum, which the same layout has in all strata.
     pub shaft: String,
-    /// Number of its horizon; none in a study without.
-    pub horizon: Option<usize>,
+    /// Number of its stratum; none in a study without.
+    pub stratum: Option<usize>,
     /// What it is beside others.
     pub role: Role,
     /// What it changes of the scene.
@@ -80,102 +80,168 @@ impl Layout {
         }
     }
 
-    /// What cannot be meant, with the place that says so.
+    /// Holds what a method would run against what can be meant.
+    ///
+    /// # Errors
+    /// With the first thing that cannot be meant, and the name of the layout.
     pub fn check(&self, shaft_radius: Option<f64>, method: &str) -> Result<(), Failure> {
-        let bad = |message: String| Err(Failure::Request(format!("layout \"{}\": {message}", self.name)));
+        let named = |unfit: Unfit| Failure::Request(format!("layout \"{}\": {unfit}", self.name));
+        self.fits(shaft_radius, method).map_err(named)
+    }
+
+    /// The same without a name.
+    ///
+    /// # Errors
+    /// With the first thing that cannot be meant.
+    pub fn fits(&self, shaft_radius: Option<f64>, method: &str) -> Result<(), Unfit> {
         if let Some(reason) = dug_too_early(&self.scene) {
-            return bad(reason);
+            return Err(Unfit::DugEarly(reason));
         }
         let freezing = self.scene.materials[0].freezing_point;
         let mut places: Vec<DVec2> = Vec::new();
         for (number, ring) in self.scene.rings.iter().enumerate() {
             let (coldest, _) = ring.temperature.range();
             if coldest >= freezing {
-                return bad(format!(
-                    "pipes.{}.temperature_c: found {coldest}, must come below {freezing}, where the ground freezes",
-                    number + 1
-                ));
+                return Err(Unfit::Warm { ring: number + 1, coldest, freezing });
             }
             places.extend(ring.numbers().map(|k| ring.place(k)));
             let Some(shaft) = shaft_radius else { continue };
             if let Some(inside) = ring.numbers().find(|k| ring.place(*k).length() <= shaft + ring.pipe_radius) {
-                return bad(format!(
-                    "pipe {} stands {:.3} m from the centre, inside the shaft: shaft_radius_m is {shaft}",
-                    PipeName { ring: number, pipe: inside },
-                    ring.place(inside).length()
-                ));
+                let (pipe, distance) = (PipeName { ring: number, pipe: inside }, ring.place(inside).length());
+                return Err(Unfit::InShaft { pipe, distance, shaft });
             }
         }
         let spacing = self.scene.method(method).map_or(0.0, |settings| settings.numerics.spacing);
+        let method = method.to_owned();
         let rings = self.scene.rings.iter().filter(|ring| ring.count > 1);
         let chord = |ring: &PipeRing| 2.0 * ring.ring_radius * (std::f64::consts::PI / ring.count as f64).sin();
         let across = rings.map(chord).fold(0.0, f64::max);
         if across > 0.0 && FEWEST_ACROSS * spacing > across * (1.0 + 1e-9) {
-            return bad(format!(
-                "method.{method}.spacing_m: found {spacing}, must be at most {:.4}: pipes stand {across:.4} m apart, and with \
-                 less than {FEWEST_ACROSS} spacings between them nothing says how wrong the answer is",
-                across / FEWEST_ACROSS
-            ));
+            return Err(Unfit::FewAcross { method, spacing, across });
         }
         let places = &places[..];
         let others = |k: usize| places[..k].iter().map(move |place| place.distance(places[k]));
-        let least = (0..places.len()).flat_map(others).fold(f64::INFINITY, f64::min);
-        if FEWEST_SPACINGS * spacing > least {
-            return bad(format!(
-                "method.{method}.spacing_m: found {spacing}, must be at most {:.4}: two pipes stand {least:.4} m apart",
-                least / FEWEST_SPACINGS
-            ));
+        let apart = (0..places.len()).flat_map(others).fold(f64::INFINITY, f64::min);
+        if FEWEST_SPACINGS * spacing > apart {
+            return Err(Unfit::FewBetween { method, spacing, apart });
         }
         Ok(())
     }
 }
 
-/// The scene that all layouts change, and what else is changed of it at each horizon.
+/// What cannot be meant of a layout; lengths in m, temperatures on the scale of the scene.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Unfit {
+    /// The shaft is dug before it can be, as far as the scene alone tells.
+    #[error("{0}")]
+    DugEarly(String),
+    /// Pipes never freeze the ground.
+    #[error("pipes.{ring}.temperature_c: found {coldest}, must come below {freezing}, where the ground freezes")]
+    Warm {
+        /// Number of the ring, from 1.
+        ring: usize,
+        /// Coldest temperature of its pipes.
+        coldest: f64,
+        /// Freezing point of the ground.
+        freezing: f64,
+    },
+    /// A pipe stands in the shaft.
+    #[error("pipe {pipe} stands {distance:.3} m from the centre, inside the shaft: shaft_radius_m is {shaft}")]
+    InShaft {
+        /// The pipe.
+        pipe: PipeName,
+        /// Its distance from the centre.
+        distance: f64,
+        /// Radius of the shaft.
+        shaft: f64,
+    },
+    /// There are too few spacings between neighbours of a ring.
+    #[error(
+        "method.{method}.spacing_m: found {spacing}, must be at most {:.4}: pipes stand {across:.4} m apart, and with less than \
+         {FEWEST_ACROSS} spacings between them nothing says how wrong the answer is",
+        across / FEWEST_ACROSS
+    )]
+    FewAcross {
+        /// The method.
+        method: String,
+        /// Its spacing.
+        spacing: f64,
+        /// Distance of neighbours in their places.
+        across: f64,
+    },
+    /// There are too few spacings between two pipes.
+    #[error(
+        "method.{method}.spacing_m: found {spacing}, must be at most {:.4}: two pipes stand {apart:.4} m apart",
+        apart / FEWEST_SPACINGS
+    )]
+    FewBetween {
+        /// The method.
+        method: String,
+        /// Its spacing.
+        spacing: f64,
+        /// Distance of the two.
+        apart: f64,
+    },
+}
+
+/// The scene that all layouts change, and what else is changed of it in each stratum.
 #[derive(Debug)]
 pub(super) struct Ground {
     pub(super) scene: String,
-    pub(super) set: Overrides,
-    pub(super) horizons: Vec<Horizon>,
+    pub(super) set: Vec<Change>,
+    pub(super) strata: Vec<Stratum>,
     /// What was asked for beside the file.
     pub(super) asked: Overrides,
 }
 
 impl Ground {
-    /// Numbers of the horizons, or none where there are none.
+    /// Numbers of the strata, or none where there are none.
     pub(super) fn places(&self) -> impl Iterator<Item = Option<usize>> + use<> {
-        let count = self.horizons.len();
+        let count = self.strata.len();
         (0..count.max(1)).map(move |at| (count > 0).then_some(at))
     }
 
-    /// A layout at a horizon.
-    pub(super) fn layout(
-        &self,
-        shaft: &str,
-        at: Option<usize>,
-        role: Role,
-        own: &Overrides,
-    ) -> Result<Layout, Failure> {
-        let horizon = at.and_then(|at| self.horizons.get(at));
-        let name = horizon.map_or_else(|| shaft.to_owned(), |horizon| format!("{shaft}, {}", horizon.name));
-        let mut overrides = self.set.clone();
-        overrides.extend(horizon.iter().flat_map(|horizon| horizon.set.iter().cloned()));
-        overrides.extend(own.iter().cloned());
+    /// What the file changes in a stratum for all layouts, in the order in which it is changed.
+    pub(super) fn changes(&self, at: Option<usize>) -> impl Iterator<Item = &Change> {
+        self.set.iter().chain(at.and_then(|at| self.strata.get(at)).into_iter().flat_map(|stratum| &stratum.set))
+    }
+
+    /// Name of a layout in a stratum.
+    pub(super) fn name(&self, shaft: &str, at: Option<usize>) -> String {
+        let stratum = at.and_then(|at| self.strata.get(at));
+        stratum.map_or_else(|| shaft.to_owned(), |stratum| format!("{shaft}, {}", stratum.name))
+    }
+
+    /// A layout in a stratum.
+    ///
+    /// # Errors
+    /// Where its scene is refused.
+    pub(super) fn layout(&self, shaft: &str, at: Option<usize>, role: Role, own: Overrides) -> Result<Layout, Failure> {
+        let mut overrides: Overrides = self.changes(at).map(pair).collect();
+        overrides.extend(own);
         overrides.extend(self.asked.iter().cloned());
-        Ok(Layout { shaft: shaft.to_owned(), horizon: at, ..layout(&self.scene, name, role, overrides)? })
+        Ok(Layout {
+            shaft: shaft.to_owned(),
+            stratum: at,
+            ..layout(&self.scene, self.name(shaft, at), role, overrides)?
+        })
     }
 
     /// A layout once more, with more overrides.
-    pub(super) fn again(&self, of: &Layout, words: &str, role: Role, more: &Overrides) -> Result<Layout, Failure> {
+    ///
+    /// # Errors
+    /// Where its scene is refused.
+    pub(super) fn again(&self, of: &Layout, words: &str, role: Role, more: Overrides) -> Result<Layout, Failure> {
         let mut overrides = of.overrides.clone();
-        overrides.extend(more.iter().cloned());
+        overrides.extend(more);
         let read = layout(&self.scene, format!("{}{words}", of.name), role, overrides)?;
-        Ok(Layout { shaft: format!("{}{words}", of.shaft), horizon: of.horizon, ..read })
+        Ok(Layout { shaft: format!("{}{words}", of.shaft), stratum: of.stratum, ..read })
     }
 
-    /// Depth at which boreholes are read (m), and the greatest of all: those of the horizons, or what the study says.
+    /// Depth at which boreholes are read (m), and the greatest of all: those of the strata, or what the study says.
     fn depths(&self, at: Option<usize>, otherwise: f64) -> (f64, f64) {
-        let deepest = self.horizons.last().map_or(otherwise, |horizon| horizon.to);
-        (at.and_then(|at| self.horizons.get(at)).map_or(otherwise, |horizon| horizon.depth), deepest)
+        let deepest = self.strata.last().map_or(otherwise, |stratum| stratum.to);
+        (at.and_then(|at| self.strata.get(at)).map_or(otherwise, |stratum| stratum.depth), deepest)
     }
 
     /// The key by which pipes of a layout are out of their places as its file has it, if any are.
@@ -183,6 +249,11 @@ impl Ground {
         let keys = (0..layout.scene.rings.len()).map(moved_key);
         keys.into_iter().find(|key| load::value(&self.scene, &layout.overrides, key).is_some())
     }
+}
+
+/// A change as an override of a scene.
+pub(super) fn pair(change: &Change) -> (String, String) {
+    (change.key.clone(), change.value.clone())
 }
 
 /// Reads the scene of a layout on the smallest part of the plan that holds all of it.
@@ -193,8 +264,7 @@ fn layout(scene: &str, name: String, role: Role, overrides: Overrides) -> Result
         all.extend(overrides.iter().cloned());
         load::scene(scene, &all)
     };
-    let named = |failure: Failure| Failure::Request(format!("layout \"{name}\": {failure}"));
-    let whole = at("whole").map_err(named)?;
+    let whole = at("whole")?;
     // What the mirrors of a part would have to map is known of pipes alone.
     let other = if !whole.regions.is_empty() {
         Some("regions")
@@ -213,22 +283,37 @@ fn layout(scene: &str, name: String, role: Role, overrides: Overrides) -> Result
             },
         },
     };
-    Ok(Layout { shaft: name.clone(), horizon: None, name, role, overrides, sector, scene, reference: None })
+    Ok(Layout { shaft: name.clone(), stratum: None, name, role, overrides, sector, scene, reference: None })
+}
+
+/// Why a layout cannot have the boreholes that it is given.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Undrilled {
+    /// The scene has pipes out of their places already.
+    #[error("beside {0}, must be one of them")]
+    Beside(String),
+    /// They are to deviate by chance, and are known.
+    #[error("beside known boreholes ({0}): they do not deviate by chance, give them a study of their own")]
+    Known(String),
+    /// They cannot stand there.
+    #[error(transparent)]
+    Misplaced(#[from] Misplaced),
+    /// The scene is refused with pipes there.
+    #[error(transparent)]
+    Refused(#[from] Failure),
 }
 
 /// A layout with boreholes that leave the vertical, at their depth.
-pub(super) fn drilled(ground: &Ground, layout: Layout, entries: &[Borehole]) -> Result<Layout, Failure> {
-    let bad = |message: String| Failure::Request(format!("layout \"{}\": boreholes: {message}", layout.name));
+///
+/// # Errors
+/// Where they cannot stand there.
+pub(super) fn drilled(ground: &Ground, layout: Layout, entries: &[Borehole]) -> Result<Layout, Undrilled> {
     if let Some(key) = ground.leans(&layout) {
-        return Err(bad(format!("beside {key}, must be one of them")));
+        return Err(Undrilled::Beside(key));
     }
-    let otherwise = match layout.horizon {
-        Some(_) => boreholes::without_depth(entries).map(|()| 0.0),
-        None => boreholes::depth(entries),
-    };
-    let (depth, deepest) = ground.depths(layout.horizon, otherwise.map_err(bad)?);
-    let moved = boreholes::moved(entries, &layout.scene.rings, depth, deepest).map_err(bad)?;
-    ground.again(&layout, "", Role::Compared, &as_moved(&moved))
+    let (depth, deepest) = ground.depths(layout.stratum, entries.iter().find_map(|own| own.depth).unwrap_or(0.0));
+    let moved = boreholes::moved(entries, &layout.scene.rings, depth, deepest)?;
+    Ok(ground.again(&layout, "", Role::Compared, as_moved(&moved))?)
 }
 
 fn as_moved(moved: &Moved) -> Overrides {
@@ -237,14 +322,6 @@ fn as_moved(moved: &Moved) -> Overrides {
         rings.entry(pipe.ring).or_default().push(format!("[\"{pipe}\", {:.17e}, {:.17e}]", way.x, way.y));
     }
     rings.into_iter().map(|(ring, rows)| (moved_key(ring), format!("[{}]", rows.join(", ")))).collect()
-}
-
-/// Keys that are changed up and down.
-#[derive(Debug, Clone, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct Sensitivity {
-    percent: f64,
-    pub(super) keys: Vec<String>,
 }
 
 /// A number of the scene of a layout.
@@ -256,58 +333,40 @@ pub(super) fn number_of(ground: &Ground, layout: &Layout, key: &str) -> Option<f
     }
 }
 
-/// A layout with each key changed up and down; other horizons may be of other soils, which have other keys.
+/// A layout with each key changed up and down; other strata may be of other soils, which have other keys.
+///
+/// # Errors
+/// Where the scene of one is refused.
 pub(super) fn changed(ground: &Ground, of: &Layout, sensitivity: &Sensitivity) -> Result<Vec<Layout>, Failure> {
     let Sensitivity { percent, keys } = sensitivity;
-    if !(*percent > 0.0 && *percent < 100.0) {
-        return Err(Failure::Request(format!("sensitivity: percent: found {percent}, must be above 0 and below 100")));
-    }
     let mut found = Vec::new();
-    for (key, value) in keys.iter().filter_map(|key| Some((key, number_of(ground, of, key)?))) {
+    for (key, value) in keys.iter().filter_map(|(key, _)| Some((key, number_of(ground, of, key)?))) {
         for factor in [1.0 - 0.01 * percent, 1.0 + 0.01 * percent] {
             let role = Role::Changed { of: of.name.clone(), key: key.clone(), factor };
             let more = vec![(key.clone(), format!("{:e}", value * factor))];
-            found.push(ground.again(of, &format!(", {key} x {factor}"), role, &more)?);
+            found.push(ground.again(of, &format!(", {key} x {factor}"), role, more)?);
         }
     }
     Ok(found)
 }
 
 /// Members of a layout whose boreholes end anywhere in a circle around their places, as likely in all of it. A member has the
-/// same boreholes at all horizons.
-pub(super) fn deviating(
-    ground: &Ground,
-    of: &Layout,
-    deviation: &Deviation,
-    bad: &dyn Fn(String) -> Failure,
-) -> Result<Vec<Layout>, Failure> {
-    let Deviation { depth_m, percent, members, seed } = *deviation;
-    let otherwise = match (depth_m, of.horizon) {
-        (Some(depth), None) => depth,
-        (None, Some(_)) => 0.0,
-        (None, None) => return Err(bad("deviation: depth_m is missing, of the horizon that is run".into())),
-        (Some(depth), Some(_)) => {
-            return Err(bad(format!(
-                "deviation: depth_m: found {depth}, must be left out: boreholes are read at the depth of each horizon"
-            )));
-        }
-    };
-    let (depth, deepest) = ground.depths(of.horizon, otherwise);
-    let numbers = deepest > 0.0 && percent > 0.0 && percent < 100.0 && deepest.is_finite();
-    if !(numbers && (2..=1000).contains(&members)) {
-        return Err(bad(format!(
-            "deviation: found depth_m {deepest}, percent {percent}, members {members}: must be above 0, above 0 and below \
-             100, 2 to 1000"
-        )));
+/// same boreholes in all strata.
+///
+/// # Errors
+/// Where boreholes are known already, or find no place.
+pub(super) fn deviating(ground: &Ground, of: &Layout, deviation: &Deviation) -> Result<Vec<Layout>, Undrilled> {
+    if let Some(key) = ground.leans(of) {
+        return Err(Undrilled::Known(key));
     }
-    let mut random = boreholes::chance(seed);
-    (1..=members)
+    let (depth, deepest) = ground.depths(of.stratum, deviation.depth.unwrap_or(0.0));
+    let mut random = boreholes::chance(deviation.seed);
+    (1..=deviation.members)
         .map(|member| {
-            let slopes = boreholes::draw(&of.scene.rings, percent, &mut random, deepest);
-            let slopes = slopes.map_err(|message| bad(format!("deviation: {message}")))?;
+            let slopes = boreholes::draw(&of.scene.rings, deviation.percent, &mut random, deepest)?;
             let moved: Moved = slopes.iter().map(|(number, slope)| (*number, *slope * depth)).collect();
             let role = Role::Deviating { of: of.name.clone() };
-            ground.again(of, &format!(", deviating {member}"), role, &as_moved(&moved))
+            Ok(ground.again(of, &format!(", deviating {member}"), role, as_moved(&moved))?)
         })
         .collect()
 }

@@ -15,7 +15,7 @@ mod units;
 
 pub use pipe_name::{NoPipeName, PipeName};
 pub use pipe_ring::PipeRing;
-pub use read::{Duration, Key, Noted, Problem, Problems, Range, Read, Section, read_section};
+pub use read::{Change, Duration, Key, Noted, Problem, Problems, Range, Read, Section, Spot, read_section};
 pub use region::{Region, Shape};
 pub use scene::{Excavation, FreezingDirection, ReferenceChoice, Scene, Wall, WallPart, Watch};
 pub use settings::{Front, IntegratorChoice, Layout, Numerics, SearchChoice, Setting, StepChoice};

@@ -26,7 +26,7 @@ use problem::Log;
 
 pub use problem::{Noted, Problem, Problems, Read};
 pub use range::Range;
-pub use section::{Duration, Key, Section};
+pub use section::{Change, Duration, Key, Section, Spot};
 
 impl Scene {
     /// Reads a scene from the text of its file.

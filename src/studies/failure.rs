@@ -34,7 +34,7 @@ impl Verdict {
 /// Why a command could not do what it was asked.
 #[derive(Debug, thiserror::Error)]
 pub enum Failure {
-    /// The scene is bad.
+    /// A scene or a study is bad.
     #[error(transparent)]
     Scene(#[from] Problems),
     /// The run was refused.

@@ -51,6 +51,11 @@ impl Range {
         Range { low: Some(End { value: low, included: true }), high: Some(End { value: high, included: false }) }
     }
 
+    /// Between `low` and `high`, neither included.
+    pub const fn inside(low: f64, high: f64) -> Range {
+        Range { low: Some(End { value: low, included: false }), high: Some(End { value: high, included: false }) }
+    }
+
     /// Whether a number is finite and in the range.
     pub fn contains(&self, number: f64) -> bool {
         number.is_finite()

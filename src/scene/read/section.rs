@@ -1,5 +1,6 @@
 //! A cursor over one table of a scene file.
 
+mod changes;
 mod lists;
 mod pipes;
 mod unknown;
@@ -11,6 +12,7 @@ use super::range::{Range, one_of, unfit};
 use super::tree::{Entry, Node};
 use crate::units::Units;
 
+pub use changes::{Change, Spot};
 pub use lists::Duration;
 pub(super) use pipes::Names;
 
@@ -174,6 +176,14 @@ impl<'a> Section<'a> {
         self.refused.push(written);
     }
 
+    /// Refuses a key that has another name now.
+    pub fn renamed(&mut self, old: &'static str, new: &str, reason: &str) {
+        if self.has(old) {
+            self.note(old, format!("is called \"{new}\" now: {reason}"));
+        }
+        self.refused.push(old.to_owned());
+    }
+
     /// Requires exactly one of several keys and says which: its index. The caller then reads it.
     pub fn only_one(&mut self, keys: &[Key]) -> Read<usize> {
         let written: Vec<String> = keys.iter().map(|key| key.written(self.units)).collect();
@@ -184,6 +194,13 @@ impl<'a> Section<'a> {
             self.note(&written[*other], message);
         }
         Ok(*first)
+    }
+
+    /// Requires any of several keys, which the caller then reads.
+    pub fn at_least_one(&mut self, keys: &[Key]) {
+        if !keys.iter().any(|key| self.has(*key)) {
+            self.miss("", keys.iter().map(|key| key.written(self.units)).collect());
+        }
     }
 
     /// Gives up on the section after a problem that leaves its other keys without meaning: those that nobody asked for are not

@@ -1,7 +1,8 @@
 //! The file as a tree of values that know where they were written, and `--set` upon it.
 
-use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+use toml::value::Datetime;
+use toml::{Spanned, Value};
 
 use super::problem::{Place, Problem};
 
@@ -12,7 +13,7 @@ pub(super) enum Node {
     /// As written, as a number, and as an integer where it is one.
     Number(String, f64, Option<i64>),
     Flag(bool),
-    Date,
+    Date(Datetime),
     List(Vec<Item>),
     Table(Vec<Entry>),
 }
@@ -39,9 +40,24 @@ impl Node {
             Node::Text(text) => format!("\"{}\"", text.escape_debug()),
             Node::Number(text, ..) => text.clone(),
             Node::Flag(flag) => flag.to_string(),
-            Node::Date => "a date".into(),
+            Node::Date(_) => "a date".into(),
             Node::List(_) => "a list".into(),
             Node::Table(_) => "a table".into(),
+        }
+    }
+
+    /// The value without its places.
+    pub(super) fn value(&self) -> Value {
+        match self {
+            Node::Text(text) => Value::String(text.clone()),
+            Node::Number(_, _, Some(whole)) => Value::Integer(*whole),
+            Node::Number(_, number, None) => Value::Float(*number),
+            Node::Flag(flag) => Value::Boolean(*flag),
+            Node::Date(date) => Value::Datetime(*date),
+            Node::List(items) => Value::Array(items.iter().map(|item| item.node.value()).collect()),
+            Node::Table(entries) => {
+                Value::Table(entries.iter().map(|entry| (entry.key.clone(), entry.node.value())).collect())
+            }
         }
     }
 }
@@ -95,7 +111,7 @@ fn node(value: &Spanned<DeValue<'_>>, place: &impl Fn(usize) -> Place) -> Node {
             Node::Number(float.as_str().to_owned(), float.as_str().parse().unwrap_or(f64::NAN), None)
         }
         DeValue::Boolean(flag) => Node::Flag(*flag),
-        DeValue::Datetime(_) => Node::Date,
+        DeValue::Datetime(date) => Node::Date(*date),
         DeValue::Array(items) => Node::List(
             items.iter().map(|item| Item { place: place(item.span().start), node: node(item, place) }).collect(),
         ),

@@ -3,7 +3,7 @@
 use super::super::problem::{Noted, Read};
 use super::super::range::{Range, plain};
 use super::super::tree::{Entry, Item, Node};
-use super::{Asked, Key, Section};
+use super::{Asked, Key, Section, Spot};
 use crate::units::{TimeUnit, Units};
 use frazil_core::series::{Schedule, Series};
 
@@ -28,9 +28,34 @@ fn beyond_period(end: f64, period: &Duration) -> Option<String> {
 }
 
 impl<'a> Section<'a> {
+    /// A required list of numbers.
+    pub fn numbers(&mut self, key: impl Into<Key>, range: Range) -> Read<Vec<f64>> {
+        self.required(key.into(), "a list of numbers", |section, entry| section.check_numbers(entry, range))
+    }
+
     /// A list of numbers that may be absent.
     pub fn optional_numbers(&mut self, key: impl Into<Key>, range: Range) -> Option<Vec<f64>> {
         self.optional(key.into(), |section, entry| section.check_numbers(entry, range))
+    }
+
+    /// The texts of a list, each with its place; none where the list is absent.
+    pub fn texts(&mut self, key: impl Into<Key>) -> Vec<(String, Spot)> {
+        let found = self.optional(key.into(), |section, entry| {
+            let Node::List(items) = &entry.node else {
+                return Err(section.wrong(&entry.key, &entry.node, "a list of texts"));
+            };
+            let texts = (1..).zip(items).map(|(number, item)| {
+                let path = format!("{}.{number}", entry.key);
+                match &item.node {
+                    Node::Text(text) => Ok((text.clone(), section.spot_at(&item.place, &path))),
+                    other => {
+                        Err(section.note_at(&item.place, &path, format!("found {}, must be a text", other.found())))
+                    }
+                }
+            });
+            texts.collect::<Vec<_>>().into_iter().collect()
+        });
+        found.unwrap_or_default()
     }
 
     /// A list of points with this many coordinates, or any number from one; it may be absent.

@@ -4,7 +4,7 @@ use super::super::problem::Read;
 use super::super::range::Range;
 use super::super::tree::{Item, Node};
 use super::{Key, Section};
-use crate::pipe_name::PipeName;
+use crate::pipe_name::{NoPipeName, PipeName};
 
 /// Names that the pipes of one ring have.
 #[derive(Debug, Clone, Copy)]
@@ -47,6 +47,17 @@ impl Names {
 }
 
 impl Section<'_> {
+    /// The name of a pipe, which must be there.
+    pub fn pipe_name(&mut self, key: impl Into<Key>) -> Read<PipeName> {
+        self.required(key.into(), "the name of a pipe, as \"1.10\"", |section, entry| {
+            let name = match &entry.node {
+                Node::Text(text) => text.parse(),
+                _ => Err(NoPipeName),
+            };
+            name.map_err(|wrong| section.note(&entry.key, format!("found {}, {wrong}", entry.node.found())))
+        })
+    }
+
     /// A list of pipes of a ring, none twice; it may be absent.
     pub(in crate::read) fn optional_pipes(&mut self, key: impl Into<Key>, names: Names) -> Option<Vec<usize>> {
         self.optional(key.into(), |section, entry| {

@@ -31,9 +31,9 @@ pub struct Frame<'a, const D: usize, M: Matter> {
     pub looks: &'a [Look<D, M::Seen>],
     /// Where they stand, by direction, in single precision; `scan::LANES` places longer.
     pub places: [&'a [f32]; D],
-    /// Cells, and the first particle of each.
+    /// Cells.
     pub grid: &'a Grid<D>,
-    /// See there.
+    /// The first particle of each cell.
     pub starts: &'a [u32],
     /// Particles of this name or above have no pairs with each other.
     pub apart: u32,

@@ -162,3 +162,18 @@ fn constants_that_mean_nothing_are_refused() {
     let found = refused(water(), [5.0, 20.0]);
     assert!(found.starts_with("a periodic box of length 5 is too small: it must be at least 6.762 long"), "{found}");
 }
+
+/// One particle that leaves the numbers ends the run, whichever it is.
+#[test]
+fn a_place_that_is_no_number_is_told() {
+    for name in [0, 17] {
+        let mut fluid = fluid([12.0, 12.0], 0.01, 1);
+        fluid.change(|particle| {
+            if particle.name == name {
+                particle.velocity = [f64::NAN; 2];
+            }
+        });
+        let told = fluid.advance(1, &Undriven);
+        assert!(told.as_ref().is_err_and(|reason| reason.contains("too long")), "{told:?}");
+    }
+}

@@ -2,14 +2,12 @@
 
 use std::f64::consts::SQRT_2;
 
-use frazil_core::boundary::condition::Condition;
 use frazil_core::space::domain::Domain;
 use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
 
-use crate::exact::constant;
-use crate::table::Table;
+use crate::table::{Table, wall_temperature};
 
 /// Name of the table, as a scene file asks for it.
 pub const NAME: &str = "corner-front";
@@ -53,10 +51,7 @@ impl Corner {
         if !same {
             differences.push("the phases differ".into());
         }
-        let mut walls = scene.walls.iter().map(|wall| match &wall.condition {
-            Condition::Temperature(series) => constant(series),
-            _ => None,
-        });
+        let mut walls = scene.walls.iter().map(|wall| wall_temperature(scene, wall.name));
         let first = walls.next().flatten();
         let cold = first.filter(|first| walls.all(|other| other == Some(*first)) && *first < material.freezing_point);
         let Some(cold) = cold else {

@@ -8,7 +8,6 @@ pub mod similarity;
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::material::FreezingLaw;
-use frazil_core::series::Series;
 use frazil_core::space::domain::Domain;
 use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
@@ -91,7 +90,7 @@ impl HalfSpace {
         let material = scene.materials.first().ok_or("the scene has no material")?;
         let (near_name, far, length) = direction(scene)?;
         let wall = match scene.wall(near_name) {
-            Some(Condition::Temperature(series)) => constant(series),
+            Some(Condition::Temperature(series)) => series.constant(),
             _ => None,
         }
         .ok_or_else(|| format!("the {near_name} wall has no constant temperature"))?;
@@ -145,12 +144,6 @@ impl Reference for HalfSpace {
     }
 }
 
-/// The value of a series that never changes.
-pub(crate) fn constant(series: &Series) -> Option<f64> {
-    let (least, greatest) = series.range();
-    (least == greatest).then_some(least)
-}
-
 /// Name of the wall where freezing or thawing begins, the condition opposite and the distance between them (m).
 fn direction(scene: &Scene) -> Result<(&'static str, Option<&Condition>, f64), String> {
     let pairs: &[(&'static str, &'static str, f64)] = match scene.domain {
@@ -162,7 +155,7 @@ fn direction(scene: &Scene) -> Result<(&'static str, Option<&Condition>, f64), S
     let initial = scene.initial_temperature;
     let is_still = |name: &str| match scene.wall(name) {
         None | Some(Condition::Symmetry) => true,
-        Some(Condition::Temperature(series)) => constant(series) == Some(initial),
+        Some(Condition::Temperature(series)) => series.constant() == Some(initial),
         Some(Condition::Exact) => true,
         Some(Condition::Flux(_) | Condition::Convection { .. }) => false,
     };

@@ -5,9 +5,10 @@ use std::f64::consts::TAU;
 use frazil_core::balances::groundwater::ground::RelativePermeability;
 use frazil_scene::Scene;
 
-use crate::exact::constant;
 use crate::layouts::{Closure, Gap};
-use crate::table::{RING_RADIUS, SAND, Table, shaft_differences};
+use crate::shaft::{RING_RADIUS, shaft_differences};
+use crate::soils::SAND;
+use crate::table::Table;
 
 /// Name of the table, as a layout asks for it.
 pub const NAME: &str = "shaft-groundwater";
@@ -66,7 +67,7 @@ fn velocity(scene: &Scene) -> Result<f64, String> {
     if (turns - turns.round()).abs() > SAME {
         return Err("a pipe stands farthest downstream there".into());
     }
-    let pressure = constant(&wall.pressure).ok_or("the velocity of water is constant there")?;
+    let pressure = wall.pressure.constant().ok_or("the velocity of water is constant there")?;
     let permeability = pores.permeability.ok_or_else(nothing)?;
     // Rounded, since it is shown.
     Ok((pressure * permeability / (flow.viscosity * across.radius) * DAY * 1e6).round() / 1e6)

@@ -3,8 +3,9 @@
 use frazil_scene::Scene;
 
 use crate::groundwater;
+use crate::shaft::{PIPES, RING_RADIUS, shaft_differences};
 use crate::shells::cubic;
-use crate::table::{CLAY, CLAY_TENTH, PIPES, RING_RADIUS, SAND, Soil, shaft_differences};
+use crate::soils::{CLAY, CLAY_TENTH, SAND, Soil};
 
 /// The table of one ring in sand with pipes of any radius that the others have.
 pub const BY_RADIUS: &str = "shaft-single-sand-by-radius";
@@ -264,8 +265,8 @@ mod tests {
     /// The same solution stands in the tables of scenes.
     #[test]
     fn tables_of_layouts_are_those_of_scenes() {
-        for case in &crate::table::SHAFT_CASES {
-            let table = crate::table::ShaftTable::bundled(case).unwrap_or_else(|error| unreachable!("{error}"));
+        for case in &crate::shaft::SHAFT_CASES {
+            let table = crate::shaft::ShaftTable::bundled(case).unwrap_or_else(|error| unreachable!("{error}"));
             let touch = closures(case.name).unwrap_or_default()[0].day;
             let event = frazil_simulation::reference::Reference::event(&table, "closure_day");
             assert!((event.unwrap_or(0.0) / 86_400.0 - touch).abs() < 1e-9, "{}", case.name);

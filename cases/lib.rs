@@ -1,5 +1,6 @@
 //! Scenes and fluids by name, exact solutions and reference tables.
 
+pub mod column;
 pub mod corner;
 pub mod exact;
 pub mod fluids;
@@ -8,15 +9,17 @@ pub mod layouts;
 pub mod paper;
 pub mod scenes;
 pub mod seepage;
+pub mod shaft;
 pub mod shells;
 pub mod soils;
 pub mod studies;
 pub mod table;
+pub mod tables;
 
 use frazil_core::boundary::condition::Condition;
 use frazil_scene::{ReferenceChoice, Scene};
 use frazil_simulation::reference::{Reference, Truth};
-use table::Unfit;
+use tables::Unfit;
 
 /// The reference that a scene asks for and that needs no run. Where the scene is not what its table or closed form is about,
 /// as where a key of it has been changed, whatever else fits stands in and it says so. An error says why what the scene asks
@@ -40,7 +43,7 @@ pub fn truth(scene: &Scene) -> Result<Truth, String> {
             Err(reason) if scene.walls.iter().any(|wall| wall.condition == Condition::Exact) => Err(reason),
             Err(reason) => instead(reason),
         },
-        ReferenceChoice::Table(name) => match table::by_name(name, scene) {
+        ReferenceChoice::Table(name) => match tables::by_name(name, scene) {
             Ok(table) => found(Some(table)),
             Err(Unfit::Another(reason)) => instead(reason),
             Err(Unfit::Broken(reason)) => Err(reason),
@@ -63,7 +66,7 @@ fn exact_solution(scene: &Scene) -> Result<Box<dyn Reference>, String> {
 
 /// The first closed form or table that is about a scene.
 fn fitting(scene: &Scene) -> Option<Box<dyn Reference>> {
-    exact_solution(scene).ok().or_else(|| table::names().find_map(|name| table::by_name(name, scene).ok()))
+    exact_solution(scene).ok().or_else(|| tables::names().find_map(|name| tables::by_name(name, scene).ok()))
 }
 
 #[cfg(test)]

@@ -11,7 +11,6 @@ use frazil_scene::region::{Cell, Region, Shape};
 use frazil_scene::{Scene, Units};
 use frazil_simulation::reference::{Cut, Reference};
 
-use crate::exact::constant;
 use crate::exact::line_sink::LineSink;
 use crate::table::{Table, compare, interpolate};
 
@@ -249,11 +248,11 @@ impl Wall {
             (Wall::Closed, Condition::Symmetry) => true,
             (Wall::Held(expected), Condition::Temperature(series))
             | (Wall::Flux(expected), Condition::Flux(series)) => {
-                constant(series).is_some_and(|own| close(own, expected))
+                series.constant().is_some_and(|own| close(own, expected))
             }
             (Wall::Film(film, expected), Condition::Convection { coefficient, ambient }) => {
-                constant(coefficient).is_some_and(|own| close(own, film))
-                    && constant(ambient).is_some_and(|own| close(own, expected))
+                coefficient.constant().is_some_and(|own| close(own, film))
+                    && ambient.constant().is_some_and(|own| close(own, expected))
             }
             _ => false,
         }

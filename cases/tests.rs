@@ -8,7 +8,7 @@ use frazil_scene::{PipeRing, ReferenceChoice, Region, Scene, Shape, TimeUnit, Un
 use frazil_simulation::reference::Plane;
 
 use crate::exact::similarity::tests::water;
-use crate::{reference_for, table, truth};
+use crate::{reference_for, tables, truth};
 
 const HOUR: f64 = 3600.0;
 const DAY: f64 = 86_400.0;
@@ -226,7 +226,7 @@ fn a_table_is_found_for_its_own_scene_alone() {
     assert!(refusal(&scene).contains("none that needs no run of its own fits"), "{}", refusal(&scene));
     scene.reference = ReferenceChoice::Table("shaft".into());
     assert!(reference_for(&scene).is_err(), "a name that is none is an error");
-    assert!(table::NAMES.iter().all(|name| refusal(&scene).contains(name)), "{}", refusal(&scene));
+    assert!(tables::names().all(|name| refusal(&scene).contains(name)), "{}", refusal(&scene));
 
     let mut scene = column();
     scene.reference = ReferenceChoice::Table("soil-column".into());

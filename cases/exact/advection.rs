@@ -6,7 +6,6 @@ use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
 
-use super::constant;
 use super::functions::erfcx;
 
 /// Estimated relative error: library error functions.
@@ -42,11 +41,11 @@ impl Advection {
         let pressure = |name: &str| {
             let wall =
                 flow.walls.iter().find(|wall| wall.name == name).ok_or(format!("no pressure at the {name} wall"))?;
-            constant(&wall.pressure).ok_or(format!("the pressure at the {name} wall changes"))
+            wall.pressure.constant().ok_or(format!("the pressure at the {name} wall changes"))
         };
         let drop = pressure("left")? - pressure("right")?;
         let temperature = |name: &str| match scene.wall(name) {
-            Some(Condition::Temperature(series)) => constant(series),
+            Some(Condition::Temperature(series)) => series.constant(),
             _ => None,
         };
         let (near, far) = if drop > 0.0 { ("left", "right") } else { ("right", "left") };

@@ -70,10 +70,15 @@ impl Series {
         }
     }
 
+    /// The value, if it is the same at all times.
+    pub fn constant(&self) -> Option<f64> {
+        let (least, greatest) = self.range();
+        (least == greatest).then_some(least)
+    }
+
     /// Whether the value is not the same at all times.
     pub fn changes(&self) -> bool {
-        let (least, greatest) = self.range();
-        least != greatest
+        self.constant().is_none()
     }
 
     /// Least and greatest value over all times.

@@ -1,0 +1,108 @@
+//! Properties of a material along its freezing curve.
+
+use frazil_core::physics::material::{FreezingLaw, Material, Mixing};
+
+/// Widths below the freezing point at which a Weibull curve begins to be felt: exp(-49) is beyond the last digit.
+const WEIBULL_PEAK: f64 = 7.0;
+
+/// Part of the freezing curve on which it is smooth. Each formula is also meaningful a little outside its part.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Part {
+    /// Above it.
+    Unfrozen,
+    /// Between both ends.
+    Interval,
+    /// Below it.
+    Frozen,
+}
+
+/// Properties at one temperature.
+#[derive(Debug, Clone, Copy)]
+pub struct Properties {
+    /// Apparent heat capacity, latent heat included (J/m3K).
+    pub capacity: f64,
+    /// Conductivity (W/mK).
+    pub conductivity: f64,
+    /// Of the water (-).
+    pub frozen_fraction: f64,
+}
+
+impl Properties {
+    /// Diffusivity (m2/s).
+    pub fn diffusivity(&self) -> f64 {
+        self.conductivity / self.capacity
+    }
+}
+
+/// Properties of a material over temperature.
+#[derive(Debug, Clone)]
+pub struct Medium {
+    /// The material.
+    pub material: Material,
+}
+
+impl Medium {
+    /// Properties at a temperature, by the formulas of a part.
+    pub fn properties(&self, part: Part, temperature: f64) -> Properties {
+        let material = &self.material;
+        let below = temperature - material.freezing_point;
+        let (unfrozen, slope) = match (part, material.law) {
+            (Part::Unfrozen, _) | (_, FreezingLaw::None) => (1.0, 0.0),
+            (Part::Frozen, _) | (_, FreezingLaw::Isothermal) => (0.0, 0.0),
+            (Part::Interval, FreezingLaw::Linear { width }) => (1.0 + below / width, 1.0 / width),
+            (Part::Interval, FreezingLaw::Weibull { width, residual }) => {
+                let free = (1.0 - residual) * libm::exp(-(below / width) * (below / width));
+                (residual + free, -2.0 * below / (width * width) * free)
+            }
+        };
+        let frozen = 1.0 - unfrozen;
+        let capacity = unfrozen * material.unfrozen_capacity()
+            + frozen * material.frozen_capacity()
+            + material.volumetric_latent_heat() * slope;
+        let (liquid, solid) = (material.unfrozen.conductivity, material.frozen.conductivity);
+        let conductivity = match material.mixing {
+            Mixing::Arithmetic => unfrozen * liquid + frozen * solid,
+            Mixing::Geometric => solid * libm::pow(liquid / solid, unfrozen),
+        };
+        Properties { capacity, conductivity, frozen_fraction: frozen }
+    }
+
+    /// The part that holds temperatures just beside `temperature`, in the direction of `towards`.
+    pub fn part(&self, temperature: f64, towards: f64) -> Part {
+        let below = temperature - self.material.freezing_point;
+        let is_warming = towards > temperature;
+        let is_past = |limit: f64| below > limit || (below == limit && is_warming);
+        match self.material.law {
+            _ if is_past(0.0) => Part::Unfrozen,
+            FreezingLaw::Linear { width } if !is_past(-width) => Part::Frozen,
+            _ => Part::Interval,
+        }
+    }
+
+    /// Longest step in temperature (K) from a given one: inside the peak of the apparent capacity, half its width,
+    /// lest a step leap over all of it.
+    pub fn longest_step(&self, temperature: f64) -> f64 {
+        let below = temperature - self.material.freezing_point;
+        match self.material.law {
+            FreezingLaw::Linear { width } if below.abs() <= width => 0.5 * width,
+            FreezingLaw::Weibull { width, .. } if below.abs() <= WEIBULL_PEAK * width * (1.0 + 1e-9) => 0.5 * width,
+            _ => f64::INFINITY,
+        }
+    }
+
+    /// Kinks of the curve strictly between two temperatures, in the order in which they are met.
+    pub fn kinks(&self, from: f64, to: f64) -> Vec<f64> {
+        let freezing_point = self.material.freezing_point;
+        let mut kinks = match self.material.law {
+            FreezingLaw::Linear { width } => vec![freezing_point - width, freezing_point],
+            // No kink, but where the peak of the apparent capacity begins.
+            FreezingLaw::Weibull { width, .. } => vec![freezing_point - WEIBULL_PEAK * width, freezing_point],
+            FreezingLaw::None | FreezingLaw::Isothermal => vec![freezing_point],
+        };
+        kinks.retain(|&kink| (kink - from) * (kink - to) < 0.0);
+        if to < from {
+            kinks.reverse();
+        }
+        kinks
+    }
+}

@@ -1,14 +1,14 @@
 //! What acts on moving particles from outside: walls that send them back, a pump, a reset of temperature.
 
+use frazil_scene::Stream;
+
+use super::ground::Ground;
+use super::map::Map;
+use super::place::Body;
 use crate::fluid::{Drive, Particle};
 
-/// Keeps particles between walls.
-pub struct Confined {
-    /// Lengths of the body.
-    pub lengths: [f64; 2],
-    /// Whether there are walls at both ends of each direction.
-    pub walled: [bool; 2],
-}
+/// Keeps particles between the walls of a body.
+pub struct Confined(pub Body);
 
 impl Drive<2> for Confined {
     const WORKS: bool = false;
@@ -18,7 +18,8 @@ impl Drive<2> for Confined {
 
     #[inline(always)]
     fn confine(&self, particle: &mut Particle<2>, time: f64) {
-        let beyond = |axis: usize| self.walled[axis] && !(0.0..=self.lengths[axis]).contains(&particle.position[axis]);
+        let Body { lengths, walled } = &self.0;
+        let beyond = |axis: usize| walled[axis] && !(0.0..=lengths[axis]).contains(&particle.position[axis]);
         if (beyond(0) || beyond(1)) && particle.mobility > 0.0 {
             // Back the way that it came: no slip at the wall.
             for axis in 0..2 {
@@ -32,15 +33,29 @@ impl Drive<2> for Confined {
 /// Drives particles along x between walls, and sets some to a temperature.
 pub struct Driven {
     /// The walls.
-    pub confined: Confined,
+    confined: Confined,
     /// Acceleration along x.
-    pub acceleration: f64,
+    acceleration: f64,
     /// Where it acts.
-    pub pump: (f64, f64),
+    pump: (f64, f64),
     /// Where heat is reset, and to what.
-    pub reset: Option<((f64, f64), f64)>,
+    reset: Option<((f64, f64), f64)>,
     /// Name of the first particle behind a wall.
-    pub walls_from: u32,
+    walls_from: u32,
+}
+
+impl Driven {
+    /// What a stream does to particles of a ground, of which those from a name on stand behind walls.
+    pub fn of(stream: &Stream, confined: Confined, map: &Map, ground: &Ground, walls_from: u32) -> Self {
+        let scaled = |(from, to): (f64, f64)| (from / map.length, to / map.length);
+        Driven {
+            acceleration: stream.acceleration * map.time * map.time / map.length,
+            pump: stream.pump.map_or((0.0, confined.0.lengths[0]), scaled),
+            reset: stream.reset.map(|(range, temperature)| (scaled(range), ground.heat(temperature))),
+            confined,
+            walls_from,
+        }
+    }
 }
 
 impl Drive<2> for Driven {
@@ -49,7 +64,7 @@ impl Drive<2> for Driven {
         if particle.name >= self.walls_from {
             return;
         }
-        let length = self.confined.lengths[0];
+        let length = self.confined.0.lengths[0];
         let x = particle.position[0].rem_euclid(length);
         if particle.mobility > 0.0 && x >= self.pump.0 && x <= self.pump.1 {
             particle.velocity[0] += self.acceleration * time;

@@ -3,8 +3,11 @@
 use frazil_core::physics::curve::Curve;
 use frazil_core::solvers::step::Bound;
 
-use super::{Map, SETTLING_STEP};
+use super::map::Map;
 use crate::fluid::Parameters;
+
+/// Time step of the liquid before the scene begins.
+pub const SETTLING_STEP: f64 = 0.01;
 
 /// Share of one over the frequency of a particle among its neighbours that a step may last: the kinetic temperature is then
 /// off by some 0.1 %.

@@ -36,7 +36,10 @@ pub struct Placed {
     pub lengths: [f64; 2],
 }
 
-/// Which wall: left, right, bottom, top.
+/// Walls of a body in their order.
+pub const WALLS: [&str; 4] = ["left", "right", "bottom", "top"];
+
+/// Place in [`WALLS`] of the wall at one end of a direction.
 pub fn wall(axis: usize, at_end: bool) -> usize {
     2 * axis + usize::from(at_end)
 }

@@ -1,0 +1,101 @@
+//! The liquid of a scene in the units of its particles.
+
+use frazil_core::boundary::condition::Condition;
+use frazil_core::physics::curve::Curve;
+use frazil_core::physics::thermal::Thermal;
+use frazil_core::solvers::step::Bound;
+use frazil_core::space::domain::Domain;
+use frazil_scene::{Numerics, Scene};
+
+use super::ground::Ground;
+use super::map::Map;
+use super::place::{Body, WALLS, wall};
+use super::{Motion, limit};
+use crate::fluid::Parameters;
+
+/// A liquid and the body that it fills.
+pub struct Liquid {
+    /// The scene's material.
+    pub thermal: Thermal,
+    /// Its units.
+    pub map: Map,
+    /// The body.
+    pub body: Body,
+    /// Constants of its particles.
+    pub parameters: Parameters,
+    /// Those with which it comes to rest before the scene begins.
+    pub settling: Parameters,
+    /// The longest step.
+    pub bound: Bound,
+    /// Least and greatest temperature of the scene.
+    range: (f64, f64),
+    /// Volume of a particle (m3, of missing dimensions by the metre).
+    pub volume: f64,
+}
+
+impl Liquid {
+    /// The liquid of a scene whose particles reach `cutoff_ratio` of their mean distances and hold heat with a `capacity`.
+    ///
+    /// # Errors
+    /// A domain in which particles cannot move.
+    pub fn of(
+        scene: &Scene,
+        numerics: &Numerics,
+        motion: &Motion,
+        (cutoff_ratio, capacity): (f64, f64),
+    ) -> Result<Self, String> {
+        let (width, height) = match scene.domain {
+            Domain::Line { length } => (length, None),
+            Domain::Rectangle { width, height } => (width, Some(height)),
+            Domain::Ring { .. } | Domain::Radial { .. } | Domain::Axial { .. } => {
+                return Err("motion = true needs the domain \"line\" or \"rectangle\"".into());
+            }
+        };
+        let thermal = Thermal::new(Curve::new(&scene.materials[0]), scene.initial_temperature);
+        let curve = &thermal.curve;
+        let diffusivity = curve.mixed_conductivity(1.0) / curve.unfrozen_capacity();
+        let map = Map::new(scene.units, numerics.spacing, motion, diffusivity);
+        let diffusivity = diffusivity * map.time / map.length.powi(2);
+        let (low, high) = scene.temperature_range();
+        let range = (map.temperature(low), map.temperature(high));
+        let mut parameters = parameters(motion, cutoff_ratio, capacity, range);
+        parameters.heat_friction = parameters.constants(2).heat_friction(diffusivity);
+        let bound = limit::bound(&parameters, &map, curve, range, diffusivity);
+        parameters.step = limit::SETTLING_STEP.min(bound.step / map.time);
+        let settling = limit::settling(&parameters, &map, curve, range, diffusivity);
+        let strip = height.map_or(motion.strip_width, |height| height / map.length);
+        let walled = |axis: usize| {
+            let condition = |end: bool| scene.wall(WALLS[wall(axis, end)]).unwrap_or(&Condition::Symmetry);
+            !(*condition(false) == Condition::Symmetry && *condition(true) == Condition::Symmetry)
+        };
+        let body = Body { lengths: [width / map.length, strip], walled: [walled(0), height.is_some() && walled(1)] };
+        let missing = if height.is_some() { 1.0 } else { strip * map.length };
+        let volume = map.length.powi(2) / motion.number_density / missing;
+        Ok(Liquid { thermal, map, body, parameters, settling, bound, range, volume })
+    }
+
+    /// What heat means to it.
+    pub fn ground(&self, numerics: &Numerics) -> Ground {
+        let per_heat = self.thermal.curve.unfrozen_capacity() * self.map.degree / self.parameters.heat_capacity;
+        let scale = (self.map.zero, self.map.degree);
+        let seen = (0.5 * self.range.0, 2.0 * self.range.1);
+        Ground::new(self.thermal.clone(), per_heat, scale, (numerics.exchange, numerics.mushy), seen)
+    }
+}
+
+/// Constants of particles, but for what conducts heat and for the step.
+fn parameters(motion: &Motion, cutoff_ratio: f64, capacity: f64, (low, high): (f64, f64)) -> Parameters {
+    let cutoff = cutoff_ratio / motion.number_density.sqrt();
+    Parameters {
+        density: motion.number_density,
+        repulsion: motion.repulsion * 0.5 * (low + high),
+        friction: motion.friction,
+        exponent: motion.exponent.clone(),
+        conservative_cutoff: cutoff,
+        dissipative_cutoff: cutoff,
+        thermal_cutoff: cutoff,
+        heat_capacity: capacity,
+        heat_friction: 1.0,
+        step: limit::SETTLING_STEP,
+    }
+}

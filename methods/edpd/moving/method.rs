@@ -1,0 +1,138 @@
+//! Particles that move as a method.
+
+use std::sync::Arc;
+
+use frazil_core::ledger::Ledger;
+use frazil_core::particles::{Particles, Places};
+use frazil_core::series::Series;
+use frazil_core::solvers::method::Method;
+use frazil_core::solvers::step::{Bound, Clock, StepError};
+use frazil_record::Work;
+use glam::DVec2;
+
+use super::doors::Doors;
+use super::ground::Ground;
+use super::map::Map;
+use crate::fluid::{Drive, Face, Fluid};
+
+/// A scene whose liquid particles move.
+pub struct Moving<W: Drive<2>> {
+    fluid: Fluid<2, Ground>,
+    drive: W,
+    map: Map,
+    /// Temperature of each door over time; none where it is insulated.
+    doors: Vec<Option<Series>>,
+    ledger: Ledger,
+    /// Door of the ledger for what motion turns into heat, and its energy so far turned.
+    motion: (usize, f64),
+    /// Heat that the drive had brought when last booked.
+    driven: f64,
+    /// Time of the last booking of motion (s), and now.
+    times: (f64, f64),
+    /// Enthalpy (J by metre of each missing dimension) of one unit of heat.
+    joule: f64,
+    bound: Bound,
+    steps: u64,
+}
+
+impl<W: Drive<2>> Moving<W> {
+    /// A fluid in the units of `map` that a drive acts on, behind doors; `joule` is the enthalpy (J by metre of each missing
+    /// dimension) of one unit of heat.
+    pub fn new(fluid: Fluid<2, Ground>, drive: W, map: Map, doors: &Doors, joule: f64, bound: Bound) -> Self {
+        let names = doors.names.iter().cloned().chain(["motion".to_owned()]).collect();
+        let mut method = Moving {
+            fluid,
+            drive,
+            map,
+            doors: doors.temperatures.clone(),
+            ledger: Ledger::new(names),
+            motion: (doors.names.len(), 0.0),
+            driven: 0.0,
+            times: (0.0, 0.0),
+            joule,
+            bound,
+            steps: 0,
+        };
+        method.motion.1 = method.unheated();
+        method
+    }
+
+    /// Kinetic and potential energy, less what is still to be given back.
+    fn unheated(&self) -> f64 {
+        let totals = self.fluid.totals();
+        totals.kinetic + totals.potential - self.fluid.owed()
+    }
+}
+
+impl<W: Drive<2> + Send> Method for Moving<W> {
+    fn bound(&self) -> Bound {
+        self.bound.clone()
+    }
+
+    fn sharp_step(&mut self) -> f64 {
+        self.bound.step
+    }
+
+    fn advance(&mut self, _particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
+        let now = clock.time + clock.step;
+        for (face, door) in self.fluid.faces().iter_mut().zip(&self.doors) {
+            if let Some(series) = door {
+                *face = Face::Held((series.at(now) - self.map.zero) / self.map.degree);
+            }
+        }
+        self.fluid.advance_by(clock.step / self.map.time, &self.drive).map_err(|reason| StepError { reason })?;
+        if let Some(walls) = self.fluid.walls() {
+            for (door, received) in walls.received.iter().enumerate() {
+                self.ledger.book(door, -received * self.joule, clock.step);
+            }
+        }
+        self.times.1 = now;
+        self.steps += 1;
+        Ok(clock.step)
+    }
+
+    fn publish(&mut self, particles: &mut Particles) {
+        let (per_heat, length) = (self.fluid.matter().per_heat(), self.map.length);
+        let speed = self.map.length / self.map.time;
+        let count = particles.enthalpy.len();
+        let Places::Cloud(places) = &mut particles.places else { return };
+        let places = Arc::make_mut(places);
+        for particle in self.fluid.particles() {
+            let name = particle.name as usize;
+            if name < count {
+                particles.enthalpy[name] = particle.heat * per_heat;
+                let [x, y] = particle.position;
+                places[name] = DVec2::new(x, y) * length;
+                let [u, v] = particle.velocity;
+                particles.velocity[name] = DVec2::new(u, v) * speed;
+            }
+        }
+        // Energy that has left motion has become heat; what a drive brought came in on the way.
+        let unheated = self.unheated();
+        let step = self.times.1 - self.times.0;
+        if step > 0.0 {
+            let (door, before) = self.motion;
+            let brought = self.fluid.driven - self.driven;
+            self.ledger.book(door, (before - unheated + brought) * self.joule, step);
+            self.driven = self.fluid.driven;
+            self.times.0 = self.times.1;
+        }
+        self.motion.1 = unheated;
+    }
+
+    fn ledger(&self) -> &Ledger {
+        &self.ledger
+    }
+
+    fn pairs(&self) -> u64 {
+        self.fluid.pairs()
+    }
+
+    fn held(&self) -> usize {
+        self.fluid.held() + self.doors.len() * size_of::<Option<Series>>()
+    }
+
+    fn work(&self) -> Work {
+        Work { evaluations: self.steps, ..Work::default() }
+    }
+}

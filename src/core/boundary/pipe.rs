@@ -7,6 +7,7 @@
 //! A film between brine and ground carries the same heat: `q = 2 pi r h (T_wall - T_brine)`, `q = (U_sampled - U(T_wall)) / R`.
 //! That is the film of a flat wall with a depth of `2 pi r R`.
 
+use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -142,7 +143,23 @@ pub fn green_reach(pipe_radius: f64, spacing: f64) -> usize {
     2 * ((2.0 * stretch).ceil() as usize + 1)
 }
 
-/// Joins a pipe to the particles of a lattice. `mirrors` tells for x and y whether the axis is a mirror plane.
+/// How a pipe takes hold of particles.
+struct Hold {
+    /// Particles and weights.
+    sample: Vec<(u32, f64)>,
+    /// Resistance between them and the pipe's wall, times conductivity (-).
+    resistance: f64,
+    /// Half width of the delta, in cells.
+    half_width: f64,
+    /// What the spread heat keeps from the field around the pipe, in cells.
+    smoothing: f64,
+}
+
+/// Joins a pipe to the particles of a lattice, if it lies in their sector. `mirrors` tells for x and y whether the axis is a
+/// mirror plane.
+///
+/// # Errors
+/// A pipe too close to a wall, or too wide for the spacing.
 pub fn immerse(
     pipe: &Pipe,
     ring: usize,
@@ -158,33 +175,40 @@ pub fn immerse(
     let on_plane = |mirror: bool, distance: f64| mirror && distance.abs() <= tolerance;
     let share =
         if on_plane(mirrors.0, centre.x) { 0.5 } else { 1.0 } * if on_plane(mirrors.1, centre.y) { 0.5 } else { 1.0 };
-    let in_cells = lattice.to_cells(centre);
-    if pipe.one_particle {
-        let (x, y) = (in_cells.x.round() as i64, in_cells.y.round() as i64);
-        let index = lattice.index(x, y).ok_or_else(|| outside(pipe, lattice, 1.0))?;
-        let smoothing = -green.spread * lattice.spacing * lattice.spacing;
-        let extent = Extent { ring, centre, half_width: lattice.spacing, share, smoothing };
-        let (temperature, schedule) = (pipe.temperature.clone(), pipe.schedule.clone());
-        let sample = vec![(index as u32, 1.0)];
-        let resistance = HELD_RESISTANCE;
-        return Ok(Some(Sink {
-            ring,
-            sample,
-            share,
-            resistance,
-            temperature,
-            film: None,
-            schedule,
-            displaced: 0.0,
-            extent,
-        }));
-    }
-    let film = pipe.film.map(|coefficient| Film { coefficient, perimeter: std::f64::consts::TAU * pipe.radius });
+    let (hold, radius) = match pipe.one_particle {
+        true => (hold_one(pipe, lattice, green)?, 0.0),
+        false => (spread(pipe, lattice, mirrors, green)?, pipe.radius),
+    };
+    let smoothing = hold.smoothing * lattice.spacing * lattice.spacing;
+    Ok(Some(Sink {
+        ring,
+        sample: hold.sample,
+        share,
+        resistance: hold.resistance,
+        temperature: pipe.temperature.clone(),
+        film: pipe.film.map(|coefficient| Film { coefficient, perimeter: TAU * radius }),
+        schedule: pipe.schedule.clone(),
+        displaced: PI * radius * radius,
+        extent: Extent { ring, centre, half_width: hold.half_width * lattice.spacing, share, smoothing },
+    }))
+}
+
+/// The hold of a pipe that is one particle.
+fn hold_one(pipe: &Pipe, lattice: &Lattice, green: &Green) -> Result<Hold, String> {
+    let place = lattice.to_cells(DVec2::new(pipe.x, pipe.y)).round();
+    let index = lattice.index(place.x as i64, place.y as i64).ok_or_else(|| outside(pipe, lattice, 1.0))?;
+    let sample = vec![(index as u32, 1.0)];
+    Ok(Hold { sample, resistance: HELD_RESISTANCE, half_width: 1.0, smoothing: -green.spread })
+}
+
+/// The hold of a pipe on particles around it, by the narrowest delta that leaves a resistance.
+fn spread(pipe: &Pipe, lattice: &Lattice, mirrors: (bool, bool), green: &Green) -> Result<Hold, String> {
+    let centre = lattice.to_cells(DVec2::new(pipe.x, pipe.y));
     for stretch in STRETCHES {
-        let cells = delta(in_cells, stretch);
+        let cells = delta(centre, stretch);
         let widest = cells
             .iter()
-            .map(|((x, y), _)| ((*x as f64 - in_cells.x).abs().max((*y as f64 - in_cells.y).abs())).ceil() as usize);
+            .map(|((x, y), _)| ((*x as f64 - centre.x).abs().max((*y as f64 - centre.y).abs())).ceil() as usize);
         if 2 * widest.max().unwrap_or(0) > green.reach() + 1 {
             break;
         }
@@ -192,31 +216,16 @@ pub fn immerse(
             .iter()
             .flat_map(|((x, y), a)| cells.iter().map(move |((u, v), b)| a * b * green.at(x - u, y - v)))
             .sum();
-        let resistance = own - green.far_constant - (pipe.radius / lattice.spacing).ln() / (2.0 * std::f64::consts::PI);
+        let resistance = own - green.far_constant - (pipe.radius / lattice.spacing).ln() / TAU;
         if resistance < LEAST_RESISTANCE {
             continue;
         }
         // Both the delta and the stencil leave a field that is flatter, or steeper, than that of a line: in Fourier space
         // (1 - M k^2 / 4) (1/k^2 + c) for 1/k^2, M the second moment of the delta.
         let moment: f64 =
-            cells.iter().map(|((x, y), a)| a * DVec2::new(*x as f64, *y as f64).distance_squared(in_cells)).sum();
-        let smoothing = (0.25 * moment - green.spread) * lattice.spacing * lattice.spacing;
-        let mut sample: Vec<(u32, f64)> = Vec::with_capacity(cells.len());
-        for ((x, y), weight) in cells {
-            let fold = |mirror: bool, cell: i64| if mirror && cell < 0 { -1 - cell } else { cell };
-            let Some(index) = lattice.index(fold(mirrors.0, x), fold(mirrors.1, y)) else {
-                return Err(outside(pipe, lattice, stretch));
-            };
-            match sample.iter_mut().find(|entry| entry.0 as usize == index) {
-                Some(entry) => entry.1 += weight,
-                None => sample.push((index as u32, weight)),
-            }
-        }
-        sample.sort_unstable_by_key(|entry| entry.0);
-        let extent = Extent { ring, centre, half_width: 2.0 * stretch * lattice.spacing, share, smoothing };
-        let (temperature, schedule) = (pipe.temperature.clone(), pipe.schedule.clone());
-        let displaced = std::f64::consts::PI * pipe.radius * pipe.radius;
-        return Ok(Some(Sink { ring, sample, share, resistance, temperature, film, schedule, displaced, extent }));
+            cells.iter().map(|((x, y), a)| a * DVec2::new(*x as f64, *y as f64).distance_squared(centre)).sum();
+        let sample = folded(&cells, lattice, mirrors).ok_or_else(|| outside(pipe, lattice, stretch))?;
+        return Ok(Hold { sample, resistance, half_width: 2.0 * stretch, smoothing: 0.25 * moment - green.spread });
     }
     Err(format!(
         "the pipe of radius {} m is too wide for a line sink on particles {} m apart; a spacing of at least {:.3} m is needed",
@@ -224,6 +233,21 @@ pub fn immerse(
         lattice.spacing,
         pipe.radius / 6.0
     ))
+}
+
+/// Particles and weights of cells, those behind mirror planes with their images; none if one lies outside.
+fn folded(cells: &[((i64, i64), f64)], lattice: &Lattice, mirrors: (bool, bool)) -> Option<Vec<(u32, f64)>> {
+    let fold = |mirror: bool, cell: i64| if mirror && cell < 0 { -1 - cell } else { cell };
+    let mut sample: Vec<(u32, f64)> = Vec::with_capacity(cells.len());
+    for ((x, y), weight) in cells {
+        let index = lattice.index(fold(mirrors.0, *x), fold(mirrors.1, *y))?;
+        match sample.iter_mut().find(|entry| entry.0 as usize == index) {
+            Some(entry) => entry.1 += weight,
+            None => sample.push((index as u32, *weight)),
+        }
+    }
+    sample.sort_unstable_by_key(|entry| entry.0);
+    Some(sample)
 }
 
 fn outside(pipe: &Pipe, lattice: &Lattice, stretch: f64) -> String {
@@ -239,7 +263,7 @@ fn outside(pipe: &Pipe, lattice: &Lattice, stretch: f64) -> String {
 /// Radius (m) as which a pipe of one particle acts: that of a particle held at the pipe's temperature, less what the
 /// resistance between both takes off.
 pub fn radius_of_one_particle(green: &Green, spacing: f64) -> f64 {
-    spacing * green.one_particle_radius() * (-2.0 * std::f64::consts::PI * HELD_RESISTANCE).exp()
+    spacing * green.one_particle_radius() * (-TAU * HELD_RESISTANCE).exp()
 }
 
 impl Held for Sink {

@@ -202,40 +202,54 @@ fn side_of(body: &Body<'_>, door: usize) -> usize {
     }
 }
 
-/// Makes the outermost `layers` of particles at open walls the walls themselves; gives where walls touch them, or why they
-/// cannot.
-pub fn inner(pairs: &mut PairList, ghosts: &mut Ghosts, body: &Body<'_>, layers: usize) -> Result<Vec<Touch>, String> {
-    let count = body.positions.len();
-    let depth_in_cells = |side: usize, particle: usize| {
-        let (column, row) = body.cell(particle);
+/// The outermost layers of particles of a body.
+struct Layers<'a> {
+    body: &'a Body<'a>,
+    number: usize,
+}
+
+impl Layers<'_> {
+    /// How many cells lie between a particle and a side.
+    fn depth(&self, side: usize, particle: usize) -> usize {
+        let (column, row) = self.body.cell(particle);
         match side {
             0 => column,
-            1 => body.lattice.columns - 1 - column,
+            1 => self.body.lattice.columns - 1 - column,
             2 => row,
-            _ => body.lattice.rows - 1 - row,
+            _ => self.body.lattice.rows - 1 - row,
         }
-    };
-    // The open doors of each particle, the nearest first.
-    let doors = |particle: usize| {
-        let near = (0..4).filter(|side| depth_in_cells(*side, particle) < layers);
+    }
+
+    /// Sides and doors that are open beside a particle of these layers, the nearest first.
+    fn doors(&self, particle: usize) -> Vec<(usize, usize)> {
+        let near = (0..4).filter(|side| self.depth(*side, particle) < self.number);
         let mut near: Vec<(usize, usize)> =
-            near.filter_map(|side| Some((side, body.open_door(side, particle)?))).collect();
-        near.sort_by_key(|(side, _)| depth_in_cells(*side, particle));
+            near.filter_map(|side| Some((side, self.body.open_door(side, particle)?))).collect();
+        near.sort_by_key(|(side, _)| self.depth(*side, particle));
         near
-    };
-    // The nearest that hold each particle at a temperature: several in corners, which share it.
-    let held: Vec<Vec<(usize, usize)>> = (0..count)
-        .map(|i| {
-            let mut near = doors(i);
-            near.retain(|(_, door)| body.boundary.doors[*door].is_held());
-            let nearest = near.first().map(|(side, _)| depth_in_cells(*side, i));
-            near.retain(|(side, _)| Some(depth_in_cells(*side, i)) == nearest);
-            near
-        })
-        .collect();
+    }
+
+    /// The nearest that hold a particle at a temperature: several in corners, which share it.
+    fn holding(&self, particle: usize) -> Vec<(usize, usize)> {
+        let mut near = self.doors(particle);
+        near.retain(|(_, door)| self.body.boundary.doors[*door].is_held());
+        let nearest = near.first().map(|(side, _)| self.depth(*side, particle));
+        near.retain(|(side, _)| Some(self.depth(*side, particle)) == nearest);
+        near
+    }
+}
+
+/// Makes the outermost `number` of layers of particles at open walls the walls themselves; gives where walls touch them.
+///
+/// # Errors
+/// Layers that leave no particle free.
+pub fn inner(pairs: &mut PairList, ghosts: &mut Ghosts, body: &Body<'_>, number: usize) -> Result<Vec<Touch>, String> {
+    let count = body.positions.len();
+    let layers = Layers { body, number };
+    let held: Vec<Vec<(usize, usize)>> = (0..count).map(|i| layers.holding(i)).collect();
     if held.iter().all(|held| !held.is_empty()) {
         return Err(format!(
-            "wall_model = \"inner-layers\" holds the {layers} outermost layers at each wall, which leaves no particle free"
+            "wall_model = \"inner-layers\" holds the {number} outermost layers at each wall, which leaves no particle free"
         ));
     }
     let mut touches = Vec::new();
@@ -260,12 +274,26 @@ pub fn inner(pairs: &mut PairList, ghosts: &mut Ghosts, body: &Body<'_>, layers:
                 ghosts.hold(count, i as u32, body.on_wall(*side, i), *door as u8);
             }
         } else {
-            for (side, door) in doors(i) {
-                let area = body.area(side, body.cell(i).0) / (layers as f64 * body.volumes.of(i));
+            for (side, door) in layers.doors(i) {
+                let area = body.area(side, body.cell(i).0) / (number as f64 * body.volumes.of(i));
                 touches.push(touch((side, door), body.depth(side, i), area));
             }
         }
     }
+    *pairs = without(pairs, ghosts, body, &held, &stands_for);
+    Ok(touches)
+}
+
+/// The pairs of particles that no wall holds: with those that one holds through the ghosts that stand for them, and with none
+/// behind open walls.
+fn without(
+    pairs: &PairList,
+    ghosts: &Ghosts,
+    body: &Body<'_>,
+    held: &[Vec<(usize, usize)>],
+    stands_for: &[u32],
+) -> PairList {
+    let count = held.len();
     let is_open = |door: &Option<u8>| door.is_some_and(|door| body.boundary.doors[door as usize].lets_heat_through());
     let mut kept = PairList { starts: vec![0], ..PairList::default() };
     for i in 0..count {
@@ -291,6 +319,5 @@ pub fn inner(pairs: &mut PairList, ghosts: &mut Ghosts, body: &Body<'_>, layers:
         }
         kept.starts.push(kept.partners.len());
     }
-    *pairs = kept;
-    Ok(touches)
+    kept
 }

@@ -113,8 +113,27 @@ struct Part {
     arm: DVec2,
 }
 
+/// Weights of paths (m^-2) as each end says them.
+#[derive(Default)]
+struct EndWeights {
+    water: Vec<f64>,
+    heat: Vec<f64>,
+    even: Vec<f64>,
+}
+
+/// Walls as ghosts mirror them.
+struct Mirrors<'a> {
+    ghosts: &'a Ghosts,
+    boundary: &'a Boundary,
+    faces: &'a [Face],
+    flow: &'a Flow,
+}
+
 impl Network {
     /// The paths of a list of pairs. `faces` are the walls of the boundary at the start.
+    ///
+    /// # Errors
+    /// Walls for water that the body has not, ghosts that mirror several particles, pairs in one direction only.
     pub fn new(
         positions: &[DVec2],
         (pairs, ways_out): (&PairList, &[WayOut]),
@@ -124,98 +143,113 @@ impl Network {
         flow: &Flow,
         conduction: Conduction,
     ) -> Result<Self, String> {
-        let count = positions.len();
-        let wall_of = |door: usize| flow.walls.iter().position(|wall| wall.name == boundary.doors[door].name);
-        let mut network = Network { starts: vec![0], ..Network::default() };
-        for wall in &flow.walls {
-            let door = boundary.doors.iter().position(|door| door.name == wall.name);
-            network.doors.push(door.ok_or_else(|| format!("the body has no wall \"{}\" for water", wall.name))?);
-        }
-        let mut row: Vec<Part> = Vec::new();
-        let (mut water_weights, mut heat_weights, mut even_weights) = (Vec::new(), Vec::new(), Vec::new());
-        for i in 0..count {
+        let mirrors = Mirrors { ghosts, boundary, faces, flow };
+        let mut network = Network { starts: vec![0], doors: mirrors.doors()?, ..Network::default() };
+        let (mut row, mut weights) = (Vec::new(), EndWeights::default());
+        for i in 0..positions.len() {
             row.clear();
             let first_opening = network.openings.len();
-            for k in pairs.starts[i]..pairs.starts[i + 1] {
-                let (partner, weight) = (pairs.partners[k], pairs.weights[k]);
-                let Some(ghost) = (partner as usize).checked_sub(count) else {
-                    let arm = positions[partner as usize] - positions[i];
-                    row.push(Part { partner, water: weight, heat: weight, arm });
-                    continue;
-                };
-                let chain = Chain::of(ghost, count, ghosts, faces, wall_of)?;
-                let arm = ghosts.position[ghost] - positions[i];
-                let water = if chain.wall.is_some() { 0.0 } else { weight };
-                row.push(Part { partner: chain.image, water, heat: chain.heat * weight, arm });
-                if let Some(wall) = chain.wall {
-                    network.openings.push(Opening {
-                        particle: i as u32,
-                        image: chain.image,
-                        path: NONE,
-                        wall: wall as u8,
-                        weight,
-                        sign: chain.sign,
-                        multiples: chain.multiples,
-                        arm,
-                    });
-                }
-                if let Some(door) = ghosts.pays[ghost] {
-                    network.beside.push((i as u32, door));
-                }
-            }
-            row.sort_by_key(|part| part.partner);
-            for group in row.chunk_by(|a, b| a.partner == b.partner) {
-                let partner = group[0].partner;
-                if partner as usize == i {
-                    continue;
-                }
-                let water: f64 = group.iter().map(|part| part.water).sum();
-                let arm: DVec2 = group.iter().map(|part| part.water * part.arm).sum();
-                network.partners.push(partner);
-                water_weights.push(water);
-                heat_weights.push(group.iter().map(|part| part.heat).sum());
-                if conduction == Conduction::Corrected {
-                    even_weights.push(group.iter().map(|part| part.heat.max(0.0)).sum());
-                }
-                network.arms.push(if water > 0.0 { arm / water } else { DVec2::ZERO });
-            }
-            let start = network.starts[i];
-            for opening in &mut network.openings[first_opening..] {
-                if let Ok(place) = network.partners[start..].binary_search(&opening.image) {
-                    opening.path = (start + place) as u32;
-                }
-            }
-            network.starts.push(network.partners.len());
+            network.gather(i, positions, pairs, &mirrors, &mut row)?;
+            network.merge(i, &mut row, first_opening, &mut weights);
         }
-        if let Some((across, door)) = flow.across.as_ref().zip(network.doors.first()) {
-            for out in ways_out {
-                let mut multiples = [0.0; MOST_WALLS];
-                multiples[0] = across.share(positions[out.particle as usize] + out.way);
-                network.openings.push(Opening {
-                    particle: out.particle,
-                    image: out.particle,
-                    path: NONE,
-                    wall: 0,
-                    weight: out.weight,
-                    sign: 0.0,
-                    multiples,
-                    arm: out.way,
-                });
-                network.beside.push((out.particle, *door as u8));
-            }
-        }
+        network.let_out(positions, ways_out, flow);
         network.beside.sort_unstable();
         network.beside.dedup();
         network.pair_up()?;
-        network.weights = network.by_slot(&water_weights);
+        network.weights = network.by_slot(&weights.water);
         for (arm, slot) in network.arms.iter_mut().zip(&network.slots) {
             *arm *= 0.5 * network.weights[*slot as usize];
         }
-        network.heat_weights = network.by_slot(&heat_weights);
+        network.heat_weights = network.by_slot(&weights.heat);
         if conduction == Conduction::Corrected {
-            network.even_weights = network.by_slot(&even_weights);
+            network.even_weights = network.by_slot(&weights.even);
         }
         Ok(network)
+    }
+
+    /// Gathers what the pairs of a particle add to its paths, and its openings.
+    fn gather(
+        &mut self,
+        i: usize,
+        positions: &[DVec2],
+        pairs: &PairList,
+        mirrors: &Mirrors<'_>,
+        row: &mut Vec<Part>,
+    ) -> Result<(), String> {
+        let count = positions.len();
+        for k in pairs.starts[i]..pairs.starts[i + 1] {
+            let (partner, weight) = (pairs.partners[k], pairs.weights[k]);
+            let Some(ghost) = (partner as usize).checked_sub(count) else {
+                let arm = positions[partner as usize] - positions[i];
+                row.push(Part { partner, water: weight, heat: weight, arm });
+                continue;
+            };
+            let chain = Chain::of(ghost, count, mirrors)?;
+            let arm = mirrors.ghosts.position[ghost] - positions[i];
+            let water = if chain.wall.is_some() { 0.0 } else { weight };
+            row.push(Part { partner: chain.image, water, heat: chain.heat * weight, arm });
+            if let Some(wall) = chain.wall {
+                self.openings.push(Opening {
+                    particle: i as u32,
+                    image: chain.image,
+                    path: NONE,
+                    wall: wall as u8,
+                    weight,
+                    sign: chain.sign,
+                    multiples: chain.multiples,
+                    arm,
+                });
+            }
+            if let Some(door) = mirrors.ghosts.pays[ghost] {
+                self.beside.push((i as u32, door));
+            }
+        }
+        Ok(())
+    }
+
+    /// Makes paths of what has been gathered for a particle, one for each partner, and joins its openings to them.
+    fn merge(&mut self, i: usize, row: &mut [Part], first_opening: usize, weights: &mut EndWeights) {
+        row.sort_by_key(|part| part.partner);
+        for group in row.chunk_by(|a, b| a.partner == b.partner) {
+            let partner = group[0].partner;
+            if partner as usize == i {
+                continue;
+            }
+            let water: f64 = group.iter().map(|part| part.water).sum();
+            let arm: DVec2 = group.iter().map(|part| part.water * part.arm).sum();
+            self.partners.push(partner);
+            self.arms.push(if water > 0.0 { arm / water } else { DVec2::ZERO });
+            weights.water.push(water);
+            weights.heat.push(group.iter().map(|part| part.heat).sum());
+            weights.even.push(group.iter().map(|part| part.heat.max(0.0)).sum());
+        }
+        let start = self.starts[i];
+        for opening in &mut self.openings[first_opening..] {
+            if let Ok(place) = self.partners[start..].binary_search(&opening.image) {
+                opening.path = (start + place) as u32;
+            }
+        }
+        self.starts.push(self.partners.len());
+    }
+
+    /// Opens the pairs that a curved wall cuts to water that nothing disturbs behind it.
+    fn let_out(&mut self, positions: &[DVec2], ways_out: &[WayOut], flow: &Flow) {
+        let Some((across, door)) = flow.across.as_ref().zip(self.doors.first().copied()) else { return };
+        for out in ways_out {
+            let mut multiples = [0.0; MOST_WALLS];
+            multiples[0] = across.share(positions[out.particle as usize] + out.way);
+            self.openings.push(Opening {
+                particle: out.particle,
+                image: out.particle,
+                path: NONE,
+                wall: 0,
+                weight: out.weight,
+                sign: 0.0,
+                multiples,
+                arm: out.way,
+            });
+            self.beside.push((out.particle, door as u8));
+        }
     }
 
     /// Gives both directions of each path one slot.
@@ -315,26 +349,34 @@ struct Chain {
     heat: f64,
 }
 
+impl Mirrors<'_> {
+    /// Doors of the walls for water.
+    fn doors(&self) -> Result<Vec<usize>, String> {
+        let door = |name: &str| self.boundary.doors.iter().position(|door| door.name == name);
+        let walls = self.flow.walls.iter().map(|wall| &wall.name);
+        walls.map(|name| door(name).ok_or_else(|| format!("the body has no wall \"{name}\" for water"))).collect()
+    }
+
+    /// The wall for water at a door.
+    fn wall(&self, door: usize) -> Option<usize> {
+        self.flow.walls.iter().position(|wall| wall.name == self.boundary.doors[door].name)
+    }
+}
+
 impl Chain {
-    fn of(
-        ghost: usize,
-        count: usize,
-        ghosts: &Ghosts,
-        faces: &[Face],
-        wall_of: impl Fn(usize) -> Option<usize>,
-    ) -> Result<Self, String> {
+    fn of(mut ghost: usize, count: usize, mirrors: &Mirrors<'_>) -> Result<Self, String> {
         let mut chain = Chain { image: 0, wall: None, sign: 1.0, multiples: [0.0; MOST_WALLS], heat: 1.0 };
-        let mut ghost = ghost;
         loop {
-            if let Some(door) = ghosts.door[ghost] {
-                chain.heat *= -faces[door as usize].stiffness();
-                if let Some(wall) = wall_of(door as usize) {
+            if let Some(door) = mirrors.ghosts.door[ghost] {
+                chain.heat *= -mirrors.faces[door as usize].stiffness();
+                if let Some(wall) = mirrors.wall(door as usize) {
                     chain.wall = chain.wall.or(Some(wall));
                     chain.multiples[wall] += 2.0 * chain.sign;
                     chain.sign = -chain.sign;
                 }
             }
-            let original = ghosts.original(ghost).ok_or("water needs walls that mirror particles one by one")?;
+            let original =
+                mirrors.ghosts.original(ghost).ok_or("water needs walls that mirror particles one by one")?;
             match (original as usize).checked_sub(count) {
                 Some(parent) => ghost = parent,
                 None => {

@@ -1,0 +1,86 @@
+//! `frazil calibrate`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use frazil_edpd::calibration::Constants;
+
+use super::values::{positive, sized};
+use crate::calibrate::{CalibrateRequest, Conduction, calibrate};
+use crate::failure::{Failure, Verdict};
+
+#[derive(Debug, Args)]
+pub struct Calibrate {
+    /// A bundled fluid (water), or a TOML or CSV file.
+    #[arg(default_value = "water")]
+    fluid: String,
+    /// Dimensions of space, 2 or 3.
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(2..=3))]
+    dimension: u8,
+    /// Particles by volume, in DPD units as all that has no unit in its name.
+    #[arg(long, value_name = "N", default_value = "4", value_parser = sized)]
+    number_density: f64,
+    /// Friction of a pair, gamma.
+    #[arg(long, value_name = "X", default_value = "8", value_parser = sized)]
+    gamma: f64,
+    /// Cut-off radius of all forces and of the exchange of heat.
+    #[arg(long, value_name = "R", default_value = "1.96", value_parser = sized)]
+    cutoff: f64,
+    /// Cut-off radius of the conservative force alone.
+    #[arg(long, value_name = "R", value_parser = sized)]
+    conservative_cutoff: Option<f64>,
+    /// Cut-off radius of friction and random force alone.
+    #[arg(long, value_name = "R", value_parser = sized)]
+    dissipative_cutoff: Option<f64>,
+    /// Cut-off radius of the exchange of heat alone.
+    #[arg(long, value_name = "R", value_parser = sized)]
+    thermal_cutoff: Option<f64>,
+    /// Heat capacity of a particle in k_B.
+    #[arg(long, value_name = "X", default_value = "1e5", value_parser = sized)]
+    heat_capacity: f64,
+    /// Temperature that is 1 in DPD units, in K.
+    #[arg(long, value_name = "K", default_value = "300", value_parser = sized)]
+    reference_temperature_k: f64,
+    /// One Prandtl number in place of those of the fluid.
+    #[arg(long, value_name = "X", value_parser = sized, conflicts_with = "diffusivity")]
+    prandtl: Option<f64>,
+    /// One thermal diffusivity in place of Prandtl numbers.
+    #[arg(long, value_name = "X", value_parser = sized)]
+    diffusivity: Option<f64>,
+    /// Leaves out rows that are colder, in K.
+    #[arg(long, value_name = "K", value_parser = positive)]
+    from_k: Option<f64>,
+    /// Leaves out rows that are warmer, in K.
+    #[arg(long, value_name = "K", value_parser = positive)]
+    to_k: Option<f64>,
+    /// Folder for the results; by default out/calibrate.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl Calibrate {
+    /// Finds the constants.
+    pub fn answer(self) -> Result<Verdict, Failure> {
+        calibrate(&CalibrateRequest {
+            fluid: self.fluid,
+            constants: Constants {
+                dimension: self.dimension.into(),
+                density: self.number_density,
+                friction: self.gamma,
+                conservative_cutoff: self.conservative_cutoff.unwrap_or(self.cutoff),
+                dissipative_cutoff: self.dissipative_cutoff.unwrap_or(self.cutoff),
+                thermal_cutoff: self.thermal_cutoff.unwrap_or(self.cutoff),
+                heat_capacity: self.heat_capacity,
+            },
+            reference_temperature: self.reference_temperature_k,
+            conduction: match (self.prandtl, self.diffusivity) {
+                (Some(prandtl), _) => Conduction::Prandtl(prandtl),
+                (None, Some(diffusivity)) => Conduction::Diffusivity(diffusivity),
+                (None, None) => Conduction::Fluid,
+            },
+            from: self.from_k,
+            to: self.to_k,
+            out: self.out,
+        })
+    }
+}

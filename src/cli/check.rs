@@ -1,0 +1,46 @@
+//! `frazil check`.
+
+use clap::Args;
+
+use super::values::{key_and_value, threads};
+use crate::check::{CheckRequest, check};
+use crate::failure::{Failure, Verdict};
+use crate::load;
+
+#[derive(Debug, Args)]
+pub struct Check {
+    /// A scene file, or the name of a bundled scene.
+    scene: String,
+    /// A method; may be repeated. By default all that the scene has settings for.
+    #[arg(long, value_name = "NAME")]
+    method: Vec<String>,
+    /// Overrides a key of the file; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
+    set: Vec<(String, String)>,
+    /// Takes the discretisation that the scene's paper prints, where one is bundled; `--set` goes over it.
+    #[arg(long)]
+    paper: bool,
+    /// Threads of the run; by default one for each core.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Plans the smaller scene that gives the same answer, if there is one.
+    #[arg(long)]
+    reduce: bool,
+}
+
+impl Check {
+    /// Checks the scene.
+    pub fn answer(mut self) -> Result<Verdict, Failure> {
+        if self.paper {
+            let (method, overrides) = load::paper(&self.scene, &self.method, self.set)?;
+            (self.method, self.set) = (vec![method], overrides);
+        }
+        check(&CheckRequest {
+            scene: self.scene,
+            methods: self.method,
+            overrides: self.set,
+            threads: threads(self.threads),
+            reduce: self.reduce,
+        })
+    }
+}

@@ -1,0 +1,68 @@
+//! `frazil layout`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::values::{command_line, key_and_value, threads};
+use crate::campaign::Shard;
+use crate::failure::{Failure, Verdict};
+use crate::layout::{LayoutRequest, layout};
+
+#[derive(Debug, Args)]
+pub struct Layout {
+    /// A study file, or the name of a bundled study.
+    study: String,
+    /// The method; by default the study's, or the first that the scene has settings for.
+    #[arg(long, value_name = "NAME")]
+    method: Option<String>,
+    /// Overrides a key of the scene of all layouts; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
+    set: Vec<(String, String)>,
+    /// Layouts that run at once; by default one for each core.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Runs the layouts K, K + N, K + 2 N, ... alone; the same command without it takes all over that the folder holds,
+    /// and writes the tables.
+    #[arg(long, value_name = "K/N", value_parser = shard)]
+    shard: Option<Shard>,
+    /// Folder for the results; by default out/STUDY. Layouts that it holds already are not run again.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Says what would be run, on which part of the plan and why, and runs nothing.
+    #[arg(long, conflicts_with_all = ["shard", "out", "frames"])]
+    check: bool,
+    /// Draws a temperature map of each layout at every output, for an animation: layouts/*/frames/*.png.
+    #[arg(long)]
+    frames: bool,
+    /// Says nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl Layout {
+    /// Sets the layouts beside each other.
+    pub fn answer(self) -> Result<Verdict, Failure> {
+        layout(&LayoutRequest {
+            study: self.study,
+            method: self.method,
+            overrides: self.set,
+            threads: threads(self.threads),
+            shard: self.shard.unwrap_or(Shard::WHOLE),
+            check: self.check,
+            frames: self.frames,
+            out: self.out,
+            quiet: self.quiet,
+            command_line: command_line(),
+        })
+    }
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let parts: Option<(usize, usize)> =
+        text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    match parts {
+        Some((k, count)) if k >= 1 && k <= count => Ok(Shard { number: k - 1, count }),
+        _ => Err("must be K/N, as 3/16".into()),
+    }
+}

@@ -1,0 +1,104 @@
+//! `frazil properties`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use frazil_edpd::calibration::Constants;
+
+use super::values::{sized, threads};
+use crate::failure::{Failure, Verdict};
+use crate::properties::{PropertiesRequest, Rows, properties};
+
+/// At the defaults, 13 temperatures of water and 5 seeds, it makes 1.8 thousand million steps of particles: some 15 minutes
+/// on two idle cores, less with more of them. Finished jobs are taken down, so a study that was stopped goes on when it is
+/// started again.
+#[derive(Debug, Args)]
+pub struct Properties {
+    /// A bundled fluid (water), or a TOML or CSV file, as for calibrate.
+    #[arg(default_value = "water")]
+    fluid: String,
+    /// Temperatures of the fluid's rows, in degrees Celsius; by default rows at least 10 K apart, from the coldest on.
+    #[arg(long, value_name = "LIST", value_delimiter = ',', allow_hyphen_values = true, value_parser = finite)]
+    temperatures_c: Vec<f64>,
+    /// All rows of the fluid.
+    #[arg(long, conflicts_with = "temperatures_c")]
+    all_rows: bool,
+    /// Runs of each measurement.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    seeds: u16,
+    /// Height of the periodic boxes: squares for displacements, two thirds as wide for flow and heat. The drives are scaled
+    /// so that profiles are as high as in the paper's boxes, times with the square of the height.
+    #[arg(long = "box", value_name = "L", default_value = "20", value_parser = sized)]
+    height: f64,
+    /// Times that are watched, over the default ones; intervals shrink with the root of it.
+    #[arg(long, value_name = "X", default_value = "1", value_parser = effort)]
+    effort: f64,
+    /// Boxes and steps of the paper: 30 x 30 with 280000 steps, 20 x 30 with 220000. At the default rows some 16 hours on
+    /// two idle cores.
+    #[arg(long, conflicts_with_all = ["height", "effort"])]
+    paper: bool,
+    /// Time step.
+    #[arg(long, value_name = "X", default_value = "0.007", value_parser = sized)]
+    step: f64,
+    /// Friction of a pair, gamma.
+    #[arg(long, value_name = "X", default_value = "8", value_parser = sized)]
+    gamma: f64,
+    /// Cut-off radius of all forces and of the exchange of heat.
+    #[arg(long, value_name = "R", default_value = "1.96", value_parser = sized)]
+    cutoff: f64,
+    /// Checks instead that a fluid left alone keeps energy, momentum and one temperature: 100000 steps of 1500 particles in the
+    /// plane and in space, at the step and at three times the step.
+    #[arg(long, conflicts_with_all = ["temperatures_c", "all_rows", "seeds", "height", "paper"])]
+    equilibrium: bool,
+    /// Jobs side by side; by default one for each core. The result does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Folder for the results; by default out/properties-FLUID. Jobs that a study there has made already are not made again.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Says nothing but errors on standard error.
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl Properties {
+    /// Measures the fluid.
+    pub fn answer(self) -> Result<Verdict, Failure> {
+        properties(&PropertiesRequest {
+            fluid: self.fluid,
+            constants: Constants {
+                friction: self.gamma,
+                conservative_cutoff: self.cutoff,
+                dissipative_cutoff: self.cutoff,
+                thermal_cutoff: self.cutoff,
+                ..Constants::paper()
+            },
+            reference_temperature: 300.0,
+            rows: match (self.all_rows, self.temperatures_c.is_empty()) {
+                (true, _) => Rows::All,
+                (false, true) => Rows::Apart(10.0),
+                (false, false) => Rows::Given(self.temperatures_c),
+            },
+            seeds: self.seeds.into(),
+            height: self.height,
+            effort: self.effort,
+            step: self.step,
+            paper: self.paper,
+            equilibrium: self.equilibrium,
+            threads: threads(self.threads),
+            out: self.out,
+            quiet: self.quiet,
+        })
+    }
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    text.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| "must be a number".into())
+}
+
+fn effort(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if (1e-3..=1e3).contains(&number) => Ok(number),
+        _ => Err("must be a number between 0.001 and 1000".into()),
+    }
+}

@@ -1,0 +1,76 @@
+//! `frazil run`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::values::{key_and_value, threads};
+use crate::failure::{Failure, Verdict};
+use crate::run::RunRequest;
+use crate::{load, run};
+
+#[derive(Debug, Args)]
+pub struct Run {
+    /// A scene file, or the name of a bundled scene.
+    scene: String,
+    /// The method; by default the first one that the scene has settings for.
+    #[arg(long, value_name = "NAME")]
+    method: Option<String>,
+    /// Overrides a key of the file, as in `method.pd.horizon_ratio=4`; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
+    set: Vec<(String, String)>,
+    /// Takes the discretisation that the scene's paper prints, where one is bundled; `--set` goes over it.
+    #[arg(long)]
+    paper: bool,
+    /// Threads; by default one for each core. The result does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Seed of noise and of uneven placement; with --seeds that of the first member.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Runs an ensemble of N members whose seeds follow each other, side by side and each on one thread: means with
+    /// intervals. Members that the folder holds already are not run again.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000), conflicts_with_all = ["reduce", "fields", "frames"])]
+    seeds: Option<u16>,
+    /// Folder for the results; by default out/SCENE/METHOD.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Runs the smaller scene that gives the same answer, if there is one.
+    #[arg(long, conflicts_with_all = ["fields", "frames"])]
+    reduce: bool,
+    /// Writes the state of all particles at every output, for ParaView: fields.pvd and fields/*.vtu.
+    #[arg(long)]
+    fields: bool,
+    /// Draws a temperature map at every output, for an animation: frames/*.png. Needs a plane.
+    #[arg(long)]
+    frames: bool,
+    /// Says nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl Run {
+    /// Runs the scene, or an ensemble of it.
+    pub fn answer(mut self) -> Result<Verdict, Failure> {
+        if self.paper {
+            let (method, overrides) = load::paper(&self.scene, self.method.as_slice(), self.set)?;
+            (self.method, self.set) = (Some(method), overrides);
+        }
+        let request = RunRequest {
+            scene: self.scene,
+            method: self.method,
+            overrides: self.set,
+            threads: threads(self.threads),
+            seed: self.seed,
+            out: self.out,
+            reduce: self.reduce,
+            fields: self.fields,
+            frames: self.frames,
+            quiet: self.quiet,
+        };
+        match self.seeds {
+            Some(seeds) => run::ensemble(&request, seeds.into()),
+            None => run::run(&request),
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! `frazil stability`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::values::{command_line, key_and_value, positive, positive_seconds, threads};
+use crate::failure::{Failure, Verdict};
+use crate::parts::parts;
+use crate::stability::axis::Axis;
+use crate::stability::{StabilityRequest, stability};
+
+#[derive(Debug, Args)]
+pub struct Stability {
+    /// Scene files, or names of bundled scenes.
+    #[arg(required = true)]
+    scenes: Vec<String>,
+    /// The methods; by default all that a scene has settings for.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    methods: Vec<String>,
+    /// Parameters of the maps: stefan, conductivity, capacity, reach, disorder, noise, rkl2 (stages); or own, the scene
+    /// as it is. By default all but the last that mean anything to a scene and a method.
+    #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = axis)]
+    axes: Vec<Axis>,
+    /// Overrides a key of every scene; may be repeated.
+    #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
+    set: Vec<(String, String)>,
+    /// Runs these steps over the bound alone, and looks for no boundary.
+    #[arg(long, value_name = "RATIOS", value_delimiter = ',', value_parser = positive)]
+    steps: Vec<f64>,
+    /// Number of steps of a map, from a quarter of the bound to four times it.
+    #[arg(long, value_name = "N", default_value_t = 13, value_parser = clap::value_parser!(u16).range(2..=200))]
+    grid: u16,
+    /// Number of columns of a map; odd, so that the scene's own value stands in the middle.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = odd)]
+    values: u16,
+    /// Seeds of a noisy cell near a boundary.
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    seeds: u16,
+    /// Largest spacing over the scene's own; as much of it is taken as the scene allows.
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=16))]
+    coarsen: u8,
+    /// Wall time of one run, in seconds; a cell that needs more has timed out.
+    #[arg(long, value_name = "S", default_value = "60", value_parser = positive_seconds)]
+    time_limit_s: f64,
+    /// Columns that are worked on side by side; by default one for each core. The result does not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Folder for the results; by default out/stability. Runs that a study there has made already are not made again.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Says nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl Stability {
+    /// Maps where the methods break.
+    pub fn answer(self) -> Result<Verdict, Failure> {
+        let request = StabilityRequest {
+            scenes: self.scenes,
+            methods: self.methods,
+            axes: self.axes,
+            overrides: self.set,
+            steps: self.steps,
+            grid: self.grid.into(),
+            values: self.values.into(),
+            seeds: self.seeds.into(),
+            coarsen: self.coarsen.into(),
+            time_limit_s: self.time_limit_s,
+            threads: threads(self.threads),
+            out: self.out,
+            quiet: self.quiet,
+            command_line: command_line(),
+        };
+        stability(&request, &parts(false))
+    }
+}
+
+fn odd(text: &str) -> Result<u16, String> {
+    match text.parse::<u16>() {
+        Ok(number) if number % 2 == 1 && number < 100 => Ok(number),
+        _ => Err("must be an odd number from 1 to 99".into()),
+    }
+}
+
+fn axis(text: &str) -> Result<Axis, String> {
+    let words = || Axis::WORDS.map(|(word, _)| word).join(", ");
+    Axis::of_word(text).ok_or_else(|| format!("must be one of {}", words()))
+}

@@ -28,20 +28,20 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Runs a scene under one method and writes its record, series and figures.
-    Run(run::Run),
+    Run(run::RunArguments),
     /// Sets methods against each other on the same scenes: error against run time.
-    Compare(compare::Compare),
+    Compare(compare::CompareArguments),
     /// Maps where methods break: the outcome over the step and one parameter, with its boundaries.
-    Stability(stability::Stability),
+    Stability(stability::StabilityArguments),
     /// Checks a scene and prints what a run of it would do.
-    Check(check::Check),
+    Check(check::CheckArguments),
     /// Sets layouts of freeze pipes beside each other: the day the wall closes, its weakest gap, thickness, load.
-    Layout(layout::Layout),
+    Layout(layout::LayoutArguments),
     /// Finds the constants of an eDPD fluid from the Schmidt and Prandtl numbers of a real one.
-    Calibrate(calibrate::Calibrate),
+    Calibrate(calibrate::CalibrateArguments),
     /// Measures what the fluid that `calibrate` gives is really like, on moving particles: diffusivities, Schmidt and
     /// Prandtl numbers, with 95 % intervals over seeds.
-    Properties(properties::Properties),
+    Properties(properties::PropertiesArguments),
     /// Lists the bundled scenes, fluids and the methods.
     List,
 }

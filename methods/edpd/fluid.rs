@@ -33,7 +33,7 @@ pub use walls::{Behind, Face, Walls};
 
 use pairs::Desk;
 use sorting::Grid;
-use step::Tally;
+use step::PassSums;
 
 /// Width of cells beyond the reach of pairs, over the reach: particles are sorted less often, and more are looked at in vain.
 const SKIN: f64 = 0.15;
@@ -94,7 +94,7 @@ pub struct Fluid<const D: usize, M: Matter = Plain> {
     /// Particles that move, at least 1.
     moving: f64,
     /// What the last pass over all particles told, by task.
-    tallies: Vec<Tally>,
+    sums: Vec<PassSums>,
     /// Steps made.
     pub steps: u64,
     /// Times that particles were sorted.
@@ -168,7 +168,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             given_back: 0.0,
             driven: 0.0,
             moving,
-            tallies: Tally::of_tasks(count),
+            sums: PassSums::of_tasks(count),
             steps: 0,
             sortings: 0,
             parameters,
@@ -224,7 +224,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
         let places: usize = self.places.iter().map(of).sum();
         let walls = self.walls.as_ref().map_or(0, Walls::held);
         let particles = of(&self.particles) + of(&self.sorted) + of(&self.looks) + of(&self.origins);
-        particles + of(&self.starts) + places + of(&self.desks) + of(&self.tallies) + walls
+        particles + of(&self.starts) + places + of(&self.desks) + of(&self.sums) + walls
     }
 
     /// What heat means.

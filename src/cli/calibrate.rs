@@ -10,7 +10,7 @@ use crate::calibrate::{CalibrateRequest, Conduction, calibrate};
 use crate::failure::{Failure, Verdict};
 
 #[derive(Debug, Args)]
-pub struct Calibrate {
+pub struct CalibrateArguments {
     /// A bundled fluid (water), or a TOML or CSV file.
     #[arg(default_value = "water")]
     fluid: String,
@@ -58,7 +58,7 @@ pub struct Calibrate {
     out: Option<PathBuf>,
 }
 
-impl Calibrate {
+impl CalibrateArguments {
     /// Finds the constants.
     pub fn answer(self) -> Result<Verdict, Failure> {
         calibrate(&CalibrateRequest {

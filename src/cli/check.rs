@@ -8,7 +8,7 @@ use crate::failure::{Failure, Verdict};
 use crate::load;
 
 #[derive(Debug, Args)]
-pub struct Check {
+pub struct CheckArguments {
     /// A scene file, or the name of a bundled scene.
     scene: String,
     /// A method; may be repeated. By default all that the scene has settings for.
@@ -28,7 +28,7 @@ pub struct Check {
     reduce: bool,
 }
 
-impl Check {
+impl CheckArguments {
     /// Checks the scene.
     pub fn answer(mut self) -> Result<Verdict, Failure> {
         if self.paper {

@@ -13,7 +13,7 @@ use crate::failure::{Failure, Verdict};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]
-pub struct Compare {
+pub struct CompareArguments {
     /// Scene files, or names of bundled scenes.
     #[arg(required = true)]
     scenes: Vec<String>,
@@ -63,7 +63,7 @@ pub struct Compare {
     quiet: bool,
 }
 
-impl Compare {
+impl CompareArguments {
     /// Compares the methods.
     pub fn answer(self) -> Result<Verdict, Failure> {
         let also = self.also.iter().map(|(key, value)| Variant::changed(key, value));

@@ -10,7 +10,7 @@ use crate::failure::{Failure, Verdict};
 use crate::layout::{LayoutRequest, layout};
 
 #[derive(Debug, Args)]
-pub struct Layout {
+pub struct LayoutArguments {
     /// A study file, or the name of a bundled study.
     study: String,
     /// The method; by default the study's, or the first that the scene has settings for.
@@ -40,7 +40,7 @@ pub struct Layout {
     quiet: bool,
 }
 
-impl Layout {
+impl LayoutArguments {
     /// Sets the layouts beside each other.
     pub fn answer(self) -> Result<Verdict, Failure> {
         layout(&LayoutRequest {

@@ -13,7 +13,7 @@ use crate::properties::{PropertiesRequest, Rows, properties};
 /// on two idle cores, less with more of them. Finished jobs are taken down, so a study that was stopped goes on when it is
 /// started again.
 #[derive(Debug, Args)]
-pub struct Properties {
+pub struct PropertiesArguments {
     /// A bundled fluid (water), or a TOML or CSV file, as for calibrate.
     #[arg(default_value = "water")]
     fluid: String,
@@ -61,7 +61,7 @@ pub struct Properties {
     quiet: bool,
 }
 
-impl Properties {
+impl PropertiesArguments {
     /// Measures the fluid.
     pub fn answer(self) -> Result<Verdict, Failure> {
         properties(&PropertiesRequest {

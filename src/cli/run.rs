@@ -10,7 +10,7 @@ use crate::run::RunRequest;
 use crate::{load, run};
 
 #[derive(Debug, Args)]
-pub struct Run {
+pub struct RunArguments {
     /// A scene file, or the name of a bundled scene.
     scene: String,
     /// The method; by default the first one that the scene has settings for.
@@ -49,7 +49,7 @@ pub struct Run {
     quiet: bool,
 }
 
-impl Run {
+impl RunArguments {
     /// Runs the scene, or an ensemble of it.
     pub fn answer(mut self) -> Result<Verdict, Failure> {
         if self.paper {

@@ -11,7 +11,7 @@ use crate::stability::axis::Axis;
 use crate::stability::{StabilityRequest, stability};
 
 #[derive(Debug, Args)]
-pub struct Stability {
+pub struct StabilityArguments {
     /// Scene files, or names of bundled scenes.
     #[arg(required = true)]
     scenes: Vec<String>,
@@ -54,7 +54,7 @@ pub struct Stability {
     quiet: bool,
 }
 
-impl Stability {
+impl StabilityArguments {
     /// Maps where the methods break.
     pub fn answer(self) -> Result<Verdict, Failure> {
         let request = StabilityRequest {

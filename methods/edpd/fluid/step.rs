@@ -15,7 +15,7 @@ const TASK: usize = 2048;
 
 /// What a pass over some particles adds up.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Tally {
+pub struct PassSums {
     /// Kinetic energy that kicks bring.
     gained: f64,
     /// Energy that the drive brings.
@@ -26,14 +26,14 @@ pub struct Tally {
     farthest: f64,
 }
 
-impl Tally {
+impl PassSums {
     /// One for each task of a pass over so many particles.
-    pub fn of_tasks(count: usize) -> Vec<Tally> {
-        vec![Tally::default(); count.div_ceil(TASK)]
+    pub fn of_tasks(count: usize) -> Vec<PassSums> {
+        vec![PassSums::default(); count.div_ceil(TASK)]
     }
 
-    fn and(self, other: &Tally) -> Tally {
-        Tally {
+    fn and(self, other: &PassSums) -> PassSums {
+        PassSums {
             gained: self.gained + other.gained,
             driven: self.driven + other.driven,
             stopped: self.stopped + other.stopped,
@@ -63,14 +63,14 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     }
 
     /// Half a kick, the drive and a drift; moving particles give back what the last step gained.
-    fn kick_and_drift<W: Drive<D>>(&mut self, step: f64, drive: &W) -> Tally {
+    fn kick_and_drift<W: Drive<D>>(&mut self, step: f64, drive: &W) -> PassSums {
         let share = self.gained / self.moving;
-        self.pass(|_, particle, origin, tally| {
-            tally.gained += kick(particle, 0.5 * step * particle.mobility);
+        self.pass(|_, particle, origin, sums| {
+            sums.gained += kick(particle, 0.5 * step * particle.mobility);
             let before = if W::WORKS { particle.kinetic() + particle.heat } else { 0.0 };
             drive.act(particle, step);
             if W::WORKS {
-                tally.driven += particle.kinetic() + particle.heat - before;
+                sums.driven += particle.kinetic() + particle.heat - before;
             }
             for axis in 0..D {
                 particle.position[axis] += step * particle.velocity[axis];
@@ -81,40 +81,40 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
                 let way = particle.position[axis] - origin[axis];
                 square += way * way;
             }
-            tally.farthest = farther(square, tally.farthest);
+            sums.farthest = farther(square, sums.farthest);
             particle.force = [0.0; D];
             particle.heat -= share * particle.mobility;
         })
     }
 
     /// The other half of the kick; particles that have frozen come to rest, and those that have thawed are let go.
-    fn kick_and_settle(&mut self, step: f64) -> Tally {
+    fn kick_and_settle(&mut self, step: f64) -> PassSums {
         let behind_walls = self.first_behind_walls();
-        self.pass(|matter, particle, _, tally| {
-            tally.gained += kick(particle, 0.5 * step * particle.mobility);
+        self.pass(|matter, particle, _, sums| {
+            sums.gained += kick(particle, 0.5 * step * particle.mobility);
             if M::UNEVEN && particle.name < behind_walls {
-                tally.stopped += settle(matter, particle);
+                sums.stopped += settle(matter, particle);
             }
         })
     }
 
     /// Lets something come over all particles, and over their places at the last sorting, in tasks of fixed size: so the sum of
     /// what it tells does not depend on the number of threads.
-    fn pass(&mut self, each: impl Fn(&M, &mut Particle<D>, &[f64; D], &mut Tally) + Sync) -> Tally {
-        let Fluid { matter, particles, origins, tallies, .. } = self;
-        let task = |((particles, origins), told): ((&mut [Particle<D>], &[[f64; D]]), &mut Tally)| {
-            let mut tally = Tally::default();
+    fn pass(&mut self, each: impl Fn(&M, &mut Particle<D>, &[f64; D], &mut PassSums) + Sync) -> PassSums {
+        let Fluid { matter, particles, origins, sums, .. } = self;
+        let task = |((particles, origins), told): ((&mut [Particle<D>], &[[f64; D]]), &mut PassSums)| {
+            let mut sums = PassSums::default();
             for (particle, origin) in particles.iter_mut().zip(origins) {
-                each(matter, particle, origin, &mut tally);
+                each(matter, particle, origin, &mut sums);
             }
-            *told = tally;
+            *told = sums;
         };
         if self.pool.is_some() {
-            particles.par_chunks_mut(TASK).zip(origins.par_chunks(TASK)).zip(&mut *tallies).for_each(task);
+            particles.par_chunks_mut(TASK).zip(origins.par_chunks(TASK)).zip(&mut *sums).for_each(task);
         } else {
-            particles.chunks_mut(TASK).zip(origins.chunks(TASK)).zip(&mut *tallies).for_each(task);
+            particles.chunks_mut(TASK).zip(origins.chunks(TASK)).zip(&mut *sums).for_each(task);
         }
-        tallies.iter().fold(Tally::default(), Tally::and)
+        sums.iter().fold(PassSums::default(), PassSums::and)
     }
 
     /// Sorts once a particle has gone half of the skin.
@@ -207,7 +207,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     }
 
     /// Takes down what a step has brought; what it gained is to be given back in the next.
-    fn book(&mut self, first: &Tally, second: &Tally) {
+    fn book(&mut self, first: &PassSums, second: &PassSums) {
         let potential = self.pair_potential();
         self.given_back += self.gained;
         self.gained = first.gained + second.gained + potential - self.potential;

@@ -296,7 +296,7 @@ fn bad_fluids_are_refused_with_their_messages() {
 #[test]
 fn every_column_is_in_the_guide() {
     let text = include_str!("../cases/bad-fluids/columns.csv");
-    let guide = include_str!("../docs/guide.md");
+    let guide = crate::documents::guide();
     let (_, known) = text.split_once("known are ").expect("the message");
     let known: Vec<&str> = known.lines().next().unwrap_or_default().split(", ").collect();
     assert_eq!(known.len(), 7, "{known:?}");

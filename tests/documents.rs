@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use frazil_scene::Scene;
 
@@ -20,10 +21,20 @@ fn documents() -> Vec<(PathBuf, String)> {
         let entries = fs::read_dir(folder).expect("the folder").map(|entry| entry.expect("an entry").path());
         entries.filter(|path| path.extension().is_some_and(|extension| extension == "md")).collect::<Vec<_>>()
     };
-    let mut paths = [in_folder(root().to_owned()), in_folder(root().join("docs"))].concat();
+    let folders = [root().to_owned(), root().join("docs"), root().join("docs/guide"), root().join("docs/theory")];
+    let mut paths: Vec<PathBuf> = folders.into_iter().flat_map(in_folder).collect();
     paths.sort();
     assert!(paths.len() > 6, "{paths:?}");
     paths.into_iter().map(|path| (path.clone(), read(&path))).collect()
+}
+
+/// All pages of the guide.
+pub fn guide() -> String {
+    documents()
+        .into_iter()
+        .filter(|(path, _)| path.starts_with(root().join("docs/guide")))
+        .map(|(_, text)| text)
+        .collect()
 }
 
 /// Fenced blocks of a language.
@@ -111,6 +122,54 @@ fn every_override_in_the_documents_is_good() {
     assert!(count > 20, "{count}");
 }
 
+/// What the tutorial has saved is saved, what it runs is run, what it shows is printed, and the results that it names are there.
+#[test]
+fn the_tutorial_holds_what_it_says() {
+    let text = read(&root().join("docs/tutorial.md"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut prose, mut told, mut commands) = ("", String::new(), 0);
+    let mut parts = text.split("```");
+    while let (Some(before), Some((language, block))) =
+        (parts.next(), parts.next().and_then(|block| block.split_once('\n')))
+    {
+        prose = if before.trim().is_empty() { prose } else { before };
+        match language {
+            "toml" => {
+                let name = prose.rsplit('`').nth(1).expect("the name of a file");
+                fs::write(folder.path().join(name), block).expect("written");
+            }
+            "sh" => {
+                for arguments in block.lines().filter_map(|line| line.strip_prefix("frazil ")) {
+                    let done;
+                    (done, told) = ran(folder.path(), arguments);
+                    assert!(done, "{arguments}: {told}");
+                    commands += 1;
+                }
+            }
+            _ if prose.contains("in place of `length_m`") => {
+                let path = folder.path().join("pond.toml");
+                let good = read(&path);
+                fs::write(&path, good.replace("length_m", "lenght_m")).expect("written");
+                assert!(ran(folder.path(), "check pond.toml").1.contains(block.trim()), "{block}");
+                fs::write(&path, good).expect("written");
+            }
+            _ => block.lines().for_each(|line| assert!(told.contains(line), "{line}\nis not in\n{told}")),
+        }
+    }
+    assert_eq!(commands, 6);
+    let results = quoted(&text).into_iter().filter(|name| name.starts_with("out/"));
+    let missing: Vec<&str> = results.filter(|name| !folder.path().join(name).exists()).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+/// Whether a command succeeds in a folder, and all that it prints.
+fn ran(folder: &Path, arguments: &str) -> (bool, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_frazil"));
+    let output = command.current_dir(folder).args(arguments.split_whitespace()).output().expect("it runs");
+    let told = [output.stdout, output.stderr].concat();
+    (output.status.success(), String::from_utf8_lossy(&told).into_owned())
+}
+
 #[test]
 fn every_link_in_the_documents_leads_somewhere() {
     let mut count = 0;
@@ -139,9 +198,44 @@ fn anchor(line: &str) -> String {
     line.trim_start_matches('#').trim().to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-")
 }
 
+/// Paths of the program that documents name are there.
+#[test]
+fn every_path_in_the_documents_is_there() {
+    let folders = ["src/", "methods/", "cases/", "plots/", "tests/", "benches/", "docs/"];
+    for (path, text) in documents().into_iter().filter(|(path, _)| !path.ends_with("CHANGELOG.md")) {
+        for name in quoted(&text).into_iter().filter(|name| folders.iter().any(|folder| name.starts_with(folder))) {
+            // Names with a blank for one of many stand for themselves.
+            let is_one = !name.contains(|c: char| c.is_ascii_uppercase() || c == '*' || c == ' ');
+            assert!(!is_one || name.contains("gauss") || root().join(name).exists(), "{}: {name}", path.display());
+        }
+    }
+}
+
+/// Seams have the functions that the architecture says.
+#[test]
+fn seams_are_as_the_architecture_says() {
+    let text = read(&root().join("docs/architecture.md"));
+    let blocks = blocks(&text, "rust seam").concat();
+    let mut count = 0;
+    for line in blocks.lines() {
+        let (name, functions) = line.split_once(" { ").expect("a trait and its functions");
+        let declared = format!("pub {name}");
+        let is_here =
+            |source: &String| source.contains(&format!("{declared}:")) || source.contains(&format!("{declared} "));
+        let files = quoted(&text).into_iter().filter(|name| name.ends_with(".rs")).map(|name| read(&root().join(name)));
+        let source = files.into_iter().find(is_here).unwrap_or_else(|| unreachable!("{name} stands in no file named"));
+        let body = source.split_once(&declared).map_or("", |(_, rest)| rest.split("\n}").next().unwrap_or_default());
+        let found: Vec<&str> =
+            body.split("\n    fn ").skip(1).filter_map(|rest| rest.split(['(', '<']).next()).collect();
+        assert_eq!(found.join(", "), functions.trim_end_matches(" }"), "{name}");
+        count += 1;
+    }
+    assert!(count > 5, "{count}");
+}
+
 #[test]
 fn every_method_is_in_the_readme_and_its_keys_are_in_the_guide() {
-    let (readme, guide) = (read(&root().join("README.md")), read(&root().join("docs/guide.md")));
+    let (readme, guide) = (read(&root().join("README.md")), guide());
     let (in_readme, in_guide) = (quoted(&readme), quoted(&guide));
     // The record's names of settings that are not keys of the file.
     let derived = ["normalisation", "step", "spacing"];
@@ -159,7 +253,7 @@ fn every_method_is_in_the_readme_and_its_keys_are_in_the_guide() {
 /// A key that a section asks for stands in quotes as `("spacing", "m")` or after a call that reads it.
 #[test]
 fn every_key_that_the_reader_asks_for_is_in_the_guide() {
-    let guide = read(&root().join("docs/guide.md"));
+    let guide = guide();
     let words: BTreeSet<&str> = quoted(&guide)
         .into_iter()
         .chain(blocks(&guide, "toml"))
@@ -242,8 +336,8 @@ fn keys(text: &str) -> Vec<(&str, Option<&str>)> {
 /// Files that count lists from 0 and name the second ring mean the first now, which no message can tell: the guide and the changes do.
 #[test]
 fn what_older_files_mean_now_is_told() {
-    for name in ["docs/guide.md", "CHANGELOG.md"] {
-        let text = read(&root().join(name)).split_whitespace().collect::<Vec<_>>().join(" ");
+    for (name, text) in [("the guide", guide()), ("CHANGELOG.md", read(&root().join("CHANGELOG.md")))] {
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
         let told = "`pipes.1.KEY` was a key of the second ring and is now one of the first";
         assert!(text.contains(told), "{name}");
     }

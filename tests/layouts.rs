@@ -498,7 +498,7 @@ fn bundled_studies_and_those_of_the_guide_are_good() {
         let read = frazil::layout::read::study(study.name, &[]).unwrap_or_else(|error| unreachable!("{error}"));
         assert!(!read.layouts.is_empty());
     }
-    let guide = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/guide.md")).expect("the guide");
+    let guide = crate::documents::guide();
     let folder = tempfile::tempdir().expect("a folder");
     let blocks: Vec<&str> =
         guide.split("```toml study\n").skip(1).filter_map(|rest| rest.split("```").next()).collect();

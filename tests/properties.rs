@@ -147,7 +147,7 @@ fn a_step_that_is_too_long_is_told() {
 fn every_column_is_in_the_guide() {
     let folder = tempfile::tempdir().expect("a folder");
     assert!(properties(folder.path(), &SMALL).status.success());
-    let guide = include_str!("../docs/guide.md");
+    let guide = crate::documents::guide();
     for name in TABLES {
         let text = fs::read_to_string(folder.path().join("out").join(name)).expect("a table");
         for column in text.lines().next().expect("names").split(',') {

@@ -11,7 +11,7 @@
 //!
 //! Either way a rate rises with the potential of every other particle, so the maximum principle holds, and what particles
 //! gain is what walls book. But a known temperature holds over a layer as deep as pairs reach, and not at the wall, so errors
-//! fall with the first power of the reach alone (docs/theory.md).
+//! fall with the first power of the reach alone (docs/theory/walls.md).
 
 use std::collections::BTreeMap;
 

@@ -12,7 +12,7 @@
 //!
 //! Every term is exchanged between two particles, so heat is conserved; weights stay positive, so with a step by the row
 //! sums given here the maximum principle holds as without. On a line the error falls with the square of the spacing, for
-//! every method (docs/theory.md).
+//! every method (docs/theory/heat.md).
 
 use crate::bonds::stencil::Stencil;
 use crate::memory::Held;

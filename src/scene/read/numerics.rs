@@ -23,7 +23,7 @@ const MOST_PARTICLES: f64 = 1e8;
 const WHOLE: f64 = 1e-6;
 
 /// Error of one step where a scene does not say, by integrator: heat in the wrong place over the heat held (see
-/// docs/theory.md for what it costs and gives).
+/// docs/theory/time.md for what it costs and gives).
 const RKL2_TOLERANCE: f64 = 1e-2;
 const IMPLICIT_TOLERANCE: f64 = 1e-3;
 

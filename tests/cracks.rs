@@ -205,8 +205,8 @@ fn errors(result: &RunResult, exact: f64) -> [f64; 2] {
     let rows = &result.budget[result.budget.len() - 2..];
     let span = rows[1].time_s - rows[0].time_s;
     let rate = |name: &str| {
-        let door = result.budget_names.iter().position(|door| door == name).expect("a wall");
-        (rows[1].in_j[door] - rows[0].in_j[door]) / span
+        let patch = result.budget_names.iter().position(|patch| patch == name).expect("a wall");
+        (rows[1].in_j[patch] - rows[0].in_j[patch]) / span
     };
     [rate("top") / (10.0 * exact) - 1.0, rate("bottom") / (-10.0 * exact) - 1.0]
 }

@@ -95,9 +95,9 @@ fn nothing_is_known_of_a_shaft_before_it_is_dug() {
     for kind in methods() {
         let run = |face: &str| ring(face, Sector::Quarter).with("search = \"tree\"\nstep_s = 600").run(kind);
         let (dug, whole) = (run("condition = \"symmetry\""), run(""));
-        let until = |result: &RunResult, door: &str| through(result, door)[..6].to_vec();
-        for door in ["outer", "pipes"] {
-            assert_eq!(until(&dug, door), until(&whole, door), "{}: {door}", kind.name);
+        let until = |result: &RunResult, patch: &str| through(result, patch)[..6].to_vec();
+        for patch in ["outer", "pipes"] {
+            assert_eq!(until(&dug, patch), until(&whole, patch), "{}: {patch}", kind.name);
         }
         assert_eq!(until(&dug, "shaft"), [0.0; 6], "{}", kind.name);
         // What is dug out counts no more.
@@ -138,7 +138,7 @@ fn a_dug_shaft_keeps_heat_and_range_under_all_steps() {
                     kind.name
                 );
                 let images = sector.images() as f64;
-                ["pipes", "shaft"].map(|door| images * *through(&result, door).last().expect("rows"))
+                ["pipes", "shaft"].map(|patch| images * *through(&result, patch).last().expect("rows"))
             };
             let euler = taken(Sector::Quarter, "step_s = 600");
             for (sector, numerics, allowed) in [

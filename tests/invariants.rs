@@ -652,9 +652,9 @@ fn the_lattice_and_every_list_take_the_same_steps() {
                     let name = format!("{} {domain:?} {law} {search}", kind.name);
                     assert!(worst <= bound, "{name}: {worst:e} J/m3, rounding explains {bound:e}");
                     for (own, other) in auto.method.ledger().heat().iter().zip(list.method.ledger().heat()) {
-                        // Doors are sums over particles: their rounding is that of all of them.
+                        // Patches are sums over particles: their rounding is that of all of them.
                         let bound = bound * auto.particles.volumes.of(0) * auto.particles.len() as f64;
-                        assert!((own - other).abs() <= bound, "{name}: {own} and {other} J through a door");
+                        assert!((own - other).abs() <= bound, "{name}: {own} and {other} J through a patch");
                     }
                 }
             }

@@ -266,12 +266,12 @@ fn surfaces_tell_the_heat_of_the_walls() {
             let places = if axis == "r_m" { [0.2, 0.23, 0.105] } else { [0.1, 0.13, 0.02] };
             sketch.watch = places.map(|at| format!("[[watch.surfaces]]\n{axis} = {at}\n")).concat();
             let result = sketch.run(kind);
-            let door = result.budget_names.iter().position(|name| name == walls[0]).expect("the wall");
+            let patch = result.budget_names.iter().position(|name| name == walls[0]).expect("the wall");
             let last = result.budget.last().expect("a row");
             let stored: f64 = result.budget[0].in_j.iter().sum();
             assert!(stored.is_finite());
             assert_eq!(result.surfaces.len(), places.len());
-            let total = last.in_j[door];
+            let total = last.in_j[patch];
             assert!(total > 0.0);
             let heats: Vec<f64> = result.surfaces.iter().map(|row| row.heat_w).collect();
             for heat in &heats {

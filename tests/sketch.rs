@@ -205,9 +205,9 @@ pub fn even() -> impl Iterator<Item = &'static MethodKind> {
     methods().iter().copied().filter(|kind| !kind.stochastic)
 }
 
-/// Heat through a door (J/m), output by output, for the part that was run.
-pub fn through(result: &RunResult, door: &str) -> Vec<f64> {
-    let column = result.budget_names.iter().position(|name| name == door).expect("a door");
+/// Heat through a patch (J/m), output by output, for the part that was run.
+pub fn through(result: &RunResult, patch: &str) -> Vec<f64> {
+    let column = result.budget_names.iter().position(|name| name == patch).expect("a patch");
     result.budget.iter().map(|row| row.in_j[column]).collect()
 }
 

@@ -379,8 +379,8 @@ fn apart(own: &RunResult, other: &RunResult, placing: &Placing, range: f64) -> L
     let heat = own.budget.iter().map(|row| most(&row.in_j)).fold(0.0, f64::max);
     for (k, name) in own.budget_names.iter().enumerate() {
         let wall = ["left", "right", "bottom", "top"].contains(&name.as_str());
-        let door = if wall { placing.wall(name) } else { name };
-        let at = other.budget_names.iter().position(|name| name == door).expect("a door");
+        let patch = if wall { placing.wall(name) } else { name };
+        let at = other.budget_names.iter().position(|name| name == patch).expect("a patch");
         for (row, found) in own.budget.iter().zip(&other.budget) {
             largest.take(|| format!("heat through {name}, {}", row.time_s), row.in_j[k], found.in_j[at], heat);
         }

@@ -6,13 +6,13 @@
 //! ([`crate::fluid::walls`]); what drifts into them is sent back the way it came. Opposite sides that are both planes of
 //! symmetry are joined to a period instead.
 
-mod doors;
 mod drive;
 mod ground;
 mod limit;
 mod liquid;
 mod map;
 mod method;
+mod patches;
 mod place;
 mod refusals;
 mod settings;
@@ -28,12 +28,12 @@ use glam::DVec2;
 use rayon::ThreadPool;
 
 use crate::fluid::{Exponent, Fluid, Particle, Walls};
-use doors::Doors;
 use drive::{Confined, Driven};
 use ground::Ground;
 use liquid::Liquid;
 use map::Map;
 use method::Moving;
+use patches::WallPatches;
 use place::{Placed, fill};
 
 pub use settings::{Motion, read};
@@ -67,8 +67,8 @@ pub fn build(
     }
     let per_heat = ground.per_heat();
     let enthalpy = particles[..count].iter().map(|particle| particle.heat * per_heat).collect();
-    let doors = Doors::of(scene, &body, &map, &mut behind);
-    let walls = Walls::new(count as u32, behind, doors.names.len());
+    let patches = WallPatches::of(scene, &body, &map, &mut behind);
+    let walls = Walls::new(count as u32, behind, patches.names.len());
     let walls = body.walled.contains(&true).then_some(walls);
     let shut = scene.stream.as_ref().map(|_| 0);
     let fluid = Fluid::assembled(liquid.parameters, lengths, ground, particles, walls, shut, seed, pool)?;
@@ -76,10 +76,10 @@ pub fn build(
     let confined = Confined(body);
     let (joule, bound) = (per_heat * liquid.volume, liquid.bound);
     let method: Box<dyn Method> = match &scene.stream {
-        None => Box::new(Moving::new(fluid, confined, map, &doors, joule, bound)),
+        None => Box::new(Moving::new(fluid, confined, map, &patches, joule, bound)),
         Some(stream) => {
             let driven = Driven::of(stream, confined, &map, fluid.matter(), count as u32);
-            Box::new(Moving::new(fluid, driven, map, &doors, joule, bound))
+            Box::new(Moving::new(fluid, driven, map, &patches, joule, bound))
         }
     };
     Ok(Crowd { thermal: liquid.thermal, enthalpy, volume: liquid.volume, differences, method })

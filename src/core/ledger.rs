@@ -1,4 +1,4 @@
-//! Heat that has come into the body, by door: each wall, each pipe.
+//! Heat that has come into the body, by patch: each wall, each pipe.
 
 /// A sum that keeps its rounding error (Neumaier's variant of Kahan summation).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -73,12 +73,12 @@ impl Hermite {
     }
 }
 
-/// Whether a door is a ring of pipes, by its name: `pipes`, or `pipes_2` of several. Others may come after them.
+/// Whether a patch is a ring of pipes, by its name: `pipes`, or `pipes_2` of several. Others may come after them.
 pub fn is_ring(name: &str) -> bool {
     name == "pipes" || name.starts_with("pipes_")
 }
 
-/// Heat in through each door (J per metre of each missing dimension).
+/// Heat in through each patch (J per metre of each missing dimension).
 #[derive(Debug, Clone, Default)]
 pub struct Ledger {
     names: Vec<String>,
@@ -87,17 +87,17 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// A ledger with these doors.
+    /// A ledger with these patches.
     pub fn new(names: Vec<String>) -> Self {
         let count = names.len();
         Ledger { names, heat: vec![Sum::default(); count], rate: vec![0.0; count] }
     }
 
-    /// Books `heat` (J) through a door over a step of `step` seconds.
+    /// Books `heat` (J) through a patch over a step of `step` seconds.
     #[inline]
-    pub fn book(&mut self, door: usize, heat: f64, step: f64) {
-        self.heat[door].add(heat);
-        self.rate[door] = heat / step;
+    pub fn book(&mut self, patch: usize, heat: f64, step: f64) {
+        self.heat[patch].add(heat);
+        self.rate[patch] = heat / step;
     }
 
     /// The ledger at `share` of the last step, which brought `heat` (J) over `step` seconds at rates (W) that went from
@@ -106,22 +106,22 @@ impl Ledger {
         let cubic = Hermite::at(share);
         let slope = Hermite::slope_at(share);
         let mut ledger = self.clone();
-        for door in 0..self.names.len() {
-            let (first, last) = (step * first[door], step * last[door]);
+        for patch in 0..self.names.len() {
+            let (first, last) = (step * first[patch], step * last[patch]);
             // Counted from the end of the step, to which the ledger has come.
-            let since = cubic.first * first + cubic.last * last - cubic.start * heat[door];
-            ledger.heat[door].add(since);
-            ledger.rate[door] = (slope.first * first + slope.last * last - slope.start * heat[door]) / step;
+            let since = cubic.first * first + cubic.last * last - cubic.start * heat[patch];
+            ledger.heat[patch].add(since);
+            ledger.rate[patch] = (slope.first * first + slope.last * last - slope.start * heat[patch]) / step;
         }
         ledger
     }
 
-    /// Names of the doors.
+    /// Names of the patches.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Heat in so far, by door (J).
+    /// Heat in so far, by patch (J).
     pub fn heat(&self) -> Vec<f64> {
         self.heat.iter().map(Sum::value).collect()
     }
@@ -131,7 +131,7 @@ impl Ledger {
         self.names.iter().zip(&self.rate).filter(|(name, _)| is_ring(name)).map(|(_, rate)| *rate)
     }
 
-    /// Rate of the latest step, by door (W).
+    /// Rate of the latest step, by patch (W).
     pub fn rate(&self) -> &[f64] {
         &self.rate
     }

@@ -289,11 +289,11 @@ impl Series {
             let rows = kept.planes.iter().filter(|row| row.plane == name);
             rows.filter_map(|row| Some((row.time_s, value(row)?))).collect()
         };
-        // Columns are named after doors: walls, pipes or pipes_2, perhaps what is inside.
+        // Columns are named after patches: walls, pipes or pipes_2, perhaps what is inside.
         let entered = |name: &str, sign: f64| {
-            let doors: Vec<usize> =
+            let patches: Vec<usize> =
                 (0..kept.budget_names.len()).filter(|k| kept.budget_names[*k].starts_with(name)).collect();
-            let sum = |row: &BudgetRow| sign * images * doors.iter().filter_map(|k| row.in_j.get(*k)).sum::<f64>();
+            let sum = |row: &BudgetRow| sign * images * patches.iter().filter_map(|k| row.in_j.get(*k)).sum::<f64>();
             kept.budget.iter().map(|row| (row.time_s, sum(row))).collect()
         };
         // At the same instants, in the same order.

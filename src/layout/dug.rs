@@ -45,10 +45,10 @@ pub(super) fn row<'a>(one: &'a Found<'_>) -> Option<DugRow<'a>> {
     let after = |row: &&WallRow| row.time_s > shaft.start;
     let thin = |a: &&WallRow, b: &&WallRow| thickness(a).total_cmp(&thickness(b));
     let least = kept.walls.iter().filter(after).min_by(thin)?;
-    let door = kept.budget_names.iter().position(|name| name == "shaft")?;
+    let patch = kept.budget_names.iter().position(|name| name == "shaft")?;
     let images = sector.images() as f64;
     let [.., before, last] = &kept.budget[..] else { return None };
-    let rate = images * (last.in_j[door] - before.in_j[door]) / (last.time_s - before.time_s.max(shaft.start));
+    let rate = images * (last.in_j[patch] - before.in_j[patch]) / (last.time_s - before.time_s.max(shaft.start));
     Some(DugRow {
         layout: &one.layout.name,
         radius_m: shaft.radius,
@@ -63,7 +63,7 @@ pub(super) fn row<'a>(one: &'a Found<'_>) -> Option<DugRow<'a>> {
         inner_end_m: one.fine.days.last().and_then(|day| day.weakest_m).map(|ends| ends.0),
         face_w_per_m2: rate / (std::f64::consts::TAU * shaft.radius),
         face_w_per_m: rate,
-        face_mj_per_m: 1e-6 * images * last.in_j[door],
+        face_mj_per_m: 1e-6 * images * last.in_j[patch],
     })
 }
 

@@ -18,7 +18,7 @@ pub struct OneWay {
     watches: bool,
     /// Extreme of the frozen volume so far, in its one direction, and its greatest value.
     furthest: Option<(f64, f64)>,
-    /// Strongest flow through any door so far (W).
+    /// Strongest flow through any patch so far (W).
     strongest: f64,
     setback: f64,
 }
@@ -40,7 +40,7 @@ impl OneWay {
         OneWay { frozen, grain, rings, watches, furthest: None, strongest: 0.0, setback: 0.0 }
     }
 
-    /// Takes note of the frozen volume and of the flow into the body (W) through each door, and through each ring of pipes.
+    /// Takes note of the frozen volume and of the flow into the body (W) through each patch, and through each ring of pipes.
     pub fn look(&mut self, frozen: f64, flows: &[f64], pipes: impl Iterator<Item = f64>) {
         if let Some(sign) = self.frozen {
             let (furthest, greatest) = self.furthest.unwrap_or((frozen, 0.0));
@@ -60,7 +60,7 @@ impl OneWay {
     }
 
     /// The furthest way back: of the frozen volume, but for one particle, over its greatest; of the flow through pipes
-    /// over the strongest through any door. Absent where the data make no rule.
+    /// over the strongest through any patch. Absent where the data make no rule.
     pub fn setback(&self) -> Option<f64> {
         self.watches.then_some(self.setback)
     }

@@ -41,7 +41,12 @@ impl Parts<'_> {
     }
 
     fn open_walls(&self) -> Vec<&str> {
-        self.boundary.doors.iter().filter(|door| door.lets_heat_through()).map(|door| door.name.as_str()).collect()
+        self.boundary
+            .patches
+            .iter()
+            .filter(|patch| patch.lets_heat_through())
+            .map(|patch| patch.name.as_str())
+            .collect()
     }
 
     /// Numbers that every particle carries.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use frazil_core::boundary::condition::Condition;
-use frazil_core::boundary::patch::{Boundary, Door, Dug, FACE, Side, WallTemperature};
+use frazil_core::boundary::patch::{Boundary, Dug, FACE, Patch, Side, WallTemperature};
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_scene::Scene;
@@ -23,13 +23,13 @@ pub fn boundary(
     let parts = scene.wall_parts.iter().enumerate();
     let parts = parts.map(|(k, part)| (part.wall, format!("{}_part_{}", part.wall, k + 1), &part.condition));
     let face = scene.excavation.iter().map(|shaft| (FACE, FACE.to_owned(), &shaft.condition));
-    let doors: Vec<Door> = whole
+    let patches: Vec<Patch> = whole
         .chain(parts)
         .chain(face)
         .map(|(wall, name, condition)| {
             let at_end = matches!(wall, "right" | "top");
             let distance = if at_end == cold_at_end { 0.0 } else { axis_length };
-            Door {
+            Patch {
                 name,
                 condition: condition.clone(),
                 layers: matches!(model, WallModel::Naive | WallModel::InnerLayers),
@@ -46,20 +46,20 @@ pub fn boundary(
             }
         })
         .collect();
-    for door in &doors {
-        if door.condition == Condition::Exact && door.exact.as_ref().and_then(|exact| exact(1.0)).is_none() {
-            return Err(format!("wall `{}` asks for the exact solution, but this scene has none", door.name));
+    for patch in &patches {
+        if patch.condition == Condition::Exact && patch.exact.as_ref().and_then(|exact| exact(1.0)).is_none() {
+            return Err(format!("wall `{}` asks for the exact solution, but this scene has none", patch.name));
         }
     }
-    let named = |name: &str| doors.iter().position(|door| door.name == name).map_or(Side::Mirror, Side::Wall);
+    let named = |name: &str| patches.iter().position(|patch| patch.name == name).map_or(Side::Mirror, Side::Wall);
     let (sides, curved) = match scene.domain {
         Domain::Line { .. } => ([named("left"), named("right"), Side::Mirror, Side::Mirror], None),
         Domain::Rectangle { .. } => ([named("left"), named("right"), named("bottom"), named("top")], None),
         Domain::Ring { outer_radius, sector } => {
             let left = if sector == Sector::Quarter { Side::Mirror } else { Side::Curved };
             let bottom = if sector == Sector::Whole { Side::Curved } else { Side::Mirror };
-            let outer = doors.iter().position(|door| door.name == "outer");
-            ([left, Side::Curved, bottom, Side::Curved], outer.map(|door| (door, outer_radius)))
+            let outer = patches.iter().position(|patch| patch.name == "outer");
+            ([left, Side::Curved, bottom, Side::Curved], outer.map(|patch| (patch, outer_radius)))
         }
         Domain::Radial { inner, .. } | Domain::Axial { inner, .. } if mirrors => {
             let left = if inner > 0.0 { named("inner") } else { Side::Curved };
@@ -70,8 +70,8 @@ pub fn boundary(
     let first = scene.walls.len();
     let parts = scene.wall_parts.iter().enumerate();
     let parts = parts.map(|(k, part)| (part.wall, part.from, part.to, first + k)).collect();
-    let door = scene.walls.len() + scene.wall_parts.len();
-    let dug = scene.excavation.as_ref().map(|shaft| Dug { door, radius: shaft.radius, start: shaft.start });
+    let patch = scene.walls.len() + scene.wall_parts.len();
+    let dug = scene.excavation.as_ref().map(|shaft| Dug { patch, radius: shaft.radius, start: shaft.start });
     let books_all = mirrors && scene.domain.symmetry().is_some();
-    Ok(Boundary { parts, books_all, doors, sides, curved, dug })
+    Ok(Boundary { parts, books_all, patches, sides, curved, dug })
 }

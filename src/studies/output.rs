@@ -162,8 +162,8 @@ fn budget<'a>(names: &'a [String], rows: &'a [BudgetRow]) -> Option<Fill<'a>> {
     }
     Some(Box::new(move |writer| {
         let mut csv = csv::Writer::from_writer(writer);
-        let doors = names.iter().map(|name| format!("in_{name}_j"));
-        let head = ["time_s".into(), "stored_j".into()].into_iter().chain(doors).chain(["balance_rel".into()]);
+        let patches = names.iter().map(|name| format!("in_{name}_j"));
+        let head = ["time_s".into(), "stored_j".into()].into_iter().chain(patches).chain(["balance_rel".into()]);
         csv.write_record(head).map_err(io::Error::other)?;
         for row in rows {
             let numbers = [row.time_s, row.stored_j].into_iter().chain(row.in_j.iter().copied());

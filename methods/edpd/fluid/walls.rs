@@ -29,7 +29,7 @@ pub struct Behind<const D: usize> {
     /// Its mirror image in the body.
     pub image: [f64; D],
     /// The part of the walls that it belongs to.
-    pub door: u32,
+    pub patch: u32,
 }
 
 /// All particles behind walls.
@@ -39,9 +39,9 @@ pub struct Walls<const D: usize> {
     pub first: u32,
     /// By name, from the first on.
     pub behind: Vec<Behind<D>>,
-    /// By door.
+    /// By patch.
     pub faces: Vec<Face>,
-    /// Heat that has come through each door in the last step.
+    /// Heat that has come through each patch in the last step.
     pub received: Vec<f64>,
     /// Where they stand since the last sorting.
     at: Vec<u32>,
@@ -52,12 +52,12 @@ pub struct Walls<const D: usize> {
 }
 
 impl<const D: usize> Walls<D> {
-    /// Walls of these particles, all doors insulated at first.
-    pub fn new(first: u32, behind: Vec<Behind<D>>, doors: usize) -> Self {
+    /// Walls of these particles, all patches insulated at first.
+    pub fn new(first: u32, behind: Vec<Behind<D>>, patches: usize) -> Self {
         Walls {
             first,
-            faces: vec![Face::Insulated; doors],
-            received: vec![0.0; doors],
+            faces: vec![Face::Insulated; patches],
+            received: vec![0.0; patches],
             at: vec![0; behind.len()],
             near: Vec::new(),
             starts: Vec::new(),
@@ -113,7 +113,7 @@ impl<const D: usize> Walls<D> {
             let near = &near[starts[k] as usize..starts[k + 1] as usize];
             let fitted =
                 fit(&behind[k].image, grid, near, looks, reach, |look| matter.level(look.seen, look.temperature));
-            match (faces[behind[k].door as usize], fitted) {
+            match (faces[behind[k].patch as usize], fitted) {
                 (Face::Insulated, fitted) => fitted.unwrap_or(0.0),
                 (Face::Held(temperature), fitted) => {
                     let wall = matter.level_at(temperature);
@@ -136,7 +136,7 @@ impl<const D: usize> Walls<D> {
     pub fn collect(&mut self, particles: &mut [Particle<D>]) {
         self.received.fill(0.0);
         for (i, behind) in self.at.iter().zip(&self.behind) {
-            self.received[behind.door as usize] += std::mem::take(&mut particles[*i as usize].heat);
+            self.received[behind.patch as usize] += std::mem::take(&mut particles[*i as usize].heat);
         }
     }
 }

@@ -10,9 +10,9 @@ use frazil_core::solvers::step::{Bound, Clock, StepError};
 use frazil_record::Work;
 use glam::DVec2;
 
-use super::doors::Doors;
 use super::ground::Ground;
 use super::map::Map;
+use super::patches::WallPatches;
 use crate::fluid::{Drive, Face, Fluid};
 
 /// A scene whose liquid particles move.
@@ -20,10 +20,10 @@ pub struct Moving<W: Drive<2>> {
     fluid: Fluid<2, Ground>,
     drive: W,
     map: Map,
-    /// Temperature of each door over time; none where it is insulated.
-    doors: Vec<Option<Series>>,
+    /// Temperature of each patch over time; none where it is insulated.
+    patches: Vec<Option<Series>>,
     ledger: Ledger,
-    /// Door of the ledger for what motion turns into heat, and its energy so far turned.
+    /// Patch of the ledger for what motion turns into heat, and its energy so far turned.
     motion: (usize, f64),
     /// Heat that the drive had brought when last booked.
     driven: f64,
@@ -36,17 +36,17 @@ pub struct Moving<W: Drive<2>> {
 }
 
 impl<W: Drive<2>> Moving<W> {
-    /// A fluid in the units of `map` that a drive acts on, behind doors; `joule` is the enthalpy (J by metre of each missing
+    /// A fluid in the units of `map` that a drive acts on, behind patches; `joule` is the enthalpy (J by metre of each missing
     /// dimension) of one unit of heat.
-    pub fn new(fluid: Fluid<2, Ground>, drive: W, map: Map, doors: &Doors, joule: f64, bound: Bound) -> Self {
-        let names = doors.names.iter().cloned().chain(["motion".to_owned()]).collect();
+    pub fn new(fluid: Fluid<2, Ground>, drive: W, map: Map, patches: &WallPatches, joule: f64, bound: Bound) -> Self {
+        let names = patches.names.iter().cloned().chain(["motion".to_owned()]).collect();
         let mut method = Moving {
             fluid,
             drive,
             map,
-            doors: doors.temperatures.clone(),
+            patches: patches.temperatures.clone(),
             ledger: Ledger::new(names),
-            motion: (doors.names.len(), 0.0),
+            motion: (patches.names.len(), 0.0),
             driven: 0.0,
             times: (0.0, 0.0),
             joule,
@@ -75,15 +75,15 @@ impl<W: Drive<2> + Send> Method for Moving<W> {
 
     fn advance(&mut self, _particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
         let now = clock.time + clock.step;
-        for (face, door) in self.fluid.faces().iter_mut().zip(&self.doors) {
-            if let Some(series) = door {
+        for (face, patch) in self.fluid.faces().iter_mut().zip(&self.patches) {
+            if let Some(series) = patch {
                 *face = Face::Held((series.at(now) - self.map.zero) / self.map.degree);
             }
         }
         self.fluid.advance_by(clock.step / self.map.time, &self.drive).map_err(|reason| StepError { reason })?;
         if let Some(walls) = self.fluid.walls() {
-            for (door, received) in walls.received.iter().enumerate() {
-                self.ledger.book(door, -received * self.joule, clock.step);
+            for (patch, received) in walls.received.iter().enumerate() {
+                self.ledger.book(patch, -received * self.joule, clock.step);
             }
         }
         self.times.1 = now;
@@ -111,9 +111,9 @@ impl<W: Drive<2> + Send> Method for Moving<W> {
         let unheated = self.unheated();
         let step = self.times.1 - self.times.0;
         if step > 0.0 {
-            let (door, before) = self.motion;
+            let (patch, before) = self.motion;
             let brought = self.fluid.driven - self.driven;
-            self.ledger.book(door, (before - unheated + brought) * self.joule, step);
+            self.ledger.book(patch, (before - unheated + brought) * self.joule, step);
             self.driven = self.fluid.driven;
             self.times.0 = self.times.1;
         }
@@ -129,7 +129,7 @@ impl<W: Drive<2> + Send> Method for Moving<W> {
     }
 
     fn held(&self) -> usize {
-        self.fluid.held() + self.doors.len() * size_of::<Option<Series>>()
+        self.fluid.held() + self.patches.len() * size_of::<Option<Series>>()
     }
 
     fn work(&self) -> Work {

@@ -44,7 +44,7 @@ pub fn wall(axis: usize, at_end: bool) -> usize {
     2 * axis + usize::from(at_end)
 }
 
-/// Fills a body, at a temperature. Doors of particles behind walls are the numbers of the walls.
+/// Fills a body, at a temperature. WallPatches of particles behind walls are the numbers of the walls.
 pub fn fill(
     body: &Body,
     parameters: &Parameters,
@@ -72,7 +72,7 @@ pub fn fill(
         particle.force = [0.0; 2];
         particle.turns = [0; 2];
         // How far beyond its wall, by direction, and the mirror image.
-        let (mut deepest, mut door) = (0.0, 0);
+        let (mut deepest, mut patch) = (0.0, 0);
         let mut image = particle.position;
         for axis in 0..2 {
             particle.position[axis] = particle.position[axis].rem_euclid(lengths[axis]) - margin[axis];
@@ -86,7 +86,7 @@ pub fn fill(
                 image[axis] = if below > 0.0 { below } else { body.lengths[axis] - above };
                 if below.max(above) > deepest {
                     deepest = below.max(above);
-                    door = wall(axis, above > 0.0);
+                    patch = wall(axis, above > 0.0);
                 }
             }
         }
@@ -94,7 +94,7 @@ pub fn fill(
             particle.velocity = [0.0; 2];
             particle.mobility = 0.0;
             outside.push(particle);
-            behind.push(Behind { image, door: door as u32 });
+            behind.push(Behind { image, patch: patch as u32 });
         } else {
             particles.push(particle);
         }

@@ -101,7 +101,7 @@ pub struct FlowMethod {
     water: WaterLedger,
     rate: Vec<f64>,
     start: Vec<f64>,
-    doors: [Vec<f64>; 2],
+    patches: [Vec<f64>; 2],
     beside: Vec<(u32, f64)>,
     opening_temperatures: Vec<Option<f64>>,
     own_bound: Bound,
@@ -202,19 +202,19 @@ impl FlowMethod {
         self.bound = Bound { step, cause };
     }
 
-    /// The temperature that a pressure wall holds, as its door was seen last.
+    /// The temperature that a pressure wall holds, as its patch was seen last.
     fn wall_temperature(&self, wall: usize) -> Option<f64> {
-        match self.faces[self.network.doors[wall]] {
+        match self.faces[self.network.patches[wall]] {
             Face::Odd { temperature, .. } | Face::Held { temperature, .. } => Some(temperature),
             Face::Even | Face::Flux(_) | Face::Film { .. } => None,
         }
     }
 
-    /// Rates at a state and time, for a step of this length; `doors` takes the heat that comes in (W).
+    /// Rates at a state and time, for a step of this length; `patches` takes the heat that comes in (W).
     fn rates(&mut self, enthalpy: &[f64], clock: &Clock, stage: usize) {
-        let mut doors = std::mem::take(&mut self.doors[stage]);
-        let walls = doors.len() - 1;
-        self.operator.rate(enthalpy, clock.time, &mut self.rate, &mut doors[..walls]);
+        let mut patches = std::mem::take(&mut self.patches[stage]);
+        let walls = patches.len() - 1;
+        self.operator.rate(enthalpy, clock.time, &mut self.rate, &mut patches[..walls]);
         if let Some(bend) = &self.bend {
             self.carrier.conducted(&self.rate, bend.kappa);
         }
@@ -222,7 +222,7 @@ impl FlowMethod {
         let first = &self.materials.thermals[0];
         self.boundary.update_faces(&mut self.faces, clock.time, &first.curve, first.initial_potential);
         self.beside.clear();
-        let held = |door: u8| match self.faces[door as usize] {
+        let held = |patch: u8| match self.faces[patch as usize] {
             Face::Odd { temperature, .. } | Face::Held { temperature, .. } => Some(temperature),
             Face::Film { ambient, .. } => Some(ambient),
             Face::Even | Face::Flux(_) => None,
@@ -232,7 +232,7 @@ impl FlowMethod {
             std::array::from_fn(|wall| if wall < self.walls.len() { self.wall_temperature(wall) } else { None });
         let of_opening = |opening: &network::Opening| wall_temperatures[opening.wall as usize];
         self.opening_temperatures.extend(self.network.openings.iter().map(of_opening));
-        self.beside.extend(self.network.beside.iter().filter_map(|(i, door)| Some((*i, held(*door)?))));
+        self.beside.extend(self.network.beside.iter().filter_map(|(i, patch)| Some((*i, held(*patch)?))));
         // Heat in water counts from the freezing point.
         let zero = first.curve.freezing_point();
         for mouth in &self.carrier.mouths {
@@ -242,11 +242,11 @@ impl FlowMethod {
             let entering = wall.unwrap_or(own);
             self.rate[i] += self.capacity * mouth.inflow * (entering - own);
             let carried = mouth.inflow * (entering - zero) - mouth.outflow * (own - zero);
-            doors[self.network.doors[mouth.wall as usize]] += self.volume * self.capacity * carried;
+            patches[self.network.patches[mouth.wall as usize]] += self.volume * self.capacity * carried;
         }
         let (kept, temperature) = (&self.carrier.kept[..enthalpy.len()], &self.temperature[..enthalpy.len()]);
         let kept = diagonals::sum(kept.len(), |i| kept[i] * (temperature[i] - zero));
-        doors[walls] = -self.volume * self.capacity * kept;
+        patches[walls] = -self.volume * self.capacity * kept;
         let materials = &self.materials;
         let enthalpy_at = |particle: usize, temperature: f64| materials.of(particle).enthalpy(temperature);
         let state = State {
@@ -260,12 +260,12 @@ impl FlowMethod {
             pool: self.pool.as_ref(),
         };
         self.carrier.carry(&self.network, &state, &mut self.rate);
-        self.doors[stage] = doors;
+        self.patches[stage] = patches;
     }
 
     fn book(&mut self, step: f64) {
-        for door in 0..self.doors[0].len() {
-            self.ledger.book(door, 0.5 * step * (self.doors[0][door] + self.doors[1][door]), step);
+        for patch in 0..self.patches[0].len() {
+            self.ledger.book(patch, 0.5 * step * (self.patches[0][patch] + self.patches[1][patch]), step);
         }
         let volume = self.volume * step;
         for mouth in &self.carrier.mouths {

@@ -59,8 +59,8 @@ pub struct Contacts {
 /// A curved wall of a body.
 #[derive(Debug, Clone)]
 pub struct Rim {
-    /// Its door.
-    pub door: usize,
+    /// Its patch.
+    pub patch: usize,
     /// From when it is there (s).
     pub from: f64,
     /// Contacts of particles with it.

@@ -15,8 +15,8 @@ pub struct Ghosts {
     /// Position (m).
     pub position: Vec<DVec2>,
     /// Wall that the ghost stands behind, or none for a mirror plane of the domain.
-    pub door: Vec<Option<u8>>,
-    /// Door through which heat to the ghost goes: its own, or for mirrors of ghosts their image's.
+    pub patch: Vec<Option<u8>>,
+    /// Patch through which heat to the ghost goes: its own, or for mirrors of ghosts their image's.
     pub pays: Vec<Option<u8>>,
     /// Depth behind the wall (m).
     pub depth: Vec<f64>,
@@ -37,8 +37,8 @@ pub struct Ghosts {
 /// What a ghost becomes in a layer of one value.
 pub struct Levelled {
     /// Wall by whose condition it follows its images, or none where it is as they are.
-    pub door: Option<u8>,
-    /// Door through which heat to it goes.
+    pub patch: Option<u8>,
+    /// Patch through which heat to it goes.
     pub pays: u8,
     /// Particles, or an earlier ghost, with their shares.
     pub images: Vec<(u32, f64)>,
@@ -50,11 +50,11 @@ pub struct Levelled {
 
 impl Held for Ghosts {
     fn held(&self) -> usize {
-        // Doors are a byte and whether there is one.
-        let doors = (self.door.capacity() + self.pays.capacity()) * size_of::<Option<u8>>();
+        // Patches are a byte and whether there is one.
+        let patches = (self.patch.capacity() + self.pays.capacity()) * size_of::<Option<u8>>();
         let names = self.material.held() + self.model.held() + self.identity.held() + self.stream.held();
         let numbers = self.depth.held() + self.share.held();
-        self.position.held() + doors + numbers + names + self.starts.held() + self.images.held()
+        self.position.held() + patches + numbers + names + self.starts.held() + self.images.held()
     }
 }
 
@@ -73,7 +73,7 @@ impl Ghosts {
                 None => images.extend_from_slice(&self.images[self.images_of(ghost)]),
                 Some(new) => {
                     images.extend(new.images);
-                    self.door[ghost] = new.door;
+                    self.patch[ghost] = new.patch;
                     self.pays[ghost] = Some(new.pays);
                     self.depth[ghost] = new.depth;
                     self.model[ghost] = new.model;
@@ -84,12 +84,12 @@ impl Ghosts {
         (self.images, self.starts) = (images, starts);
     }
 
-    /// Adds a ghost at a place behind a door that holds the wall's own value, in place of the particle `model` of `count`.
-    pub fn hold(&mut self, count: usize, model: u32, place: DVec2, door: u8) {
+    /// Adds a ghost at a place behind a patch that holds the wall's own value, in place of the particle `model` of `count`.
+    pub fn hold(&mut self, count: usize, model: u32, place: DVec2, patch: u8) {
         let number = (count + self.position.len()) as u32;
         self.position.push(place);
-        self.door.push(Some(door));
-        self.pays.push(Some(door));
+        self.patch.push(Some(patch));
+        self.pays.push(Some(patch));
         self.depth.push(0.0);
         self.model.push(model);
         self.identity.push(number);
@@ -103,7 +103,7 @@ impl Ghosts {
     pub fn mirrored(&self, count: usize, faces: &[Face]) -> Vec<Option<(u32, f64)>> {
         let mut mirrored: Vec<Option<(u32, f64)>> = Vec::with_capacity(self.len());
         for ghost in 0..self.len() {
-            let sign = -self.door[ghost].map_or(-1.0, |door| faces[door as usize].stiffness());
+            let sign = -self.patch[ghost].map_or(-1.0, |patch| faces[patch as usize].stiffness());
             let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
             mirrored.push(match images {
                 [(image, 1.0)] => match (*image as usize).checked_sub(count) {
@@ -142,7 +142,7 @@ impl Ghosts {
 
     /// How strongly a fitted ghost falls when a particle rises, by the particle's share in the fit.
     pub fn own_share(&self, ghost: usize, particle: u32, faces: &[Face]) -> f64 {
-        let stiffness = self.door[ghost].map_or(-1.0, |door| faces[door as usize].stiffness());
+        let stiffness = self.patch[ghost].map_or(-1.0, |patch| faces[patch as usize].stiffness());
         let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
         stiffness * images.iter().filter(|image| image.0 == particle).map(|image| image.1).sum::<f64>()
     }
@@ -152,11 +152,11 @@ impl Ghosts {
         let count = potentials.len() - self.len();
         for ghost in 0..self.len() {
             let (image, depth) = (self.image(ghost, potentials), self.depth[ghost]);
-            potentials[count + ghost] = match self.door[ghost] {
+            potentials[count + ghost] = match self.patch[ghost] {
                 None => image,
-                Some(door) => {
+                Some(patch) => {
                     let material = self.material(ghost, materials);
-                    let (thermal, face) = (&materials.thermals[material], &faces[material][door as usize]);
+                    let (thermal, face) = (&materials.thermals[material], &faces[material][patch as usize]);
                     match chains.of_ghost(ghost, &materials.thermals) {
                         None => face.ghost(image, depth, &thermal.curve, thermal.initial_potential),
                         Some(way) => {
@@ -179,12 +179,12 @@ impl Ghosts {
         slopes: &mut Vec<f64>,
     ) {
         slopes.clear();
-        slopes.extend((0..self.len()).map(|ghost| match self.door[ghost] {
+        slopes.extend((0..self.len()).map(|ghost| match self.patch[ghost] {
             None => 1.0,
-            Some(door) => {
+            Some(patch) => {
                 let (image, depth) = (self.image(ghost, potentials), self.depth[ghost]);
                 let material = self.material(ghost, materials);
-                let (thermal, face) = (&materials.thermals[material], &faces[material][door as usize]);
+                let (thermal, face) = (&materials.thermals[material], &faces[material][patch as usize]);
                 match chains.of_ghost(ghost, &materials.thermals) {
                     None => face.ghost_slope(image, depth, &thermal.curve, thermal.initial_potential),
                     Some(way) => {
@@ -233,7 +233,7 @@ impl Ghosts {
             let carried = conductivities[self.model[ghost] as usize];
             let material = self.material(ghost, materials);
             let curve = &materials.thermals[material].curve;
-            let (temperature, conductivity) = match self.door[ghost].map(|door| faces[material][door as usize]) {
+            let (temperature, conductivity) = match self.patch[ghost].map(|patch| faces[material][patch as usize]) {
                 // A mirror conducts as what it mirrors, be that a ghost itself.
                 None | Some(Face::Even) => match &self.images[self.images_of(ghost)] {
                     [(own, 1.0)] => (image, conductivities[*own as usize]),

@@ -13,7 +13,7 @@ use crate::physics::curve::Curve;
 use crate::physics::thermal::Thermal;
 
 /// Walls and parts of walls that a body may have.
-pub const MOST_DOORS: usize = 24;
+pub const MOST_PATCHES: usize = 24;
 
 /// Name of the face of a shaft in the heat balance.
 pub const FACE: &str = "shaft";
@@ -23,7 +23,7 @@ pub type WallTemperature = Arc<dyn Fn(f64) -> Option<f64> + Send + Sync>;
 
 /// A wall that heat may cross.
 #[derive(Clone)]
-pub struct Door {
+pub struct Patch {
     /// Name in the scene; of a part, the wall's and its number.
     pub name: String,
     /// Condition.
@@ -167,7 +167,7 @@ impl Face {
     }
 }
 
-impl Door {
+impl Patch {
     /// The wall at a time, in potentials of the given material curve.
     pub fn face(&self, time: f64, curve: &Curve, initial_potential: f64) -> Face {
         let at = |temperature: f64| {
@@ -208,7 +208,7 @@ impl Door {
 /// One side of the box around a lattice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// A straight wall: index into the doors.
+    /// A straight wall: index into the patches.
     Wall(usize),
     /// A mirror plane of the domain.
     Mirror,
@@ -219,15 +219,15 @@ pub enum Side {
 /// The walls of a body.
 #[derive(Clone)]
 pub struct Boundary {
-    /// Parts of walls: wall, from and to along it (m), and door. Later ones win.
+    /// Parts of walls: wall, from and to along it (m), and patch. Later ones win.
     pub parts: Vec<(&'static str, f64, f64, usize)>,
     /// Whether heat through closed walls is booked: mirrored shells leak, by the papers' shape factors.
     pub books_all: bool,
     /// All walls that the scene names.
-    pub doors: Vec<Door>,
+    pub patches: Vec<Patch>,
     /// Left, right, bottom, top.
     pub sides: [Side; 4],
-    /// The curved outer wall: its door and radius (m).
+    /// The curved outer wall: its patch and radius (m).
     pub curved: Option<(usize, f64)>,
     /// The face of a shaft that is dug.
     pub dug: Option<Dug>,
@@ -236,8 +236,8 @@ pub struct Boundary {
 /// The face of a shaft, from when it is dug on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dug {
-    /// Its door.
-    pub door: usize,
+    /// Its patch.
+    pub patch: usize,
     /// Radius (m).
     pub radius: f64,
     /// When (s).
@@ -250,47 +250,47 @@ impl Boundary {
         !self.parts.is_empty()
     }
 
-    /// The door at a place (m) along a wall, given by the door of the whole wall.
-    pub fn door_at(&self, door: usize, along: f64) -> usize {
-        let name = &self.doors[door].name;
+    /// The patch at a place (m) along a wall, given by the patch of the whole wall.
+    pub fn patch_at(&self, patch: usize, along: f64) -> usize {
+        let name = &self.patches[patch].name;
         let part = self.parts.iter().rev().find(|part| part.0 == name && along >= part.1 && along < part.2);
-        part.map_or(door, |part| part.3)
+        part.map_or(patch, |part| part.3)
     }
 
-    /// The stretches of a wall from one place (m) along it to another, each with its door.
+    /// The stretches of a wall from one place (m) along it to another, each with its patch.
     pub fn stretches(&self, wall: &str, low: f64, high: f64) -> Vec<(f64, f64, usize)> {
-        let Some(whole) = self.doors.iter().position(|door| door.name == wall) else { return Vec::new() };
+        let Some(whole) = self.patches.iter().position(|patch| patch.name == wall) else { return Vec::new() };
         let mut places = vec![low, high];
         let ends = self.parts.iter().filter(|part| part.0 == wall).flat_map(|part| [part.1, part.2]);
         places.extend(ends.filter(|end| *end > low && *end < high));
         places.sort_by(f64::total_cmp);
         places.dedup();
-        let door = |ends: &[f64]| self.door_at(whole, 0.5 * (ends[0] + ends[1]));
-        places.windows(2).map(|ends| (ends[0], ends[1], door(ends))).collect()
+        let patch = |ends: &[f64]| self.patch_at(whole, 0.5 * (ends[0] + ends[1]));
+        places.windows(2).map(|ends| (ends[0], ends[1], patch(ends))).collect()
     }
 
     /// Whether ghosts follow their images in the same way at all states and times.
     pub fn is_linear(&self) -> bool {
-        !self.doors.iter().any(|door| matches!(door.condition, Condition::Convection { .. } | Condition::Exact))
+        !self.patches.iter().any(|patch| matches!(patch.condition, Condition::Convection { .. } | Condition::Exact))
     }
 
     /// Takes the walls as they are from now on, whatever the time.
     pub fn hold_still(&mut self) {
-        for door in &mut self.doors {
-            door.changes = false;
+        for patch in &mut self.patches {
+            patch.changes = false;
         }
     }
 
     /// All walls at time zero.
     pub fn first_faces(&self, curve: &Curve, initial_potential: f64) -> Vec<Face> {
-        self.doors.iter().map(|door| door.face(0.0, curve, initial_potential)).collect()
+        self.patches.iter().map(|patch| patch.face(0.0, curve, initial_potential)).collect()
     }
 
     /// Brings the walls that change to a later time.
     #[inline]
     pub fn update_faces(&self, faces: &mut [Face], time: f64, curve: &Curve, initial_potential: f64) {
-        for (face, door) in faces.iter_mut().zip(&self.doors).filter(|(_, door)| door.changes) {
-            *face = door.face(time, curve, initial_potential);
+        for (face, patch) in faces.iter_mut().zip(&self.patches).filter(|(_, patch)| patch.changes) {
+            *face = patch.face(time, curve, initial_potential);
         }
     }
 }

@@ -40,7 +40,7 @@ pub struct Touch {
     /// The particle.
     pub particle: u32,
     /// The wall, or the part of one.
-    pub door: u8,
+    pub patch: u8,
     /// Depth (m) of the particle behind the wall, as a plane wall would have it.
     pub depth: f64,
     /// Area of the wall by volume of the particle (m^-1).
@@ -281,10 +281,10 @@ fn touches(
     let end = if plane && boundary.has_parts() { Some(WallEnd::new(stencil, spacing)) } else { None };
     let (inner, outer) = domain.radii();
     let mut found = Vec::new();
-    let mut touch = |particle: usize, door: usize, depth: f64, area: f64, (across_y, at_end): (bool, bool)| {
-        if area > 0.0 && boundary.doors[door].lets_heat_through() {
+    let mut touch = |particle: usize, patch: usize, depth: f64, area: f64, (across_y, at_end): (bool, bool)| {
+        if area > 0.0 && boundary.patches[patch].lets_heat_through() {
             let area = area / volumes.of(particle);
-            found.push(Touch { particle: particle as u32, door: door as u8, depth, area, across_y, at_end });
+            found.push(Touch { particle: particle as u32, patch: patch as u8, depth, area, across_y, at_end });
         }
     };
     let top = if plane { rows as f64 * spacing } else { 1.0 };
@@ -294,16 +294,22 @@ fn touches(
         for row in 0..rows {
             let low = row as f64 * spacing;
             let high = if plane { low + spacing } else { 1.0 };
-            for (door, from, to) in covering(&stretches, low, high) {
-                touch(row * columns + column, door, depth, symmetry.area(wall) * (to - from), (false, name == "outer"));
+            for (patch, from, to) in covering(&stretches, low, high) {
+                touch(
+                    row * columns + column,
+                    patch,
+                    depth,
+                    symmetry.area(wall) * (to - from),
+                    (false, name == "outer"),
+                );
             }
         }
     }
     for (name, row) in [("bottom", 0), ("top", rows - 1)] {
         let stretches = stretches(boundary, name, (inner, outer), spacing, end.as_ref());
         for column in 0..columns {
-            for (door, from, to) in covering(&stretches, edge(lattice, column), edge(lattice, column + 1)) {
-                touch(row * columns + column, door, 0.5 * spacing, symmetry.volume(from, to), (true, name == "top"));
+            for (patch, from, to) in covering(&stretches, edge(lattice, column), edge(lattice, column + 1)) {
+                touch(row * columns + column, patch, 0.5 * spacing, symmetry.volume(from, to), (true, name == "top"));
             }
         }
     }
@@ -321,7 +327,7 @@ fn stretches(
     let mut found = boundary.stretches(wall, first, last);
     let Some(end) = end else { return found };
     for k in 1..found.len() {
-        let (before, after) = (&boundary.doors[found[k - 1].2], &boundary.doors[found[k].2]);
+        let (before, after) = (&boundary.patches[found[k - 1].2], &boundary.patches[found[k].2]);
         let place = (found[k].0 - first) / spacing;
         // An edge that is met to rounding is met.
         let whole = if (place - place.round()).abs() < 1e-9 { place.round() } else { place };
@@ -339,9 +345,9 @@ fn stretches(
     found
 }
 
-/// What stretches cover between two places (m): door, from, to.
+/// What stretches cover between two places (m): patch, from, to.
 fn covering(stretches: &[(f64, f64, usize)], low: f64, high: f64) -> impl Iterator<Item = (usize, f64, f64)> {
-    let cut = move |(from, to, door): &(f64, f64, usize)| (*door, from.max(low), to.min(high));
+    let cut = move |(from, to, patch): &(f64, f64, usize)| (*patch, from.max(low), to.min(high));
     stretches.iter().map(cut).filter(|(_, from, to)| to > from)
 }
 

@@ -74,18 +74,18 @@ impl Body<'_> {
         (number(place.x, self.lattice.columns), row)
     }
 
-    /// Door of a side (left or inner, right or outer, bottom, top) beside a particle, if heat crosses it.
-    fn open_door(&self, side: usize, particle: usize) -> Option<usize> {
+    /// Patch of a side (left or inner, right or outer, bottom, top) beside a particle, if heat crosses it.
+    fn open_patch(&self, side: usize, particle: usize) -> Option<usize> {
         let names: [&[&str]; 4] = [&["left", "inner"], &["right", "outer"], &["bottom"], &["top"]];
-        let whole = self.boundary.doors.iter().position(|door| names[side].contains(&door.name.as_str()))?;
+        let whole = self.boundary.patches.iter().position(|patch| names[side].contains(&patch.name.as_str()))?;
         let place = self.positions[particle];
-        let door = self.boundary.door_at(whole, if side < 2 { place.y } else { place.x });
-        self.boundary.doors[door].lets_heat_through().then_some(door)
+        let patch = self.boundary.patch_at(whole, if side < 2 { place.y } else { place.x });
+        self.boundary.patches[patch].lets_heat_through().then_some(patch)
     }
 
-    /// Whether a door lies in a wall across y or z.
-    fn is_across_y(&self, door: usize) -> bool {
-        let name = &self.boundary.doors[door].name;
+    /// Whether a patch lies in a wall across y or z.
+    fn is_across_y(&self, patch: usize) -> bool {
+        let name = &self.boundary.patches[patch].name;
         name.starts_with("bottom") || name.starts_with("top")
     }
 
@@ -142,17 +142,17 @@ struct Group {
 /// mirrors otherwise.
 pub fn level(ghosts: &mut Ghosts, pairs: &PairList, body: &Body<'_>, closed: bool) {
     let count = body.positions.len();
-    let takes = |door: &u8| closed || body.boundary.doors[*door as usize].lets_heat_through();
-    // By door, column or row, and material.
+    let takes = |patch: &u8| closed || body.boundary.patches[*patch as usize].lets_heat_through();
+    // By patch, column or row, and material.
     let mut groups: BTreeMap<(u8, usize, usize), Group> = BTreeMap::new();
     let mut key_of = vec![None; ghosts.len()];
     for ghost in 0..ghosts.len() {
         // At corners the wall that books the heat also has the value.
-        let Some(door) = ghosts.pays[ghost].filter(takes).or(ghosts.door[ghost].filter(takes)) else { continue };
+        let Some(patch) = ghosts.pays[ghost].filter(takes).or(ghosts.patch[ghost].filter(takes)) else { continue };
         let model = ghosts.model[ghost] as usize;
         let (column, row) = body.cell(model);
-        let along = if body.is_across_y(door as usize) { column } else { row };
-        let key = (door, along, body.materials.index(model));
+        let along = if body.is_across_y(patch as usize) { column } else { row };
+        let key = (patch, along, body.materials.index(model));
         groups.entry(key).or_default().members.push(ghost);
         key_of[ghost] = Some(key);
     }
@@ -168,9 +168,9 @@ pub fn level(ghosts: &mut Ghosts, pairs: &PairList, body: &Body<'_>, closed: boo
         }
     }
     let mut levelled: Vec<Option<Levelled>> = (0..ghosts.len()).map(|_| None).collect();
-    for ((door, along, _), Group { members, seen }) in groups {
+    for ((patch, along, _), Group { members, seen }) in groups {
         let Some(first) = members.first().copied() else { continue };
-        let side = side_of(body, door as usize);
+        let side = side_of(body, patch as usize);
         let sum: f64 = seen.values().sum();
         let nearest = |a: &&usize, b: &&usize| {
             let depth = |ghost: usize| body.depth(side, ghosts.model[ghost] as usize);
@@ -185,16 +185,16 @@ pub fn level(ghosts: &mut Ghosts, pairs: &PairList, body: &Body<'_>, closed: boo
         let depth = if sum > 0.0 { 0.5 * body.area(side, along) / sum } else { 0.0 };
         for ghost in &members[1..] {
             let images = vec![((count + first) as u32, 1.0)];
-            levelled[*ghost] = Some(Levelled { door: None, pays: door, images, depth: 0.0, model });
+            levelled[*ghost] = Some(Levelled { patch: None, pays: patch, images, depth: 0.0, model });
         }
-        levelled[first] = Some(Levelled { door: Some(door), pays: door, images, depth, model });
+        levelled[first] = Some(Levelled { patch: Some(patch), pays: patch, images, depth, model });
     }
     ghosts.level(levelled);
 }
 
-/// Side of a door by its name.
-fn side_of(body: &Body<'_>, door: usize) -> usize {
-    match body.boundary.doors[door].name.as_str() {
+/// Side of a patch by its name.
+fn side_of(body: &Body<'_>, patch: usize) -> usize {
+    match body.boundary.patches[patch].name.as_str() {
         name if name.starts_with("left") || name.starts_with("inner") => 0,
         name if name.starts_with("right") || name.starts_with("outer") => 1,
         name if name.starts_with("bottom") => 2,
@@ -220,19 +220,19 @@ impl Layers<'_> {
         }
     }
 
-    /// Sides and doors that are open beside a particle of these layers, the nearest first.
-    fn doors(&self, particle: usize) -> Vec<(usize, usize)> {
+    /// Sides and patches that are open beside a particle of these layers, the nearest first.
+    fn patches(&self, particle: usize) -> Vec<(usize, usize)> {
         let near = (0..4).filter(|side| self.depth(*side, particle) < self.number);
         let mut near: Vec<(usize, usize)> =
-            near.filter_map(|side| Some((side, self.body.open_door(side, particle)?))).collect();
+            near.filter_map(|side| Some((side, self.body.open_patch(side, particle)?))).collect();
         near.sort_by_key(|(side, _)| self.depth(*side, particle));
         near
     }
 
     /// The nearest that hold a particle at a temperature: several in corners, which share it.
     fn holding(&self, particle: usize) -> Vec<(usize, usize)> {
-        let mut near = self.doors(particle);
-        near.retain(|(_, door)| self.body.boundary.doors[*door].is_held());
+        let mut near = self.patches(particle);
+        near.retain(|(_, patch)| self.body.boundary.patches[*patch].is_held());
         let nearest = near.first().map(|(side, _)| self.depth(*side, particle));
         near.retain(|(side, _)| Some(self.depth(*side, particle)) == nearest);
         near
@@ -256,9 +256,9 @@ pub fn inner(pairs: &mut PairList, ghosts: &mut Ghosts, body: &Body<'_>, number:
     // The first of the ghosts that stand for a held particle, one for each of its walls.
     let mut stands_for: Vec<u32> = vec![0; count];
     for i in 0..count {
-        let touch = |(side, door): (usize, usize), depth: f64, area: f64| Touch {
+        let touch = |(side, patch): (usize, usize), depth: f64, area: f64| Touch {
             particle: i as u32,
-            door: door as u8,
+            patch: patch as u8,
             depth,
             area,
             across_y: side >= 2,
@@ -268,15 +268,15 @@ pub fn inner(pairs: &mut PairList, ghosts: &mut Ghosts, body: &Body<'_>, number:
             let stiffness: f64 = pairs.weights[pairs.starts[i]..pairs.starts[i + 1]].iter().sum();
             let depth = 0.5 * body.lattice.spacing;
             stands_for[i] = (count + ghosts.len()) as u32;
-            for (side, door) in &held[i] {
-                touches.push(touch((*side, *door), depth, stiffness * depth / held[i].len() as f64));
+            for (side, patch) in &held[i] {
+                touches.push(touch((*side, *patch), depth, stiffness * depth / held[i].len() as f64));
                 // On the wall: what the others gain of it crosses every surface in between.
-                ghosts.hold(count, i as u32, body.on_wall(*side, i), *door as u8);
+                ghosts.hold(count, i as u32, body.on_wall(*side, i), *patch as u8);
             }
         } else {
-            for (side, door) in layers.doors(i) {
+            for (side, patch) in layers.patches(i) {
                 let area = body.area(side, body.cell(i).0) / (number as f64 * body.volumes.of(i));
-                touches.push(touch((side, door), body.depth(side, i), area));
+                touches.push(touch((side, patch), body.depth(side, i), area));
             }
         }
     }
@@ -294,7 +294,8 @@ fn without(
     stands_for: &[u32],
 ) -> PairList {
     let count = held.len();
-    let is_open = |door: &Option<u8>| door.is_some_and(|door| body.boundary.doors[door as usize].lets_heat_through());
+    let is_open =
+        |patch: &Option<u8>| patch.is_some_and(|patch| body.boundary.patches[patch as usize].lets_heat_through());
     let mut kept = PairList { starts: vec![0], ..PairList::default() };
     for i in 0..count {
         for k in pairs.starts[i]..pairs.starts[i + 1] {
@@ -302,7 +303,7 @@ fn without(
             let particle = match (partner as usize).checked_sub(count) {
                 _ if !held[i].is_empty() => continue,
                 None => partner as usize,
-                Some(ghost) if is_open(&ghosts.pays[ghost]) || is_open(&ghosts.door[ghost]) => continue,
+                Some(ghost) if is_open(&ghosts.pays[ghost]) || is_open(&ghosts.patch[ghost]) => continue,
                 // Mirrors of the wall are the wall.
                 Some(ghost) => ghosts.model[ghost] as usize,
             };

@@ -40,5 +40,5 @@ pub fn face(pairs: &PairList, positions: &[DVec2], ghosts: &Ghosts, materials: &
             contacts.add(i as u32, &near, sum);
         }
     }
-    (Cuts::at(events), Rim { door: dug.door, from: dug.start, contacts })
+    (Cuts::at(events), Rim { patch: dug.patch, from: dug.start, contacts })
 }

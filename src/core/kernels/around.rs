@@ -27,13 +27,13 @@ pub(super) struct Around<L> {
     pub(super) exterior: Option<Exterior>,
     /// Weight with which all particles of a row together reach the ghosts of a column wall: by row offset and layer, and
     /// last the sums over rows.
-    pub(super) door_weights: Vec<f64>,
+    pub(super) patch_weights: Vec<f64>,
     /// Weight with which a particle of a row reaches all ghosts of a column wall: by its distance from the wall.
-    pub(super) door_own: Vec<f64>,
+    pub(super) patch_own: Vec<f64>,
 }
 
-/// [`Around::door_weights`] and [`Around::door_own`] of a stencil on rows of `columns` particles.
-pub(super) fn door_weights(stencil: &Stencil, shape: Shape, columns: usize) -> (Vec<f64>, Vec<f64>) {
+/// [`Around::patch_weights`] and [`Around::patch_own`] of a stencil on rows of `columns` particles.
+pub(super) fn patch_weights(stencil: &Stencil, shape: Shape, columns: usize) -> (Vec<f64>, Vec<f64>) {
     let (reach, rows) = (shape.reach, 2 * shape.reach_rows + 1);
     let cells = reach.min(columns);
     let mut weights = vec![0.0; rows * reach];
@@ -55,7 +55,7 @@ pub(super) fn door_weights(stencil: &Stencil, shape: Shape, columns: usize) -> (
 impl<L: PotentialLaw> Around<L> {
     pub(super) fn face(&self, side: usize) -> Face {
         match self.sides[side] {
-            Side::Wall(door) => self.faces[door],
+            Side::Wall(patch) => self.faces[patch],
             Side::Mirror | Side::Curved => Face::Even,
         }
     }
@@ -203,7 +203,7 @@ impl<L: PotentialLaw> Surroundings for Around<L> {
         self.columns(row + self.shape.reach_rows, potentials);
     }
 
-    fn doors(&self, row: usize, rows: &[&[f64]]) -> [f64; 4] {
+    fn patches(&self, row: usize, rows: &[&[f64]]) -> [f64; 4] {
         let (reach, reach_rows) = (self.shape.reach, self.shape.reach_rows);
         let columns = self.lattice.columns;
         let own = rows[reach_rows];
@@ -221,7 +221,7 @@ impl<L: PotentialLaw> Surroundings for Around<L> {
             };
             let mut rate = 0.0;
             let ends = if row >= reach_rows && row + reach_rows < self.lattice.rows {
-                rate += ghosts(own, &self.door_weights[(2 * reach_rows + 1) * reach..]);
+                rate += ghosts(own, &self.patch_weights[(2 * reach_rows + 1) * reach..]);
                 0..0
             } else {
                 let from = if row == 0 { 0 } else { reach_rows };
@@ -233,10 +233,10 @@ impl<L: PotentialLaw> Surroundings for Around<L> {
                     seeing.is_some_and(|seeing| seeing < self.lattice.rows)
                 };
                 for distance in (0..rows.len()).filter(|distance| seen_by(*distance)) {
-                    rate += ghosts(rows[offset], &self.door_weights[distance * reach..][..reach]);
+                    rate += ghosts(rows[offset], &self.patch_weights[distance * reach..][..reach]);
                 }
             }
-            for (cell, weight) in self.door_own.iter().enumerate() {
+            for (cell, weight) in self.patch_own.iter().enumerate() {
                 let inside = if side == 0 { own[reach + cell] } else { own[reach + columns - 1 - cell] };
                 rate -= weight * inside;
             }
@@ -281,7 +281,7 @@ impl<L: PotentialLaw> Surroundings for Around<L> {
         rates
     }
 
-    fn has_doors(&self) -> bool {
+    fn has_patches(&self) -> bool {
         self.open.iter().any(|open| *open)
     }
 }

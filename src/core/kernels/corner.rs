@@ -89,8 +89,8 @@ pub fn strengthen(pairs: &mut PairList, ghosts: &Ghosts, count: usize, faces: &[
     let mut missing: BTreeMap<(u32, u32), f64> = BTreeMap::new();
     for i in 0..count {
         let range = pairs.starts[i]..pairs.starts[i + 1];
-        let doors = range.clone().filter(|k| pairs.partners[*k] as usize >= count).count();
-        if doors < 2 {
+        let patches = range.clone().filter(|k| pairs.partners[*k] as usize >= count).count();
+        if patches < 2 {
             continue;
         }
         let mut net: BTreeMap<u32, f64> = BTreeMap::new();

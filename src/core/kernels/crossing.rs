@@ -15,7 +15,7 @@ pub(super) enum Portion {
     From(u32),
 }
 
-/// A pair of which something passes a door or a surface.
+/// A pair of which something passes a patch or a surface.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Crossing {
     pub(super) particle: u32,
@@ -31,21 +31,21 @@ impl Held for Crossing {
 }
 
 impl Portion {
-    /// The portions of a pair of particle `i` with a ghost, each with the door that it passes.
+    /// The portions of a pair of particle `i` with a ghost, each with the patch that it passes.
     pub(super) fn of(parts: &ListParts, i: usize, k: usize, ghost: usize) -> Vec<(Portion, u8)> {
         let (count, ghosts, materials) = (parts.positions.len(), &parts.ghosts, &parts.materials);
-        let Some(door) = ghosts.pays[ghost] else { return Vec::new() };
+        let Some(patch) = ghosts.pays[ghost] else { return Vec::new() };
         let corner = ghosts.original(ghost).filter(|_| ghosts.share(ghost) < 1.0).and_then(|image| {
             let parent = (image as usize).checked_sub(count)?;
-            let first = ghosts.pays[parent].filter(|first| *first != door)?;
+            let first = ghosts.pays[parent].filter(|first| *first != patch)?;
             // Potentials of other materials say nothing of this pair.
             let alike = materials.index(i) == ghosts.material(parent, materials);
             let plain = parts.chains.of_pair(k, &materials.thermals).is_none();
             (alike && plain).then_some((image, first))
         });
         match corner {
-            None => vec![(Portion::All, door)],
-            Some((image, first)) => vec![(Portion::UpTo(image), first), (Portion::From(image), door)],
+            None => vec![(Portion::All, patch)],
+            Some((image, first)) => vec![(Portion::UpTo(image), first), (Portion::From(image), patch)],
         }
     }
 }
@@ -59,8 +59,8 @@ pub(super) fn pairs_across(parts: &ListParts, surface: &Surface) -> Vec<(Crossin
         let place = j.checked_sub(count).map_or_else(|| parts.positions[j], |ghost| parts.ghosts.position[ghost]);
         (if surface.across_y { place.y } else { place.x }) >= surface.at
     };
-    let faces = |door: u8| {
-        let name = &parts.boundary.doors[door as usize].name;
+    let faces = |patch: u8| {
+        let name = &parts.boundary.patches[patch as usize].name;
         (name.starts_with("bottom") || name.starts_with("top")) == surface.across_y
     };
     let mut found = Vec::new();
@@ -73,7 +73,7 @@ pub(super) fn pairs_across(parts: &ListParts, surface: &Surface) -> Vec<(Crossin
                 (true, false, true) => found.push((crossing(Portion::All), parts.volumes.of(i))),
                 (own, other, false) if own != other => {
                     let volume = if own { parts.volumes.of(i) } else { -parts.volumes.of(i) };
-                    let faced = portions.into_iter().filter(|(_, door)| faces(*door));
+                    let faced = portions.into_iter().filter(|(_, patch)| faces(*patch));
                     found.extend(faced.map(|(portion, _)| (crossing(portion), volume)));
                 }
                 _ => {}

@@ -41,22 +41,22 @@ pub struct Tangent {
 }
 
 impl Operator for EnthalpyList {
-    fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], doors: &mut [f64]) {
+    fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], patches: &mut [f64]) {
         let clock = Clock { time, step: 0.0, index: 0, turned: false };
-        self.operator.rate_of(self.scheme.as_ref(), enthalpy, &clock, rate, doors);
+        self.operator.rate_of(self.scheme.as_ref(), enthalpy, &clock, rate, patches);
     }
 
-    fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, doors: &mut [f64]) {
+    fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, patches: &mut [f64]) {
         let clock = Clock { time, step, index: 0, turned: false };
-        self.operator.rate_of(self.scheme.as_ref(), enthalpy, &clock, &mut self.rate, doors);
+        self.operator.rate_of(self.scheme.as_ref(), enthalpy, &clock, &mut self.rate, patches);
         for (h, rate) in enthalpy.iter_mut().zip(&self.rate) {
             *h += step * rate;
         }
     }
 
-    fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64, doors: &mut [f64]) {
+    fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64, patches: &mut [f64]) {
         let clock = Clock { time, step: 0.0, index: 0, turned: false };
-        self.operator.rate_of(self.scheme.as_ref(), columns.newest, &clock, &mut self.rate, doors);
+        self.operator.rate_of(self.scheme.as_ref(), columns.newest, &clock, &mut self.rate, patches);
         let states = columns.newest.iter().zip(columns.start);
         let rates = self.rate.iter().zip(columns.first);
         for (out, ((newest, start), (rate, first))) in columns.oldest.iter_mut().zip(states.zip(rates)) {
@@ -78,7 +78,7 @@ impl Operator for EnthalpyList {
 
     fn is_symmetric(&self) -> bool {
         let parts = &self.operator.parts;
-        let curved = parts.rims.iter().any(|rim| self.operator.faces[0][rim.door].holds() > 0.0);
+        let curved = parts.rims.iter().any(|rim| self.operator.faces[0][rim.patch].holds() > 0.0);
         let even = parts.volumes.is_even();
         even && parts.ghosts.all_mirrored() && !parts.materials.mixed() && parts.boundary.is_linear() && !curved
     }
@@ -121,12 +121,12 @@ impl Operator for EnthalpyList {
     }
 
     fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
-        let mut doors = vec![0.0; self.operator.door_names().len()];
-        self.operator.across(self.scheme.as_ref(), enthalpy, time, &mut self.rate, &mut doors)
+        let mut patches = vec![0.0; self.operator.patch_names().len()];
+        self.operator.across(self.scheme.as_ref(), enthalpy, time, &mut self.rate, &mut patches)
     }
 
-    fn doors(&self) -> Vec<String> {
-        self.operator.door_names()
+    fn patches(&self) -> Vec<String> {
+        self.operator.patch_names()
     }
 
     fn pairs(&self) -> u64 {
@@ -146,9 +146,9 @@ impl Operator for EnthalpyList {
 
 /// A scheme for [`Operator`] calls: enthalpy is the unknown.
 impl<T: PairTerm> ListOperator<T> {
-    /// Doors of the operator.
-    pub fn door_names(&self) -> Vec<String> {
-        let walls = self.parts.boundary.doors.iter().map(|door| door.name.to_string());
+    /// Patches of the operator.
+    pub fn patch_names(&self) -> Vec<String> {
+        let walls = self.parts.boundary.patches.iter().map(|patch| patch.name.to_string());
         walls.chain(self.parts.rings.iter().cloned()).collect()
     }
 

@@ -40,7 +40,7 @@ impl Exterior {
         let mut rows = vec![std::collections::BTreeSet::new(); lattice.rows + 2 * shape.reach_rows];
         let mut contacts = Contacts::default();
         let sum = stencil.sum();
-        let layers = boundary.curved.is_some_and(|(door, _)| boundary.doors[door].layers);
+        let layers = boundary.curved.is_some_and(|(patch, _)| boundary.patches[patch].layers);
         for row in 0..lattice.rows {
             let (first, end) = lattice.span(row);
             for column in first as i64..end as i64 {

@@ -6,7 +6,7 @@ use rayon::ThreadPool;
 
 use crate::boundary::patch::{Boundary, Face, Side};
 use crate::boundary::pipe::Sink;
-use crate::kernels::around::{Around, door_weights};
+use crate::kernels::around::{Around, patch_weights};
 use crate::kernels::corner::{CornerPair, lattice_pairs};
 use crate::kernels::exterior::{Exterior, WallSlopes};
 use crate::kernels::lattice_parts::{LatticeParts, bands, bound};
@@ -36,7 +36,7 @@ pub struct LatticeOperator<L> {
     corner_rates: Vec<f64>,
     front: Option<SubCellFront>,
     bands: Vec<Band>,
-    row_doors: Vec<[f64; 4]>,
+    row_patches: Vec<[f64; 4]>,
     pool: Option<Arc<ThreadPool>>,
     bound: Bound,
     /// The same operator for small changes of potentials, once it was asked for.
@@ -53,13 +53,13 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         let shape = Shape::new(lattice.columns, reach, lattice.dimension == 1);
         let faces = boundary.first_faces(&thermal.curve, thermal.initial_potential);
         let open = boundary.sides.map(|side| match side {
-            Side::Wall(door) => boundary.doors[door].lets_heat_through(),
+            Side::Wall(patch) => boundary.patches[patch].lets_heat_through(),
             Side::Mirror | Side::Curved => false,
         });
         let exterior = boundary.curved.map(|(_, radius)| Exterior::new(&lattice, &stencil, shape, &boundary, radius));
         let sum = stencil.sum();
         let stiffness = boundary.sides.map(|side| match side {
-            Side::Wall(door) => Some(faces[door].stiffness()),
+            Side::Wall(patch) => Some(faces[patch].stiffness()),
             Side::Mirror => Some(-1.0),
             Side::Curved => None,
         });
@@ -79,11 +79,11 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         let count = if lattice.rows == 1 { 1 } else { threads.min(most).max(1) };
         let bands = bands(&lattice, count, shape);
         let pool = if bands.len() > 1 { pool } else { None };
-        let row_doors = vec![[0.0; 4]; lattice.rows];
+        let row_patches = vec![[0.0; 4]; lattice.rows];
         let sides = boundary.sides;
         let sink_potentials = sinks.iter().map(|sink| thermal.potential_at(sink.temperature.at(0.0))).collect();
         let sink_heat = vec![0.0; sinks.len()];
-        let (door_weights, door_own) = door_weights(&stencil, shape, lattice.columns);
+        let (patch_weights, patch_own) = patch_weights(&stencil, shape, lattice.columns);
         let around = Around {
             lattice,
             shape,
@@ -96,8 +96,8 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             faces,
             slopes: None,
             exterior,
-            door_weights,
-            door_own,
+            patch_weights,
+            patch_own,
         };
         LatticeOperator {
             around,
@@ -111,7 +111,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             corner_rates,
             front,
             bands,
-            row_doors,
+            row_patches,
             pool,
             bound,
             tangent: None,
@@ -138,8 +138,8 @@ impl<L: PotentialLaw> LatticeOperator<L> {
                 faces: around.faces.iter().map(Face::homogeneous).collect(),
                 slopes: Some(WallSlopes::default()),
                 exterior: around.exterior.clone(),
-                door_weights: around.door_weights.clone(),
-                door_own: around.door_own.clone(),
+                patch_weights: around.patch_weights.clone(),
+                patch_own: around.patch_own.clone(),
             },
             boundary,
             sum: self.sum,
@@ -151,7 +151,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             corner_rates: vec![0.0; self.corners.len()],
             front: None,
             bands: self.bands.clone(),
-            row_doors: self.row_doors.clone(),
+            row_patches: self.row_patches.clone(),
             pool: self.pool.clone(),
             bound: self.bound.clone(),
             tangent: None,
@@ -196,8 +196,8 @@ impl<L: PotentialLaw> LatticeOperator<L> {
                 }
             }
         }
-        if let (Some(exterior), Some((door, _))) = (&around.exterior, self.boundary.curved) {
-            let (face, thermal) = (&around.faces[door], &around.thermal);
+        if let (Some(exterior), Some((patch, _))) = (&around.exterior, self.boundary.curved) {
+            let (face, thermal) = (&around.faces[patch], &around.thermal);
             let slope =
                 |particle: usize, depth: f64| face.flux_slope(around.law.potential(enthalpy[particle]), depth, thermal);
             exterior.contacts.slopes(slope, &mut slopes.curved);
@@ -210,8 +210,8 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         let around = &mut self.around;
         let thermal = &around.thermal;
         self.boundary.update_faces(&mut around.faces, time, &thermal.curve, thermal.initial_potential);
-        if let (Some(exterior), Some((door, _))) = (&mut around.exterior, self.boundary.curved) {
-            exterior.update(&around.law, enthalpy, &around.faces[door], thermal, around.slopes.as_ref());
+        if let (Some(exterior), Some((patch, _))) = (&mut around.exterior, self.boundary.curved) {
+            exterior.update(&around.law, enthalpy, &around.faces[patch], thermal, around.slopes.as_ref());
         }
         for ((sink, potential), heat) in self.sinks.iter().zip(&mut self.sink_potentials).zip(&mut self.sink_heat) {
             if sink.temperature.changes() {
@@ -261,20 +261,20 @@ impl<L: PotentialLaw> LatticeOperator<L> {
                 // The calling thread sweeps the last band itself: one thread less to be woken each step.
                 pool.in_place_scope(|scope| {
                     let frame = &frame;
-                    let mut rest = self.row_doors.as_mut_slice();
+                    let mut rest = self.row_patches.as_mut_slice();
                     let last = self.bands.len() - 1;
                     for (number, (band, target)) in self.bands.iter_mut().zip(targets).enumerate() {
-                        let (doors, later) = rest.split_at_mut(band.rows.1 - band.rows.0);
+                        let (patches, later) = rest.split_at_mut(band.rows.1 - band.rows.0);
                         rest = later;
                         if number < last {
-                            scope.spawn(move |_| sweep(frame, band, target, doors));
+                            scope.spawn(move |_| sweep(frame, band, target, patches));
                         } else {
-                            sweep(frame, band, target, doors);
+                            sweep(frame, band, target, patches);
                         }
                     }
                 });
             }
-            None => sweep(&frame, &mut self.bands[0], &mut targets[0], &mut self.row_doors),
+            None => sweep(&frame, &mut self.bands[0], &mut targets[0], &mut self.row_patches),
         }
     }
 
@@ -297,7 +297,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         self.sweep(&mut targets);
     }
 
-    /// Rates of all particles, without booking what passes the doors.
+    /// Rates of all particles, without booking what passes the patches.
     fn rates(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64]) {
         self.prepare(enthalpy, time);
         if let [_] = self.bands.as_slice() {
@@ -325,21 +325,21 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         self.sweep(&mut targets);
     }
 
-    /// Heat in through every door (W), from what the sweep and the preparation left.
-    fn book(&self, doors: &mut [f64]) {
+    /// Heat in through every patch (W), from what the sweep and the preparation left.
+    fn book(&self, patches: &mut [f64]) {
         let volume = self.around.lattice.volume();
-        doors.fill(0.0);
+        patches.fill(0.0);
         for side in (0..4).filter(|side| self.around.open[*side]) {
-            if let Side::Wall(door) = self.boundary.sides[side] {
-                doors[door] += volume * self.row_doors.iter().map(|rates| rates[side]).collect::<Sum>().value();
+            if let Side::Wall(patch) = self.boundary.sides[side] {
+                patches[patch] += volume * self.row_patches.iter().map(|rates| rates[side]).collect::<Sum>().value();
             }
         }
-        if let (Some(exterior), Some((door, _))) = (&self.around.exterior, self.boundary.curved) {
-            doors[door] = volume * exterior.heat();
+        if let (Some(exterior), Some((patch, _))) = (&self.around.exterior, self.boundary.curved) {
+            patches[patch] = volume * exterior.heat();
         }
-        let walls = self.boundary.doors.len();
+        let walls = self.boundary.patches.len();
         for (sink, heat) in self.sinks.iter().zip(&self.sink_heat) {
-            doors[walls + sink.ring] -= heat * sink.share;
+            patches[walls + sink.ring] -= heat * sink.share;
         }
     }
 
@@ -378,12 +378,12 @@ impl<L: PotentialLaw> LatticeOperator<L> {
 }
 
 impl<L: PotentialLaw> Operator for LatticeOperator<L> {
-    fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], doors: &mut [f64]) {
+    fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], patches: &mut [f64]) {
         self.rates(enthalpy, time, rate);
-        self.book(doors);
+        self.book(patches);
     }
 
-    fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64, doors: &mut [f64]) {
+    fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64, patches: &mut [f64]) {
         self.prepare(columns.newest, time);
         if let [_] = self.bands.as_slice() {
             let StageColumns { newest, ref mut oldest, start, first } = *columns;
@@ -395,7 +395,7 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         self.strengthen(columns.oldest, stage.rate);
         self.contact(columns.oldest, stage.rate);
         self.fronts(columns.oldest, stage.rate);
-        self.book(doors);
+        self.book(patches);
     }
 
     fn linearise(&mut self, enthalpy: &[f64], time: f64, slopes: &mut [f64]) {
@@ -429,7 +429,7 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
     fn is_symmetric(&self) -> bool {
         // Particles see a curved wall through others, and behind a film deeper ghosts follow less.
         let film = |side: usize| matches!(self.around.face(side), Face::Film { .. });
-        let curved = self.boundary.curved.is_some_and(|(door, _)| self.around.faces[door].holds() > 0.0);
+        let curved = self.boundary.curved.is_some_and(|(patch, _)| self.around.faces[patch].holds() > 0.0);
         !curved && (self.around.shape.reach == 1 || !(0..4).any(film))
     }
 
@@ -447,7 +447,7 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         }
     }
 
-    fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, doors: &mut [f64]) {
+    fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, patches: &mut [f64]) {
         self.prepare(enthalpy, time);
         if let [_] = self.bands.as_slice() {
             self.sweep(&mut [InPlace { enthalpy, step }]);
@@ -466,7 +466,7 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         self.strengthen(enthalpy, step);
         self.contact(enthalpy, step);
         self.fronts(enthalpy, step);
-        self.book(doors);
+        self.book(patches);
     }
 
     fn steepest(&self) -> Vec<f64> {
@@ -477,8 +477,8 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         self.bound.clone()
     }
 
-    fn doors(&self) -> Vec<String> {
-        self.boundary.doors.iter().map(|door| door.name.to_string()).chain(self.rings.iter().cloned()).collect()
+    fn patches(&self) -> Vec<String> {
+        self.boundary.patches.iter().map(|patch| patch.name.to_string()).chain(self.rings.iter().cloned()).collect()
     }
 
     fn pairs(&self) -> u64 {
@@ -487,10 +487,10 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
 
     fn held(&self) -> usize {
         let around = &self.around;
-        let walls = around.exterior.held() + around.door_weights.held() + around.door_own.held();
+        let walls = around.exterior.held() + around.patch_weights.held() + around.patch_own.held();
         let pipes = self.sinks.held() + self.sink_potentials.held() + self.sink_heat.held();
         let corners = self.corners.capacity() * size_of::<CornerPair>() + self.corner_rates.held() + self.front.held();
         let tangent = self.tangent.as_ref().map_or(0, |tangent| tangent.held());
-        around.stencil.held() + walls + pipes + corners + self.bands.held() + self.row_doors.held() + tangent
+        around.stencil.held() + walls + pipes + corners + self.bands.held() + self.row_patches.held() + tangent
     }
 }

@@ -66,7 +66,7 @@ pub(super) fn bound(
     let mut cause = "pair exchange inside the body".to_string();
     // A particle reaches its own image behind a wall at twice its distance from it.
     let stiffness = |side: usize| match boundary.sides[side] {
-        Side::Wall(door) => faces[door].stiffness().max(0.0),
+        Side::Wall(patch) => faces[patch].stiffness().max(0.0),
         Side::Mirror | Side::Curved => 0.0,
     };
     let excess = |near: usize, far: usize, cells: usize| {
@@ -85,15 +85,15 @@ pub(super) fn bound(
         let stiff: Vec<&str> = (0..4)
             .filter(|side| stiffness(*side) > 0.0)
             .filter_map(|side| match boundary.sides[side] {
-                Side::Wall(door) => Some(boundary.doors[door].name.as_str()),
+                Side::Wall(patch) => Some(boundary.patches[patch].name.as_str()),
                 Side::Mirror | Side::Curved => None,
             })
             .collect();
         cause = format!("pair exchange of the particles at wall `{}`", stiff.join("` and `"));
     }
-    if let (Some(exterior), Some((door, _))) = (exterior, boundary.curved) {
+    if let (Some(exterior), Some((patch, _))) = (exterior, boundary.curved) {
         let contacts = exterior.contacts.contacts.iter();
-        let added = contacts.map(|contact| faces[door].holds() * contact.stiffness - contact.cut).fold(0.0, f64::max);
+        let added = contacts.map(|contact| faces[patch].holds() * contact.stiffness - contact.cut).fold(0.0, f64::max);
         if sum + added > largest {
             largest = sum + added;
             cause = "pair exchange of the particles at the curved wall".to_string();

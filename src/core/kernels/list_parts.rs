@@ -118,12 +118,12 @@ pub(super) fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
     for (number, rim) in parts.rims.iter().enumerate() {
         for contact in &rim.contacts.contacts {
             let share = from_wall(parts.chains.of_rim(number, contact.particle as usize, thermals));
-            sums[contact.particle as usize] += faces[rim.door].holds() * contact.stiffness * share;
+            sums[contact.particle as usize] += faces[rim.patch].holds() * contact.stiffness * share;
         }
     }
     for (number, touch) in parts.touches.iter().enumerate() {
         let share = from_wall(parts.chains.of_touch(number, thermals));
-        sums[touch.particle as usize] += faces[touch.door as usize].holds() * touch.area / touch.depth * share;
+        sums[touch.particle as usize] += faces[touch.patch as usize].holds() * touch.area / touch.depth * share;
     }
     for sink in &parts.sinks {
         for (index, row_sum) in sink.row_sums(parts.spacing) {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::bonds::exchange::{Exchange, Mean};
 use crate::boundary::curved_wall::Rim;
 use crate::boundary::interface::Way;
-use crate::boundary::patch::{Face, MOST_DOORS};
+use crate::boundary::patch::{Face, MOST_PATCHES};
 use crate::boundary::shells::Touch;
 use crate::kernels::crossing::{Crossing, Portion, pairs_across};
 use crate::kernels::enthalpy_rows::Tangent;
@@ -27,7 +27,7 @@ pub struct ListOperator<T> {
     pub(super) fields: Fields,
     pub(super) faces: Vec<Vec<Face>>,
     pub(super) sink_heat: Vec<f64>,
-    /// Pairs across open doors, and the doors.
+    /// Pairs across open patches, and the patches.
     pub(super) crossings: Vec<(Crossing, u8)>,
     /// Pairs across each surface, and the volume of the particle, negative where heat to it comes from greater coordinates.
     pub(super) across: Vec<Vec<(Crossing, f64)>>,
@@ -59,7 +59,7 @@ impl<T: PairTerm> ListOperator<T> {
                 if let Some(ghost) = (parts.pairs.partners[k] as usize).checked_sub(count) {
                     let portions = Portion::of(&parts, i, k, ghost).into_iter();
                     crossings.extend(
-                        portions.map(|(portion, door)| (Crossing { particle: i as u32, pair: k, portion }, door)),
+                        portions.map(|(portion, patch)| (Crossing { particle: i as u32, pair: k, portion }, patch)),
                     );
                 }
             }
@@ -77,7 +77,7 @@ impl<T: PairTerm> ListOperator<T> {
         enthalpy: &[f64],
         clock: &Clock,
         rate: &mut [f64],
-        doors: &mut [f64],
+        patches: &mut [f64],
     ) {
         self.term.begin(clock);
         self.parts.cuts.bring_to(clock.time, &mut self.parts.pairs.weights);
@@ -93,25 +93,25 @@ impl<T: PairTerm> ListOperator<T> {
             let (temperature, conductivity) = (&mut self.fields.temperature, &mut self.fields.conductivity);
             parts.ghosts.fill_temperatures(temperature, conductivity, &self.faces, &parts.materials);
         }
-        doors.fill(0.0);
+        patches.fill(0.0);
         // The one place where exchange and materials become types.
         match (parts.exchange, parts.materials.mixed()) {
-            (Exchange::Potential, false) => self.exchange(&|o, i, j, _| o.potential_difference(i, j), rate, doors),
-            (Exchange::Potential, true) => self.exchange(&|o, i, j, k| o.across_materials(i, j, k), rate, doors),
+            (Exchange::Potential, false) => self.exchange(&|o, i, j, _| o.potential_difference(i, j), rate, patches),
+            (Exchange::Potential, true) => self.exchange(&|o, i, j, k| o.across_materials(i, j, k), rate, patches),
             (Exchange::Mean(Mean::Harmonic), _) => {
-                self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| 2.0 * a * b / (a + b)), rate, doors);
+                self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| 2.0 * a * b / (a + b)), rate, patches);
             }
             (Exchange::Mean(Mean::Arithmetic), _) => {
-                self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| 0.5 * (a + b)), rate, doors);
+                self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| 0.5 * (a + b)), rate, patches);
             }
             (Exchange::Mean(Mean::Geometric), _) => {
-                self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| (a * b).sqrt()), rate, doors);
+                self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| (a * b).sqrt()), rate, patches);
             }
         }
-        self.contact(clock.time, rate, doors);
-        self.touch(rate, doors);
+        self.contact(clock.time, rate, patches);
+        self.touch(rate, patches);
         let parts = &self.parts;
-        let walls = parts.boundary.doors.len();
+        let walls = parts.boundary.patches.len();
         for (sink, heat) in parts.sinks.iter().zip(&mut self.sink_heat) {
             let material = parts.materials.of(sink.sample.first().map_or(0, |entry| entry.0 as usize));
             let wall = material.potential_at(sink.temperature.at(clock.time));
@@ -125,19 +125,19 @@ impl<T: PairTerm> ListOperator<T> {
             for (index, weight) in &sink.sample {
                 rate[*index as usize] -= taken * weight / parts.volumes.of(*index as usize);
             }
-            doors[walls + sink.ring] -= taken;
+            patches[walls + sink.ring] -= taken;
         }
     }
 
     /// Heat rate (W/m3) that a particle gains from a wall that touches it.
     fn touched(&self, number: usize) -> f64 {
         let (materials, fields, touch) = (&self.parts.materials, &self.fields, &self.parts.touches[number]);
-        let (particle, door) = (touch.particle as usize, touch.door as usize);
-        let face = &self.faces[materials.index(particle)][door];
+        let (particle, patch) = (touch.particle as usize, touch.patch as usize);
+        let face = &self.faces[materials.index(particle)][patch];
         let flux = match self.parts.exchange {
             Exchange::Potential => {
                 let way = self.parts.chains.of_touch(number, &materials.thermals);
-                self.through_wall(way, particle, door, touch.depth)
+                self.through_wall(way, particle, patch, touch.depth)
             }
             Exchange::Mean(_) => {
                 let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
@@ -149,36 +149,36 @@ impl<T: PairTerm> ListOperator<T> {
 
     /// Flux (W/m2) through a wall into a particle at a depth (m) behind it, by what lies between them.
     #[inline]
-    fn through_wall(&self, way: Option<Way<'_>>, particle: usize, door: usize, depth: f64) -> f64 {
+    fn through_wall(&self, way: Option<Way<'_>>, particle: usize, patch: usize, depth: f64) -> f64 {
         let (materials, potential) = (&self.parts.materials, self.fields.potential[particle]);
         match way {
             None => {
                 let material = materials.index(particle);
-                self.faces[material][door].flux(potential, depth, &materials.thermals[material])
+                self.faces[material][patch].flux(potential, depth, &materials.thermals[material])
             }
-            Some(way) => way.wall(&self.faces[way.near()][door], depth, potential).1,
+            Some(way) => way.wall(&self.faces[way.near()][patch], depth, potential).1,
         }
     }
 
     /// How that flux follows the potential of the particle (1/m).
-    fn through_wall_slope(&self, way: Option<Way<'_>>, particle: usize, door: usize, depth: f64) -> f64 {
+    fn through_wall_slope(&self, way: Option<Way<'_>>, particle: usize, patch: usize, depth: f64) -> f64 {
         let (materials, potential) = (&self.parts.materials, self.fields.potential[particle]);
         match way {
             None => {
                 let material = materials.index(particle);
-                self.faces[material][door].flux_slope(potential, depth, &materials.thermals[material])
+                self.faces[material][patch].flux_slope(potential, depth, &materials.thermals[material])
             }
-            Some(way) => way.wall_slopes(&self.faces[way.near()][door], depth, potential).1,
+            Some(way) => way.wall_slopes(&self.faces[way.near()][patch], depth, potential).1,
         }
     }
 
     /// Adds what walls give that touch a body of shells.
-    fn touch(&self, rate: &mut [f64], doors: &mut [f64]) {
+    fn touch(&self, rate: &mut [f64], patches: &mut [f64]) {
         for (number, touch) in self.parts.touches.iter().enumerate() {
             let particle = touch.particle as usize;
             let gain = self.touched(number);
             rate[particle] += gain;
-            doors[touch.door as usize] += gain * self.parts.volumes.of(particle);
+            patches[touch.patch as usize] += gain * self.parts.volumes.of(particle);
         }
     }
 
@@ -188,16 +188,16 @@ impl<T: PairTerm> ListOperator<T> {
     }
 
     /// Adds what curved walls give that are there at a time (s).
-    fn contact(&self, time: f64, rate: &mut [f64], doors: &mut [f64]) {
+    fn contact(&self, time: f64, rate: &mut [f64], patches: &mut [f64]) {
         let (materials, fields) = (&self.parts.materials, &self.fields);
-        for (number, Rim { door, contacts, .. }) in self.standing(time) {
+        for (number, Rim { patch, contacts, .. }) in self.standing(time) {
             let by_potential = |particle: usize, depth: f64| {
                 let way = self.parts.chains.of_rim(number, particle, &materials.thermals);
-                self.through_wall(way, particle, *door, depth)
+                self.through_wall(way, particle, *patch, depth)
             };
             let by_temperature = |particle: usize, depth: f64| {
                 let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
-                self.faces[0][*door].flux_by_temperature(temperature, conductivity, depth)
+                self.faces[0][*patch].flux_by_temperature(temperature, conductivity, depth)
             };
             let mut sum = Sum::default();
             for contact in &contacts.contacts {
@@ -208,12 +208,12 @@ impl<T: PairTerm> ListOperator<T> {
                 rate[contact.particle as usize] += gain;
                 sum.add(gain);
             }
-            doors[*door] = sum.value() * self.parts.volumes.unit();
+            patches[*patch] = sum.value() * self.parts.volumes.unit();
         }
     }
 
     #[inline(always)]
-    fn exchange<F>(&self, conducted: &F, rate: &mut [f64], doors: &mut [f64])
+    fn exchange<F>(&self, conducted: &F, rate: &mut [f64], patches: &mut [f64])
     where
         F: Fn(&Self, usize, usize, usize) -> f64 + Sync,
     {
@@ -236,8 +236,8 @@ impl<T: PairTerm> ListOperator<T> {
             }
             _ => rate.chunks_mut(TASK).enumerate().for_each(task),
         }
-        let mut sums = [Sum::default(); MOST_DOORS];
-        for (Crossing { particle, pair: k, portion }, door) in &self.crossings {
+        let mut sums = [Sum::default(); MOST_PATCHES];
+        for (Crossing { particle, pair: k, portion }, patch) in &self.crossings {
             let (i, k) = (*particle as usize, *k);
             let up_to = |image: u32| pairs.weights[k] * conducted(self, i, image as usize, k);
             let flux = match *portion {
@@ -245,10 +245,10 @@ impl<T: PairTerm> ListOperator<T> {
                 Portion::UpTo(image) => up_to(image),
                 Portion::From(image) => self.flux(conducted, i, k) - up_to(image),
             };
-            sums[*door as usize].add(flux * self.parts.volumes.share(i));
+            sums[*patch as usize].add(flux * self.parts.volumes.share(i));
         }
-        for (door, sum) in doors.iter_mut().zip(&sums).take(self.parts.boundary.doors.len()) {
-            *door = sum.value() * self.parts.volumes.unit();
+        for (patch, sum) in patches.iter_mut().zip(&sums).take(self.parts.boundary.patches.len()) {
+            *patch = sum.value() * self.parts.volumes.unit();
         }
     }
 
@@ -270,20 +270,20 @@ impl<T: PairTerm> ListOperator<T> {
         weight * conducted + self.term.add(&view)
     }
 
-    /// Heat (W) through each surface, towards greater coordinates; `rate` and `doors` are used up.
+    /// Heat (W) through each surface, towards greater coordinates; `rate` and `patches` are used up.
     pub fn across(
         &mut self,
         scheme: &dyn LatentScheme,
         enthalpy: &[f64],
         time: f64,
         rate: &mut [f64],
-        doors: &mut [f64],
+        patches: &mut [f64],
     ) -> Vec<f64> {
         if self.across.is_empty() {
             return Vec::new();
         }
         let clock = Clock { time, step: 0.0, index: 0, turned: false };
-        self.rate_of(scheme, enthalpy, &clock, rate, doors);
+        self.rate_of(scheme, enthalpy, &clock, rate, patches);
         let conducted = |i: usize, j: usize, k: usize| match (self.parts.exchange, self.parts.materials.mixed()) {
             (Exchange::Potential, false) => self.potential_difference(i, j),
             (Exchange::Potential, true) => self.across_materials(i, j, k),
@@ -370,10 +370,10 @@ impl<T: PairTerm> ListOperator<T> {
         }
         tangent.time = time;
         tangent.views.resize_with(parts.rims.len(), Vec::new);
-        for (number, Rim { door, contacts, .. }) in self.standing(time) {
+        for (number, Rim { patch, contacts, .. }) in self.standing(time) {
             let slope = |particle: usize, depth: f64| {
                 let way = parts.chains.of_rim(number, particle, &parts.materials.thermals);
-                self.through_wall_slope(way, particle, *door, depth)
+                self.through_wall_slope(way, particle, *patch, depth)
             };
             contacts.slopes(slope, &mut tangent.views[number]);
         }
@@ -385,7 +385,7 @@ impl<T: PairTerm> ListOperator<T> {
         tangent.touches.clear();
         tangent.touches.extend(parts.touches.iter().enumerate().map(|(number, touch)| {
             let way = parts.chains.of_touch(number, &parts.materials.thermals);
-            touch.area * self.through_wall_slope(way, touch.particle as usize, touch.door as usize, touch.depth)
+            touch.area * self.through_wall_slope(way, touch.particle as usize, touch.patch as usize, touch.depth)
         }));
         if parts.materials.mixed() {
             let pairs = &parts.pairs;

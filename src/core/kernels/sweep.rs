@@ -32,9 +32,9 @@ pub trait Surroundings: Sync {
     /// Completes a row of potentials: `potentials[column + reach]` is set for every particle of the row.
     fn complete(&self, row: usize, potentials: &mut [f64]);
     /// Heat rate through each wall (W per volume of a particle) into a row, from its neighbourhood of rows.
-    fn doors(&self, row: usize, rows: &[&[f64]]) -> [f64; 4];
+    fn patches(&self, row: usize, rows: &[&[f64]]) -> [f64; 4];
     /// Whether any wall lets heat through, so that rates are worth taking.
-    fn has_doors(&self) -> bool;
+    fn has_patches(&self) -> bool;
 }
 
 impl Shape {
@@ -119,25 +119,25 @@ pub struct Frame<'a, L, S> {
     pub surroundings: &'a S,
 }
 
-/// Sweeps one band. `doors` receives the wall rates of each row of the band.
+/// Sweeps one band. `patches` receives the wall rates of each row of the band.
 pub fn sweep<L: PotentialLaw, S: Surroundings, T: Target>(
     frame: &Frame<'_, L, S>,
     band: &mut Band,
     target: &mut T,
-    doors: &mut [[f64; 4]],
+    patches: &mut [[f64; 4]],
 ) {
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") {
             // SAFETY: the processor has just been asked for these features.
-            return unsafe { sweep_avx512(frame, band, target, doors) };
+            return unsafe { sweep_avx512(frame, band, target, patches) };
         }
         if is_x86_feature_detected!("avx2") {
             // SAFETY: as above.
-            return unsafe { sweep_avx2(frame, band, target, doors) };
+            return unsafe { sweep_avx2(frame, band, target, patches) };
         }
     }
-    by_reach::<L, S, T, 4>(frame, band, target, doors);
+    by_reach::<L, S, T, 4>(frame, band, target, patches);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -146,9 +146,9 @@ fn sweep_avx512<L: PotentialLaw, S: Surroundings, T: Target>(
     frame: &Frame<'_, L, S>,
     band: &mut Band,
     target: &mut T,
-    doors: &mut [[f64; 4]],
+    patches: &mut [[f64; 4]],
 ) {
-    by_reach::<L, S, T, 8>(frame, band, target, doors);
+    by_reach::<L, S, T, 8>(frame, band, target, patches);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -157,9 +157,9 @@ fn sweep_avx2<L: PotentialLaw, S: Surroundings, T: Target>(
     frame: &Frame<'_, L, S>,
     band: &mut Band,
     target: &mut T,
-    doors: &mut [[f64; 4]],
+    patches: &mut [[f64; 4]],
 ) {
-    by_reach::<L, S, T, 8>(frame, band, target, doors);
+    by_reach::<L, S, T, 8>(frame, band, target, patches);
 }
 
 /// The one place where the reach becomes a constant.
@@ -168,20 +168,20 @@ fn by_reach<L: PotentialLaw, S: Surroundings, T: Target, const LANES: usize>(
     frame: &Frame<'_, L, S>,
     band: &mut Band,
     target: &mut T,
-    doors: &mut [[f64; 4]],
+    patches: &mut [[f64; 4]],
 ) {
     if frame.shape.reach_rows == 0 {
-        return rows::<L, S, T, LANES, 0>(frame, band, target, doors);
+        return rows::<L, S, T, LANES, 0>(frame, band, target, patches);
     }
     match frame.shape.reach_rows {
-        1 => rows::<L, S, T, LANES, 1>(frame, band, target, doors),
-        2 => rows::<L, S, T, LANES, 2>(frame, band, target, doors),
-        3 => rows::<L, S, T, LANES, 3>(frame, band, target, doors),
-        4 => rows::<L, S, T, LANES, 4>(frame, band, target, doors),
-        5 => rows::<L, S, T, LANES, 5>(frame, band, target, doors),
-        6 => rows::<L, S, T, LANES, 6>(frame, band, target, doors),
-        7 => rows::<L, S, T, LANES, 7>(frame, band, target, doors),
-        _ => rows::<L, S, T, LANES, WIDEST>(frame, band, target, doors),
+        1 => rows::<L, S, T, LANES, 1>(frame, band, target, patches),
+        2 => rows::<L, S, T, LANES, 2>(frame, band, target, patches),
+        3 => rows::<L, S, T, LANES, 3>(frame, band, target, patches),
+        4 => rows::<L, S, T, LANES, 4>(frame, band, target, patches),
+        5 => rows::<L, S, T, LANES, 5>(frame, band, target, patches),
+        6 => rows::<L, S, T, LANES, 6>(frame, band, target, patches),
+        7 => rows::<L, S, T, LANES, 7>(frame, band, target, patches),
+        _ => rows::<L, S, T, LANES, WIDEST>(frame, band, target, patches),
     }
 }
 
@@ -219,7 +219,7 @@ fn rows<L: PotentialLaw, S: Surroundings, T: Target, const LANES: usize, const R
     frame: &Frame<'_, L, S>,
     band: &mut Band,
     target: &mut T,
-    doors: &mut [[f64; 4]],
+    patches: &mut [[f64; 4]],
 ) {
     let Shape { reach, width, .. } = frame.shape;
     let (first_row, end_row) = band.rows;
@@ -227,7 +227,7 @@ fn rows<L: PotentialLaw, S: Surroundings, T: Target, const LANES: usize, const R
     let base = frame.lattice.start(first_row);
     let Band { below, above, ring, ring_start, sums, rate, .. } = band;
     let ring = &mut ring[*ring_start..];
-    let has_doors = frame.surroundings.has_doors();
+    let has_patches = frame.surroundings.has_patches();
     let mut weights = [[0.0; 9]; 9];
     for (k, by_row) in weights.iter_mut().enumerate().take(ROWS + 1) {
         for (dy, weight) in by_row.iter_mut().enumerate().take(ROWS + 1) {
@@ -258,8 +258,8 @@ fn rows<L: PotentialLaw, S: Surroundings, T: Target, const LANES: usize, const R
             *near = at(offset);
         }
         let ((first, end), start) = (frame.lattice.span(row), frame.lattice.start(row));
-        if has_doors {
-            doors[row - first_row] = frame.surroundings.doors(row, &near[..slots]);
+        if has_patches {
+            patches[row - first_row] = frame.surroundings.patches(row, &near[..slots]);
         }
         let mut column = first;
         while column < end {

@@ -18,16 +18,16 @@ use crate::solvers::step::{Bound, Clock, StepError};
 pub struct Euler {
     operator: Box<dyn Operator>,
     ledger: Ledger,
-    doors: Vec<f64>,
+    patches: Vec<f64>,
     steps: u64,
 }
 
 impl Euler {
     /// Euler steps of an operator.
     pub fn new(operator: Box<dyn Operator>) -> Self {
-        let ledger = Ledger::new(operator.doors());
-        let doors = vec![0.0; ledger.names().len()];
-        Euler { operator, ledger, doors, steps: 0 }
+        let ledger = Ledger::new(operator.patches());
+        let patches = vec![0.0; ledger.names().len()];
+        Euler { operator, ledger, patches, steps: 0 }
     }
 }
 
@@ -41,9 +41,9 @@ impl Method for Euler {
     }
 
     fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
-        self.operator.euler(&mut particles.enthalpy, clock.time, clock.step, &mut self.doors);
-        for (door, rate) in self.doors.iter().enumerate() {
-            self.ledger.book(door, rate * clock.step, clock.step);
+        self.operator.euler(&mut particles.enthalpy, clock.time, clock.step, &mut self.patches);
+        for (patch, rate) in self.patches.iter().enumerate() {
+            self.ledger.book(patch, rate * clock.step, clock.step);
         }
         self.steps += 1;
         Ok(clock.step)
@@ -76,16 +76,16 @@ pub struct SchemeEuler<T> {
     scheme: Box<dyn LatentScheme>,
     ledger: Ledger,
     rate: Vec<f64>,
-    doors: Vec<f64>,
+    patches: Vec<f64>,
     steps: u64,
 }
 
 impl<T: PairTerm> SchemeEuler<T> {
     /// Euler steps of a list operator under a scheme, for `count` particles.
     pub fn new(operator: ListOperator<T>, scheme: Box<dyn LatentScheme>, count: usize) -> Self {
-        let ledger = Ledger::new(operator.door_names());
-        let doors = vec![0.0; ledger.names().len()];
-        SchemeEuler { operator, scheme, ledger, rate: vec![0.0; count], doors, steps: 0 }
+        let ledger = Ledger::new(operator.patch_names());
+        let patches = vec![0.0; ledger.names().len()];
+        SchemeEuler { operator, scheme, ledger, rate: vec![0.0; count], patches, steps: 0 }
     }
 }
 
@@ -105,10 +105,10 @@ impl<T: PairTerm> Method for SchemeEuler<T> {
 
     fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
         let enthalpy = &mut particles.enthalpy;
-        self.operator.rate_of(self.scheme.as_ref(), enthalpy, clock, &mut self.rate, &mut self.doors);
+        self.operator.rate_of(self.scheme.as_ref(), enthalpy, clock, &mut self.rate, &mut self.patches);
         self.scheme.add(self.operator.materials(), enthalpy, &self.rate, clock.step);
-        for (door, rate) in self.doors.iter().enumerate() {
-            self.ledger.book(door, rate * clock.step, clock.step);
+        for (patch, rate) in self.patches.iter().enumerate() {
+            self.ledger.book(patch, rate * clock.step, clock.step);
         }
         self.steps += 1;
         Ok(clock.step)
@@ -123,7 +123,7 @@ impl<T: PairTerm> Method for SchemeEuler<T> {
     }
 
     fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
-        self.operator.across(self.scheme.as_ref(), enthalpy, time, &mut self.rate, &mut self.doors)
+        self.operator.across(self.scheme.as_ref(), enthalpy, time, &mut self.rate, &mut self.patches)
     }
 
     fn pairs(&self) -> u64 {

@@ -54,11 +54,11 @@ pub struct Implicit {
     previous_rate: Vec<f64>,
     rates: [Vec<f64>; 2],
     euler_rate: Vec<f64>,
-    /// Rates of doors: of both stages, of the backward Euler step; at the end of the last step and at its start; and
+    /// Rates of patches: of both stages, of the backward Euler step; at the end of the last step and at its start; and
     /// the heat that it brought (J).
-    doors: [Vec<f64>; 3],
-    end_doors: Vec<f64>,
-    start_doors: Vec<f64>,
+    patches: [Vec<f64>; 3],
+    end_patches: Vec<f64>,
+    start_patches: Vec<f64>,
     heat: Vec<f64>,
     turns: u64,
     rejected: u64,
@@ -74,10 +74,10 @@ impl Implicit {
         largest_slope: f64,
         count: usize,
     ) -> Self {
-        let ledger = Ledger::new(operator.doors());
-        let count_doors = ledger.names().len();
-        let door = || vec![0.0; count_doors];
-        let doors = std::array::from_fn(|_| door());
+        let ledger = Ledger::new(operator.patches());
+        let count_patches = ledger.names().len();
+        let patch = || vec![0.0; count_patches];
+        let patches = std::array::from_fn(|_| patch());
         let euler = operator.bound();
         let newton = Newton::new(operator.as_ref(), count, largest_slope);
         let column = || vec![0.0; count];
@@ -97,10 +97,10 @@ impl Implicit {
             previous_rate: column(),
             rates: [column(), column()],
             euler_rate: Vec::new(),
-            doors,
-            end_doors: door(),
-            start_doors: door(),
-            heat: door(),
+            patches,
+            end_patches: patch(),
+            start_patches: patch(),
+            heat: patch(),
             turns: 0,
             rejected: 0,
             limited: 0,
@@ -110,15 +110,15 @@ impl Implicit {
     /// Solves both stages from `start`, and leaves the new state in `next`.
     fn stages(&mut self, start: &[f64], time: f64, step: f64) -> Result<(), NotConverged> {
         let weight = DIAGONAL * step;
-        let Implicit { operator, newton, range, stage, known, next, rates: [first, second], doors, .. } = self;
-        let [first_doors, second_doors, _] = doors;
+        let Implicit { operator, newton, range, stage, known, next, rates: [first, second], patches, .. } = self;
+        let [first_patches, second_patches, _] = patches;
         extrapolate(stage, start, &self.rate, weight);
         let system = Stage { known: start, weight, time: time + weight, range };
-        newton.solve(operator.as_mut(), &system, stage, first, first_doors)?;
+        newton.solve(operator.as_mut(), &system, stage, first, first_patches)?;
         extrapolate(known, start, first, (1.0 - DIAGONAL) * step);
         extrapolate(stage, start, first, step);
         let system = Stage { known, weight, time: just_before(time, step), range };
-        newton.solve(operator.as_mut(), &system, stage, second, second_doors)?;
+        newton.solve(operator.as_mut(), &system, stage, second, second_patches)?;
         extrapolate(next, known, second, weight);
         Ok(())
     }
@@ -129,10 +129,10 @@ impl Implicit {
             return Ok(1.0);
         }
         self.euler_rate.resize(start.len(), 0.0);
-        let Implicit { operator, newton, range, stage, next, euler_rate, doors, .. } = self;
+        let Implicit { operator, newton, range, stage, next, euler_rate, patches, .. } = self;
         stage.copy_from_slice(start);
         let system = Stage { known: start, weight: step, time: just_before(time, step), range };
-        newton.solve(operator.as_mut(), &system, stage, euler_rate, &mut doors[2])?;
+        newton.solve(operator.as_mut(), &system, stage, euler_rate, &mut patches[2])?;
         extrapolate(stage, start, euler_rate, step);
         let share = range.share(stage, next, SLACK);
         for (next, euler) in next.iter_mut().zip(stage.iter()) {
@@ -144,14 +144,15 @@ impl Implicit {
     /// Takes the step in `next`, of which `share` is of second order.
     fn keep(&mut self, state: &mut [f64], step: f64, share: f64) {
         std::mem::swap(&mut self.previous_rate, &mut self.rate);
-        std::mem::swap(&mut self.start_doors, &mut self.end_doors);
-        let [first, second, euler] = &self.doors;
-        for door in 0..first.len() {
-            let high = (1.0 - DIAGONAL) * first[door] + DIAGONAL * second[door];
-            let mix = |high: f64, low: &[f64]| if share < 1.0 { low[door] + share * (high - low[door]) } else { high };
-            self.heat[door] = step * mix(high, euler);
-            self.end_doors[door] = mix(second[door], euler);
-            self.ledger.book(door, self.heat[door], step);
+        std::mem::swap(&mut self.start_patches, &mut self.end_patches);
+        let [first, second, euler] = &self.patches;
+        for patch in 0..first.len() {
+            let high = (1.0 - DIAGONAL) * first[patch] + DIAGONAL * second[patch];
+            let mix =
+                |high: f64, low: &[f64]| if share < 1.0 { low[patch] + share * (high - low[patch]) } else { high };
+            self.heat[patch] = step * mix(high, euler);
+            self.end_patches[patch] = mix(second[patch], euler);
+            self.ledger.book(patch, self.heat[patch], step);
         }
         std::mem::swap(&mut self.rate, &mut self.rates[1]);
         if share < 1.0 {
@@ -200,7 +201,7 @@ impl Method for Implicit {
         let (state, volumes) = (&mut particles.enthalpy, &particles.volumes);
         if clock.turned {
             self.turns += 1;
-            self.operator.rate(state, clock.time, &mut self.rate, &mut self.end_doors);
+            self.operator.rate(state, clock.time, &mut self.rate, &mut self.end_patches);
         }
         let mut step = clock.step;
         loop {
@@ -264,7 +265,7 @@ impl Method for Implicit {
         let states = (&self.previous[..], &particles.enthalpy[..]);
         let rates = (&self.previous_rate[..], &self.rate[..]);
         Hermite::at(share).fill(enthalpy, states, rates, self.last_step);
-        self.ledger.between(share, self.last_step, &self.heat, &self.start_doors, &self.end_doors)
+        self.ledger.between(share, self.last_step, &self.heat, &self.start_patches, &self.end_patches)
     }
 
     fn work(&self) -> Work {

@@ -127,22 +127,22 @@ impl Newton {
         (median.unwrap_or(0) as u32, self.most)
     }
 
-    /// Solves a stage from the guess in `state`, which takes the solution; `rate` and `doors` take what belongs to it.
+    /// Solves a stage from the guess in `state`, which takes the solution; `rate` and `patches` take what belongs to it.
     pub fn solve(
         &mut self,
         operator: &mut dyn Operator,
         stage: &Stage<'_>,
         state: &mut [f64],
         rate: &mut [f64],
-        doors: &mut [f64],
+        patches: &mut [f64],
     ) -> Result<(), NotConverged> {
         self.solves += 1;
         let mut iterations = self.iterations;
-        let mut found = self.iterate(operator, stage, state, rate, doors);
+        let mut found = self.iterate(operator, stage, state, rate, patches);
         if found.is_err() {
             self.paths += 1;
             iterations = self.iterations;
-            found = self.follow(operator, stage, state, rate, doors);
+            found = self.follow(operator, stage, state, rate, patches);
         }
         let taken = (self.iterations - iterations).min(u64::from(u32::MAX)) as u32;
         self.most = self.most.max(taken);
@@ -157,7 +157,7 @@ impl Newton {
         stage: &Stage<'_>,
         state: &mut [f64],
         rate: &mut [f64],
-        doors: &mut [f64],
+        patches: &mut [f64],
     ) -> Result<(), NotConverged> {
         state.copy_from_slice(stage.known);
         let mut kept = state.to_vec();
@@ -165,7 +165,7 @@ impl Newton {
         while reached < 1.0 {
             let next = (reached + stretch).min(1.0);
             let part = Stage { weight: next * stage.weight, ..*stage };
-            match self.iterate(operator, &part, state, rate, doors) {
+            match self.iterate(operator, &part, state, rate, patches) {
                 Ok(()) => {
                     kept.copy_from_slice(state);
                     reached = next;
@@ -189,12 +189,12 @@ impl Newton {
         stage: &Stage<'_>,
         state: &mut [f64],
         rate: &mut [f64],
-        doors: &mut [f64],
+        patches: &mut [f64],
     ) -> Result<(), NotConverged> {
         let mut last = f64::INFINITY;
         let (mut best, mut stalled) = (f64::INFINITY, 0);
         for _ in 0..MOST_ITERATIONS {
-            operator.rate(state, stage.time, rate, doors);
+            operator.rate(state, stage.time, rate, patches);
             self.evaluations += 1;
             let mut worst: f64 = 0.0;
             for (i, residual) in self.residual.iter_mut().enumerate() {

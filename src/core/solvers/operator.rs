@@ -30,14 +30,14 @@ pub struct StageColumns<'a> {
     pub first: &'a [f64],
 }
 
-/// `dH/dt` of all particles as a function of their enthalpies and time, with the heat through each door.
+/// `dH/dt` of all particles as a function of their enthalpies and time, with the heat through each patch.
 pub trait Operator: Send {
-    /// Rates (W/m3) of all particles at a state and time (s); `doors` takes the heat in through each door (W).
-    fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], doors: &mut [f64]);
+    /// Rates (W/m3) of all particles at a state and time (s); `patches` takes the heat in through each patch (W).
+    fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], patches: &mut [f64]);
     /// One step of explicit Euler in place.
-    fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, doors: &mut [f64]);
+    fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, patches: &mut [f64]);
     /// One stage of a Runge-Kutta chain, its rate taken at `time` (s).
-    fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64, doors: &mut [f64]);
+    fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64, patches: &mut [f64]);
     /// Linearises at a state and time: `slopes` takes dU/dH (m2/s) of every particle, and [`Operator::act`] stands for
     /// the exchange of small changes from now on.
     fn linearise(&mut self, enthalpy: &[f64], time: f64, slopes: &mut [f64]);
@@ -57,8 +57,8 @@ pub trait Operator: Send {
     fn across(&mut self, _enthalpy: &[f64], _time: f64) -> Vec<f64> {
         Vec::new()
     }
-    /// Names of the doors: walls, then pipe rings.
-    fn doors(&self) -> Vec<String>;
+    /// Names of the patches: walls, then pipe rings.
+    fn patches(&self) -> Vec<String>;
     /// Pairs that one evaluation visits.
     fn pairs(&self) -> u64;
     /// Bytes that the operator holds on the heap; what particles hold is theirs.

@@ -38,12 +38,12 @@ pub struct Rkl2 {
     /// Rate at the end of a controlled step.
     last_rate: Vec<f64>,
     last_step: f64,
-    doors: Doors,
+    patches: Patches,
     work: Work,
 }
 
-/// Rates (W) and heats (J) of doors.
-struct Doors {
+/// Rates (W) and heats (J) of patches.
+struct Patches {
     older: Vec<f64>,
     old: Vec<f64>,
     first: Vec<f64>,
@@ -79,9 +79,9 @@ impl Rkl2 {
     }
 
     fn new(operator: Box<dyn Operator>, count: usize, pace: impl FnOnce(f64) -> Pace) -> Self {
-        let ledger = Ledger::new(operator.doors());
-        let door = || vec![0.0; ledger.names().len()];
-        let doors = Doors { older: door(), old: door(), first: door(), rate: door(), last: door() };
+        let ledger = Ledger::new(operator.patches());
+        let patch = || vec![0.0; ledger.names().len()];
+        let patches = Patches { older: patch(), old: patch(), first: patch(), rate: patch(), last: patch() };
         let euler = operator.bound();
         let pace = pace(euler.step);
         let last_rate = if matches!(pace, Pace::Fixed { .. }) { Vec::new() } else { vec![0.0; count] };
@@ -97,7 +97,7 @@ impl Rkl2 {
             first_holds_at: None,
             last_rate,
             last_step: 0.0,
-            doors,
+            patches,
             work: Work::default(),
         }
     }
@@ -123,7 +123,7 @@ impl Rkl2 {
             if j < 2.0 { 1.0 / 3.0 } else { (j * j + j - 2.0) / (2.0 * j * (j + 1.0)) }
         };
         if self.first_holds_at != Some(time) {
-            self.operator.rate(start, time, &mut self.first_rate, &mut self.doors.first);
+            self.operator.rate(start, time, &mut self.first_rate, &mut self.patches.first);
             self.work.evaluations += 1;
         }
         let by_first = b(1) * w1 * step;
@@ -131,9 +131,9 @@ impl Rkl2 {
         for (old, (start, rate)) in self.old.iter_mut().zip(start.iter().zip(&self.first_rate)) {
             *old = start + by_first * rate;
         }
-        let doors = &mut self.doors;
-        doors.older.fill(0.0);
-        for (old, rate) in doors.old.iter_mut().zip(&doors.first) {
+        let patches = &mut self.patches;
+        patches.older.fill(0.0);
+        for (old, rate) in patches.old.iter_mut().zip(&patches.first) {
             *old = by_first * rate;
         }
         for j in 2..=stages {
@@ -153,15 +153,15 @@ impl Rkl2 {
             let abscissa = if j == 2 { b(1) * w1 } else { (p * p + p - 2.0) / (s * s + s - 2.0) };
             let mut columns =
                 StageColumns { newest: &self.old, oldest: &mut self.older, start, first: &self.first_rate };
-            self.operator.stage(&stage, &mut columns, time + abscissa * step, &mut doors.rate);
+            self.operator.stage(&stage, &mut columns, time + abscissa * step, &mut patches.rate);
             std::mem::swap(&mut self.old, &mut self.older);
-            for door in 0..doors.old.len() {
-                let next = mu * doors.old[door]
-                    + nu * doors.older[door]
-                    + by_rate * doors.rate[door]
-                    + stage.first * doors.first[door];
-                doors.older[door] = doors.old[door];
-                doors.old[door] = next;
+            for patch in 0..patches.old.len() {
+                let next = mu * patches.old[patch]
+                    + nu * patches.older[patch]
+                    + by_rate * patches.rate[patch]
+                    + stage.first * patches.first[patch];
+                patches.older[patch] = patches.old[patch];
+                patches.old[patch] = next;
             }
         }
         self.work.evaluations += stages as u64 - 1;
@@ -181,8 +181,8 @@ impl Rkl2 {
     }
 
     fn book(&mut self, step: f64) {
-        for (door, heat) in self.doors.old.iter().enumerate() {
-            self.ledger.book(door, *heat, step);
+        for (patch, heat) in self.patches.old.iter().enumerate() {
+            self.ledger.book(patch, *heat, step);
         }
     }
 }
@@ -219,7 +219,7 @@ impl Method for Rkl2 {
             self.chain(state, clock.time, step, Self::stages_for(step / self.euler.step));
             self.first_holds_at = Some(clock.time);
             let end = clock.time + step;
-            self.operator.rate(&self.old, just_before(clock.time, step), &mut self.last_rate, &mut self.doors.last);
+            self.operator.rate(&self.old, just_before(clock.time, step), &mut self.last_rate, &mut self.patches.last);
             self.work.evaluations += 1;
             let (error, size) = match volumes.is_even() {
                 true => self.error(state, step, |_| 1.0),
@@ -246,7 +246,7 @@ impl Method for Rkl2 {
                     std::mem::swap(&mut self.old, state);
                     self.last_step = step;
                     std::mem::swap(&mut self.first_rate, &mut self.last_rate);
-                    std::mem::swap(&mut self.doors.first, &mut self.doors.last);
+                    std::mem::swap(&mut self.patches.first, &mut self.patches.last);
                     self.first_holds_at = Some(end);
                     self.book(step);
                     return Ok(step);
@@ -295,7 +295,7 @@ impl Method for Rkl2 {
         // A kept step has exchanged the columns of rates: the first now belong to its end.
         let (states, rates) = ((&self.older[..], &particles.enthalpy[..]), (&self.last_rate[..], &self.first_rate[..]));
         Hermite::at(share).fill(enthalpy, states, rates, self.last_step);
-        self.ledger.between(share, self.last_step, &self.doors.old, &self.doors.last, &self.doors.first)
+        self.ledger.between(share, self.last_step, &self.patches.old, &self.patches.last, &self.patches.first)
     }
 
     fn work(&self) -> Work {

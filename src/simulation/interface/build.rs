@@ -52,8 +52,8 @@ pub fn chains(scene: &Scene, numerics: &Numerics, seen: &Seen<'_>, ghosts: &mut 
     };
     let mut of_rim = Vec::new();
     for rim in seen.rims {
-        let outer = seen.boundary.curved.filter(|curved| curved.0 == rim.door).map(|curved| curved.1);
-        let radius = outer.or(seen.boundary.dug.filter(|dug| dug.door == rim.door).map(|dug| dug.radius));
+        let outer = seen.boundary.curved.filter(|curved| curved.0 == rim.patch).map(|curved| curved.1);
+        let radius = outer.or(seen.boundary.dug.filter(|dug| dug.patch == rim.patch).map(|dug| dug.radius));
         let mut numbers = vec![0; seen.positions.len()];
         for particle in rim.contacts.seen() {
             let place = seen.positions[particle as usize];
@@ -82,7 +82,7 @@ fn behind_walls(chains: &mut Chains, ground: &Ground<'_>, seen: &Seen<'_>, ghost
             None => (seen.positions[image as usize], seen.materials.index(image as usize) as u8),
             Some(parent) => (ghosts.position[parent], ghosts.material[parent]),
         };
-        let open = ghosts.door[ghost].filter(|door| seen.boundary.doors[*door as usize].lets_heat_through());
+        let open = ghosts.patch[ghost].filter(|patch| seen.boundary.patches[*patch as usize].lets_heat_through());
         if open.is_none() {
             ghosts.material[ghost] = own;
             continue;

@@ -43,7 +43,7 @@ impl<'a> Ground<'a> {
         let beyond = boundary.sides.map(|side| match side {
             Side::Curved => Beyond::Nothing,
             Side::Mirror => Beyond::Mirrored,
-            Side::Wall(door) if boundary.doors[door].lets_heat_through() => Beyond::Continued,
+            Side::Wall(patch) if boundary.patches[patch].lets_heat_through() => Beyond::Continued,
             // Parts of a closed wall may be open: what lies behind is told by the wall as a whole.
             Side::Wall(_) => Beyond::Mirrored,
         });
@@ -93,7 +93,7 @@ impl<'a> Ground<'a> {
         self.scene.material_at(inside.x, inside.y) as u8
     }
 
-    /// The nearest place on a straight wall, by the door of the whole wall.
+    /// The nearest place on a straight wall, by the patch of the whole wall.
     pub fn foot(&self, side: usize, place: DVec2) -> DVec2 {
         match side {
             0 => DVec2::new(self.low.x, place.y),

@@ -47,7 +47,7 @@ pub(super) fn list(
     let Bonds { mut pairs, mut ghosts, touches } = bonds;
     let (boundary, lattice, materials) = (&prepared.boundary, &prepared.lattice, &prepared.materials);
     let (contacts, ways_out) = cut;
-    let outer = boundary.curved.map(|(door, _)| Rim { door, from: 0.0, contacts });
+    let outer = boundary.curved.map(|(patch, _)| Rim { patch, from: 0.0, contacts });
     let mut rims: Vec<Rim> = outer.into_iter().collect();
     let cuts = if let Some(dug) = &boundary.dug {
         let (cuts, face) = excavation::face(&pairs, &positions, &ghosts, materials, dug);
@@ -199,8 +199,8 @@ fn pairs(
         }
     }
     let pairs = PairList { starts: list.starts, partners: list.partners, weights };
-    let Some((door, radius)) = boundary.curved else { return (pairs, Contacts::default(), Vec::new()) };
-    let layers = boundary.doors[door].layers;
+    let Some((patch, radius)) = boundary.curved else { return (pairs, Contacts::default(), Vec::new()) };
+    let layers = boundary.patches[patch].layers;
     let behind = |i: usize| behind(i).map(|(way, depth, pair)| (way, depth, scale[i] * pair)).collect();
     let (contacts, ways_out) = cut_by_curve(positions, ghosts, materials, &pairs, (radius, layers), &behind);
     (pairs, contacts, if flows { ways_out } else { Vec::new() })

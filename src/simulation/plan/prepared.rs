@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use frazil_core::bonds::stencil::Stencil;
 use frazil_core::bonds::weight::Normalisation;
-use frazil_core::boundary::patch::{Boundary, MOST_DOORS};
+use frazil_core::boundary::patch::{Boundary, MOST_PATCHES};
 use frazil_core::boundary::pipe::Sink;
 use frazil_core::kernels::lattice_parts::LatticeParts;
 use frazil_core::particles::{Particles, Places};
@@ -71,9 +71,9 @@ impl Prepared {
         }
         let printed = scene.domain.symmetry().is_some() && discretisation.normalisation == Normalisation::Nominal;
         let boundary = boundary(scene, numerics.walls, reference.cloned(), printed).map_err(refuse)?;
-        if boundary.doors.len() > MOST_DOORS {
-            let doors = boundary.doors.len();
-            return Err(refuse(format!("{doors} walls and parts of walls, must be at most {MOST_DOORS}")));
+        if boundary.patches.len() > MOST_PATCHES {
+            let patches = boundary.patches.len();
+            return Err(refuse(format!("{patches} walls and parts of walls, must be at most {MOST_PATCHES}")));
         }
         let volumes = Volumes::new(&scene.domain, &lattice, printed);
         let cloud = place(scene, numerics, &lattice, seed)?;

@@ -57,7 +57,7 @@ impl Fold {
         let rings = &result.budget_names[result.budget_names.len() - larger.rings.len()..];
         let walls = larger.walls.iter().map(|wall| wall.name.to_string());
         let names: Vec<String> = walls.chain(rings.iter().cloned()).collect();
-        // Whose heat stands for a door's, and how many times; a wall that the smaller body lacks lets none through.
+        // Whose heat stands for a patch's, and how many times; a wall that the smaller body lacks lets none through.
         let source = |name: &str| -> (Option<String>, f64) {
             match self {
                 Fold::Line { along_y, across } => {

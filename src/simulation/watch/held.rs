@@ -76,8 +76,8 @@ impl Watches {
         self.fields.clear();
     }
 
-    /// Bytes that the watches will hold at the end of a run whose heat goes through `doors` doors.
-    pub fn held_at_the_end(&self, particles: &Particles, doors: usize) -> usize {
+    /// Bytes that the watches will hold at the end of a run whose heat goes through `patches` patches.
+    pub fn held_at_the_end(&self, particles: &Particles, patches: usize) -> usize {
         let lines = self.lines.iter().map(Line::held).sum::<usize>();
         let samples = self.main.held() + self.interface.held() + self.gaps.held() + self.wall.held() + lines;
         let probes = self.probes.capacity() * size_of::<(DVec2, Sample)>()
@@ -89,7 +89,7 @@ impl Watches {
             + self.walls.capacity() * size_of::<WallRow>()
             + self.wall.planes.capacity() * (size_of::<PlaneRow>() + "interface".len())
             + self.probe_rows.capacity() * size_of::<ProbeRow>()
-            + outputs * (size_of::<BudgetRow>() + doors * size_of::<f64>())
+            + outputs * (size_of::<BudgetRow>() + patches * size_of::<f64>())
             + profiles * points * (size_of::<ProfileRow>() + "line".len());
         let cells = if self.keep_fields {
             let grid = grid(&particles.lattice, self.field_radius);

@@ -73,8 +73,8 @@ impl FlowMethod {
                 tangent: Tangent::default(),
             })
         });
-        let names: Vec<String> = operator.doors().into_iter().chain(["ice".to_owned()]).collect();
-        let doors = vec![0.0; names.len()];
+        let names: Vec<String> = operator.patches().into_iter().chain(["ice".to_owned()]).collect();
+        let patches = vec![0.0; names.len()];
         let expands = flow.density_change && aquifers.iter().any(|aquifer| aquifer.expansion() != 0.0);
         let own_bound = bound(operator.as_ref(), bend.as_ref());
         let mut method = FlowMethod {
@@ -108,7 +108,7 @@ impl FlowMethod {
             water: WaterLedger { walls: vec![Sum::default(); flow.walls.len()], ..WaterLedger::default() },
             rate: vec![0.0; count],
             start: vec![0.0; count],
-            doors: [doors.clone(), doors],
+            patches: [patches.clone(), patches],
             beside: Vec::new(),
             opening_temperatures: Vec::new(),
             bound: own_bound.clone(),

@@ -82,9 +82,9 @@ pub struct Network {
     pub spans: Vec<DVec2>,
     /// Pairs across walls of given pressure, by particle.
     pub openings: Vec<Opening>,
-    /// Door of the boundary of each pressure wall.
-    pub doors: Vec<usize>,
-    /// Particles that conduct heat across each door: particle and door.
+    /// Patch of the boundary of each pressure wall.
+    pub patches: Vec<usize>,
+    /// Particles that conduct heat across each patch: particle and patch.
     pub beside: Vec<(u32, u8)>,
 }
 
@@ -99,7 +99,7 @@ impl Held for Network {
             + self.arms.held()
             + self.spans.held()
             + openings
-            + self.doors.held()
+            + self.patches.held()
             + beside
     }
 }
@@ -144,7 +144,7 @@ impl Network {
         conduction: Conduction,
     ) -> Result<Self, String> {
         let mirrors = Mirrors { ghosts, boundary, faces, flow };
-        let mut network = Network { starts: vec![0], doors: mirrors.doors()?, ..Network::default() };
+        let mut network = Network { starts: vec![0], patches: mirrors.patches()?, ..Network::default() };
         let (mut row, mut weights) = (Vec::new(), EndWeights::default());
         for i in 0..positions.len() {
             row.clear();
@@ -200,8 +200,8 @@ impl Network {
                     arm,
                 });
             }
-            if let Some(door) = mirrors.ghosts.pays[ghost] {
-                self.beside.push((i as u32, door));
+            if let Some(patch) = mirrors.ghosts.pays[ghost] {
+                self.beside.push((i as u32, patch));
             }
         }
         Ok(())
@@ -234,7 +234,7 @@ impl Network {
 
     /// Opens the pairs that a curved wall cuts to water that nothing disturbs behind it.
     fn let_out(&mut self, positions: &[DVec2], ways_out: &[WayOut], flow: &Flow) {
-        let Some((across, door)) = flow.across.as_ref().zip(self.doors.first().copied()) else { return };
+        let Some((across, patch)) = flow.across.as_ref().zip(self.patches.first().copied()) else { return };
         for out in ways_out {
             let mut multiples = [0.0; MOST_WALLS];
             multiples[0] = across.share(positions[out.particle as usize] + out.way);
@@ -248,7 +248,7 @@ impl Network {
                 multiples,
                 arm: out.way,
             });
-            self.beside.push((out.particle, door as u8));
+            self.beside.push((out.particle, patch as u8));
         }
     }
 
@@ -350,16 +350,16 @@ struct Chain {
 }
 
 impl Mirrors<'_> {
-    /// Doors of the walls for water.
-    fn doors(&self) -> Result<Vec<usize>, String> {
-        let door = |name: &str| self.boundary.doors.iter().position(|door| door.name == name);
+    /// Patches of the walls for water.
+    fn patches(&self) -> Result<Vec<usize>, String> {
+        let patch = |name: &str| self.boundary.patches.iter().position(|patch| patch.name == name);
         let walls = self.flow.walls.iter().map(|wall| &wall.name);
-        walls.map(|name| door(name).ok_or_else(|| format!("the body has no wall \"{name}\" for water"))).collect()
+        walls.map(|name| patch(name).ok_or_else(|| format!("the body has no wall \"{name}\" for water"))).collect()
     }
 
-    /// The wall for water at a door.
-    fn wall(&self, door: usize) -> Option<usize> {
-        self.flow.walls.iter().position(|wall| wall.name == self.boundary.doors[door].name)
+    /// The wall for water at a patch.
+    fn wall(&self, patch: usize) -> Option<usize> {
+        self.flow.walls.iter().position(|wall| wall.name == self.boundary.patches[patch].name)
     }
 }
 
@@ -367,9 +367,9 @@ impl Chain {
     fn of(mut ghost: usize, count: usize, mirrors: &Mirrors<'_>) -> Result<Self, String> {
         let mut chain = Chain { image: 0, wall: None, sign: 1.0, multiples: [0.0; MOST_WALLS], heat: 1.0 };
         loop {
-            if let Some(door) = mirrors.ghosts.door[ghost] {
-                chain.heat *= -mirrors.faces[door as usize].stiffness();
-                if let Some(wall) = mirrors.wall(door as usize) {
+            if let Some(patch) = mirrors.ghosts.patch[ghost] {
+                chain.heat *= -mirrors.faces[patch as usize].stiffness();
+                if let Some(wall) = mirrors.wall(patch as usize) {
                     chain.wall = chain.wall.or(Some(wall));
                     chain.multiples[wall] += 2.0 * chain.sign;
                     chain.sign = -chain.sign;

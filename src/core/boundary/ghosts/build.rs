@@ -129,11 +129,11 @@ impl Builder<'_> {
         };
         // A part of a wall goes on behind the other wall of a corner.
         let along = self.points[model as usize];
-        let door = match boundary.sides[side] {
-            Side::Wall(door) => Some(boundary.door_at(door, if side < 2 { along.y } else { along.x }) as u8),
+        let patch = match boundary.sides[side] {
+            Side::Wall(patch) => Some(boundary.patch_at(patch, if side < 2 { along.y } else { along.x }) as u8),
             Side::Mirror | Side::Curved => None,
         };
-        let open = door.filter(|door| boundary.books_all || boundary.doors[*door as usize].lets_heat_through());
+        let open = patch.filter(|patch| boundary.books_all || boundary.patches[*patch as usize].lets_heat_through());
         let mut mirrors = parent.map_or(Mirrors::default(), |k| self.mirrors[k]);
         mirrors.mirrored[side / 2] = true;
         mirrors.open[side / 2] |= open.is_some();
@@ -142,7 +142,7 @@ impl Builder<'_> {
         }
         self.mirrors.push(mirrors);
         ghosts.position.push(place);
-        ghosts.door.push(door);
+        ghosts.patch.push(patch);
         ghosts.pays.push(open.or(pays));
         ghosts.depth.push(depth);
         ghosts.model.push(model);
@@ -194,7 +194,7 @@ impl Builder<'_> {
         let (columns, rows) = (lattice.columns as i64, lattice.rows as i64);
         let margin = if corners { layers } else { 0 };
         for (side, normal, offset) in sides {
-            let Side::Wall(door) = self.boundary.sides[side] else { continue };
+            let Side::Wall(patch) = self.boundary.sides[side] else { continue };
             let (along, across) = if side < 2 { (rows, columns) } else { (columns, rows) };
             let outside = |layer: i64| if side % 2 == 0 { -1 - layer } else { across + layer };
             let cells = (-margin..along + margin).flat_map(|at| (0..layers).map(move |layer| (at, outside(layer))));
@@ -205,12 +205,12 @@ impl Builder<'_> {
                     (place, place - 2.0 * depth * normal, depth)
                 })
                 .collect();
-            self.fit(&targets, door);
+            self.fit(&targets, patch);
         }
     }
 
     /// Adds ghosts at `targets` (place, image, depth) with images fitted to nearby particles.
-    fn fit(&mut self, targets: &[(DVec2, DVec2, f64)], door: usize) {
+    fn fit(&mut self, targets: &[(DVec2, DVec2, f64)], patch: usize) {
         let across = [self.sides(Walls::Columns), self.sides(Walls::Rows)];
         let (points, lattice, ghosts) = (self.points, self.lattice, &mut self.ghosts);
         let range = FIT_RANGE * lattice.spacing;
@@ -227,8 +227,8 @@ impl Builder<'_> {
             let number = (points.len() + ghosts.len()) as u32;
             ghosts.images.extend(found.iter().zip(weights).map(|(j, weight)| (*j as u32, weight)));
             ghosts.position.push(*place);
-            ghosts.door.push(Some(door as u8));
-            ghosts.pays.push(Some(door as u8));
+            ghosts.patch.push(Some(patch as u8));
+            ghosts.pays.push(Some(patch as u8));
             ghosts.depth.push(*depth);
             ghosts.model.push(first as u32);
             ghosts.identity.push(number);

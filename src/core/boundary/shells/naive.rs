@@ -21,8 +21,8 @@ pub fn naive_shells(
     let (columns, rows, spacing) = (lattice.columns, lattice.rows, lattice.spacing);
     // A wall is open where any of its parts is; closed parts then have layers that take nothing.
     let is_open = |name: &str| {
-        let mut doors = boundary.doors.iter().filter(|door| door.name.starts_with(name));
-        doors.any(|door| door.lets_heat_through())
+        let mut patches = boundary.patches.iter().filter(|patch| patch.name.starts_with(name));
+        patches.any(|patch| patch.lets_heat_through())
     };
     let [left, right, below, above] =
         ["inner", "outer", "bottom", "top"].map(|name| if is_open(name) { stencil.reach } else { 0 });
@@ -63,14 +63,14 @@ pub fn naive_shells(
             } else {
                 (if row < below { "bottom" } else { "top" }, inner + (near as f64 + 0.5) * spacing)
             };
-            let Some(whole) = boundary.doors.iter().position(|door| door.name == wall) else {
+            let Some(whole) = boundary.patches.iter().position(|patch| patch.name == wall) else {
                 return Err(format!("the wall \"{wall}\" has no condition"));
             };
-            let door = boundary.door_at(whole, along) as u8;
+            let patch = boundary.patch_at(whole, along) as u8;
             index.push((lattice.len() + ghosts.len()) as u32);
             let mut place = longer.centre(column as i64, row as i64);
             place.y -= below as f64 * spacing;
-            ghosts.hold(lattice.len(), (at * columns + near) as u32, place, door);
+            ghosts.hold(lattice.len(), (at * columns + near) as u32, place, patch);
         }
     }
     let mut pairs = PairList { starts: vec![0], ..PairList::default() };

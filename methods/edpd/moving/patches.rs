@@ -9,42 +9,42 @@ use super::place::{Body, WALLS, wall};
 use crate::fluid::Behind;
 
 /// Walls in their order, then their parts.
-pub struct Doors {
+pub struct WallPatches {
     /// Temperature of each over time; none where it is insulated.
     pub temperatures: Vec<Option<Series>>,
     /// Their names in the ledger.
     pub names: Vec<String>,
 }
 
-impl Doors {
-    /// The doors of a scene; particles behind a part of a wall are made its own.
+impl WallPatches {
+    /// The patches of a scene; particles behind a part of a wall are made its own.
     pub fn of(scene: &Scene, body: &Body, map: &Map, behind: &mut [Behind<2>]) -> Self {
         let temperature = |condition: Option<&Condition>| match condition {
             Some(Condition::Temperature(series)) => Some(series.clone()),
             _ => None,
         };
-        let mut doors = Doors { temperatures: vec![None; WALLS.len()], names: WALLS.map(str::to_owned).into() };
+        let mut patches = WallPatches { temperatures: vec![None; WALLS.len()], names: WALLS.map(str::to_owned).into() };
         for (axis, end) in [(0, false), (0, true), (1, false), (1, true)] {
             if body.walled[axis] {
-                let door = wall(axis, end);
-                doors.temperatures[door] = temperature(scene.wall(WALLS[door]));
+                let patch = wall(axis, end);
+                patches.temperatures[patch] = temperature(scene.wall(WALLS[patch]));
             }
         }
         for (k, part) in scene.wall_parts.iter().enumerate() {
-            doors.names.push(format!("{}_part_{}", part.wall, k + 1));
-            doors.temperatures.push(temperature(Some(&part.condition)));
+            patches.names.push(format!("{}_part_{}", part.wall, k + 1));
+            patches.temperatures.push(temperature(Some(&part.condition)));
             let Some(whole) = WALLS.iter().position(|name| *name == part.wall) else { continue };
             let along = usize::from(whole < 2);
             for behind in &mut *behind {
                 let place = behind.image[along].rem_euclid(body.lengths[along]) * map.length;
-                let own = behind.door as usize;
+                let own = behind.patch as usize;
                 let of_wall = own == whole
                     || own.checked_sub(WALLS.len()).is_some_and(|other| scene.wall_parts[other].wall == part.wall);
                 if of_wall && place >= part.from && place < part.to {
-                    behind.door = (WALLS.len() + k) as u32;
+                    behind.patch = (WALLS.len() + k) as u32;
                 }
             }
         }
-        doors
+        patches
     }
 }

@@ -6,7 +6,7 @@ mod interface;
 mod layers;
 pub mod march;
 pub mod measure;
-pub mod one_way;
+pub mod monotonicity;
 pub mod plan;
 pub mod predict;
 pub mod reduce;

@@ -28,7 +28,7 @@ use frazil_scene::{FreezingDirection, PipeRing, Scene};
 use glam::DVec2;
 
 use crate::march::instants::outputs;
-use crate::one_way::OneWay;
+use crate::monotonicity::MonotonicityCheck;
 
 use corners::Corners;
 use field::field;
@@ -80,7 +80,7 @@ pub struct Watches {
     isothermal: bool,
     rows: held::Rows,
     /// What can only go one way.
-    pub one_way: OneWay,
+    pub monotonicity: MonotonicityCheck,
     /// Front over time.
     pub front: Vec<FrontRow>,
     /// What was frozen at the start.
@@ -146,7 +146,7 @@ impl Watches {
             keep_fields: keep_fields && scene.domain.dimension() == 2,
             field_radius: field_radius(scene),
             isothermal: matches!(scene.materials[0].law, FreezingLaw::Isothermal),
-            one_way: OneWay::new(scene, particles.volumes.largest()),
+            monotonicity: MonotonicityCheck::new(scene, particles.volumes.largest()),
             front: Vec::new(),
             start: Start::default(),
             frozen: Vec::new(),
@@ -251,7 +251,7 @@ impl Watches {
         let frozen = particles.integral(|i| particles.frozen_fraction(i));
         if landed {
             // The curve between two states may swing where steps do not.
-            self.one_way.look(frozen, ledger.rate(), ledger.rings());
+            self.monotonicity.look(frozen, ledger.rate(), ledger.rings());
         }
         if let Some(front_m) = self.front_of(particles, frozen, time) {
             self.front.push(FrontRow { time_s: time, front_m, front_ref_m: None });

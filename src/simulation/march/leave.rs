@@ -63,7 +63,7 @@ impl Simulation<'_> {
         let (scene, settings, watches) = (self.scene, self.settings, &self.watches);
         let Course { stopped, setup, solve, summary } = course;
         let balance = watches.budget.iter().map(|row| row.balance_rel).fold(0.0, larger_magnitude);
-        let setback = watches.one_way.setback();
+        let setback = watches.monotonicity.setback();
         let violation = self.guard.violation();
         let (outcome, cause) = match stopped {
             Some((outcome, cause)) => (outcome, Some(cause)),

@@ -8,7 +8,7 @@ use frazil_scene::Scene;
 
 /// What is watched, and how far it went the wrong way.
 #[derive(Debug, Clone)]
-pub struct OneWay {
+pub struct MonotonicityCheck {
     /// +1 where the frozen volume can only grow, -1 where it can only shrink.
     frozen: Option<f64>,
     /// Volume of a particle: the front is not known any better.
@@ -23,7 +23,7 @@ pub struct OneWay {
     setback: f64,
 }
 
-impl OneWay {
+impl MonotonicityCheck {
     /// The rules that the data of a scene make, for particles of this volume.
     pub fn new(scene: &Scene, grain: f64) -> Self {
         let (low, high) = scene.temperature_range();
@@ -37,7 +37,7 @@ impl OneWay {
         let rings: Vec<_> = scene.rings.iter().map(|ring| if open { None } else { side(&ring.temperature) }).collect();
         let frozen = if low == high || scene.flow.is_some() { None } else { direction(scene) };
         let watches = frozen.is_some() || rings.iter().any(Option::is_some);
-        OneWay { frozen, grain, rings, watches, furthest: None, strongest: 0.0, setback: 0.0 }
+        MonotonicityCheck { frozen, grain, rings, watches, furthest: None, strongest: 0.0, setback: 0.0 }
     }
 
     /// Takes note of the frozen volume and of the flow into the body (W) through each patch, and through each ring of pipes.
@@ -160,7 +160,7 @@ mod tests {
     }
 
     fn after(scene: &Scene, looks: &[(f64, &[f64])]) -> Option<f64> {
-        let mut watch = OneWay::new(scene, 0.0);
+        let mut watch = MonotonicityCheck::new(scene, 0.0);
         for (frozen, flows) in looks {
             watch.look(*frozen, flows, flows[flows.len() - scene.rings.len()..].iter().copied());
         }
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn a_front_may_go_back_within_a_particle() {
         let cooled = scene(vec![("left", held(-20.0))]);
-        let mut watch = OneWay::new(&cooled, 0.5);
+        let mut watch = MonotonicityCheck::new(&cooled, 0.5);
         for (frozen, setback) in [(4.0, 0.0), (3.5, 0.0), (4.0, 0.0), (3.25, 0.0625)] {
             watch.look(frozen, &[-1.0], std::iter::empty());
             assert_eq!(watch.setback(), Some(setback));

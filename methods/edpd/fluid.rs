@@ -217,12 +217,12 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     }
 
     /// Bytes that it holds on the heap.
-    pub fn held(&self) -> usize {
+    pub fn heap_size(&self) -> usize {
         fn of<T>(column: &Vec<T>) -> usize {
             column.capacity() * size_of::<T>()
         }
         let places: usize = self.places.iter().map(of).sum();
-        let walls = self.walls.as_ref().map_or(0, Walls::held);
+        let walls = self.walls.as_ref().map_or(0, Walls::heap_size);
         let particles = of(&self.particles) + of(&self.sorted) + of(&self.looks) + of(&self.origins);
         particles + of(&self.starts) + places + of(&self.desks) + of(&self.sums) + walls
     }

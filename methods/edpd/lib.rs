@@ -17,7 +17,7 @@ use std::sync::Arc;
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::bonds::weight::{Normalisation, PairWeight};
 use frazil_core::kernels::term::{Off, PairTerm, PairView};
-use frazil_core::memory::Held;
+use frazil_core::memory::HeapSize;
 use frazil_core::noise::StepNoise;
 use frazil_core::solvers::assembly::Assembly;
 use frazil_core::solvers::method::Method;
@@ -119,8 +119,8 @@ impl RandomFlux {
     }
 }
 
-impl Held for RandomFlux {
-    fn held(&self) -> usize {
+impl HeapSize for RandomFlux {
+    fn heap_size(&self) -> usize {
         size_of_val(&*self.by_particle)
     }
 }

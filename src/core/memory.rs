@@ -8,16 +8,21 @@ use std::sync::Arc;
 use glam::DVec2;
 
 /// Bytes that a value holds on the heap, beyond itself.
-pub trait Held {
+pub trait HeapSize {
     /// The bytes.
-    fn held(&self) -> usize;
+    fn heap_size(&self) -> usize;
+}
+
+/// Bytes of several values together.
+pub fn total(parts: &[&dyn HeapSize]) -> usize {
+    parts.iter().map(|part| part.heap_size()).sum()
 }
 
 /// Values that hold nothing beyond themselves.
 macro_rules! plain {
     ($($kind:ty),* $(,)?) => {
-        $(impl Held for $kind {
-            fn held(&self) -> usize {
+        $(impl HeapSize for $kind {
+            fn heap_size(&self) -> usize {
                 0
             }
         })*
@@ -26,51 +31,51 @@ macro_rules! plain {
 
 plain!(u8, u32, u64, usize, f64, bool, DVec2);
 
-impl<T: Held> Held for Vec<T> {
-    fn held(&self) -> usize {
-        self.capacity() * size_of::<T>() + self.iter().map(Held::held).sum::<usize>()
+impl<T: HeapSize> HeapSize for Vec<T> {
+    fn heap_size(&self) -> usize {
+        self.capacity() * size_of::<T>() + self.iter().map(HeapSize::heap_size).sum::<usize>()
     }
 }
 
-impl<T: Held> Held for [T] {
-    fn held(&self) -> usize {
-        size_of_val(self) + self.iter().map(Held::held).sum::<usize>()
+impl<T: HeapSize> HeapSize for [T] {
+    fn heap_size(&self) -> usize {
+        size_of_val(self) + self.iter().map(HeapSize::heap_size).sum::<usize>()
     }
 }
 
-impl<T: Held, const N: usize> Held for [T; N] {
-    fn held(&self) -> usize {
-        self.iter().map(Held::held).sum()
+impl<T: HeapSize, const N: usize> HeapSize for [T; N] {
+    fn heap_size(&self) -> usize {
+        self.iter().map(HeapSize::heap_size).sum()
     }
 }
 
-impl<T: Held> Held for Option<T> {
-    fn held(&self) -> usize {
-        self.as_ref().map_or(0, Held::held)
+impl<T: HeapSize> HeapSize for Option<T> {
+    fn heap_size(&self) -> usize {
+        self.as_ref().map_or(0, HeapSize::heap_size)
     }
 }
 
-impl<A: Held, B: Held> Held for (A, B) {
-    fn held(&self) -> usize {
-        self.0.held() + self.1.held()
+impl<A: HeapSize, B: HeapSize> HeapSize for (A, B) {
+    fn heap_size(&self) -> usize {
+        self.0.heap_size() + self.1.heap_size()
     }
 }
 
-impl<A: Held, B: Held, C: Held> Held for (A, B, C) {
-    fn held(&self) -> usize {
-        self.0.held() + self.1.held() + self.2.held()
+impl<A: HeapSize, B: HeapSize, C: HeapSize> HeapSize for (A, B, C) {
+    fn heap_size(&self) -> usize {
+        self.0.heap_size() + self.1.heap_size() + self.2.heap_size()
     }
 }
 
-impl Held for String {
-    fn held(&self) -> usize {
+impl HeapSize for String {
+    fn heap_size(&self) -> usize {
         self.capacity()
     }
 }
 
-impl<T: Held + ?Sized> Held for Box<T> {
-    fn held(&self) -> usize {
-        size_of_val(&**self) + (**self).held()
+impl<T: HeapSize + ?Sized> HeapSize for Box<T> {
+    fn heap_size(&self) -> usize {
+        size_of_val(&**self) + (**self).heap_size()
     }
 }
 

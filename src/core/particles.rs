@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::ledger::Sum;
-use crate::memory::{Held, shared};
+use crate::memory::{HeapSize, shared};
 use crate::physics::sub_cell::at_the_centre;
 use crate::physics::uptake::Materials;
 use crate::space::lattice::Lattice;
@@ -154,18 +154,18 @@ impl Particles {
     }
 }
 
-impl Held for Particles {
-    fn held(&self) -> usize {
+impl HeapSize for Particles {
+    fn heap_size(&self) -> usize {
         // Positions of a cloud are counted where pairs are: the operator holds them even on a lattice.
         let thermals = size_of_val(&*self.materials.thermals)
             + size_of_val(&*self.materials.blends)
-            + self.materials.laws().map(|thermal| thermal.curve.held() + thermal.law.held()).sum::<usize>();
-        self.enthalpy.held()
-            + self.velocity.held()
+            + self.materials.laws().map(|thermal| thermal.curve.heap_size() + thermal.law.heap_size()).sum::<usize>();
+        self.enthalpy.heap_size()
+            + self.velocity.heap_size()
             + shared(&self.start)
-            + self.lattice.held()
-            + self.materials.of_particle.held()
-            + self.materials.law_of.held()
+            + self.lattice.heap_size()
+            + self.materials.of_particle.heap_size()
+            + self.materials.law_of.heap_size()
             + thermals
     }
 }

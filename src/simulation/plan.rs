@@ -11,7 +11,7 @@ mod steps;
 use std::sync::Arc;
 
 use frazil_core::boundary::pipe::Extent;
-use frazil_core::memory::{Held, Memory};
+use frazil_core::memory::{HeapSize, Memory};
 use frazil_core::particles::Particles;
 use frazil_core::solvers::method::Method;
 use frazil_core::solvers::moving::Purpose;
@@ -171,7 +171,7 @@ pub(crate) fn build_for(
     let summary = PlanSummary {
         particles: particles.len() as u64,
         pairs: method.pairs(),
-        memory: Memory { particles: particles.held(), method: method.held(), watches: 0 },
+        memory: Memory { particles: particles.heap_size(), method: method.heap_size(), watches: 0 },
         step_s: step,
         step_bound_s: bound.step,
         step_limit: bound.cause.clone(),

@@ -2,7 +2,7 @@
 
 mod corners;
 mod field;
-mod held;
+mod heap_size;
 pub(crate) mod loops;
 mod passage;
 mod phases;
@@ -78,7 +78,7 @@ pub struct Watches {
     keep_fields: bool,
     field_radius: f64,
     isothermal: bool,
-    rows: held::Rows,
+    rows: heap_size::Rows,
     /// What can only go one way.
     pub monotonicity: MonotonicityCheck,
     /// Front over time.
@@ -157,7 +157,7 @@ impl Watches {
             surfaces: Vec::new(),
             walls: Vec::new(),
             fields: Vec::new(),
-            rows: held::Rows::default(),
+            rows: heap_size::Rows::default(),
         };
         watches.make_room(particles, outputs(scene).len(), scene.watch.profiles.len());
         watches

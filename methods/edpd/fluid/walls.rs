@@ -67,7 +67,7 @@ impl<const D: usize> Walls<D> {
     }
 
     /// Bytes that they hold on the heap.
-    pub fn held(&self) -> usize {
+    pub fn heap_size(&self) -> usize {
         self.behind.capacity() * size_of::<Behind<D>>()
             + 4 * (self.at.capacity() + self.near.capacity() + self.starts.capacity())
             + 8 * (self.levels.capacity() + self.received.capacity())

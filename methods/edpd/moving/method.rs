@@ -128,8 +128,8 @@ impl<W: Drive<2> + Send> Method for Moving<W> {
         self.fluid.pairs()
     }
 
-    fn held(&self) -> usize {
-        self.fluid.held() + self.patches.len() * size_of::<Option<Series>>()
+    fn heap_size(&self) -> usize {
+        self.fluid.heap_size() + self.patches.len() * size_of::<Option<Series>>()
     }
 
     fn work(&self) -> Work {

@@ -24,7 +24,7 @@ use crate::balances::groundwater::pressure::Pressure;
 use crate::balances::groundwater::velocity::velocities;
 use crate::boundary::patch::{Boundary, Face};
 use crate::ledger::{Ledger, Sum};
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::particles::Particles;
 use crate::physics::uptake::Materials;
 use crate::solvers::method::{Method, Water};
@@ -322,18 +322,18 @@ impl Method for FlowMethod {
         self.pairs
     }
 
-    fn held(&self) -> usize {
+    fn heap_size(&self) -> usize {
         let columns =
             [&self.temperature, &self.permeability, &self.solved, &self.conductivity, &self.started, &self.heights];
         let more = [&self.asked, &self.asking, &self.rate, &self.start];
-        let columns: usize = columns.iter().chain(&more).map(|column| column.held()).sum();
-        let parts = self.network.held() + self.pressure.held() + self.carrier.held();
+        let columns: usize = columns.iter().chain(&more).map(|column| column.heap_size()).sum();
+        let parts = self.network.heap_size() + self.pressure.heap_size() + self.carrier.heap_size();
         let tables = self.aquifers.iter().map(|aquifer| match &aquifer.warmth {
             Warmth::Exact(_) => 0,
-            Warmth::Table { table, .. } => table.held(),
+            Warmth::Table { table, .. } => table.heap_size(),
         });
-        let copies = self.materials.of_particle.held() + self.beside.capacity() * size_of::<(u32, f64)>();
-        self.operator.held() + columns + parts + tables.sum::<usize>() + copies
+        let copies = self.materials.of_particle.heap_size() + self.beside.capacity() * size_of::<(u32, f64)>();
+        self.operator.heap_size() + columns + parts + tables.sum::<usize>() + copies
     }
 
     fn wanted_step(&self) -> f64 {

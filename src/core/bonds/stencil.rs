@@ -1,7 +1,7 @@
 //! A pair weight on a lattice: a fixed table of offsets, no neighbour list.
 
 use crate::bonds::weight::{Normalisation, PairWeight};
-use crate::memory::Held;
+use crate::memory::HeapSize;
 
 /// Relative tolerance on a reach that falls on a shell of the lattice: the shell belongs to the neighbourhood.
 pub const SHELL_TOLERANCE: f64 = 1e-6;
@@ -19,9 +19,9 @@ pub struct Stencil {
     disc: bool,
 }
 
-impl Held for Stencil {
-    fn held(&self) -> usize {
-        self.weights.held()
+impl HeapSize for Stencil {
+    fn heap_size(&self) -> usize {
+        self.weights.heap_size()
     }
 }
 

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::space::lattice::Lattice;
 
 /// What a curved wall may add to the row sum of a particle, over that of a whole neighbourhood. Beyond it deeper
@@ -168,8 +168,8 @@ impl Contacts {
     }
 }
 
-impl Held for Contacts {
-    fn held(&self) -> usize {
+impl HeapSize for Contacts {
+    fn heap_size(&self) -> usize {
         self.contacts.capacity() * size_of::<Contact>() + self.views.capacity() * size_of::<View>()
     }
 }

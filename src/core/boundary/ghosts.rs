@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::boundary::interface::Chains;
 use crate::boundary::patch::Face;
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::physics::uptake::Materials;
 
 /// Ghosts, numbered after the particles; each depends only on particles and earlier ghosts.
@@ -48,13 +48,14 @@ pub struct Levelled {
     pub model: u32,
 }
 
-impl Held for Ghosts {
-    fn held(&self) -> usize {
+impl HeapSize for Ghosts {
+    fn heap_size(&self) -> usize {
         // Patches are a byte and whether there is one.
         let patches = (self.patch.capacity() + self.pays.capacity()) * size_of::<Option<u8>>();
-        let names = self.material.held() + self.model.held() + self.identity.held() + self.stream.held();
-        let numbers = self.depth.held() + self.share.held();
-        self.position.held() + patches + numbers + names + self.starts.held() + self.images.held()
+        let names =
+            self.material.heap_size() + self.model.heap_size() + self.identity.heap_size() + self.stream.heap_size();
+        let numbers = self.depth.heap_size() + self.share.heap_size();
+        self.position.heap_size() + patches + numbers + names + self.starts.heap_size() + self.images.heap_size()
     }
 }
 

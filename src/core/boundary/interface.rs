@@ -10,7 +10,7 @@
 //! Walls are seen through pieces as well: behind a wall that heat passes, the material at the wall goes on.
 
 use crate::boundary::patch::Face;
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::physics::curve::solve_increasing;
 use crate::physics::thermal::Thermal;
 
@@ -114,10 +114,10 @@ impl Chains {
     }
 }
 
-impl Held for Chains {
-    fn held(&self) -> usize {
-        let rims: usize = self.of_rim.iter().map(Held::held).sum();
-        let numbers = self.of_pair.held() + self.of_ghost.held() + self.of_touch.held() + rims;
+impl HeapSize for Chains {
+    fn heap_size(&self) -> usize {
+        let rims: usize = self.of_rim.iter().map(HeapSize::heap_size).sum();
+        let numbers = self.of_pair.heap_size() + self.of_ghost.heap_size() + self.of_touch.heap_size() + rims;
         numbers + self.chains.capacity() * size_of::<Chain>() + self.pieces.capacity() * size_of::<Piece>()
     }
 }

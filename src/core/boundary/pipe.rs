@@ -13,7 +13,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::boundary::green::Green;
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::physics::thermal::Thermal;
 use crate::series::{Schedule, Series};
 use crate::space::lattice::Lattice;
@@ -266,9 +266,9 @@ pub fn radius_of_one_particle(green: &Green, spacing: f64) -> f64 {
     spacing * green.one_particle_radius() * (-TAU * HELD_RESISTANCE).exp()
 }
 
-impl Held for Sink {
-    fn held(&self) -> usize {
-        self.sample.held()
+impl HeapSize for Sink {
+    fn heap_size(&self) -> usize {
+        self.sample.heap_size()
     }
 }
 

@@ -5,7 +5,7 @@ use glam::DVec2;
 use crate::bonds::pair_list::PairList;
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::{Boundary, Side};
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::space::lattice::Lattice;
 use crate::space::segment::{Segment, offset};
 
@@ -160,8 +160,8 @@ pub struct Cuts {
     done: usize,
 }
 
-impl Held for Cuts {
-    fn held(&self) -> usize {
+impl HeapSize for Cuts {
+    fn heap_size(&self) -> usize {
         self.events.capacity() * size_of::<(f64, usize, f64)>()
     }
 }

@@ -1,7 +1,7 @@
 //! What of the heat of pairs passes walls and surfaces.
 
 use crate::kernels::list_parts::ListParts;
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::space::domain::Surface;
 
 /// What of a pair's heat goes a way: in corners a ghost is the image of another one, and the heat to that passes the
@@ -24,8 +24,8 @@ pub(super) struct Crossing {
     pub(super) portion: Portion,
 }
 
-impl Held for Crossing {
-    fn held(&self) -> usize {
+impl HeapSize for Crossing {
+    fn heap_size(&self) -> usize {
         0
     }
 }

@@ -4,7 +4,7 @@ use crate::boundary::pipe::Sink;
 use crate::kernels::list_parts::steepest;
 use crate::kernels::rows::ListOperator;
 use crate::kernels::term::{Off, PairTerm};
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::physics::uptake::{LatentScheme, Materials};
 use crate::solvers::operator::{Operator, Stage, StageColumns};
 use crate::solvers::step::{Bound, Clock};
@@ -133,14 +133,14 @@ impl Operator for EnthalpyList {
         self.operator.pair_count()
     }
 
-    fn held(&self) -> usize {
+    fn heap_size(&self) -> usize {
         let Tangent { changes, ghosts, shares, views, touches, .. } = &self.tangent;
-        let tangent = changes.held()
-            + ghosts.held()
-            + shares.held()
-            + views.iter().map(Held::held).sum::<usize>()
-            + touches.held();
-        self.operator.held() + self.scheme.held() + self.rate.held() + tangent
+        let tangent = changes.heap_size()
+            + ghosts.heap_size()
+            + shares.heap_size()
+            + views.iter().map(HeapSize::heap_size).sum::<usize>()
+            + touches.heap_size();
+        self.operator.heap_size() + self.scheme.heap_size() + self.rate.heap_size() + tangent
     }
 }
 

@@ -5,7 +5,7 @@ use crate::boundary::curved_wall::{Contacts, Neighbourhood};
 use crate::boundary::patch::{Boundary, Face, Side};
 use crate::kernels::sweep::Shape;
 use crate::ledger::Sum;
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::physics::potential::PotentialLaw;
 use crate::physics::thermal::Thermal;
 use crate::space::lattice::Lattice;
@@ -21,9 +21,9 @@ pub(super) struct Exterior {
     pub(super) gains: Vec<(f64, f64)>,
 }
 
-impl Held for Exterior {
-    fn held(&self) -> usize {
-        self.rows.held() + self.contacts.held() + self.gains.held()
+impl HeapSize for Exterior {
+    fn heap_size(&self) -> usize {
+        self.rows.heap_size() + self.contacts.heap_size() + self.gains.heap_size()
     }
 }
 

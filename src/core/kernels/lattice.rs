@@ -13,7 +13,7 @@ use crate::kernels::lattice_parts::{LatticeParts, bands, bound};
 use crate::kernels::sweep::{Band, Frame, Shape, sweep};
 use crate::kernels::target::{Beside, Chained, InPlace, Target};
 use crate::ledger::Sum;
-use crate::memory::Held;
+use crate::memory::total;
 use crate::physics::potential::{Identity, PotentialLaw};
 use crate::physics::sub_cell::SubCellFront;
 use crate::series::Series;
@@ -485,12 +485,12 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         (self.around.lattice.len() * self.around.stencil.neighbours() / 2) as u64
     }
 
-    fn held(&self) -> usize {
+    fn heap_size(&self) -> usize {
         let around = &self.around;
-        let walls = around.exterior.held() + around.patch_weights.held() + around.patch_own.held();
-        let pipes = self.sinks.held() + self.sink_potentials.held() + self.sink_heat.held();
-        let corners = self.corners.capacity() * size_of::<CornerPair>() + self.corner_rates.held() + self.front.held();
-        let tangent = self.tangent.as_ref().map_or(0, |tangent| tangent.held());
-        around.stencil.held() + walls + pipes + corners + self.bands.held() + self.row_patches.held() + tangent
+        let walls = total(&[&around.stencil, &around.exterior, &around.patch_weights, &around.patch_own]);
+        let pipes = total(&[&self.sinks, &self.sink_potentials, &self.sink_heat]);
+        let corners = self.corners.capacity() * size_of::<CornerPair>();
+        let work = total(&[&self.corner_rates, &self.front, &self.bands, &self.row_patches]);
+        walls + pipes + corners + work + self.tangent.as_ref().map_or(0, |tangent| tangent.heap_size())
     }
 }

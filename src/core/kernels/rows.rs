@@ -12,7 +12,7 @@ use crate::kernels::enthalpy_rows::Tangent;
 use crate::kernels::list_parts::{ListParts, bound};
 use crate::kernels::term::{PairTerm, PairView};
 use crate::ledger::Sum;
-use crate::memory::{Held, shared};
+use crate::memory::{HeapSize, shared, total};
 use crate::physics::uptake::{Fields, LatentScheme};
 use crate::solvers::step::{Bound, Clock};
 use crate::space::domain::Surface;
@@ -464,25 +464,25 @@ impl<T: PairTerm> ListOperator<T> {
     }
 }
 
-impl<T: PairTerm> Held for ListOperator<T> {
-    fn held(&self) -> usize {
+impl<T: PairTerm> HeapSize for ListOperator<T> {
+    fn heap_size(&self) -> usize {
         let parts = &self.parts;
-        let fields = self.fields.potential.held() + self.fields.temperature.held() + self.fields.conductivity.held();
-        let pairs = parts.pairs.starts.held() + parts.pairs.partners.held() + parts.pairs.weights.held();
+        let fields = total(&[&self.fields.potential, &self.fields.temperature, &self.fields.conductivity]);
+        let pairs = total(&[&parts.pairs.starts, &parts.pairs.partners, &parts.pairs.weights]);
         // Its copy of the materials of particles, and positions even of those on a lattice.
-        let copies = shared(&parts.positions) + parts.materials.of_particle.held();
+        let copies = shared(&parts.positions) + parts.materials.of_particle.heap_size();
         copies
             + pairs
-            + self.term.held()
-            + parts.chains.held()
-            + parts.cuts.held()
-            + parts.ghosts.held()
+            + self.term.heap_size()
+            + parts.chains.heap_size()
+            + parts.cuts.heap_size()
+            + parts.ghosts.heap_size()
             + fields
-            + self.crossings.held()
-            + self.across.iter().map(Held::held).sum::<usize>()
-            + parts.rims.iter().map(|rim| rim.contacts.held()).sum::<usize>()
+            + self.crossings.heap_size()
+            + self.across.iter().map(HeapSize::heap_size).sum::<usize>()
+            + parts.rims.iter().map(|rim| rim.contacts.heap_size()).sum::<usize>()
             + parts.touches.capacity() * size_of::<Touch>()
-            + parts.sinks.held()
-            + self.sink_heat.held()
+            + parts.sinks.heap_size()
+            + self.sink_heat.heap_size()
     }
 }

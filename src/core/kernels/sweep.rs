@@ -8,7 +8,7 @@
 
 use crate::bonds::stencil::Stencil;
 use crate::kernels::target::{Target, settle};
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::physics::potential::PotentialLaw;
 use crate::space::lattice::Lattice;
 
@@ -96,10 +96,10 @@ impl Band {
     }
 }
 
-impl Held for Band {
-    fn held(&self) -> usize {
-        let rows = self.below.held() + self.above.held() + self.ring.held();
-        rows + self.sums.capacity() * size_of::<Sums>() + self.rate.held()
+impl HeapSize for Band {
+    fn heap_size(&self) -> usize {
+        let rows = self.below.heap_size() + self.above.heap_size() + self.ring.heap_size();
+        rows + self.sums.capacity() * size_of::<Sums>() + self.rate.heap_size()
     }
 }
 

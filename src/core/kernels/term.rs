@@ -1,11 +1,11 @@
 //! A term beside conduction.
 
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::physics::uptake::Fields;
 use crate::solvers::step::Clock;
 
 /// A term beside conduction: eDPD's random heat flux. Off by type where it is [`Off`].
-pub trait PairTerm: Held + Clone + Send + Sync + 'static {
+pub trait PairTerm: HeapSize + Clone + Send + Sync + 'static {
     /// Whether the term needs temperatures and conductivities of particles.
     const ACTIVE: bool;
     /// Prepares the term for a step.
@@ -36,8 +36,8 @@ pub struct PairView<'a> {
 #[derive(Debug, Clone, Copy)]
 pub struct Off;
 
-impl Held for Off {
-    fn held(&self) -> usize {
+impl HeapSize for Off {
+    fn heap_size(&self) -> usize {
         0
     }
 }

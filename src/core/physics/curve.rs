@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::memory::{Held, shared};
+use crate::memory::{HeapSize, shared};
 use crate::physics::blend::Blend;
 use crate::physics::material::{FreezingLaw, Material, Mixing};
 
@@ -455,8 +455,8 @@ pub(super) fn simpson(f: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
     (to - from) / 6.0 * (f(from) + 4.0 * f(0.5 * (from + to)) + f(to))
 }
 
-impl Held for Curve {
-    fn held(&self) -> usize {
+impl HeapSize for Curve {
+    fn heap_size(&self) -> usize {
         shared(&self.steps)
     }
 }

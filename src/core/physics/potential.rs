@@ -7,7 +7,7 @@
 
 use std::sync::Arc;
 
-use crate::memory::{Held, shared};
+use crate::memory::{HeapSize, shared};
 use crate::physics::curve::{Curve, TABLE_INTERVALS, simpson};
 
 /// The function of the inner loop: enthalpy to potential, both counted from the initial state.
@@ -205,17 +205,17 @@ impl Law {
     }
 }
 
-impl Held for Curved {
-    fn held(&self) -> usize {
+impl HeapSize for Curved {
+    fn heap_size(&self) -> usize {
         shared(&self.warm) + shared(&self.cold)
     }
 }
 
-impl Held for Law {
-    fn held(&self) -> usize {
+impl HeapSize for Law {
+    fn heap_size(&self) -> usize {
         match self {
             Law::Straight(_) | Law::Kinked(_) => 0,
-            Law::Curved(law) => law.held(),
+            Law::Curved(law) => law.heap_size(),
             Law::Blended(_) => size_of::<Curve>(),
         }
     }

@@ -15,7 +15,7 @@
 //! every method (docs/theory/heat.md).
 
 use crate::bonds::stencil::Stencil;
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::physics::thermal::Thermal;
 use crate::space::lattice::Lattice;
 
@@ -269,9 +269,9 @@ pub fn at_the_centre(lattice: &Lattice, index: usize, fraction: f64, temperature
     if count > 0.0 { sum / count } else { 0.0 }
 }
 
-impl Held for SubCellFront {
-    fn held(&self) -> usize {
-        let ways: usize = self.over.iter().map(|pair| pair.way.held()).sum();
+impl HeapSize for SubCellFront {
+    fn heap_size(&self) -> usize {
+        let ways: usize = self.over.iter().map(|pair| pair.way.heap_size()).sum();
         let tables = self.own.capacity() * size_of::<OwnPair>() + self.over.capacity() * size_of::<PairOver>();
         let states = self.window.capacity() * size_of::<Seen>() + self.changes.capacity() * size_of::<(u32, f64)>();
         ways + tables + states

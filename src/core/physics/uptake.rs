@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::physics::thermal::Thermal;
 
 /// How latent heat is taken up.
@@ -103,7 +103,7 @@ impl Materials {
 }
 
 /// A scheme: turns its state into fields, and heat into state.
-pub trait LatentScheme: Send + Held {
+pub trait LatentScheme: Send + HeapSize {
     /// Fills the non-empty columns of `fields` (of the first particles).
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields);
     /// Adds `step` times the rates (W/m3).
@@ -139,8 +139,8 @@ pub fn scheme(
 /// Enthalpy is the unknown.
 struct Enthalpy;
 
-impl Held for Enthalpy {
-    fn held(&self) -> usize {
+impl HeapSize for Enthalpy {
+    fn heap_size(&self) -> usize {
         0
     }
 }
@@ -174,9 +174,9 @@ struct LastPhase {
     frozen: Vec<bool>,
 }
 
-impl Held for LastPhase {
-    fn held(&self) -> usize {
-        self.frozen.held()
+impl HeapSize for LastPhase {
+    fn heap_size(&self) -> usize {
+        self.frozen.heap_size()
     }
 }
 
@@ -207,8 +207,8 @@ fn half(frozen: f64) -> f64 {
 /// Enthalpy, with the mean conductivity of both phases throughout the freezing interval.
 struct HalfFrozen;
 
-impl Held for HalfFrozen {
-    fn held(&self) -> usize {
+impl HeapSize for HalfFrozen {
+    fn heap_size(&self) -> usize {
         0
     }
 }
@@ -238,9 +238,9 @@ struct Flags {
     mushy: Mushy,
 }
 
-impl Held for Flags {
-    fn held(&self) -> usize {
-        self.temperature.held() + self.released.held()
+impl HeapSize for Flags {
+    fn heap_size(&self) -> usize {
+        self.temperature.heap_size() + self.released.heap_size()
     }
 }
 
@@ -316,9 +316,9 @@ struct ApparentCapacity {
     temperature: Vec<f64>,
 }
 
-impl Held for ApparentCapacity {
-    fn held(&self) -> usize {
-        self.temperature.held()
+impl HeapSize for ApparentCapacity {
+    fn heap_size(&self) -> usize {
+        self.temperature.heap_size()
     }
 }
 

@@ -1,6 +1,6 @@
 //! Direct solution of narrow banded systems.
 
-use crate::memory::Held;
+use crate::memory::HeapSize;
 
 /// A square matrix with entries within `half` of its diagonal, row by row.
 #[derive(Debug, Clone)]
@@ -75,9 +75,9 @@ impl Band {
     }
 }
 
-impl Held for Band {
-    fn held(&self) -> usize {
-        self.rows.held()
+impl HeapSize for Band {
+    fn heap_size(&self) -> usize {
+        self.rows.heap_size()
     }
 }
 

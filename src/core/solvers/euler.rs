@@ -6,7 +6,7 @@ use crate::kernels::enthalpy_rows::Tangent;
 use crate::kernels::rows::ListOperator;
 use crate::kernels::term::PairTerm;
 use crate::ledger::Ledger;
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::particles::Particles;
 use crate::physics::uptake::LatentScheme;
 use crate::solvers::method::Method;
@@ -61,8 +61,8 @@ impl Method for Euler {
         self.operator.pairs()
     }
 
-    fn held(&self) -> usize {
-        self.operator.held()
+    fn heap_size(&self) -> usize {
+        self.operator.heap_size()
     }
 
     fn work(&self) -> Work {
@@ -134,7 +134,7 @@ impl<T: PairTerm> Method for SchemeEuler<T> {
         Work { evaluations: self.steps, ..Work::default() }
     }
 
-    fn held(&self) -> usize {
-        self.operator.held() + self.scheme.held() + self.rate.held()
+    fn heap_size(&self) -> usize {
+        self.operator.heap_size() + self.scheme.heap_size() + self.rate.heap_size()
     }
 }

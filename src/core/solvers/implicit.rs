@@ -3,7 +3,7 @@
 use frazil_record::Work;
 
 use crate::ledger::{Hermite, Ledger};
-use crate::memory::Held;
+use crate::memory::{HeapSize, total};
 use crate::particles::Particles;
 use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
 use crate::solvers::method::Method;
@@ -247,10 +247,10 @@ impl Method for Implicit {
         self.operator.pairs()
     }
 
-    fn held(&self) -> usize {
+    fn heap_size(&self) -> usize {
         let columns = [&self.stage, &self.known, &self.next, &self.previous, &self.rate, &self.previous_rate];
-        let columns: usize = columns.into_iter().map(Held::held).sum();
-        self.operator.held() + self.newton.held() + columns + self.rates.held() + self.euler_rate.held()
+        let columns: usize = columns.into_iter().map(HeapSize::heap_size).sum();
+        self.operator.heap_size() + self.newton.heap_size() + columns + total(&[&self.rates, &self.euler_rate])
     }
 
     fn wanted_step(&self) -> f64 {

@@ -3,7 +3,7 @@
 //!
 //! Sums run over particles in order, so the result does not depend on the number of threads.
 
-use crate::memory::Held;
+use crate::memory::HeapSize;
 
 /// Iterations after which a solve gives up: its caller shortens the step.
 const MOST_ITERATIONS: usize = 3000;
@@ -166,10 +166,10 @@ impl Krylov {
     }
 }
 
-impl Held for Krylov {
-    fn held(&self) -> usize {
+impl HeapSize for Krylov {
+    fn heap_size(&self) -> usize {
         let columns = [&self.residual, &self.direction, &self.shaped, &self.image, &self.shadow, &self.second_image];
-        columns.into_iter().map(Held::held).sum()
+        columns.into_iter().map(HeapSize::heap_size).sum()
     }
 }
 

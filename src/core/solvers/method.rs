@@ -26,7 +26,7 @@ pub trait Method: Send {
     /// Pairs that one evaluation visits.
     fn pairs(&self) -> u64;
     /// Bytes that the method holds on the heap; what particles hold is theirs.
-    fn held(&self) -> usize;
+    fn heap_size(&self) -> usize;
     /// Length (s) from which steps of a fixed length grow after a jump, for methods that are not monotone at their bound.
     fn gentle_step(&self) -> Option<f64> {
         None

@@ -5,7 +5,7 @@
 //! Newton's iteration turns in circles, because particles jump to and fro over the interval, the path of solutions is
 //! followed from c = 0, at which `H = R` holds.
 
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::solvers::band::Band;
 use crate::solvers::control::EnthalpyRange;
 use crate::solvers::krylov::Krylov;
@@ -287,15 +287,15 @@ impl Newton {
     }
 }
 
-impl Held for Newton {
-    fn held(&self) -> usize {
+impl HeapSize for Newton {
+    fn heap_size(&self) -> usize {
         let columns =
             [&self.residual, &self.slopes, &self.roots, &self.change, &self.scratch, &self.right, &self.diagonal];
         let linear = match &self.linear {
-            Linear::Direct { exchange, system, .. } => exchange.held() + system.held(),
-            Linear::Iterative(krylov) => krylov.held(),
+            Linear::Direct { exchange, system, .. } => exchange.heap_size() + system.heap_size(),
+            Linear::Iterative(krylov) => krylov.heap_size(),
         };
-        columns.into_iter().map(Held::held).sum::<usize>() + linear
+        columns.into_iter().map(HeapSize::heap_size).sum::<usize>() + linear
     }
 }
 

@@ -62,5 +62,5 @@ pub trait Operator: Send {
     /// Pairs that one evaluation visits.
     fn pairs(&self) -> u64;
     /// Bytes that the operator holds on the heap; what particles hold is theirs.
-    fn held(&self) -> usize;
+    fn heap_size(&self) -> usize;
 }

@@ -3,7 +3,7 @@
 use frazil_record::Work;
 
 use crate::ledger::{Hermite, Ledger};
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::particles::Particles;
 use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
 use crate::solvers::method::Method;
@@ -275,9 +275,9 @@ impl Method for Rkl2 {
         matches!(self.pace, Pace::Fixed { .. }).then_some(self.euler.step)
     }
 
-    fn held(&self) -> usize {
+    fn heap_size(&self) -> usize {
         let columns = [&self.older, &self.old, &self.first_rate, &self.last_rate];
-        self.operator.held() + columns.into_iter().map(Held::held).sum::<usize>()
+        self.operator.heap_size() + columns.into_iter().map(HeapSize::heap_size).sum::<usize>()
     }
 
     fn wanted_step(&self) -> f64 {

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::memory::Held;
+use crate::memory::HeapSize;
 use crate::space::domain::{Domain, Sector};
 
 /// The lattice of a domain. Particle `i` of row `y` stands at column `first(y) + i - start(y)`.
@@ -24,9 +24,9 @@ pub struct Lattice {
     starts: Vec<usize>,
 }
 
-impl Held for Lattice {
-    fn held(&self) -> usize {
-        self.spans.held() + self.starts.held()
+impl HeapSize for Lattice {
+    fn heap_size(&self) -> usize {
+        self.spans.heap_size() + self.starts.heap_size()
     }
 }
 

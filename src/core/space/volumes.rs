@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::memory::{Held, shared};
+use crate::memory::{HeapSize, shared};
 use crate::space::domain::Domain;
 use crate::space::lattice::Lattice;
 
@@ -64,8 +64,8 @@ impl Volumes {
     }
 }
 
-impl Held for Volumes {
-    fn held(&self) -> usize {
+impl HeapSize for Volumes {
+    fn heap_size(&self) -> usize {
         if self.shares.is_empty() { 0 } else { shared(&self.shares) }
     }
 }

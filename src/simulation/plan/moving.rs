@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use frazil_core::memory::{Held, Memory};
+use frazil_core::memory::{HeapSize, Memory};
 use frazil_core::particles::{Particles, Places};
 use frazil_core::physics::uptake::Materials;
 use frazil_core::solvers::moving::Crowd;
@@ -39,7 +39,7 @@ pub(super) fn plan(scene: &Scene, settings: &MethodSettings, crowd: Crowd) -> Re
     let summary = PlanSummary {
         particles: count as u64,
         pairs: method.pairs(),
-        memory: Memory { particles: particles.held(), method: method.held(), watches: 0 },
+        memory: Memory { particles: particles.heap_size(), method: method.heap_size(), watches: 0 },
         step_s: step,
         step_bound_s: bound.step,
         step_limit: bound.cause.clone(),

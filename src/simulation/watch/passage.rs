@@ -4,7 +4,7 @@
 //! A way is found by fast sweeping: the arrival D at a cell is the least frozen length from the centre to it, so `|grad D|` is the
 //! frozen share of the cell, solved upwind in sweeps of all four directions until nothing changes (Zhao 2005, Math. Comp. 74, 603).
 
-use frazil_core::memory::Held;
+use frazil_core::memory::HeapSize;
 use frazil_core::particles::Particles;
 use frazil_core::space::lattice::Lattice;
 use glam::DVec2;
@@ -54,11 +54,11 @@ pub(super) struct PassageFinder {
     stack: Vec<u32>,
 }
 
-impl Held for PassageFinder {
-    fn held(&self) -> usize {
+impl HeapSize for PassageFinder {
+    fn heap_size(&self) -> usize {
         let cells = self.share.len();
         let kept = size_of::<f64>() + size_of::<bool>() + 2 * size_of::<u32>();
-        self.share.held() + self.particle.held() + cells * kept
+        self.share.heap_size() + self.particle.heap_size() + cells * kept
     }
 }
 

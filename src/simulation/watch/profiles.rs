@@ -1,6 +1,6 @@
 //! Profiles: means over layers across a plane front, and points along lines through the body.
 
-use frazil_core::memory::Held;
+use frazil_core::memory::total;
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::{Domain, Surface};
 use frazil_record::{MeanOver, ProfileRow};
@@ -68,8 +68,8 @@ impl Line {
     }
 
     /// Bytes on the heap.
-    pub(super) fn held(&self) -> usize {
-        self.plane.held() + self.along.held() + self.places.capacity() * size_of::<DVec2>() + self.samples.held()
+    pub(super) fn heap_size(&self) -> usize {
+        total(&[&self.plane, &self.along, &self.places, &self.samples])
     }
 }
 

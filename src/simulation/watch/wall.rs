@@ -3,7 +3,7 @@
 
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::ledger::Ledger;
-use frazil_core::memory::Held;
+use frazil_core::memory::HeapSize;
 use frazil_core::particles::Particles;
 use frazil_core::physics::material::FreezingLaw;
 use frazil_core::space::domain::{Domain, Sector};
@@ -59,11 +59,11 @@ impl Way {
     }
 }
 
-impl Held for Way {
-    fn held(&self) -> usize {
+impl HeapSize for Way {
+    fn heap_size(&self) -> usize {
         match self {
-            Way::Through(gate, rest) => gate.held() + rest.held(),
-            Way::Tip(place, beside) => place.held() + beside.iter().map(Held::held).sum::<usize>(),
+            Way::Through(gate, rest) => gate.heap_size() + rest.heap_size(),
+            Way::Tip(place, beside) => place.heap_size() + beside.iter().map(HeapSize::heap_size).sum::<usize>(),
         }
     }
 }
@@ -99,9 +99,9 @@ impl Joint {
     }
 }
 
-impl Held for Joint {
-    fn held(&self) -> usize {
-        self.ways.held()
+impl HeapSize for Joint {
+    fn heap_size(&self) -> usize {
+        self.ways.heap_size()
     }
 }
 
@@ -388,9 +388,9 @@ impl Wall {
     }
 }
 
-impl Held for Wall {
-    fn held(&self) -> usize {
-        self.joints.iter().map(Held::held).sum::<usize>() + self.finder.held()
+impl HeapSize for Wall {
+    fn heap_size(&self) -> usize {
+        self.joints.iter().map(HeapSize::heap_size).sum::<usize>() + self.finder.heap_size()
     }
 }
 

@@ -25,7 +25,7 @@ use crate::balances::groundwater::pressure::Pressure;
 use crate::balances::groundwater::row::Row;
 use crate::balances::groundwater::tasks::{each, tasks, when};
 use crate::balances::groundwater::velocity::velocities;
-use crate::memory::Held;
+use crate::memory::HeapSize;
 
 /// Heat that water carries along a path over what the path conducts, from which the bend of profiles counts.
 const FAST: f64 = 1.0;
@@ -79,21 +79,21 @@ pub struct Carrier {
     limits: Vec<(f64, f64)>,
 }
 
-impl Held for Carrier {
-    fn held(&self) -> usize {
+impl HeapSize for Carrier {
+    fn heap_size(&self) -> usize {
         let rows = self.rows.capacity() * size_of::<Row>() + self.mouths.capacity() * size_of::<Mouth>();
-        let paths = self.exchange.held() + self.least.held() + self.sums.held();
-        let more = self.bent.iter().chain(&self.columns).map(Held::held).sum::<usize>();
-        let beside = self.beside.held() + self.beside_walls.capacity() * size_of::<(u32, u32, u32)>();
+        let paths = self.exchange.heap_size() + self.least.heap_size() + self.sums.heap_size();
+        let more = self.bent.iter().chain(&self.columns).map(HeapSize::heap_size).sum::<usize>();
+        let beside = self.beside.heap_size() + self.beside_walls.capacity() * size_of::<(u32, u32, u32)>();
         rows + paths
             + more
             + beside
-            + self.carried.held()
-            + self.conducted.held()
-            + self.kept.held()
-            + self.mouth_of.held()
+            + self.carried.heap_size()
+            + self.conducted.heap_size()
+            + self.kept.heap_size()
+            + self.mouth_of.heap_size()
             + self.marked.capacity()
-            + self.limits.held()
+            + self.limits.heap_size()
     }
 }
 

@@ -13,7 +13,7 @@ use crate::balances::groundwater::numerics::Conduction;
 use crate::bonds::pair_list::PairList;
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::{Boundary, Face};
-use crate::memory::Held;
+use crate::memory::{HeapSize, total};
 
 /// Walls that a body can have.
 pub const MOST_WALLS: usize = 4;
@@ -88,19 +88,12 @@ pub struct Network {
     pub beside: Vec<(u32, u8)>,
 }
 
-impl Held for Network {
-    fn held(&self) -> usize {
-        let rows = self.starts.held() + self.laters.held() + self.partners.held() + self.slots.held();
+impl HeapSize for Network {
+    fn heap_size(&self) -> usize {
+        let rows = total(&[&self.starts, &self.laters, &self.partners, &self.slots]);
         let openings = self.openings.capacity() * size_of::<Opening>();
-        let beside = self.beside.capacity() * size_of::<(u32, u8)>();
-        rows + self.weights.held()
-            + self.heat_weights.held()
-            + self.even_weights.held()
-            + self.arms.held()
-            + self.spans.held()
-            + openings
-            + self.patches.held()
-            + beside
+        let weights = total(&[&self.weights, &self.heat_weights, &self.even_weights, &self.arms, &self.spans]);
+        rows + weights + openings + total(&[&self.patches, &self.beside])
     }
 }
 

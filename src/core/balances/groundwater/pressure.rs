@@ -13,7 +13,7 @@ use self::coarse::Coarse;
 use crate::balances::groundwater::diagonals::sum;
 use crate::balances::groundwater::network::{NONE, Network, Opening};
 use crate::bonds::exchange::Mean;
-use crate::memory::Held;
+use crate::memory::HeapSize;
 
 /// What remains of a particle's balance over the water that passes through it, in the root of the mean of squares.
 const TOLERANCE: f64 = 1e-8;
@@ -52,13 +52,13 @@ pub struct Pressure {
     image: Vec<f64>,
 }
 
-impl Held for Pressure {
-    fn held(&self) -> usize {
+impl HeapSize for Pressure {
+    fn heap_size(&self) -> usize {
         let columns =
             [&self.pressure, &self.diagonal, &self.inverse, &self.right, &self.residual, &self.swept, &self.direction];
-        let columns: usize = columns.iter().map(|column| column.held()).sum();
-        let paths = self.conductances.held() + self.mouths.held() + self.rest.held();
-        columns + self.image.held() + paths + self.coarse.held()
+        let columns: usize = columns.iter().map(|column| column.heap_size()).sum();
+        let paths = self.conductances.heap_size() + self.mouths.heap_size() + self.rest.heap_size();
+        columns + self.image.heap_size() + paths + self.coarse.heap_size()
     }
 }
 

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use crate::balances::groundwater::diagonals::sum;
 use crate::balances::groundwater::network::Network;
-use crate::memory::Held;
+use crate::memory::{HeapSize, total};
 
 /// Particles of a block, as far as the number of blocks allows.
 const PARTICLES: f64 = 64.0;
@@ -33,11 +33,10 @@ pub(super) struct Coarse {
     work: Vec<f64>,
 }
 
-impl Held for Coarse {
-    fn held(&self) -> usize {
-        let indices = self.blocks.held() + self.columns.held() + self.of_particle.held();
-        let paths = self.of_path.capacity() * size_of::<[u32; 2]>();
-        indices + paths + self.starts.held() + self.values.held() + self.factor.held() + self.work.held()
+impl HeapSize for Coarse {
+    fn heap_size(&self) -> usize {
+        let indices = total(&[&self.blocks, &self.columns, &self.of_particle, &self.of_path, &self.starts]);
+        indices + total(&[&self.values, &self.factor, &self.work])
     }
 }
 

@@ -1,6 +1,6 @@
 //! What watches hold on the heap: the samples that they read, and the series that they fill.
 
-use frazil_core::memory::Held;
+use frazil_core::memory::HeapSize;
 use frazil_core::particles::Particles;
 use frazil_record::{BudgetRow, Field, FrontRow, FrozenRow, PlaneRow, ProbeRow, ProfileRow, SurfaceRow, WallRow};
 use glam::DVec2;
@@ -10,21 +10,21 @@ use super::profiles::Line;
 use super::rays::{Gap, Ray};
 use super::{Sample, Watches};
 
-impl Held for Sample {
-    fn held(&self) -> usize {
-        self.0.held()
+impl HeapSize for Sample {
+    fn heap_size(&self) -> usize {
+        self.0.heap_size()
     }
 }
 
-impl Held for Ray {
-    fn held(&self) -> usize {
-        self.radii.held() + self.samples.held()
+impl HeapSize for Ray {
+    fn heap_size(&self) -> usize {
+        self.radii.heap_size() + self.samples.heap_size()
     }
 }
 
-impl Held for Gap {
-    fn held(&self) -> usize {
-        self.joint.held()
+impl HeapSize for Gap {
+    fn heap_size(&self) -> usize {
+        self.joint.heap_size()
     }
 }
 
@@ -78,10 +78,11 @@ impl Watches {
 
     /// Bytes that the watches will hold at the end of a run whose heat goes through `patches` patches.
     pub fn held_at_the_end(&self, particles: &Particles, patches: usize) -> usize {
-        let lines = self.lines.iter().map(Line::held).sum::<usize>();
-        let samples = self.main.held() + self.interface.held() + self.gaps.held() + self.wall.held() + lines;
+        let lines = self.lines.iter().map(Line::heap_size).sum::<usize>();
+        let samples =
+            self.main.heap_size() + self.interface.heap_size() + self.gaps.heap_size() + self.wall.heap_size() + lines;
         let probes = self.probes.capacity() * size_of::<(DVec2, Sample)>()
-            + self.probes.iter().map(|probe| probe.1.held()).sum::<usize>();
+            + self.probes.iter().map(|probe| probe.1.heap_size()).sum::<usize>();
         let Rows { outputs, profiles, points } = self.rows;
         let rows = self.front.capacity() * size_of::<FrontRow>()
             + self.surface_rows * (size_of::<SurfaceRow>() + "r=0.001".len())

@@ -7,7 +7,7 @@ use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
 
 use crate::soils::Soil;
-use crate::table::{Table, compare, interpolate_square, wall_temperature};
+use crate::table::{NumberTable, compare, interpolate_square, wall_temperature};
 
 /// Name of the table, as a scene file asks for it.
 pub const NAME: &str = "soil-column";
@@ -35,7 +35,7 @@ const COLUMN_ERROR: f64 = 1e-6;
 impl ColumnTable {
     /// The shipped table.
     pub fn bundled() -> Result<Self, String> {
-        let table = Table::read(include_str!("tables/soil-column.csv"))?;
+        let table = NumberTable::read(include_str!("tables/soil-column.csv"))?;
         let from_start = |name: &str| Ok::<_, String>([&[0.0], table.column(name)?].concat());
         Ok(ColumnTable { times: from_start("time_s")?, fronts: from_start("front_m")? })
     }

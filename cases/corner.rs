@@ -7,7 +7,7 @@ use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
 
-use crate::table::{Table, wall_temperature};
+use crate::table::{NumberTable, wall_temperature};
 
 /// Name of the table, as a scene file asks for it.
 pub const NAME: &str = "corner-front";
@@ -69,7 +69,7 @@ impl Corner {
         if !differences.is_empty() {
             return Err(differences);
         }
-        let table = Table::read(TEXT).map_err(|error| vec![error])?;
+        let table = NumberTable::read(TEXT).map_err(|error| vec![error])?;
         let diagonal = table.column("x_star").map_err(|error| vec![error])?[0];
         let diffusivity = material.unfrozen.conductivity / (material.density * material.unfrozen.heat_capacity);
         let half = 0.5 * width.min(height);

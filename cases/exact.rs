@@ -13,7 +13,7 @@ use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
 
-pub use advection::Advection;
+pub use advection::OgataBanks;
 pub use neumann::Neumann;
 pub use similarity::Similarity;
 

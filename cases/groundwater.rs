@@ -8,7 +8,7 @@ use frazil_scene::Scene;
 use crate::layouts::{Closure, Gap};
 use crate::shaft::{RING_RADIUS, shaft_differences};
 use crate::soils::SAND;
-use crate::table::Table;
+use crate::table::NumberTable;
 
 /// Name of the table, as a layout asks for it.
 pub const NAME: &str = "shaft-groundwater";
@@ -24,7 +24,7 @@ const PIPE_RADIUS: f64 = 0.054;
 
 /// When gaps close in the scene, or the first difference of its problem from those of the table.
 pub(crate) fn closures(scene: &Scene) -> Result<Vec<Closure>, String> {
-    let table = Table::read(TABLE)?;
+    let table = NumberTable::read(TABLE)?;
     let column = |name: &str| table.column(name);
     let (pipes, velocities) = (column("pipes")?, column("velocity_m_per_day")?);
     let count = scene.rings.first().map_or(0, |ring| ring.count);

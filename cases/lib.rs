@@ -59,7 +59,7 @@ pub fn reference_for(scene: &Scene) -> Result<Option<Box<dyn Reference>>, String
 /// The closed form of a scene, or why it has none.
 fn exact_solution(scene: &Scene) -> Result<Box<dyn Reference>, String> {
     Ok(match scene.flow {
-        Some(_) => Box::new(exact::Advection::of_scene(scene)?),
+        Some(_) => Box::new(exact::OgataBanks::of_scene(scene)?),
         None => Box::new(exact::HalfSpace::of_scene(scene)?),
     })
 }

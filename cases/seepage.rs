@@ -7,7 +7,7 @@ use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
 
-use crate::table::{Table, interpolate};
+use crate::table::{NumberTable, interpolate};
 
 /// Name of the table, as a scene file asks for it.
 pub const NAME: &str = "thawing-inclusion";
@@ -27,9 +27,9 @@ const RANGE: f64 = 20.0;
 /// The tables of one law.
 pub struct Inclusion {
     law: &'static str,
-    temperature: Table,
-    pressure: Table,
-    history: Table,
+    temperature: NumberTable,
+    pressure: NumberTable,
+    history: NumberTable,
 }
 
 impl Inclusion {
@@ -51,9 +51,9 @@ impl Inclusion {
         };
         Ok(Inclusion {
             law,
-            temperature: Table::read(temperature)?,
-            pressure: Table::read(pressure)?,
-            history: Table::read(history)?,
+            temperature: NumberTable::read(temperature)?,
+            pressure: NumberTable::read(pressure)?,
+            history: NumberTable::read(history)?,
         })
     }
 
@@ -63,7 +63,7 @@ impl Inclusion {
 }
 
 /// A number of the cut at one of its instants.
-fn at(table: &Table, x: f64, t: f64) -> Option<f64> {
+fn at(table: &NumberTable, x: f64, t: f64) -> Option<f64> {
     let is_instant = |name: &&String| {
         let time = name.strip_prefix("at_").and_then(|name| name.strip_suffix("_s")).and_then(|time| time.parse().ok());
         time.is_some_and(|time: f64| (time - t).abs() < 1e-6)

@@ -7,7 +7,7 @@ use frazil_simulation::reference::{Plane, Reference};
 
 use crate::layouts::{LENGTH_ERROR, TEMPERATURE_ERROR};
 use crate::soils::{CLAY, CLAY_TENTH, SAND, Soil};
-use crate::table::{Table, compare, interpolate, interpolate_square, wall_temperature};
+use crate::table::{NumberTable, compare, interpolate, interpolate_square, wall_temperature};
 
 const DAY: f64 = 86_400.0;
 
@@ -176,13 +176,13 @@ pub struct ShaftTable {
 impl ShaftTable {
     /// The shipped table of a case.
     pub fn bundled(case: &ShaftCase) -> Result<Self, String> {
-        let days = Table::read(case.days)?;
+        let days = NumberTable::read(case.days)?;
         let seconds = |days: f64| days * DAY;
         let times = days.column("time_day")?.iter().copied().map(seconds).collect();
         let pipes = PIPES as f64 * std::f64::consts::PI * case.pipe_radius * case.pipe_radius;
         // A wedge is half a pipe spacing.
         let whole = |wedge: &f64| 2.0 * PIPES as f64 * wedge + pipes;
-        let table = Table::read(case.profiles)?;
+        let table = NumberTable::read(case.profiles)?;
         let mut profiles = Vec::new();
         for name in table.names().iter().filter(|name| *name != "r_m") {
             let (plane, day) = name.split_once('_').ok_or_else(|| format!("column {name} names no day"))?;

@@ -12,11 +12,11 @@ use frazil_scene::{Scene, Units};
 use frazil_simulation::reference::{Cut, Reference};
 
 use crate::exact::line_sink::LineSink;
-use crate::table::{Table, compare, interpolate};
+use crate::table::{NumberTable, compare, interpolate};
 
 /// What happens at a wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Wall {
+enum ShellWall {
     Closed,
     /// Temperature (C).
     Held(f64),
@@ -27,29 +27,29 @@ enum Wall {
 }
 
 /// A material: density, frozen and unfrozen conductivity and heat capacity, latent heat.
-struct Properties {
+struct ShellMaterial {
     density: f64,
     frozen: (f64, f64),
     unfrozen: (f64, f64),
     latent_heat: Option<f64>,
 }
 
-const STEEL: Properties =
-    Properties { density: 7850.0, frozen: (50.0, 420.0), unfrozen: (50.0, 420.0), latent_heat: None };
-const COPPER: Properties =
-    Properties { density: 8920.0, frozen: (400.0, 385.0), unfrozen: (400.0, 385.0), latent_heat: None };
-const WATER: Properties =
-    Properties { density: 1000.0, frozen: (2.14, 2060.0), unfrozen: (0.6, 4182.0), latent_heat: Some(333e3) };
+const STEEL: ShellMaterial =
+    ShellMaterial { density: 7850.0, frozen: (50.0, 420.0), unfrozen: (50.0, 420.0), latent_heat: None };
+const COPPER: ShellMaterial =
+    ShellMaterial { density: 8920.0, frozen: (400.0, 385.0), unfrozen: (400.0, 385.0), latent_heat: None };
+const WATER: ShellMaterial =
+    ShellMaterial { density: 1000.0, frozen: (2.14, 2060.0), unfrozen: (0.6, 4182.0), latent_heat: Some(333e3) };
 
 /// One body for which there is a table.
 struct Case {
     name: &'static str,
-    material: Properties,
+    material: ShellMaterial,
     domain: Domain,
     initial: f64,
-    walls: &'static [(&'static str, Wall)],
+    walls: &'static [(&'static str, ShellWall)],
     /// Parts of walls: wall, from, to.
-    parts: &'static [(&'static str, f64, f64, Wall)],
+    parts: &'static [(&'static str, f64, f64, ShellWall)],
     /// Boxes that start at temperatures (C) of their own: least and greatest r, least and greatest z.
     regions: &'static [([f64; 4], f64)],
     profiles: &'static str,
@@ -66,7 +66,7 @@ struct Case {
 const PIPE: Domain = Domain::Radial { symmetry: Symmetry::Axial, inner: 0.05, outer: 1.5 };
 const PIPE_SOURCE: &str = "extrapolated finite volumes, within 3e-6 K of Chebyshev collocation";
 
-const fn pipe(name: &'static str, walls: &'static [(&'static str, Wall)], profiles: &'static str) -> Case {
+const fn pipe(name: &'static str, walls: &'static [(&'static str, ShellWall)], profiles: &'static str) -> Case {
     Case {
         name,
         material: STEEL,
@@ -87,17 +87,17 @@ const fn pipe(name: &'static str, walls: &'static [(&'static str, Wall)], profil
 static CASES: [Case; 7] = [
     pipe(
         "thick-pipe-temperature",
-        &[("inner", Wall::Held(26.85)), ("outer", Wall::Held(26.85))],
+        &[("inner", ShellWall::Held(26.85)), ("outer", ShellWall::Held(26.85))],
         include_str!("tables/thick-pipe-temperature.csv"),
     ),
     pipe(
         "thick-pipe-flux",
-        &[("inner", Wall::Flux(-1e4)), ("outer", Wall::Flux(-1e4))],
+        &[("inner", ShellWall::Flux(-1e4)), ("outer", ShellWall::Flux(-1e4))],
         include_str!("tables/thick-pipe-flux.csv"),
     ),
     pipe(
         "thick-pipe-convection",
-        &[("inner", Wall::Film(500.0, 26.85)), ("outer", Wall::Film(500.0, 26.85))],
+        &[("inner", ShellWall::Film(500.0, 26.85)), ("outer", ShellWall::Film(500.0, 26.85))],
         include_str!("tables/thick-pipe-convection.csv"),
     ),
     Case {
@@ -105,7 +105,7 @@ static CASES: [Case; 7] = [
         material: COPPER,
         domain: Domain::Radial { symmetry: Symmetry::Spherical, inner: 0.0, outer: 0.1 },
         initial: 726.85,
-        walls: &[("outer", Wall::Held(26.85))],
+        walls: &[("outer", ShellWall::Held(26.85))],
         parts: &[],
         regions: &[],
         profiles: include_str!("tables/copper-sphere.csv"),
@@ -120,7 +120,7 @@ static CASES: [Case; 7] = [
         material: WATER,
         domain: Domain::Radial { symmetry: Symmetry::Axial, inner: 0.1, outer: 1.1 },
         initial: 8.0,
-        walls: &[("inner", Wall::Flux(-1000.0)), ("outer", Wall::Held(8.0))],
+        walls: &[("inner", ShellWall::Flux(-1000.0)), ("outer", ShellWall::Held(8.0))],
         parts: &[],
         regions: &[],
         profiles: include_str!("tables/freezing-annulus.csv"),
@@ -135,8 +135,13 @@ static CASES: [Case; 7] = [
         material: STEEL,
         domain: Domain::Axial { inner: 0.2, outer: 1.0, height: 0.8 },
         initial: -73.15,
-        walls: &[("inner", Wall::Closed), ("outer", Wall::Closed), ("bottom", Wall::Closed), ("top", Wall::Closed)],
-        parts: &[("outer", 0.3, 0.5, Wall::Held(226.85))],
+        walls: &[
+            ("inner", ShellWall::Closed),
+            ("outer", ShellWall::Closed),
+            ("bottom", ShellWall::Closed),
+            ("top", ShellWall::Closed),
+        ],
+        parts: &[("outer", 0.3, 0.5, ShellWall::Held(226.85))],
         regions: &[],
         profiles: include_str!("tables/heated-hollow-cylinder.csv"),
         smooth: true,
@@ -150,7 +155,7 @@ static CASES: [Case; 7] = [
         material: WATER,
         domain: Domain::Axial { inner: 0.0, outer: 0.1, height: 0.1 },
         initial: 100.0,
-        walls: &[("outer", Wall::Closed), ("bottom", Wall::Closed), ("top", Wall::Closed)],
+        walls: &[("outer", ShellWall::Closed), ("bottom", ShellWall::Closed), ("top", ShellWall::Closed)],
         parts: &[],
         regions: &[([0.0, 0.04, 0.0, 0.04], -5.0)],
         profiles: include_str!("tables/ice-in-glass.csv"),
@@ -229,7 +234,7 @@ impl Case {
             differences.push("regions start at other temperatures there".into());
         }
         let parts = &scene.wall_parts;
-        let same = |(own, expected): (&frazil_scene::WallPart, &(&str, f64, f64, Wall))| {
+        let same = |(own, expected): (&frazil_scene::WallPart, &(&str, f64, f64, ShellWall))| {
             own.wall == expected.0
                 && close(own.from, expected.1)
                 && close(own.to, expected.2)
@@ -242,15 +247,15 @@ impl Case {
     }
 }
 
-impl Wall {
+impl ShellWall {
     fn is(self, condition: &Condition) -> bool {
         match (self, condition) {
-            (Wall::Closed, Condition::Symmetry) => true,
-            (Wall::Held(expected), Condition::Temperature(series))
-            | (Wall::Flux(expected), Condition::Flux(series)) => {
+            (ShellWall::Closed, Condition::Symmetry) => true,
+            (ShellWall::Held(expected), Condition::Temperature(series))
+            | (ShellWall::Flux(expected), Condition::Flux(series)) => {
                 series.constant().is_some_and(|own| close(own, expected))
             }
-            (Wall::Film(film, expected), Condition::Convection { coefficient, ambient }) => {
+            (ShellWall::Film(film, expected), Condition::Convection { coefficient, ambient }) => {
                 coefficient.constant().is_some_and(|own| close(own, film))
                     && ambient.constant().is_some_and(|own| close(own, expected))
             }
@@ -297,7 +302,7 @@ struct ShellTable {
 
 impl ShellTable {
     fn new(case: &Case, scene: &Scene) -> Result<Self, String> {
-        let table = Table::read(case.profiles)?;
+        let table = NumberTable::read(case.profiles)?;
         let mut profiles = Vec::new();
         for name in table.names().iter().skip(1) {
             let wrong = || format!("column {name} names no cut and instant");
@@ -311,12 +316,12 @@ impl ShellTable {
         let series = match case.series {
             None => None,
             Some((column, text)) => {
-                let table = Table::read(text)?;
+                let table = NumberTable::read(text)?;
                 Some((column, table.column("time_s")?.to_vec(), table.column(column)?.to_vec()))
             }
         };
         let beside = match (case.domain, case.walls.first()) {
-            (Domain::Radial { symmetry: Symmetry::Axial, inner, .. }, Some((_, Wall::Flux(flux)))) => scene
+            (Domain::Radial { symmetry: Symmetry::Axial, inner, .. }, Some((_, ShellWall::Flux(flux)))) => scene
                 .materials
                 .first()
                 .filter(|material| material.law == FreezingLaw::Isothermal)

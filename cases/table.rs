@@ -8,12 +8,12 @@ const SAME: f64 = 1e-3;
 
 /// Columns of numbers under a line of names; lines that start with `#` are comments.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub struct NumberTable {
     names: Vec<String>,
     columns: Vec<Vec<f64>>,
 }
 
-impl Table {
+impl NumberTable {
     /// Reads comma-separated text.
     pub fn read(text: &str) -> Result<Self, String> {
         let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
@@ -29,7 +29,7 @@ impl Table {
         if columns.first().is_none_or(Vec::is_empty) {
             return Err("the table has no rows".into());
         }
-        Ok(Table { names, columns })
+        Ok(NumberTable { names, columns })
     }
 
     /// The numbers of a column.
@@ -86,9 +86,9 @@ mod tests {
 
     #[test]
     fn a_bad_table_says_what_is_wrong() {
-        assert!(Table::read("# a\nx,y\n1,two\n").is_err_and(|error| error.contains("'two'")));
-        assert!(Table::read("x,y\n").is_err());
-        let table = Table::read("# a\nx,y\n1,2\n").expect("table");
+        assert!(NumberTable::read("# a\nx,y\n1,two\n").is_err_and(|error| error.contains("'two'")));
+        assert!(NumberTable::read("x,y\n").is_err());
+        let table = NumberTable::read("# a\nx,y\n1,2\n").expect("table");
         assert!(table.column("z").is_err_and(|error| error.contains('z')));
     }
 }

@@ -4,7 +4,7 @@ use frazil::registry::methods;
 use frazil_cases::scenes;
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::method::MethodKind;
-use frazil_scene::{Layout, Scene, Units};
+use frazil_scene::{Arrangement, Scene, Units};
 use frazil_simulation::march::{self, Options};
 use frazil_simulation::plan;
 
@@ -127,10 +127,10 @@ fn methods_without_a_section_are_refused() {
         for kind in methods().iter().filter(|kind| scene.method(kind.name).is_none()) {
             let spacing = if scene.units == Units::Si { "spacing_m" } else { "spacing" };
             let mut keys = vec![(spacing, first.numerics.spacing.to_string())];
-            match first.numerics.layout {
-                Layout::Lattice => {}
-                Layout::Random => keys.push(("layout", "random".into())),
-                Layout::Jittered { fraction } => {
+            match first.numerics.arrangement {
+                Arrangement::Lattice => {}
+                Arrangement::Random => keys.push(("layout", "random".into())),
+                Arrangement::Jittered { fraction } => {
                     keys.extend([("layout", "jittered".into()), ("jitter_fraction", fraction.to_string())]);
                 }
             }

@@ -1,4 +1,4 @@
-//! Layout studies from outside: answers against the reference, and the same tables however a study was run.
+//! Arrangement studies from outside: answers against the reference, and the same tables however a study was run.
 
 use std::collections::BTreeMap;
 use std::fs;

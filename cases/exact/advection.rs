@@ -16,7 +16,7 @@ const FAR_WALL: f64 = 1e-3;
 
 /// Heat that moves with a velocity and spreads.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Advection {
+pub struct OgataBanks {
     /// Velocity of heat (m/s): that of water by the ratio of heat capacities.
     velocity: f64,
     /// Diffusivity (m2/s).
@@ -28,7 +28,7 @@ pub struct Advection {
     turned: bool,
 }
 
-impl Advection {
+impl OgataBanks {
     /// The solution of a scene: a line of one porous material that does not freeze, into which water flows at a constant
     /// temperature under constant pressures.
     pub fn of_scene(scene: &Scene) -> Result<Self, String> {
@@ -57,7 +57,7 @@ impl Advection {
         let permeability = pores.permeability.ok_or("the material has no permeability")?;
         let water = permeability / flow.viscosity * drop.abs() / length;
         let capacity = material.unfrozen_capacity();
-        let solution = Advection {
+        let solution = OgataBanks {
             velocity: water * pores.water_density * pores.water_heat_capacity / capacity,
             diffusivity: material.unfrozen.conductivity / capacity,
             wall,
@@ -85,7 +85,7 @@ impl Advection {
     }
 }
 
-impl Reference for Advection {
+impl Reference for OgataBanks {
     fn describe(&self) -> ReferenceInfo {
         let source = "Ogata and Banks 1961, a half space into which water flows";
         ReferenceInfo::new("exact", source, ERROR)
@@ -104,7 +104,7 @@ mod tests {
     /// Rows of a table computed with other libraries, for the numbers of Nikolaev et al. 2021, section 5.2.
     #[test]
     fn the_column_of_the_paper() {
-        let column = Advection {
+        let column = OgataBanks {
             velocity: 2.5e-5,
             diffusivity: 0.6 / 4_182_000.0,
             wall: 5.0,
@@ -122,7 +122,7 @@ mod tests {
             assert!((found - expected).abs() < 1e-11, "{x} {t}: {found}, must be {expected}");
         }
         // At a Peclet number of a million exp(v x / a) has no number, but the front is where the water is.
-        let fast = Advection { velocity: 1.0, diffusivity: 1e-7, ..column };
+        let fast = OgataBanks { velocity: 1.0, diffusivity: 1e-7, ..column };
         assert!((fast.share(0.3, 0.3) - 0.5).abs() < 1e-3 && fast.share(0.31, 0.3) < 1e-12);
     }
 }

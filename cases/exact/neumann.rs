@@ -8,20 +8,20 @@ use super::functions::{decreasing_root, erfc_ratio, erfcx};
 
 /// Conductivity and diffusivity of one side of the front.
 #[derive(Debug, Clone, Copy)]
-struct Side {
+struct FrontSide {
     /// Conductivity (W/mK).
     conductivity: f64,
     /// Volumetric heat capacity (J/m3K).
     capacity: f64,
 }
 
-impl Side {
+impl FrontSide {
     fn frozen(material: &Material) -> Self {
-        Side { conductivity: material.frozen.conductivity, capacity: material.frozen_capacity() }
+        FrontSide { conductivity: material.frozen.conductivity, capacity: material.frozen_capacity() }
     }
 
     fn unfrozen(material: &Material) -> Self {
-        Side { conductivity: material.unfrozen.conductivity, capacity: material.unfrozen_capacity() }
+        FrontSide { conductivity: material.unfrozen.conductivity, capacity: material.unfrozen_capacity() }
     }
 
     /// Thermal diffusivity (m2/s).
@@ -32,9 +32,9 @@ impl Side {
 
 /// The front and what lies beyond it.
 #[derive(Debug, Clone, Copy)]
-struct Beyond {
+struct FarSide {
     /// The phase that was there from the start.
-    far: Side,
+    far: FrontSide,
     /// Temperature of the front.
     change: f64,
     /// Front over twice the root of diffusivity (near side) times time.
@@ -50,10 +50,10 @@ struct Beyond {
 /// section 11.2). Without a change of phase between the two temperatures it is plain conduction.
 #[derive(Debug, Clone)]
 pub struct Neumann {
-    near: Side,
+    near: FrontSide,
     wall: f64,
     initial: f64,
-    beyond: Option<Beyond>,
+    beyond: Option<FarSide>,
 }
 
 impl Neumann {
@@ -68,7 +68,7 @@ impl Neumann {
             return Err(format!("a wall at {wall} does not change a body at {initial}"));
         }
         let change = material.freezing_point;
-        let (frozen, unfrozen) = (Side::frozen(material), Side::unfrozen(material));
+        let (frozen, unfrozen) = (FrontSide::frozen(material), FrontSide::unfrozen(material));
         let (near, far) = if wall < change && initial >= change {
             (frozen, unfrozen)
         } else if wall > change && initial < change {
@@ -92,7 +92,7 @@ impl Neumann {
         };
         let lambda = decreasing_root(0.5, imbalance)
             .ok_or_else(|| format!("{} has no front between {wall} and {initial}", material.name))?;
-        let beyond = Beyond { far, change, lambda, far_lambda: lambda * ratio, has_latent_heat: latent_heat > 0.0 };
+        let beyond = FarSide { far, change, lambda, far_lambda: lambda * ratio, has_latent_heat: latent_heat > 0.0 };
         Ok(Neumann { near, wall, initial, beyond: Some(beyond) })
     }
 
@@ -145,7 +145,7 @@ impl Neumann {
 mod tests {
     use super::*;
     use crate::exact::similarity::tests::water;
-    use crate::table::Table;
+    use crate::table::NumberTable;
     use frazil_core::physics::material::{Mixing, Phase};
 
     /// Library functions are good to a unit in the last place; the fronts compared carry about ten of them.
@@ -185,7 +185,7 @@ mod tests {
         let solution = Neumann::new(&sharp_water(), -20.0, 8.0).expect("water freezes");
         let lambda = solution.lambda().expect("front");
         assert!((lambda / 0.226_220_945_599_501 - 1.0).abs() < LAST_DIGITS, "{lambda}");
-        let table = Table::read(include_str!("../tables/water-fronts.csv")).expect("table");
+        let table = NumberTable::read(include_str!("../tables/water-fronts.csv")).expect("table");
         let (times, fronts) = (table.column("time_s").expect("times"), table.column("front_sharp_m").expect("fronts"));
         assert_eq!(times.len(), 20);
         for (&time, &front) in times.iter().zip(fronts) {
@@ -197,7 +197,7 @@ mod tests {
     #[test]
     fn profiles_of_water_match_the_table() {
         let solution = Neumann::new(&sharp_water(), -20.0, 8.0).expect("water freezes");
-        let table = Table::read(include_str!("../tables/water-profiles.csv")).expect("table");
+        let table = NumberTable::read(include_str!("../tables/water-profiles.csv")).expect("table");
         for hours in [2, 4, 6, 8, 10] {
             let positions = table.column("x_m").expect("positions");
             let temperatures = table.column(&format!("sharp_{hours}h")).expect("temperatures");
@@ -210,7 +210,7 @@ mod tests {
 
     #[test]
     fn fronts_in_particle_units_match_the_table() {
-        let table = Table::read(include_str!("../tables/edpd-fronts.csv")).expect("table");
+        let table = NumberTable::read(include_str!("../tables/edpd-fronts.csv")).expect("table");
         let column = |name: &str| table.column(name).expect("column").to_vec();
         let (latent, ratio, lambda) = (column("latent_heat"), column("diffusivity_ratio"), column("lambda"));
         let (time, front) = (column("time"), column("front"));

@@ -12,7 +12,7 @@ use frazil_core::physics::material::{FreezingLaw, Material};
 
 use super::functions::erfc_ratio;
 use medium::Medium;
-use shooting::{Node, Shooting, along_eta, step};
+use shooting::{Shooting, TrajectoryPoint, along_eta, step};
 
 /// Greatest mismatch of the far temperature, over the range, that shooting may leave.
 const MISMATCH: f64 = 1e-9;
@@ -25,7 +25,7 @@ pub struct Similarity {
     initial: f64,
     /// Frozen fraction of the untouched body.
     initial_frozen: f64,
-    nodes: Vec<Node>,
+    nodes: Vec<TrajectoryPoint>,
     /// Diffusivity beyond the last node (m2/s).
     tail_diffusivity: f64,
     /// Integral of the frozen fraction less its value at infinity, over the half space (m/s^1/2).

@@ -11,7 +11,7 @@ mod scales;
 use std::f64::consts::PI;
 
 pub use fit::{Polynomial, least_squares};
-pub use scales::{BOLTZMANN, Material, Scales};
+pub use scales::{BOLTZMANN, RealFluid, Scales};
 
 /// `[r^power (1 - r/cutoff)^exponent]` in the plane (`dimension` 2) or in space (3), exact.
 ///

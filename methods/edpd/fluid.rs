@@ -25,14 +25,14 @@ use std::sync::Arc;
 
 use rayon::ThreadPool;
 
-pub use matter::{Matter, Plain};
+pub use matter::{ConstantCapacity, Matter};
 pub use parameters::{Exponent, Parameters};
 pub use particle::{Look, Particle};
 pub use totals::Totals;
-pub use walls::{Behind, Face, Walls};
+pub use walls::{Behind, WallState, Walls};
 
 use pairs::Desk;
-use sorting::Grid;
+use sorting::CellGrid;
 use step::PassSums;
 
 /// Width of cells beyond the reach of pairs, over the reach: particles are sorted less often, and more are looked at in vain.
@@ -63,12 +63,12 @@ impl<const D: usize> Drive<D> for Undriven {
 }
 
 /// A fluid in a periodic box, in parts of which there may be walls.
-pub struct Fluid<const D: usize, M: Matter = Plain> {
+pub struct Fluid<const D: usize, M: Matter = ConstantCapacity> {
     parameters: Parameters,
     matter: M,
     seed: u64,
     pool: Option<Arc<ThreadPool>>,
-    grid: Grid<D>,
+    grid: CellGrid<D>,
     particles: Vec<Particle<D>>,
     sorted: Vec<Particle<D>>,
     /// What pairs read of them.
@@ -123,7 +123,7 @@ impl<const D: usize> Fluid<D> {
         let volume: f64 = lengths.iter().product();
         let count = (parameters.density * volume).round() as usize;
         let particles = start::placed(&lengths, count, temperature, seed);
-        let matter = Plain { reference: temperature, heat_capacity: parameters.heat_capacity };
+        let matter = ConstantCapacity { reference: temperature, heat_capacity: parameters.heat_capacity };
         Fluid::assembled(parameters, lengths, matter, particles, None, None, seed, pool)
     }
 }
@@ -145,7 +145,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
         seed: u64,
         pool: Option<Arc<ThreadPool>>,
     ) -> Result<Self, String> {
-        let grid = Grid::new(lengths, parameters.reach() * (1.0 + SKIN))?;
+        let grid = CellGrid::new(lengths, parameters.reach() * (1.0 + SKIN))?;
         let slabs = grid.slabs();
         let count = particles.len();
         let moving = particles.iter().map(|particle| particle.mobility).sum::<f64>().max(1.0);
@@ -238,7 +238,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     }
 
     /// What the parts of the walls hold, to be set.
-    pub fn faces(&mut self) -> &mut [Face] {
+    pub fn faces(&mut self) -> &mut [WallState] {
         self.walls.as_mut().map_or(&mut [], |walls| &mut walls.faces)
     }
 

@@ -20,19 +20,19 @@ mod settings;
 use std::sync::Arc;
 
 use frazil_core::solvers::method::Method;
-use frazil_core::solvers::moving::{Crowd, Purpose};
-use frazil_scene::region::Cell;
+use frazil_core::solvers::moving::{ParticleSet, Purpose};
 use frazil_scene::method::MethodSettings;
+use frazil_scene::region::Cell;
 use frazil_scene::{Scene, Stream};
 use glam::DVec2;
 use rayon::ThreadPool;
 
 use crate::fluid::{Exponent, Fluid, Particle, Walls};
-use drive::{Confined, Driven};
-use ground::Ground;
+use drive::{Confined, StreamDrive};
+use ground::SceneMatter;
 use liquid::Liquid;
-use map::Map;
-use method::Moving;
+use map::DpdUnits;
+use method::MovingParticles;
 use patches::WallPatches;
 use place::{Placed, fill};
 
@@ -49,7 +49,7 @@ pub fn build(
     pool: Option<Arc<ThreadPool>>,
     seed: u64,
     purpose: Purpose,
-) -> Result<Crowd, String> {
+) -> Result<ParticleSet, String> {
     let numerics = &settings.numerics;
     refusals::refuse(scene)?;
     let liquid = Liquid::of(scene, numerics, motion, (cutoff_ratio, capacity))?;
@@ -76,17 +76,17 @@ pub fn build(
     let confined = Confined(body);
     let (joule, bound) = (per_heat * liquid.volume, liquid.bound);
     let method: Box<dyn Method> = match &scene.stream {
-        None => Box::new(Moving::new(fluid, confined, map, &patches, joule, bound)),
+        None => Box::new(MovingParticles::new(fluid, confined, map, &patches, joule, bound)),
         Some(stream) => {
-            let driven = Driven::of(stream, confined, &map, fluid.matter(), count as u32);
-            Box::new(Moving::new(fluid, driven, map, &patches, joule, bound))
+            let driven = StreamDrive::of(stream, confined, &map, fluid.matter(), count as u32);
+            Box::new(MovingParticles::new(fluid, driven, map, &patches, joule, bound))
         }
     };
-    Ok(Crowd { thermal: liquid.thermal, enthalpy, volume: liquid.volume, differences, method })
+    Ok(ParticleSet { thermal: liquid.thermal, enthalpy, volume: liquid.volume, differences, method })
 }
 
 /// Gives particles the heat of the regions in which they start.
-fn warm(scene: &Scene, spacing: f64, map: &Map, ground: &Ground, particles: &mut [Particle<2>]) {
+fn warm(scene: &Scene, spacing: f64, map: &DpdUnits, ground: &SceneMatter, particles: &mut [Particle<2>]) {
     for particle in particles {
         let place = DVec2::from_array(particle.position) * map.length;
         let parts = scene.starts_in(&Cell::around(place, spacing));
@@ -95,7 +95,7 @@ fn warm(scene: &Scene, spacing: f64, map: &Map, ground: &Ground, particles: &mut
 }
 
 /// Lets particles start with the parabola of velocities of a stream between walls.
-fn set_flowing(stream: &Stream, map: &Map, width: f64, particles: &mut [Particle<2>]) {
+fn set_flowing(stream: &Stream, map: &DpdUnits, width: f64, particles: &mut [Particle<2>]) {
     let half = 0.5 * width;
     for particle in particles {
         let across = particle.position[1] / half - 1.0;
@@ -103,7 +103,7 @@ fn set_flowing(stream: &Stream, map: &Map, width: f64, particles: &mut [Particle
     }
 }
 
-fn words(fluid: &Fluid<2, Ground>, count: usize) -> String {
+fn words(fluid: &Fluid<2, SceneMatter>, count: usize) -> String {
     let behind = fluid.particles().len() - count;
     match &fluid.parameters().exponent {
         Exponent::Constant(value) => format!("{behind} particles stand behind walls; exponent of friction {value}"),

@@ -21,7 +21,7 @@ pub struct Span {
 }
 
 /// Told of steps as they are made; says whether to go on.
-pub type Watch<'a> = &'a dyn Fn(u64) -> bool;
+pub type GoOn<'a> = &'a dyn Fn(u64) -> bool;
 
 /// Steps between two looks at whether to go on.
 const CHUNK: u64 = 50;
@@ -31,7 +31,7 @@ fn advance<const D: usize>(
     fluid: &mut Fluid<D>,
     steps: u64,
     drive: &impl Drive<D>,
-    watch: Watch<'_>,
+    watch: GoOn<'_>,
 ) -> Result<bool, String> {
     let mut left = steps;
     while left > 0 {

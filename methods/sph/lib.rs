@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::bonds::weight::{Normalisation, PairWeight};
-use frazil_core::physics::uptake::Uptake;
+use frazil_core::physics::latent_heat::LatentHeatScheme;
 use frazil_record::Value;
 use frazil_scene::method::{Discretisation, MethodKind, Stepper};
 use frazil_scene::{Numerics, Range, Section, Setting};
@@ -50,9 +50,11 @@ impl PairWeight for SmoothedPair {
 fn defaults(setting: Setting) -> Numerics {
     match setting {
         Setting::Best => Numerics::default(),
-        Setting::Paper => {
-            Numerics { exchange: Exchange::Mean(Mean::Harmonic), uptake: Uptake::Flags, ..Numerics::default() }
-        }
+        Setting::Paper => Numerics {
+            exchange: Exchange::Mean(Mean::Harmonic),
+            latent_heat_scheme: LatentHeatScheme::Flags,
+            ..Numerics::default()
+        },
     }
 }
 

@@ -45,7 +45,7 @@ pub struct Fluid {
     /// By increasing temperature; at least one.
     pub rows: Vec<Row>,
     /// Density and heat capacity, if known.
-    pub material: Option<calibration::Material>,
+    pub material: Option<calibration::RealFluid>,
     /// How it freezes, if known.
     pub freezing: Option<Freezing>,
 }
@@ -186,7 +186,7 @@ fn toml_rows(root: &mut Section<'_>, judge: Judge<'_>) -> Vec<Row> {
     rows
 }
 
-fn substance(section: &mut Section<'_>) -> Read<(calibration::Material, Option<Freezing>)> {
+fn substance(section: &mut Section<'_>) -> Read<(calibration::RealFluid, Option<Freezing>)> {
     let density = section.number("density_kg_per_m3", SIZES);
     let heat_capacity = section.number("heat_capacity_J_per_kg_K", SIZES);
     if !section.has("latent_heat_J_per_kg") {
@@ -199,7 +199,7 @@ fn substance(section: &mut Section<'_>) -> Read<(calibration::Material, Option<F
         let diffusivity_ratio = section.number_or("frozen_diffusivity_ratio", 1.0, Range::between(1e-6, 1e6));
         Ok(Freezing { latent_heat, temperature: clean(point? - ZERO), diffusivity_ratio })
     });
-    Ok((calibration::Material { density: density?, heat_capacity: heat_capacity? }, freezing.transpose()?))
+    Ok((calibration::RealFluid { density: density?, heat_capacity: heat_capacity? }, freezing.transpose()?))
 }
 
 fn from_csv(text: &str, name: &str, file: &str, judge: Judge<'_>) -> Result<Fluid, Problems> {

@@ -6,8 +6,8 @@ use glam::DVec2;
 
 use crate::ledger::Sum;
 use crate::memory::{HeapSize, shared};
+use crate::physics::latent_heat::Materials;
 use crate::physics::sub_cell::at_the_centre;
-use crate::physics::uptake::Materials;
 use crate::space::lattice::Lattice;
 use crate::space::volumes::Volumes;
 

@@ -2,8 +2,8 @@
 
 pub mod blend;
 pub mod curve;
+pub mod latent_heat;
 pub mod material;
 pub mod potential;
 pub mod sub_cell;
 pub mod thermal;
-pub mod uptake;

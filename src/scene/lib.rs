@@ -18,6 +18,6 @@ pub use pipe_ring::PipeRing;
 pub use read::{Change, Duration, Key, Noted, Problem, Problems, Range, Read, Section, Spot, read_section};
 pub use region::{Region, Shape};
 pub use scene::{Excavation, FreezingDirection, ReferenceChoice, Scene, Wall, WallPart, Watch};
-pub use settings::{Front, IntegratorChoice, Layout, Numerics, SearchChoice, Setting, StepChoice};
+pub use settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice};
 pub use stream::Stream;
 pub use units::{TimeUnit, Units};

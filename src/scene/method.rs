@@ -10,7 +10,7 @@ use frazil_core::boundary::green::Green;
 use frazil_core::boundary::pipe::radius_of_one_particle;
 use frazil_core::solvers::assembly::Assembly;
 use frazil_core::solvers::method::Method;
-use frazil_core::solvers::moving::{Crowd, Purpose};
+use frazil_core::solvers::moving::{ParticleSet, Purpose};
 use frazil_core::solvers::step::Bound;
 use frazil_record::Value;
 use rayon::ThreadPool;
@@ -43,8 +43,8 @@ impl Discretisation {
 }
 
 /// Makes the particles of a scene with these settings, threads and seed, for a purpose; or says what it cannot represent.
-pub type MakeCrowd =
-    dyn Fn(&Scene, &MethodSettings, Option<Arc<ThreadPool>>, u64, Purpose) -> Result<Crowd, String> + Send + Sync;
+pub type MakeParticleSet =
+    dyn Fn(&Scene, &MethodSettings, Option<Arc<ThreadPool>>, u64, Purpose) -> Result<ParticleSet, String> + Send + Sync;
 
 /// Makes a method that makes its own steps.
 pub type OwnStep = dyn Fn(Assembly) -> Box<dyn Method> + Send + Sync;
@@ -57,7 +57,7 @@ pub enum Stepper {
     /// The method itself, from the assembled particles, neighbours and walls.
     Own(Arc<OwnStep>),
     /// The method itself, which also places and moves the particles.
-    Moving(Arc<MakeCrowd>),
+    Moving(Arc<MakeParticleSet>),
 }
 
 /// A method as the registry lists it.

@@ -3,7 +3,7 @@
 use frazil_core::balances::groundwater::numerics::{Advection, Conduction, FlowNumerics};
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::boundary::wall_layers::WallModel;
-use frazil_core::physics::uptake::{Mushy, Uptake};
+use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
 use frazil_record::Value;
 
 /// Which of a method's two standard settings is the starting point; keys of the file override it one by one.
@@ -22,7 +22,7 @@ impl Setting {
 
 /// Where particles stand at the start.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Layout {
+pub enum Arrangement {
     /// Cell centres of a square lattice.
     Lattice,
     /// Lattice points moved by uniform random shifts of at most this fraction of the spacing in each direction.
@@ -123,11 +123,11 @@ pub struct Numerics {
     /// Particle spacing (m).
     pub spacing: f64,
     /// Placement.
-    pub layout: Layout,
+    pub arrangement: Arrangement,
     /// Pair exchange.
     pub exchange: Exchange,
     /// Latent heat.
-    pub uptake: Uptake,
+    pub latent_heat_scheme: LatentHeatScheme,
     /// How a particle inside the freezing interval conducts. Only pair means read it: the potential is flat there.
     pub mushy: Mushy,
     /// Sharp fronts.
@@ -152,9 +152,9 @@ impl Default for Numerics {
     fn default() -> Self {
         Numerics {
             spacing: f64::NAN,
-            layout: Layout::Lattice,
+            arrangement: Arrangement::Lattice,
             exchange: Exchange::Potential,
-            uptake: Uptake::Enthalpy,
+            latent_heat_scheme: LatentHeatScheme::Enthalpy,
             mushy: Mushy::Fraction,
             front: Front::Cell,
             walls: WallModel::Mirror,
@@ -181,17 +181,17 @@ impl Numerics {
     pub(crate) fn values(&self) -> Vec<(&'static str, Value)> {
         let mut values =
             vec![("spacing", Value::Number(self.spacing)), ("wall_model", word(&WallModel::WORDS, &self.walls))];
-        match self.layout {
-            Layout::Lattice => values.push(("layout", text("lattice"))),
-            Layout::Random => values.push(("layout", text("random"))),
-            Layout::Jittered { fraction } => {
+        match self.arrangement {
+            Arrangement::Lattice => values.push(("layout", text("lattice"))),
+            Arrangement::Random => values.push(("layout", text("random"))),
+            Arrangement::Jittered { fraction } => {
                 values.extend([("layout", text("jittered")), ("jitter_fraction", Value::Number(fraction))]);
             }
         }
-        match self.uptake {
-            Uptake::Enthalpy => values.push(("scheme", text("enthalpy"))),
-            Uptake::Flags => values.push(("scheme", text("flags"))),
-            Uptake::ApparentCapacity { interval } => {
+        match self.latent_heat_scheme {
+            LatentHeatScheme::Enthalpy => values.push(("scheme", text("enthalpy"))),
+            LatentHeatScheme::Flags => values.push(("scheme", text("flags"))),
+            LatentHeatScheme::ApparentCapacity { interval } => {
                 values.extend([("scheme", text("apparent-capacity")), ("interval_K", Value::Number(interval))]);
             }
         }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use frazil_core::physics::blend::Blend;
+use frazil_core::physics::latent_heat::Materials;
 use frazil_core::physics::thermal::Thermal;
-use frazil_core::physics::uptake::Materials;
 use frazil_scene::Scene;
 use frazil_scene::region::Cell;
 use glam::DVec2;

@@ -128,8 +128,8 @@ pub(crate) fn build_for(
     affordable(scene, settings, &stencil)?;
     let own_step = match &discretisation.stepper {
         Stepper::Moving(make) => {
-            let crowd = make(scene, settings, pool(threads)?, seed, purpose).map_err(refuse)?;
-            return moving::plan(scene, settings, crowd);
+            let set = make(scene, settings, pool(threads)?, seed, purpose).map_err(refuse)?;
+            return moving::plan(scene, settings, set);
         }
         Stepper::Own(step) => Some(step.as_ref()),
         Stepper::Shared => None,

@@ -20,7 +20,7 @@ use frazil_core::space::lattice::Lattice;
 use frazil_record::RunResult;
 use frazil_scene::method::MethodSettings;
 use frazil_scene::method::{Discretisation, Stepper};
-use frazil_scene::{IntegratorChoice, Layout, Scene};
+use frazil_scene::{Arrangement, IntegratorChoice, Scene};
 use glam::DVec2;
 
 use crate::march::{self, Options, Refused};
@@ -105,7 +105,7 @@ fn obstacle(scene: &Scene, settings: &MethodSettings) -> Option<String> {
         Some(format!("the method {method} makes its own steps: each particle has noise of its own"))
     } else if scene.flow.is_some() {
         Some("water flows".into())
-    } else if numerics.layout != Layout::Lattice {
+    } else if numerics.arrangement != Arrangement::Lattice {
         Some("particles stand unevenly".into())
     } else if straight && numerics.walls == WallModel::MovingLeastSquares {
         Some("fits of wall_model = \"moving-least-squares\" know no mirror planes".into())

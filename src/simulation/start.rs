@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use frazil_core::boundary::pipe::Sink;
-use frazil_core::physics::uptake::Materials;
+use frazil_core::physics::latent_heat::Materials;
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;

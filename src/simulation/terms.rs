@@ -2,10 +2,10 @@
 
 use frazil_core::bonds::exchange::Exchange;
 use frazil_core::boundary::patch::Boundary;
+use frazil_core::physics::latent_heat::{LatentHeatScheme, Materials, Mushy};
 use frazil_core::physics::material::{FreezingLaw, Material};
 use frazil_core::physics::potential::Law;
 use frazil_core::physics::thermal::Thermal;
-use frazil_core::physics::uptake::{Materials, Mushy, Uptake};
 use frazil_scene::method::{Discretisation, Stepper};
 use frazil_scene::{IntegratorChoice, Numerics, Scene, StepChoice, Units};
 
@@ -65,11 +65,11 @@ impl Parts<'_> {
                 names.push("those of the method's own step");
             }
             names.push("rate");
-            match self.numerics.uptake {
-                Uptake::Flags => names.push("temperature and released heat of the scheme"),
-                Uptake::ApparentCapacity { .. } => names.push("temperature of the scheme"),
-                Uptake::Enthalpy if self.numerics.mushy == Mushy::LastPhase => names.push("last phase"),
-                Uptake::Enthalpy => {}
+            match self.numerics.latent_heat_scheme {
+                LatentHeatScheme::Flags => names.push("temperature and released heat of the scheme"),
+                LatentHeatScheme::ApparentCapacity { .. } => names.push("temperature of the scheme"),
+                LatentHeatScheme::Enthalpy if self.numerics.mushy == Mushy::LastPhase => names.push("last phase"),
+                LatentHeatScheme::Enthalpy => {}
             }
         }
         if self.materials.mixed() {
@@ -85,10 +85,10 @@ impl Parts<'_> {
     pub fn used(&self) -> Vec<String> {
         let mut used = vec![self.columns()];
         if self.freezes() {
-            let scheme = match self.numerics.uptake {
-                Uptake::Enthalpy => "enthalpy",
-                Uptake::Flags => "flags",
-                Uptake::ApparentCapacity { .. } => "apparent capacity",
+            let scheme = match self.numerics.latent_heat_scheme {
+                LatentHeatScheme::Enthalpy => "enthalpy",
+                LatentHeatScheme::Flags => "flags",
+                LatentHeatScheme::ApparentCapacity { .. } => "apparent capacity",
             };
             used.push(format!("latent heat, by {scheme}"));
         }
@@ -140,7 +140,8 @@ impl Parts<'_> {
         {
             found.push(format!("step_fraction, now {fraction} of the bound"));
         }
-        let plain = self.numerics.uptake == Uptake::Enthalpy && self.numerics.mushy == Mushy::Fraction;
+        let plain =
+            self.numerics.latent_heat_scheme == LatentHeatScheme::Enthalpy && self.numerics.mushy == Mushy::Fraction;
         if self.is_explicit() && self.has_shared_steps() && plain && self.scene.flow.is_none() {
             found.push("integrator = \"rkl2\": s stages make a step of (s^2 + s - 2)/4 bounds".to_string());
         }

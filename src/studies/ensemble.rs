@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use frazil_record::{Outcome, Record, RunResult};
 use frazil_scene::method::MethodSettings;
-use frazil_scene::{Layout, Scene};
+use frazil_scene::{Arrangement, Scene};
 use frazil_simulation::measure;
 use frazil_simulation::reference::Reference;
 
@@ -102,7 +102,7 @@ pub fn ensemble(request: &EnsembleRequest<'_>, interrupt: &AtomicBool) -> Result
 
 /// An ensemble needs chance: without any, all members are one.
 fn chance(settings: &MethodSettings, count: usize) -> Result<(), Failure> {
-    if settings.discretisation.fluctuation > 0.0 || settings.numerics.layout != Layout::Lattice {
+    if settings.discretisation.fluctuation > 0.0 || settings.numerics.arrangement != Arrangement::Lattice {
         return Ok(());
     }
     Err(Failure::Request(format!(

@@ -7,7 +7,7 @@ const WEIBULL_PEAK: f64 = 7.0;
 
 /// Part of the freezing curve on which it is smooth. Each formula is also meaningful a little outside its part.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Part {
+pub enum CurvePart {
     /// Above it.
     Unfrozen,
     /// Between both ends.
@@ -18,7 +18,7 @@ pub enum Part {
 
 /// Properties at one temperature.
 #[derive(Debug, Clone, Copy)]
-pub struct Properties {
+pub struct LocalProperties {
     /// Apparent heat capacity, latent heat included (J/m3K).
     pub capacity: f64,
     /// Conductivity (W/mK).
@@ -27,7 +27,7 @@ pub struct Properties {
     pub frozen_fraction: f64,
 }
 
-impl Properties {
+impl LocalProperties {
     /// Diffusivity (m2/s).
     pub fn diffusivity(&self) -> f64 {
         self.conductivity / self.capacity
@@ -43,14 +43,14 @@ pub struct Medium {
 
 impl Medium {
     /// Properties at a temperature, by the formulas of a part.
-    pub fn properties(&self, part: Part, temperature: f64) -> Properties {
+    pub fn properties(&self, part: CurvePart, temperature: f64) -> LocalProperties {
         let material = &self.material;
         let below = temperature - material.freezing_point;
         let (unfrozen, slope) = match (part, material.law) {
-            (Part::Unfrozen, _) | (_, FreezingLaw::None) => (1.0, 0.0),
-            (Part::Frozen, _) | (_, FreezingLaw::Isothermal) => (0.0, 0.0),
-            (Part::Interval, FreezingLaw::Linear { width }) => (1.0 + below / width, 1.0 / width),
-            (Part::Interval, FreezingLaw::Weibull { width, residual }) => {
+            (CurvePart::Unfrozen, _) | (_, FreezingLaw::None) => (1.0, 0.0),
+            (CurvePart::Frozen, _) | (_, FreezingLaw::Isothermal) => (0.0, 0.0),
+            (CurvePart::Interval, FreezingLaw::Linear { width }) => (1.0 + below / width, 1.0 / width),
+            (CurvePart::Interval, FreezingLaw::Weibull { width, residual }) => {
                 let free = (1.0 - residual) * libm::exp(-(below / width) * (below / width));
                 (residual + free, -2.0 * below / (width * width) * free)
             }
@@ -64,18 +64,18 @@ impl Medium {
             Mixing::Arithmetic => unfrozen * liquid + frozen * solid,
             Mixing::Geometric => solid * libm::pow(liquid / solid, unfrozen),
         };
-        Properties { capacity, conductivity, frozen_fraction: frozen }
+        LocalProperties { capacity, conductivity, frozen_fraction: frozen }
     }
 
     /// The part that holds temperatures just beside `temperature`, in the direction of `towards`.
-    pub fn part(&self, temperature: f64, towards: f64) -> Part {
+    pub fn part(&self, temperature: f64, towards: f64) -> CurvePart {
         let below = temperature - self.material.freezing_point;
         let is_warming = towards > temperature;
         let is_past = |limit: f64| below > limit || (below == limit && is_warming);
         match self.material.law {
-            _ if is_past(0.0) => Part::Unfrozen,
-            FreezingLaw::Linear { width } if !is_past(-width) => Part::Frozen,
-            _ => Part::Interval,
+            _ if is_past(0.0) => CurvePart::Unfrozen,
+            FreezingLaw::Linear { width } if !is_past(-width) => CurvePart::Frozen,
+            _ => CurvePart::Interval,
         }
     }
 

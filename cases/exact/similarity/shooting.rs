@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use frazil_core::physics::material::FreezingLaw;
 
-use super::medium::{Medium, Part};
+use super::medium::{CurvePart, Medium};
 use crate::exact::functions::erfcx;
 
 /// Local error of one step, relative to the scale of each variable.
@@ -21,7 +21,7 @@ const MOST_STEPS: usize = 400_000;
 
 /// A point of the solution and the part of the curve that follows it.
 #[derive(Debug, Clone, Copy)]
-pub struct Node {
+pub struct TrajectoryPoint {
     /// x / sqrt(t) (m/s^1/2).
     pub eta: f64,
     /// Temperature.
@@ -31,18 +31,24 @@ pub struct Node {
     /// Integral of the frozen fraction less its value at infinity (m/s^1/2).
     pub frozen: f64,
     /// The part that follows.
-    pub part: Part,
+    pub part: CurvePart,
 }
 
 /// Derivatives of temperature, flux and frozen integral along eta.
-pub fn along_eta(medium: &Medium, part: Part, initial_frozen: f64, eta: f64, state: [f64; 3]) -> [f64; 3] {
+pub fn along_eta(medium: &Medium, part: CurvePart, initial_frozen: f64, eta: f64, state: [f64; 3]) -> [f64; 3] {
     let here = medium.properties(part, state[0]);
     let slope = state[1] / here.conductivity;
     [slope, -0.5 * eta * here.capacity * slope, here.frozen_fraction - initial_frozen]
 }
 
 /// Derivatives of eta, flux and frozen integral along temperature.
-fn along_temperature(medium: &Medium, part: Part, initial_frozen: f64, temperature: f64, state: [f64; 3]) -> [f64; 3] {
+fn along_temperature(
+    medium: &Medium,
+    part: CurvePart,
+    initial_frozen: f64,
+    temperature: f64,
+    state: [f64; 3],
+) -> [f64; 3] {
     let here = medium.properties(part, temperature);
     let slope = here.conductivity / state[1];
     [slope, -0.5 * state[0] * here.capacity, (here.frozen_fraction - initial_frozen) * slope]
@@ -111,7 +117,7 @@ impl<'a> Shooting<'a> {
     }
 
     /// How far the temperature at infinity lies beyond the initial one (K, negative if it falls short).
-    pub fn integrate(&self, wall_flux: f64, mut record: Option<&mut Vec<Node>>) -> Result<f64, String> {
+    pub fn integrate(&self, wall_flux: f64, mut record: Option<&mut Vec<TrajectoryPoint>>) -> Result<f64, String> {
         let direction = (self.initial - self.wall).signum();
         let mut eta = 0.0;
         let mut state = [self.wall, wall_flux, 0.0];
@@ -122,7 +128,7 @@ impl<'a> Shooting<'a> {
             let part = self.medium.part(state[0], target);
             loop {
                 if let Some(nodes) = record.as_deref_mut() {
-                    nodes.push(Node { eta, temperature: state[0], flux: state[1], frozen: state[2], part });
+                    nodes.push(TrajectoryPoint { eta, temperature: state[0], flux: state[1], frozen: state[2], part });
                 }
                 let here = self.medium.properties(part, state[0]);
                 // What a body of these properties still has to come: exact where they no longer change.
@@ -133,7 +139,7 @@ impl<'a> Shooting<'a> {
                 // Before a kink, though, however little is to come may be enough to pass it.
                 let is_stuck = is_last || (state[0] + to_come - target) * direction < 0.0;
                 let is_settled = to_come.abs() < UNIFORM * self.resolution && is_stuck;
-                let is_uniform = is_last && part != Part::Interval;
+                let is_uniform = is_last && part != CurvePart::Interval;
                 if is_settled || is_uniform || (state[0] - self.initial) * direction > 0.0 {
                     return Ok(excess);
                 }
@@ -152,7 +158,7 @@ impl<'a> Shooting<'a> {
     /// One step of fitting length; `length` becomes the proposal for the next.
     fn step_along_eta(
         &self,
-        part: Part,
+        part: CurvePart,
         eta: f64,
         state: [f64; 3],
         length: &mut f64,
@@ -183,10 +189,10 @@ impl<'a> Shooting<'a> {
     /// From a point close before a kink to the kink itself.
     fn reach_kink(
         &self,
-        part: Part,
+        part: CurvePart,
         (eta, state): (f64, [f64; 3]),
         kink: f64,
-        mut record: Option<&mut Vec<Node>>,
+        mut record: Option<&mut Vec<TrajectoryPoint>>,
         steps: &mut usize,
     ) -> Result<(f64, [f64; 3]), String> {
         let mut temperature = state[0];
@@ -216,7 +222,7 @@ impl<'a> Shooting<'a> {
             turned = next;
             temperature = if is_final { kink } else { temperature + used };
             if let Some(nodes) = record.as_deref_mut().filter(|_| !is_final) {
-                nodes.push(Node { eta: turned[0], temperature, flux: turned[1], frozen: turned[2], part });
+                nodes.push(TrajectoryPoint { eta: turned[0], temperature, flux: turned[1], frozen: turned[2], part });
             }
         }
         Ok((turned[0], [kink, turned[1], turned[2]]))

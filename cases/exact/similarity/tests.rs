@@ -1,9 +1,9 @@
 //! What solutions must be, and numbers of others.
 
-use super::medium::Part;
+use super::medium::CurvePart;
 use super::*;
 use crate::exact::Neumann;
-use crate::table::Table;
+use crate::table::NumberTable;
 use frazil_core::physics::material::{Mixing, Phase};
 
 /// Water as in the tables.
@@ -57,7 +57,7 @@ fn cases() -> Vec<(Material, f64, f64)> {
 #[test]
 fn isotherms_match_the_table() {
     let solution = Similarity::new(&weibull(0.5), -20.0, 8.0).expect("solution");
-    let table = Table::read(include_str!("../../tables/water-fronts.csv")).expect("table");
+    let table = NumberTable::read(include_str!("../../tables/water-fronts.csv")).expect("table");
     let column = |name: &str| table.column(name).expect("column").to_vec();
     let (times, freezing, half) = (column("time_s"), column("isotherm_freezing_m"), column("isotherm_half_m"));
     assert_eq!(times.len(), 20);
@@ -73,7 +73,7 @@ fn isotherms_match_the_table() {
 #[test]
 fn profiles_match_the_table() {
     let solution = Similarity::new(&weibull(0.5), -20.0, 8.0).expect("solution");
-    let table = Table::read(include_str!("../../tables/water-profiles.csv")).expect("table");
+    let table = NumberTable::read(include_str!("../../tables/water-profiles.csv")).expect("table");
     for hours in [2, 4, 6, 8, 10] {
         let positions = table.column("x_m").expect("positions");
         let temperatures = table.column(&format!("mushy_{hours}h")).expect("temperatures");
@@ -87,7 +87,11 @@ fn profiles_match_the_table() {
 /// Integral over temperature of a function of eta and the properties there. Kinks end pieces, and points crowd
 /// at the ends of each, where eta may grow like the root of a logarithm: with 4000 points the midpoint rule
 /// is good to about 1e-7.
-fn over_temperature(solution: &Similarity, (from, to): (f64, f64), function: impl Fn(f64, f64, Part) -> f64) -> f64 {
+fn over_temperature(
+    solution: &Similarity,
+    (from, to): (f64, f64),
+    function: impl Fn(f64, f64, CurvePart) -> f64,
+) -> f64 {
     let mut ends = vec![from];
     ends.extend(solution.medium.kinks(from, to));
     ends.push(to);

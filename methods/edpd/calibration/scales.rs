@@ -7,7 +7,7 @@ pub const BOLTZMANN: f64 = 1.380649e-23;
 
 /// A material in SI.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Material {
+pub struct RealFluid {
     /// Density (kg/m3).
     pub density: f64,
     /// Heat capacity (J/(kg K)).
@@ -34,7 +34,7 @@ pub struct Scales {
 
 impl Scales {
     /// The units of a material whose particles have these constants, with the reference temperature in K.
-    pub fn new(constants: &Constants, material: &Material, temperature: f64) -> Scales {
+    pub fn new(constants: &Constants, material: &RealFluid, temperature: f64) -> Scales {
         let mass = constants.heat_capacity * BOLTZMANN / material.heat_capacity;
         let length = (constants.density * mass / material.density).cbrt();
         let energy = BOLTZMANN * temperature;

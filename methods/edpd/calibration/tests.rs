@@ -129,7 +129,7 @@ fn stiffness_is_that_of_the_mean_field() {
 
 #[test]
 fn scales_of_water_are_those_of_the_paper() {
-    let water = Material { density: 1000.0, heat_capacity: 4180.0 };
+    let water = RealFluid { density: 1000.0, heat_capacity: 4180.0 };
     let scales = Scales::new(&Constants::paper(), &water, 300.0);
     // 334000/4180 * 1e5/300, to rounding; printed as 2.68e4 from a length rounded to 11 nm.
     assert!((scales.latent_heat(334_000.0) - 26634.77).abs() < 5e-3, "{}", scales.latent_heat(334_000.0));

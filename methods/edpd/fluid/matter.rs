@@ -31,14 +31,14 @@ pub trait Matter: Send + Sync {
 
 /// A liquid of one heat capacity and conductivity.
 #[derive(Debug, Clone, Copy)]
-pub struct Plain {
+pub struct ConstantCapacity {
     /// Temperature without heat.
     pub reference: f64,
     /// Heat capacity of a particle.
     pub heat_capacity: f64,
 }
 
-impl Matter for Plain {
+impl Matter for ConstantCapacity {
     type Seen = ();
     const UNEVEN: bool = false;
 

@@ -15,8 +15,8 @@ use frazil_core::noise::StepNoise;
 use super::matter::Matter;
 use super::particle::{Look, Particle};
 use super::power::raise;
-use super::scan::{self, Found, LANES, MOST, Scan};
-use super::sorting::{Grid, RANGES, Range};
+use super::scan::{self, FoundPartners, LANES, MOST, Scan};
+use super::sorting::{CellGrid, PartnerRange, RANGES};
 
 /// Pairs that are worked on at once.
 const AT_ONCE: usize = 128;
@@ -26,13 +26,13 @@ const VECTOR: usize = 8;
 
 /// The constants of a step.
 #[derive(Debug)]
-pub struct Frame<'a, const D: usize, M: Matter> {
+pub struct StepConstants<'a, const D: usize, M: Matter> {
     /// All particles as pairs see them.
     pub looks: &'a [Look<D, M::Seen>],
     /// Where they stand, by direction, in single precision; `scan::LANES` places longer.
     pub places: [&'a [f32]; D],
     /// Cells.
-    pub grid: &'a Grid<D>,
+    pub grid: &'a CellGrid<D>,
     /// The first particle of each cell.
     pub starts: &'a [u32],
     /// Particles of this name or above have no pairs with each other.
@@ -55,7 +55,7 @@ pub struct Frame<'a, const D: usize, M: Matter> {
     pub noise: StepNoise,
 }
 
-impl<const D: usize, M: Matter> Frame<'_, D, M> {
+impl<const D: usize, M: Matter> StepConstants<'_, D, M> {
     /// Particles of some slabs.
     pub fn count(&self, slabs: std::ops::Range<usize>) -> usize {
         (self.starts[self.grid.cells(slabs.end - 1).end] - self.starts[self.grid.cells(slabs.start).start]) as usize
@@ -64,7 +64,7 @@ impl<const D: usize, M: Matter> Frame<'_, D, M> {
 
 /// One particle's pairs among those at hand.
 #[derive(Debug, Clone, Copy, Default)]
-struct Row {
+struct PartnerRow {
     particle: usize,
     first: usize,
     last: usize,
@@ -73,7 +73,7 @@ struct Row {
 }
 
 /// Particles of a slab, and the number of the first of them.
-pub type Part<'a, const D: usize> = (usize, &'a mut [Particle<D>]);
+pub type SlabParticles<'a, const D: usize> = (usize, &'a mut [Particle<D>]);
 
 /// Work space of a slab.
 #[derive(Debug, Clone)]
@@ -87,14 +87,14 @@ pub struct Desk<const D: usize> {
     conductions: [f64; AT_ONCE],
     /// Names of both ends: the one in the upper half, its partner's in the lower.
     names: [u64; AT_ONCE],
-    found: Found,
+    found: FoundPartners,
     partners: [u32; AT_ONCE],
     /// Impulse by the velocity of one end against the other, and that of noise.
     gains: [f64; AT_ONCE],
     pushed: [f64; AT_ONCE],
     forces: [f64; AT_ONCE],
     heats: [f64; AT_ONCE],
-    rows: [Row; AT_ONCE],
+    rows: [PartnerRow; AT_ONCE],
     /// Potential of all pairs.
     pub potential: f64,
     /// Pairs within reach, and a few in a million beyond.
@@ -117,7 +117,7 @@ impl<const D: usize> Default for Desk<D> {
             pushed: [0.0; AT_ONCE],
             forces: [0.0; AT_ONCE],
             heats: [0.0; AT_ONCE],
-            rows: [Row::default(); AT_ONCE],
+            rows: [PartnerRow::default(); AT_ONCE],
             potential: 0.0,
             met: 0,
         }
@@ -126,11 +126,11 @@ impl<const D: usize> Default for Desk<D> {
 
 /// Lets all pairs of a slab act. `own` are its particles, `next` those of the next slab.
 pub fn act<const D: usize, M: Matter>(
-    frame: &Frame<'_, D, M>,
+    frame: &StepConstants<'_, D, M>,
     slab: usize,
     desk: &mut Desk<D>,
-    own: Part<'_, D>,
-    next: Part<'_, D>,
+    own: SlabParticles<'_, D>,
+    next: SlabParticles<'_, D>,
 ) {
     #[cfg(target_arch = "x86_64")]
     {
@@ -148,17 +148,17 @@ pub fn act<const D: usize, M: Matter>(
             return unsafe { act_avx2(frame, slab, desk, own, next) };
         }
     }
-    act_by::<D, M, scan::Plain>(frame, slab, desk, own, next);
+    act_by::<D, M, scan::Portable>(frame, slab, desk, own, next);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx512dq,fma,popcnt")]
 fn act_avx512<const D: usize, M: Matter>(
-    frame: &Frame<'_, D, M>,
+    frame: &StepConstants<'_, D, M>,
     slab: usize,
     desk: &mut Desk<D>,
-    own: Part<'_, D>,
-    next: Part<'_, D>,
+    own: SlabParticles<'_, D>,
+    next: SlabParticles<'_, D>,
 ) {
     act_by::<D, M, scan::Avx512>(frame, slab, desk, own, next);
 }
@@ -166,22 +166,22 @@ fn act_avx512<const D: usize, M: Matter>(
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
 fn act_avx2<const D: usize, M: Matter>(
-    frame: &Frame<'_, D, M>,
+    frame: &StepConstants<'_, D, M>,
     slab: usize,
     desk: &mut Desk<D>,
-    own: Part<'_, D>,
-    next: Part<'_, D>,
+    own: SlabParticles<'_, D>,
+    next: SlabParticles<'_, D>,
 ) {
-    act_by::<D, M, scan::Plain>(frame, slab, desk, own, next);
+    act_by::<D, M, scan::Portable>(frame, slab, desk, own, next);
 }
 
 #[inline(always)]
 fn act_by<const D: usize, M: Matter, S: Scan>(
-    frame: &Frame<'_, D, M>,
+    frame: &StepConstants<'_, D, M>,
     slab: usize,
     desk: &mut Desk<D>,
-    (begin, own): Part<'_, D>,
-    (begin_next, next): Part<'_, D>,
+    (begin, own): SlabParticles<'_, D>,
+    (begin_next, next): SlabParticles<'_, D>,
 ) {
     desk.potential = 0.0;
     desk.met = 0;
@@ -222,7 +222,8 @@ fn act_by<const D: usize, M: Matter, S: Scan>(
                     let some = (found - taken).min(AT_ONCE - filled);
                     put(frame, desk, (filled, taken, some), me, &place, &range, base);
                     let last = filled + some;
-                    desk.rows[rows % AT_ONCE] = Row { particle: i - begin, first: filled, last, beyond: range.beyond };
+                    desk.rows[rows % AT_ONCE] =
+                        PartnerRow { particle: i - begin, first: filled, last, beyond: range.beyond };
                     (filled, rows) = (last, rows + 1);
                     taken += some;
                 }
@@ -234,7 +235,7 @@ fn act_by<const D: usize, M: Matter, S: Scan>(
 }
 
 /// Keeps those of the particles found that may have pairs with particles behind walls.
-fn keep<const D: usize, M: Matter>(frame: &Frame<'_, D, M>, desk: &mut Desk<D>, found: usize) -> usize {
+fn keep<const D: usize, M: Matter>(frame: &StepConstants<'_, D, M>, desk: &mut Desk<D>, found: usize) -> usize {
     let mut kept = 0;
     for k in 0..found {
         let j = desk.found[k];
@@ -247,12 +248,12 @@ fn keep<const D: usize, M: Matter>(frame: &Frame<'_, D, M>, desk: &mut Desk<D>, 
 /// Puts the particles found down on the desk as partners of one.
 #[inline(always)]
 fn put<const D: usize, M: Matter>(
-    frame: &Frame<'_, D, M>,
+    frame: &StepConstants<'_, D, M>,
     desk: &mut Desk<D>,
     (filled, taken, some): (usize, usize, usize),
     me: &Look<D, M::Seen>,
     place: &[f64; D],
-    range: &Range<D>,
+    range: &PartnerRange<D>,
     base: usize,
 ) {
     let shut = M::UNEVEN && frame.shut.is_some_and(|axis| range.shift[axis] != 0.0);
@@ -278,7 +279,7 @@ fn put<const D: usize, M: Matter>(
 
 /// All that depends on places and temperatures alone.
 #[inline(always)]
-fn work<const D: usize, M: Matter>(frame: &Frame<'_, D, M>, desk: &mut Desk<D>, count: usize) {
+fn work<const D: usize, M: Matter>(frame: &StepConstants<'_, D, M>, desk: &mut Desk<D>, count: usize) {
     let count = count.min(AT_ONCE);
     let [conservative, dissipative, thermal] = frame.inverse_cutoffs;
     let conductance = 0.25 * frame.conductance;

@@ -10,7 +10,7 @@ pub const LANES: usize = 16;
 pub const MOST: usize = 512;
 
 /// Numbers of those found, with room for the lanes of the last ones.
-pub type Found = [u32; MOST + LANES];
+pub type FoundPartners = [u32; MOST + LANES];
 
 /// Square of a reach, in single precision, that takes in all pairs within reach in a box of a longest side.
 pub fn widened(reach: f64, longest: f64) -> f32 {
@@ -30,15 +30,15 @@ pub trait Scan {
         range: (usize, usize),
         square: f32,
         count: usize,
-        found: &mut Found,
+        found: &mut FoundPartners,
     ) -> usize;
 }
 
 /// In a form that a compiler may turn into vectors.
 #[derive(Debug)]
-pub struct Plain;
+pub struct Portable;
 
-impl Scan for Plain {
+impl Scan for Portable {
     #[inline(always)]
     fn near<const D: usize>(
         columns: &[&[f32]; D],
@@ -46,7 +46,7 @@ impl Scan for Plain {
         (from, to): (usize, usize),
         square: f32,
         mut count: usize,
-        found: &mut Found,
+        found: &mut FoundPartners,
     ) -> usize {
         for at in (from..to).step_by(LANES) {
             let mut squares = [0.0; LANES];
@@ -82,7 +82,7 @@ impl Scan for Avx512 {
         (from, to): (usize, usize),
         square: f32,
         mut count: usize,
-        found: &mut Found,
+        found: &mut FoundPartners,
     ) -> usize {
         use std::arch::x86_64::{
             _CMP_LT_OQ, _mm512_add_epi32, _mm512_cmp_ps_mask, _mm512_fmadd_ps, _mm512_loadu_ps,

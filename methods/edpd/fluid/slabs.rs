@@ -1,12 +1,12 @@
 //! The order in which slabs act: all of even number at once, then all of odd number, so that no two touch the same particle.
 
 use super::matter::Matter;
-use super::pairs::{Desk, Frame, Part, act};
+use super::pairs::{Desk, SlabParticles, StepConstants, act};
 use super::particle::Particle;
 
 /// Lets all pairs act, on the threads of the pool at hand where `parallel`.
 pub fn act_in_turn<const D: usize, M: Matter>(
-    frame: &Frame<'_, D, M>,
+    frame: &StepConstants<'_, D, M>,
     parallel: bool,
     desks: &mut [Desk<D>],
     particles: &mut [Particle<D>],
@@ -29,11 +29,11 @@ pub fn act_in_turn<const D: usize, M: Matter>(
 
 /// Slabs of one parity, from one on: `desks` come in twos, whose first ones' slabs act, at once with all others.
 fn twos<const D: usize, M: Matter>(
-    frame: &Frame<'_, D, M>,
+    frame: &StepConstants<'_, D, M>,
     parallel: bool,
     slab: usize,
     desks: &mut [Desk<D>],
-    (begin, particles): Part<'_, D>,
+    (begin, particles): SlabParticles<'_, D>,
 ) {
     if let [desk, _] = desks {
         let (own, next) = particles.split_at_mut(frame.count(slab..slab + 1));

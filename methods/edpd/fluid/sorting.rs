@@ -23,7 +23,7 @@ pub const AROUND: usize = 27;
 
 /// Cells of a periodic box.
 #[derive(Debug, Clone)]
-pub struct Grid<const D: usize> {
+pub struct CellGrid<const D: usize> {
     /// Lengths of the box.
     pub lengths: [f64; D],
     /// One over them.
@@ -35,7 +35,7 @@ pub struct Grid<const D: usize> {
 
 /// Particles one after the other, among which those of a cell have partners.
 #[derive(Debug, Clone, Copy)]
-pub struct Range<const D: usize> {
+pub struct PartnerRange<const D: usize> {
     /// The first of them.
     pub begin: usize,
     /// After the last.
@@ -46,7 +46,7 @@ pub struct Range<const D: usize> {
     pub beyond: bool,
 }
 
-impl<const D: usize> Grid<D> {
+impl<const D: usize> CellGrid<D> {
     /// Cells at least as wide as a distance, reach and skin.
     ///
     /// # Errors
@@ -67,7 +67,7 @@ impl<const D: usize> Grid<D> {
         let last = cells[D - 1];
         let slabs = (last - last % 2).min(MOST_SLABS);
         let rows = (0..=slabs).map(|slab| slab * last / slabs).collect();
-        Ok(Grid { lengths, inverses: lengths.map(|length| 1.0 / length), cells, rows })
+        Ok(CellGrid { lengths, inverses: lengths.map(|length| 1.0 / length), cells, rows })
     }
 
     /// Number of slabs: even.
@@ -122,7 +122,7 @@ impl<const D: usize> Grid<D> {
     /// Where partners of the particles of a cell of a slab stand: first those of the cell itself, of which each pair is met
     /// from its first end, then those of cells that come after it: later along the last direction at which they differ.
     /// Those of the next slab come last.
-    pub fn ranges(&self, slab: usize, cell: usize, starts: &[u32]) -> ([Range<D>; RANGES], usize) {
+    pub fn ranges(&self, slab: usize, cell: usize, starts: &[u32]) -> ([PartnerRange<D>; RANGES], usize) {
         let own = self.cells(slab);
         let mut at = [0; D];
         let mut rest = cell;
@@ -130,7 +130,7 @@ impl<const D: usize> Grid<D> {
             at[axis] = rest % self.cells[axis];
             rest /= self.cells[axis];
         }
-        let mut ranges = [Range { begin: 0, end: 0, shift: [0.0; D], beyond: false }; RANGES];
+        let mut ranges = [PartnerRange { begin: 0, end: 0, shift: [0.0; D], beyond: false }; RANGES];
         let mut count = 0;
         for code in 0..3usize.pow(D as u32 - 1) {
             let mut rest = code;
@@ -157,7 +157,7 @@ impl<const D: usize> Grid<D> {
                 shift[0] = across * self.lengths[0];
                 let beyond = !own.contains(&(row + from));
                 ranges[count % RANGES] =
-                    Range { begin: starts[row + from] as usize, end: starts[row + to] as usize, shift, beyond };
+                    PartnerRange { begin: starts[row + from] as usize, end: starts[row + to] as usize, shift, beyond };
                 count += 1;
             };
             let inside = if first > at[0] { 0 } else { first };

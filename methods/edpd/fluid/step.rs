@@ -4,7 +4,7 @@ use frazil_core::noise::StepNoise;
 use rayon::prelude::*;
 
 use super::matter::Matter;
-use super::pairs::Frame;
+use super::pairs::StepConstants;
 use super::particle::{Look, Particle};
 use super::scan::{LANES, widened};
 use super::slabs::act_in_turn;
@@ -149,7 +149,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     pub(super) fn meet(&mut self, time: f64) {
         self.look();
         let parameters = &self.parameters;
-        let frame = Frame {
+        let frame = StepConstants {
             looks: &self.looks,
             matter: &self.matter,
             shut: self.shut,

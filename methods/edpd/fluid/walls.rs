@@ -9,14 +9,14 @@ use rayon::prelude::*;
 
 use super::matter::Matter;
 use super::particle::{Look, Particle};
-use super::sorting::{AROUND, Grid};
+use super::sorting::{AROUND, CellGrid};
 
 /// Wall particles that a task sees to.
 const TASK: usize = 256;
 
 /// What a part of the walls holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Face {
+pub enum WallState {
     /// A temperature.
     Held(f64),
     /// No heat crosses.
@@ -40,7 +40,7 @@ pub struct Walls<const D: usize> {
     /// By name, from the first on.
     pub behind: Vec<Behind<D>>,
     /// By patch.
-    pub faces: Vec<Face>,
+    pub faces: Vec<WallState>,
     /// Heat that has come through each patch in the last step.
     pub received: Vec<f64>,
     /// Where they stand since the last sorting.
@@ -56,7 +56,7 @@ impl<const D: usize> Walls<D> {
     pub fn new(first: u32, behind: Vec<Behind<D>>, patches: usize) -> Self {
         Walls {
             first,
-            faces: vec![Face::Insulated; patches],
+            faces: vec![WallState::Insulated; patches],
             received: vec![0.0; patches],
             at: vec![0; behind.len()],
             near: Vec::new(),
@@ -74,7 +74,7 @@ impl<const D: usize> Walls<D> {
     }
 
     /// Lists the particles around all images, up to a distance.
-    pub fn list(&mut self, grid: &Grid<D>, particles: &[Particle<D>], starts: &[u32], distance: f64) {
+    pub fn list(&mut self, grid: &CellGrid<D>, particles: &[Particle<D>], starts: &[u32], distance: f64) {
         for (i, particle) in particles.iter().enumerate() {
             if particle.name >= self.first {
                 self.at[(particle.name - self.first) as usize] = i as u32;
@@ -103,7 +103,7 @@ impl<const D: usize> Walls<D> {
     pub fn show<M: Matter>(
         &mut self,
         matter: &M,
-        grid: &Grid<D>,
+        grid: &CellGrid<D>,
         looks: &mut [Look<D, M::Seen>],
         reach: f64,
         parallel: bool,
@@ -114,8 +114,8 @@ impl<const D: usize> Walls<D> {
             let fitted =
                 fit(&behind[k].image, grid, near, looks, reach, |look| matter.level(look.seen, look.temperature));
             match (faces[behind[k].patch as usize], fitted) {
-                (Face::Insulated, fitted) => fitted.unwrap_or(0.0),
-                (Face::Held(temperature), fitted) => {
+                (WallState::Insulated, fitted) => fitted.unwrap_or(0.0),
+                (WallState::Held(temperature), fitted) => {
                     let wall = matter.level_at(temperature);
                     2.0 * wall - fitted.unwrap_or(wall)
                 }
@@ -145,7 +145,7 @@ impl<const D: usize> Walls<D> {
 /// they are too few or lie in a row, none where there is none.
 fn fit<const D: usize, S: Copy>(
     place: &[f64; D],
-    grid: &Grid<D>,
+    grid: &CellGrid<D>,
     near: &[u32],
     looks: &[Look<D, S>],
     reach: f64,

@@ -2,13 +2,13 @@
 
 use frazil_scene::Stream;
 
-use super::ground::Ground;
-use super::map::Map;
-use super::place::Body;
+use super::ground::SceneMatter;
+use super::map::DpdUnits;
+use super::place::LiquidBody;
 use crate::fluid::{Drive, Particle};
 
 /// Keeps particles between the walls of a body.
-pub struct Confined(pub Body);
+pub struct Confined(pub LiquidBody);
 
 impl Drive<2> for Confined {
     const WORKS: bool = false;
@@ -18,7 +18,7 @@ impl Drive<2> for Confined {
 
     #[inline(always)]
     fn confine(&self, particle: &mut Particle<2>, time: f64) {
-        let Body { lengths, walled } = &self.0;
+        let LiquidBody { lengths, walled } = &self.0;
         let beyond = |axis: usize| walled[axis] && !(0.0..=lengths[axis]).contains(&particle.position[axis]);
         if (beyond(0) || beyond(1)) && particle.mobility > 0.0 {
             // Back the way that it came: no slip at the wall.
@@ -31,7 +31,7 @@ impl Drive<2> for Confined {
 }
 
 /// Drives particles along x between walls, and sets some to a temperature.
-pub struct Driven {
+pub struct StreamDrive {
     /// The walls.
     confined: Confined,
     /// Acceleration along x.
@@ -44,11 +44,11 @@ pub struct Driven {
     walls_from: u32,
 }
 
-impl Driven {
+impl StreamDrive {
     /// What a stream does to particles of a ground, of which those from a name on stand behind walls.
-    pub fn of(stream: &Stream, confined: Confined, map: &Map, ground: &Ground, walls_from: u32) -> Self {
+    pub fn of(stream: &Stream, confined: Confined, map: &DpdUnits, ground: &SceneMatter, walls_from: u32) -> Self {
         let scaled = |(from, to): (f64, f64)| (from / map.length, to / map.length);
-        Driven {
+        StreamDrive {
             acceleration: stream.acceleration * map.time * map.time / map.length,
             pump: stream.pump.map_or((0.0, confined.0.lengths[0]), scaled),
             reset: stream.reset.map(|(range, temperature)| (scaled(range), ground.heat(temperature))),
@@ -58,7 +58,7 @@ impl Driven {
     }
 }
 
-impl Drive<2> for Driven {
+impl Drive<2> for StreamDrive {
     #[inline(always)]
     fn act(&self, particle: &mut Particle<2>, time: f64) {
         if particle.name >= self.walls_from {

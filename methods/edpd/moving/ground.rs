@@ -1,8 +1,8 @@
 //! Heat of moving particles as the enthalpy of the scene's material.
 
 use frazil_core::bonds::exchange::{Exchange, Mean};
+use frazil_core::physics::latent_heat::Mushy;
 use frazil_core::physics::thermal::Thermal;
-use frazil_core::physics::uptake::Mushy;
 
 use crate::fluid::Matter;
 
@@ -10,7 +10,7 @@ use crate::fluid::Matter;
 const LEVEL: f64 = 1e-9;
 
 /// The scene's material in DPD units.
-pub struct Ground {
+pub struct SceneMatter {
     thermal: Thermal,
     /// Enthalpy (J/m3) by heat.
     per_heat: f64,
@@ -28,14 +28,14 @@ pub struct Ground {
 
 /// What pairs see of a particle.
 #[derive(Debug, Clone, Copy)]
-pub struct Seen {
+pub struct SeenState {
     /// Conduction potential over the conductivity of the liquid (DPD units of temperature), from the scene's start.
     level: f64,
     /// Conductivity over that of the liquid.
     conductivity: f64,
 }
 
-impl Ground {
+impl SceneMatter {
     /// The material, `per_heat` (J/m3) of enthalpy by heat, the scale of temperature (zero and degree), how pairs
     /// exchange, and the temperatures (DPD units) that particles behind walls may be seen with.
     pub fn new(
@@ -46,7 +46,7 @@ impl Ground {
         range: (f64, f64),
     ) -> Self {
         let conductivity = thermal.curve.mixed_conductivity(1.0);
-        Ground { thermal, per_heat, zero, degree, conductivity, exchange, mushy, range }
+        SceneMatter { thermal, per_heat, zero, degree, conductivity, exchange, mushy, range }
     }
 
     /// Heat at a temperature of the scene.
@@ -60,8 +60,8 @@ impl Ground {
     }
 }
 
-impl Matter for Ground {
-    type Seen = Seen;
+impl Matter for SceneMatter {
+    type Seen = SeenState;
     const UNEVEN: bool = true;
 
     #[inline]
@@ -70,7 +70,7 @@ impl Matter for Ground {
     }
 
     #[inline]
-    fn see(&self, heat: f64, moves: bool) -> Seen {
+    fn see(&self, heat: f64, moves: bool) -> SeenState {
         let enthalpy = heat * self.per_heat;
         let frozen = self.thermal.frozen_fraction(enthalpy);
         let frozen = match self.mushy {
@@ -79,14 +79,14 @@ impl Matter for Ground {
             Mushy::Mean if frozen > 0.0 && frozen < 1.0 => 0.5,
             Mushy::Mean => frozen,
         };
-        Seen {
+        SeenState {
             level: self.thermal.law.potential(enthalpy) / (self.conductivity * self.degree),
             conductivity: self.thermal.curve.mixed_conductivity(1.0 - frozen) / self.conductivity,
         }
     }
 
     #[inline]
-    fn between(&self, [(a, warm), (b, cold)]: [(Seen, f64); 2]) -> f64 {
+    fn between(&self, [(a, warm), (b, cold)]: [(SeenState, f64); 2]) -> f64 {
         let (one, other) = (a.conductivity, b.conductivity);
         match self.exchange {
             Exchange::Potential => {
@@ -109,7 +109,7 @@ impl Matter for Ground {
         self.thermal.frozen_fraction(heat * self.per_heat) <= 0.0
     }
 
-    fn level(&self, seen: Seen, _temperature: f64) -> f64 {
+    fn level(&self, seen: SeenState, _temperature: f64) -> f64 {
         seen.level
     }
 
@@ -117,12 +117,12 @@ impl Matter for Ground {
         self.thermal.potential_at(temperature * self.degree + self.zero) / (self.conductivity * self.degree)
     }
 
-    fn at_level(&self, level: f64) -> (f64, Seen) {
+    fn at_level(&self, level: f64) -> (f64, SeenState) {
         let potential = level * self.conductivity * self.degree + self.thermal.initial_potential;
         let found = (self.thermal.curve.temperature_of_potential(potential) - self.zero) / self.degree;
         let temperature = found.clamp(self.range.0, self.range.1);
         let on_scale = temperature * self.degree + self.zero;
         let level = if temperature == found { level } else { self.level_at(temperature) };
-        (temperature, Seen { level, conductivity: self.thermal.curve.conductivity(on_scale) / self.conductivity })
+        (temperature, SeenState { level, conductivity: self.thermal.curve.conductivity(on_scale) / self.conductivity })
     }
 }

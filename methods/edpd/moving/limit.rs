@@ -3,7 +3,7 @@
 use frazil_core::physics::curve::Curve;
 use frazil_core::solvers::step::Bound;
 
-use super::map::Map;
+use super::map::DpdUnits;
 use crate::fluid::Parameters;
 
 /// Time step of the liquid before the scene begins.
@@ -23,7 +23,7 @@ const CONDUCTION: f64 = 0.05;
 
 /// A liquid that is only to come to rest: steps are bound by its motion alone, and heat, which has nowhere to go, is conducted
 /// no faster than they allow.
-pub fn settling(parameters: &Parameters, map: &Map, curve: &Curve, range: (f64, f64), liquid: f64) -> Parameters {
+pub fn settling(parameters: &Parameters, map: &DpdUnits, curve: &Curve, range: (f64, f64), liquid: f64) -> Parameters {
     let [_, (friction, _), (swing, _)] = limits(parameters, map, curve, range, liquid);
     let step = SETTLING_STEP.min(friction).min(swing);
     let allowed = CONDUCTION * parameters.thermal_cutoff.powi(2) / liquid;
@@ -32,14 +32,20 @@ pub fn settling(parameters: &Parameters, map: &Map, curve: &Curve, range: (f64, 
 }
 
 /// The longest step: by conduction, by friction of the coldest liquid, by the swing of particles between neighbours.
-pub fn bound(parameters: &Parameters, map: &Map, curve: &Curve, range: (f64, f64), liquid: f64) -> Bound {
+pub fn bound(parameters: &Parameters, map: &DpdUnits, curve: &Curve, range: (f64, f64), liquid: f64) -> Bound {
     let limits = limits(parameters, map, curve, range, liquid);
     let (step, cause) = limits.into_iter().fold((f64::INFINITY, String::new()), |a, b| if b.0 < a.0 { b } else { a });
     Bound { step: step * map.time, cause }
 }
 
 /// Limits of the step and their causes: by conduction, by friction of the coldest liquid, by the swing of particles.
-fn limits(parameters: &Parameters, map: &Map, curve: &Curve, range: (f64, f64), liquid: f64) -> [(f64, String); 3] {
+fn limits(
+    parameters: &Parameters,
+    map: &DpdUnits,
+    curve: &Curve,
+    range: (f64, f64),
+    liquid: f64,
+) -> [(f64, String); 3] {
     let fastest = liquid * curve.largest_diffusivity() / (curve.mixed_conductivity(1.0) / curve.unfrozen_capacity());
     let cutoff = parameters.thermal_cutoff;
     let conduction = CONDUCTION * cutoff * cutoff / fastest;

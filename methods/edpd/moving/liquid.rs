@@ -7,9 +7,9 @@ use frazil_core::solvers::step::Bound;
 use frazil_core::space::domain::Domain;
 use frazil_scene::{Numerics, Scene};
 
-use super::ground::Ground;
-use super::map::Map;
-use super::place::{Body, WALLS, wall};
+use super::ground::SceneMatter;
+use super::map::DpdUnits;
+use super::place::{LiquidBody, WALLS, wall};
 use super::{Motion, limit};
 use crate::fluid::Parameters;
 
@@ -18,9 +18,9 @@ pub struct Liquid {
     /// The scene's material.
     pub thermal: Thermal,
     /// Its units.
-    pub map: Map,
+    pub map: DpdUnits,
     /// The body.
-    pub body: Body,
+    pub body: LiquidBody,
     /// Constants of its particles.
     pub parameters: Parameters,
     /// Those with which it comes to rest before the scene begins.
@@ -54,7 +54,7 @@ impl Liquid {
         let thermal = Thermal::new(Curve::new(&scene.materials[0]), scene.initial_temperature);
         let curve = &thermal.curve;
         let diffusivity = curve.mixed_conductivity(1.0) / curve.unfrozen_capacity();
-        let map = Map::new(scene.units, numerics.spacing, motion, diffusivity);
+        let map = DpdUnits::new(scene.units, numerics.spacing, motion, diffusivity);
         let diffusivity = diffusivity * map.time / map.length.powi(2);
         let (low, high) = scene.temperature_range();
         let range = (map.temperature(low), map.temperature(high));
@@ -68,18 +68,19 @@ impl Liquid {
             let condition = |end: bool| scene.wall(WALLS[wall(axis, end)]).unwrap_or(&Condition::Symmetry);
             !(*condition(false) == Condition::Symmetry && *condition(true) == Condition::Symmetry)
         };
-        let body = Body { lengths: [width / map.length, strip], walled: [walled(0), height.is_some() && walled(1)] };
+        let body =
+            LiquidBody { lengths: [width / map.length, strip], walled: [walled(0), height.is_some() && walled(1)] };
         let missing = if height.is_some() { 1.0 } else { strip * map.length };
         let volume = map.length.powi(2) / motion.number_density / missing;
         Ok(Liquid { thermal, map, body, parameters, settling, bound, range, volume })
     }
 
     /// What heat means to it.
-    pub fn ground(&self, numerics: &Numerics) -> Ground {
+    pub fn ground(&self, numerics: &Numerics) -> SceneMatter {
         let per_heat = self.thermal.curve.unfrozen_capacity() * self.map.degree / self.parameters.heat_capacity;
         let scale = (self.map.zero, self.map.degree);
         let seen = (0.5 * self.range.0, 2.0 * self.range.1);
-        Ground::new(self.thermal.clone(), per_heat, scale, (numerics.exchange, numerics.mushy), seen)
+        SceneMatter::new(self.thermal.clone(), per_heat, scale, (numerics.exchange, numerics.mushy), seen)
     }
 }
 

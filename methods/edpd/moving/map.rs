@@ -12,7 +12,7 @@ const DIFFUSIVITY: f64 = 1.1;
 
 /// How lengths, times and temperatures of a scene become those of the particles.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Map {
+pub struct DpdUnits {
     /// Length (m) of one DPD unit.
     pub length: f64,
     /// Time (s) of one DPD unit.
@@ -23,7 +23,7 @@ pub struct Map {
     pub degree: f64,
 }
 
-impl Map {
+impl DpdUnits {
     /// The map of a scene whose particles stand `spacing` (m) apart and whose liquid has a thermal diffusivity (m2/s).
     pub fn new(units: Units, spacing: f64, motion: &Motion, diffusivity: f64) -> Self {
         let length = spacing * motion.number_density.sqrt();
@@ -34,7 +34,7 @@ impl Map {
                 (motion.diffusivity.unwrap_or(DIFFUSIVITY) * length * length / diffusivity, degree)
             }
         };
-        Map { length, time, zero: units.absolute_zero(), degree }
+        DpdUnits { length, time, zero: units.absolute_zero(), degree }
     }
 
     /// A temperature of the scene in DPD units.

@@ -10,16 +10,16 @@ use frazil_core::solvers::step::{Bound, Clock, StepError};
 use frazil_record::Work;
 use glam::DVec2;
 
-use super::ground::Ground;
-use super::map::Map;
+use super::ground::SceneMatter;
+use super::map::DpdUnits;
 use super::patches::WallPatches;
-use crate::fluid::{Drive, Face, Fluid};
+use crate::fluid::{Drive, Fluid, WallState};
 
 /// A scene whose liquid particles move.
-pub struct Moving<W: Drive<2>> {
-    fluid: Fluid<2, Ground>,
+pub struct MovingParticles<W: Drive<2>> {
+    fluid: Fluid<2, SceneMatter>,
     drive: W,
-    map: Map,
+    map: DpdUnits,
     /// Temperature of each patch over time; none where it is insulated.
     patches: Vec<Option<Series>>,
     ledger: Ledger,
@@ -35,12 +35,19 @@ pub struct Moving<W: Drive<2>> {
     steps: u64,
 }
 
-impl<W: Drive<2>> Moving<W> {
+impl<W: Drive<2>> MovingParticles<W> {
     /// A fluid in the units of `map` that a drive acts on, behind patches; `joule` is the enthalpy (J by metre of each missing
     /// dimension) of one unit of heat.
-    pub fn new(fluid: Fluid<2, Ground>, drive: W, map: Map, patches: &WallPatches, joule: f64, bound: Bound) -> Self {
+    pub fn new(
+        fluid: Fluid<2, SceneMatter>,
+        drive: W,
+        map: DpdUnits,
+        patches: &WallPatches,
+        joule: f64,
+        bound: Bound,
+    ) -> Self {
         let names = patches.names.iter().cloned().chain(["motion".to_owned()]).collect();
-        let mut method = Moving {
+        let mut method = MovingParticles {
             fluid,
             drive,
             map,
@@ -64,7 +71,7 @@ impl<W: Drive<2>> Moving<W> {
     }
 }
 
-impl<W: Drive<2> + Send> Method for Moving<W> {
+impl<W: Drive<2> + Send> Method for MovingParticles<W> {
     fn bound(&self) -> Bound {
         self.bound.clone()
     }
@@ -77,7 +84,7 @@ impl<W: Drive<2> + Send> Method for Moving<W> {
         let now = clock.time + clock.step;
         for (face, patch) in self.fluid.faces().iter_mut().zip(&self.patches) {
             if let Some(series) = patch {
-                *face = Face::Held((series.at(now) - self.map.zero) / self.map.degree);
+                *face = WallState::Held((series.at(now) - self.map.zero) / self.map.degree);
             }
         }
         self.fluid.advance_by(clock.step / self.map.time, &self.drive).map_err(|reason| StepError { reason })?;

@@ -4,8 +4,8 @@ use frazil_core::boundary::condition::Condition;
 use frazil_core::series::Series;
 use frazil_scene::Scene;
 
-use super::map::Map;
-use super::place::{Body, WALLS, wall};
+use super::map::DpdUnits;
+use super::place::{LiquidBody, WALLS, wall};
 use crate::fluid::Behind;
 
 /// Walls in their order, then their parts.
@@ -18,7 +18,7 @@ pub struct WallPatches {
 
 impl WallPatches {
     /// The patches of a scene; particles behind a part of a wall are made its own.
-    pub fn of(scene: &Scene, body: &Body, map: &Map, behind: &mut [Behind<2>]) -> Self {
+    pub fn of(scene: &Scene, body: &LiquidBody, map: &DpdUnits, behind: &mut [Behind<2>]) -> Self {
         let temperature = |condition: Option<&Condition>| match condition {
             Some(Condition::Temperature(series)) => Some(series.clone()),
             _ => None,

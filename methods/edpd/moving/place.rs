@@ -19,7 +19,7 @@ const TRIAL_STEPS: u64 = 20;
 
 /// A body between walls or periodic sides.
 #[derive(Debug, Clone, Copy)]
-pub struct Body {
+pub struct LiquidBody {
     /// Lengths.
     pub lengths: [f64; 2],
     /// Whether there are walls at both ends of each direction; periodic sides if not.
@@ -46,7 +46,7 @@ pub fn wall(axis: usize, at_end: bool) -> usize {
 
 /// Fills a body, at a temperature. WallPatches of particles behind walls are the numbers of the walls.
 pub fn fill(
-    body: &Body,
+    body: &LiquidBody,
     parameters: &Parameters,
     temperature: f64,
     seed: u64,

@@ -2,9 +2,9 @@
 //! the power of the dimension one over their number density, temperatures over 300 K.
 
 use frazil_core::boundary::wall_layers::WallModel;
-use frazil_core::physics::uptake::Uptake;
+use frazil_core::physics::latent_heat::LatentHeatScheme;
 use frazil_record::Value;
-use frazil_scene::{Layout, Numerics, Range, Section, Units};
+use frazil_scene::{Arrangement, Numerics, Range, Section, Units};
 
 use crate::fluid::Exponent;
 
@@ -119,8 +119,8 @@ const KEYS: [&str; 7] =
 /// Settings of particles at rest that motion excludes.
 fn exclude(section: &mut Section<'_>, numerics: &Numerics) {
     let excluded = [
-        ("layout", numerics.layout != Layout::Lattice, "particles that move find their places themselves"),
-        ("scheme", numerics.uptake != Uptake::Enthalpy, "particles that move carry enthalpy"),
+        ("layout", numerics.arrangement != Arrangement::Lattice, "particles that move find their places themselves"),
+        ("scheme", numerics.latent_heat_scheme != LatentHeatScheme::Enthalpy, "particles that move carry enthalpy"),
         (
             "wall_model",
             !matches!(numerics.walls, WallModel::Mirror | WallModel::MovingLeastSquares),

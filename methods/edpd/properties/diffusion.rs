@@ -2,7 +2,7 @@
 
 use frazil_core::statistics::order::line;
 
-use super::{Span, Watch, advance};
+use super::{GoOn, Span, advance};
 use crate::fluid::{Fluid, Undriven};
 
 /// Instants of a measurement but the first.
@@ -28,11 +28,7 @@ pub struct Diffusion {
 ///
 /// # Errors
 /// Those of the fluid's steps.
-pub fn measure<const D: usize>(
-    fluid: &mut Fluid<D>,
-    span: Span,
-    watch: Watch<'_>,
-) -> Result<Option<Diffusion>, String> {
+pub fn measure<const D: usize>(fluid: &mut Fluid<D>, span: Span, watch: GoOn<'_>) -> Result<Option<Diffusion>, String> {
     if !advance(fluid, span.settle, &Undriven, watch)? {
         return Ok(None);
     }

@@ -3,7 +3,7 @@
 use frazil_core::statistics::moments;
 
 use super::verlet::Verlet;
-use super::{Watch, advance};
+use super::{GoOn, advance};
 use crate::fluid::{Fluid, Totals, Undriven};
 
 /// Steps that energy and temperatures settle for: particles start near a lattice.
@@ -38,7 +38,7 @@ fn energy<const D: usize>(totals: &Totals<D>) -> f64 {
 pub fn measure<const D: usize>(
     fluid: &mut Fluid<D>,
     steps: u64,
-    watch: Watch<'_>,
+    watch: GoOn<'_>,
 ) -> Result<Option<Equilibrium>, String> {
     if !advance(fluid, SETTLE, &Undriven, watch)? {
         return Ok(None);
@@ -81,7 +81,7 @@ pub struct Gain {
 ///
 /// # Errors
 /// Those of the fluid's steps.
-pub fn gain(fluid: &mut Fluid<2>, lambda: f64, steps: u64, watch: Watch<'_>) -> Result<Option<Gain>, String> {
+pub fn gain(fluid: &mut Fluid<2>, lambda: f64, steps: u64, watch: GoOn<'_>) -> Result<Option<Gain>, String> {
     if !advance(fluid, SETTLE, &Undriven, watch)? {
         return Ok(None);
     }

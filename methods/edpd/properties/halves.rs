@@ -10,7 +10,7 @@
 //! `c = [r^4 w] / (16 [r^2 w])`, and the fit finds `2.5 c (4/L)^2` too little diffusivity: for `w = (1 - r/rc)^2` and rc =
 //! 1.96 that is 0.4 % at L = 30, 0.9 % at 20.
 
-use super::{Span, Watch, advance};
+use super::{GoOn, Span, advance};
 use crate::fluid::{Drive, Fluid, Particle};
 
 /// Bins across the box (as in the paper).
@@ -31,7 +31,7 @@ pub enum Push {
 
 /// A profile and what follows from it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Driven {
+pub struct HalvesDrive {
     /// Height in the box, and mean velocity along x or temperature above the one at the start.
     pub profile: Vec<(f64, f64)>,
     /// Height of the parabola that fits.
@@ -97,8 +97,8 @@ pub fn measure(
     push: Push,
     expected: f64,
     span: Span,
-    watch: Watch<'_>,
-) -> Result<Option<Driven>, String> {
+    watch: GoOn<'_>,
+) -> Result<Option<HalvesDrive>, String> {
     let height = fluid.lengths()[1];
     let capacity = fluid.parameters().heat_capacity;
     let start = tip(push, height, capacity, expected);
@@ -139,7 +139,7 @@ pub fn measure(
     }
     let found = both / square;
     // The tip is in inverse proportion to what is looked for.
-    Ok(Some(Driven { profile: points, tip: found, diffusivity: expected * start / found }))
+    Ok(Some(HalvesDrive { profile: points, tip: found, diffusivity: expected * start / found }))
 }
 
 /// Mean of the parabola over the bin around a place.

@@ -4,7 +4,7 @@ use super::halves::{Halves, Push, binned, decay, tip};
 use super::*;
 use crate::fluid::{Exponent, Parameters, Undriven};
 
-const ON: Watch<'static> = &|_| true;
+const ON: GoOn<'static> = &|_| true;
 
 /// Without conservative forces, and with so short a reach of friction against the density that partners change at random,
 /// kinetic theory holds better than in a liquid.

@@ -7,14 +7,14 @@
 
 use frazil_core::noise::StepNoise;
 
-use crate::fluid::{Fluid, Matter, Parameters, Particle, Plain};
+use crate::fluid::{ConstantCapacity, Fluid, Matter, Parameters, Particle};
 
 /// A fluid under the paper's integrator.
 #[derive(Debug, Clone)]
 pub struct Verlet {
     parameters: Parameters,
     /// What heat means.
-    matter: Plain,
+    matter: ConstantCapacity,
     lengths: [f64; 2],
     lambda: f64,
     seed: u64,

@@ -26,7 +26,7 @@ use crate::boundary::patch::{Boundary, Face};
 use crate::ledger::{Ledger, Sum};
 use crate::memory::HeapSize;
 use crate::particles::Particles;
-use crate::physics::uptake::Materials;
+use crate::physics::latent_heat::Materials;
 use crate::solvers::method::{Method, Water};
 use crate::solvers::operator::Operator;
 use crate::solvers::sharp::{just_before, sharp_step};

@@ -7,7 +7,7 @@ use glam::DVec2;
 use crate::boundary::interface::Chains;
 use crate::boundary::patch::Face;
 use crate::memory::HeapSize;
-use crate::physics::uptake::Materials;
+use crate::physics::latent_heat::Materials;
 
 /// Ghosts, numbered after the particles; each depends only on particles and earlier ghosts.
 #[derive(Debug, Clone, Default)]

@@ -21,7 +21,7 @@ use crate::bonds::pair_list::PairList;
 use crate::boundary::ghosts::{Ghosts, Levelled};
 use crate::boundary::patch::Boundary;
 use crate::boundary::shells::Touch;
-use crate::physics::uptake::Materials;
+use crate::physics::latent_heat::Materials;
 use crate::space::lattice::Lattice;
 use crate::space::symmetry::Symmetry;
 use crate::space::volumes::Volumes;

@@ -8,7 +8,7 @@ use crate::boundary::curved_wall::{Contacts, Neighbourhood, Rim};
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::Dug;
 use crate::breakage::crack::Cuts;
-use crate::physics::uptake::Materials;
+use crate::physics::latent_heat::Materials;
 
 /// When pairs across the face are cut, and the contacts of the ground around it.
 pub fn face(pairs: &PairList, positions: &[DVec2], ghosts: &Ghosts, materials: &Materials, dug: &Dug) -> (Cuts, Rim) {

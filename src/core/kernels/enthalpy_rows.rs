@@ -5,7 +5,7 @@ use crate::kernels::list_parts::steepest;
 use crate::kernels::rows::ListOperator;
 use crate::kernels::term::{Off, PairTerm};
 use crate::memory::HeapSize;
-use crate::physics::uptake::{LatentScheme, Materials};
+use crate::physics::latent_heat::{Materials, SchemeState};
 use crate::solvers::operator::{Operator, Stage, StageColumns};
 use crate::solvers::step::{Bound, Clock};
 
@@ -14,7 +14,7 @@ pub struct EnthalpyList {
     /// The operator.
     pub operator: ListOperator<Off>,
     /// The scheme that reads enthalpies.
-    pub scheme: Box<dyn LatentScheme>,
+    pub scheme: Box<dyn SchemeState>,
     /// Rates of one evaluation.
     pub rate: Vec<f64>,
     /// The last linearisation.

@@ -14,7 +14,7 @@ use crate::boundary::patch::{Boundary, Face};
 use crate::boundary::pipe::Sink;
 use crate::boundary::shells::Touch;
 use crate::breakage::crack::Cuts;
-use crate::physics::uptake::Materials;
+use crate::physics::latent_heat::Materials;
 use crate::solvers::step::Bound;
 use crate::space::domain::Surface;
 use crate::space::volumes::Volumes;

@@ -13,7 +13,7 @@ use crate::kernels::list_parts::{ListParts, bound};
 use crate::kernels::term::{PairTerm, PairView};
 use crate::ledger::Sum;
 use crate::memory::{HeapSize, shared, total};
-use crate::physics::uptake::{Fields, LatentScheme};
+use crate::physics::latent_heat::{Fields, SchemeState};
 use crate::solvers::step::{Bound, Clock};
 use crate::space::domain::Surface;
 
@@ -73,7 +73,7 @@ impl<T: PairTerm> ListOperator<T> {
     /// Rates from the state of a scheme. `clock` feeds the term.
     pub fn rate_of(
         &mut self,
-        scheme: &dyn LatentScheme,
+        scheme: &dyn SchemeState,
         enthalpy: &[f64],
         clock: &Clock,
         rate: &mut [f64],
@@ -273,7 +273,7 @@ impl<T: PairTerm> ListOperator<T> {
     /// Heat (W) through each surface, towards greater coordinates; `rate` and `patches` are used up.
     pub fn across(
         &mut self,
-        scheme: &dyn LatentScheme,
+        scheme: &dyn SchemeState,
         enthalpy: &[f64],
         time: f64,
         rate: &mut [f64],
@@ -347,7 +347,7 @@ impl<T: PairTerm> ListOperator<T> {
     /// Linearises around a state: `slopes` takes dU/dH (m2/s) of every particle, `tangent` the exchange of small changes.
     pub fn linearise(
         &mut self,
-        scheme: &dyn LatentScheme,
+        scheme: &dyn SchemeState,
         enthalpy: &[f64],
         time: f64,
         slopes: &mut [f64],

@@ -1,7 +1,7 @@
 //! A term beside conduction.
 
 use crate::memory::HeapSize;
-use crate::physics::uptake::Fields;
+use crate::physics::latent_heat::Fields;
 use crate::solvers::step::Clock;
 
 /// A term beside conduction: eDPD's random heat flux. Off by type where it is [`Off`].

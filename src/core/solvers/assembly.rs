@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::kernels::list_parts::ListParts;
 use crate::kernels::rows::ListOperator;
 use crate::kernels::term::PairTerm;
-use crate::physics::uptake::{Mushy, Uptake, scheme};
+use crate::physics::latent_heat::{LatentHeatScheme, Mushy, scheme};
 use crate::solvers::euler::SchemeEuler;
 use crate::solvers::method::Method;
 
@@ -16,7 +16,7 @@ pub struct Assembly {
     /// Enthalpies at the start (see [`crate::particles::Particles::start`]).
     pub start: Arc<[f64]>,
     /// Latent heat.
-    pub uptake: Uptake,
+    pub latent_heat_scheme: LatentHeatScheme,
     /// Conductivity inside the freezing interval.
     pub mushy: Mushy,
     /// Absolute zero on the scale of the temperatures.
@@ -29,7 +29,7 @@ impl Assembly {
     /// The shared explicit step with a term beside conduction.
     pub fn into_method<T: PairTerm>(self, term: T) -> Box<dyn Method> {
         let count = self.parts.positions.len();
-        let scheme = scheme(self.uptake, self.mushy, &self.parts.materials, &self.start, count);
+        let scheme = scheme(self.latent_heat_scheme, self.mushy, &self.parts.materials, &self.start, count);
         Box::new(SchemeEuler::new(ListOperator::new(self.parts, term), scheme, count))
     }
 }

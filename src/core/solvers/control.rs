@@ -1,6 +1,6 @@
 //! How long the next step should be, and whether the last one was good enough.
 
-use crate::physics::uptake::Materials;
+use crate::physics::latent_heat::Materials;
 
 /// Longest growth and strongest shrinking from one step to the next.
 const MOST_GROWTH: f64 = 2.0;

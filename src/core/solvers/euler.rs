@@ -8,7 +8,7 @@ use crate::kernels::term::PairTerm;
 use crate::ledger::Ledger;
 use crate::memory::HeapSize;
 use crate::particles::Particles;
-use crate::physics::uptake::LatentScheme;
+use crate::physics::latent_heat::SchemeState;
 use crate::solvers::method::Method;
 use crate::solvers::operator::Operator;
 use crate::solvers::sharp::{sharp_step, stable_step};
@@ -73,7 +73,7 @@ impl Method for Euler {
 /// Explicit Euler over a list, with any latent-heat scheme and any term beside conduction.
 pub struct SchemeEuler<T> {
     operator: ListOperator<T>,
-    scheme: Box<dyn LatentScheme>,
+    scheme: Box<dyn SchemeState>,
     ledger: Ledger,
     rate: Vec<f64>,
     patches: Vec<f64>,
@@ -82,7 +82,7 @@ pub struct SchemeEuler<T> {
 
 impl<T: PairTerm> SchemeEuler<T> {
     /// Euler steps of a list operator under a scheme, for `count` particles.
-    pub fn new(operator: ListOperator<T>, scheme: Box<dyn LatentScheme>, count: usize) -> Self {
+    pub fn new(operator: ListOperator<T>, scheme: Box<dyn SchemeState>, count: usize) -> Self {
         let ledger = Ledger::new(operator.patch_names());
         let patches = vec![0.0; ledger.names().len()];
         SchemeEuler { operator, scheme, ledger, rate: vec![0.0; count], patches, steps: 0 }

@@ -4,7 +4,7 @@ use crate::physics::thermal::Thermal;
 use crate::solvers::method::Method;
 
 /// Particles that move, at their start, and the method that moves them. [`Method::publish`] fills their columns.
-pub struct Crowd {
+pub struct ParticleSet {
     /// Their material.
     pub thermal: Thermal,
     /// Enthalpy of each (J/m3), relative to the initial state.

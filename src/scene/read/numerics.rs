@@ -7,14 +7,14 @@ use super::section::Section;
 use super::shells;
 use crate::method::{MethodKind, MethodSettings};
 use crate::scene::Wall;
-use crate::settings::{Front, IntegratorChoice, Layout, Numerics, SearchChoice, Setting, StepChoice};
+use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice};
 use frazil_core::balances::groundwater::numerics::{Advection, Conduction, FlowNumerics};
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::boundary::condition::Condition;
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::breakage::crack::Crack;
+use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
 use frazil_core::physics::material::{FreezingLaw, Material};
-use frazil_core::physics::uptake::{Mushy, Uptake};
 use frazil_core::space::domain::Domain;
 
 /// Particles that one run may have.
@@ -72,9 +72,9 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     let spacing = section.positive(SPACING);
     // Where the spacing is wrong, the method still reads its own keys.
     numerics.spacing = spacing.unwrap_or(1.0);
-    numerics.layout = layout(section, numerics.layout);
+    numerics.arrangement = layout(section, numerics.arrangement);
     numerics.exchange = exchange(section, numerics.exchange);
-    numerics.uptake = uptake(section, numerics.uptake, setup.materials);
+    numerics.latent_heat_scheme = latent_heat_scheme(section, numerics.latent_heat_scheme, setup.materials);
     let flags = [Mushy::Fraction, Mushy::LastPhase];
     if let Some(mushy) = section.optional_flag_or_word("mushy", flags, ("mean", Mushy::Mean)) {
         if numerics.exchange == Exchange::Potential {
@@ -124,27 +124,27 @@ enum LayoutWord {
     Random,
 }
 
-fn layout(section: &mut Section<'_>, preset: Layout) -> Layout {
+fn layout(section: &mut Section<'_>, preset: Arrangement) -> Arrangement {
     let words = [("lattice", LayoutWord::Lattice), ("jittered", LayoutWord::Jittered), ("random", LayoutWord::Random)];
     let preset_word = match preset {
-        Layout::Lattice => LayoutWord::Lattice,
-        Layout::Jittered { .. } => LayoutWord::Jittered,
-        Layout::Random => LayoutWord::Random,
+        Arrangement::Lattice => LayoutWord::Lattice,
+        Arrangement::Jittered { .. } => LayoutWord::Jittered,
+        Arrangement::Random => LayoutWord::Random,
     };
     let word = section.choice_or("layout", &words, preset_word);
     if word != LayoutWord::Jittered {
         section.refuse("jitter_fraction", "only the layout \"jittered\" reads it");
     }
     match word {
-        LayoutWord::Lattice => Layout::Lattice,
-        LayoutWord::Random => Layout::Random,
+        LayoutWord::Lattice => Arrangement::Lattice,
+        LayoutWord::Random => Arrangement::Random,
         LayoutWord::Jittered => {
             let range = Range::above_to(0.0, 0.5);
             let fraction = match preset {
-                Layout::Jittered { fraction } => Ok(section.number_or("jitter_fraction", fraction, range)),
+                Arrangement::Jittered { fraction } => Ok(section.number_or("jitter_fraction", fraction, range)),
                 _ => section.number("jitter_fraction", range),
             };
-            fraction.map_or(Layout::Lattice, |fraction| Layout::Jittered { fraction })
+            fraction.map_or(Arrangement::Lattice, |fraction| Arrangement::Jittered { fraction })
         }
     }
 }
@@ -165,13 +165,13 @@ enum Scheme {
     ApparentCapacity,
 }
 
-fn uptake(section: &mut Section<'_>, preset: Uptake, materials: &[Material]) -> Uptake {
+fn latent_heat_scheme(section: &mut Section<'_>, preset: LatentHeatScheme, materials: &[Material]) -> LatentHeatScheme {
     let words =
         [("enthalpy", Scheme::Enthalpy), ("flags", Scheme::Flags), ("apparent-capacity", Scheme::ApparentCapacity)];
     let preset_word = match preset {
-        Uptake::Enthalpy => Scheme::Enthalpy,
-        Uptake::Flags => Scheme::Flags,
-        Uptake::ApparentCapacity { .. } => Scheme::ApparentCapacity,
+        LatentHeatScheme::Enthalpy => Scheme::Enthalpy,
+        LatentHeatScheme::Flags => Scheme::Flags,
+        LatentHeatScheme::ApparentCapacity { .. } => Scheme::ApparentCapacity,
     };
     let scheme = section.choice_or("scheme", &words, preset_word);
     let sharp = materials.iter().any(|material| material.law == FreezingLaw::Isothermal);
@@ -181,16 +181,18 @@ fn uptake(section: &mut Section<'_>, preset: Uptake, materials: &[Material]) -> 
         section.refuse(INTERVAL, "no material freezes at one temperature");
     }
     match (scheme, preset) {
-        (Scheme::Enthalpy, _) => Uptake::Enthalpy,
-        (Scheme::Flags, _) => Uptake::Flags,
-        (Scheme::ApparentCapacity, Uptake::ApparentCapacity { interval }) if sharp => {
-            Uptake::ApparentCapacity { interval: section.number_or(INTERVAL, interval, Range::POSITIVE) }
+        (Scheme::Enthalpy, _) => LatentHeatScheme::Enthalpy,
+        (Scheme::Flags, _) => LatentHeatScheme::Flags,
+        (Scheme::ApparentCapacity, LatentHeatScheme::ApparentCapacity { interval }) if sharp => {
+            LatentHeatScheme::ApparentCapacity { interval: section.number_or(INTERVAL, interval, Range::POSITIVE) }
         }
         (Scheme::ApparentCapacity, _) if sharp => {
-            Uptake::ApparentCapacity { interval: section.positive(INTERVAL).unwrap_or(1.0) }
+            LatentHeatScheme::ApparentCapacity { interval: section.positive(INTERVAL).unwrap_or(1.0) }
         }
-        (Scheme::ApparentCapacity, Uptake::ApparentCapacity { interval }) => Uptake::ApparentCapacity { interval },
-        (Scheme::ApparentCapacity, _) => Uptake::ApparentCapacity { interval: 0.0 },
+        (Scheme::ApparentCapacity, LatentHeatScheme::ApparentCapacity { interval }) => {
+            LatentHeatScheme::ApparentCapacity { interval }
+        }
+        (Scheme::ApparentCapacity, _) => LatentHeatScheme::ApparentCapacity { interval: 0.0 },
     }
 }
 
@@ -260,7 +262,7 @@ fn conduction(section: &mut Section<'_>, numerics: &Numerics, domain: Option<&Do
     // The correction is limited together with the heat that water carries; it knows neither pipes nor curved walls.
     let reason = if flow.advection != Advection::Limited {
         Some("advection = \"limited\"")
-    } else if numerics.layout != Layout::Lattice {
+    } else if numerics.arrangement != Arrangement::Lattice {
         Some("layout = \"lattice\"")
     } else {
         matches!(domain, Some(Domain::Ring { .. })).then_some("a line or a rectangle")
@@ -289,12 +291,12 @@ fn step(section: &mut Section<'_>, preset: StepChoice, by_error: bool) -> StepCh
 
 /// Settings that exclude each other.
 fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind) {
-    let scheme = match numerics.uptake {
-        Uptake::Enthalpy => "enthalpy",
-        Uptake::Flags => "flags",
-        Uptake::ApparentCapacity { .. } => "apparent-capacity",
+    let scheme = match numerics.latent_heat_scheme {
+        LatentHeatScheme::Enthalpy => "enthalpy",
+        LatentHeatScheme::Flags => "flags",
+        LatentHeatScheme::ApparentCapacity { .. } => "apparent-capacity",
     };
-    if kind.lattice_only && numerics.layout != Layout::Lattice {
+    if kind.lattice_only && numerics.arrangement != Arrangement::Lattice {
         section.problem("layout", format!("must be \"lattice\": the method \"{}\" exists only there", kind.name));
     }
     // A method that makes its own step, or a scheme that keeps columns of its own, knows explicit Euler alone.
@@ -304,7 +306,7 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
         IntegratorChoice::Implicit { .. } => Some("implicit"),
     };
     if let Some(word) = integrator {
-        if numerics.uptake != Uptake::Enthalpy {
+        if numerics.latent_heat_scheme != LatentHeatScheme::Enthalpy {
             let message = format!("found \"{word}\", which needs scheme = \"enthalpy\" and not \"{scheme}\"");
             section.problem("integrator", message);
         }
@@ -328,7 +330,7 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
         if let Some(word) = integrator {
             section.problem("integrator", format!("found \"{word}\", must be \"heun\" in a scene with \"flow\""));
         }
-        if numerics.uptake != Uptake::Enthalpy {
+        if numerics.latent_heat_scheme != LatentHeatScheme::Enthalpy {
             let message = format!("found \"{scheme}\", must be \"enthalpy\" in a scene with \"flow\"");
             section.problem("scheme", message);
         }
@@ -351,7 +353,7 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
             section.problem("search", "found \"lattice\", but water needs a neighbour list");
         }
     }
-    if numerics.uptake == Uptake::Flags
+    if numerics.latent_heat_scheme == LatentHeatScheme::Flags
         && let Some(material) = setup
             .materials
             .iter()
@@ -362,11 +364,11 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
         section.problem("scheme", message);
     }
     if numerics.search == SearchChoice::Lattice {
-        let reason = if numerics.layout != Layout::Lattice {
+        let reason = if numerics.arrangement != Arrangement::Lattice {
             Some("layout = \"lattice\"".to_owned())
         } else if numerics.exchange != Exchange::Potential {
             Some("exchange = \"potential\" and no mean".to_owned())
-        } else if numerics.uptake != Uptake::Enthalpy {
+        } else if numerics.latent_heat_scheme != LatentHeatScheme::Enthalpy {
             Some(format!("scheme = \"enthalpy\" and not \"{scheme}\""))
         } else if setup.materials.len() > 1 {
             Some("a single material".to_owned())
@@ -385,11 +387,11 @@ fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_
         let sharp = |material: &Material| material.law == FreezingLaw::Isothermal;
         let reason = if kind.stochastic {
             Some("a method without noise".to_owned())
-        } else if numerics.layout != Layout::Lattice {
+        } else if numerics.arrangement != Arrangement::Lattice {
             Some("layout = \"lattice\"".to_owned())
         } else if numerics.exchange != Exchange::Potential {
             Some("exchange = \"potential\" and no mean".to_owned())
-        } else if numerics.uptake != Uptake::Enthalpy {
+        } else if numerics.latent_heat_scheme != LatentHeatScheme::Enthalpy {
             Some(format!("scheme = \"enthalpy\" and not \"{scheme}\""))
         } else if integrator == Some("implicit") {
             Some("an explicit integrator".to_owned())

@@ -7,7 +7,7 @@ use super::range::{Range, plain};
 use super::section::{Key, Section};
 use crate::method::MethodKind;
 use crate::scene::WallPart;
-use crate::settings::{Layout, Numerics, SearchChoice};
+use crate::settings::{Arrangement, Numerics, SearchChoice};
 use frazil_core::boundary::condition::Condition;
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::space::domain::{Domain, Surface};
@@ -96,7 +96,7 @@ pub(super) fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup
         let message = format!("the method \"{}\" has particles of one volume and no shells", kind.name);
         section.section_problem(message);
     }
-    if numerics.layout != Layout::Lattice {
+    if numerics.arrangement != Arrangement::Lattice {
         section.problem("layout", "must be \"lattice\": shells stand evenly along the radius");
     }
     if numerics.search == SearchChoice::Lattice {

@@ -143,7 +143,7 @@ fn settings_of_a_record_can_be_typed_back() {
 fn set_overrides_a_value_and_changes_the_hash() {
     let scene = read(GOOD, &[("method.plain.horizon_ratio", "4"), ("method.plain.layout", "random")]).expect("good");
     assert_eq!(scene.methods[0].discretisation.knobs[0].1, Value::Number(4.0));
-    assert_eq!(scene.methods[0].numerics.layout, Layout::Random);
+    assert_eq!(scene.methods[0].numerics.arrangement, Arrangement::Random);
     assert_ne!(scene.hash, read(GOOD, &[]).expect("good").hash);
 }
 

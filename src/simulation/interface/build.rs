@@ -7,7 +7,7 @@ use frazil_core::boundary::interface::{Chains, Piece};
 use frazil_core::boundary::patch::Boundary;
 use frazil_core::boundary::shells::Touch;
 use frazil_core::boundary::wall_layers::WallModel;
-use frazil_core::physics::uptake::Materials;
+use frazil_core::physics::latent_heat::Materials;
 use frazil_core::space::lattice::Lattice;
 use frazil_scene::{Numerics, Scene};
 use glam::DVec2;

@@ -69,7 +69,7 @@ impl Simulation<'_> {
             Some((outcome, cause)) => (outcome, Some(cause)),
             None => {
                 let noise = noise(scene, settings, &self.particles);
-                judge(settings.numerics.uptake, balance, violation, setback, noise)
+                judge(settings.numerics.latent_heat_scheme, balance, violation, setback, noise)
             }
         };
         let work = self.method.work();

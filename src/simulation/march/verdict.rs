@@ -1,7 +1,7 @@
 //! How a run ended.
 
 use frazil_core::particles::Particles;
-use frazil_core::physics::uptake::Uptake;
+use frazil_core::physics::latent_heat::LatentHeatScheme;
 use frazil_record::Outcome;
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
@@ -38,7 +38,7 @@ pub const SETBACK_TOLERANCE: f64 = 0.01;
 /// How a run that came to its end is to be called. Balances that rounding explains lie below 1e-10; a lost latent
 /// heat shows as more than a thousandth.
 pub(super) fn judge(
-    uptake: Uptake,
+    latent_heat_scheme: LatentHeatScheme,
     balance: f64,
     violation: Option<f64>,
     setback: Option<f64>,
@@ -46,11 +46,11 @@ pub(super) fn judge(
 ) -> (Outcome, Option<String>) {
     if balance.abs() > BALANCE_TOLERANCE {
         let cause = format!("the heat balance misses {:.3e} of the heat exchanged", balance);
-        return match uptake {
-            Uptake::ApparentCapacity { .. } => {
+        return match latent_heat_scheme {
+            LatentHeatScheme::ApparentCapacity { .. } => {
                 (Outcome::PhaseSkipped, Some(format!("{cause}: particles stepped over the freezing interval")))
             }
-            Uptake::Enthalpy | Uptake::Flags => (Outcome::EnergyDrift, Some(cause)),
+            LatentHeatScheme::Enthalpy | LatentHeatScheme::Flags => (Outcome::EnergyDrift, Some(cause)),
         };
     }
     if let Some(violation) = violation.filter(|violation| *violation > RANGE_TOLERANCE + noise) {

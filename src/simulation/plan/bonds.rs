@@ -21,7 +21,7 @@ use frazil_core::neighbours::all_pairs::AllPairs;
 use frazil_core::neighbours::cells::Cells;
 use frazil_core::neighbours::tree::Tree;
 use frazil_core::neighbours::{NeighbourSearch, Period};
-use frazil_core::physics::uptake::Materials;
+use frazil_core::physics::latent_heat::Materials;
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::symmetry::Symmetry;
 use frazil_scene::Scene;

@@ -7,7 +7,7 @@ use frazil_core::kernels::enthalpy_rows::{EnthalpyList, Tangent};
 use frazil_core::kernels::list_parts::ListParts;
 use frazil_core::kernels::rows::ListOperator;
 use frazil_core::kernels::term::Off;
-use frazil_core::physics::uptake::{Mushy, Uptake, scheme};
+use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy, scheme};
 use frazil_core::solvers::assembly::Assembly;
 use frazil_core::solvers::method::Method;
 use frazil_scene::Scene;
@@ -43,7 +43,7 @@ impl Listed<'_> {
         let on_lattice = self.conducts_on_lattice && self.own_step.is_none() && scene.flow.is_some();
         let lattice = on_lattice.then(|| prepared.clone_lattice_parts(self.settings, pool.clone()));
         let (parts, ways_out) = list(scene, self.settings, prepared, pool)?;
-        let uptake = (numerics.uptake, numerics.mushy);
+        let latent_heat_scheme = (numerics.latent_heat_scheme, numerics.mushy);
         match (self.own_step, scene.flow.as_ref().zip(numerics.flow)) {
             (None, Some((flow, own))) => {
                 let fraction = match numerics.step {
@@ -64,10 +64,16 @@ impl Listed<'_> {
                 Ok(Box::new(FlowMethod::new(parts, &prepared.enthalpies()).map_err(refuse)?))
             }
             (Some(step), _) => Ok(step(self.assembly(prepared, parts))),
-            (None, None) if uptake == (Uptake::Enthalpy, Mushy::Fraction) => {
+            (None, None) if latent_heat_scheme == (LatentHeatScheme::Enthalpy, Mushy::Fraction) => {
                 let operator = EnthalpyList {
                     operator: ListOperator::new(parts, Off),
-                    scheme: scheme(Uptake::Enthalpy, Mushy::Fraction, &prepared.materials, &prepared.start, count),
+                    scheme: scheme(
+                        LatentHeatScheme::Enthalpy,
+                        Mushy::Fraction,
+                        &prepared.materials,
+                        &prepared.start,
+                        count,
+                    ),
                     rate: vec![0.0; count],
                     tangent: Tangent::default(),
                 };
@@ -81,7 +87,7 @@ impl Listed<'_> {
         Assembly {
             parts,
             start: prepared.start.clone(),
-            uptake: self.settings.numerics.uptake,
+            latent_heat_scheme: self.settings.numerics.latent_heat_scheme,
             mushy: self.settings.numerics.mushy,
             absolute_zero: self.scene.units.absolute_zero(),
             seed: self.seed,

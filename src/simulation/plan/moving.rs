@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use frazil_core::memory::{HeapSize, Memory};
 use frazil_core::particles::{Particles, Places};
-use frazil_core::physics::uptake::Materials;
-use frazil_core::solvers::moving::Crowd;
+use frazil_core::physics::latent_heat::Materials;
+use frazil_core::solvers::moving::ParticleSet;
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;
@@ -18,9 +18,9 @@ use crate::predict::{StepCount, planned_steps};
 use crate::refused::Refused;
 
 /// The plan of a scene whose particles move.
-pub(super) fn plan(scene: &Scene, settings: &MethodSettings, crowd: Crowd) -> Result<Plan, Refused> {
+pub(super) fn plan(scene: &Scene, settings: &MethodSettings, set: ParticleSet) -> Result<Plan, Refused> {
     let numerics = &settings.numerics;
-    let Crowd { thermal, enthalpy, volume, differences, mut method } = crowd;
+    let ParticleSet { thermal, enthalpy, volume, differences, mut method } = set;
     let bound = method.bound();
     let step = choose_step(numerics, &bound, scene)?;
     let count = enthalpy.len();

@@ -6,7 +6,7 @@ use frazil_core::boundary::patch::{Boundary, Side};
 use frazil_core::boundary::pipe::{Sink, green_reach, immerse, radius_of_one_particle};
 use frazil_core::space::lattice::Lattice;
 use frazil_scene::Scene;
-use frazil_scene::settings::{Layout, Numerics};
+use frazil_scene::settings::{Arrangement, Numerics};
 
 use crate::refused::{Refused, refuse};
 
@@ -34,7 +34,7 @@ pub(super) fn pipes(
     if scene.rings.is_empty() {
         return Ok(Pipes::default());
     }
-    if numerics.layout != Layout::Lattice {
+    if numerics.arrangement != Arrangement::Lattice {
         return Err(refuse("freeze pipes need particles on a lattice: set layout = \"lattice\"".into()));
     }
     let mirrors = (boundary.sides[0] == Side::Mirror, boundary.sides[2] == Side::Mirror);

@@ -9,17 +9,17 @@ use frazil_core::boundary::pipe::Sink;
 use frazil_core::kernels::lattice_parts::LatticeParts;
 use frazil_core::particles::{Particles, Places};
 use frazil_core::physics::curve::Curve;
+use frazil_core::physics::latent_heat::{LatentHeatScheme, Materials};
 use frazil_core::physics::material::Material;
 use frazil_core::physics::sub_cell::SubCellFront;
 use frazil_core::physics::thermal::Thermal;
-use frazil_core::physics::uptake::{Materials, Uptake};
 use frazil_core::solvers::control::EnthalpyRange;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
-use frazil_scene::settings::{Front, Layout, Numerics};
+use frazil_scene::settings::{Arrangement, Front, Numerics};
 use glam::DVec2;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Uniform};
@@ -132,10 +132,10 @@ impl Prepared {
 
     /// Particles and how they stand, in words.
     pub(super) fn words(&self, numerics: &Numerics) -> String {
-        let stand = match numerics.layout {
-            Layout::Lattice => "on a lattice".to_string(),
-            Layout::Jittered { fraction } => format!("on a lattice jittered by {fraction} of the spacing"),
-            Layout::Random => "at random".to_string(),
+        let stand = match numerics.arrangement {
+            Arrangement::Lattice => "on a lattice".to_string(),
+            Arrangement::Jittered { fraction } => format!("on a lattice jittered by {fraction} of the spacing"),
+            Arrangement::Random => "at random".to_string(),
         };
         format!("{} particles, {} m apart, {stand}", self.lattice.len(), self.lattice.spacing)
     }
@@ -225,9 +225,9 @@ impl Prepared {
 fn materials(scene: &Scene, numerics: &Numerics, lattice: &Lattice, cloud: Option<&[DVec2]>) -> Materials {
     let thermal = |material: &Material| {
         let curve = Curve::new(material);
-        let curve = match numerics.uptake {
-            Uptake::ApparentCapacity { interval } => curve.spread(interval),
-            Uptake::Enthalpy | Uptake::Flags => curve,
+        let curve = match numerics.latent_heat_scheme {
+            LatentHeatScheme::ApparentCapacity { interval } => curve.spread(interval),
+            LatentHeatScheme::Enthalpy | LatentHeatScheme::Flags => curve,
         };
         Thermal::new(curve, scene.initial_temperature)
     };
@@ -268,9 +268,9 @@ fn place(scene: &Scene, numerics: &Numerics, lattice: &Lattice, seed: u64) -> Re
         // Shells stand on their lattice.
         Domain::Radial { .. } | Domain::Axial { .. } => true,
     };
-    Ok(match numerics.layout {
-        Layout::Lattice => None,
-        Layout::Jittered { fraction } => Some(
+    Ok(match numerics.arrangement {
+        Arrangement::Lattice => None,
+        Arrangement::Jittered { fraction } => Some(
             lattice
                 .positions()
                 .into_iter()
@@ -280,7 +280,7 @@ fn place(scene: &Scene, numerics: &Numerics, lattice: &Lattice, seed: u64) -> Re
                 })
                 .collect(),
         ),
-        Layout::Random => {
+        Arrangement::Random => {
             let extent = DVec2::new(lattice.columns as f64, lattice.rows as f64) * lattice.spacing * plane;
             let centre = lattice.corner * plane + 0.5 * extent;
             let mut places: Vec<DVec2> = Vec::with_capacity(lattice.len());

@@ -7,12 +7,12 @@ use frazil_core::boundary::pipe::{Extent, Sink};
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::kernels::sweep::WIDEST;
 use frazil_core::memory;
-use frazil_core::physics::uptake::{Mushy, Uptake};
+use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::segment::meet;
 use frazil_scene::Scene;
 use frazil_scene::method::{Discretisation, MethodSettings, Stepper};
-use frazil_scene::settings::{Layout, Numerics, SearchChoice};
+use frazil_scene::settings::{Arrangement, Numerics, SearchChoice};
 use glam::DVec2;
 
 use crate::closing::dug_too_early;
@@ -22,7 +22,7 @@ use crate::refused::{Refused, refuse};
 /// Whether particles store the heat of all materials in their cells. The papers' exchange and columns know one material a
 /// particle, and so does water in its pores.
 pub(super) fn blends(scene: &Scene, numerics: &Numerics) -> bool {
-    let columns = numerics.uptake == Uptake::Enthalpy && numerics.mushy == Mushy::Fraction;
+    let columns = numerics.latent_heat_scheme == LatentHeatScheme::Enthalpy && numerics.mushy == Mushy::Fraction;
     numerics.exchange == Exchange::Potential && columns && scene.flow.is_none()
 }
 
@@ -67,10 +67,10 @@ pub(super) fn why_list(
     flows: bool,
 ) -> Option<&'static str> {
     let reasons = [
-        (numerics.layout != Layout::Lattice, "particles stand unevenly"),
+        (numerics.arrangement != Arrangement::Lattice, "particles stand unevenly"),
         (numerics.exchange != Exchange::Potential, "pairs exchange by a mean of conductivities"),
         (
-            numerics.uptake != Uptake::Enthalpy || numerics.mushy != Mushy::Fraction,
+            numerics.latent_heat_scheme != LatentHeatScheme::Enthalpy || numerics.mushy != Mushy::Fraction,
             "the latent-heat scheme keeps its own columns",
         ),
         (scene.has_regional_materials(), "there are several materials"),

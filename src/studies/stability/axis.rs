@@ -4,7 +4,7 @@ use frazil_core::physics::material::{FreezingLaw, Material};
 use frazil_record::Value;
 use frazil_scene::method::MethodSettings;
 use frazil_scene::method::{MethodKind, Stepper};
-use frazil_scene::{Layout, Scene, Units};
+use frazil_scene::{Arrangement, Scene, Units};
 
 use crate::parts::Override;
 
@@ -233,11 +233,11 @@ fn reach(settings: &MethodSettings) -> Option<(&'static str, f64)> {
 }
 
 fn disordered(settings: &MethodSettings, shift: f64) -> Option<Column> {
-    let own = match settings.numerics.layout {
-        Layout::Lattice => 0.0,
-        Layout::Jittered { fraction } => fraction,
+    let own = match settings.numerics.arrangement {
+        Arrangement::Lattice => 0.0,
+        Arrangement::Jittered { fraction } => fraction,
         // Random places have no shift to scale.
-        Layout::Random => return None,
+        Arrangement::Random => return None,
     };
     let set = |name: &str, value: String| (format!("method.{}.{name}", settings.method), value);
     let overrides = match shift {
@@ -295,8 +295,8 @@ mod tests {
                             Axis::Conductivity => Some(frozen.conductivity / unfrozen.conductivity),
                             Axis::Capacity => Some(frozen.heat_capacity / unfrozen.heat_capacity),
                             Axis::Reach => reach(settings).map(|reach| reach.1),
-                            Axis::Disorder => match settings.numerics.layout {
-                                Layout::Jittered { fraction } => Some(fraction),
+                            Axis::Disorder => match settings.numerics.arrangement {
+                                Arrangement::Jittered { fraction } => Some(fraction),
                                 _ => Some(0.0),
                             },
                             Axis::Noise => Some(settings.discretisation.fluctuation),

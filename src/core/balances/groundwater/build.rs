@@ -15,9 +15,9 @@ use crate::kernels::list_parts::ListParts;
 use crate::kernels::rows::ListOperator;
 use crate::kernels::term::Off;
 use crate::ledger::{Ledger, Sum};
+use crate::physics::latent_heat::{LatentHeatScheme, Materials, Mushy, scheme};
 use crate::physics::material::{FreezingLaw, Material};
 use crate::physics::thermal::Thermal;
-use crate::physics::uptake::{Materials, Mushy, Uptake, scheme};
 use crate::solvers::operator::Operator;
 use crate::solvers::step::Bound;
 use crate::space::domain::Domain;
@@ -68,7 +68,7 @@ impl FlowMethod {
         let operator = lattice.unwrap_or_else(|| {
             Box::new(EnthalpyList {
                 operator: ListOperator::new(parts, Off),
-                scheme: scheme(Uptake::Enthalpy, Mushy::Fraction, &materials, enthalpy, count),
+                scheme: scheme(LatentHeatScheme::Enthalpy, Mushy::Fraction, &materials, enthalpy, count),
                 rate: Vec::new(),
                 tangent: Tangent::default(),
             })

@@ -7,7 +7,7 @@ use crate::physics::thermal::Thermal;
 
 /// How latent heat is taken up.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Uptake {
+pub enum LatentHeatScheme {
     /// Enthalpy is the unknown; temperature follows from it.
     Enthalpy,
     /// Temperature and an accumulator of latent heat with a state flag (Chen and Bai 2016, section 1.3), the
@@ -103,7 +103,7 @@ impl Materials {
 }
 
 /// A scheme: turns its state into fields, and heat into state.
-pub trait LatentScheme: Send + HeapSize {
+pub trait SchemeState: Send + HeapSize {
     /// Fills the non-empty columns of `fields` (of the first particles).
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields);
     /// Adds `step` times the rates (W/m3).
@@ -114,25 +114,25 @@ pub trait LatentScheme: Send + HeapSize {
 
 /// The scheme of a choice, for `count` particles that carry the enthalpies of `start`, or none if that is empty.
 pub fn scheme(
-    choice: Uptake,
+    choice: LatentHeatScheme,
     mushy: Mushy,
     materials: &Materials,
     start: &[f64],
     count: usize,
-) -> Box<dyn LatentScheme> {
+) -> Box<dyn SchemeState> {
     let carried = |i: usize| start.get(i).copied().unwrap_or(0.0);
     let frozen = |i: usize| materials.of(i).frozen_fraction(carried(i));
     let temperature = || (0..count).map(|i| materials.of(i).temperature(carried(i))).collect();
     match choice {
-        Uptake::Enthalpy if mushy == Mushy::Fraction => Box::new(Enthalpy),
-        Uptake::Enthalpy if mushy == Mushy::Mean => Box::new(HalfFrozen),
-        Uptake::Enthalpy => Box::new(LastPhase { frozen: (0..count).map(|i| frozen(i) >= 1.0).collect() }),
-        Uptake::Flags => Box::new(Flags {
+        LatentHeatScheme::Enthalpy if mushy == Mushy::Fraction => Box::new(Enthalpy),
+        LatentHeatScheme::Enthalpy if mushy == Mushy::Mean => Box::new(HalfFrozen),
+        LatentHeatScheme::Enthalpy => Box::new(LastPhase { frozen: (0..count).map(|i| frozen(i) >= 1.0).collect() }),
+        LatentHeatScheme::Flags => Box::new(Flags {
             temperature: temperature(),
             released: (0..count).map(|i| frozen(i) * materials.of(i).curve.latent_heat()).collect(),
             mushy,
         }),
-        Uptake::ApparentCapacity { .. } => Box::new(ApparentCapacity { temperature: temperature() }),
+        LatentHeatScheme::ApparentCapacity { .. } => Box::new(ApparentCapacity { temperature: temperature() }),
     }
 }
 
@@ -145,7 +145,7 @@ impl HeapSize for Enthalpy {
     }
 }
 
-impl LatentScheme for Enthalpy {
+impl SchemeState for Enthalpy {
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields) {
         for (i, (potential, h)) in fields.potential.iter_mut().zip(enthalpy).enumerate() {
             *potential = materials.of(i).law.potential(*h);
@@ -180,7 +180,7 @@ impl HeapSize for LastPhase {
     }
 }
 
-impl LatentScheme for LastPhase {
+impl SchemeState for LastPhase {
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields) {
         Enthalpy.read(materials, enthalpy, fields);
         for (i, (conductivity, frozen)) in fields.conductivity.iter_mut().zip(&self.frozen).enumerate() {
@@ -213,7 +213,7 @@ impl HeapSize for HalfFrozen {
     }
 }
 
-impl LatentScheme for HalfFrozen {
+impl SchemeState for HalfFrozen {
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields) {
         Enthalpy.read(materials, enthalpy, fields);
         for (i, (conductivity, h)) in fields.conductivity.iter_mut().zip(enthalpy).enumerate() {
@@ -244,7 +244,7 @@ impl HeapSize for Flags {
     }
 }
 
-impl LatentScheme for Flags {
+impl SchemeState for Flags {
     fn read(&self, materials: &Materials, _enthalpy: &[f64], fields: &mut Fields) {
         for (i, (potential, t)) in fields.potential.iter_mut().zip(&self.temperature).enumerate() {
             *potential = materials.of(i).potential_at(*t);
@@ -322,7 +322,7 @@ impl HeapSize for ApparentCapacity {
     }
 }
 
-impl LatentScheme for ApparentCapacity {
+impl SchemeState for ApparentCapacity {
     fn read(&self, materials: &Materials, _enthalpy: &[f64], fields: &mut Fields) {
         for (i, (potential, t)) in fields.potential.iter_mut().zip(&self.temperature).enumerate() {
             *potential = materials.of(i).potential_at(*t);
@@ -376,7 +376,7 @@ mod tests {
         fn flags_store_every_joule(heats in prop::collection::vec(-6e8..6e8f64, 1..60), initial in -30.0..30.0f64) {
             prop_assume!(initial.abs() > 1e-3);
             let materials = materials(FreezingLaw::Isothermal, initial);
-            let mut scheme = scheme(Uptake::Flags, Mushy::Fraction, &materials, &[], 1);
+            let mut scheme = scheme(LatentHeatScheme::Flags, Mushy::Fraction, &materials, &[], 1);
             let (mut enthalpy, mut sum) = ([0.0], 0.0);
             for heat in heats {
                 scheme.add(&materials, &mut [], &[heat], 1.0);
@@ -394,7 +394,9 @@ mod tests {
     #[test]
     fn every_scheme_leaves_the_places_of_ghosts_alone() {
         let materials = materials(FreezingLaw::Isothermal, 2.0);
-        for choice in [Uptake::Enthalpy, Uptake::Flags, Uptake::ApparentCapacity { interval: 1.0 }] {
+        for choice in
+            [LatentHeatScheme::Enthalpy, LatentHeatScheme::Flags, LatentHeatScheme::ApparentCapacity { interval: 1.0 }]
+        {
             for mushy in [Mushy::Fraction, Mushy::LastPhase, Mushy::Mean] {
                 let scheme = scheme(choice, mushy, &materials, &[], 2);
                 let column = || vec![-7.0; 3];
@@ -409,7 +411,8 @@ mod tests {
     #[test]
     fn apparent_capacity_loses_latent_heat_in_a_long_step() {
         let materials = materials(FreezingLaw::Linear { width: 1.0 }, 0.5);
-        let mut scheme = scheme(Uptake::ApparentCapacity { interval: 1.0 }, Mushy::Fraction, &materials, &[], 1);
+        let mut scheme =
+            scheme(LatentHeatScheme::ApparentCapacity { interval: 1.0 }, Mushy::Fraction, &materials, &[], 1);
         let mut enthalpy = [0.0];
         scheme.add(&materials, &mut [], &[-1e7], 1.0);
         scheme.publish(&materials, &mut enthalpy);

@@ -278,6 +278,16 @@ fn packages_know_only_those_below() {
 }
 
 #[test]
+fn the_page_on_the_architecture_and_its_drawing_name_all_packages() {
+    for path in ["docs/architecture.md", "docs/images/architecture.svg"] {
+        let text = fs::read_to_string(root().join(path)).expect("readable");
+        for (name, _, _) in PACKAGES {
+            assert!(text.contains(&name.replace('_', "-")), "{path}: {name}");
+        }
+    }
+}
+
+#[test]
 fn circles_files_and_functions_stay_small() {
     let folders = PACKAGES.iter().map(|package| package.1).chain(["src"]);
     let wrong: Vec<(String, String)> = folders.flat_map(|folder| too_large(&sources(&root().join(folder)))).collect();

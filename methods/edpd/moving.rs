@@ -51,8 +51,8 @@ pub fn build(
     purpose: Purpose,
 ) -> Result<ParticleSet, String> {
     let numerics = &settings.numerics;
-    refusals::refuse(scene)?;
     let liquid = Liquid::of(scene, numerics, motion, (cutoff_ratio, capacity))?;
+    refusals::refuse(scene)?;
     let ground = liquid.ground(numerics);
     let (map, body) = (liquid.map, liquid.body);
     let start = map.temperature(scene.initial_temperature);

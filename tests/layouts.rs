@@ -70,21 +70,23 @@ fn shards_and_studies_that_were_killed_leave_the_tables_of_a_single_run() {
     }
     done(folder.path(), &["rings.toml", "--out", "shards", "--threads", "2"]);
     assert_eq!(tables(&folder.path().join("shards")), whole);
-    // Killed as soon as one layout is there.
+    // Killed as soon as one layout is kept.
     let killed = folder.path().join("killed");
     let mut child = frazil(folder.path(), &["rings.toml", "--out", "killed", "--threads", "1"])
         .stderr(Stdio::null())
         .spawn()
         .expect("the program starts");
     let began = Instant::now();
-    while fs::read_dir(killed.join("layouts")).map_or(0, Iterator::count) == 0
-        && began.elapsed() < Duration::from_secs(60)
-    {
+    let kept = || fs::read_to_string(killed.join("runs.journal")).unwrap_or_default();
+    while !kept().contains('\n') && began.elapsed() < Duration::from_secs(60) {
         std::thread::sleep(Duration::from_millis(2));
     }
     child.kill().expect("killed");
     child.wait().expect("ended");
+    let mut before = kept();
+    before.truncate(before.rfind('\n').map_or(0, |end| end + 1));
     done(folder.path(), &["rings.toml", "--out", "killed"]);
+    assert!(kept().starts_with(&before) && kept().lines().count() == 4, "a layout was run again");
     assert_eq!(tables(&killed), whole);
 }
 

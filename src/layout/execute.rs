@@ -144,12 +144,17 @@ impl Work<'_> {
     }
 
     fn key(&self, layout: &Layout) -> String {
-        let beside = if self.beside { " beside" } else { "" };
-        campaign::key(&format!("layout \"{}\"{beside}", layout.name), &layout.scene, self.method, SEED)
+        let maps = if self.has_maps(layout) { " with maps" } else { "" };
+        campaign::key(&format!("layout \"{}\"{maps}", layout.name), &layout.scene, self.method, SEED)
+    }
+
+    /// Whether maps of a layout are looked at.
+    fn has_maps(&self, layout: &Layout) -> bool {
+        layout.role == Role::Compared && !self.beside
     }
 
     fn draws_frames(&self, layout: &Layout) -> bool {
-        self.frames && layout.role == Role::Compared && !self.beside
+        self.frames && self.has_maps(layout)
     }
 
     fn lacks_frames(&self, layout: &Layout) -> bool {
@@ -216,7 +221,7 @@ impl Work<'_> {
             interrupt: Some(self.campaign.stop()),
             progress: None,
             time_limit_s: None,
-            fields: layout.role == Role::Compared && !self.beside,
+            fields: self.has_maps(layout),
             each_output: None,
         };
         let run = |scene: &Scene, see: Option<&EachOutput<'_>>| {
@@ -243,8 +248,7 @@ impl Work<'_> {
             Err(failure) => refused = Some(failure.to_string()),
         }
         output::write_run_and(&path, &fine, || frames.map_or(Ok(()), |frames| frames.finish(&path)))?;
-        if layout.role == Role::Compared
-            && !self.beside
+        if self.has_maps(layout)
             && let Err(error) = run_figures(&fine, &path, &self.figure_options(layout))
         {
             complain(&format!("figures: {error}"));

@@ -1,6 +1,6 @@
 //! Many runs as one work: side by side, kept as they end, stopped together.
 //!
-//! Whatever a study finds is a finding under a key, and a [`Store`] in the folder of its results keeps it. A study that was
+//! Whatever a study finds is a finding under a key, and a store in the folder of its results keeps it. A study that was
 //! interrupted or killed asks for the same keys again and goes on where it stood; tables, figures and pages are made of
 //! findings alone, so they do not tell how often it was stopped.
 

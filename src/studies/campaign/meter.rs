@@ -76,3 +76,20 @@ impl Task<'_> {
         self.meter.made(more * self.price, words);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_task_is_counted_once_however_often_it_tells() {
+        let meter = Meter::new(true, 3.0);
+        meter.skip(1.0);
+        let task = meter.task(2.0);
+        for (share, made) in [(0.25, 0.5), (0.25, 0.5), (0.2, 0.5), (0.75, 1.5), (1.1, 2.0)] {
+            task.at(share, |_| String::new());
+            assert_eq!(meter.done.lock().expect("whole").made, made);
+        }
+        assert_eq!(meter.done.lock().expect("whole").known, 1.0);
+    }
+}

@@ -2,7 +2,6 @@
 //! on decides as one does that was never stopped.
 
 use std::cell::Cell;
-use std::fmt::Write;
 use std::ops::Sub;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -158,7 +157,7 @@ impl<'a> Runner<'a> {
         reference: Option<&Arc<dyn Reference>>,
         options: &Options<'_>,
     ) -> String {
-        let mut purpose_words = match purpose {
+        let words = match purpose {
             Purpose::Reference => "reference".to_owned(),
             Purpose::First => "first".to_owned(),
             Purpose::Seed => "seed".to_owned(),
@@ -169,8 +168,7 @@ impl<'a> Runner<'a> {
         if matches!(purpose, Purpose::First | Purpose::Repeat(_)) {
             decides += &format!(" {} {}", options.threads, self.machine);
         }
-        let _ = write!(purpose_words, " {:016x}", xxh3_64(decides.as_bytes()));
-        campaign::key(&purpose_words, scene, method, options.seed)
+        campaign::key(&format!("{words} {:016x}", xxh3_64(decides.as_bytes())), scene, method, options.seed)
     }
 }
 

@@ -1,8 +1,8 @@
 //! The runs of a study: columns side by side, each along its own steps.
 
 use std::collections::{BTreeMap, HashMap};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::Instant;
 
 use frazil_record::Outcome;
 use frazil_simulation::plan::Bounds;
@@ -13,12 +13,10 @@ use super::plan::Job;
 use super::request::StabilityRequest;
 use super::search::{self, Ladder, climb, grid};
 use super::super_steps;
-use crate::campaign::Campaign;
+use crate::campaign::{Campaign, Meter};
 use crate::failure::Failure;
-use crate::parallel;
-use crate::parts::Override;
-use crate::parts::Parts;
-use crate::progress::{self, Reporter};
+use crate::parts::{Override, Parts};
+use crate::progress;
 
 /// Ends of a map, in theoretical bounds.
 pub const RANGE: (f64, f64) = (0.25, 4.0);
@@ -46,19 +44,27 @@ pub fn columns(
     jobs: Vec<Job>,
     campaign: &Campaign<'_>,
 ) -> Result<Vec<Mapped>, Failure> {
-    let study = Study {
-        request,
-        parts,
-        campaign,
-        bounds: Mutex::new(HashMap::new()),
-        reporter: Reporter::new(request.quiet),
-        tally: Mutex::new(Tally::of(&jobs)),
-    };
+    let study = Study { request, parts, campaign, bounds: Mutex::new(HashMap::new()) };
+    let seconds = if request.quiet { vec![None; jobs.len()] } else { study.seconds(&jobs)? };
+    let told: Vec<f64> = seconds.iter().copied().flatten().filter(|seconds| *seconds > 0.0).collect();
     if !request.quiet {
-        progress::forewarn("stability", study.seconds(&jobs));
+        let workers = request.threads.clamp(1, jobs.len().max(1)) as f64;
+        progress::forewarn("stability", Some(told.iter().sum::<f64>() / workers));
     }
-    let found = campaign.side_by_side(&early_ones_first(&jobs), |k| study.column(&jobs[k]));
-    study.reporter.finish();
+    // What the first steps do not tell is taken to be like the others.
+    let mean = if told.is_empty() { 1.0 } else { told.iter().sum::<f64>() / told.len() as f64 };
+    let prices: Vec<f64> = seconds.into_iter().map(|seconds| seconds.unwrap_or(mean)).collect();
+    let (meter, done) = (Meter::new(request.quiet, prices.iter().sum()), AtomicUsize::new(0));
+    let found = campaign.side_by_side(&prices, |k| {
+        let (found, was_made) = study.column(&jobs[k])?;
+        let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+        match was_made {
+            true => meter.made(prices[k], |_| format!("{count} of {} columns", jobs.len())),
+            false => meter.skip(prices[k]),
+        }
+        Some(found)
+    });
+    meter.finish();
     // A study that was stopped has gaps.
     Ok(jobs.into_iter().zip(found?).filter_map(|(job, found)| Some(Mapped { job, found: found? })).collect())
 }
@@ -76,13 +82,6 @@ fn refined(mut steps: Vec<f64>, limit: f64) -> Vec<f64> {
     steps.extend(fine);
     steps.sort_by(f64::total_cmp);
     steps
-}
-
-/// Prices by which the middle column of every kind comes first, so that the time of all can be told early.
-fn early_ones_first(jobs: &[Job]) -> Vec<f64> {
-    let mut prices = vec![0.0; jobs.len()];
-    by_kind(jobs).values().for_each(|same| prices[same[same.len() / 2]] = 1.0);
-    prices
 }
 
 /// Numbers of the columns of each kind.
@@ -108,26 +107,31 @@ struct Study<'a> {
     parts: &'a Parts<'a>,
     campaign: &'a Campaign<'a>,
     bounds: Mutex<HashMap<Particles, Bounds>>,
-    reporter: Reporter,
-    tally: Mutex<Tally>,
 }
 
 impl Study<'_> {
-    /// About how long (s) the columns will take that are not known, from the first steps of the middle one of each
-    /// kind; kinds whose steps do not tell are not in it.
-    fn seconds(&self, jobs: &[Job]) -> Option<f64> {
+    /// About how long (s) each column takes, from the first steps of one of its kind; zero of those that are known,
+    /// and nothing where the steps do not tell.
+    fn seconds(&self, jobs: &[Job]) -> Result<Vec<Option<f64>>, Failure> {
         let kinds: Vec<Vec<usize>> = by_kind(jobs).into_values().collect();
         let of_kind = |k: usize| {
-            let open = kinds[k].iter().filter(|job| !self.is_known(&jobs[**job])).count();
-            let middle = &jobs[kinds[k][kinds[k].len() / 2]];
-            let probe = if open > 0 { self.probe(middle).ok()? } else { return Some(0.0) };
-            let steps = self.steps(middle.axis, &probe);
-            let seeds = probe.noisy().then_some(self.request.seeds);
-            let (bisect, most) = (self.request.steps.is_empty(), self.request.time_limit_s);
-            Some(open as f64 * search::seconds(&steps, bisect, seeds, probe.seconds()?, most))
+            let open: Vec<usize> = kinds[k].iter().copied().filter(|job| !self.is_known(&jobs[*job])).collect();
+            let middle = open.get(open.len() / 2)?;
+            Some((self.seconds_of(&jobs[*middle]), open))
         };
-        let all: f64 = parallel::in_order(kinds.len(), self.request.threads, of_kind).into_iter().flatten().sum();
-        Some(all / self.request.threads.clamp(1, jobs.len().max(1)) as f64)
+        let mut seconds = vec![Some(0.0); jobs.len()];
+        for (each, open) in self.campaign.side_by_side(&vec![0.0; kinds.len()], of_kind)?.into_iter().flatten() {
+            open.into_iter().for_each(|job| seconds[job] = each);
+        }
+        Ok(seconds)
+    }
+
+    fn seconds_of(&self, job: &Job) -> Option<f64> {
+        let probe = self.probe(job).ok()?;
+        let steps = self.steps(job.axis, &probe);
+        let seeds = probe.noisy().then_some(self.request.seeds);
+        let (bisect, most) = (self.request.steps.is_empty(), self.request.time_limit_s);
+        Some(search::seconds(&steps, bisect, seeds, probe.seconds()?, most))
     }
 
     /// Whether the ends of the map of a column are known, which are run at any limit of stability.
@@ -143,22 +147,20 @@ impl Study<'_> {
         steps.iter().all(is_known)
     }
 
-    /// One column; no answer if the study stops.
-    fn column(&self, job: &Job) -> Option<Result<Column, String>> {
-        let began = Instant::now();
-        let mut fresh = false;
+    /// One column, and whether any of its runs was made; no answer if the study stops.
+    fn column(&self, job: &Job) -> Option<(Result<Column, String>, bool)> {
+        let mut was_made = false;
         let found = match self.probe(job) {
             Ok(probe) => {
                 let steps = self.steps(job.axis, &probe);
                 let seeds = probe.noisy().then_some(self.request.seeds);
-                let mut run = |ratio: f64, seed: u64| self.run(&probe, ratio, seed, &mut fresh);
+                let mut run = |ratio: f64, seed: u64| self.run(&probe, ratio, seed, &mut was_made);
                 let ladder = climb(&steps, self.request.steps.is_empty(), seeds, &mut run)?;
                 Ok(Column { probe, ladder })
             }
             Err(reason) => Err(reason),
         };
-        self.tell(job, fresh.then(|| began.elapsed().as_secs_f64()));
-        Some(found)
+        Some((found, was_made))
     }
 
     /// The scene of a column. Bounds are found once for all columns whose particles are the same.
@@ -193,7 +195,7 @@ impl Study<'_> {
     }
 
     /// One run, or what is known of it.
-    fn run(&self, probe: &Probe, ratio: f64, seed: u64, fresh: &mut bool) -> Option<Finding> {
+    fn run(&self, probe: &Probe, ratio: f64, seed: u64, was_made: &mut bool) -> Option<Finding> {
         if self.campaign.is_stopped() {
             return None;
         }
@@ -201,7 +203,7 @@ impl Study<'_> {
         if let Some(finding) = self.campaign.known(&key) {
             return Some(finding);
         }
-        *fresh = true;
+        *was_made = true;
         let run = probe.run(ratio, seed, self.request.time_limit_s, self.campaign.stop());
         let finding = self.campaign.or_stop(run.map_err(Failure::from))?;
         match finding.outcome {
@@ -212,75 +214,11 @@ impl Study<'_> {
         }
         Some(finding)
     }
-
-    fn tell(&self, job: &Job, seconds: Option<f64>) {
-        let mut tally = self.tally.lock().unwrap_or_else(PoisonError::into_inner);
-        tally.add(job, seconds);
-        let (done, all) = tally.counts();
-        let left = tally.seconds_left(self.request.threads).filter(|_| done < all);
-        self.reporter.at(done as f64 / all as f64, || {
-            let left = left.map_or_else(String::new, progress::left);
-            format!("{done} of {all} columns{left}")
-        });
-    }
-}
-
-/// How many columns of each kind are done, and in what time.
-struct Tally {
-    kinds: BTreeMap<(String, &'static str, Axis), Progress>,
-}
-
-#[derive(Default)]
-struct Progress {
-    all: usize,
-    done: usize,
-    timed: usize,
-    seconds: f64,
-}
-
-impl Tally {
-    fn of(jobs: &[Job]) -> Tally {
-        let mut kinds = BTreeMap::new();
-        for job in jobs {
-            kinds.entry(kind(job)).or_insert_with(Progress::default).all += 1;
-        }
-        Tally { kinds }
-    }
-
-    /// Takes down a column, with its time if any of its runs was made.
-    fn add(&mut self, job: &Job, seconds: Option<f64>) {
-        let progress = self.kinds.entry(kind(job)).or_default();
-        progress.done += 1;
-        if let Some(seconds) = seconds {
-            progress.timed += 1;
-            progress.seconds += seconds;
-        }
-    }
-
-    fn counts(&self) -> (usize, usize) {
-        self.kinds.values().fold((0, 0), |sum, kind| (sum.0 + kind.done, sum.1 + kind.all))
-    }
-
-    /// Time left from the mean of each kind; untold as long as a kind has not been seen.
-    fn seconds_left(&self, workers: usize) -> Option<f64> {
-        let mut sum = 0.0;
-        for kind in self.kinds.values().filter(|kind| kind.done < kind.all) {
-            if kind.timed == 0 {
-                return None;
-            }
-            sum += kind.seconds / kind.timed as f64 * (kind.all - kind.done) as f64;
-        }
-        Some(sum / workers.max(1) as f64)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn job(method: &'static str, axis: Axis) -> Job {
-        Job { scene: "s".into(), method, axis, value: None, overrides: Vec::new() }
-    }
 
     #[test]
     fn steps_are_fine_between_bound_and_limit_alone() {
@@ -292,21 +230,5 @@ mod tests {
             assert!(pair[1] / pair[0] < if inside { FINE.powf(1.31) } else { 1.27 }, "{pair:?}");
         }
         assert_eq!(refined(vec![0.5, 1.0, 2.0], 1.0), [0.5, 1.0, FINE, 2.0]);
-    }
-
-    #[test]
-    fn the_time_left_is_told_once_every_kind_has_been_seen() {
-        let jobs = [("pd", Axis::Stefan), ("pd", Axis::Capacity), ("edpd", Axis::Noise), ("edpd", Axis::Noise)]
-            .map(|(method, axis)| job(method, axis));
-        assert_eq!(early_ones_first(&jobs), [0.0, 1.0, 0.0, 1.0]);
-        let mut tally = Tally::of(&jobs);
-        tally.add(&jobs[1], Some(2.0));
-        assert_eq!(tally.seconds_left(2), None);
-        // A column that was known says nothing about time.
-        tally.add(&jobs[3], None);
-        assert_eq!(tally.seconds_left(2), None);
-        tally.add(&jobs[2], Some(10.0));
-        assert_eq!(tally.seconds_left(2), Some(1.0));
-        assert_eq!(tally.counts(), (3, 4));
     }
 }

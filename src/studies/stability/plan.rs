@@ -7,8 +7,7 @@ use frazil_simulation::plan;
 use super::axis::Axis;
 use super::request::StabilityRequest;
 use crate::failure::Failure;
-use crate::parts::Override;
-use crate::parts::Parts;
+use crate::parts::{Override, Parts};
 
 /// One column of a map that is to be made.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,9 +8,9 @@ use std::path::PathBuf;
 
 use frazil_edpd::calibration::{Constants, Scales};
 use frazil_plots::calibration::{CalibrationFigure, FitCurve, calibration};
+use frazil_studies::failure::{Failure, Verdict, answer};
+use frazil_studies::output::{Folder, write_rows, write_whole};
 
-use crate::failure::{Failure, Verdict, answer};
-use crate::output::{Folder, write_rows, write_whole};
 use fluid::Row;
 use table::Fit;
 

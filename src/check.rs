@@ -8,11 +8,11 @@ use frazil_simulation::march::Refused;
 use frazil_simulation::predict::{self, Forecast};
 use frazil_simulation::reduce::{self, Finding};
 use frazil_simulation::reference::Reference;
+use frazil_studies::failure::{Failure, Verdict, answer, complain};
+use frazil_studies::progress::clock;
 
-use crate::failure::{Failure, Verdict, answer, complain};
 use crate::layout::soils;
 use crate::load;
-use crate::progress::clock;
 use crate::run::{told_reference, why_not};
 
 /// What is to be checked.

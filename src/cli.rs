@@ -13,8 +13,8 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+use frazil_studies::failure::{Failure, Verdict, exit_code};
 
-use crate::failure::{Failure, Verdict, exit_code};
 use crate::list;
 
 /// Freezing by particles: peridynamics, SPH, eDPD and a local baseline on the same scenes.

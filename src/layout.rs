@@ -6,15 +6,16 @@
 use std::path::{Path, PathBuf};
 
 use frazil_plots::page::Block;
+use frazil_studies::campaign::{Campaign, Shard};
+use frazil_studies::failure::{Failure, Verdict, answer, complain};
+use frazil_studies::machine::Machine;
+use frazil_studies::output::Folder;
+use frazil_studies::parallel;
+use frazil_studies::progress::forewarn;
 
 pub use dug::beside_open;
 
-use crate::campaign::{Campaign, Shard};
-use crate::failure::{Failure, Verdict, answer, complain};
-use crate::machine::Machine;
-use crate::output::Folder;
-use crate::progress::forewarn;
-use crate::{interrupt, load, parallel};
+use crate::{interrupt, load};
 
 mod ahead;
 pub mod answers;

@@ -12,10 +12,6 @@ pub mod properties;
 pub mod registry;
 pub mod run;
 
-use frazil_studies::{
-    answers, campaign, compare, ensemble, expect, failure, fields, machine, output, parallel, progress, stability,
-};
-
 /// The example of the document is compiled and run with the tests.
 #[cfg(doctest)]
 #[doc = include_str!("../docs/add-a-method.md")]

@@ -1,8 +1,8 @@
 //! What there is to run.
 
 use frazil_scene::Scene;
+use frazil_studies::failure::{Failure, Verdict, answer};
 
-use crate::failure::{Failure, Verdict, answer};
 use crate::registry;
 
 /// Prints the bundled scenes by group, the studies, the fluids, and the methods with their titles.

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 
 use frazil_scene::Scene;
+use frazil_studies::failure::Failure;
 
-use crate::failure::Failure;
 use crate::registry;
 
 /// Reads a scene given by a bundled name or a path.

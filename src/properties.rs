@@ -5,12 +5,13 @@
 
 use std::path::Path;
 
+use frazil_studies::campaign::{Campaign, Shard};
+use frazil_studies::failure::{Failure, Verdict, answer, complain};
+use frazil_studies::output::Folder;
+use frazil_studies::progress::forewarn;
+
 use crate::calibrate::{self, CalibrateRequest, Calibrated, Conduction};
-use crate::campaign::{Campaign, Shard};
-use crate::failure::{Failure, Verdict, answer, complain};
 use crate::interrupt;
-use crate::output::Folder;
-use crate::progress::forewarn;
 
 pub mod equilibrium;
 pub mod execute;

@@ -10,13 +10,14 @@ use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options, Progress, Refused};
 use frazil_simulation::reduce::{self, Finding};
 use frazil_simulation::reference::Reference;
+use frazil_studies::ensemble::{self, EnsembleRequest};
+use frazil_studies::failure::{Failure, Verdict, answer, complain};
+use frazil_studies::fields::Snapshots;
+use frazil_studies::output::{self, Folder};
+use frazil_studies::progress::{Reporter, clock, forewarn};
+use frazil_studies::{answers, expect};
 
-use crate::ensemble::{self, EnsembleRequest};
-use crate::failure::{Failure, Verdict, answer, complain};
-use crate::fields::Snapshots;
-use crate::output::{self, Folder};
-use crate::progress::{Reporter, clock, forewarn};
-use crate::{answers, expect, interrupt, load};
+use crate::{interrupt, load};
 
 /// What is to be run.
 #[derive(Debug, Clone, PartialEq)]

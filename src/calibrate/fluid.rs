@@ -6,8 +6,7 @@ use std::path::Path;
 use frazil_cases::fluids;
 use frazil_edpd::calibration;
 use frazil_scene::{Problem, Problems, Range, Read, Section, Units, read_section};
-
-use crate::failure::Failure;
+use frazil_studies::failure::Failure;
 
 /// A fluid at one temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -4,10 +4,10 @@ use std::path::PathBuf;
 
 use clap::Args;
 use frazil_edpd::calibration::Constants;
+use frazil_studies::failure::{Failure, Verdict};
 
 use super::values::{positive, sized};
 use crate::calibrate::{CalibrateRequest, Conduction, calibrate};
-use crate::failure::{Failure, Verdict};
 
 #[derive(Debug, Args)]
 pub struct CalibrateArguments {

@@ -1,10 +1,10 @@
 //! `frazil check`.
 
 use clap::Args;
+use frazil_studies::failure::{Failure, Verdict};
 
 use super::values::{key_and_value, threads};
 use crate::check::{CheckRequest, check};
-use crate::failure::{Failure, Verdict};
 use crate::load;
 
 #[derive(Debug, Args)]

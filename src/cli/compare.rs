@@ -4,12 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use frazil_scene::Setting;
+use frazil_studies::compare::variant::Variant;
+use frazil_studies::compare::vary::RATIOS;
+use frazil_studies::compare::{CompareRequest, Vary, compare};
+use frazil_studies::failure::{Failure, Verdict};
 
 use super::values::{command_line, key_and_value, positive, positive_seconds};
-use crate::compare::variant::Variant;
-use crate::compare::vary::RATIOS;
-use crate::compare::{CompareRequest, Vary, compare};
-use crate::failure::{Failure, Verdict};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]

@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use frazil_studies::campaign::Shard;
+use frazil_studies::failure::{Failure, Verdict};
 
 use super::values::{command_line, key_and_value, threads};
-use crate::campaign::Shard;
-use crate::failure::{Failure, Verdict};
 use crate::layout::{LayoutRequest, layout};
 
 #[derive(Debug, Args)]

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use frazil_edpd::calibration::Constants;
+use frazil_studies::failure::{Failure, Verdict};
 
 use super::values::{sized, threads};
-use crate::failure::{Failure, Verdict};
 use crate::properties::{PropertiesRequest, Rows, properties};
 
 /// At the defaults, 13 temperatures of water and 5 seeds, it makes 1.8 thousand million steps of particles: some 15 minutes

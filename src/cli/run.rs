@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use frazil_studies::failure::{Failure, Verdict};
 
 use super::values::{key_and_value, threads};
-use crate::failure::{Failure, Verdict};
 use crate::run::RunRequest;
 use crate::{load, run};
 

@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use frazil_studies::failure::{Failure, Verdict};
+use frazil_studies::stability::axis::Axis;
+use frazil_studies::stability::{StabilityRequest, stability};
 
 use super::values::{command_line, key_and_value, positive, positive_seconds, threads};
-use crate::failure::{Failure, Verdict};
 use crate::parts::parts;
-use crate::stability::axis::Axis;
-use crate::stability::{StabilityRequest, stability};
 
 #[derive(Debug, Args)]
 pub struct StabilityArguments {

@@ -1,6 +1,6 @@
 //! Values of options, as several commands take them.
 
-use crate::parallel;
+use frazil_studies::parallel;
 
 /// The command as it was typed, for a page of results.
 pub fn command_line() -> String {

@@ -1,10 +1,11 @@
 //! What a study will try on the way to what it seeks: how many layouts, and how long they take.
 
+use frazil_studies::failure::Failure;
+
 use super::execute::{Pair, Work, seconds_of};
 use super::study::Study;
 use super::variants::Layout;
 use super::{critical, search};
-use crate::failure::Failure;
 
 /// Tells what is known of a layout, and runs it if that is what it does; none if there is nothing.
 pub(super) type Find<'a> = dyn Fn(&Layout) -> Result<Option<Pair>, Failure> + Sync + 'a;

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use frazil_simulation::predict;
+use frazil_studies::failure::{Failure, answer};
+use frazil_studies::progress::clock;
 
 use super::ahead::{self, Ahead};
 use super::study::Study;
 use super::variants::{Layout, Role, working};
-use crate::failure::{Failure, answer};
-use crate::progress::clock;
 
 /// Layouts whose first steps are tried.
 const TRIED: usize = 20;

@@ -5,6 +5,8 @@
 use frazil_plots::layouts::{CriticalView, critical_map};
 use frazil_plots::page::{Block, Figure, Table};
 use frazil_scene::Scene;
+use frazil_studies::campaign::Meter;
+use frazil_studies::failure::Failure;
 use serde::Serialize;
 
 use super::ahead::{Ahead, Find};
@@ -13,8 +15,6 @@ use super::execute::Work;
 use super::goals::Critical;
 use super::study::Study;
 use super::variants::{Layout, Role};
-use crate::campaign::Meter;
-use crate::failure::Failure;
 
 /// A value that was tried of a layout: a row of `critical_tried.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize)]

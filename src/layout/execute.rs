@@ -11,16 +11,17 @@ use frazil_record::Outcome;
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, EachOutput, Options};
 use frazil_simulation::predict;
+use frazil_studies::campaign::{self, Campaign, Meter, Shard};
+use frazil_studies::failure::{Failure, complain};
+use frazil_studies::fields::{self, Snapshots};
+use frazil_studies::machine::Machine;
+use frazil_studies::{output, parallel};
 use serde::{Deserialize, Serialize};
 
 use super::answers::Kept;
 use super::study::Study;
 use super::variants::{Layout, Role};
-use crate::campaign::{self, Campaign, Meter, Shard};
-use crate::failure::{Failure, complain};
-use crate::fields::{self, Snapshots};
-use crate::machine::Machine;
-use crate::{load, output, parallel};
+use crate::load;
 
 /// What is kept of a layout: a run, and the same at twice the spacing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

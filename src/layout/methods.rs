@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use frazil_plots::layouts::{Answer, MethodView, MethodsView};
+use frazil_studies::failure::Failure;
 use serde::Serialize;
 
 use super::answers::Answers;
@@ -10,7 +11,6 @@ use super::execute::Work;
 use super::rows::write_rows;
 use super::study::Study;
 use super::variants::{Layout, Role};
-use crate::failure::Failure;
 
 /// What stands for all methods of a scene in place of the name of one.
 pub(super) const ALL: &str = "all";

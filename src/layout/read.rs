@@ -5,6 +5,7 @@ use std::path::Path;
 
 use frazil_core::space::domain::Domain;
 use frazil_scene::{Change, Problem, Problems, Range, Read, Section, Spot, Units, read_section};
+use frazil_studies::failure::Failure;
 
 use super::answers::DAY;
 use super::boreholes::{self, Borehole};
@@ -14,7 +15,6 @@ use super::soils;
 use super::strata::{self, Stratum};
 use super::study::Study;
 use super::variants::{Ground, Layout, Role, changed, deviating, drilled, number_of, pair};
-use crate::failure::Failure;
 use crate::load::{self, Overrides};
 use crate::registry;
 

@@ -7,6 +7,7 @@ use frazil_plots::page::{Block, Table};
 use frazil_record::LinkRow;
 use frazil_scene::Scene;
 use frazil_scene::method::acting_radius;
+use frazil_studies::failure::Failure;
 use glam::DVec2;
 use serde::Serialize;
 
@@ -14,7 +15,6 @@ use super::answers::{DAY, Day, Kept};
 use super::found::{Compared, Found};
 use super::study::Study;
 use super::variants::Layout;
-use crate::failure::Failure;
 use crate::load::{self, Overrides};
 
 /// Degrees within which a gap lies where a table has it; they are a tenth of those between gaps of a hundred pipes.

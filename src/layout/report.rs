@@ -8,6 +8,8 @@ use frazil_plots::layouts::{LayoutView, PipeView, drawings};
 use frazil_plots::page::{self, Block, Fact, Figure, Page, Table};
 use frazil_plots::style::number;
 use frazil_record::RunResult;
+use frazil_studies::failure::Failure;
+use frazil_studies::parallel;
 
 use super::answers::{DAY, Far};
 use super::execute::Work;
@@ -19,8 +21,6 @@ use super::search::{self, Tried};
 use super::study::Study;
 use super::variants::Role;
 use super::{dug, reference};
-use crate::failure::Failure;
-use crate::parallel;
 
 mod depth;
 mod overview;

@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
+use frazil_studies::failure::Failure;
+use frazil_studies::output;
 use serde::Serialize;
-
-use crate::failure::Failure;
-use crate::output;
 
 /// Writes rows as a table.
 ///

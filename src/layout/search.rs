@@ -9,6 +9,8 @@ use std::cell::RefCell;
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::brent::BrentOpt;
 use frazil_plots::layouts::between;
+use frazil_studies::failure::Failure;
+use frazil_studies::parallel;
 use serde::Serialize;
 
 use super::ahead::{Ahead, Find};
@@ -17,8 +19,6 @@ use super::execute::Work;
 use super::goals::{Goal, Search};
 use super::study::Study;
 use super::variants::Layout;
-use crate::failure::Failure;
-use crate::parallel;
 
 /// A value that was tried: a row of `search.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize)]

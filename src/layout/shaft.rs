@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use frazil_plots::layouts::{LayerView, ShaftView, between};
+use frazil_studies::failure::Failure;
 use serde::Serialize;
 
 use super::answers::DAY;
@@ -11,7 +12,6 @@ use super::rows::write_rows;
 use super::study::Study;
 use super::tables::open_width;
 use super::variants::Role;
-use crate::failure::Failure;
 
 /// A layout in all strata, downwards.
 pub(super) struct Shaft<'a> {

@@ -1,9 +1,10 @@
 //! A study: a scene, and what each layout changes of it.
 
+use frazil_studies::failure::Failure;
+
 use super::goals::{Critical, Design, Goal, Search};
 use super::strata::Stratum;
 use super::variants::{Ground, Layout, Role};
-use crate::failure::Failure;
 
 /// A study.
 #[derive(Debug)]

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use frazil_record::Outcome;
+use frazil_studies::failure::Failure;
 use serde::Serialize;
 
 use super::answers::Answers;
@@ -12,7 +13,6 @@ use super::shaft::{self, shafts};
 use super::study::Study;
 use super::variants::Role;
 use super::{dug, reference};
-use crate::failure::Failure;
 
 /// One row of `layouts.csv`.
 #[derive(Debug, Serialize)]

@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use frazil_core::space::domain::Domain;
 use frazil_scene::{Change, PipeName, PipeRing, Scene};
 use frazil_simulation::closing::dug_too_early;
+use frazil_studies::failure::Failure;
 use glam::DVec2;
 use toml::Value;
 
 use super::boreholes::{self, Borehole, Misplaced, Moved};
 use super::goals::{Deviation, Sensitivity};
 use super::strata::Stratum;
-use crate::failure::Failure;
 use crate::load::{self, Overrides};
 
 /// The key by which boreholes of a ring are out of their places.

@@ -5,6 +5,10 @@ use std::path::Path;
 
 use frazil_edpd::fluid::{Fluid, Parameters};
 use frazil_edpd::properties::equilibrium::{SETTLE, gain, measure};
+use frazil_studies::campaign::{Campaign, Meter, Shard};
+use frazil_studies::failure::{Failure, Verdict, answer, complain};
+use frazil_studies::output::{Folder, write_rows};
+use frazil_studies::progress::forewarn;
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_64;
 
@@ -12,11 +16,7 @@ use super::execute::{seconds_of, words};
 use super::plan;
 use super::request::PropertiesRequest;
 use crate::calibrate::Calibrated;
-use crate::campaign::{Campaign, Meter, Shard};
-use crate::failure::{Failure, Verdict, answer, complain};
 use crate::interrupt;
-use crate::output::{Folder, write_rows};
-use crate::progress::forewarn;
 
 /// Cut-off radius in space: as many partners as 1.96 gives in the plane.
 const SPACE_CUTOFF: f64 = 1.58;

@@ -3,13 +3,13 @@
 use std::cell::Cell;
 
 use frazil_edpd::properties::{diffusion, halves};
+use frazil_studies::campaign::{Campaign, Meter, Task};
+use frazil_studies::failure::Failure;
+use frazil_studies::parallel;
 use serde::{Deserialize, Serialize};
 
 use super::plan::{Job, Measurement, celsius};
 use super::request::PropertiesRequest;
-use crate::campaign::{Campaign, Meter, Task};
-use crate::failure::Failure;
-use crate::parallel;
 
 /// What a job found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use frazil_edpd::properties::halves::{Push, profile, tip};
 use frazil_plots::properties::{CurvesFigure, Deviations, Estimate, Measured, NumberFigure, curves, numbers};
+use frazil_studies::failure::Failure;
 
 use super::execute::Finding;
 use super::plan::{Job, Measurement, celsius};
 use super::tables::Row;
-use crate::failure::Failure;
 
 /// Temperatures whose curves are shown: more would hide each other.
 const SHOWN: usize = 5;

@@ -3,11 +3,11 @@
 use frazil_edpd::fluid::{Exponent, Fluid, Parameters};
 use frazil_edpd::properties::Span;
 use frazil_edpd::properties::halves::{Push, decay};
+use frazil_studies::failure::Failure;
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::request::{PropertiesRequest, Rows};
 use crate::calibrate::{CalibratedRow, Calibration};
-use crate::failure::Failure;
 
 /// Absolute zero (degrees Celsius).
 pub const ZERO: f64 = -273.15;

@@ -4,13 +4,13 @@ use std::path::Path;
 
 use frazil_core::statistics::{Mean, mean};
 use frazil_edpd::properties::halves::Push;
+use frazil_studies::failure::Failure;
+use frazil_studies::output::write_rows;
 use serde::Serialize;
 
 use super::execute::Finding;
 use super::plan::{Job, Measurement, celsius};
 use crate::calibrate::{Calibrated, CalibratedRow};
-use crate::failure::Failure;
-use crate::output::write_rows;
 
 /// One temperature in `properties.csv`: means over seeds, ends of their 95 % intervals, what theory and the fluid say.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -1,8 +1,8 @@
 //! The shaft over its depth.
 
 use frazil_plots::page::{Block, Figure, Table};
+use frazil_studies::failure::Failure;
 
-use crate::failure::Failure;
 use crate::layout::execute::Work;
 use crate::layout::found::Found;
 use crate::layout::rows::{cell, designed_on, stood, with_error};

@@ -13,6 +13,7 @@ mod range;
 mod regions;
 mod section;
 mod shells;
+mod spacing;
 mod stream;
 #[cfg(test)]
 mod tests;

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::range::{Range, all_of, plain};
+use super::range::{Range, all_of};
 use super::section::Section;
-use super::shells;
+use super::{shells, spacing};
 use crate::method::{MethodKind, MethodSettings};
 use crate::scene::Wall;
 use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice};
@@ -17,11 +17,6 @@ use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
 use frazil_core::physics::material::{FreezingLaw, Material};
 use frazil_core::space::domain::Domain;
 
-/// Particles that one run may have.
-const MOST_PARTICLES: f64 = 1e8;
-/// A length is a whole number of spacings if it is so to this relative tolerance.
-const WHOLE: f64 = 1e-6;
-
 /// Error of one step where a scene does not say, by integrator: heat in the wrong place over the heat held (see
 /// docs/theory/time.md for what it costs and gives).
 const RKL2_TOLERANCE: f64 = 1e-2;
@@ -31,7 +26,6 @@ const IMPLICIT_TOLERANCE: f64 = 1e-3;
 /// particles across the body.
 const PRESSURE_CHANGE: f64 = 0.02;
 
-const SPACING: (&str, &str) = ("spacing", "m");
 const INTERVAL: (&str, &str) = ("interval", "K");
 
 /// What the checks of numerics need to know of the scene.
@@ -69,9 +63,9 @@ pub(super) fn methods(root: &mut Section<'_>, setup: &Setup<'_>, kinds: &[&'stat
 fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKind) -> MethodSettings {
     let setting = section.choice_or("setting", &Setting::WORDS, Setting::Best);
     let mut numerics = (kind.defaults)(setting);
-    let spacing = section.positive(SPACING);
+    let found = section.positive(spacing::KEY);
     // Where the spacing is wrong, the method still reads its own keys.
-    numerics.spacing = spacing.unwrap_or(1.0);
+    numerics.spacing = found.unwrap_or(1.0);
     numerics.arrangement = layout(section, numerics.arrangement);
     numerics.exchange = exchange(section, numerics.exchange);
     numerics.latent_heat_scheme = latent_heat_scheme(section, numerics.latent_heat_scheme, setup.materials);
@@ -92,26 +86,17 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     combinations(section, &numerics, setup, kind);
     shells::combinations(section, &numerics, setup, kind);
 
-    let fits = match (spacing, setup.domain) {
-        (Ok(spacing), Some(domain)) => divides(section, spacing, domain),
+    let fits = match (found, setup.domain) {
+        (Ok(found), Some(domain)) => spacing::divides(section, found, domain),
         _ => false,
     };
     let dimension = setup.domain.map_or(2, Domain::dimension);
     let discretisation = (kind.read)(section, setting, &numerics, dimension);
     if let (true, Some(domain)) = (fits, setup.domain) {
-        let reach = discretisation.weight.reach();
-        let shortest = shortest(domain);
         // Between straight walls pairs may reach images of images. Noise would have to tell all these apart; and a
         // curved wall has none.
-        let images_of_images = !kind.stochastic && !matches!(domain, Domain::Ring { .. });
-        if reach > shortest * (1.0 + WHOLE) && !images_of_images {
-            let message = format!(
-                "found {}, with which pairs reach {}, must reach at most {}, the shortest extent of the domain",
-                plain(numerics.spacing),
-                plain(reach),
-                plain(shortest)
-            );
-            section.problem(SPACING, message);
+        if kind.stochastic || matches!(domain, Domain::Ring { .. }) {
+            spacing::reaches(section, numerics.spacing, discretisation.weight.reach(), domain);
         }
     }
     MethodSettings { method: kind.name, setting, numerics, discretisation: Arc::new(discretisation), bound: None }
@@ -448,69 +433,4 @@ fn out_of_layers(numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind) -> O
         return None;
     };
     Some(format!("found \"{word}\"{which}, {reason}"))
-}
-
-fn shortest(domain: &Domain) -> f64 {
-    match *domain {
-        Domain::Line { length } => length,
-        Domain::Rectangle { width, height } => width.min(height),
-        Domain::Ring { outer_radius, .. } => outer_radius,
-        Domain::Radial { inner, outer, .. } => outer - inner,
-        Domain::Axial { inner, outer, height } => (outer - inner).min(height),
-    }
-}
-
-/// Whether the spacing fits the domain; if not, a problem that names the nearest that does.
-fn divides(section: &mut Section<'_>, spacing: f64, domain: &Domain) -> bool {
-    let extents = match *domain {
-        Domain::Line { length } => vec![length],
-        Domain::Rectangle { width, height } => vec![width, height],
-        Domain::Radial { inner, outer, .. } => vec![outer - inner],
-        Domain::Axial { inner, outer, height } => vec![outer - inner, height],
-        Domain::Ring { .. } => vec![],
-    };
-    let particles = domain.size() / spacing.powi(domain.dimension() as i32);
-    if particles.is_nan() || particles > MOST_PARTICLES {
-        let message = format!(
-            "found {}, which makes {particles:.1e} particles, must make at most {MOST_PARTICLES:.0e}",
-            plain(spacing)
-        );
-        section.problem(SPACING, message);
-        return false;
-    }
-    let longest_allowed = shortest(domain);
-    if extents.is_empty() && spacing > longest_allowed {
-        let message = format!("found {}, must be at most the outer radius {}", plain(spacing), plain(longest_allowed));
-        section.problem(SPACING, message);
-        return false;
-    }
-    if extents.iter().all(|extent| is_whole(extent / spacing)) {
-        return true;
-    }
-    let lengths: Vec<String> = extents.iter().map(|extent| plain(*extent)).collect();
-    let nearest = match nearest_spacings(spacing, &extents).as_slice() {
-        [] => "no spacing near it does".to_owned(),
-        [only] => format!("the nearest that does is {}", plain(*only)),
-        [below, above, ..] => format!("the nearest that do are {} and {}", plain(*below), plain(*above)),
-    };
-    let message =
-        format!("found {}, must divide {} into whole parts: {nearest}", plain(spacing), lengths.join(" and "));
-    section.problem(SPACING, message);
-    false
-}
-
-fn is_whole(parts: f64) -> bool {
-    let count = parts.round();
-    count >= 1.0 && (parts - count).abs() <= WHOLE * count
-}
-
-/// The nearest spacing below and above, where there are any, that divides all extents.
-fn nearest_spacings(spacing: f64, extents: &[f64]) -> Vec<f64> {
-    const SEARCHED: usize = 100_000;
-    let first = extents[0];
-    let count = (first / spacing).floor();
-    let fits = |count: &f64| *count >= 1.0 && extents.iter().all(|extent| is_whole(extent * count / first));
-    let below = (1..=SEARCHED).map(|more| count + more as f64).find(fits);
-    let above = (0..=SEARCHED).map(|fewer| count - fewer as f64).take_while(|count| *count >= 1.0).find(fits);
-    below.into_iter().chain(above).map(|count| first / count).collect()
 }

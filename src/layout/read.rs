@@ -21,6 +21,10 @@ use crate::registry;
 /// Most layouts of a study.
 const MOST: usize = 10_000;
 
+/// Every section of a study.
+const SECTIONS: &str = "strata = [{ design = {} }]\nlayouts = [{ boreholes = [{ inclination_deg = 0 }, { surveyed_m = [] }] }]\n\
+                        design = {}\nsearch = { goal = \"energy\" }\ncritical = {}\nsensitivity = {}\ndeviation = {}\n";
+
 /// Reads a study given by a bundled name or a path.
 ///
 /// # Errors
@@ -61,6 +65,7 @@ pub fn parse(text: &str, name: &str, path: &Path, overrides: &[(String, String)]
         return Err(no_study(&file));
     }
     Ok(read_section(text, &file, Units::Si, |root| {
+        root.know(SECTIONS, |root| drop(File::read(root)));
         let file = File::read(root);
         let scene = base(root, &file, path)?;
         let File { title, source, method, set, strata, depth, shaft_radius, design, search, critical, .. } = &file;

@@ -43,8 +43,8 @@ impl Scene {
         methods: &[&'static MethodKind],
     ) -> Result<Scene, Problems> {
         let mut entries = tree::parse(text).map_err(|problems| Problems::new(file, problems))?;
-        let kinds = methods.to_vec();
-        let log = Log::knowing(move || every_key::every_key(&kinds));
+        let (log, kinds) = (Log::default(), methods.to_vec());
+        log.know(move || every_key::every_key(&kinds));
         for (key, value) in overrides {
             if let Err(problem) = tree::set(&mut entries, key, value) {
                 log.record(problem);

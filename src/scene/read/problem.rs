@@ -88,15 +88,15 @@ impl KeyOf {
 pub(super) struct Log {
     problems: RefCell<Vec<Option<Problem>>>,
     /// All keys that the file may have, and where.
-    known: Option<Box<dyn Fn() -> Arc<[KeyOf]>>>,
+    known: RefCell<Option<Box<dyn Fn() -> Arc<[KeyOf]>>>>,
     /// All keys that are read, where they are collected.
     asked: Option<RefCell<Vec<KeyOf>>>,
 }
 
 impl Log {
-    /// Of a file of which all keys are known, once one is asked for that it does not have.
-    pub(super) fn knowing(known: impl Fn() -> Arc<[KeyOf]> + 'static) -> Self {
-        Log { known: Some(Box::new(known)), ..Log::default() }
+    /// Says where all keys that the file may have are known from, once one is found that nobody asked for.
+    pub(super) fn know(&self, known: impl Fn() -> Arc<[KeyOf]> + 'static) {
+        *self.known.borrow_mut() = Some(Box::new(known));
     }
 
     /// One that collects keys and knows of none.
@@ -106,7 +106,7 @@ impl Log {
 
     /// All keys that the file may have, and where.
     pub(super) fn every_key(&self) -> Arc<[KeyOf]> {
-        self.known.as_ref().map_or_else(|| Arc::new([]) as Arc<[KeyOf]>, |known| known())
+        self.known.borrow().as_ref().map_or_else(|| Arc::new([]) as Arc<[KeyOf]>, |known| known())
     }
 
     /// Takes note of keys that a section has been read for.

@@ -1,11 +1,26 @@
 //! Keys that nobody asked for.
 
-use super::super::problem::{KeyOf, Problem};
+use super::super::problem::{KeyOf, Log, Problem};
 use super::super::range::{all_of, one_of};
+use super::super::tree::parse;
 use super::{Missing, Section};
 use crate::units::Units;
 
 impl Section<'_> {
+    /// Tells of keys that belong elsewhere in the file as `read` asks for them in an example that has all sections.
+    pub fn know(&mut self, example: &'static str, read: fn(&mut Section<'_>)) {
+        let units = self.units;
+        self.log.know(move || {
+            let log = Log::collecting();
+            let entries = parse(example).unwrap_or_default();
+            let mut root = Section::root(&entries, &log);
+            root.set_units(units);
+            read(&mut root);
+            drop(root);
+            log.into_asked().into()
+        });
+    }
+
     /// What is wrong with a key that nobody asked for, and the keys that were meant.
     fn unknown(&self, key: &str) -> (String, Vec<String>) {
         let quantity = self

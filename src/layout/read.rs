@@ -68,23 +68,22 @@ pub fn parse(text: &str, name: &str, path: &Path, overrides: &[(String, String)]
         root.know(SECTIONS, |root| drop(File::read(root)));
         let file = File::read(root);
         let scene = base(root, &file, path)?;
-        let File { title, source, method, set, strata, depth, shaft_radius, design, search, critical, .. } = &file;
-        let (set, strata) = (set.clone(), strata.clone());
+        let (set, strata) = (file.set.clone(), file.strata.clone());
         let ground = Ground { scene: scene.clone(), set, strata, asked: overrides.to_vec() };
         let layouts = file.layouts(root, &ground)?;
         Ok(Study {
             name: name.to_owned(),
-            title: title.clone()?,
-            source: source.clone(),
+            title: file.title?,
+            source: file.source,
             scene,
-            method: method.clone(),
-            depth: *depth,
-            strata: ground.strata.clone(),
-            shaft_radius: *shaft_radius,
-            design: *design,
+            method: file.method,
+            depth: file.depth,
+            strata: file.strata,
+            shaft_radius: file.shaft_radius,
+            design: file.design,
             layouts,
-            search: search.clone(),
-            critical: critical.clone(),
+            search: file.search,
+            critical: file.critical,
             ground,
         })
     })?)

@@ -35,6 +35,9 @@ impl Scene {
     /// `name` becomes the scene's short name, `file` stands in messages, `overrides` are the pairs of key path and
     /// value of `--set`, and `methods` are the methods whose sections may occur. A value of `--set` that is no TOML
     /// is taken as text, so that words need no quotes.
+    ///
+    /// # Errors
+    /// With all problems of the file and of what overrides it.
     pub fn read(
         text: &str,
         name: &str,
@@ -64,6 +67,9 @@ impl Scene {
 /// let problems = read("horizn_ratio = 4").map_err(|problems| problems.to_string());
 /// assert_eq!(problems, Err("pd.toml:1: horizn_ratio: unknown key, did you mean \"horizon_ratio\"?".to_owned()));
 /// ```
+///
+/// # Errors
+/// With all problems of the text.
 pub fn read_section<T>(
     text: &str,
     file: &str,

@@ -83,12 +83,15 @@ impl KeyOf {
     }
 }
 
+/// All keys that a file may have, once they are asked for.
+type KnownKeys = Box<dyn Fn() -> Arc<[KeyOf]>>;
+
 /// The problems of a file so far. They are only ever added to, or replaced by others that say more.
 #[derive(Default)]
 pub(super) struct Log {
     problems: RefCell<Vec<Option<Problem>>>,
     /// All keys that the file may have, and where.
-    known: RefCell<Option<Box<dyn Fn() -> Arc<[KeyOf]>>>>,
+    known: RefCell<Option<KnownKeys>>,
     /// All keys that are read, where they are collected.
     asked: Option<RefCell<Vec<KeyOf>>>,
 }

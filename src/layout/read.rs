@@ -14,7 +14,7 @@ use super::refusals::Refusals;
 use super::soils;
 use super::strata::{self, Stratum};
 use super::study::Study;
-use super::variants::{Ground, Layout, Role, changed, deviating, drilled, number_of, pair};
+use super::variants::{Ground, Layout, Role, Undrilled, changed, deviating, drilled, number_of, pair};
 use crate::load::{self, Overrides};
 use crate::registry;
 
@@ -156,11 +156,6 @@ impl File {
             };
             entries.push(entry);
         }
-        if !root.has("layouts") {
-            let (spot, name) = (root.spot("scene"), scene.clone().unwrap_or_default());
-            let (set, boreholes) = (Vec::new(), Vec::new());
-            entries.push(Entry { name, set, boreholes, reference: None, drilled: spot });
-        }
         let sweep = root.swept("sweep");
         let sensitivity = root.optional_section("sensitivity").and_then(|mut own| Sensitivity::read(&mut own).ok());
         let deviation = root.optional_section("deviation").and_then(|mut own| Deviation::read(&mut own, layered).ok());
@@ -197,28 +192,23 @@ impl File {
                 root.problem("search", format!("found day {}, but the runs end on day {end}", search.last_day()));
             }
         }
-        let mut layouts = compared.clone();
-        if let Some(sensitivity) = &self.sensitivity {
-            let unknown = |key: &str| compared.iter().all(|one| number_of(ground, one, key).is_none());
-            for (key, spot) in sensitivity.keys.iter().filter(|(key, _)| !compared.is_empty() && unknown(key)) {
+        for (key, spot) in self.sensitivity.iter().flat_map(|own| &own.keys) {
+            if !compared.is_empty() && compared.iter().all(|one| number_of(ground, one, key).is_none()) {
                 let old = if key.split('.').any(|part| part == "0") { ": lists count from 1" } else { "" };
                 root.record(spot.problem(format!("the scene has no number \"{key}\"{old}")));
             }
-            let spot = root.spot("sensitivity");
-            for one in &compared {
-                match changed(ground, one, sensitivity) {
-                    Ok(found) => layouts.extend(found),
-                    Err(failure) => refuse(&mut refusals, &spot, &failure.to_string(), &one.name),
-                }
-            }
         }
-        if let Some(deviation) = &self.deviation {
-            let spot = root.spot("deviation");
-            for one in &compared {
-                match deviating(ground, one, deviation) {
-                    Ok(found) => layouts.extend(found),
-                    Err(failure) => refuse(&mut refusals, &spot, &failure.to_string(), &one.name),
-                }
+        let mut layouts = compared.clone();
+        let mut take = |found: Result<Vec<Layout>, Undrilled>, of: &Layout, spot: Spot| match found {
+            Ok(found) => layouts.extend(found),
+            Err(reason) => told(&spot, &reason).for_each(|problem| refusals.add(problem, &of.name)),
+        };
+        for one in &compared {
+            if let Some(sensitivity) = &self.sensitivity {
+                take(changed(ground, one, sensitivity).map_err(Undrilled::from), one, root.spot("sensitivity"));
+            }
+            if let Some(deviation) = &self.deviation {
+                take(deviating(ground, one, deviation), one, root.spot("deviation"));
             }
         }
         let mut names: Vec<&str> = layouts.iter().map(|layout| layout.name.as_str()).collect();
@@ -236,53 +226,73 @@ impl File {
 
     /// The layouts that are compared: each entry with all combinations of what is swept, in each stratum.
     fn compared(&self, root: &mut Section<'_>, ground: &Ground, refusals: &mut Refusals<Problem>) -> Read<Vec<Layout>> {
-        let counts = self.sweep.iter().map(Vec::len).chain([self.entries.len(), ground.strata.len().max(1)]);
+        let counts = [self.entries.len().max(1), ground.strata.len().max(1)];
+        let counts = self.sweep.iter().map(Vec::len).chain(counts);
         let count = counts.fold(1, usize::saturating_mul);
         if count > MOST {
             return Err(root.problem("sweep", format!("found {count} layouts, must be at most {MOST}")));
         }
         let (combinations, scene) = (combinations(&self.sweep), root.spot("scene"));
+        // A study without layouts is of its scene alone.
+        let whole = [Entry::whole(&ground.scene, &scene)];
+        let entries = if self.entries.is_empty() { &whole[..] } else { &self.entries };
         let mut found = Vec::new();
-        for entry in &self.entries {
+        for entry in entries {
             for (words, swept) in &combinations {
-                let shaft = match (self.sweep.is_empty(), self.entries.len()) {
+                let shaft = match (self.sweep.is_empty(), entries.len()) {
                     (true, _) => entry.name.clone(),
                     (false, 1) => words.clone(),
                     (false, _) => format!("{} {words}", entry.name),
                 };
-                let own = || entry.set.iter().chain(swept.iter().copied());
                 for at in ground.places() {
-                    let name = ground.name(&shaft, at);
-                    let layout = match ground.layout(&shaft, at, Role::Compared, own().map(pair).collect()) {
-                        Ok(layout) => layout,
-                        Err(failure) => {
-                            let changes: Vec<&Change> = ground.changes(at).chain(own()).collect();
-                            for problem in located(failure, &changes, &ground.asked, &scene) {
-                                refusals.add(problem, &name);
-                            }
-                            continue;
-                        }
-                    };
-                    let reference = entry.reference.clone().or_else(|| self.reference.clone());
-                    let layout = Layout { reference, ..layout };
-                    if entry.boreholes.is_empty() {
-                        found.push(layout);
-                        continue;
-                    }
-                    match drilled(ground, layout, &entry.boreholes) {
+                    match self.layout(ground, entry, swept, (&shaft, at), &scene) {
                         Ok(layout) => found.push(layout),
-                        Err(reason) => refuse(refusals, &entry.drilled, &reason.to_string(), &name),
+                        Err(problems) => {
+                            let name = ground.name(&shaft, at);
+                            problems.into_iter().for_each(|problem| refusals.add(problem, &name));
+                        }
                     }
                 }
             }
         }
         Ok(found)
     }
+
+    /// A layout of a name in a stratum, or what refuses it.
+    fn layout(
+        &self,
+        ground: &Ground,
+        entry: &Entry,
+        swept: &[&Change],
+        (shaft, at): (&str, Option<usize>),
+        scene: &Spot,
+    ) -> Result<Layout, Vec<Problem>> {
+        let own = || entry.set.iter().chain(swept.iter().copied());
+        let layout = ground.layout(shaft, at, Role::Compared, own().map(pair).collect()).map_err(|failure| {
+            let changes: Vec<&Change> = ground.changes(at).chain(own()).collect();
+            located(failure, &changes, &ground.asked, scene)
+        })?;
+        let reference = entry.reference.clone().or_else(|| self.reference.clone());
+        let layout = Layout { reference, ..layout };
+        if entry.boreholes.is_empty() {
+            return Ok(layout);
+        }
+        let drilled = drilled(ground, layout, &entry.boreholes);
+        drilled.map_err(|reason| told(&entry.drilled, &reason).collect())
+    }
 }
 
-/// Tells at a place of the file why a layout is refused.
-fn refuse(refusals: &mut Refusals<Problem>, spot: &Spot, reasons: &str, layout: &str) {
-    reasons.lines().for_each(|reason| refusals.add(spot.problem(reason), layout));
+impl Entry {
+    /// What stands for the scene alone.
+    fn whole(scene: &str, spot: &Spot) -> Entry {
+        let (name, drilled) = (scene.to_owned(), spot.clone());
+        Entry { name, set: Vec::new(), boreholes: Vec::new(), reference: None, drilled }
+    }
+}
+
+/// Why a layout is refused, at a place of the file.
+fn told(spot: &Spot, reason: &Undrilled) -> impl Iterator<Item = Problem> {
+    reason.to_string().lines().map(|line| spot.problem(line)).collect::<Vec<_>>().into_iter()
 }
 
 /// What refuses the scene of a layout, each at the place of the file that has brought it in, or that of the scene.

@@ -35,7 +35,7 @@ const LONGEST_FILE: usize = 500;
 const LONGEST_FUNCTION: usize = 80;
 
 /// What is larger still: to be mended, and taken off this list.
-const STILL_TOO_LARGE: [&str; 2] = ["src/scene/read/numerics.rs: combinations", "src/scene/read.rs: read_root"];
+const STILL_TOO_LARGE: [&str; 1] = ["src/scene/read/numerics.rs: combinations"];
 
 /// A file of a package.
 struct Source {

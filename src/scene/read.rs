@@ -21,8 +21,11 @@ mod tree;
 mod watch;
 
 use crate::method::MethodKind;
+use crate::region::Region;
 use crate::scene::{Scene, Temperatures};
 use crate::units::Units;
+use frazil_core::physics::material::Material;
+use frazil_core::space::domain::Domain;
 use problem::Log;
 
 pub use problem::{Noted, Problem, Problems, Read};
@@ -104,6 +107,21 @@ fn hash(text: &str, overrides: &[(String, String)]) -> String {
     format!("{:016x}", xxhash_rust::xxh3::xxh3_64(effective.as_bytes()))
 }
 
+/// The materials, and the regions that they fill.
+fn filling(root: &mut Section<'_>, body: Option<&Domain>) -> (Read<Vec<Material>>, Vec<Region>) {
+    let mut section = root.section("materials");
+    let found = section.as_mut().map(ground::materials).unwrap_or_default();
+    let names: Vec<String> = found.iter().map(|(name, _)| name.clone()).collect();
+    let regions = match &mut section {
+        Ok(section) => regions::regions(root, section, body, &names),
+        Err(_) => {
+            root.sections("regions").iter_mut().for_each(Section::abandon);
+            Vec::new()
+        }
+    };
+    (found.into_iter().map(|(_, material)| material).collect(), regions)
+}
+
 fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static MethodKind]) -> Read<Scene> {
     let all_units = [Units::Si, Units::Dpd, Units::Dimensionless].map(|units| (units.name(), units));
     let units = root.choice_or("units", &all_units, Units::Si);
@@ -114,18 +132,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let body = domain.as_ref().ok();
     let mut time = watch::time(&mut root);
 
-    let mut material_section = root.section("materials");
-    let found = material_section.as_mut().map(ground::materials).unwrap_or_default();
-    let names: Vec<String> = found.iter().map(|(name, _)| name.clone()).collect();
-    let regions = match &mut material_section {
-        Ok(section) => regions::regions(&mut root, section, body, &names),
-        Err(_) => {
-            root.sections("regions").iter_mut().for_each(Section::abandon);
-            Vec::new()
-        }
-    };
-    drop(material_section);
-    let materials: Read<Vec<_>> = found.into_iter().map(|(_, material)| material).collect();
+    let (materials, regions) = filling(&mut root, body);
     // The checks of combinations would speak of the wrong materials if some were missing.
     let known = materials.as_deref().unwrap_or_default();
 

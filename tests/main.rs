@@ -20,6 +20,7 @@ mod fuzzed;
 mod groundwater;
 mod interfaces;
 mod invariants;
+mod irregular;
 mod layout_references;
 mod layouts;
 mod moving;

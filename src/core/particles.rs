@@ -99,7 +99,7 @@ impl Particles {
 
     /// Temperature at the place of a particle: its own, or, where the front in its cell is known, that beside the front.
     pub fn reading(&self, index: usize) -> f64 {
-        if !self.sub_cell {
+        if !self.sub_cell || !self.materials.of(index).curve.is_sharp() {
             return self.temperature(index);
         }
         let fraction = self.frozen_fraction(index);

@@ -3,6 +3,7 @@
 pub mod blend;
 pub mod curve;
 pub mod latent_heat;
+pub mod laws;
 pub mod material;
 pub mod potential;
 pub mod sub_cell;

@@ -4,3 +4,4 @@ mod build;
 mod ground;
 
 pub use build::{Seen, chains};
+pub use ground::Ground;

@@ -1,6 +1,7 @@
 //! From a scene to what its steps need, and what it is spared: the one place where run time becomes types.
 
 mod bonds;
+mod irregular;
 mod listed;
 mod moving;
 mod pipes;
@@ -153,7 +154,7 @@ pub(crate) fn build_for(
             used.push(format!("one fused sweep a step, {} neighbours a particle", prepared.stencil.neighbours()));
             let range = prepared.range(scene);
             let largest_slope = prepared.largest_slope();
-            let parts = prepared.lattice_parts(scene, settings, pool);
+            let parts = prepared.lattice_parts(scene, settings, pool)?;
             integrator(numerics, on_lattice(parts), range, largest_slope, prepared.count())
         }
         Some(reason) => {

@@ -204,14 +204,18 @@ impl Cuts {
         kept.partners.shrink_to_fit();
         kept.weights.shrink_to_fit();
         *pairs = kept;
-        Cuts::at(events)
+        let mut cuts = Cuts::default();
+        cuts.add(events);
+        cuts
     }
 
-    /// Cuts by time (s), place in the list, and weight before.
-    pub fn at(mut events: Vec<(f64, usize, f64)>) -> Self {
-        events.shrink_to_fit();
-        events.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        Cuts { events, done: 0 }
+    /// Adds cuts by time (s), place in the list, and weight before. A pair is cut once, by whatever comes first.
+    pub fn add(&mut self, events: Vec<(f64, usize, f64)>) {
+        self.events.extend(events);
+        self.events.sort_by(|a, b| a.1.cmp(&b.1).then(a.0.total_cmp(&b.0)));
+        self.events.dedup_by_key(|event| event.1);
+        self.events.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        self.events.shrink_to_fit();
     }
 
     /// Whether no pair is cut after the start.

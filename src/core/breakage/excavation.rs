@@ -10,8 +10,15 @@ use crate::boundary::patch::Dug;
 use crate::breakage::crack::Cuts;
 use crate::physics::latent_heat::Materials;
 
-/// When pairs across the face are cut, and the contacts of the ground around it.
-pub fn face(pairs: &PairList, positions: &[DVec2], ghosts: &Ghosts, materials: &Materials, dug: &Dug) -> (Cuts, Rim) {
+/// The contacts of the ground around the face, from when pairs across it are cut on.
+pub fn face(
+    pairs: &PairList,
+    positions: &[DVec2],
+    ghosts: &Ghosts,
+    materials: &Materials,
+    dug: &Dug,
+    cuts: &mut Cuts,
+) -> Rim {
     let count = positions.len();
     // Beside a ring there are mirror planes alone, whose ghosts are their particles.
     let particle = |k: usize| {
@@ -40,5 +47,6 @@ pub fn face(pairs: &PairList, positions: &[DVec2], ghosts: &Ghosts, materials: &
             contacts.add(i as u32, &near, sum);
         }
     }
-    (Cuts::at(events), Rim { patch: dug.patch, from: dug.start, contacts })
+    cuts.add(events);
+    Rim { patch: dug.patch, from: dug.start, contacts }
 }

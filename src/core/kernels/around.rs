@@ -3,10 +3,12 @@
 use std::sync::Arc;
 
 use crate::bonds::stencil::Stencil;
-use crate::boundary::patch::{Face, Side};
+use crate::boundary::patch::{Boundary, Face, Side};
+use crate::boundary::pipe::Sink;
 use crate::kernels::exterior::{Exterior, WallSlopes};
-use crate::kernels::sweep::{Shape, Surroundings, fill_row};
-use crate::physics::potential::PotentialLaw;
+use crate::kernels::sweep::{Shape, Surroundings};
+use crate::physics::latent_heat::Materials;
+use crate::physics::laws::Laws;
 use crate::physics::thermal::Thermal;
 use crate::space::lattice::Lattice;
 
@@ -15,8 +17,10 @@ pub(super) struct Around<L> {
     pub(super) lattice: Arc<Lattice>,
     pub(super) shape: Shape,
     pub(super) stencil: Stencil,
-    pub(super) law: L,
-    pub(super) thermal: Thermal,
+    pub(super) laws: L,
+    pub(super) materials: Materials,
+    /// The material at each patch, by index.
+    pub(super) material_at: Vec<u8>,
     pub(super) sides: [Side; 4],
     pub(super) open: [bool; 4],
     /// Whether heat passes walls that meet in corners.
@@ -52,12 +56,33 @@ pub(super) fn patch_weights(stencil: &Stencil, shape: Shape, columns: usize) -> 
     (weights, own)
 }
 
-impl<L: PotentialLaw> Around<L> {
+impl<L: Laws> Around<L> {
     pub(super) fn face(&self, side: usize) -> Face {
         match self.sides[side] {
             Side::Wall(patch) => self.faces[patch],
             Side::Mirror | Side::Curved => Face::Even,
         }
+    }
+
+    /// Brings the walls that change, or all, to a time (s).
+    pub(super) fn update_faces(&mut self, boundary: &Boundary, time: f64, all: bool) {
+        for (patch, wall) in boundary.patches.iter().enumerate().filter(|(_, wall)| all || wall.changes) {
+            let thermal = &self.materials.thermals[self.material_at[patch] as usize];
+            self.faces[patch] = wall.face(time, &thermal.curve, thermal.initial_potential);
+        }
+    }
+
+    /// Brings a curved wall to a state.
+    pub(super) fn update_exterior(&mut self, boundary: &Boundary, enthalpy: &[f64]) {
+        if let (Some(exterior), Some((patch, _))) = (&mut self.exterior, boundary.curved) {
+            let thermal = &self.materials.thermals[self.material_at[patch] as usize];
+            exterior.update(&self.laws, enthalpy, &self.faces[patch], thermal, self.slopes.as_ref());
+        }
+    }
+
+    /// The material at a pipe.
+    pub(super) fn thermal_at_sink(&self, sink: &Sink) -> &Thermal {
+        self.materials.of(sink.sample.first().map_or(0, |entry| entry.0 as usize))
     }
 
     /// A ghost of a straight wall, `layer` rows behind it at the padded `place` along it.
@@ -67,7 +92,21 @@ impl<L: PotentialLaw> Around<L> {
             return slopes.by_side[side][place * self.shape.reach + layer] * image;
         }
         let depth = (layer as f64 + 0.5) * self.lattice.spacing;
-        face.ghost(image, depth, &self.thermal.curve, self.thermal.initial_potential)
+        let thermal = self.thermal_at(side);
+        face.ghost(image, depth, &thermal.curve, thermal.initial_potential)
+    }
+
+    /// The material at a side.
+    #[inline]
+    pub(super) fn thermal_at(&self, side: usize) -> &Thermal {
+        let material = if let Side::Wall(patch) = self.sides[side] { self.material_at[patch] } else { 0 };
+        &self.materials.thermals[material as usize]
+    }
+
+    /// The material at a patch.
+    #[inline]
+    pub(super) fn thermal_of(&self, patch: usize) -> &Thermal {
+        &self.materials.thermals[self.material_at[patch] as usize]
     }
 
     /// Potentials of any row, ghost rows included, from the enthalpies of all particles.
@@ -78,7 +117,7 @@ impl<L: PotentialLaw> Around<L> {
             let (first, end) = self.lattice.span(row);
             let enthalpy = &enthalpy[self.lattice.start(row)..self.lattice.start(row + 1)];
             let reach = self.shape.reach;
-            fill_row(&self.law, enthalpy, &mut potentials[first + reach..end + reach]);
+            self.laws.fill(self.lattice.start(row), enthalpy, &mut potentials[first + reach..end + reach]);
             self.complete(row, potentials);
             return;
         }
@@ -194,7 +233,7 @@ impl<L: PotentialLaw> Around<L> {
     }
 }
 
-impl<L: PotentialLaw> Surroundings for Around<L> {
+impl<L: Laws> Surroundings for Around<L> {
     #[inline]
     fn complete(&self, row: usize, potentials: &mut [f64]) {
         if self.exterior.is_some() {

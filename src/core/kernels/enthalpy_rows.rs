@@ -40,6 +40,14 @@ pub struct Tangent {
     pub(super) time: f64,
 }
 
+impl HeapSize for Tangent {
+    fn heap_size(&self) -> usize {
+        let columns =
+            self.changes.heap_size() + self.ghosts.heap_size() + self.shares.heap_size() + self.touches.heap_size();
+        columns + self.views.iter().map(HeapSize::heap_size).sum::<usize>()
+    }
+}
+
 impl Operator for EnthalpyList {
     fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], patches: &mut [f64]) {
         let clock = Clock { time, step: 0.0, index: 0, turned: false };
@@ -134,13 +142,7 @@ impl Operator for EnthalpyList {
     }
 
     fn heap_size(&self) -> usize {
-        let Tangent { changes, ghosts, shares, views, touches, .. } = &self.tangent;
-        let tangent = changes.heap_size()
-            + ghosts.heap_size()
-            + shares.heap_size()
-            + views.iter().map(HeapSize::heap_size).sum::<usize>()
-            + touches.heap_size();
-        self.operator.heap_size() + self.scheme.heap_size() + self.rate.heap_size() + tangent
+        self.operator.heap_size() + self.scheme.heap_size() + self.rate.heap_size() + self.tangent.heap_size()
     }
 }
 

@@ -6,7 +6,7 @@ use crate::boundary::patch::{Boundary, Face, Side};
 use crate::kernels::sweep::Shape;
 use crate::ledger::Sum;
 use crate::memory::HeapSize;
-use crate::physics::potential::PotentialLaw;
+use crate::physics::laws::Laws;
 use crate::physics::thermal::Thermal;
 use crate::space::lattice::Lattice;
 
@@ -77,15 +77,15 @@ impl Exterior {
         Exterior { rows, gains: vec![(0.0, 0.0); contacts.contacts.len()], contacts }
     }
 
-    pub(super) fn update<L: PotentialLaw>(
+    pub(super) fn update<L: Laws>(
         &mut self,
-        law: &L,
+        laws: &L,
         enthalpy: &[f64],
         face: &Face,
         thermal: &Thermal,
         slopes: Option<&WallSlopes>,
     ) {
-        let potential = |particle: usize| law.potential(enthalpy[particle]);
+        let potential = |particle: usize| laws.potential_of(particle, enthalpy[particle]);
         for (contact, gain) in self.contacts.contacts.iter().zip(&mut self.gains) {
             let given = match slopes {
                 Some(slopes) => self.contacts.change(contact, &slopes.curved, potential),

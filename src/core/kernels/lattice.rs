@@ -8,229 +8,147 @@ use crate::boundary::patch::{Boundary, Face, Side};
 use crate::boundary::pipe::Sink;
 use crate::kernels::around::{Around, patch_weights};
 use crate::kernels::corner::{CornerPair, lattice_pairs};
-use crate::kernels::exterior::{Exterior, WallSlopes};
-use crate::kernels::lattice_parts::{LatticeParts, bands, bound};
+use crate::kernels::exterior::Exterior;
+use crate::kernels::irregular::IrregularRows;
+use crate::kernels::lattice_parts::{LatticeParts, Stiffness, bands};
 use crate::kernels::sweep::{Band, Frame, Shape, sweep};
 use crate::kernels::target::{Beside, Chained, InPlace, Target};
 use crate::ledger::Sum;
-use crate::memory::total;
-use crate::physics::potential::{Identity, PotentialLaw};
+use crate::memory::HeapSize;
+use crate::physics::latent_heat::Materials;
+use crate::physics::laws::Laws;
+use crate::physics::potential::Identity;
 use crate::physics::sub_cell::SubCellFront;
-use crate::series::Series;
 use crate::solvers::operator::{Operator, Stage, StageColumns};
 use crate::solvers::step::Bound;
+use crate::space::lattice::Lattice;
 
 /// Particles that each further thread must have to itself: a step of fewer is over before a thread is woken.
 pub const PARTICLES_PER_THREAD: usize = 16_384;
 
-/// The operator, monomorphised over the law of its material.
+/// The operator, monomorphised over the laws of its particles.
 pub struct LatticeOperator<L> {
-    around: Around<L>,
-    boundary: Boundary,
-    sum: f64,
-    sinks: Vec<Sink>,
-    rings: Vec<String>,
-    sink_potentials: Vec<f64>,
-    sink_heat: Vec<f64>,
-    corners: Vec<CornerPair>,
-    corner_rates: Vec<f64>,
-    front: Option<SubCellFront>,
-    bands: Vec<Band>,
-    row_patches: Vec<[f64; 4]>,
-    pool: Option<Arc<ThreadPool>>,
-    bound: Bound,
+    pub(super) around: Around<L>,
+    pub(super) boundary: Boundary,
+    pub(super) sum: f64,
+    pub(super) sinks: Vec<Sink>,
+    pub(super) rings: Vec<String>,
+    pub(super) sink_potentials: Vec<f64>,
+    pub(super) sink_heat: Vec<f64>,
+    pub(super) corners: Vec<CornerPair>,
+    pub(super) corner_rates: Vec<f64>,
+    pub(super) front: Option<SubCellFront>,
+    /// Rows that the stencil does not know.
+    pub(super) irregular: Option<IrregularRows>,
+    /// Rows at the surfaces through which heat is counted.
+    pub(super) observed: Option<IrregularRows>,
+    pub(super) bands: Vec<Band>,
+    pub(super) row_patches: Vec<[f64; 4]>,
+    pub(super) pool: Option<Arc<ThreadPool>>,
+    pub(super) bound: Bound,
     /// The same operator for small changes of potentials, once it was asked for.
-    tangent: Option<Box<LatticeOperator<Identity>>>,
+    pub(super) tangent: Option<Box<LatticeOperator<Identity>>>,
     /// Time (s) of the last linearisation.
-    linear_time: f64,
+    pub(super) linear_time: f64,
 }
 
-impl<L: PotentialLaw> LatticeOperator<L> {
-    /// An operator on the given parts, with the law of their material.
-    pub fn new(parts: LatticeParts, law: L) -> Self {
-        let LatticeParts { lattice, stencil, front, thermal, boundary, sinks, rings, pool, bound: known } = parts;
-        let reach = stencil.reach;
-        let shape = Shape::new(lattice.columns, reach, lattice.dimension == 1);
-        let faces = boundary.first_faces(&thermal.curve, thermal.initial_potential);
+impl<L: Laws> LatticeOperator<L> {
+    /// An operator on the given parts, with the laws of their particles.
+    pub fn new(parts: LatticeParts, laws: L) -> Self {
+        let LatticeParts { lattice, stencil, materials, boundary, pool, .. } = parts;
+        let shape = Shape::new(lattice.columns, stencil.reach, lattice.dimension == 1);
         let open = boundary.sides.map(|side| match side {
             Side::Wall(patch) => boundary.patches[patch].lets_heat_through(),
             Side::Mirror | Side::Curved => false,
         });
-        let exterior = boundary.curved.map(|(_, radius)| Exterior::new(&lattice, &stencil, shape, &boundary, radius));
-        let sum = stencil.sum();
+        let (patch_weights, patch_own) = patch_weights(&stencil, shape, lattice.columns);
+        let material_at = material_at(&boundary, &lattice, &materials);
+        let mut around = Around {
+            shape,
+            laws,
+            sides: boundary.sides,
+            open,
+            walls_meet: (open[0] || open[1]) && (open[2] || open[3]),
+            faces: boundary.patches.iter().map(|_| Face::Even).collect(),
+            slopes: None,
+            exterior: boundary.curved.map(|(_, radius)| Exterior::new(&lattice, &stencil, shape, &boundary, radius)),
+            patch_weights,
+            patch_own,
+            lattice,
+            stencil,
+            materials,
+            material_at,
+        };
+        around.update_faces(&boundary, 0.0, true);
         let stiffness = boundary.sides.map(|side| match side {
-            Side::Wall(patch) => Some(faces[patch].stiffness()),
+            Side::Wall(patch) => Some(around.faces[patch].stiffness()),
             Side::Mirror => Some(-1.0),
             Side::Curved => None,
         });
-        let corners = lattice_pairs(&lattice, &stencil, stiffness);
-        let corner_rates = vec![0.0; corners.len()];
-        let beside_fronts = front.as_ref().map_or(0.0, SubCellFront::row_sum);
-        let most = sum + beside_fronts;
-        let mut derived =
-            bound(&lattice, &stencil, most, &thermal, &boundary, &faces, exterior.as_ref(), &sinks, &corners);
-        let front_rate = front.as_ref().map_or(0.0, SubCellFront::own_rate);
+        let corners = lattice_pairs(&around.lattice, &around.stencil, stiffness);
+        let beside_fronts = parts.front.as_ref().map_or(0.0, SubCellFront::row_sum);
+        let (irregular, sinks) = (parts.irregular.as_ref(), &parts.sinks);
+        let (around_it, walls, pairs) = (&around, &boundary, &corners);
+        let stiffness =
+            Stiffness { around: around_it, boundary: walls, irregular, sinks, corners: pairs, beside_fronts };
+        let mut derived = stiffness.bound();
+        let front_rate = parts.front.as_ref().map_or(0.0, SubCellFront::own_rate);
         if front_rate * derived.step > 1.0 {
             derived = Bound { step: 1.0 / front_rate, cause: "the front inside a particle".to_string() };
         }
-        let bound = known.unwrap_or(derived);
-        let threads = pool.as_ref().map_or(1, |pool| pool.current_num_threads());
-        let most = (lattice.len() / PARTICLES_PER_THREAD).min(lattice.rows / (4 * shape.reach_rows).max(1));
-        let count = if lattice.rows == 1 { 1 } else { threads.min(most).max(1) };
-        let bands = bands(&lattice, count, shape);
-        let pool = if bands.len() > 1 { pool } else { None };
-        let row_patches = vec![[0.0; 4]; lattice.rows];
-        let sides = boundary.sides;
-        let sink_potentials = sinks.iter().map(|sink| thermal.potential_at(sink.temperature.at(0.0))).collect();
-        let sink_heat = vec![0.0; sinks.len()];
-        let (patch_weights, patch_own) = patch_weights(&stencil, shape, lattice.columns);
-        let around = Around {
-            lattice,
-            shape,
-            stencil,
-            law,
-            thermal,
-            sides,
-            open,
-            walls_meet: (open[0] || open[1]) && (open[2] || open[3]),
-            faces,
-            slopes: None,
-            exterior,
-            patch_weights,
-            patch_own,
-        };
+        let bands = bands(&around.lattice, threads(&pool, &around), shape);
+        let potential = |sink: &Sink| around.thermal_at_sink(sink).potential_at(sink.temperature.at(0.0));
         LatticeOperator {
-            around,
-            boundary,
-            sum,
-            sinks,
-            rings,
-            sink_potentials,
-            sink_heat,
+            sum: around.stencil.sum(),
+            sink_potentials: parts.sinks.iter().map(potential).collect(),
+            sink_heat: vec![0.0; parts.sinks.len()],
+            sinks: parts.sinks,
+            rings: parts.rings,
+            corner_rates: vec![0.0; corners.len()],
             corners,
-            corner_rates,
-            front,
+            front: parts.front,
+            irregular: parts.irregular,
+            observed: parts.observed,
+            row_patches: vec![[0.0; 4]; around.lattice.rows],
+            pool: if bands.len() > 1 { pool } else { None },
             bands,
-            row_patches,
-            pool,
-            bound,
+            bound: parts.bound.unwrap_or(derived),
             tangent: None,
             linear_time: 0.0,
-        }
-    }
-
-    /// The operator on small changes of potentials: walls and pipes hold still, and no heat is booked.
-    fn tangent(&self) -> LatticeOperator<Identity> {
-        let still = |sink: &Sink| Sink { temperature: Series::Constant(0.0), film: None, ..sink.clone() };
-        let around = &self.around;
-        let mut boundary = self.boundary.clone();
-        boundary.hold_still();
-        LatticeOperator {
-            around: Around {
-                lattice: around.lattice.clone(),
-                shape: around.shape,
-                stencil: around.stencil.clone(),
-                law: Identity,
-                thermal: around.thermal.clone(),
-                sides: around.sides,
-                open: [false; 4],
-                walls_meet: around.walls_meet,
-                faces: around.faces.iter().map(Face::homogeneous).collect(),
-                slopes: Some(WallSlopes::default()),
-                exterior: around.exterior.clone(),
-                patch_weights: around.patch_weights.clone(),
-                patch_own: around.patch_own.clone(),
-            },
             boundary,
-            sum: self.sum,
-            sinks: self.sinks.iter().map(still).collect(),
-            rings: self.rings.clone(),
-            sink_potentials: vec![0.0; self.sinks.len()],
-            sink_heat: vec![0.0; self.sinks.len()],
-            corners: self.corners.clone(),
-            corner_rates: vec![0.0; self.corners.len()],
-            front: None,
-            bands: self.bands.clone(),
-            row_patches: self.row_patches.clone(),
-            pool: self.pool.clone(),
-            bound: self.bound.clone(),
-            tangent: None,
-            linear_time: 0.0,
+            around,
         }
-    }
-
-    /// How small changes around a state meet the walls.
-    fn wall_slopes(&self, enthalpy: &[f64]) -> WallSlopes {
-        let around = &self.around;
-        let Shape { reach, width, .. } = around.shape;
-        let (columns, rows) = (around.lattice.columns, around.lattice.rows);
-        let slope = |face: &Face, image: f64, depth: f64| {
-            face.ghost_slope(image, depth, &around.thermal.curve, around.thermal.initial_potential)
-        };
-        let mut slopes = WallSlopes::default();
-        let mut row_buffer = vec![0.0; width];
-        for side in 0..4 {
-            let face = around.face(side);
-            if !matches!(face, Face::Film { .. }) {
-                continue;
-            }
-            let depth = |layer: usize| (layer as f64 + 0.5) * around.lattice.spacing;
-            let table = &mut slopes.by_side[side];
-            if side < 2 {
-                let beyond = around.shape.reach_rows as i64;
-                for row in -beyond..rows as i64 + beyond {
-                    around.fill_any(row, enthalpy, &mut row_buffer);
-                    table.extend((0..reach).map(|layer| {
-                        let image = if side == 0 { reach + layer } else { reach + columns - 1 - layer };
-                        slope(&face, row_buffer[image], depth(layer))
-                    }));
-                }
-            } else {
-                table.resize((columns + 2 * reach) * reach, 0.0);
-                for layer in 0..around.shape.reach_rows {
-                    let image = if side == 2 { layer as i64 } else { rows as i64 - 1 - layer as i64 };
-                    around.fill_any(image, enthalpy, &mut row_buffer);
-                    for (place, potential) in row_buffer[..columns + 2 * reach].iter().enumerate() {
-                        table[place * reach + layer] = slope(&face, *potential, depth(layer));
-                    }
-                }
-            }
-        }
-        if let (Some(exterior), Some((patch, _))) = (&around.exterior, self.boundary.curved) {
-            let (face, thermal) = (&around.faces[patch], &around.thermal);
-            let slope =
-                |particle: usize, depth: f64| face.flux_slope(around.law.potential(enthalpy[particle]), depth, thermal);
-            exterior.contacts.slopes(slope, &mut slopes.curved);
-        }
-        slopes
     }
 
     /// Brings ghosts, pipes and the rows around each band to the given state.
     fn prepare(&mut self, enthalpy: &[f64], time: f64) {
         let around = &mut self.around;
-        let thermal = &around.thermal;
-        self.boundary.update_faces(&mut around.faces, time, &thermal.curve, thermal.initial_potential);
-        if let (Some(exterior), Some((patch, _))) = (&mut around.exterior, self.boundary.curved) {
-            exterior.update(&around.law, enthalpy, &around.faces[patch], thermal, around.slopes.as_ref());
-        }
+        around.update_faces(&self.boundary, time, false);
+        around.update_exterior(&self.boundary, enthalpy);
+        let around = &self.around;
         for ((sink, potential), heat) in self.sinks.iter().zip(&mut self.sink_potentials).zip(&mut self.sink_heat) {
+            let thermal = around.thermal_at_sink(sink);
             if sink.temperature.changes() {
                 *potential = thermal.potential_at(sink.temperature.at(time));
             }
             *heat = if sink.works(time) {
-                let sampled = sink.sampled(|index| around.law.potential(enthalpy[index]));
+                let sampled = sink.sampled(|index| around.laws.potential_of(index, enthalpy[index]));
                 sink.heat(sampled, *potential, time, thermal)
             } else {
                 0.0
             };
         }
-        let around = &self.around;
         for (pair, rate) in self.corners.iter().zip(&mut self.corner_rates) {
-            let potential = |index: u32| around.law.potential(enthalpy[index as usize]);
+            let potential = |index: u32| around.laws.potential_of(index as usize, enthalpy[index as usize]);
             *rate = pair.weight * (potential(pair.second) - potential(pair.first));
         }
         if let Some(front) = &mut self.front {
-            front.update(&around.lattice, enthalpy, |enthalpy| around.law.potential(enthalpy));
+            front.update(&around.lattice, enthalpy, |particle| around.laws.potential_of(particle, enthalpy[particle]));
+        }
+        match (&mut self.irregular, &around.slopes) {
+            (Some(irregular), None) => irregular.evaluate(enthalpy, time),
+            (Some(irregular), Some(_)) => irregular.act(enthalpy),
+            (None, _) => {}
         }
         let Shape { reach_rows, width, .. } = around.shape;
         let fill = |band: &mut Band| {
@@ -245,6 +163,13 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         self.bands.iter_mut().for_each(fill);
     }
 
+    /// Keeps what the rates of irregular rows are to be added to.
+    fn keep(&mut self, base: impl Fn(usize) -> f64) {
+        if let Some(irregular) = &mut self.irregular {
+            irregular.keep(base);
+        }
+    }
+
     /// Sweeps all bands; `targets` holds one target for each.
     fn sweep<T: Target + Send>(&mut self, targets: &mut [T]) {
         let around = &self.around;
@@ -253,7 +178,7 @@ impl<L: PotentialLaw> LatticeOperator<L> {
             lattice: &around.lattice,
             stencil: &around.stencil,
             sum: self.sum,
-            law: &around.law,
+            laws: &around.laws,
             surroundings: around,
         };
         match &self.pool {
@@ -298,17 +223,15 @@ impl<L: PotentialLaw> LatticeOperator<L> {
     }
 
     /// Rates of all particles, without booking what passes the patches.
-    fn rates(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64]) {
+    pub(super) fn rates(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64]) {
         self.prepare(enthalpy, time);
+        self.keep(|_| 0.0);
         if let [_] = self.bands.as_slice() {
             self.sweep(&mut [Beside { enthalpy, rate }]);
         } else {
             self.rates_in_bands(enthalpy, rate);
         }
-        self.sink(rate, 1.0);
-        self.strengthen(rate, 1.0);
-        self.contact(rate, 1.0);
-        self.fronts(rate, 1.0);
+        self.complete(rate, 1.0);
     }
 
     /// The sweep of the rates over several bands.
@@ -337,29 +260,28 @@ impl<L: PotentialLaw> LatticeOperator<L> {
         if let (Some(exterior), Some((patch, _))) = (&self.around.exterior, self.boundary.curved) {
             patches[patch] = volume * exterior.heat();
         }
+        if let Some(irregular) = &self.irregular {
+            irregular.book(patches);
+        }
         let walls = self.boundary.patches.len();
         for (sink, heat) in self.sinks.iter().zip(&self.sink_heat) {
             patches[walls + sink.ring] -= heat * sink.share;
         }
     }
 
-    /// Adds what strengthened corner pairs exchange to `rates`, scaled.
-    fn strengthen(&self, rates: &mut [f64], scale: f64) {
+    /// Adds to the rates of a sweep, scaled, what no stencil knows.
+    fn complete(&self, rates: &mut [f64], scale: f64) {
+        if let Some(irregular) = &self.irregular {
+            irregular.settle(rates, scale);
+        }
+        self.sink(rates, scale);
         for (pair, rate) in self.corners.iter().zip(&self.corner_rates) {
             rates[pair.first as usize] += scale * rate;
             rates[pair.second as usize] -= scale * rate;
         }
-    }
-
-    /// Adds what a curved wall gives to `rates`, scaled.
-    fn contact(&self, rates: &mut [f64], scale: f64) {
         if let Some(exterior) = &self.around.exterior {
             exterior.add(rates, scale);
         }
-    }
-
-    /// Adds what fronts exchange to `rates`, scaled.
-    fn fronts(&self, rates: &mut [f64], scale: f64) {
         if let Some(front) = &self.front {
             front.add(rates, scale);
         }
@@ -377,7 +299,31 @@ impl<L: PotentialLaw> LatticeOperator<L> {
     }
 }
 
-impl<L: PotentialLaw> Operator for LatticeOperator<L> {
+/// Threads that a step of a lattice is worth.
+fn threads<L>(pool: &Option<Arc<ThreadPool>>, around: &Around<L>) -> usize {
+    let (lattice, shape) = (&around.lattice, around.shape);
+    let threads = pool.as_ref().map_or(1, |pool| pool.current_num_threads());
+    let most = (lattice.len() / PARTICLES_PER_THREAD).min(lattice.rows / (4 * shape.reach_rows).max(1));
+    if lattice.rows == 1 { 1 } else { threads.min(most).max(1) }
+}
+
+/// The material at each patch, by index, for patches within whose reach there is one alone.
+fn material_at(boundary: &Boundary, lattice: &Lattice, materials: &Materials) -> Vec<u8> {
+    let mut found = vec![0; boundary.patches.len()];
+    let rows = lattice.rows;
+    let beside = [0, lattice.start(1) - 1, 0, lattice.start(rows - 1)];
+    for (side, particle) in boundary.sides.iter().zip(beside) {
+        if let Side::Wall(patch) = side {
+            found[*patch] = materials.index(particle) as u8;
+        }
+    }
+    if let Some((patch, _)) = boundary.curved {
+        found[patch] = materials.index(lattice.start(1) - 1) as u8;
+    }
+    found
+}
+
+impl<L: Laws> Operator for LatticeOperator<L> {
     fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], patches: &mut [f64]) {
         self.rates(enthalpy, time, rate);
         self.book(patches);
@@ -385,43 +331,31 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
 
     fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64, patches: &mut [f64]) {
         self.prepare(columns.newest, time);
+        self.keep(|particle| {
+            let states = (columns.newest[particle], columns.oldest[particle], columns.start[particle]);
+            stage.without_rate(states, columns.first[particle])
+        });
         if let [_] = self.bands.as_slice() {
             let StageColumns { newest, ref mut oldest, start, first } = *columns;
             self.sweep(&mut [Chained { stage: *stage, columns: StageColumns { newest, oldest, start, first } }]);
         } else {
             self.stage_in_bands(stage, columns);
         }
-        self.sink(columns.oldest, stage.rate);
-        self.strengthen(columns.oldest, stage.rate);
-        self.contact(columns.oldest, stage.rate);
-        self.fronts(columns.oldest, stage.rate);
+        self.complete(columns.oldest, stage.rate);
         self.book(patches);
     }
 
     fn linearise(&mut self, enthalpy: &[f64], time: f64, slopes: &mut [f64]) {
-        let around = &mut self.around;
-        let thermal = &around.thermal;
-        self.boundary.update_faces(&mut around.faces, time, &thermal.curve, thermal.initial_potential);
-        for (slope, enthalpy) in slopes.iter_mut().zip(enthalpy) {
-            *slope = around.law.slope(*enthalpy);
-        }
-        self.linear_time = time;
-        let wall_slopes = self.wall_slopes(enthalpy);
-        let mut tangent = self.tangent.take().unwrap_or_else(|| Box::new(self.tangent()));
-        for (linear, face) in tangent.around.faces.iter_mut().zip(&self.around.faces) {
-            *linear = face.homogeneous();
-        }
-        tangent.around.slopes = Some(wall_slopes);
-        for (linear, sink) in tangent.sinks.iter_mut().zip(&self.sinks) {
-            let sampled = sink.sampled(|index| self.around.law.potential(enthalpy[index]));
-            linear.resistance = sink.resistance_to_changes(sampled, time, &self.around.thermal);
-        }
-        self.tangent = Some(tangent);
+        self.linearise_at(enthalpy, time, slopes);
     }
 
     fn act(&mut self, potentials: &[f64], rate: &mut [f64]) {
         match &mut self.tangent {
-            Some(tangent) => tangent.rates(potentials, self.linear_time, rate),
+            Some(tangent) => {
+                std::mem::swap(&mut tangent.irregular, &mut self.irregular);
+                tangent.rates(potentials, self.linear_time, rate);
+                std::mem::swap(&mut tangent.irregular, &mut self.irregular);
+            }
             None => rate.fill(0.0),
         }
     }
@@ -430,17 +364,22 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
         // Particles see a curved wall through others, and behind a film deeper ghosts follow less.
         let film = |side: usize| matches!(self.around.face(side), Face::Film { .. });
         let curved = self.boundary.curved.is_some_and(|(patch, _)| self.around.faces[patch].holds() > 0.0);
-        !curved && (self.around.shape.reach == 1 || !(0..4).any(film))
+        let irregular = self.irregular.as_ref().is_none_or(IrregularRows::is_symmetric);
+        irregular && !curved && (self.around.shape.reach == 1 || !(0..4).any(film))
     }
 
     fn is_constant(&self) -> bool {
-        self.boundary.is_linear() && self.sinks.iter().all(|sink| sink.schedule.is_none() && sink.film.is_none())
+        let irregular = self.irregular.as_ref().is_none_or(IrregularRows::is_constant);
+        irregular
+            && self.boundary.is_linear()
+            && self.sinks.iter().all(|sink| sink.schedule.is_none() && sink.film.is_none())
     }
 
     fn bandwidth(&self) -> usize {
         let lattice = &self.around.lattice;
         let by_pairs = self.around.shape.reach_rows * lattice.columns + self.around.shape.reach.min(lattice.columns);
-        if self.around.exterior.is_some() || !self.sinks.is_empty() {
+        let rims = self.irregular.as_ref().is_some_and(IrregularRows::has_rims);
+        if rims || self.around.exterior.is_some() || !self.sinks.is_empty() {
             lattice.len()
         } else {
             by_pairs.min(lattice.len())
@@ -449,6 +388,7 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
 
     fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, patches: &mut [f64]) {
         self.prepare(enthalpy, time);
+        self.keep(|particle| enthalpy[particle]);
         if let [_] = self.bands.as_slice() {
             self.sweep(&mut [InPlace { enthalpy, step }]);
         } else {
@@ -462,19 +402,20 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
             }
             self.sweep(&mut targets);
         }
-        self.sink(enthalpy, step);
-        self.strengthen(enthalpy, step);
-        self.contact(enthalpy, step);
-        self.fronts(enthalpy, step);
+        self.complete(enthalpy, step);
         self.book(patches);
     }
 
     fn steepest(&self) -> Vec<f64> {
-        vec![self.around.thermal.largest_slope; self.around.lattice.len()]
+        (0..self.around.lattice.len()).map(|i| self.around.materials.of(i).largest_slope).collect()
     }
 
     fn bound(&self) -> Bound {
         self.bound.clone()
+    }
+
+    fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
+        self.observed.as_mut().map_or_else(Vec::new, |observed| observed.across(enthalpy, time))
     }
 
     fn patches(&self) -> Vec<String> {
@@ -487,10 +428,19 @@ impl<L: PotentialLaw> Operator for LatticeOperator<L> {
 
     fn heap_size(&self) -> usize {
         let around = &self.around;
-        let walls = total(&[&around.stencil, &around.exterior, &around.patch_weights, &around.patch_own]);
-        let pipes = total(&[&self.sinks, &self.sink_potentials, &self.sink_heat]);
-        let corners = self.corners.capacity() * size_of::<CornerPair>();
-        let work = total(&[&self.corner_rates, &self.front, &self.bands, &self.row_patches]);
-        walls + pipes + corners + work + self.tangent.as_ref().map_or(0, |tangent| tangent.heap_size())
+        let walls = around.exterior.heap_size() + around.patch_weights.heap_size() + around.patch_own.heap_size();
+        let pipes = self.sinks.heap_size() + self.sink_potentials.heap_size() + self.sink_heat.heap_size();
+        let corners =
+            self.corners.capacity() * size_of::<CornerPair>() + self.corner_rates.heap_size() + self.front.heap_size();
+        let tangent = self.tangent.as_ref().map_or(0, |tangent| tangent.heap_size());
+        let rows = self.irregular.heap_size() + self.observed.heap_size() + around.materials.of_particle.heap_size();
+        around.stencil.heap_size()
+            + walls
+            + pipes
+            + corners
+            + self.bands.heap_size()
+            + self.row_patches.heap_size()
+            + tangent
+            + rows
     }
 }

@@ -1,22 +1,24 @@
 //! What the sweep over a lattice is made from, and the bound of its step.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rayon::ThreadPool;
 
 use crate::bonds::stencil::Stencil;
-use crate::boundary::patch::{Boundary, Face, Side};
+use crate::boundary::patch::{Boundary, Side};
 use crate::boundary::pipe::Sink;
+use crate::kernels::around::Around;
 use crate::kernels::corner::CornerPair;
-use crate::kernels::exterior::Exterior;
+use crate::kernels::irregular::IrregularRows;
 use crate::kernels::sweep::{Band, Shape};
+use crate::physics::latent_heat::Materials;
+use crate::physics::laws::Laws;
 use crate::physics::sub_cell::SubCellFront;
-use crate::physics::thermal::Thermal;
 use crate::solvers::step::Bound;
 use crate::space::lattice::Lattice;
 
 /// Everything an operator on a lattice is made from.
-#[derive(Clone)]
 pub struct LatticeParts {
     /// The lattice.
     pub lattice: Arc<Lattice>,
@@ -24,10 +26,14 @@ pub struct LatticeParts {
     pub stencil: Stencil,
     /// Fronts inside particles, if they are to be followed.
     pub front: Option<SubCellFront>,
-    /// The one material.
-    pub thermal: Thermal,
-    /// The walls.
+    /// Materials of particles.
+    pub materials: Materials,
+    /// The walls that the sweep sees: those at irregular rows are mirrors to it.
     pub boundary: Boundary,
+    /// Rows that the stencil does not know.
+    pub irregular: Option<IrregularRows>,
+    /// Rows at the surfaces through which heat is counted.
+    pub observed: Option<IrregularRows>,
     /// The pipes.
     pub sinks: Vec<Sink>,
     /// Names of pipe rings.
@@ -50,66 +56,107 @@ pub(super) fn bands(lattice: &Lattice, count: usize, shape: Shape) -> Vec<Band> 
     cuts.windows(2).map(|cut| Band::new((cut[0], cut[1]), shape)).collect()
 }
 
-#[allow(clippy::too_many_arguments)]
-pub(super) fn bound(
-    lattice: &Lattice,
-    stencil: &Stencil,
-    sum: f64,
-    thermal: &Thermal,
-    boundary: &Boundary,
-    faces: &[Face],
-    exterior: Option<&Exterior>,
-    sinks: &[Sink],
-    corners: &[CornerPair],
-) -> Bound {
-    let mut largest = sum;
-    let mut cause = "pair exchange inside the body".to_string();
-    // A particle reaches its own image behind a wall at twice its distance from it.
-    let stiffness = |side: usize| match boundary.sides[side] {
-        Side::Wall(patch) => faces[patch].stiffness().max(0.0),
-        Side::Mirror | Side::Curved => 0.0,
-    };
-    let excess = |near: usize, far: usize, cells: usize| {
-        let own = |side: usize, layer: usize| stiffness(side) * stencil.at(2 * layer + 1, 0);
-        (0..cells).map(|layer| own(near, layer) + own(far, cells - 1 - layer)).fold(0.0, f64::max)
-    };
-    let across = if lattice.dimension == 1 { 0.0 } else { excess(2, 3, lattice.rows) };
-    let wall_excess = excess(0, 1, lattice.columns) + across;
-    if wall_excess > 0.0 {
-        let mut strengthened = std::collections::BTreeMap::new();
-        for pair in corners {
+/// What the bound of a step follows from.
+pub(super) struct Stiffness<'a, L> {
+    pub(super) around: &'a Around<L>,
+    pub(super) boundary: &'a Boundary,
+    pub(super) irregular: Option<&'a IrregularRows>,
+    pub(super) sinks: &'a [Sink],
+    pub(super) corners: &'a [CornerPair],
+    /// What fronts inside particles may add to a row sum (m^-2).
+    pub(super) beside_fronts: f64,
+}
+
+/// The stiffest particle so far.
+struct Stiffest {
+    /// Row sum times the slope of its law (1/s).
+    rate: f64,
+    cause: String,
+}
+
+impl Stiffest {
+    fn meet(&mut self, rate: f64, cause: impl FnOnce() -> String) {
+        if rate > self.rate {
+            *self = Stiffest { rate, cause: cause() };
+        }
+    }
+}
+
+impl<L: Laws> Stiffness<'_, L> {
+    /// The bound of explicit steps by the row sums of the actual pairs.
+    pub(super) fn bound(&self) -> Bound {
+        let Around { lattice, stencil, materials, .. } = self.around;
+        let sum = stencil.sum() + self.beside_fronts;
+        let steepest = materials.laws().map(|thermal| thermal.largest_slope).fold(0.0, f64::max);
+        let mut stiffest = Stiffest { rate: sum * steepest, cause: "pair exchange inside the body".to_string() };
+        self.meet_straight_walls(sum, &mut stiffest);
+        self.meet_curved_wall(sum, &mut stiffest);
+        let at = |index: usize| {
+            let at = lattice.position(index);
+            format!("({:.4}, {:.4}) m", at.x, at.y)
+        };
+        let mut sums = BTreeMap::new();
+        if let Some(irregular) = self.irregular {
+            for (particle, own) in irregular.particles().iter().zip(irregular.row_sums()) {
+                let (particle, own) = (*particle as usize, own + self.beside_fronts);
+                sums.insert(particle, own);
+                let cause = || format!("pair exchange of particle {particle} at {}", at(particle));
+                stiffest.meet(own * materials.of(particle).largest_slope, cause);
+            }
+        }
+        for sink in self.sinks {
+            for (index, row_sum) in sink.row_sums(lattice.spacing) {
+                let own = sums.get(&index).copied().unwrap_or(sum);
+                stiffest.meet((own + row_sum) * materials.of(index).largest_slope, || {
+                    let pipe = sink.extent.centre;
+                    let (x, y) = (pipe.x, pipe.y);
+                    format!("particle {index} at {}, which the pipe at ({x:.4}, {y:.4}) m cools", at(index))
+                });
+            }
+        }
+        Bound { step: 1.0 / stiffest.rate, cause: stiffest.cause }
+    }
+
+    fn meet_straight_walls(&self, sum: f64, stiffest: &mut Stiffest) {
+        let (Around { lattice, stencil, faces, .. }, boundary) = (self.around, self.boundary);
+        // A particle reaches its own image behind a wall at twice its distance from it.
+        let stiffness = |side: usize| match boundary.sides[side] {
+            Side::Wall(patch) => faces[patch].stiffness().max(0.0),
+            Side::Mirror | Side::Curved => 0.0,
+        };
+        let excess = |near: usize, far: usize, cells: usize| {
+            let own = |side: usize, layer: usize| stiffness(side) * stencil.at(2 * layer + 1, 0);
+            (0..cells).map(|layer| own(near, layer) + own(far, cells - 1 - layer)).fold(0.0, f64::max)
+        };
+        let across = if lattice.dimension == 1 { 0.0 } else { excess(2, 3, lattice.rows) };
+        let wall_excess = excess(0, 1, lattice.columns) + across;
+        if wall_excess == 0.0 {
+            return;
+        }
+        let mut strengthened = BTreeMap::new();
+        for pair in self.corners {
             *strengthened.entry(pair.first).or_insert(0.0) += pair.weight;
             *strengthened.entry(pair.second).or_insert(0.0) += pair.weight;
         }
-        largest = sum + wall_excess + strengthened.values().copied().fold(0.0, f64::max);
-        let stiff: Vec<&str> = (0..4)
-            .filter(|side| stiffness(*side) > 0.0)
-            .filter_map(|side| match boundary.sides[side] {
+        let largest = sum + wall_excess + strengthened.values().copied().fold(0.0, f64::max);
+        let stiff: Vec<usize> = (0..4).filter(|side| stiffness(*side) > 0.0).collect();
+        let slope = stiff.iter().map(|side| self.around.thermal_at(*side).largest_slope).fold(0.0, f64::max);
+        stiffest.meet(largest * slope, || {
+            let name = |side: &usize| match boundary.sides[*side] {
                 Side::Wall(patch) => Some(boundary.patches[patch].name.as_str()),
                 Side::Mirror | Side::Curved => None,
-            })
-            .collect();
-        cause = format!("pair exchange of the particles at wall `{}`", stiff.join("` and `"));
+            };
+            let names: Vec<&str> = stiff.iter().filter_map(name).collect();
+            format!("pair exchange of the particles at wall `{}`", names.join("` and `"))
+        });
     }
-    if let (Some(exterior), Some((patch, _))) = (exterior, boundary.curved) {
+
+    fn meet_curved_wall(&self, sum: f64, stiffest: &mut Stiffest) {
+        let Some((exterior, (patch, _))) = self.around.exterior.as_ref().zip(self.boundary.curved) else { return };
+        let face = &self.around.faces[patch];
         let contacts = exterior.contacts.contacts.iter();
-        let added = contacts.map(|contact| faces[patch].holds() * contact.stiffness - contact.cut).fold(0.0, f64::max);
-        if sum + added > largest {
-            largest = sum + added;
-            cause = "pair exchange of the particles at the curved wall".to_string();
-        }
+        let added = contacts.map(|contact| face.holds() * contact.stiffness - contact.cut).fold(0.0, f64::max);
+        let slope = self.around.thermal_of(patch).largest_slope;
+        stiffest.meet((sum + added) * slope, || "pair exchange of the particles at the curved wall".to_string());
     }
-    for sink in sinks {
-        for (index, row_sum) in sink.row_sums(lattice.spacing) {
-            if sum + row_sum > largest {
-                largest = sum + row_sum;
-                let at = lattice.position(index);
-                cause = format!(
-                    "particle {index} at ({:.4}, {:.4}) m, which the pipe at ({:.4}, {:.4}) m cools",
-                    at.x, at.y, sink.extent.centre.x, sink.extent.centre.y
-                );
-            }
-        }
-    }
-    Bound { step: 1.0 / (largest * thermal.largest_slope), cause }
 }

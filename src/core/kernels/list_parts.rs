@@ -81,7 +81,8 @@ pub(super) fn steepest(parts: &ListParts, particle: usize) -> f64 {
     }
 }
 
-pub(super) fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
+/// Row sums (m^-2) of all particles, with what walls and pipes add to them at most.
+pub(super) fn row_sums(parts: &ListParts, faces: &[Face]) -> Vec<f64> {
     let count = parts.positions.len();
     let mirrored = parts.ghosts.mirrored(count, faces);
     // How a ghost falls when the particle rises: through any number of mirrors, or by its share in a fit.
@@ -130,8 +131,12 @@ pub(super) fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
             sums[index] += row_sum;
         }
     }
+    sums
+}
+
+pub(super) fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
     let mut stiffest = (0.0, 0usize);
-    for (i, sum) in sums.iter().enumerate() {
+    for (i, sum) in row_sums(parts, faces).iter().enumerate() {
         let slope = steepest(parts, i);
         if sum * slope > stiffest.0 {
             stiffest = (sum * slope, i);

@@ -9,7 +9,7 @@
 use crate::bonds::stencil::Stencil;
 use crate::kernels::target::{Target, settle};
 use crate::memory::HeapSize;
-use crate::physics::potential::PotentialLaw;
+use crate::physics::laws::Laws;
 use crate::space::lattice::Lattice;
 
 /// Widest stencil that has a compiled sweep, in cells; wider ones take the pair list.
@@ -114,13 +114,13 @@ pub struct Frame<'a, L, S> {
     /// Sum of all weights, the weight of the particle itself.
     pub sum: f64,
     /// Enthalpy to potential.
-    pub law: &'a L,
+    pub laws: &'a L,
     /// Ghosts.
     pub surroundings: &'a S,
 }
 
 /// Sweeps one band. `patches` receives the wall rates of each row of the band.
-pub fn sweep<L: PotentialLaw, S: Surroundings, T: Target>(
+pub fn sweep<L: Laws, S: Surroundings, T: Target>(
     frame: &Frame<'_, L, S>,
     band: &mut Band,
     target: &mut T,
@@ -142,7 +142,7 @@ pub fn sweep<L: PotentialLaw, S: Surroundings, T: Target>(
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl")]
-fn sweep_avx512<L: PotentialLaw, S: Surroundings, T: Target>(
+fn sweep_avx512<L: Laws, S: Surroundings, T: Target>(
     frame: &Frame<'_, L, S>,
     band: &mut Band,
     target: &mut T,
@@ -153,7 +153,7 @@ fn sweep_avx512<L: PotentialLaw, S: Surroundings, T: Target>(
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn sweep_avx2<L: PotentialLaw, S: Surroundings, T: Target>(
+fn sweep_avx2<L: Laws, S: Surroundings, T: Target>(
     frame: &Frame<'_, L, S>,
     band: &mut Band,
     target: &mut T,
@@ -164,7 +164,7 @@ fn sweep_avx2<L: PotentialLaw, S: Surroundings, T: Target>(
 
 /// The one place where the reach becomes a constant.
 #[inline(always)]
-fn by_reach<L: PotentialLaw, S: Surroundings, T: Target, const LANES: usize>(
+fn by_reach<L: Laws, S: Surroundings, T: Target, const LANES: usize>(
     frame: &Frame<'_, L, S>,
     band: &mut Band,
     target: &mut T,
@@ -185,17 +185,9 @@ fn by_reach<L: PotentialLaw, S: Surroundings, T: Target, const LANES: usize>(
     }
 }
 
-/// Fills a row of potentials from a row of enthalpies.
-#[inline(always)]
-pub fn fill_row<L: PotentialLaw>(law: &L, enthalpy: &[f64], potentials: &mut [f64]) {
-    for (potential, enthalpy) in potentials.iter_mut().zip(enthalpy) {
-        *potential = law.potential(*enthalpy);
-    }
-}
-
 /// Fills the slot of a row in the ring of rows.
 #[inline(always)]
-fn fill_slot<L: PotentialLaw, S: Surroundings, T: Target>(
+fn fill_slot<L: Laws, S: Surroundings, T: Target>(
     frame: &Frame<'_, L, S>,
     row: usize,
     slots: usize,
@@ -206,16 +198,13 @@ fn fill_slot<L: PotentialLaw, S: Surroundings, T: Target>(
     let Shape { reach, width, .. } = frame.shape;
     let slot = &mut ring[(row % slots) * width..][..width];
     let ((first, end), start) = (frame.lattice.span(row), frame.lattice.start(row));
-    fill_row(
-        frame.law,
-        target.enthalpy(start - base..start - base + end - first),
-        &mut slot[first + reach..end + reach],
-    );
+    let enthalpy = target.enthalpy(start - base..start - base + end - first);
+    frame.laws.fill(start, enthalpy, &mut slot[first + reach..end + reach]);
     frame.surroundings.complete(row, slot);
 }
 
 #[inline(always)]
-fn rows<L: PotentialLaw, S: Surroundings, T: Target, const LANES: usize, const ROWS: usize>(
+fn rows<L: Laws, S: Surroundings, T: Target, const LANES: usize, const ROWS: usize>(
     frame: &Frame<'_, L, S>,
     band: &mut Band,
     target: &mut T,

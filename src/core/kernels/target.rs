@@ -88,12 +88,12 @@ impl Target for Chained<'_> {
     /// All of the stage but its rate, which is added on top: the slots are asked for once.
     #[inline(always)]
     fn slots(&mut self, range: std::ops::Range<usize>) -> &mut [f64] {
-        let Stage { newest, oldest, start, first, .. } = self.stage;
+        let stage = self.stage;
         let StageColumns { newest: new, oldest: slots, start: begun, first: first_rate } = &mut self.columns;
         let states = new[range.clone()].iter().zip(&begun[range.clone()]);
         let states = states.zip(&first_rate[range.clone()]);
         for (out, ((new, begun), first_rate)) in slots[range.clone()].iter_mut().zip(states) {
-            *out = newest * new + oldest * *out + start * begun + first * first_rate;
+            *out = stage.without_rate((*new, *out, *begun), *first_rate);
         }
         &mut slots[range]
     }

@@ -137,6 +137,11 @@ impl Curve {
         self.frozen_conductivity.min(self.unfrozen_conductivity)
     }
 
+    /// Whether all latent heat of one material is released at one temperature.
+    pub fn is_sharp(&self) -> bool {
+        self.law == FreezingLaw::Isothermal && self.blend.is_none()
+    }
+
     /// Whether potential and enthalpy are piecewise linear in each other.
     pub fn is_kinked(&self) -> bool {
         matches!(self.law, FreezingLaw::None | FreezingLaw::Isothermal)

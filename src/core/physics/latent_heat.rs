@@ -62,6 +62,18 @@ impl Materials {
         Materials { thermals, of_particle, blends: Arc::new([]), law_of: Vec::new() }
     }
 
+    /// The laws of some of the particles.
+    pub fn of_some(&self, particles: &[u32]) -> Self {
+        let some = |all: &[u8]| particles.iter().filter_map(|particle| all.get(*particle as usize).copied()).collect();
+        let laws = particles.iter().filter_map(|particle| self.law_of.get(*particle as usize).copied()).collect();
+        Materials {
+            thermals: self.thermals.clone(),
+            of_particle: some(&self.of_particle),
+            blends: self.blends.clone(),
+            law_of: laws,
+        }
+    }
+
     /// The law of a particle.
     #[inline(always)]
     pub fn of(&self, particle: usize) -> &Thermal {

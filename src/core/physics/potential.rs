@@ -152,7 +152,7 @@ pub struct Blended {
 }
 
 impl Blended {
-    fn potential(&self, enthalpy: f64) -> f64 {
+    pub(super) fn potential(&self, enthalpy: f64) -> f64 {
         // A body at rest holds exact zeros.
         if enthalpy == 0.0 {
             return 0.0;

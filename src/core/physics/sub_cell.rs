@@ -16,6 +16,7 @@
 
 use crate::bonds::stencil::Stencil;
 use crate::memory::HeapSize;
+use crate::physics::latent_heat::Materials;
 use crate::physics::thermal::Thermal;
 use crate::space::lattice::Lattice;
 
@@ -25,15 +26,12 @@ const LOOK: usize = 16;
 /// No particle.
 const NONE: u32 = u32::MAX;
 
-/// The fronts of a body of one material that freezes at one temperature.
+/// The fronts of a body whose materials, or some of them, freeze at one temperature.
 #[derive(Debug, Clone)]
 pub struct SubCellFront {
-    /// Enthalpies (J/m3) of a particle at the freezing point, frozen and unfrozen.
-    interval: (f64, f64),
-    /// Potential (W/m) at the freezing point.
-    potential: f64,
-    /// Largest distance of a potential from it.
-    most: f64,
+    sharp: Vec<Sharp>,
+    /// Neighbouring particles of one material whose fronts are followed: the first, one past the last, and which of `sharp`.
+    stretches: Vec<(u32, u32, u32)>,
     /// Pairs of a freezing particle.
     own: Vec<OwnPair>,
     /// Pairs over a freezing particle.
@@ -44,6 +42,17 @@ pub struct SubCellFront {
     window: Vec<Seen>,
     /// What fronts add to the rates of particles (W/m3).
     changes: Vec<(u32, f64)>,
+}
+
+/// A material that freezes at one temperature.
+#[derive(Debug, Clone, Copy)]
+struct Sharp {
+    /// Enthalpies (J/m3) of a particle at the freezing point, frozen and unfrozen.
+    interval: (f64, f64),
+    /// Potential (W/m) at the freezing point.
+    potential: f64,
+    /// Largest distance of a potential from it.
+    most: f64,
 }
 
 /// A particle as a freezing one sees it.
@@ -105,12 +114,16 @@ fn way((dx, dy): (i64, i64), higher: bool) -> Vec<(i64, i64)> {
 }
 
 impl SubCellFront {
-    /// Fronts of a material between two temperatures of a scene, on a lattice.
-    pub fn new(thermal: &Thermal, temperatures: (f64, f64), lattice: &Lattice, stencil: &Stencil) -> Self {
-        let interval = interval(thermal);
-        // As the law itself has it, to the last bit.
-        let potential = thermal.law.potential(0.5 * (interval.0 + interval.1));
-        let far = |temperature: f64| (thermal.potential_at(temperature) - potential).abs();
+    /// Fronts of materials between two temperatures of a scene, on a lattice. Particles that `mixed` tells have neighbours
+    /// of other materials, or pairs that are cut: they are taken as wholes.
+    pub fn new(
+        materials: &Materials,
+        temperatures: (f64, f64),
+        lattice: &Lattice,
+        stencil: &Stencil,
+        mixed: impl Fn(usize) -> bool,
+    ) -> Self {
+        let (sharp, stretches) = stretches(materials, temperatures, lattice.len(), mixed);
         let across = stencil.reach as i64;
         let reach = (across, if lattice.dimension == 1 { 0 } else { across });
         let place = |(x, y): (i64, i64)| ((y + reach.1) * (2 * across + 1) + x + across) as u32;
@@ -141,9 +154,8 @@ impl SubCellFront {
         }
         let size = ((2 * across + 1) * (2 * reach.1 + 1)) as usize;
         SubCellFront {
-            interval,
-            potential,
-            most: far(temperatures.0).max(far(temperatures.1)),
+            sharp,
+            stretches,
             own,
             over,
             reach,
@@ -153,33 +165,35 @@ impl SubCellFront {
     }
 
     /// Brings the fronts to a state of enthalpies (J/m3) with their potentials (W/m).
-    pub fn update(&mut self, lattice: &Lattice, enthalpy: &[f64], potential: impl Fn(f64) -> f64) {
+    pub fn update(&mut self, lattice: &Lattice, enthalpy: &[f64], potential: impl Fn(usize) -> f64) {
         self.changes.clear();
-        let (frozen, unfrozen) = self.interval;
-        for (number, look) in enthalpy.chunks(LOOK).enumerate() {
-            if !look.iter().fold(false, |any, h| any | ((*h > frozen) & (*h < unfrozen))) {
-                continue;
-            }
-            for (i, own) in look.iter().enumerate() {
-                if *own > frozen && *own < unfrozen {
-                    let fraction = (unfrozen - own) / (unfrozen - frozen);
-                    self.look_around(lattice, number * LOOK + i, |other| potential(enthalpy[other]));
-                    self.exchange(fraction);
+        for stretch in 0..self.stretches.len() {
+            let (first, end, sharp) = self.stretches[stretch];
+            let Sharp { interval: (frozen, unfrozen), potential: at_front, .. } = self.sharp[sharp as usize];
+            for (number, look) in enthalpy[first as usize..end as usize].chunks(LOOK).enumerate() {
+                if !look.iter().fold(false, |any, h| any | ((*h > frozen) & (*h < unfrozen))) {
+                    continue;
+                }
+                for (i, own) in look.iter().enumerate() {
+                    if *own > frozen && *own < unfrozen {
+                        let fraction = (unfrozen - own) / (unfrozen - frozen);
+                        let above = |other: usize| potential(other) - at_front;
+                        self.look_around(lattice, first as usize + number * LOOK + i, above);
+                        self.exchange(fraction);
+                    }
                 }
             }
         }
     }
 
     /// Fills the window around a particle.
-    fn look_around(&mut self, lattice: &Lattice, index: usize, potential: impl Fn(usize) -> f64) {
+    fn look_around(&mut self, lattice: &Lattice, index: usize, above: impl Fn(usize) -> f64) {
         let (column, row) = lattice.cell(index);
         let (across, along) = self.reach;
         for (seen, dy) in self.window.chunks_exact_mut(2 * across as usize + 1).zip(-along..=along) {
             for (seen, dx) in seen.iter_mut().zip(-across..=across) {
                 *seen = match lattice.index(column + dx, row + dy) {
-                    Some(other) => {
-                        Seen { particle: other as u32, above: potential(other) - self.potential, change: 0.0 }
-                    }
+                    Some(other) => Seen { particle: other as u32, above: above(other), change: 0.0 },
                     None => Seen { particle: NONE, above: 0.0, change: 0.0 },
                 };
             }
@@ -240,8 +254,43 @@ impl SubCellFront {
             (1..=pair.cells as usize).map(|before| distance(before as f64, 0.0).powi(-2)).sum()
         };
         let by_pairs: f64 = self.own.iter().map(|pair| pair.weight * pair.cells * nearest(pair)).sum();
-        by_pairs * self.most / (self.interval.1 - self.interval.0)
+        let answer = |sharp: &Sharp| sharp.most / (sharp.interval.1 - sharp.interval.0);
+        by_pairs * self.sharp.iter().map(answer).fold(0.0, f64::max)
     }
+}
+
+/// The materials that freeze at one temperature, and the stretches of particles whose fronts are followed.
+fn stretches(
+    materials: &Materials,
+    temperatures: (f64, f64),
+    count: usize,
+    mixed: impl Fn(usize) -> bool,
+) -> (Vec<Sharp>, Vec<(u32, u32, u32)>) {
+    let (mut sharp, mut stretches) = (Vec::new(), Vec::<(u32, u32, u32)>::new());
+    let of_material: Vec<Option<u32>> = materials
+        .thermals
+        .iter()
+        .map(|thermal| {
+            if !thermal.curve.is_sharp() {
+                return None;
+            }
+            let interval = interval(thermal);
+            // As the law itself has it, to the last bit.
+            let potential = thermal.law.potential(0.5 * (interval.0 + interval.1));
+            let far = |temperature: f64| (thermal.potential_at(temperature) - potential).abs();
+            sharp.push(Sharp { interval, potential, most: far(temperatures.0).max(far(temperatures.1)) });
+            Some(sharp.len() as u32 - 1)
+        })
+        .collect();
+    for particle in 0..count {
+        let own = of_material.get(materials.law(particle)).copied().flatten().filter(|_| !mixed(particle));
+        match (own, stretches.last_mut()) {
+            (None, _) => {}
+            (Some(own), Some(last)) if last.2 == own && last.1 as usize == particle => last.1 += 1,
+            (Some(own), _) => stretches.push((particle as u32, particle as u32 + 1, own)),
+        }
+    }
+    (sharp, stretches)
 }
 
 /// Enthalpies (J/m3) that a particle carries at the freezing point, frozen and unfrozen.

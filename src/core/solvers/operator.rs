@@ -18,6 +18,14 @@ pub struct Stage {
     pub first: f64,
 }
 
+impl Stage {
+    /// All of a stage but its rate, by the states one and two stages back and at the start, and the rate at the start.
+    #[inline(always)]
+    pub fn without_rate(&self, (newest, oldest, start): (f64, f64, f64), first: f64) -> f64 {
+        self.newest * newest + self.oldest * oldest + self.start * start + self.first * first
+    }
+}
+
 /// States that a stage reads, and the one that it replaces.
 pub struct StageColumns<'a> {
     /// One stage back.

@@ -37,6 +37,13 @@ pub fn meet(first: Segment, second: Segment) -> bool {
     on(a, first, second.0) || on(b, first, second.1) || on(c, second, first.0) || on(d, second, first.1)
 }
 
+/// Distance (m) of a point from a segment.
+pub fn distance((a, b): Segment, point: DVec2) -> f64 {
+    let way = b - a;
+    let share = if a == b { 0.0 } else { ((point - a).dot(way) / way.length_squared()).clamp(0.0, 1.0) };
+    (a + share * way - point).length()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -10,19 +10,19 @@ use frazil_core::bonds::weight::Normalisation;
 use frazil_core::boundary::curved_wall::{Contacts, Neighbourhood, Rim, cells_behind};
 use frazil_core::boundary::ghosts::Ghosts;
 use frazil_core::boundary::interface::Chains;
-use frazil_core::boundary::patch::Boundary;
 use frazil_core::boundary::shells::{Shells, Touch, naive_shells, shells};
 use frazil_core::boundary::wall_layers::{Body, WallModel, inner, level};
 use frazil_core::breakage::crack::{Barriers, Cuts};
 use frazil_core::breakage::excavation;
 use frazil_core::kernels::corner::strengthen;
+use frazil_core::kernels::irregular::IrregularRows;
 use frazil_core::kernels::list_parts::ListParts;
 use frazil_core::neighbours::all_pairs::AllPairs;
 use frazil_core::neighbours::cells::Cells;
 use frazil_core::neighbours::tree::Tree;
 use frazil_core::neighbours::{NeighbourSearch, Period};
 use frazil_core::physics::latent_heat::Materials;
-use frazil_core::space::lattice::Lattice;
+use frazil_core::space::domain::Surface;
 use frazil_core::space::symmetry::Symmetry;
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
@@ -31,51 +31,84 @@ use glam::DVec2;
 use rayon::ThreadPool;
 
 use crate::interface;
+use crate::plan::irregular::Selection;
 use crate::plan::prepared::Prepared;
 use crate::refused::{Refused, refuse};
 
-/// The parts of a list, and the bonds through which water leaves at a curved wall.
+/// The particles of a list, of which the first have rows.
+struct Members {
+    positions: Arc<[DVec2]>,
+    materials: Materials,
+    rows: usize,
+    /// Whether weights are those of the stencil, for rows beside a sweep.
+    by_stencil: bool,
+}
+
+/// The parts of a list of all particles, with their pipes, and the bonds through which water leaves at a curved wall.
 pub(super) fn list(
     scene: &Scene,
     settings: &MethodSettings,
     prepared: &mut Prepared,
     pool: Option<Arc<ThreadPool>>,
 ) -> Result<(ListParts, Vec<WayOut>), Refused> {
+    let (positions, materials) = (prepared.positions(), prepared.materials.clone());
+    let members = Members { rows: positions.len(), positions, materials, by_stencil: false };
+    let (parts, ways_out) = parts(scene, settings, prepared, &members, pool)?;
+    let (sinks, rings) = (std::mem::take(&mut prepared.sinks), std::mem::take(&mut prepared.rings));
+    Ok((ListParts { sinks, rings, bound: settings.bound.clone(), ..parts }, ways_out))
+}
+
+/// Rows of some particles of a lattice beside the sweep over all; `surfaces` are those through which heat is counted.
+pub(super) fn rows(
+    scene: &Scene,
+    settings: &MethodSettings,
+    prepared: &Prepared,
+    selection: Selection,
+    surfaces: &[Surface],
+    pool: Option<Arc<ThreadPool>>,
+) -> Result<IrregularRows, Refused> {
+    let Selection { particles, rows, .. } = selection;
+    let positions = particles.iter().map(|particle| prepared.lattice.position(*particle as usize)).collect();
+    let materials = prepared.materials.of_some(&particles);
+    let members = Members { positions, materials, rows, by_stencil: true };
+    let (parts, _) = parts(scene, settings, prepared, &members, pool)?;
+    Ok(IrregularRows::new(particles, rows, ListParts { surfaces: surfaces.to_vec(), ..parts }))
+}
+
+/// The parts of a list without pipes.
+fn parts(
+    scene: &Scene,
+    settings: &MethodSettings,
+    prepared: &Prepared,
+    members: &Members,
+    pool: Option<Arc<ThreadPool>>,
+) -> Result<(ListParts, Vec<WayOut>), Refused> {
     let numerics = &settings.numerics;
-    let positions = prepared.positions();
-    let (bonds, cut) = bonds(scene, settings, prepared, &positions)?;
+    let (bonds, cut) = bonds(scene, settings, prepared, members)?;
     let Bonds { mut pairs, mut ghosts, touches } = bonds;
-    let (boundary, lattice, materials) = (&prepared.boundary, &prepared.lattice, &prepared.materials);
+    let (boundary, lattice) = (&prepared.boundary, &prepared.lattice);
+    let Members { positions, materials, .. } = members;
     let (contacts, ways_out) = cut;
     let outer = boundary.curved.map(|(patch, _)| Rim { patch, from: 0.0, contacts });
     let mut rims: Vec<Rim> = outer.into_iter().collect();
-    let cuts = if let Some(dug) = &boundary.dug {
-        let (cuts, face) = excavation::face(&pairs, &positions, &ghosts, materials, dug);
-        rims.push(face);
-        cuts
-    } else if scene.cracks.is_empty() {
-        Cuts::default()
-    } else {
+    let mut cuts = Cuts::default();
+    if !scene.cracks.is_empty() {
         let barriers = Barriers::new(&scene.cracks, lattice, boundary);
-        Cuts::new(&mut pairs, &positions, &ghosts, &barriers)
-    };
+        cuts = Cuts::new(&mut pairs, positions, &ghosts, &barriers);
+    }
+    if let Some(dug) = &boundary.dug {
+        rims.push(excavation::face(&pairs, positions, &ghosts, materials, dug, &mut cuts));
+    }
     let chains = if numerics.exchange == Exchange::Potential {
-        let seen = interface::Seen {
-            positions: &positions,
-            materials,
-            pairs: &pairs,
-            boundary,
-            rims: &rims,
-            touches: &touches,
-            lattice,
-        };
+        let seen =
+            interface::Seen { positions, materials, pairs: &pairs, boundary, rims: &rims, touches: &touches, lattice };
         interface::chains(scene, numerics, &seen, &mut ghosts)
     } else {
         Chains::default()
     };
     let parts = ListParts {
         chains,
-        positions,
+        positions: positions.clone(),
         volumes: prepared.volumes.clone(),
         spacing: lattice.spacing,
         materials: materials.clone(),
@@ -86,11 +119,11 @@ pub(super) fn list(
         rims,
         touches,
         surfaces: scene.watch.surfaces.clone(),
-        sinks: std::mem::take(&mut prepared.sinks),
-        rings: std::mem::take(&mut prepared.rings),
+        sinks: Vec::new(),
+        rings: Vec::new(),
         exchange: numerics.exchange,
         pool,
-        bound: settings.bound.clone(),
+        bound: None,
     };
     Ok((parts, ways_out))
 }
@@ -108,9 +141,10 @@ fn bonds(
     scene: &Scene,
     settings: &MethodSettings,
     prepared: &Prepared,
-    positions: &[DVec2],
+    members: &Members,
 ) -> Result<(Bonds, (Contacts, Vec<WayOut>)), Refused> {
-    let Prepared { lattice, boundary, materials, volumes, stencil, printed, .. } = prepared;
+    let Prepared { lattice, boundary, volumes, stencil, printed, .. } = prepared;
+    let Members { positions, materials, .. } = members;
     let walls = settings.numerics.walls;
     let (shelled, naive) = (scene.domain.symmetry().is_some() && !printed, walls == WallModel::Naive);
     let (mut bonds, cut) = if shelled {
@@ -120,7 +154,7 @@ fn bonds(
     } else {
         let reach = settings.discretisation.weight.reach();
         let ghosts = Ghosts::new(positions, lattice, boundary, reach, walls == WallModel::MovingLeastSquares);
-        let (mut pairs, contacts, ways_out) = pairs(positions, &ghosts, lattice, boundary, materials, settings);
+        let (mut pairs, contacts, ways_out) = pairs(members, &ghosts, prepared, settings);
         match scene.domain.symmetry() {
             Some(symmetry) => print_shapes(&mut pairs, symmetry, positions, &ghosts)?,
             None => {
@@ -145,46 +179,56 @@ fn bonds(
 /// Pairs with their weights: every partner within reach of every particle, ghosts included; and what became of those
 /// that a curved wall cuts, for heat and, where it flows, for water.
 fn pairs(
-    positions: &[DVec2],
+    members: &Members,
     ghosts: &Ghosts,
-    lattice: &Lattice,
-    boundary: &Boundary,
-    materials: &Materials,
+    prepared: &Prepared,
     MethodSettings { numerics, discretisation, .. }: &MethodSettings,
 ) -> (PairList, Contacts, Vec<WayOut>) {
+    let Prepared { lattice, boundary, stencil, .. } = prepared;
+    let Members { positions, rows, by_stencil, .. } = members;
     let (weight, flows) = (discretisation.weight.as_ref(), numerics.flow.is_some());
     // On a lattice a radius that falls on a shell must not depend on rounding.
     let limit = weight.reach() * (1.0 + SHELL_TOLERANCE);
     let mut points = positions.to_vec();
     points.extend_from_slice(&ghosts.position);
-    let count = positions.len();
+    let (count, rows) = (positions.len(), *rows);
     let list = match numerics.search {
         SearchChoice::Auto | SearchChoice::Lattice | SearchChoice::Tree => {
-            Tree.neighbours(&points, count, limit, Period::NONE)
+            Tree.neighbours(&points, rows, limit, Period::NONE)
         }
-        SearchChoice::Cells => Cells.neighbours(&points, count, limit, Period::NONE),
-        SearchChoice::AllPairs => AllPairs.neighbours(&points, count, limit, Period::NONE),
+        SearchChoice::Cells => Cells.neighbours(&points, rows, limit, Period::NONE),
+        SearchChoice::AllPairs => AllPairs.neighbours(&points, rows, limit, Period::NONE),
     };
     // Coincident points exchange nothing: their distance gives no direction.
     let distance = |i: usize, j: u32| (points[j as usize] - points[i]).length();
     let volume = lattice.volume();
+    let at = |way: DVec2| {
+        let cells = (way / lattice.spacing).round().abs();
+        stencil.at(cells.x as usize, cells.y as usize)
+    };
     let behind = |i: usize| {
         let curved = boundary.curved.into_iter();
         let cells = curved.flat_map(move |(_, radius)| cells_behind(positions[i], lattice, radius, limit));
-        cells.map(|(way, depth)| (way, depth, volume * weight.weight(way.length())))
+        cells.map(|(way, depth)| (way, depth, if *by_stencil { at(way) } else { volume * weight.weight(way.length()) }))
     };
     let mut weights: Vec<f64> = Vec::with_capacity(list.partners.len());
     let mut scale = vec![1.0; points.len()];
-    for i in 0..count {
+    for i in 0..rows {
         let mut moment: f64 = behind(i).map(|(way, _, pair)| pair * way.length_squared()).sum();
         for j in list.of(i) {
             let distance = distance(i, *j);
             let share = (*j as usize).checked_sub(count).map_or(1.0, |ghost| ghosts.share(ghost));
-            let pair = if distance > 0.0 { volume * share * weight.weight(distance) } else { 0.0 };
+            let pair = if *by_stencil {
+                share * at(points[*j as usize] - points[i])
+            } else if distance > 0.0 {
+                volume * share * weight.weight(distance)
+            } else {
+                0.0
+            };
             moment += pair * distance * distance;
             weights.push(pair);
         }
-        if discretisation.normalisation == Normalisation::DiscreteMoment {
+        if discretisation.normalisation == Normalisation::DiscreteMoment && !by_stencil {
             scale[i] = if moment > 0.0 { (2 * lattice.dimension) as f64 / moment } else { 0.0 };
         }
     }
@@ -192,32 +236,33 @@ fn pairs(
         scale[count + ghost] = scale[*model as usize];
     }
     let mut place = 0;
-    for i in 0..count {
+    for i in 0..rows {
         for j in list.of(i) {
             weights[place] *= 0.5 * (scale[i] + scale[*j as usize]);
             place += 1;
         }
     }
-    let pairs = PairList { starts: list.starts, partners: list.partners, weights };
+    let mut starts = list.starts;
+    starts.resize(count + 1, list.partners.len());
+    let pairs = PairList { starts, partners: list.partners, weights };
     let Some((patch, radius)) = boundary.curved else { return (pairs, Contacts::default(), Vec::new()) };
     let layers = boundary.patches[patch].layers;
     let behind = |i: usize| behind(i).map(|(way, depth, pair)| (way, depth, scale[i] * pair)).collect();
-    let (contacts, ways_out) = cut_by_curve(positions, ghosts, materials, &pairs, (radius, layers), &behind);
+    let (contacts, ways_out) = cut_by_curve(members, ghosts, &pairs, (radius, layers), &behind);
     (pairs, contacts, if flows { ways_out } else { Vec::new() })
 }
 
 /// What becomes of pairs that a curved wall of a radius (m) cuts; `behind` gives the way, depth and weight of those of a particle.
 fn cut_by_curve(
-    positions: &[DVec2],
+    Members { positions, materials, rows, .. }: &Members,
     ghosts: &Ghosts,
-    materials: &Materials,
     pairs: &PairList,
     (radius, layers): (f64, bool),
     behind: &dyn Fn(usize) -> Vec<(DVec2, f64, f64)>,
 ) -> (Contacts, Vec<WayOut>) {
     let count = positions.len();
     let (mut contacts, mut ways_out) = (Contacts::default(), Vec::new());
-    for i in 0..count {
+    for i in 0..*rows {
         let mut near = Neighbourhood::new(radius - positions[i].length());
         let mut sum = 0.0;
         for (way, depth, weight) in behind(i) {

@@ -41,7 +41,7 @@ impl Listed<'_> {
         let (scene, numerics) = (self.scene, &self.settings.numerics);
         let (range, count) = (prepared.range(scene), prepared.count());
         let on_lattice = self.conducts_on_lattice && self.own_step.is_none() && scene.flow.is_some();
-        let lattice = on_lattice.then(|| prepared.clone_lattice_parts(self.settings, pool.clone()));
+        let lattice = on_lattice.then(|| prepared.lattice_parts(scene, self.settings, pool.clone())).transpose()?;
         let (parts, ways_out) = list(scene, self.settings, prepared, pool)?;
         let latent_heat_scheme = (numerics.latent_heat_scheme, numerics.mushy);
         match (self.own_step, scene.flow.as_ref().zip(numerics.flow)) {

@@ -14,7 +14,7 @@ use frazil_core::physics::material::Material;
 use frazil_core::physics::sub_cell::SubCellFront;
 use frazil_core::physics::thermal::Thermal;
 use frazil_core::solvers::control::EnthalpyRange;
-use frazil_core::space::domain::{Domain, Sector};
+use frazil_core::space::domain::{Domain, Sector, Surface};
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;
@@ -26,6 +26,8 @@ use rand_distr::{Distribution, Uniform};
 use rayon::ThreadPool;
 
 use crate::cut_cells::blend;
+use crate::plan::bonds;
+use crate::plan::irregular;
 use crate::plan::pipes::{Pipes, pipes};
 use crate::plan::refusals::blends;
 use crate::reference::Reference;
@@ -145,35 +147,35 @@ impl Prepared {
         self.materials.laws().map(|thermal| thermal.largest_slope).fold(0.0, f64::max)
     }
 
-    /// What the sweep over the lattice is made from; pipes go with it.
+    /// What the sweep over the lattice is made from.
     pub(super) fn lattice_parts(
-        &mut self,
+        &self,
         scene: &Scene,
         settings: &MethodSettings,
         pool: Option<Arc<ThreadPool>>,
-    ) -> LatticeParts {
-        let thermal = &self.materials.thermals[0];
-        let front = match settings.numerics.front {
-            Front::Cell => None,
-            Front::SubCell => Some(SubCellFront::new(thermal, scene.temperature_range(), &self.lattice, &self.stencil)),
-        };
-        let (sinks, rings) = (std::mem::take(&mut self.sinks), std::mem::take(&mut self.rings));
-        LatticeParts { front, sinks, rings, ..self.clone_lattice_parts(settings, pool) }
-    }
-
-    /// The same beside a list, with pipes of its own.
-    pub(super) fn clone_lattice_parts(&self, settings: &MethodSettings, pool: Option<Arc<ThreadPool>>) -> LatticeParts {
-        LatticeParts {
+    ) -> Result<LatticeParts, Refused> {
+        let selection = irregular::select(scene, self);
+        let front = (settings.numerics.front == Front::SubCell).then(|| {
+            let cut = |particle: usize| selection.as_ref().is_some_and(|rows| rows.cut[particle]);
+            SubCellFront::new(&self.materials, scene.temperature_range(), &self.lattice, &self.stencil, cut)
+        });
+        let boundary = selection.as_ref().map_or_else(|| self.boundary.clone(), |rows| rows.swept.clone());
+        let rows =
+            |selection, surfaces: &[Surface]| bonds::rows(scene, settings, self, selection, surfaces, pool.clone());
+        let observed = (!scene.watch.surfaces.is_empty()).then(|| irregular::at_surfaces(scene, self));
+        Ok(LatticeParts {
+            irregular: selection.map(|selection| rows(selection, &[])).transpose()?,
+            observed: observed.map(|selection| rows(selection, &scene.watch.surfaces)).transpose()?,
             lattice: self.lattice.clone(),
-            front: None,
+            front,
             stencil: self.stencil.clone(),
-            thermal: self.materials.thermals[0].clone(),
-            boundary: self.boundary.clone(),
+            materials: self.materials.clone(),
+            boundary,
             sinks: self.sinks.clone(),
             rings: self.rings.clone(),
             pool,
             bound: settings.bound.clone(),
-        }
+        })
     }
 
     /// What a run uses, what it is spared, and what would allow longer steps, in words.

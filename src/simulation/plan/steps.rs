@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use frazil_core::kernels::lattice::LatticeOperator;
 use frazil_core::kernels::lattice_parts::LatticeParts;
+use frazil_core::physics::laws::Runs;
 use frazil_core::physics::potential::Law;
 use frazil_core::solvers::control::EnthalpyRange;
 use frazil_core::solvers::euler::Euler;
@@ -24,13 +25,16 @@ const MOST_STAGES: usize = 99;
 /// Steps of one run: more and time, which is as good as 16 digits, would stand still.
 const MOST_STEPS: f64 = 1e15;
 
-/// The operator on a lattice, with the law of its material.
+/// The operator on a lattice, with the laws of its materials.
 pub(super) fn on_lattice(parts: LatticeParts) -> Box<dyn Operator> {
-    match parts.thermal.law.clone() {
+    if parts.materials.mixed() {
+        let runs = Runs::new(&parts.materials, parts.lattice.len());
+        return Box::new(LatticeOperator::new(parts, runs));
+    }
+    match parts.materials.thermals[0].law.clone() {
         Law::Straight(law) => Box::new(LatticeOperator::new(parts, law)),
         Law::Kinked(law) => Box::new(LatticeOperator::new(parts, law)),
         Law::Curved(law) => Box::new(LatticeOperator::new(parts, law)),
-        // A lattice without a list has one material.
         Law::Blended(_) => unreachable!("cells of one material"),
     }
 }

@@ -34,9 +34,6 @@ const LONGEST_FILE: usize = 500;
 /// Lines of a function outside tests.
 const LONGEST_FUNCTION: usize = 80;
 
-/// What is larger still: to be mended, and taken off this list.
-const STILL_TOO_LARGE: [&str; 1] = ["src/scene/read/numerics.rs: combinations"];
-
 /// A file of a package.
 struct Source {
     path: PathBuf,
@@ -289,16 +286,9 @@ fn the_page_on_the_architecture_and_its_drawing_name_all_packages() {
 #[test]
 fn circles_files_and_functions_stay_small() {
     let folders = PACKAGES.iter().map(|package| package.1).chain(["src"]);
-    let wrong: Vec<(String, String)> = folders.flat_map(|folder| too_large(&sources(&root().join(folder)))).collect();
-    let new: Vec<String> = wrong
-        .iter()
-        .filter(|(place, _)| !STILL_TOO_LARGE.contains(&place.as_str()))
-        .map(|(place, how)| format!("{place}: {how}"))
-        .collect();
-    assert!(new.is_empty(), "too large:\n{}", new.join("\n"));
-    let mended: Vec<&&str> =
-        STILL_TOO_LARGE.iter().filter(|place| !wrong.iter().any(|(other, _)| other == *place)).collect();
-    assert!(mended.is_empty(), "no longer too large, so to be taken off the list: {mended:?}");
+    let wrong = folders.flat_map(|folder| too_large(&sources(&root().join(folder))));
+    let wrong: Vec<String> = wrong.map(|(place, how)| format!("{place}: {how}")).collect();
+    assert!(wrong.is_empty(), "too large:\n{}", wrong.join("\n"));
 }
 
 #[test]

@@ -7,6 +7,7 @@ mod brine;
 mod broken_scenes;
 mod bundled_scenes;
 mod calibration;
+mod capability;
 mod command_line;
 mod comparisons;
 mod cracks;

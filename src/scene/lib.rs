@@ -3,6 +3,7 @@
 //! Temperatures are stored on the file's scale: degrees Celsius in SI scenes, the DPD or dimensionless
 //! temperature elsewhere. [`Units::absolute_zero`] maps them to an absolute scale where a law needs one.
 
+pub mod capability;
 pub mod method;
 mod pipe_name;
 mod pipe_ring;

@@ -20,12 +20,14 @@ mod tests;
 mod tree;
 mod watch;
 
+use frazil_core::physics::material::Material;
+use frazil_core::space::domain::Domain;
+
+use crate::capability::{self, Feature, Place};
 use crate::method::MethodKind;
 use crate::region::Region;
 use crate::scene::{Scene, Temperatures};
 use crate::units::Units;
-use frazil_core::physics::material::Material;
-use frazil_core::space::domain::Domain;
 use problem::Log;
 
 pub use problem::{Noted, Problem, Problems, Read};
@@ -122,6 +124,32 @@ fn filling(root: &mut Section<'_>, body: Option<&Domain>) -> (Read<Vec<Material>
     (found.into_iter().map(|(_, material)| material).collect(), regions)
 }
 
+/// What a scene has that does not go with everything.
+fn features(root: &Section<'_>, domain: Option<&Domain>, materials: &[Material], surfaces: bool) -> Vec<Feature> {
+    let own = [
+        (root.has("flow"), Feature::Groundwater),
+        (root.has("cracks"), Feature::Cracks),
+        (root.has("excavation"), Feature::Excavation),
+        (surfaces, Feature::Surfaces),
+        (domain.is_some_and(|domain| domain.symmetry().is_some()), Feature::Shells),
+        (matches!(domain, Some(Domain::Ring { .. })), Feature::Ring),
+    ];
+    let own = own.into_iter().filter(|feature| feature.0).map(|feature| feature.1);
+    own.chain(capability::of_materials(materials)).collect()
+}
+
+/// Says what of a scene excludes other parts of it; the last of these problems where one is of groundwater.
+fn refuse(root: &mut Section<'_>, features: &[Feature]) -> Option<Noted> {
+    let mut noted = None;
+    for row in capability::exclusions(features) {
+        if let Place::Scene(key) = row.asked.place() {
+            let problem = root.problem(key, row.message());
+            noted = (row.asked == Feature::Groundwater).then_some(problem).or(noted);
+        }
+    }
+    noted
+}
+
 fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static MethodKind]) -> Read<Scene> {
     let all_units = [Units::Si, Units::Dpd, Units::Dimensionless].map(|units| (units.name(), units));
     let units = root.choice_or("units", &all_units, Units::Si);
@@ -146,22 +174,16 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let cracks = cracks::cracks(&mut root, body);
     let watch = watch::watch(&mut root, body, time.as_mut().map_err(|noted| *noted));
     let surfaces = watch.as_ref().is_ok_and(|watch| !watch.surfaces.is_empty());
-    let beside = flow::Beside { cracks: !cracks.is_empty(), surfaces, excavation: root.has("excavation") };
-    let flow = flow::flow(&mut root, body, known, &beside);
+    let features = features(&root, body, known, surfaces);
+    let refused = refuse(&mut root, &features);
+    let flow = flow::flow(&mut root, body, known, refused);
     let stream = stream::stream(&mut root, body, &walls, time.as_ref().ok().map(|time| &time.duration));
     let reference = watch::reference(&mut root, body);
     if let (Ok(section), Some(domain)) = (&mut wall_section, body) {
         body::exact_walls(section, domain, &walls, (known, &regions), &reference);
     }
     drop(wall_section);
-    let setup = numerics::Setup {
-        domain: body,
-        materials: known,
-        walls: &walls,
-        cracks: &cracks,
-        surfaces,
-        flow: root.has("flow"),
-    };
+    let setup = numerics::Setup { domain: body, materials: known, walls: &walls, features: &features };
     let data = Temperatures { regions: &regions, rings: &rings, stream: stream.as_ref().ok().and_then(Option::as_ref) };
     let parts = wall_parts.iter().map(|part| &part.condition);
     let conditions = walls.iter().map(|wall| &wall.condition).chain(parts);

@@ -143,10 +143,10 @@ pub(crate) fn build_for(
     let why_list = |flows| why_list(scene, numerics, discretisation, &prepared.stencil, prepared.narrow, flows);
     // Water needs the pairs; heat may be conducted without them.
     let conducts_on_lattice = why_list(false).is_none();
-    let why_list = why_list(scene.flow.is_some());
-    if let (Some(reason), Front::SubCell) = (why_list, numerics.front) {
+    if let (Some(reason), Front::SubCell) = (why_list(false), numerics.front) {
         return Err(refuse(format!("front = \"sub-cell\" needs a lattice without a neighbour list, but {reason}")));
     }
+    let why_list = why_list(scene.flow.is_some());
     let (terms, spared, relaxed_by) = prepared.terms(scene, settings, why_list.is_some());
     let mut used = vec![prepared.words(numerics)];
     let method: Box<dyn Method> = match why_list {
@@ -155,6 +155,7 @@ pub(crate) fn build_for(
             let range = prepared.range(scene);
             let largest_slope = prepared.largest_slope();
             let parts = prepared.lattice_parts(scene, settings, pool)?;
+            used.extend(parts.irregular.as_ref().map(terms::irregular));
             integrator(numerics, on_lattice(parts), range, largest_slope, prepared.count())
         }
         Some(reason) => {

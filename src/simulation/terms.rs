@@ -2,6 +2,7 @@
 
 use frazil_core::bonds::exchange::Exchange;
 use frazil_core::boundary::patch::Boundary;
+use frazil_core::kernels::irregular::IrregularRows;
 use frazil_core::physics::latent_heat::{LatentHeatScheme, Materials, Mushy};
 use frazil_core::physics::material::{FreezingLaw, Material};
 use frazil_core::physics::potential::Law;
@@ -25,6 +26,12 @@ pub struct Parts<'a> {
     pub pipes: usize,
     /// Whether pairs are on a list.
     pub list: bool,
+}
+
+/// What of a lattice is on a list, in words.
+pub fn irregular(rows: &IrregularRows) -> String {
+    let count = rows.particles().len();
+    format!("a list of the pairs of {count} particles beside interfaces, cracks or a shaft")
 }
 
 impl Parts<'_> {
@@ -116,8 +123,9 @@ impl Parts<'_> {
         let thermals = &self.materials.thermals;
         let straight = thermals.iter().all(|thermal| matches!(thermal.law, Law::Straight(_)));
         let said = [
-            (!self.list, "no neighbour list: a fixed lattice stencil"),
-            (!self.list, "no positions, volumes or material column"),
+            (!self.list, "no list of all pairs: a fixed lattice stencil"),
+            (!self.list, "no positions or volumes"),
+            (!self.materials.mixed(), "no material column"),
             (!self.list && self.is_explicit(), "no second pass: potentials, sums and update are one"),
             (self.has_shared_steps(), "no random numbers"),
             (true, "no motion: velocities, forces and cells sorted anew"),

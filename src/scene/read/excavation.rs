@@ -17,16 +17,12 @@ pub(super) fn excavation(
     domain: Option<&Domain>,
     rings: &[PipeRing],
 ) -> Read<Option<Excavation>> {
-    let cracked = root.has("cracks");
     let Some(mut section) = root.optional_section("excavation") else { return Ok(None) };
     let radius = section.positive(RADIUS);
     let start = section.duration("start", Range::NOT_NEGATIVE);
     let condition = body::condition(&mut section);
     if domain.is_some_and(|domain| !matches!(domain, Domain::Ring { .. })) {
         return Err(section.section_problem("a shaft is dug in the domain \"ring\" alone"));
-    }
-    if cracked {
-        return Err(section.section_problem("a shaft and cracks are not known together: leave one out"));
     }
     if condition == Ok(Condition::Exact) {
         return Err(section.problem("condition", "found \"exact\", the face of a shaft has no exact solution"));

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use super::body::wall_names;
-use super::problem::Read;
+use super::problem::{Noted, Read};
 use super::range::{Range, all_of};
 use super::section::Section;
 use frazil_core::balances::groundwater::ground::{Across, Flow, PressureWall, RelativePermeability};
@@ -18,38 +18,20 @@ const DIRECTION: (&str, &str) = ("direction", "deg");
 /// Seconds of a day.
 const DAY: f64 = 86400.0;
 
-/// What a scene has beside water that water does not know.
-pub(super) struct Beside {
-    pub(super) cracks: bool,
-    pub(super) surfaces: bool,
-    pub(super) excavation: bool,
-}
-
-/// Reads the section `flow`, if there is one; `materials` is empty where some could not be read.
+/// Reads the section `flow`, if there is one and it is not refused; `materials` is empty where some could not be read.
 pub(super) fn flow(
     root: &mut Section<'_>,
     domain: Option<&Domain>,
     materials: &[Material],
-    beside: &Beside,
+    refused: Option<Noted>,
 ) -> Read<Option<Flow>> {
     if !root.has("flow") {
         still(root, materials);
     }
     let Some(mut section) = root.optional_section("flow") else { return Ok(None) };
-    let beside = match domain {
-        Some(Domain::Radial { .. } | Domain::Axial { .. }) => {
-            Some("where particles are shells: water flows through a line, a rectangle or a ring")
-        }
-        _ if beside.cracks => Some("beside \"cracks\", which would cut the ways of water too"),
-        _ if beside.surfaces => {
-            Some("beside \"watch.surfaces\", which count what is conducted and not what water carries")
-        }
-        _ if beside.excavation => Some("beside \"excavation\": a shaft is dug where no water flows in"),
-        _ => None,
-    };
-    if let Some(beside) = beside {
+    if let Some(noted) = refused {
         section.abandon();
-        return Err(section.section_problem(format!("must not be {beside}")));
+        return Err(noted);
     }
     carry(&mut section, materials);
     let viscosity = section.positive(("viscosity", "Pa_s"));

@@ -4,15 +4,14 @@ use std::sync::Arc;
 
 use super::range::{Range, all_of};
 use super::section::Section;
-use super::{shells, spacing};
+use super::spacing;
+use crate::capability::{self, Feature, Place};
 use crate::method::{MethodKind, MethodSettings};
 use crate::scene::Wall;
 use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice};
 use frazil_core::balances::groundwater::numerics::{Advection, Conduction, FlowNumerics};
 use frazil_core::bonds::exchange::{Exchange, Mean};
-use frazil_core::boundary::condition::Condition;
 use frazil_core::boundary::wall_layers::WallModel;
-use frazil_core::breakage::crack::Crack;
 use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
 use frazil_core::physics::material::{FreezingLaw, Material};
 use frazil_core::space::domain::Domain;
@@ -33,10 +32,8 @@ pub(super) struct Setup<'a> {
     pub(super) domain: Option<&'a Domain>,
     pub(super) materials: &'a [Material],
     pub(super) walls: &'a [Wall],
-    pub(super) cracks: &'a [Crack],
-    /// Whether heat through surfaces is counted.
-    pub(super) surfaces: bool,
-    pub(super) flow: bool,
+    /// What it has that not all settings go with.
+    pub(super) features: &'a [Feature],
 }
 
 pub(super) fn methods(root: &mut Section<'_>, setup: &Setup<'_>, kinds: &[&'static MethodKind]) -> Vec<MethodSettings> {
@@ -79,12 +76,11 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     numerics.front = section.choice_or("front", &Front::WORDS, numerics.front);
     numerics.walls = section.choice_or("wall_model", &WallModel::WORDS, numerics.walls);
     numerics.search = section.choice_or("search", &SearchChoice::WORDS, numerics.search);
-    numerics.integrator = integrator(section, numerics.integrator, setup.flow);
-    numerics.flow = flow(section, setup.flow, setting);
+    numerics.integrator = integrator(section, numerics.integrator, setup.features.contains(&Feature::Groundwater));
+    numerics.flow = flow(section, setup.features.contains(&Feature::Groundwater), setting);
     numerics.conduction = conduction(section, &numerics, setup.domain);
     numerics.step = step(section, numerics.step, numerics.integrator.tolerance().is_some());
     combinations(section, &numerics, setup, kind);
-    shells::combinations(section, &numerics, setup, kind);
 
     let fits = match (found, setup.domain) {
         (Ok(found), Some(domain)) => spacing::divides(section, found, domain),
@@ -274,163 +270,20 @@ fn step(section: &mut Section<'_>, preset: StepChoice, by_error: bool) -> StepCh
     fixed.or(fraction.map(StepChoice::Fraction)).unwrap_or(preset)
 }
 
-/// Settings that exclude each other.
+/// Settings that exclude each other, or what the scene has.
 fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind) {
-    let scheme = match numerics.latent_heat_scheme {
-        LatentHeatScheme::Enthalpy => "enthalpy",
-        LatentHeatScheme::Flags => "flags",
-        LatentHeatScheme::ApparentCapacity { .. } => "apparent-capacity",
-    };
-    if kind.lattice_only && numerics.arrangement != Arrangement::Lattice {
-        section.problem("layout", format!("must be \"lattice\": the method \"{}\" exists only there", kind.name));
-    }
-    // A method that makes its own step, or a scheme that keeps columns of its own, knows explicit Euler alone.
-    let integrator = match numerics.integrator {
-        IntegratorChoice::Euler => None,
-        IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. } => Some("rkl2"),
-        IntegratorChoice::Implicit { .. } => Some("implicit"),
-    };
-    if let Some(word) = integrator {
-        if numerics.latent_heat_scheme != LatentHeatScheme::Enthalpy {
-            let message = format!("found \"{word}\", which needs scheme = \"enthalpy\" and not \"{scheme}\"");
-            section.problem("integrator", message);
-        }
-        if kind.stochastic {
-            let message = format!("found \"{word}\", but the method \"{}\" makes its own explicit steps", kind.name);
-            section.problem("integrator", message);
-        } else if numerics.mushy != Mushy::Fraction {
-            section.problem("integrator", format!("found \"{word}\", which needs mushy = true"));
-        } else if word == "implicit" && numerics.exchange != Exchange::Potential {
-            section.problem("integrator", "found \"implicit\", which needs exchange = \"potential\" and no mean");
+    let mut features = setup.features.to_vec();
+    features.extend(capability::of_settings(numerics, kind, setup.walls));
+    for row in capability::exclusions(&features) {
+        match row.asked.place() {
+            // Said once, of the scene.
+            Place::Scene(_) => {}
+            Place::Setting(key) => {
+                section.problem(key, row.message());
+            }
+            Place::Method => {
+                section.section_problem(row.message());
+            }
         }
     }
-    if numerics.flow.is_some() {
-        // Water is carried beside conduction of the shared operator, in steps of its own.
-        if kind.stochastic {
-            section.section_problem(format!(
-                "the method \"{}\" moves no water: leave it out of a scene with \"flow\"",
-                kind.name
-            ));
-        }
-        if let Some(word) = integrator {
-            section.problem("integrator", format!("found \"{word}\", must be \"heun\" in a scene with \"flow\""));
-        }
-        if numerics.latent_heat_scheme != LatentHeatScheme::Enthalpy {
-            let message = format!("found \"{scheme}\", must be \"enthalpy\" in a scene with \"flow\"");
-            section.problem("scheme", message);
-        }
-        if let Some(found) = match numerics.mushy {
-            Mushy::Fraction => None,
-            Mushy::LastPhase => Some("false"),
-            Mushy::Mean => Some("\"mean\""),
-        } {
-            section.problem("mushy", format!("found {found}, must be true in a scene with \"flow\""));
-        }
-        if let Some(word) = match numerics.walls {
-            WallModel::Mirror | WallModel::Naive => None,
-            WallModel::MovingLeastSquares => Some("moving-least-squares"),
-            WallModel::InnerLayers => Some("inner-layers"),
-        } {
-            let message = format!("found \"{word}\", must be \"mirror\" or \"naive\" in a scene with \"flow\"");
-            section.problem("wall_model", message);
-        }
-        if numerics.search == SearchChoice::Lattice {
-            section.problem("search", "found \"lattice\", but water needs a neighbour list");
-        }
-    }
-    if numerics.latent_heat_scheme == LatentHeatScheme::Flags
-        && let Some(material) = setup
-            .materials
-            .iter()
-            .find(|material| matches!(material.law, FreezingLaw::Linear { .. } | FreezingLaw::Weibull { .. }))
-    {
-        let message =
-            format!("found \"flags\", which needs a sharp freezing point, but \"{}\" has a curve", material.name);
-        section.problem("scheme", message);
-    }
-    if numerics.search == SearchChoice::Lattice {
-        let reason = if numerics.arrangement != Arrangement::Lattice {
-            Some("layout = \"lattice\"".to_owned())
-        } else if numerics.exchange != Exchange::Potential {
-            Some("exchange = \"potential\" and no mean".to_owned())
-        } else if numerics.latent_heat_scheme != LatentHeatScheme::Enthalpy {
-            Some(format!("scheme = \"enthalpy\" and not \"{scheme}\""))
-        } else if setup.materials.len() > 1 {
-            Some("a single material".to_owned())
-        } else if !setup.cracks.is_empty() {
-            Some("a body without cracks".to_owned())
-        } else if kind.stochastic {
-            Some(format!("a method of weights alone and not \"{}\"", kind.name))
-        } else {
-            None
-        };
-        if let Some(reason) = reason {
-            section.problem("search", format!("found \"lattice\", which needs {reason}"));
-        }
-    }
-    if numerics.front == Front::SubCell {
-        let sharp = |material: &Material| material.law == FreezingLaw::Isothermal;
-        let reason = if kind.stochastic {
-            Some("a method without noise".to_owned())
-        } else if numerics.arrangement != Arrangement::Lattice {
-            Some("layout = \"lattice\"".to_owned())
-        } else if numerics.exchange != Exchange::Potential {
-            Some("exchange = \"potential\" and no mean".to_owned())
-        } else if numerics.latent_heat_scheme != LatentHeatScheme::Enthalpy {
-            Some(format!("scheme = \"enthalpy\" and not \"{scheme}\""))
-        } else if integrator == Some("implicit") {
-            Some("an explicit integrator".to_owned())
-        } else if numerics.walls != WallModel::Mirror {
-            Some("wall_model = \"mirror\"".to_owned())
-        } else if !matches!(numerics.search, SearchChoice::Auto | SearchChoice::Lattice) {
-            Some("search = \"lattice\"".to_owned())
-        } else if setup.materials.len() > 1 || !setup.materials.iter().all(sharp) {
-            Some("a single material that freezes at one temperature".to_owned())
-        } else {
-            None
-        };
-        if let Some(reason) = reason {
-            section.problem("front", format!("found \"sub-cell\", which needs {reason}"));
-        }
-    }
-    if setup.surfaces && kind.stochastic {
-        let message =
-            format!("the random heat of the method \"{}\" is not counted through \"watch.surfaces\"", kind.name);
-        section.section_problem(message);
-    }
-    if let Some(reason) = out_of_layers(numerics, setup, kind) {
-        section.problem("wall_model", reason);
-    }
-}
-
-/// Why walls cannot be the layers of particles that the settings ask for.
-fn out_of_layers(numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind) -> Option<String> {
-    let flows = |wall: &&Wall| matches!(wall.condition, Condition::Flux(_) | Condition::Convection { .. });
-    let (word, flowing) = match numerics.walls {
-        WallModel::Mirror | WallModel::MovingLeastSquares => return None,
-        WallModel::Naive => ("naive", setup.walls.iter().find(flows)),
-        WallModel::InnerLayers => ("inner-layers", None),
-    };
-    let inner = numerics.walls == WallModel::InnerLayers;
-    let ring = matches!(setup.domain, Some(Domain::Ring { .. }));
-    // With known temperatures alone, naive ghosts need nothing but the wall.
-    let which = match flowing {
-        Some(wall) => format!(" at the wall \"{}\"", wall.name),
-        None if inner => String::new(),
-        None => return None,
-    };
-    let reason = if ring {
-        "must be \"mirror\" in a ring, whose curved wall has no layers along it".to_owned()
-    } else if kind.stochastic {
-        format!("but the noise of the method \"{}\" crosses mirrored walls only", kind.name)
-    } else if !setup.cracks.is_empty() {
-        "but its layers know no cracks: set \"mirror\"".to_owned()
-    } else if setup.flow && flowing.is_some() {
-        "must be \"mirror\" in a scene with \"flow\"".to_owned()
-    } else if numerics.search == SearchChoice::Lattice {
-        "which needs a neighbour list and not search = \"lattice\"".to_owned()
-    } else {
-        return None;
-    };
-    Some(format!("found \"{word}\"{which}, {reason}"))
 }

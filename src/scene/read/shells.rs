@@ -1,15 +1,11 @@
 //! Bodies of axial and spherical symmetry, and walls in parts.
 
 use super::body::condition;
-use super::numerics::Setup;
 use super::problem::Read;
 use super::range::{Range, plain};
 use super::section::{Key, Section};
-use crate::method::MethodKind;
 use crate::scene::WallPart;
-use crate::settings::{Arrangement, Numerics, SearchChoice};
 use frazil_core::boundary::condition::Condition;
-use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::space::domain::{Domain, Surface};
 use frazil_core::space::symmetry::Symmetry;
 
@@ -85,27 +81,6 @@ pub(super) fn parts(section: &mut Section<'_>, wall: &'static str, domain: &Doma
         }
     }
     found
-}
-
-/// Settings that a body of shells excludes.
-pub(super) fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind) {
-    if setup.domain.is_none_or(|domain| domain.symmetry().is_none()) {
-        return;
-    }
-    if kind.stochastic {
-        let message = format!("the method \"{}\" has particles of one volume and no shells", kind.name);
-        section.section_problem(message);
-    }
-    if numerics.arrangement != Arrangement::Lattice {
-        section.problem("layout", "must be \"lattice\": shells stand evenly along the radius");
-    }
-    if numerics.search == SearchChoice::Lattice {
-        section.problem("search", "found \"lattice\", which needs particles of one volume and no shells");
-    }
-    if numerics.walls == WallModel::MovingLeastSquares {
-        let message = "found \"moving-least-squares\", but a body of shells knows its walls by the steady profile";
-        section.problem("wall_model", message);
-    }
 }
 
 /// Reads the surfaces through which heat is counted.

@@ -112,29 +112,19 @@ pub(super) fn out_of_place(scene: &Scene, numerics: &Numerics, prepared: &Prepar
         return Err(refuse("search = \"lattice\" needs a body at least as wide as pairs reach: set \"auto\"".into()));
     }
     let reach = prepared.stencil.reach as f64 * lattice.spacing;
-    let cracks = cracks_out_of_place(scene, numerics, boundary, sinks, reach, *narrow);
-    let shaft = || boundary.dug.as_ref().and_then(|dug| shaft_out_of_place(dug, numerics, lattice, sinks));
+    let cracks = cracks_out_of_place(scene, boundary, sinks, reach, *narrow);
+    let shaft = || boundary.dug.as_ref().and_then(|dug| shaft_out_of_place(dug, lattice, sinks));
     cracks.or_else(shaft).map_or(Ok(()), |reason| Err(refuse(reason)))
 }
 
 /// Why cracks cannot be where they are: pairs alone know which way heat goes, and not the fits and sums that some walls and
 /// pipes are made of.
-fn cracks_out_of_place(
-    scene: &Scene,
-    numerics: &Numerics,
-    boundary: &Boundary,
-    sinks: &[Sink],
-    reach: f64,
-    narrow: bool,
-) -> Option<String> {
+fn cracks_out_of_place(scene: &Scene, boundary: &Boundary, sinks: &[Sink], reach: f64, narrow: bool) -> Option<String> {
     if scene.cracks.is_empty() {
         return None;
     }
     if narrow {
         return Some("cracks need a body at least as wide as pairs reach".into());
-    }
-    if numerics.walls == WallModel::MovingLeastSquares {
-        return Some("fits of wall_model = \"moving-least-squares\" know no cracks: set \"mirror\"".into());
     }
     for (number, crack) in scene.cracks.iter().enumerate() {
         let farthest = crack.from.length().max(crack.to.length());
@@ -164,10 +154,7 @@ fn cracks_out_of_place(
 }
 
 /// Why a shaft cannot be where it is.
-fn shaft_out_of_place(dug: &Dug, numerics: &Numerics, lattice: &Lattice, sinks: &[Sink]) -> Option<String> {
-    if numerics.walls == WallModel::MovingLeastSquares {
-        return Some("fits of wall_model = \"moving-least-squares\" know no shaft: set \"mirror\"".into());
-    }
+fn shaft_out_of_place(dug: &Dug, lattice: &Lattice, sinks: &[Sink]) -> Option<String> {
     let nearest = |sink: &Sink| {
         let places = sink.sample.iter().map(|(index, _)| lattice.position(*index as usize).length());
         places.fold(f64::INFINITY, f64::min)

@@ -1,0 +1,295 @@
+//! What does not go together, and why: the one table that the reader refuses by, the guide prints and a test tries.
+//!
+//! Whatever is not in it goes together, under every method.
+
+use frazil_core::bonds::exchange::Exchange;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::boundary::wall_layers::WallModel;
+use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
+use frazil_core::physics::material::{FreezingLaw, Material};
+
+use crate::method::MethodKind;
+use crate::scene::Wall;
+use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice};
+
+/// Something that a scene, the settings of a method or the method itself brings along.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Feature {
+    /// Water that flows.
+    Groundwater,
+    /// Segments that nothing crosses.
+    Cracks,
+    /// A shaft that is dug.
+    Excavation,
+    /// Surfaces through which heat is counted.
+    Surfaces,
+    /// A body of cylindrical or spherical shells.
+    Shells,
+    /// The plan of a ring.
+    Ring,
+    /// A material that freezes over an interval.
+    FreezingCurve,
+    /// No material that freezes at one temperature.
+    NothingSharp,
+    /// A method that makes its own steps.
+    OwnSteps,
+    /// A method whose weights are those of a lattice.
+    LatticeWeights,
+    /// Particles off the lattice.
+    UnevenParticles,
+    /// Pairs that exchange by a mean of conductivities.
+    PairMeans,
+    /// Temperature and released latent heat as unknowns.
+    Flags,
+    /// Temperature as the unknown.
+    ApparentCapacity,
+    /// Freezing particles that conduct as a whole phase, or as half of each.
+    WholePhases,
+    /// Super-time-stepping.
+    Rkl2,
+    /// Implicit steps.
+    Implicit,
+    /// Fronts inside particles.
+    SubCellFronts,
+    /// Walls fitted by moving least squares.
+    FittedWalls,
+    /// Outermost particles that are the walls.
+    InnerLayers,
+    /// Ghosts of one value at walls of a flux or a film.
+    NaiveOpenWalls,
+    /// A sweep that the settings insist on.
+    LatticeSearch,
+    /// A neighbour search that the settings insist on.
+    ListSearch,
+}
+
+/// Where a feature is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// A key or section of the scene.
+    Scene(&'static str),
+    /// A key of a method's section.
+    Setting(&'static str),
+    /// The method itself.
+    Method,
+}
+
+/// Two features that exclude each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Exclusion {
+    /// The one that is refused.
+    pub asked: Feature,
+    /// The one that it is refused beside.
+    pub beside: Feature,
+    /// Why.
+    pub because: &'static str,
+}
+
+const fn row(asked: Feature, beside: Feature, because: &'static str) -> Exclusion {
+    Exclusion { asked, beside, because }
+}
+
+const OWN_NOISE: &str = "its noise is exchanged at explicit steps of its own";
+const NO_ENTHALPY: &str = "the scheme advances unknowns of its own by explicit steps";
+const BY_PAIRS: &str = "the sweep over a lattice knows no such rows";
+const WHOLE_LATTICE: &str = "the front in a cell is seen along the rows of a lattice";
+const FIXED_LAYERS: &str = "layers of particles stand for the wall, whatever cuts them off";
+
+/// All pairs that exclude each other.
+pub const EXCLUSIONS: [Exclusion; 60] = {
+    use Feature::{
+        ApparentCapacity, Cracks, Excavation, FittedWalls, Flags, FreezingCurve, Groundwater, Implicit, InnerLayers,
+        LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls, NothingSharp, OwnSteps, PairMeans, Ring, Rkl2,
+        Shells, SubCellFronts, Surfaces, UnevenParticles, WholePhases,
+    };
+    [
+        row(Groundwater, Shells, "water flows through a line, a rectangle or a ring"),
+        row(Groundwater, Cracks, "paths of water are those at the start: a crack would cut them as well"),
+        row(Groundwater, Excavation, "paths of water are those at the start: a shaft would cut them as well"),
+        row(Groundwater, Surfaces, "surfaces count what is conducted, and not what water carries"),
+        row(OwnSteps, Groundwater, "its noise is balanced against conduction, and not against what water carries"),
+        row(OwnSteps, Shells, "its particles are of one volume"),
+        row(OwnSteps, Surfaces, "its random heat is not counted through surfaces"),
+        row(Rkl2, OwnSteps, OWN_NOISE),
+        row(Implicit, OwnSteps, OWN_NOISE),
+        row(Rkl2, Groundwater, "water is carried in steps of Heun's, whose mean keeps the range of the data"),
+        row(Implicit, Groundwater, "water is carried in steps of Heun's, whose mean keeps the range of the data"),
+        row(Rkl2, Flags, NO_ENTHALPY),
+        row(Rkl2, ApparentCapacity, NO_ENTHALPY),
+        row(Rkl2, WholePhases, "the phase that a particle last was is known at whole steps alone"),
+        row(Implicit, Flags, NO_ENTHALPY),
+        row(Implicit, ApparentCapacity, NO_ENTHALPY),
+        row(Implicit, WholePhases, "the phase that a particle last was is known at whole steps alone"),
+        row(Implicit, PairMeans, "Newton's method is that of potentials"),
+        row(Flags, FreezingCurve, "the accumulator of latent heat fills at one temperature"),
+        row(Flags, Groundwater, NO_ENTHALPY),
+        row(ApparentCapacity, Groundwater, NO_ENTHALPY),
+        row(WholePhases, Groundwater, "the phase that a particle last was is known at whole steps alone"),
+        row(UnevenParticles, Shells, "shells stand evenly along the radius"),
+        row(UnevenParticles, LatticeWeights, "it has weights for the nearest neighbours on a lattice alone"),
+        row(SubCellFronts, OwnSteps, OWN_NOISE),
+        row(SubCellFronts, Shells, WHOLE_LATTICE),
+        row(SubCellFronts, UnevenParticles, WHOLE_LATTICE),
+        row(SubCellFronts, ListSearch, WHOLE_LATTICE),
+        row(SubCellFronts, PairMeans, "a front has a potential, and no conductivity of its own"),
+        row(SubCellFronts, Flags, NO_ENTHALPY),
+        row(SubCellFronts, ApparentCapacity, NO_ENTHALPY),
+        row(SubCellFronts, WholePhases, "a front lies where the frozen fraction says"),
+        row(SubCellFronts, Implicit, "implicit steps are longer than a front takes to cross its cell"),
+        row(SubCellFronts, NothingSharp, "there is no front where everything freezes over an interval"),
+        row(SubCellFronts, FittedWalls, WHOLE_LATTICE),
+        row(SubCellFronts, InnerLayers, WHOLE_LATTICE),
+        row(SubCellFronts, NaiveOpenWalls, WHOLE_LATTICE),
+        row(FittedWalls, Shells, "a body of shells knows its walls by the steady profile"),
+        row(FittedWalls, Groundwater, "a fit leaks water"),
+        row(FittedWalls, Cracks, "a fit reaches across them"),
+        row(FittedWalls, Excavation, "a fit reaches across its face"),
+        row(InnerLayers, Ring, "no layers lie along its curved wall"),
+        row(InnerLayers, Cracks, FIXED_LAYERS),
+        row(InnerLayers, Groundwater, "water enters through walls that lie between particles"),
+        row(InnerLayers, OwnSteps, "its noise crosses mirrored walls alone"),
+        row(NaiveOpenWalls, Ring, "no layers lie along its curved wall"),
+        row(NaiveOpenWalls, Cracks, FIXED_LAYERS),
+        row(NaiveOpenWalls, Groundwater, "water enters through walls that lie between particles"),
+        row(NaiveOpenWalls, OwnSteps, "its noise crosses mirrored walls alone"),
+        row(LatticeSearch, OwnSteps, BY_PAIRS),
+        row(LatticeSearch, Shells, BY_PAIRS),
+        row(LatticeSearch, UnevenParticles, BY_PAIRS),
+        row(LatticeSearch, Groundwater, "water needs its paths one by one"),
+        row(LatticeSearch, PairMeans, BY_PAIRS),
+        row(LatticeSearch, Flags, BY_PAIRS),
+        row(LatticeSearch, ApparentCapacity, BY_PAIRS),
+        row(LatticeSearch, WholePhases, BY_PAIRS),
+        row(LatticeSearch, FittedWalls, BY_PAIRS),
+        row(LatticeSearch, InnerLayers, BY_PAIRS),
+        row(LatticeSearch, NaiveOpenWalls, BY_PAIRS),
+    ]
+};
+
+impl Exclusion {
+    /// What is wrong, in words.
+    pub fn message(&self) -> String {
+        format!("{} does not go with {}: {}", self.asked.words(), self.beside.words(), self.because)
+    }
+}
+
+/// The pairs among these features that exclude each other.
+pub fn exclusions(features: &[Feature]) -> impl Iterator<Item = &'static Exclusion> + '_ {
+    EXCLUSIONS.iter().filter(|row| features.contains(&row.asked) && features.contains(&row.beside))
+}
+
+impl Feature {
+    /// All of them.
+    pub const ALL: [Feature; 23] = [
+        Feature::Groundwater,
+        Feature::Cracks,
+        Feature::Excavation,
+        Feature::Surfaces,
+        Feature::Shells,
+        Feature::Ring,
+        Feature::FreezingCurve,
+        Feature::NothingSharp,
+        Feature::OwnSteps,
+        Feature::LatticeWeights,
+        Feature::UnevenParticles,
+        Feature::PairMeans,
+        Feature::Flags,
+        Feature::ApparentCapacity,
+        Feature::WholePhases,
+        Feature::Rkl2,
+        Feature::Implicit,
+        Feature::SubCellFronts,
+        Feature::FittedWalls,
+        Feature::InnerLayers,
+        Feature::NaiveOpenWalls,
+        Feature::LatticeSearch,
+        Feature::ListSearch,
+    ];
+
+    /// As messages and the guide say it.
+    pub fn words(self) -> &'static str {
+        match self {
+            Feature::Groundwater => "\"flow\"",
+            Feature::Cracks => "\"cracks\"",
+            Feature::Excavation => "\"excavation\"",
+            Feature::Surfaces => "\"watch.surfaces\"",
+            Feature::Shells => "a body of shells",
+            Feature::Ring => "the domain \"ring\"",
+            Feature::FreezingCurve => "a material that freezes over an interval",
+            Feature::NothingSharp => "materials of which none freezes at one temperature",
+            Feature::OwnSteps => "a method that makes its own steps",
+            Feature::LatticeWeights => "a method of the lattice",
+            Feature::UnevenParticles => "a layout other than \"lattice\"",
+            Feature::PairMeans => "a mean of conductivities",
+            Feature::Flags => "scheme = \"flags\"",
+            Feature::ApparentCapacity => "scheme = \"apparent-capacity\"",
+            Feature::WholePhases => "mushy other than true",
+            Feature::Rkl2 => "integrator = \"rkl2\"",
+            Feature::Implicit => "integrator = \"implicit\"",
+            Feature::SubCellFronts => "front = \"sub-cell\"",
+            Feature::FittedWalls => "wall_model = \"moving-least-squares\"",
+            Feature::InnerLayers => "wall_model = \"inner-layers\"",
+            Feature::NaiveOpenWalls => "wall_model = \"naive\" at a wall of a flux or a film",
+            Feature::LatticeSearch => "search = \"lattice\"",
+            Feature::ListSearch => "search other than \"auto\" and \"lattice\"",
+        }
+    }
+
+    /// Where it is asked for.
+    pub fn place(self) -> Place {
+        match self {
+            Feature::Groundwater => Place::Scene("flow"),
+            Feature::Cracks => Place::Scene("cracks"),
+            Feature::Excavation => Place::Scene("excavation"),
+            Feature::Surfaces => Place::Scene("watch"),
+            Feature::Shells | Feature::Ring => Place::Scene("domain"),
+            Feature::FreezingCurve | Feature::NothingSharp => Place::Scene("materials"),
+            Feature::OwnSteps | Feature::LatticeWeights => Place::Method,
+            Feature::UnevenParticles => Place::Setting("layout"),
+            Feature::PairMeans => Place::Setting("mean"),
+            Feature::Flags | Feature::ApparentCapacity => Place::Setting("scheme"),
+            Feature::WholePhases => Place::Setting("mushy"),
+            Feature::Rkl2 | Feature::Implicit => Place::Setting("integrator"),
+            Feature::SubCellFronts => Place::Setting("front"),
+            Feature::FittedWalls | Feature::InnerLayers | Feature::NaiveOpenWalls => Place::Setting("wall_model"),
+            Feature::LatticeSearch | Feature::ListSearch => Place::Setting("search"),
+        }
+    }
+}
+
+/// What materials bring along.
+pub(crate) fn of_materials(materials: &[Material]) -> impl Iterator<Item = Feature> {
+    let curved = |material: &Material| matches!(material.law, FreezingLaw::Linear { .. } | FreezingLaw::Weibull { .. });
+    let sharp = materials.iter().any(|material| material.law == FreezingLaw::Isothermal);
+    let features = [
+        (materials.iter().any(curved), Feature::FreezingCurve),
+        (!materials.is_empty() && !sharp, Feature::NothingSharp),
+    ];
+    features.into_iter().filter(|feature| feature.0).map(|feature| feature.1)
+}
+
+/// What a method and its settings bring along, at these walls.
+pub(crate) fn of_settings(numerics: &Numerics, kind: &MethodKind, walls: &[Wall]) -> impl Iterator<Item = Feature> {
+    let brings_heat = |wall: &Wall| matches!(wall.condition, Condition::Flux(_) | Condition::Convection { .. });
+    let rkl2 = matches!(numerics.integrator, IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. });
+    let apparent = matches!(numerics.latent_heat_scheme, LatentHeatScheme::ApparentCapacity { .. });
+    let naive = numerics.walls == WallModel::Naive && walls.iter().any(brings_heat);
+    let features = [
+        (kind.stochastic, Feature::OwnSteps),
+        (kind.lattice_only, Feature::LatticeWeights),
+        (numerics.arrangement != Arrangement::Lattice, Feature::UnevenParticles),
+        (numerics.exchange != Exchange::Potential, Feature::PairMeans),
+        (numerics.latent_heat_scheme == LatentHeatScheme::Flags, Feature::Flags),
+        (apparent, Feature::ApparentCapacity),
+        (numerics.mushy != Mushy::Fraction, Feature::WholePhases),
+        (rkl2, Feature::Rkl2),
+        (matches!(numerics.integrator, IntegratorChoice::Implicit { .. }), Feature::Implicit),
+        (numerics.front == Front::SubCell, Feature::SubCellFronts),
+        (numerics.walls == WallModel::MovingLeastSquares, Feature::FittedWalls),
+        (numerics.walls == WallModel::InnerLayers, Feature::InnerLayers),
+        (naive, Feature::NaiveOpenWalls),
+        (numerics.search == SearchChoice::Lattice, Feature::LatticeSearch),
+        (!matches!(numerics.search, SearchChoice::Auto | SearchChoice::Lattice), Feature::ListSearch),
+    ];
+    features.into_iter().filter(|feature| feature.0).map(|feature| feature.1)
+}

@@ -21,6 +21,8 @@ pub enum Feature {
     Cracks,
     /// A shaft that is dug.
     Excavation,
+    /// Rings of freeze pipes.
+    Pipes,
     /// Surfaces through which heat is counted.
     Surfaces,
     /// A body of cylindrical or spherical shells.
@@ -96,11 +98,11 @@ const WHOLE_LATTICE: &str = "the front in a cell is seen along the rows of a lat
 const FIXED_LAYERS: &str = "layers of particles stand for the wall, whatever cuts them off";
 
 /// All pairs that exclude each other.
-pub const EXCLUSIONS: [Exclusion; 60] = {
+pub const EXCLUSIONS: [Exclusion; 61] = {
     use Feature::{
         ApparentCapacity, Cracks, Excavation, FittedWalls, Flags, FreezingCurve, Groundwater, Implicit, InnerLayers,
-        LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls, NothingSharp, OwnSteps, PairMeans, Ring, Rkl2,
-        Shells, SubCellFronts, Surfaces, UnevenParticles, WholePhases,
+        LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls, NothingSharp, OwnSteps, PairMeans, Pipes, Ring,
+        Rkl2, Shells, SubCellFronts, Surfaces, UnevenParticles, WholePhases,
     };
     [
         row(Groundwater, Shells, "water flows through a line, a rectangle or a ring"),
@@ -126,6 +128,7 @@ pub const EXCLUSIONS: [Exclusion; 60] = {
         row(ApparentCapacity, Groundwater, NO_ENTHALPY),
         row(WholePhases, Groundwater, "the phase that a particle last was is known at whole steps alone"),
         row(UnevenParticles, Shells, "shells stand evenly along the radius"),
+        row(UnevenParticles, Pipes, "a pipe acts on particles that stand evenly around it"),
         row(UnevenParticles, LatticeWeights, "it has weights for the nearest neighbours on a lattice alone"),
         row(SubCellFronts, OwnSteps, OWN_NOISE),
         row(SubCellFronts, Shells, WHOLE_LATTICE),
@@ -180,10 +183,11 @@ pub fn exclusions(features: &[Feature]) -> impl Iterator<Item = &'static Exclusi
 
 impl Feature {
     /// All of them.
-    pub const ALL: [Feature; 23] = [
+    pub const ALL: [Feature; 24] = [
         Feature::Groundwater,
         Feature::Cracks,
         Feature::Excavation,
+        Feature::Pipes,
         Feature::Surfaces,
         Feature::Shells,
         Feature::Ring,
@@ -212,6 +216,7 @@ impl Feature {
             Feature::Groundwater => "\"flow\"",
             Feature::Cracks => "\"cracks\"",
             Feature::Excavation => "\"excavation\"",
+            Feature::Pipes => "\"pipes\"",
             Feature::Surfaces => "\"watch.surfaces\"",
             Feature::Shells => "a body of shells",
             Feature::Ring => "the domain \"ring\"",
@@ -241,6 +246,7 @@ impl Feature {
             Feature::Groundwater => Place::Scene("flow"),
             Feature::Cracks => Place::Scene("cracks"),
             Feature::Excavation => Place::Scene("excavation"),
+            Feature::Pipes => Place::Scene("pipes"),
             Feature::Surfaces => Place::Scene("watch"),
             Feature::Shells | Feature::Ring => Place::Scene("domain"),
             Feature::FreezingCurve | Feature::NothingSharp => Place::Scene("materials"),

@@ -6,7 +6,6 @@ use frazil_core::boundary::patch::{Boundary, Side};
 use frazil_core::boundary::pipe::{Sink, green_reach, immerse, radius_of_one_particle};
 use frazil_core::space::lattice::Lattice;
 use frazil_scene::Scene;
-use frazil_scene::settings::{Arrangement, Numerics};
 
 use crate::refused::{Refused, refuse};
 
@@ -26,16 +25,12 @@ pub(super) struct Pipes {
 /// Sinks of all pipes in the sector, and the names of their rings.
 pub(super) fn pipes(
     scene: &Scene,
-    numerics: &Numerics,
     lattice: &Lattice,
     boundary: &Boundary,
     stencil: &Stencil,
 ) -> Result<Pipes, Refused> {
     if scene.rings.is_empty() {
         return Ok(Pipes::default());
-    }
-    if numerics.arrangement != Arrangement::Lattice {
-        return Err(refuse("freeze pipes need particles on a lattice: set layout = \"lattice\"".into()));
     }
     let mirrors = (boundary.sides[0] == Side::Mirror, boundary.sides[2] == Side::Mirror);
     let mut sinks = Vec::new();

@@ -93,7 +93,7 @@ impl Prepared {
         if materials.mixed() {
             differences.extend(layers::unresolved(scene, numerics, &lattice, &stencil, &materials.thermals));
         }
-        let Pipes { sinks, rings, acting } = pipes(scene, numerics, &lattice, &boundary, &stencil)?;
+        let Pipes { sinks, rings, acting } = pipes(scene, &lattice, &boundary, &stencil)?;
         differences.extend(acting);
         let count = cloud.as_ref().map_or(lattice.len(), |cloud| cloud.len());
         let start = start::without_displaced(start, &sinks, &materials, &volumes, count);

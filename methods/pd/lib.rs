@@ -27,11 +27,21 @@ pub static METHOD: MethodKind = MethodKind {
 };
 
 /// Influence of a bond by its length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Influence {
-    Constant,
-    Triangular,
+#[derive(Debug, Clone, Copy)]
+struct Influence {
+    /// The word of the file.
+    word: &'static str,
+    /// By the length of the bond over the horizon, from 0 to 1.
+    at: fn(f64) -> f64,
+    /// One over the mean of all that over the ball, by its dimension.
+    inverse_mean: fn(f64) -> f64,
 }
+
+/// All influence functions, the usual one first: a new one is a line here.
+const INFLUENCES: [Influence; 2] = [
+    Influence { word: "constant", at: |_| 1.0, inverse_mean: |_| 1.0 },
+    Influence { word: "triangular", at: |length| 1.0 - length, inverse_mean: |d| d + 1.0 },
+];
 
 /// The weight of a bond.
 #[derive(Debug, Clone, Copy)]
@@ -48,10 +58,7 @@ impl Bond {
     fn constant(&self) -> f64 {
         let d = self.dimension as f64;
         let volume = if self.dimension == 1 { 2.0 * self.horizon } else { PI * self.horizon * self.horizon };
-        match self.influence {
-            Influence::Constant => 2.0 * d / volume,
-            Influence::Triangular => 2.0 * d * (d + 1.0) / volume,
-        }
+        2.0 * d * (self.influence.inverse_mean)(d) / volume
     }
 }
 
@@ -62,11 +69,8 @@ impl PairWeight for Bond {
     }
 
     fn weight(&self, distance: f64) -> f64 {
-        let influence = match self.influence {
-            Influence::Constant => 1.0,
-            // The rim itself carries nothing; rounding must not make it negative.
-            Influence::Triangular => (1.0 - distance / self.horizon).max(0.0),
-        };
+        // On the rim rounding must not make it negative.
+        let influence = (self.influence.at)(distance / self.horizon).max(0.0);
         let plain = self.constant() * influence / (distance * distance);
         let Some(spacing) = self.corrected else { return plain };
         let inside = ((self.horizon + 0.5 * spacing - distance) / spacing).clamp(0.0, 1.0);
@@ -92,19 +96,18 @@ fn defaults(setting: Setting) -> Numerics {
 
 fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimension: usize) -> Discretisation {
     let ratio = section.number_or("horizon_ratio", 3.0, Range::between(1.0, 12.0));
-    let choices = [("constant", Influence::Constant), ("triangular", Influence::Triangular)];
-    let influence = section.choice_or("influence", &choices, Influence::Constant);
+    let choices = INFLUENCES.map(|influence| (influence.word, influence));
+    let influence = section.choice_or("influence", &choices, INFLUENCES[0]);
     let paper = setting == Setting::Paper;
     let bond =
         Bond { dimension, horizon: ratio * numerics.spacing, influence, corrected: paper.then_some(numerics.spacing) };
-    let word = if influence == Influence::Constant { "constant" } else { "triangular" };
     let constants = if paper { "printed, partial volumes, self term" } else { "discrete second moment" };
     Discretisation {
         weight: Arc::new(bond),
         normalisation: if paper { Normalisation::Nominal } else { Normalisation::DiscreteMoment },
         knobs: vec![
             ("horizon_ratio", Value::Number(ratio)),
-            ("influence", Value::Text(word.into())),
+            ("influence", Value::Text(influence.word.into())),
             ("normalisation", Value::Text(constants.into())),
         ],
         differences: vec![format!(
@@ -120,55 +123,74 @@ mod tests {
     use super::*;
     use frazil_core::bonds::stencil::Stencil;
 
-    fn moment(ratio: f64, influence: Influence, dimension: usize, corrected: bool) -> f64 {
-        let spacing = 0.002;
+    fn influence(word: &str) -> Influence {
+        *INFLUENCES.iter().find(|influence| influence.word == word).expect("an influence function")
+    }
+
+    fn moment(ratio: f64, word: &str, dimension: usize, corrected: bool) -> f64 {
+        let (spacing, influence) = (0.002, influence(word));
         let bond = Bond { dimension, horizon: ratio * spacing, influence, corrected: corrected.then_some(spacing) };
         Stencil::new(&bond, Normalisation::Nominal, spacing, dimension).moment(spacing)
+    }
+
+    /// Means of influence functions, by quadrature over the ball.
+    #[test]
+    fn influence_functions_have_the_means_that_they_say() {
+        for Influence { word, at, inverse_mean } in INFLUENCES {
+            for d in [1.0, 2.0] {
+                let (count, mut sum) = (20_000, 0.0);
+                for k in 0..count {
+                    let length = (k as f64 + 0.5) / count as f64;
+                    sum += at(length) * d * length.powf(d - 1.0) / count as f64;
+                }
+                // The midpoint rule, of second order.
+                assert!((sum * inverse_mean(d) - 1.0).abs() < 1e-8, "{word}, {d}D: {sum}");
+            }
+        }
     }
 
     /// Effective over nominal conductivity of full volumes on a lattice, from independent lattice sums (four
     /// digits).
     #[test]
     fn nominal_constants_misstate_the_conductivity_by_the_known_amounts() {
-        use Influence::{Constant, Triangular};
-        for (ratio, influence, dimension, known) in [
-            (2.0, Constant, 1, 1.0),
-            (3.0, Constant, 1, 1.0),
-            (2.0, Triangular, 1, 0.5),
-            (3.0, Triangular, 1, 0.6667),
-            (4.0, Triangular, 1, 0.75),
-            (2.0, Constant, 2, 0.9549),
-            (3.0, Constant, 2, 0.9903),
-            (4.0, Constant, 2, 0.9549),
-            (5.0, Constant, 2, 1.0186),
-            (8.0, Constant, 2, 0.9748),
-            (2.0, Triangular, 2, 0.757),
-            (3.0, Triangular, 2, 0.889),
-            (5.0, Triangular, 2, 0.957),
+        for (ratio, word, dimension, known) in [
+            (2.0, "constant", 1, 1.0),
+            (3.0, "constant", 1, 1.0),
+            (2.0, "triangular", 1, 0.5),
+            (3.0, "triangular", 1, 0.6667),
+            (4.0, "triangular", 1, 0.75),
+            (2.0, "constant", 2, 0.9549),
+            (3.0, "constant", 2, 0.9903),
+            (4.0, "constant", 2, 0.9549),
+            (5.0, "constant", 2, 1.0186),
+            (8.0, "constant", 2, 0.9748),
+            (2.0, "triangular", 2, 0.757),
+            (3.0, "triangular", 2, 0.889),
+            (5.0, "triangular", 2, 0.957),
         ] {
-            let found = moment(ratio, influence, dimension, false);
-            assert!((found - known).abs() < 6e-4, "m = {ratio}, {influence:?}, {dimension}D: {found}");
+            let found = moment(ratio, word, dimension, false);
+            assert!((found - known).abs() < 6e-4, "m = {ratio}, {word}, {dimension}D: {found}");
         }
         // Partial volumes with the self term restore the whole in 1D.
-        assert!((moment(3.0, Constant, 1, true) - 1.0).abs() < 1e-12);
+        assert!((moment(3.0, "constant", 1, true) - 1.0).abs() < 1e-12);
         // In 2D they do so to the linear share of cells on the rim: 0.9686 of all other cells (four digits), and the own
         // one's 1 / (9 pi).
-        assert!((moment(3.0, Constant, 2, true) - 0.9686 - 1.0 / (9.0 * PI)).abs() < 6e-5);
+        assert!((moment(3.0, "constant", 2, true) - 0.9686 - 1.0 / (9.0 * PI)).abs() < 6e-5);
     }
 
     /// Explicit limits by row sums in units of dx^2 / a (three digits, independent symbol analysis).
     #[test]
     fn row_sums_give_the_known_explicit_limits() {
-        for (ratio, influence, dimension, known) in [
-            (2.0, Influence::Constant, 1, 0.800),
-            (3.0, Influence::Constant, 1, 1.102),
-            (3.0, Influence::Constant, 2, 0.733),
-            (4.0, Influence::Constant, 2, 1.070),
-            (3.0, Influence::Triangular, 2, 0.466),
+        for (ratio, word, dimension, known) in [
+            (2.0, "constant", 1, 0.800),
+            (3.0, "constant", 1, 1.102),
+            (3.0, "constant", 2, 0.733),
+            (4.0, "constant", 2, 1.070),
+            (3.0, "triangular", 2, 0.466),
         ] {
-            let bond = Bond { dimension, horizon: ratio, influence, corrected: None };
+            let bond = Bond { dimension, horizon: ratio, influence: influence(word), corrected: None };
             let limit = 1.0 / Stencil::new(&bond, Normalisation::DiscreteMoment, 1.0, dimension).sum();
-            assert!((limit - known).abs() < 6e-4, "m = {ratio}, {influence:?}, {dimension}D: {limit}");
+            assert!((limit - known).abs() < 6e-4, "m = {ratio}, {word}, {dimension}D: {limit}");
         }
     }
 }

@@ -30,10 +30,10 @@ fn kinds() -> impl Iterator<Item = &'static MethodKind> {
 fn variants(kind: &MethodKind) -> Vec<String> {
     let numbers = |key: &'static str, values: &'static [f64]| values.iter().map(move |v| format!("{key} = {v}"));
     match kind.name {
-        "pd" => ["constant", "triangular"]
+        "pd" => ["constant", "triangular", "parabolic"]
             .into_iter()
             .flat_map(|word| {
-                // A triangular influence vanishes at the horizon: a reach of one spacing would leave no pair.
+                // Some influence functions vanish at the horizon: a reach of one spacing would leave no pair.
                 let ratios: &[f64] = &[1.5, 2.0, 3.0, 4.0, 6.5, 8.0, 12.0];
                 numbers("horizon_ratio", ratios).map(move |ratio| format!("{ratio}\ninfluence = \"{word}\""))
             })

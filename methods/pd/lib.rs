@@ -1,9 +1,10 @@
 //! Bond-based peridynamic heat conduction (Bobaru and Duangpanya 2010; Nikolaev et al. 2021): the weight of a bond.
 //!
 //! A bond of length r within the horizon delta carries `w = c omega(r/delta) / r^2`, with the influence function
-//! omega constant or falling linearly to the horizon. The best setting scales bonds by the discrete second moment of
-//! the actual neighbourhood; the paper's uses the printed constant `c = 2 d / (integral of omega dV)`, partial
-//! volumes at the rim of the horizon and the self term of a particle's own cell (eqs 38, 39, 48, 49).
+//! omega constant or falling to the horizon, linearly or with the square of the length. The best setting scales bonds by
+//! the discrete second moment of the actual neighbourhood; the paper's uses the printed constant
+//! `c = 2 d / (integral of omega dV)`, partial volumes at the rim of the horizon and the self term of a particle's own
+//! cell (eqs 38, 39, 48, 49).
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -38,9 +39,10 @@ struct Influence {
 }
 
 /// All influence functions, the usual one first: a new one is a line here.
-const INFLUENCES: [Influence; 2] = [
+const INFLUENCES: [Influence; 3] = [
     Influence { word: "constant", at: |_| 1.0, inverse_mean: |_| 1.0 },
     Influence { word: "triangular", at: |length| 1.0 - length, inverse_mean: |d| d + 1.0 },
+    Influence { word: "parabolic", at: |length| 1.0 - length * length, inverse_mean: |d| 0.5 * (d + 2.0) },
 ];
 
 /// The weight of a bond.

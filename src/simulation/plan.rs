@@ -155,7 +155,7 @@ pub(crate) fn build_for(
             let range = prepared.range(scene);
             let largest_slope = prepared.largest_slope();
             let parts = prepared.lattice_parts(scene, settings, pool)?;
-            used.extend(parts.irregular.as_ref().map(terms::irregular));
+            used.extend(parts.irregular.as_deref().map(terms::irregular));
             integrator(numerics, on_lattice(parts), range, largest_slope, prepared.count())
         }
         Some(reason) => {

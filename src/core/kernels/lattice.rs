@@ -39,9 +39,9 @@ pub struct LatticeOperator<L> {
     pub(super) corner_rates: Vec<f64>,
     pub(super) front: Option<SubCellFront>,
     /// Rows that the stencil does not know.
-    pub(super) irregular: Option<IrregularRows>,
+    pub(super) irregular: Option<Box<IrregularRows>>,
     /// Rows at the surfaces through which heat is counted.
-    pub(super) observed: Option<IrregularRows>,
+    pub(super) observed: Option<Box<IrregularRows>>,
     pub(super) bands: Vec<Band>,
     pub(super) row_patches: Vec<[f64; 4]>,
     pub(super) pool: Option<Arc<ThreadPool>>,
@@ -87,7 +87,7 @@ impl<L: Laws> LatticeOperator<L> {
         });
         let corners = lattice_pairs(&around.lattice, &around.stencil, stiffness);
         let beside_fronts = parts.front.as_ref().map_or(0.0, SubCellFront::row_sum);
-        let (irregular, sinks) = (parts.irregular.as_ref(), &parts.sinks);
+        let (irregular, sinks) = (parts.irregular.as_deref(), &parts.sinks);
         let (around_it, walls, pairs) = (&around, &boundary, &corners);
         let stiffness =
             Stiffness { around: around_it, boundary: walls, irregular, sinks, corners: pairs, beside_fronts };
@@ -364,12 +364,12 @@ impl<L: Laws> Operator for LatticeOperator<L> {
         // Particles see a curved wall through others, and behind a film deeper ghosts follow less.
         let film = |side: usize| matches!(self.around.face(side), Face::Film { .. });
         let curved = self.boundary.curved.is_some_and(|(patch, _)| self.around.faces[patch].holds() > 0.0);
-        let irregular = self.irregular.as_ref().is_none_or(IrregularRows::is_symmetric);
+        let irregular = self.irregular.as_deref().is_none_or(IrregularRows::is_symmetric);
         irregular && !curved && (self.around.shape.reach == 1 || !(0..4).any(film))
     }
 
     fn is_constant(&self) -> bool {
-        let irregular = self.irregular.as_ref().is_none_or(IrregularRows::is_constant);
+        let irregular = self.irregular.as_deref().is_none_or(IrregularRows::is_constant);
         irregular
             && self.boundary.is_linear()
             && self.sinks.iter().all(|sink| sink.schedule.is_none() && sink.film.is_none())
@@ -378,7 +378,7 @@ impl<L: Laws> Operator for LatticeOperator<L> {
     fn bandwidth(&self) -> usize {
         let lattice = &self.around.lattice;
         let by_pairs = self.around.shape.reach_rows * lattice.columns + self.around.shape.reach.min(lattice.columns);
-        let rims = self.irregular.as_ref().is_some_and(IrregularRows::has_rims);
+        let rims = self.irregular.as_deref().is_some_and(IrregularRows::has_rims);
         if rims || self.around.exterior.is_some() || !self.sinks.is_empty() {
             lattice.len()
         } else {

@@ -31,9 +31,9 @@ pub struct LatticeParts {
     /// The walls that the sweep sees: those at irregular rows are mirrors to it.
     pub boundary: Boundary,
     /// Rows that the stencil does not know.
-    pub irregular: Option<IrregularRows>,
+    pub irregular: Option<Box<IrregularRows>>,
     /// Rows at the surfaces through which heat is counted.
-    pub observed: Option<IrregularRows>,
+    pub observed: Option<Box<IrregularRows>>,
     /// The pipes.
     pub sinks: Vec<Sink>,
     /// Names of pipe rings.

@@ -44,19 +44,17 @@ count = 1
 ring_radius_m = 0.1
 pipe_radius_m = 0.1
 temperature_c = 0
-[[cracks]]
-[[cracks]]
-length_m = {}
 [watch]
-surfaces = [{}]
 [stream]
 [reference]
 kind = "table"
 "#;
 
 /// Sections that exclude others.
-const APART: [&str; 2] =
-    ["[excavation]\n", "[flow]\nrelative_permeability = { law = \"power\" }\nwalls.WALL = {}\nwalls.right = {}\n"];
+const APART: [&str; 2] = [
+    "[excavation]\n[[cracks]]\n[[cracks]]\nlength_m = {}\n[[watch.surfaces]]\n",
+    "[flow]\nrelative_permeability = { law = \"power\" }\nwalls.WALL = {}\nwalls.right = {}\n",
+];
 
 /// Words of a method beside which it has keys of its own.
 const NUMERICS: &str = "layout = \"jittered\"\nscheme = \"apparent-capacity\"\nintegrator = \"rkl2\"\nmotion = true\n";

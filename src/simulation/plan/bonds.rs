@@ -66,13 +66,13 @@ pub(super) fn rows(
     selection: Selection,
     surfaces: &[Surface],
     pool: Option<Arc<ThreadPool>>,
-) -> Result<IrregularRows, Refused> {
+) -> Result<Box<IrregularRows>, Refused> {
     let Selection { particles, rows, .. } = selection;
     let positions = particles.iter().map(|particle| prepared.lattice.position(*particle as usize)).collect();
     let materials = prepared.materials.of_some(&particles);
     let members = Members { positions, materials, rows, by_stencil: true };
     let (parts, _) = parts(scene, settings, prepared, &members, pool)?;
-    Ok(IrregularRows::new(particles, rows, ListParts { surfaces: surfaces.to_vec(), ..parts }))
+    Ok(Box::new(IrregularRows::new(particles, rows, ListParts { surfaces: surfaces.to_vec(), ..parts })))
 }
 
 /// The parts of a list without pipes.

@@ -203,12 +203,13 @@ fn main() {
         ("pd in a ring, no pipes", ring.plan("pd", ""), 20, 7),
         ("+ 26 pipes", with_pipes.plan("pd", ""), 20, 7),
         ("pd on a list", cold.plan("pd", "search = \"tree\""), 2, 1),
-        ("+ second material", half.plan("pd", ""), 2, 9),
+        ("+ second material", half.plan("pd", "search = \"tree\""), 2, 9),
         ("+ flags", sharp.plan("pd", "scheme = \"flags\""), 2, 9),
         ("+ harmonic mean, mushy", sharp.plan("pd", "mean = \"harmonic\""), 2, 9),
         ("+ harmonic mean, last phase", sharp.plan("pd", "mean = \"harmonic\"\nmushy = false"), 2, 9),
         ("edpd without noise", cold.plan("edpd", "noise = false"), 1, 9),
         ("+ noise", cold.plan("edpd", ""), 1, 14),
+        ("pd, two materials, swept", half.plan("pd", ""), 5, 1),
     ];
     let (mut cases, bases): (Vec<Case>, Vec<(usize, f64)>) = rows
         .into_iter()

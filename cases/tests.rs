@@ -4,7 +4,7 @@ use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
-use frazil_scene::{PipeRing, ReferenceChoice, Region, Scene, Shape, TimeUnit, Units, Wall, Watch};
+use frazil_scene::{PipeRing, ReferenceChoice, Region, Scene, Shape, TimeUnit, Wall};
 use frazil_simulation::reference::Plane;
 
 use crate::exact::similarity::tests::water;
@@ -24,39 +24,11 @@ fn wall(name: &'static str, condition: Condition) -> Wall {
 /// A metre of water that freezes from the left for ten hours.
 fn half_space(law: FreezingLaw) -> Scene {
     Scene {
-        name: "test".into(),
-        title: String::new(),
-        source: String::new(),
-        units: Units::Si,
-        time_unit: TimeUnit::Hour,
-        domain: Domain::Line { length: 1.0 },
-        duration: 10.0 * HOUR,
-        materials: vec![water(law)],
-        regions: Vec::new(),
-        cracks: Vec::new(),
         initial_temperature: 8.0,
         walls: vec![wall("left", temperature(-20.0)), wall("right", Condition::Symmetry)],
-        wall_parts: Vec::new(),
-        rings: Vec::new(),
-        excavation: None,
-        flow: None,
-        stream: None,
-        watch: Watch {
-            outputs: 10,
-            profiles: Vec::new(),
-            probes: Vec::new(),
-            surfaces: Vec::new(),
-            cuts: Vec::new(),
-            phases: None,
-            corner_front: false,
-            frozen_wall: false,
-            profile_length: None,
-            front_from: None,
-        },
         reference: ReferenceChoice::Exact,
-        methods: Vec::new(),
-        hash: String::new(),
-        remarks: Vec::new(),
+        time_unit: TimeUnit::Hour,
+        ..Scene::bare(Domain::Line { length: 1.0 }, 10.0 * HOUR, vec![water(law)])
     }
 }
 

@@ -232,7 +232,8 @@ fn the_error_of_a_thaw_does_not_depend_on_the_length_of_the_body() {
     }
 }
 
-const SLAB: &str = r#"
+/// A slab that freezes behind a film, for which no closed form is known.
+pub const SLAB: &str = r#"
 title = "Slab of food freezes from both sides in an air blast"
 source = "made up"
 [domain.line]

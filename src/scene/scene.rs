@@ -48,7 +48,7 @@ pub struct Excavation {
 }
 
 /// What is observed, and when.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Watch {
     /// Number of evenly spaced output instants up to the end; the start is not one of them.
     pub outputs: usize,
@@ -192,6 +192,35 @@ impl Temperatures<'_> {
 }
 
 impl Scene {
+    /// A body of materials for a time (s), of which the first fills it, at 0 degrees and without anything else: what programs
+    /// begin with that make scenes of their own.
+    pub fn bare(domain: Domain, duration: f64, materials: Vec<Material>) -> Self {
+        Scene {
+            name: "bare".into(),
+            title: String::new(),
+            source: String::new(),
+            units: Units::Si,
+            time_unit: TimeUnit::Second,
+            domain,
+            duration,
+            materials,
+            regions: Vec::new(),
+            cracks: Vec::new(),
+            initial_temperature: 0.0,
+            walls: Vec::new(),
+            wall_parts: Vec::new(),
+            rings: Vec::new(),
+            excavation: None,
+            flow: None,
+            stream: None,
+            watch: Watch { outputs: 10, ..Watch::default() },
+            reference: ReferenceChoice::Auto,
+            methods: Vec::new(),
+            hash: String::new(),
+            remarks: Vec::new(),
+        }
+    }
+
     /// What happens at all walls and parts of them, and at the face of the shaft.
     pub fn conditions(&self) -> impl Iterator<Item = &Condition> {
         let parts = self.wall_parts.iter().map(|part| &part.condition);

@@ -5,7 +5,7 @@ use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{Outcome, ProfileRow, Record, ReferenceInfo};
-use frazil_scene::{PipeRing, ReferenceChoice, TimeUnit, Units, Wall, Watch};
+use frazil_scene::{PipeRing, Wall};
 
 use super::*;
 
@@ -53,49 +53,23 @@ impl Reference for Slowing {
 fn scene(domain: Domain, duration: f64) -> Scene {
     let phase = Phase { conductivity: 1.0, heat_capacity: 1.0 };
     Scene {
-        name: "test".into(),
-        title: String::new(),
-        source: String::new(),
-        units: Units::Si,
-        time_unit: TimeUnit::Second,
-        domain,
-        duration,
-        materials: vec![Material {
-            name: "soil".into(),
-            density: 1.0,
-            frozen: phase,
-            unfrozen: phase,
-            freezing_point: 0.0,
-            latent_heat: 1.0,
-            law: FreezingLaw::Isothermal,
-            mixing: Mixing::Arithmetic,
-            pores: None,
-        }],
-        regions: Vec::new(),
-        cracks: Vec::new(),
         initial_temperature: 5.0,
         walls: vec![Wall { name: "left", condition: Condition::Temperature(Series::Constant(-20.0)) }],
-        wall_parts: Vec::new(),
-        rings: Vec::new(),
-        excavation: None,
-        flow: None,
-        stream: None,
-        watch: Watch {
-            outputs: 10,
-            profiles: Vec::new(),
-            probes: Vec::new(),
-            surfaces: Vec::new(),
-            cuts: Vec::new(),
-            phases: None,
-            corner_front: false,
-            frozen_wall: false,
-            profile_length: None,
-            front_from: None,
-        },
-        reference: ReferenceChoice::Auto,
-        methods: Vec::new(),
-        hash: String::new(),
-        remarks: Vec::new(),
+        ..Scene::bare(
+            domain,
+            duration,
+            vec![Material {
+                name: "soil".into(),
+                density: 1.0,
+                frozen: phase,
+                unfrozen: phase,
+                freezing_point: 0.0,
+                latent_heat: 1.0,
+                law: FreezingLaw::Isothermal,
+                mixing: Mixing::Arithmetic,
+                pores: None,
+            }],
+        )
     }
 }
 

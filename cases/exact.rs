@@ -97,9 +97,7 @@ impl HalfSpace {
         let initial = scene.initial_temperature;
         let solution = match material.law {
             FreezingLaw::None | FreezingLaw::Isothermal => Solution::Neumann(Neumann::new(material, wall, initial)?),
-            FreezingLaw::Linear { .. } | FreezingLaw::Weibull { .. } => {
-                Solution::Similarity(Similarity::new(material, wall, initial)?)
-            }
+            FreezingLaw::Curve(_) => Solution::Similarity(Similarity::new(material, wall, initial)?),
         };
         if !matches!(far, Some(Condition::Exact)) {
             let change = ((solution.temperature(length, scene.duration) - initial) / (initial - wall)).abs();

@@ -324,7 +324,7 @@ impl ShellTable {
             (Domain::Radial { symmetry: Symmetry::Axial, inner, .. }, Some((_, ShellWall::Flux(flux)))) => scene
                 .materials
                 .first()
-                .filter(|material| material.law == FreezingLaw::Isothermal)
+                .filter(|material| material.is_sharp())
                 .map(|material| LineSink::new(material, case.initial, -flux * Symmetry::Axial.area(inner))),
             _ => None,
         };

@@ -1,6 +1,6 @@
 //! Soils by name, as materials of a scene, and those that reference tables are about.
 
-use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::physics::material::Material;
 use frazil_scene::{Scene, Units};
 
 use crate::table::compare;
@@ -59,7 +59,7 @@ impl Soil {
         number("the unfrozen heat capacity", |own| own.unfrozen.heat_capacity, self.unfrozen.1);
         number("the freezing point", |own| own.freezing_point, self.freezing_point);
         number("the latent heat", |own| own.latent_heat, self.latent_heat);
-        if own.is_some_and(|own| own.law != FreezingLaw::Isothermal) {
+        if own.is_some_and(|own| !own.is_sharp()) {
             differences.push("the soil freezes at one temperature there".into());
         }
         differences

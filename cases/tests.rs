@@ -1,6 +1,8 @@
 //! Which reference a scene gets, and what it is told when there is none.
 
 use frazil_core::boundary::condition::Condition;
+use frazil_core::physics::freezing_curve::linear::Linear;
+use frazil_core::physics::freezing_curve::weibull::Weibull;
 use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
@@ -99,8 +101,8 @@ fn refusal(scene: &Scene) -> String {
 fn the_law_decides_which_solution_it_is() {
     assert_eq!(kind(&half_space(FreezingLaw::Isothermal)).as_deref(), Some("exact"));
     assert_eq!(kind(&half_space(FreezingLaw::None)).as_deref(), Some("exact"));
-    assert_eq!(kind(&half_space(FreezingLaw::Linear { width: 0.5 })).as_deref(), Some("similarity"));
-    assert_eq!(kind(&half_space(FreezingLaw::Weibull { width: 0.5, residual: 0.0 })).as_deref(), Some("similarity"));
+    assert_eq!(kind(&half_space(Linear { width: 0.5 }.into())).as_deref(), Some("similarity"));
+    assert_eq!(kind(&half_space(Weibull { width: 0.5, residual: 0.0 }.into())).as_deref(), Some("similarity"));
 }
 
 #[test]
@@ -111,7 +113,7 @@ fn the_front_is_the_integral_of_the_frozen_fraction() {
     assert!((freezing / 0.087_495_826_099_615_9 - 1.0).abs() < 1e-12, "{freezing}");
     assert_eq!(front(&half_space(FreezingLaw::None)), None);
     // What thaws is taken from the frozen length of the whole body.
-    for law in [FreezingLaw::Isothermal, FreezingLaw::Linear { width: 1e-3 }] {
+    for law in [FreezingLaw::Isothermal, Linear { width: 1e-3 }.into()] {
         let mut scene = half_space(law);
         scene.domain = Domain::Line { length: 3.0 };
         scene.initial_temperature = -20.0;

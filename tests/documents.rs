@@ -5,6 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use frazil_core::physics::freezing_curve::CURVES;
+use frazil_core::physics::freezing_curve::shape::Parameter;
 use frazil_scene::Scene;
 
 fn root() -> &'static Path {
@@ -287,6 +289,11 @@ fn every_key_that_the_reader_asks_for_is_in_the_guide() {
             assert!(known, "{}: {written}", file.display());
             count += 1;
         }
+    }
+    let curves = CURVES.iter().flat_map(|kind| kind.parameters).map(Parameter::key);
+    for (key, unit) in curves {
+        let written = if unit.is_empty() { key.to_owned() } else { format!("{key}_{unit}") };
+        assert!(words.contains(written.as_str()), "{written}");
     }
     assert!(count > 50, "{count}");
 }

@@ -17,6 +17,7 @@ mod excavation;
 mod extreme;
 mod fields;
 mod forecasts;
+mod freezing_curves;
 mod fuzzed;
 mod groundwater;
 mod interfaces;

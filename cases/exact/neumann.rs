@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::physics::material::Material;
 
 use super::functions::{decreasing_root, erfc_ratio, erfcx};
 
@@ -61,7 +61,7 @@ impl Neumann {
     ///
     /// A body that starts at the freezing point itself is unfrozen.
     pub fn new(material: &Material, wall: f64, initial: f64) -> Result<Self, String> {
-        if !matches!(material.law, FreezingLaw::None | FreezingLaw::Isothermal) {
+        if material.has_curve() {
             return Err(format!("{} does not freeze at one temperature", material.name));
         }
         if !wall.is_finite() || !initial.is_finite() || wall == initial {
@@ -146,7 +146,7 @@ mod tests {
     use super::*;
     use crate::exact::similarity::tests::water;
     use crate::table::NumberTable;
-    use frazil_core::physics::material::{Mixing, Phase};
+    use frazil_core::physics::material::{FreezingLaw, Mixing, Phase};
 
     /// Library functions are good to a unit in the last place; the fronts compared carry about ten of them.
     const LAST_DIGITS: f64 = 1e-12;

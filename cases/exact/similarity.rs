@@ -8,7 +8,7 @@
 mod medium;
 mod shooting;
 
-use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::physics::material::Material;
 
 use super::functions::erfc_ratio;
 use medium::Medium;
@@ -38,11 +38,8 @@ impl Similarity {
         if !wall.is_finite() || !initial.is_finite() || wall == initial {
             return Err(format!("a wall at {wall} does not change a body at {initial}"));
         }
-        match material.law {
-            FreezingLaw::Linear { width } | FreezingLaw::Weibull { width, .. } if width > 0.0 => {}
-            _ => return Err(format!("{} has no freezing curve", material.name)),
-        }
-        let medium = Medium { material: material.clone() };
+        let medium = Medium::new(material)
+            .ok_or_else(|| format!("{} has no freezing curve that it is known for", material.name))?;
         // Seen from the wall, so that a body at the freezing point itself counts as what it is about to become.
         let last_part = medium.part(initial, wall);
         let initial_frozen = medium.properties(last_part, initial).frozen_fraction;
@@ -122,12 +119,7 @@ impl Similarity {
     /// Distance (m) from the wall of the place that is frozen half-way between none and all that the curve
     /// allows, at time `t` (s).
     pub fn half_frozen(&self, t: f64) -> Option<f64> {
-        let below = match self.medium.material.law {
-            FreezingLaw::Linear { width } => 0.5 * width,
-            FreezingLaw::Weibull { width, .. } => width * std::f64::consts::LN_2.sqrt(),
-            FreezingLaw::None | FreezingLaw::Isothermal => return None,
-        };
-        self.isotherm(self.medium.material.freezing_point - below, t)
+        self.isotherm(self.medium.material.freezing_point - self.medium.half_frozen(), t)
     }
 
     /// Temperature at `eta = x / sqrt(t)`: one step from the node before it, which is as good as the nodes.

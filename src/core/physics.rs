@@ -2,9 +2,12 @@
 
 pub mod blend;
 pub mod curve;
+pub mod freezing_curve;
+pub mod integral;
 pub mod latent_heat;
 pub mod laws;
 pub mod material;
+pub mod mixing;
 pub mod potential;
 pub mod sub_cell;
 pub mod thermal;

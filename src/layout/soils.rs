@@ -1,6 +1,5 @@
 //! Soils that studies know by name.
 
-use frazil_core::physics::material::FreezingLaw;
 use frazil_scene::{Change, Scene, Section, Units};
 use toml::{Table, Value};
 
@@ -41,7 +40,7 @@ pub(crate) fn odd(scene: &Scene) -> Vec<String> {
             let by_volume = material.density * own.heat_capacity;
             values.push((CAPACITY, format!("{phase} heat capacity by volume"), "J/m3K", by_volume));
         }
-        if material.law != FreezingLaw::None {
+        if material.freezes() {
             values.push((LATENT_HEAT, "latent heat".into(), "J/kg", material.latent_heat));
         }
         for ((least, most), what, unit, value) in values {

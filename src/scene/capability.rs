@@ -6,7 +6,7 @@ use frazil_core::bonds::exchange::Exchange;
 use frazil_core::boundary::condition::Condition;
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
-use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::physics::material::Material;
 
 use crate::method::MethodKind;
 use crate::scene::Wall;
@@ -265,10 +265,9 @@ impl Feature {
 
 /// What materials bring along.
 pub(crate) fn of_materials(materials: &[Material]) -> impl Iterator<Item = Feature> {
-    let curved = |material: &Material| matches!(material.law, FreezingLaw::Linear { .. } | FreezingLaw::Weibull { .. });
-    let sharp = materials.iter().any(|material| material.law == FreezingLaw::Isothermal);
+    let sharp = materials.iter().any(Material::is_sharp);
     let features = [
-        (materials.iter().any(curved), Feature::FreezingCurve),
+        (materials.iter().any(Material::has_curve), Feature::FreezingCurve),
         (!materials.is_empty() && !sharp, Feature::NothingSharp),
     ];
     features.into_iter().filter(|feature| feature.0).map(|feature| feature.1)

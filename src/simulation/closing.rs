@@ -6,7 +6,7 @@
 //! bodies of that size have to surround the centre. Real walls take several times as long: ground is warm, and stores heat.
 
 use frazil_core::boundary::condition::Condition;
-use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::physics::material::Material;
 use frazil_scene::{PipeRing, Scene};
 use glam::DVec2;
 
@@ -75,7 +75,7 @@ fn widest(places: &[(DVec2, f64)]) -> Option<f64> {
 /// Without latent heat it is without bound.
 fn diffusion(scene: &Scene) -> f64 {
     let of = |material: &Material| {
-        let half = if matches!(material.law, FreezingLaw::Isothermal) { 1.0 } else { 0.5 };
+        let half = if material.is_sharp() { 1.0 } else { 0.5 };
         material.frozen.conductivity.max(material.unfrozen.conductivity) / (half * material.volumetric_latent_heat())
     };
     scene.materials.iter().map(of).fold(0.0, f64::max)

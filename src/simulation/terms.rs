@@ -4,7 +4,7 @@ use frazil_core::bonds::exchange::Exchange;
 use frazil_core::boundary::patch::Boundary;
 use frazil_core::kernels::irregular::IrregularRows;
 use frazil_core::physics::latent_heat::{LatentHeatScheme, Materials, Mushy};
-use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::physics::material::Material;
 use frazil_core::physics::potential::Law;
 use frazil_core::physics::thermal::Thermal;
 use frazil_scene::method::{Discretisation, Stepper};
@@ -44,7 +44,7 @@ impl Parts<'_> {
     }
 
     fn freezes(&self) -> bool {
-        self.scene.materials.iter().any(|material| material.law != FreezingLaw::None)
+        self.scene.materials.iter().any(Material::freezes)
     }
 
     fn open_walls(&self) -> Vec<&str> {

@@ -18,7 +18,6 @@ mod wall;
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::ledger::{Ledger, Sum};
 use frazil_core::particles::Particles;
-use frazil_core::physics::material::FreezingLaw;
 use frazil_core::space::domain::Domain;
 use frazil_record::{
     BudgetRow, Field, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow, ProfileRow, SectionRow,
@@ -145,7 +144,7 @@ impl Watches {
             probes,
             keep_fields: keep_fields && scene.domain.dimension() == 2,
             field_radius: field_radius(scene),
-            isothermal: matches!(scene.materials[0].law, FreezingLaw::Isothermal),
+            isothermal: scene.materials[0].is_sharp(),
             monotonicity: MonotonicityCheck::new(scene, particles.volumes.largest()),
             front: Vec::new(),
             start: Start::default(),

@@ -1,6 +1,9 @@
 //! Properties of a material along its freezing curve.
 
-use frazil_core::physics::material::{FreezingLaw, Material, Mixing};
+use frazil_core::physics::freezing_curve::linear::Linear;
+use frazil_core::physics::freezing_curve::weibull::Weibull;
+use frazil_core::physics::freezing_curve::{FreezingCurve, FreezingLaw};
+use frazil_core::physics::material::{Material, Mixing};
 
 /// Widths below the freezing point at which a Weibull curve begins to be felt: exp(-49) is beyond the last digit.
 const WEIBULL_PEAK: f64 = 7.0;
@@ -34,23 +37,59 @@ impl LocalProperties {
     }
 }
 
+/// Curves whose solutions are solved for.
+#[derive(Debug, Clone, Copy)]
+enum Shape {
+    Linear { width: f64 },
+    Weibull { width: f64, residual: f64 },
+}
+
 /// Properties of a material over temperature.
 #[derive(Debug, Clone)]
 pub struct Medium {
     /// The material.
     pub material: Material,
+    shape: Shape,
 }
 
 impl Medium {
+    /// A material, if its curve is one of those that are solved for.
+    pub fn new(material: &Material) -> Option<Self> {
+        let shape = match material.law {
+            FreezingLaw::Curve(FreezingCurve::Linear(Linear { width })) => Shape::Linear { width },
+            FreezingLaw::Curve(FreezingCurve::Weibull(Weibull { width, residual })) => {
+                Shape::Weibull { width, residual }
+            }
+            _ => return None,
+        };
+        let medium = Medium { material: material.clone(), shape };
+        (medium.width() > 0.0).then_some(medium)
+    }
+
+    /// Width (K) of the curve.
+    pub fn width(&self) -> f64 {
+        match self.shape {
+            Shape::Linear { width } | Shape::Weibull { width, .. } => width,
+        }
+    }
+
+    /// Kelvin below the freezing point at which half of what freezes is frozen.
+    pub fn half_frozen(&self) -> f64 {
+        match self.shape {
+            Shape::Linear { width } => 0.5 * width,
+            Shape::Weibull { width, .. } => width * std::f64::consts::LN_2.sqrt(),
+        }
+    }
+
     /// Properties at a temperature, by the formulas of a part.
     pub fn properties(&self, part: CurvePart, temperature: f64) -> LocalProperties {
         let material = &self.material;
         let below = temperature - material.freezing_point;
-        let (unfrozen, slope) = match (part, material.law) {
-            (CurvePart::Unfrozen, _) | (_, FreezingLaw::None) => (1.0, 0.0),
-            (CurvePart::Frozen, _) | (_, FreezingLaw::Isothermal) => (0.0, 0.0),
-            (CurvePart::Interval, FreezingLaw::Linear { width }) => (1.0 + below / width, 1.0 / width),
-            (CurvePart::Interval, FreezingLaw::Weibull { width, residual }) => {
+        let (unfrozen, slope) = match (part, self.shape) {
+            (CurvePart::Unfrozen, _) => (1.0, 0.0),
+            (CurvePart::Frozen, _) => (0.0, 0.0),
+            (CurvePart::Interval, Shape::Linear { width }) => (1.0 + below / width, 1.0 / width),
+            (CurvePart::Interval, Shape::Weibull { width, residual }) => {
                 let free = (1.0 - residual) * libm::exp(-(below / width) * (below / width));
                 (residual + free, -2.0 * below / (width * width) * free)
             }
@@ -72,9 +111,9 @@ impl Medium {
         let below = temperature - self.material.freezing_point;
         let is_warming = towards > temperature;
         let is_past = |limit: f64| below > limit || (below == limit && is_warming);
-        match self.material.law {
+        match self.shape {
             _ if is_past(0.0) => CurvePart::Unfrozen,
-            FreezingLaw::Linear { width } if !is_past(-width) => CurvePart::Frozen,
+            Shape::Linear { width } if !is_past(-width) => CurvePart::Frozen,
             _ => CurvePart::Interval,
         }
     }
@@ -83,9 +122,9 @@ impl Medium {
     /// lest a step leap over all of it.
     pub fn longest_step(&self, temperature: f64) -> f64 {
         let below = temperature - self.material.freezing_point;
-        match self.material.law {
-            FreezingLaw::Linear { width } if below.abs() <= width => 0.5 * width,
-            FreezingLaw::Weibull { width, .. } if below.abs() <= WEIBULL_PEAK * width * (1.0 + 1e-9) => 0.5 * width,
+        match self.shape {
+            Shape::Linear { width } if below.abs() <= width => 0.5 * width,
+            Shape::Weibull { width, .. } if below.abs() <= WEIBULL_PEAK * width * (1.0 + 1e-9) => 0.5 * width,
             _ => f64::INFINITY,
         }
     }
@@ -93,11 +132,10 @@ impl Medium {
     /// Kinks of the curve strictly between two temperatures, in the order in which they are met.
     pub fn kinks(&self, from: f64, to: f64) -> Vec<f64> {
         let freezing_point = self.material.freezing_point;
-        let mut kinks = match self.material.law {
-            FreezingLaw::Linear { width } => vec![freezing_point - width, freezing_point],
+        let mut kinks = match self.shape {
+            Shape::Linear { width } => vec![freezing_point - width, freezing_point],
             // No kink, but where the peak of the apparent capacity begins.
-            FreezingLaw::Weibull { width, .. } => vec![freezing_point - WEIBULL_PEAK * width, freezing_point],
-            FreezingLaw::None | FreezingLaw::Isothermal => vec![freezing_point],
+            Shape::Weibull { width, .. } => vec![freezing_point - WEIBULL_PEAK * width, freezing_point],
         };
         kinks.retain(|&kink| (kink - from) * (kink - to) < 0.0);
         if to < from {

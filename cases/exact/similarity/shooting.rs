@@ -2,8 +2,6 @@
 
 use std::f64::consts::PI;
 
-use frazil_core::physics::material::FreezingLaw;
-
 use super::medium::{CurvePart, Medium};
 use crate::exact::functions::erfcx;
 
@@ -76,11 +74,7 @@ impl<'a> Shooting<'a> {
         let at_wall = medium.properties(medium.part(wall, initial), wall);
         let reach = 2.0 * at_wall.diffusivity().sqrt();
         let range = (initial - wall).abs();
-        let width = match medium.material.law {
-            FreezingLaw::Linear { width } | FreezingLaw::Weibull { width, .. } => width,
-            FreezingLaw::None | FreezingLaw::Isothermal => range,
-        };
-        let resolution = width.clamp(1e-3 * range, range);
+        let resolution = medium.width().clamp(1e-3 * range, range);
         Shooting { medium, wall, initial, initial_frozen, targets, reach, resolution }
     }
 

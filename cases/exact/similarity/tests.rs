@@ -4,7 +4,9 @@ use super::medium::CurvePart;
 use super::*;
 use crate::exact::Neumann;
 use crate::table::NumberTable;
-use frazil_core::physics::material::{Mixing, Phase};
+use frazil_core::physics::freezing_curve::linear::Linear;
+use frazil_core::physics::freezing_curve::weibull::Weibull;
+use frazil_core::physics::material::{FreezingLaw, Mixing, Phase};
 
 /// Water as in the tables.
 pub(crate) fn water(law: FreezingLaw) -> Material {
@@ -22,7 +24,7 @@ pub(crate) fn water(law: FreezingLaw) -> Material {
 }
 
 fn weibull(width: f64) -> Material {
-    water(FreezingLaw::Weibull { width, residual: 0.0 })
+    water(Weibull { width, residual: 0.0 }.into())
 }
 
 /// Materials and temperatures that together pass through every branch: freezing and thawing, both laws, both
@@ -35,11 +37,11 @@ fn cases() -> Vec<(Material, f64, f64)> {
         unfrozen: Phase { conductivity: 1.5, heat_capacity: 1500.0 },
         freezing_point: -0.25,
         latent_heat: 50_000.0,
-        law: FreezingLaw::Linear { width: 1.0 },
+        law: Linear { width: 1.0 }.into(),
         mixing: Mixing::Arithmetic,
         pores: None,
     };
-    let residual = FreezingLaw::Weibull { width: 0.8, residual: 0.2 };
+    let residual = Weibull { width: 0.8, residual: 0.2 }.into();
     vec![
         (weibull(0.5), -20.0, 8.0),
         (weibull(0.5), 8.0, -20.0),
@@ -176,7 +178,7 @@ fn a_narrow_curve_tends_to_neumann() {
         let front = neumann.front(1.0).expect("front");
         let mut errors = Vec::new();
         for width in [0.1, 0.01, 0.001] {
-            for law in [FreezingLaw::Weibull { width, residual: 0.0 }, FreezingLaw::Linear { width }] {
+            for law in [FreezingLaw::from(Weibull { width, residual: 0.0 }), Linear { width }.into()] {
                 let solution = Similarity::new(&water(law), wall, initial).expect("solution");
                 errors.push((solution.front(1.0).abs() / front - 1.0).abs());
             }
@@ -223,13 +225,13 @@ fn every_place_and_time_has_a_temperature_between_wall_and_start() {
 #[test]
 fn awkward_curves_have_solutions_too() {
     let curves = [1e-5, 1e-2, 0.3, 40.0].into_iter().flat_map(|width| {
-        let full = FreezingLaw::Weibull { width, residual: 0.0 };
-        [full, FreezingLaw::Weibull { width, residual: 0.9 }, FreezingLaw::Linear { width }]
+        let full = FreezingLaw::from(Weibull { width, residual: 0.0 });
+        [full, FreezingLaw::from(Weibull { width, residual: 0.9 }), Linear { width }.into()]
     });
     for law in curves {
         let ends = [(-20.0, 8.0), (8.0, -20.0), (-1e-3, 8.0), (-20.0, 1e-3), (1e-3, -20.0), (0.0, 8.0), (0.0, -8.0)];
         for (wall, initial) in ends.into_iter().chain([(-20.0, 0.0), (8.0, 0.0), (-1.0, -20.0), (-20.0, -1.0)]) {
-            let solution = Similarity::new(&water(law), wall, initial);
+            let solution = Similarity::new(&water(law.clone()), wall, initial);
             let front = solution.as_ref().map(|solution| solution.front(1.0));
             assert!(front.is_ok_and(|front| front.is_finite()), "{law:?}, {wall} to {initial}: {:?}", solution.err());
         }

@@ -2,19 +2,16 @@
 
 use std::sync::Arc;
 
-use crate::memory::{HeapSize, shared};
+use crate::memory::HeapSize;
 use crate::physics::blend::Blend;
+use crate::physics::freezing_curve::linear::Linear;
+use crate::physics::freezing_curve::shape::UnfrozenFraction;
+use crate::physics::integral::Integral;
 use crate::physics::material::{FreezingLaw, Material, Mixing};
-
-const HALF_SQRT_PI: f64 = 0.886_226_925_452_758;
 
 /// Intervals of the table of a smooth law. Hermite interpolation over this many leaves less than 1e-7 of the
 /// width of the freezing interval for water (measured in the tests below).
 pub(super) const TABLE_INTERVALS: usize = 16_384;
-
-/// Widths below the freezing point at which the unfrozen fraction of a Weibull curve is its residual to the
-/// last bit: exp(-6.2^2) < 2^-55.
-const WEIBULL_TAIL_WIDTHS: f64 = 6.2;
 
 /// Exact relations of one material.
 #[derive(Debug, Clone)]
@@ -29,20 +26,27 @@ pub struct Curve {
     pub(super) latent_heat: f64,
     /// What it stores, where that is several materials'.
     pub(super) blend: Option<Arc<Blend>>,
-    /// Potential and conductivity at even steps of temperature below the freezing point, where the potential has no
-    /// closed form; empty elsewhere.
-    pub(super) steps: Arc<[(f64, f64)]>,
+    /// Potential below the freezing point, where it has no closed form.
+    pub(super) mixed_potential: Option<Integral>,
 }
 
-/// Steps of temperature over which a geometric mean of conductivities is integrated. Cubic interpolation between
-/// them is exact to rounding: the step is a thousandth of the width of the curve.
+/// Least steps of temperature over which a geometric mean of conductivities is integrated. Cubic interpolation between
+/// them is exact to rounding: the step is a thousandth of the width of a curve of one piece.
 const POTENTIAL_STEPS: usize = 8192;
+
+/// Temperatures below the freezing point, at least, at which a curve is searched for its largest diffusivity.
+const DIFFUSIVITY_SAMPLES: usize = 4096;
+
+/// Steps of each of `count` pieces, of which all together have at least this many.
+fn steps_each(all: usize, count: usize) -> usize {
+    all.div_ceil(count).next_power_of_two()
+}
 
 impl Curve {
     /// The relations of a material.
     pub fn new(material: &Material) -> Self {
         let curve = Curve {
-            law: material.law,
+            law: material.law.clone(),
             mixing: material.mixing,
             freezing_point: material.freezing_point,
             frozen_conductivity: material.frozen.conductivity,
@@ -51,36 +55,27 @@ impl Curve {
             unfrozen_capacity: material.unfrozen_capacity(),
             latent_heat: material.volumetric_latent_heat(),
             blend: None,
-            steps: Vec::new().into(),
+            mixed_potential: None,
         };
-        curve.with_steps()
+        curve.with_mixed_potential()
     }
 
     /// Fills the table of the potential, if its law needs one.
-    fn with_steps(mut self) -> Self {
-        if self.is_kinked() || self.mixing == Mixing::Arithmetic {
-            return self;
+    fn with_mixed_potential(mut self) -> Self {
+        if let (FreezingLaw::Curve(curve), Mixing::Geometric) = (&self.law, self.mixing) {
+            let pieces = curve.pieces();
+            let conductivity = |below: f64| self.mixed_conductivity(1.0 - curve.frozen(below));
+            let steps = steps_each(POTENTIAL_STEPS, pieces.len());
+            self.mixed_potential = Some(Integral::new(conductivity, &pieces, steps));
         }
-        let step = self.coldest_change() / POTENTIAL_STEPS as f64;
-        let conductivity = |below: f64| self.mixed_conductivity(1.0 - self.frozen_part(below));
-        let mut potential = 0.0;
-        let mut steps = Vec::with_capacity(POTENTIAL_STEPS + 1);
-        for k in 0..=POTENTIAL_STEPS {
-            let below = k as f64 * step;
-            if k > 0 {
-                potential += simpson(conductivity, below - step, below);
-            }
-            steps.push((potential, conductivity(below)));
-        }
-        self.steps = steps.into();
         self
     }
 
     /// The same material with its latent heat spread linearly over `width` kelvin below the freezing point, if it
     /// was released all at once.
     pub fn spread(&self, width: f64) -> Self {
-        match self.law {
-            FreezingLaw::Isothermal => Curve { law: FreezingLaw::Linear { width }, ..self.clone() }.with_steps(),
+        match &self.law {
+            FreezingLaw::Isothermal => Curve { law: Linear { width }.into(), ..self.clone() }.with_mixed_potential(),
             _ => self.clone(),
         }
     }
@@ -116,9 +111,9 @@ impl Curve {
 
     /// Unfrozen fraction far below the freezing point.
     fn residual(&self) -> f64 {
-        match self.law {
-            FreezingLaw::None | FreezingLaw::Isothermal | FreezingLaw::Linear { .. } => 0.0,
-            FreezingLaw::Weibull { residual, .. } => residual,
+        match &self.law {
+            FreezingLaw::None | FreezingLaw::Isothermal => 0.0,
+            FreezingLaw::Curve(curve) => curve.unfrozen(f64::NEG_INFINITY),
         }
     }
 
@@ -144,15 +139,14 @@ impl Curve {
 
     /// Whether potential and enthalpy are piecewise linear in each other.
     pub fn is_kinked(&self) -> bool {
-        matches!(self.law, FreezingLaw::None | FreezingLaw::Isothermal)
+        !matches!(self.law, FreezingLaw::Curve(_))
     }
 
     /// Distance below the freezing point (K, negative) at which nothing more freezes.
     pub(super) fn coldest_change(&self) -> f64 {
-        match self.law {
+        match &self.law {
             FreezingLaw::None | FreezingLaw::Isothermal => 0.0,
-            FreezingLaw::Linear { width } => -width,
-            FreezingLaw::Weibull { width, .. } => -WEIBULL_TAIL_WIDTHS * width,
+            FreezingLaw::Curve(curve) => curve.end(),
         }
     }
 
@@ -162,35 +156,10 @@ impl Curve {
         if below >= 0.0 {
             return 1.0;
         }
-        match self.law {
+        match &self.law {
             FreezingLaw::None => 1.0,
             FreezingLaw::Isothermal => 0.0,
-            FreezingLaw::Linear { width } => (1.0 + below / width).max(0.0),
-            FreezingLaw::Weibull { width, residual } => residual + (1.0 - residual) * (-(below / width).powi(2)).exp(),
-        }
-    }
-
-    /// Frozen fraction at `below` kelvin (negative) under the freezing point, without cancellation near it.
-    fn frozen_part(&self, below: f64) -> f64 {
-        match self.law {
-            FreezingLaw::None => 0.0,
-            FreezingLaw::Isothermal => 1.0,
-            FreezingLaw::Linear { width } => (-below / width).min(1.0),
-            FreezingLaw::Weibull { width, residual } => -(1.0 - residual) * libm::expm1(-(below / width).powi(2)),
-        }
-    }
-
-    /// Integral of the unfrozen fraction from the freezing point down to `below` kelvin (negative) under it.
-    fn unfrozen_integral(&self, below: f64) -> f64 {
-        match self.law {
-            FreezingLaw::None | FreezingLaw::Isothermal => 0.0,
-            FreezingLaw::Linear { width } => {
-                let inside = below.max(-width);
-                inside + inside * inside / (2.0 * width)
-            }
-            FreezingLaw::Weibull { width, residual } => {
-                (1.0 - residual) * width * HALF_SQRT_PI * libm::erf(below / width) + residual * below
-            }
+            FreezingLaw::Curve(curve) => curve.unfrozen(below),
         }
     }
 
@@ -203,13 +172,13 @@ impl Curve {
         if below >= 0.0 {
             return self.unfrozen_capacity * below;
         }
-        match self.law {
+        match &self.law {
             FreezingLaw::None => self.frozen_capacity * below,
             FreezingLaw::Isothermal => self.frozen_capacity * below - self.latent_heat,
-            _ => {
-                let unfrozen = self.unfrozen_integral(below);
+            FreezingLaw::Curve(curve) => {
+                let unfrozen = curve.integral(below);
                 self.unfrozen_capacity * unfrozen + self.frozen_capacity * (below - unfrozen)
-                    - self.latent_heat * self.frozen_part(below)
+                    - self.latent_heat * curve.frozen(below)
             }
         }
     }
@@ -232,22 +201,9 @@ impl Curve {
         if below >= 0.0 {
             return self.unfrozen_capacity;
         }
-        let unfrozen = match self.law {
-            FreezingLaw::None | FreezingLaw::Isothermal => 0.0,
-            _ => self.unfrozen_fraction(temperature),
-        };
-        let release = match self.law {
-            FreezingLaw::None | FreezingLaw::Isothermal => 0.0,
-            FreezingLaw::Linear { width } => {
-                if below > -width {
-                    1.0 / width
-                } else {
-                    0.0
-                }
-            }
-            FreezingLaw::Weibull { width, residual } => {
-                -2.0 * (1.0 - residual) * below / (width * width) * (-(below / width).powi(2)).exp()
-            }
+        let (unfrozen, release) = match &self.law {
+            FreezingLaw::None | FreezingLaw::Isothermal => (0.0, 0.0),
+            FreezingLaw::Curve(curve) => (curve.unfrozen(below), curve.release(below)),
         };
         unfrozen * self.unfrozen_capacity + (1.0 - unfrozen) * self.frozen_capacity + self.latent_heat * release
     }
@@ -260,7 +216,7 @@ impl Curve {
         if enthalpy >= 0.0 {
             return self.freezing_point + enthalpy / self.unfrozen_capacity;
         }
-        match self.law {
+        match &self.law {
             FreezingLaw::None => self.freezing_point + enthalpy / self.frozen_capacity,
             FreezingLaw::Isothermal => {
                 self.freezing_point + (enthalpy + self.latent_heat).min(0.0) / self.frozen_capacity
@@ -285,7 +241,7 @@ impl Curve {
         if let Some(blend) = &self.blend {
             return blend.frozen_fraction(enthalpy);
         }
-        match self.law {
+        match &self.law {
             FreezingLaw::None => 0.0,
             FreezingLaw::Isothermal => (-enthalpy / self.latent_heat).clamp(0.0, 1.0),
             _ => 1.0 - self.unfrozen_fraction(self.temperature(enthalpy)),
@@ -294,12 +250,7 @@ impl Curve {
 
     /// Conductivity (W/mK) of material of which `unfrozen` is unfrozen.
     pub fn mixed_conductivity(&self, unfrozen: f64) -> f64 {
-        match self.mixing {
-            Mixing::Arithmetic => unfrozen * self.unfrozen_conductivity + (1.0 - unfrozen) * self.frozen_conductivity,
-            Mixing::Geometric => {
-                self.unfrozen_conductivity.powf(unfrozen) * self.frozen_conductivity.powf(1.0 - unfrozen)
-            }
-        }
+        self.mixing.conductivity(unfrozen, self.unfrozen_conductivity, self.frozen_conductivity)
     }
 
     /// Conductivity (W/mK) at a temperature.
@@ -307,7 +258,7 @@ impl Curve {
         if temperature >= self.freezing_point {
             return self.unfrozen_conductivity;
         }
-        match self.law {
+        match &self.law {
             FreezingLaw::None | FreezingLaw::Isothermal => self.frozen_conductivity,
             _ => self.mixed_conductivity(self.unfrozen_fraction(temperature)),
         }
@@ -319,24 +270,12 @@ impl Curve {
         if below >= 0.0 {
             return self.unfrozen_conductivity * below;
         }
-        if self.is_kinked() {
-            return self.frozen_conductivity * below;
-        }
-        match self.mixing {
-            Mixing::Arithmetic => {
-                let unfrozen = self.unfrozen_integral(below);
+        match (&self.law, &self.mixed_potential) {
+            (FreezingLaw::None | FreezingLaw::Isothermal, _) => self.frozen_conductivity * below,
+            (FreezingLaw::Curve(_), Some(integral)) => integral.at(below),
+            (FreezingLaw::Curve(curve), None) => {
+                let unfrozen = curve.integral(below);
                 self.unfrozen_conductivity * unfrozen + self.frozen_conductivity * (below - unfrozen)
-            }
-            Mixing::Geometric => {
-                let step = self.coldest_change() / POTENTIAL_STEPS as f64;
-                let place = below / step;
-                let k = place as usize;
-                let Some(((u0, k0), (u1, k1))) = self.steps.get(k).zip(self.steps.get(k + 1)) else {
-                    let (deepest, conductivity) = self.steps[POTENTIAL_STEPS];
-                    return deepest + (below - self.coldest_change()) * conductivity;
-                };
-                let (s, d0, d1, rise) = (place - k as f64, k0 * step, k1 * step, u1 - u0);
-                u0 + s * (d0 + s * ((3.0 * rise - 2.0 * d0 - d1) + s * (d0 + d1 - 2.0 * rise)))
             }
         }
     }
@@ -425,9 +364,13 @@ impl Curve {
     pub fn largest_diffusivity(&self) -> f64 {
         let ends = (self.unfrozen_conductivity / self.unfrozen_capacity)
             .max(self.coldest_conductivity() / self.coldest_capacity());
-        let coldest = self.coldest_change();
-        (1..4096)
-            .map(|k| self.freezing_point + coldest * k as f64 / 4096.0)
+        let FreezingLaw::Curve(curve) = &self.law else { return ends };
+        let pieces = curve.pieces();
+        let samples = steps_each(DIFFUSIVITY_SAMPLES, pieces.len());
+        let tops = std::iter::once(0.0).chain(pieces.iter().copied());
+        tops.zip(&pieces)
+            .flat_map(|(top, end)| (1..samples).map(move |k| top + (end - top) * k as f64 / samples as f64))
+            .map(|below| self.freezing_point + below)
             .map(|temperature| self.conductivity(temperature) / self.apparent_capacity(temperature))
             .fold(ends, f64::max)
     }
@@ -456,12 +399,12 @@ pub(crate) fn solve_increasing(residual: impl Fn(f64) -> (f64, f64), mut low: f6
     guess
 }
 
-pub(super) fn simpson(f: impl Fn(f64) -> f64, from: f64, to: f64) -> f64 {
-    (to - from) / 6.0 * (f(from) + 4.0 * f(0.5 * (from + to)) + f(to))
-}
-
 impl HeapSize for Curve {
     fn heap_size(&self) -> usize {
-        shared(&self.steps)
+        let law = match &self.law {
+            FreezingLaw::None | FreezingLaw::Isothermal => 0,
+            FreezingLaw::Curve(curve) => curve.heap_size(),
+        };
+        law + self.mixed_potential.heap_size()
     }
 }

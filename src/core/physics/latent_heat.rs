@@ -364,6 +364,7 @@ impl SchemeState for ApparentCapacity {
 mod tests {
     use super::*;
     use crate::physics::curve::Curve;
+    use crate::physics::freezing_curve::linear::Linear;
     use crate::physics::material::{FreezingLaw, Material, Mixing, Phase};
     use proptest::prelude::*;
 
@@ -422,7 +423,7 @@ mod tests {
 
     #[test]
     fn apparent_capacity_loses_latent_heat_in_a_long_step() {
-        let materials = materials(FreezingLaw::Linear { width: 1.0 }, 0.5);
+        let materials = materials(Linear { width: 1.0 }.into(), 0.5);
         let mut scheme =
             scheme(LatentHeatScheme::ApparentCapacity { interval: 1.0 }, Mushy::Fraction, &materials, &[], 1);
         let mut enthalpy = [0.0];

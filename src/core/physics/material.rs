@@ -1,5 +1,8 @@
 //! Materials: what frozen and unfrozen ground conduct and store, and how they freeze.
 
+pub use crate::physics::freezing_curve::FreezingLaw;
+pub use crate::physics::mixing::Mixing;
+
 /// One phase of a material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Phase {
@@ -7,36 +10,6 @@ pub struct Phase {
     pub conductivity: f64,
     /// Heat capacity by mass (J/kgK).
     pub heat_capacity: f64,
-}
-
-/// How the unfrozen fraction follows the temperature.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum FreezingLaw {
-    /// No phase change in the range of the scene: frozen and unfrozen properties meet at the freezing point.
-    None,
-    /// All at the freezing point.
-    Isothermal,
-    /// Linear from 1 at the freezing point to 0 at `width` kelvin below it.
-    Linear {
-        /// Width of the interval (K).
-        width: f64,
-    },
-    /// `S = r + (1 - r) exp(-((T - Tf)/width)^2)` below the freezing point (Nikolaev et al. 2021, eq 9).
-    Weibull {
-        /// Width (K).
-        width: f64,
-        /// Residual unfrozen fraction r.
-        residual: f64,
-    },
-}
-
-/// How the conductivity of partly frozen material follows from its phases.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Mixing {
-    /// `S k_u + (1 - S) k_f`.
-    Arithmetic,
-    /// `k_u^S k_f^(1 - S)` (Nikolaev et al. 2021, eq 12).
-    Geometric,
 }
 
 /// What water finds in a saturated porous material. Heat needs none of it: the phases of the material hold all three
@@ -79,6 +52,21 @@ pub struct Material {
 }
 
 impl Material {
+    /// Whether it has latent heat.
+    pub fn freezes(&self) -> bool {
+        self.law != FreezingLaw::None
+    }
+
+    /// Whether all of it freezes at one temperature.
+    pub fn is_sharp(&self) -> bool {
+        self.law == FreezingLaw::Isothermal
+    }
+
+    /// Whether it freezes over an interval of temperatures.
+    pub fn has_curve(&self) -> bool {
+        matches!(self.law, FreezingLaw::Curve(_))
+    }
+
     /// Volumetric heat capacity of the frozen phase (J/m3K).
     pub fn frozen_capacity(&self) -> f64 {
         self.density * self.frozen.heat_capacity
@@ -91,9 +79,6 @@ impl Material {
 
     /// Latent heat by volume (J/m3).
     pub fn volumetric_latent_heat(&self) -> f64 {
-        match self.law {
-            FreezingLaw::None => 0.0,
-            _ => self.density * self.latent_heat,
-        }
+        if self.freezes() { self.density * self.latent_heat } else { 0.0 }
     }
 }

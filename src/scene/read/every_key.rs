@@ -6,6 +6,7 @@ use super::problem::{KeyOf, Log};
 use super::section::Section;
 use super::{read_root, tree};
 use crate::method::MethodKind;
+use frazil_core::physics::freezing_curve::{CURVES, CurveKind};
 
 /// Bodies, with a wall of each.
 const BODIES: [(&str, &str); 5] = [
@@ -19,10 +20,7 @@ const BODIES: [(&str, &str); 5] = [
 /// Sections of every kind, each as empty as lets the reader ask for all of it.
 const SECTIONS: &str = r#"
 [materials.a]
-frozen = {}
-unfrozen = {}
 groundwater = {}
-freezing = { law = "weibull" }
 [materials.b]
 porosity = 0.5
 solid = {}
@@ -78,9 +76,13 @@ pub(super) fn every_key(kinds: &[&'static MethodKind]) -> Arc<[KeyOf]> {
 fn asked_for(kinds: &[&'static MethodKind]) -> Vec<KeyOf> {
     let mut found: Vec<KeyOf> = Vec::new();
     let methods: String = kinds.iter().map(|kind| format!("[method.{}]\n{NUMERICS}", kind.name)).collect();
+    let curve = |kind: &CurveKind| {
+        format!("[materials.{0}]\nfrozen = {{}}\nunfrozen = {{}}\nfreezing = {{ law = \"{0}\" }}\n", kind.word)
+    };
+    let curves: String = CURVES.iter().map(curve).collect();
     for (body, wall) in BODIES {
         for apart in APART {
-            let text = format!("domain.{body}\n{SECTIONS}{apart}{methods}").replace("WALL", wall);
+            let text = format!("domain.{body}\n{SECTIONS}{curves}{apart}{methods}").replace("WALL", wall);
             let Ok(entries) = tree::parse(&text) else { continue };
             let log = Log::collecting();
             // Its problems are those of an empty file.

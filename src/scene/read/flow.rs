@@ -7,7 +7,7 @@ use super::problem::{Noted, Read};
 use super::range::{Range, all_of};
 use super::section::Section;
 use frazil_core::balances::groundwater::ground::{Across, Flow, PressureWall, RelativePermeability};
-use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::physics::material::Material;
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
 
@@ -36,7 +36,7 @@ pub(super) fn flow(
     carry(&mut section, materials);
     let viscosity = section.positive(("viscosity", "Pa_s"));
     let open = open(&mut section, domain, materials, viscosity);
-    let freezes = materials.iter().any(|material| material.law != FreezingLaw::None);
+    let freezes = materials.iter().any(Material::freezes);
     let (law, least) = match section.optional_section("relative_permeability") {
         Some(mut table) => relative_permeability(&mut table),
         None if freezes => {

@@ -2,15 +2,16 @@
 
 use super::porous::{self, is_porous};
 use super::problem::Read;
-use super::range::{Range, plain, temperatures};
-use super::section::Section;
-use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
+use super::range::{Range, one_of, plain, temperatures};
+use super::section::{Key, Section};
+use crate::units::Units;
+use frazil_core::physics::freezing_curve::shape::{Given, Parameter, Quantity, Refusal};
+use frazil_core::physics::freezing_curve::{CURVES, CurveKind, FreezingCurve, FreezingLaw};
+use frazil_core::physics::material::{Material, Mixing, Phase};
 
 /// How far apart conductivities, and heats, of the two phases may be: of the sixteen digits of a number ten are left
 /// for the smaller.
 const MOST_APART: f64 = 1e6;
-
-const WIDTH: (&str, &str) = ("width", "K");
 
 /// Refuses latent heats beside which the heats of cooling by the temperatures of the scene would be lost in rounding.
 pub(super) fn latent_heats(root: &mut Section<'_>, materials: &[Material], temperatures: (f64, f64)) {
@@ -115,18 +116,19 @@ struct Freezing {
     mixing: Mixing,
 }
 
-#[derive(Clone, Copy, PartialEq)]
+/// A law as a scene names it.
+#[derive(Clone, Copy)]
 enum Law {
     None,
     Isothermal,
-    Linear,
-    Weibull,
+    Curve(&'static CurveKind),
 }
 
 fn freezing(mut section: Section<'_>) -> Read<Freezing> {
     const LATENT_HEAT: (&str, &str) = ("latent_heat", "J_per_kg");
-    let laws =
-        [("none", Law::None), ("isothermal", Law::Isothermal), ("linear", Law::Linear), ("weibull", Law::Weibull)];
+    let curves = CURVES.iter().map(|kind| (kind.word, Law::Curve(kind)));
+    let laws: Vec<(&str, Law)> =
+        [("none", Law::None), ("isothermal", Law::Isothermal)].into_iter().chain(curves).collect();
     let coldest = section.units().absolute_zero();
     let law = section.choice("law", &laws);
     let point = section.number(("temperature", "c"), temperatures(coldest));
@@ -135,7 +137,7 @@ fn freezing(mut section: Section<'_>) -> Read<Freezing> {
         // Which of the other keys belong depends on the law.
         section.abandon();
     })?;
-    let latent_heat = if law == Law::None {
+    let latent_heat = if matches!(law, Law::None) {
         section.refuse(LATENT_HEAT, "law \"none\" has no latent heat");
         section.refuse("mixing", "law \"none\" has no partly frozen state");
         Ok(0.0)
@@ -144,34 +146,73 @@ fn freezing(mut section: Section<'_>) -> Read<Freezing> {
     };
     let mixing = match law {
         Law::None => Mixing::Arithmetic,
-        Law::Weibull => section.choice_or("mixing", &mixings, Mixing::Geometric),
-        _ => section.choice_or("mixing", &mixings, Mixing::Arithmetic),
+        Law::Isothermal => section.choice_or("mixing", &mixings, Mixing::Arithmetic),
+        Law::Curve(kind) => section.choice_or("mixing", &mixings, kind.mixing),
     };
-    if law != Law::Weibull {
-        section.refuse("residual_fraction", "only the law \"weibull\" leaves a residue");
-    }
-    if !matches!(law, Law::Linear | Law::Weibull) {
-        section.refuse(WIDTH, "only the laws \"linear\" and \"weibull\" have a width");
+    let own: &[Parameter] = match law {
+        Law::None | Law::Isothermal => &[],
+        Law::Curve(kind) => kind.parameters,
+    };
+    let is_own = |key: Key| own.iter().any(|parameter| Key::from(parameter.key()) == key);
+    let mut others: Vec<Key> =
+        CURVES.iter().flat_map(|kind| kind.parameters).map(|parameter| parameter.key().into()).collect();
+    others.sort_unstable();
+    others.dedup();
+    for key in others.into_iter().filter(|key| !is_own(*key)) {
+        let having =
+            CURVES.iter().filter(|kind| kind.parameters.iter().any(|parameter| Key::from(parameter.key()) == key));
+        section.refuse(key, &format!("only with law = {}", one_of(having.map(|kind| kind.word))));
     }
     let law = match law {
         Law::None => Ok(FreezingLaw::None),
         Law::Isothermal => Ok(FreezingLaw::Isothermal),
-        Law::Linear => width(&mut section, point).map(|width| FreezingLaw::Linear { width }),
-        Law::Weibull => {
-            let residual = section.number_or("residual_fraction", 0.0, Range::from_to_below(0.0, 1.0));
-            width(&mut section, point).map(|width| FreezingLaw::Weibull { width, residual })
-        }
+        Law::Curve(kind) => curve(&mut section, kind, point).map(FreezingLaw::Curve),
     };
     Ok(Freezing { point: point?, latent_heat: latent_heat?, law: law?, mixing })
 }
 
-/// Over how many kelvin below its freezing point a material freezes.
-fn width(section: &mut Section<'_>, point: Read<f64>) -> Read<f64> {
-    let coldest = section.units().absolute_zero();
-    let width = section.positive(WIDTH)?;
-    if point? - width <= coldest {
-        let message = format!("found {}, must end above absolute zero, {}", plain(width), plain(coldest));
-        return Err(section.problem(WIDTH, message));
+/// The curve of a kind by its keys.
+fn curve(section: &mut Section<'_>, kind: &CurveKind, point: Read<f64>) -> Read<FreezingCurve> {
+    if kind.needs_si && section.units() != Units::Si {
+        let message = format!("found \"{}\", must be another one: its constants need units = \"si\"", kind.word);
+        section.problem("law", message);
     }
-    Ok(width)
+    let values: Vec<Read<Vec<f64>>> =
+        kind.parameters.iter().map(|parameter| values(section, parameter, point)).collect();
+    let values = values.into_iter().collect::<Read<Vec<_>>>()?;
+    let absolute_zero = section.units().absolute_zero();
+    let given = Given { freezing_point: point?, absolute_zero, values };
+    (kind.make)(&given).map_err(|Refusal { parameter, value, message }| {
+        let key = kind.parameters[parameter].key();
+        match value {
+            Some(index) => section.item_problem(key, index, message),
+            None => section.problem(key, message),
+        }
+    })
+}
+
+/// The values of a key of a curve; one, if it is no list.
+fn values(section: &mut Section<'_>, parameter: &Parameter, point: Read<f64>) -> Read<Vec<f64>> {
+    let key = parameter.key();
+    let coldest = section.units().absolute_zero();
+    match parameter.quantity {
+        Quantity::Interval => {
+            let width = section.positive(key)?;
+            if point? - width <= coldest {
+                let message = format!("found {}, must end above absolute zero, {}", plain(width), plain(coldest));
+                return Err(section.problem(key, message));
+            }
+            Ok(vec![width])
+        }
+        Quantity::Number { range: (low, high), default, .. } => {
+            let range = Range::of(low, high);
+            let value = match default {
+                Some(default) => section.number_or(key, default, range),
+                None => section.number(key, range)?,
+            };
+            Ok(vec![value])
+        }
+        Quantity::Temperatures => section.numbers(key, temperatures(coldest)),
+        Quantity::Fractions => section.numbers(key, Range::FRACTION),
+    }
 }

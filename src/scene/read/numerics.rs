@@ -13,7 +13,7 @@ use frazil_core::balances::groundwater::numerics::{Advection, Conduction, FlowNu
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
-use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::physics::material::Material;
 use frazil_core::space::domain::Domain;
 
 /// Error of one step where a scene does not say, by integrator: heat in the wrong place over the heat held (see
@@ -155,7 +155,7 @@ fn latent_heat_scheme(section: &mut Section<'_>, preset: LatentHeatScheme, mater
         LatentHeatScheme::ApparentCapacity { .. } => Scheme::ApparentCapacity,
     };
     let scheme = section.choice_or("scheme", &words, preset_word);
-    let sharp = materials.iter().any(|material| material.law == FreezingLaw::Isothermal);
+    let sharp = materials.iter().any(Material::is_sharp);
     if scheme != Scheme::ApparentCapacity {
         section.refuse(INTERVAL, "only the scheme \"apparent-capacity\" reads it");
     } else if !sharp && !materials.is_empty() {

@@ -102,10 +102,7 @@ impl Porous {
     pub(super) fn whole(&self, mixing: Mixing) -> Whole {
         let porosity = self.pores.porosity;
         let solid = self.solid.unwrap_or(self.water);
-        let mixed = |full: &Part| match mixing {
-            Mixing::Arithmetic => porosity * full.conductivity + (1.0 - porosity) * solid.conductivity,
-            Mixing::Geometric => full.conductivity.powf(porosity) * solid.conductivity.powf(1.0 - porosity),
-        };
+        let mixed = |full: &Part| mixing.conductivity(porosity, full.conductivity, solid.conductivity);
         let density = porosity * self.water.density + (1.0 - porosity) * solid.density;
         let phase = |full: &Part| {
             let capacity =

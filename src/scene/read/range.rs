@@ -1,6 +1,7 @@
 //! Ranges of numbers that keys allow, and how messages speak of numbers.
 
 use std::fmt;
+use std::ops::Bound;
 
 /// The finite numbers that a key allows. Its display completes "must be ...".
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,6 +55,16 @@ impl Range {
     /// Between `low` and `high`, neither included.
     pub const fn inside(low: f64, high: f64) -> Range {
         Range { low: Some(End { value: low, included: false }), high: Some(End { value: high, included: false }) }
+    }
+
+    /// Between two ends.
+    pub fn of(low: Bound<f64>, high: Bound<f64>) -> Range {
+        let end = |bound: Bound<f64>| match bound {
+            Bound::Included(value) => Some(End { value, included: true }),
+            Bound::Excluded(value) => Some(End { value, included: false }),
+            Bound::Unbounded => None,
+        };
+        Range { low: end(low), high: end(high) }
     }
 
     /// Whether a number is finite and in the range.

@@ -18,7 +18,7 @@ pub(super) use pipes::Names;
 
 /// The name of a key. A quantity is given as `("spacing", "m")`: it is written `spacing_m` in SI scenes and
 /// `spacing` in scenes without units. A pure number or a word is given as `"horizon_ratio"`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
     base: &'static str,
     unit: &'static str,

@@ -1,7 +1,7 @@
 //! What is read off bodies of shells: fronts as radii.
 
 use frazil_core::boundary::condition::Condition;
-use frazil_core::physics::material::FreezingLaw;
+use frazil_core::physics::material::Material;
 use frazil_core::space::domain::Domain;
 use frazil_core::space::symmetry::Symmetry;
 use frazil_scene::Scene;
@@ -19,7 +19,7 @@ impl RadialFront {
     /// The front of a scene, if its body is radial and freezes: it starts at the wall that drives harder.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
         let Domain::Radial { symmetry, inner, outer } = scene.domain else { return None };
-        if scene.materials.iter().all(|material| material.law == FreezingLaw::None) {
+        if !scene.materials.iter().any(Material::freezes) {
             return None;
         }
         let drive = |name: &str| match scene.wall(name) {

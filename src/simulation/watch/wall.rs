@@ -5,7 +5,6 @@ use frazil_core::boundary::pipe::Extent;
 use frazil_core::ledger::Ledger;
 use frazil_core::memory::HeapSize;
 use frazil_core::particles::Particles;
-use frazil_core::physics::material::FreezingLaw;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{LinkRow, PlaneRow, WallRecord};
 use frazil_scene::Scene;
@@ -174,7 +173,7 @@ impl Wall {
             let inside = |i: &u32| sampler.lattice.position(*i as usize).distance(pipe.centre) <= pipe.half_width;
             rings[pipe.ring].near.extend(pipe.particles(sampler.lattice).into_iter().filter(inside));
         }
-        let sharp = matches!(scene.materials[0].law, FreezingLaw::Isothermal);
+        let sharp = scene.materials[0].is_sharp();
         let finder = PassageFinder::over(sampler.lattice);
         let mut wall = Wall { places, rings, finder, sharp, ..Wall::default() };
         let stand: Vec<DVec2> = wall.places.iter().map(|place| place.at).collect();
@@ -196,11 +195,11 @@ impl Wall {
                     let arc = line[0].length() * outwards;
                     let step = sampler.lattice.spacing * outwards;
                     // Half frozen ground, by which other laws are judged, passes a place like any level.
-                    let way = match scene.materials[0].law {
-                        FreezingLaw::Isothermal => {
+                    let way = match sharp {
+                        true => {
                             Way::Tip(sampler.sample(arc), [arc - step, arc + step].map(|place| sampler.sample(place)))
                         }
-                        _ => Way::Through(sampler.sample(arc), Vec::new()),
+                        false => Way::Through(sampler.sample(arc), Vec::new()),
                     };
                     wall.joints.push(Joint::new(vec![way]));
                     joints[wall.lines.len() - 1].1 = Some(wall.joints.len() - 1);

@@ -1,6 +1,6 @@
 //! The parameters along which a map is drawn, as overrides of a scene.
 
-use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::physics::material::Material;
 use frazil_record::Value;
 use frazil_scene::method::MethodSettings;
 use frazil_scene::method::{MethodKind, Stepper};
@@ -94,7 +94,7 @@ impl Axis {
             return Vec::new();
         }
         // Porous ground has no keys of its own for its two states: they follow from its phases.
-        let has_keys = |material: &&Material| material.law != FreezingLaw::None && material.pores.is_none();
+        let has_keys = |material: &&Material| material.freezes() && material.pores.is_none();
         let freezes: Vec<&Material> = scene.materials.iter().filter(has_keys).collect();
         let quiet = self.without_noise(settings);
         let scaled = |span: f64, column: &dyn Fn(f64) -> Option<Column>| -> Vec<Column> {

@@ -16,7 +16,7 @@ use crate::kernels::rows::ListOperator;
 use crate::kernels::term::Off;
 use crate::ledger::{Ledger, Sum};
 use crate::physics::latent_heat::{LatentHeatScheme, Materials, Mushy, scheme};
-use crate::physics::material::{FreezingLaw, Material};
+use crate::physics::material::Material;
 use crate::physics::thermal::Thermal;
 use crate::solvers::operator::Operator;
 use crate::solvers::step::Bound;
@@ -146,7 +146,7 @@ fn aquifers(ground: &[Material], materials: &Materials, viscosity: f64) -> Resul
             pores,
             open: permeability / viscosity,
             least_conductivity: thermal.curve.least_conductive(),
-            by_enthalpy: material.law == FreezingLaw::Isothermal,
+            by_enthalpy: material.is_sharp(),
         })
     };
     ground.iter().zip(materials.thermals.iter()).map(aquifer).collect()

@@ -58,6 +58,17 @@ impl<'a> Section<'a> {
         found.unwrap_or_default()
     }
 
+    /// Records a problem of one value of a list, by its index.
+    pub fn item_problem(&mut self, key: impl Into<Key>, index: usize, message: impl Into<String>) -> Noted {
+        let written = key.into().written(self.units);
+        match self.find(&written).map(|entry| &entry.node) {
+            Some(Node::List(items)) if index < items.len() => {
+                self.note_at(&items[index].place, &format!("{written}.{}", index + 1), message)
+            }
+            _ => self.note(&written, message),
+        }
+    }
+
     /// A list of points with this many coordinates, or any number from one; it may be absent.
     pub fn optional_points(&mut self, key: impl Into<Key>, dimension: Option<usize>) -> Option<Vec<Vec<f64>>> {
         self.optional(key.into(), |section, entry| section.check_points(entry, dimension))

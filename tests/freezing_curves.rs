@@ -7,7 +7,11 @@ use frazil_core::space::domain::Domain;
 use crate::sketch::{Sketch, even, sand, through, water, without_noise};
 
 /// Keys of a curve of each kind: a new one needs its line.
-const KEYS: &[(&str, &str)] = &[("linear", "width_K = 1.5"), ("weibull", "width_K = 0.8, residual_fraction = 0.1")];
+const KEYS: &[(&str, &str)] = &[
+    ("linear", "width_K = 1.5"),
+    ("weibull", "width_K = 0.8, residual_fraction = 0.1"),
+    ("van-genuchten", "alpha_per_m = 3.6, n = 1.56, residual_fraction = 0.1"),
+];
 
 /// Materials that freeze along each of the curves.
 fn laws() -> Vec<String> {

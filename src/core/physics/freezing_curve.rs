@@ -2,6 +2,7 @@
 
 pub mod linear;
 pub mod shape;
+pub mod van_genuchten;
 pub mod weibull;
 
 use crate::physics::mixing::Mixing;
@@ -80,7 +81,7 @@ macro_rules! curves {
     };
 }
 
-curves![linear::Linear, weibull::Weibull];
+curves![linear::Linear, weibull::Weibull, van_genuchten::VanGenuchten];
 
 /// A kind of curve, as scenes name it.
 #[derive(Debug, Clone, Copy)]

@@ -293,7 +293,8 @@ impl Curved {
 mod tests {
     use super::*;
     use crate::physics::freezing_curve::linear::Linear;
-    use crate::physics::freezing_curve::shape::UnfrozenFraction;
+    use crate::physics::freezing_curve::shape::{Given, InScenes, UnfrozenFraction};
+    use crate::physics::freezing_curve::van_genuchten::VanGenuchten;
     use crate::physics::freezing_curve::weibull::Weibull;
     use crate::physics::material::{FreezingLaw, Material, Mixing, Phase};
     use crate::physics::thermal::Thermal;
@@ -321,6 +322,15 @@ mod tests {
                 for law in [Linear { width }.into(), weibull(0.0), weibull(0.2)] {
                     curves.push((water(law, mixing), 1e-7 * width));
                 }
+                let given = |values: &[&[f64]]| Given {
+                    freezing_point: 0.0,
+                    absolute_zero: -273.15,
+                    values: values.iter().map(|values| values.to_vec()).collect(),
+                };
+                // The suction of a kelvin is 125 m.
+                let alpha = 1.0 / (125.0 * width);
+                let soil = VanGenuchten::new(&given(&[&[alpha], &[1.6], &[0.05]])).expect("a curve");
+                curves.push((water(soil.into(), mixing), 1e-7 * width));
             }
         }
         curves

@@ -11,6 +11,7 @@ const KEYS: &[(&str, &str)] = &[
     ("linear", "width_K = 1.5"),
     ("weibull", "width_K = 0.8, residual_fraction = 0.1"),
     ("van-genuchten", "alpha_per_m = 3.6, n = 1.56, residual_fraction = 0.1"),
+    ("table", "temperatures_c = [-6, -2, -0.7, -0.2], unfrozen_fractions = [0.05, 0.1, 0.4, 1]"),
 ];
 
 /// Materials that freeze along each of the curves.

@@ -2,6 +2,7 @@
 
 pub mod linear;
 pub mod shape;
+pub mod table;
 pub mod van_genuchten;
 pub mod weibull;
 
@@ -81,7 +82,7 @@ macro_rules! curves {
     };
 }
 
-curves![linear::Linear, weibull::Weibull, van_genuchten::VanGenuchten];
+curves![linear::Linear, weibull::Weibull, van_genuchten::VanGenuchten, table::Table];
 
 /// A kind of curve, as scenes name it.
 #[derive(Debug, Clone, Copy)]

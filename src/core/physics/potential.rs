@@ -294,6 +294,7 @@ mod tests {
     use super::*;
     use crate::physics::freezing_curve::linear::Linear;
     use crate::physics::freezing_curve::shape::{Given, InScenes, UnfrozenFraction};
+    use crate::physics::freezing_curve::table::Table;
     use crate::physics::freezing_curve::van_genuchten::VanGenuchten;
     use crate::physics::freezing_curve::weibull::Weibull;
     use crate::physics::material::{FreezingLaw, Material, Mixing, Phase};
@@ -330,7 +331,10 @@ mod tests {
                 // The suction of a kelvin is 125 m.
                 let alpha = 1.0 / (125.0 * width);
                 let soil = VanGenuchten::new(&given(&[&[alpha], &[1.6], &[0.05]])).expect("a curve");
+                let table = Table::new(&given(&[&[-4.0 * width, -width, 0.0], &[0.1, 0.4, 1.0]])).expect("a curve");
                 curves.push((water(soil.into(), mixing), 1e-7 * width));
+                // A point falls between two nodes, which are nearer to each other than even ones.
+                curves.push((water(table.into(), mixing), 4.0 * width / TABLE_INTERVALS as f64));
             }
         }
         curves

@@ -155,7 +155,7 @@ fn direction(scene: &Scene) -> Result<(&'static str, Option<&Condition>, f64), S
         None | Some(Condition::Symmetry) => true,
         Some(Condition::Temperature(series)) => series.constant() == Some(initial),
         Some(Condition::Exact) => true,
-        Some(Condition::Flux(_) | Condition::Convection { .. }) => false,
+        Some(Condition::Flux(_) | Condition::Film { .. }) => false,
     };
     let mut driving = pairs
         .iter()

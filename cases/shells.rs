@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use frazil_core::boundary::condition::Condition;
+use frazil_core::physics::film::FilmKind;
 use frazil_core::physics::material::{FreezingLaw, Material};
 use frazil_core::space::domain::Domain;
 use frazil_core::space::symmetry::Symmetry;
@@ -255,8 +256,8 @@ impl ShellWall {
             | (ShellWall::Flux(expected), Condition::Flux(series)) => {
                 series.constant().is_some_and(|own| close(own, expected))
             }
-            (ShellWall::Film(film, expected), Condition::Convection { coefficient, ambient }) => {
-                coefficient.constant().is_some_and(|own| close(own, film))
+            (ShellWall::Film(film, expected), Condition::Film { kind: FilmKind::Convection, strength, ambient }) => {
+                strength.constant().is_some_and(|own| close(own, film))
                     && ambient.constant().is_some_and(|own| close(own, expected))
             }
             _ => false,

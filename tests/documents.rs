@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use frazil_core::physics::film::FILMS;
 use frazil_core::physics::freezing_curve::CURVES;
 use frazil_core::physics::freezing_curve::shape::Parameter;
 use frazil_scene::Scene;
@@ -291,7 +292,8 @@ fn every_key_that_the_reader_asks_for_is_in_the_guide() {
         }
     }
     let curves = CURVES.iter().flat_map(|kind| kind.parameters).map(Parameter::key);
-    for (key, unit) in curves {
+    let films = FILMS.iter().map(|kind| kind.key());
+    for (key, unit) in curves.chain(films) {
         let written = if unit.is_empty() { key.to_owned() } else { format!("{key}_{unit}") };
         assert!(words.contains(written.as_str()), "{written}");
     }

@@ -2,6 +2,7 @@
 
 pub mod blend;
 pub mod curve;
+pub mod film;
 pub mod freezing_curve;
 pub mod integral;
 pub mod latent_heat;
@@ -9,5 +10,6 @@ pub mod laws;
 pub mod material;
 pub mod mixing;
 pub mod potential;
+pub(crate) mod root;
 pub mod sub_cell;
 pub mod thermal;

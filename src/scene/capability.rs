@@ -3,7 +3,6 @@
 //! Whatever is not in it goes together, under every method.
 
 use frazil_core::bonds::exchange::Exchange;
-use frazil_core::boundary::condition::Condition;
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
 use frazil_core::physics::material::Material;
@@ -275,10 +274,9 @@ pub(crate) fn of_materials(materials: &[Material]) -> impl Iterator<Item = Featu
 
 /// What a method and its settings bring along, at these walls.
 pub(crate) fn of_settings(numerics: &Numerics, kind: &MethodKind, walls: &[Wall]) -> impl Iterator<Item = Feature> {
-    let brings_heat = |wall: &Wall| matches!(wall.condition, Condition::Flux(_) | Condition::Convection { .. });
     let rkl2 = matches!(numerics.integrator, IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. });
     let apparent = matches!(numerics.latent_heat_scheme, LatentHeatScheme::ApparentCapacity { .. });
-    let naive = numerics.walls == WallModel::Naive && walls.iter().any(brings_heat);
+    let naive = numerics.walls == WallModel::Naive && walls.iter().any(|wall| wall.condition.brings_heat());
     let features = [
         (kind.stochastic, Feature::OwnSteps),
         (kind.lattice_only, Feature::LatticeWeights),

@@ -175,11 +175,7 @@ impl Temperatures<'_> {
             range = (range.0.min(lo), range.1.max(hi));
         };
         for condition in conditions {
-            match condition {
-                Condition::Temperature(series) => widen(series),
-                Condition::Convection { ambient, .. } => widen(ambient),
-                Condition::Symmetry | Condition::Flux(_) | Condition::Exact => {}
-            }
+            condition.temperature().into_iter().for_each(&mut widen);
         }
         for ring in self.rings {
             widen(&ring.temperature);
@@ -245,13 +241,18 @@ impl Scene {
         };
         let (near, far) = if along_y { ("bottom", "top") } else { ("left", "right") };
         // A wall that drives the front has a temperature of its own; the colder of two is the start.
-        let drive = |name: &str| match self.wall(name) {
-            Some(Condition::Temperature(series)) => (series.at(self.duration) - self.initial_temperature).abs(),
-            Some(Condition::Convection { ambient, .. }) => (ambient.at(self.duration) - self.initial_temperature).abs(),
-            Some(Condition::Flux(series)) => series.range().0.abs().max(series.range().1.abs()),
-            _ => 0.0,
-        };
-        Some(FreezingDirection { along_y, length, across, from_end: drive(far) > drive(near) })
+        Some(FreezingDirection { along_y, length, across, from_end: self.drive(far) > self.drive(near) })
+    }
+
+    /// How hard a wall drives the front: by its temperature, or that of its surroundings, against the start (K), or else by its
+    /// flux (W/m2).
+    pub fn drive(&self, wall: &str) -> f64 {
+        let Some(condition) = self.wall(wall) else { return 0.0 };
+        match (condition.temperature(), condition) {
+            (Some(series), _) => (series.at(self.duration) - self.initial_temperature).abs(),
+            (None, Condition::Flux(series)) => series.range().0.abs().max(series.range().1.abs()),
+            (None, _) => 0.0,
+        }
     }
 
     /// Whether nothing in a rectangle varies along y, or along x: no heat and no water crosses its walls there, regions
@@ -298,7 +299,7 @@ impl Scene {
 
     /// Whether a wall or a part of one has a flux or a film.
     pub fn brings_heat(&self) -> bool {
-        self.conditions().any(|condition| matches!(condition, Condition::Flux(_) | Condition::Convection { .. }))
+        self.conditions().any(Condition::brings_heat)
     }
 
     /// The first instant after `t` (s) at which pipes are switched or the shaft is dug: steps land on it.
@@ -311,13 +312,9 @@ impl Scene {
     /// The first instant after `t` (s) at which the temperature, flux or film of a wall or the temperature of pipes bends
     /// or jumps, or a crack opens or begins to grow: long steps land on it.
     pub fn next_bend(&self, t: f64) -> Option<f64> {
-        let walls = self.conditions().flat_map(|condition| match condition {
-            Condition::Temperature(series) | Condition::Flux(series) => [Some(series), None],
-            Condition::Convection { coefficient, ambient } => [Some(coefficient), Some(ambient)],
-            Condition::Symmetry | Condition::Exact => [None, None],
-        });
-        let rings = self.rings.iter().map(|ring| Some(&ring.temperature));
-        let bends = walls.chain(rings).flatten().filter_map(|series| series.next_bend(t));
+        let walls = self.conditions().flat_map(Condition::series);
+        let rings = self.rings.iter().map(|ring| &ring.temperature);
+        let bends = walls.chain(rings).filter_map(|series| series.next_bend(t));
         let cracks = self.cracks.iter().flat_map(|crack| match &crack.growth {
             Growth::Whole { start } | Growth::Steady { start, .. } => vec![*start],
             Growth::Table(rows) => rows.iter().map(|row| row.0).collect(),

@@ -53,8 +53,7 @@ pub fn dug_too_early(scene: &Scene) -> Option<String> {
 fn has_other_cold(scene: &Scene) -> bool {
     let least = scene.materials.iter().map(|material| material.freezing_point).fold(f64::INFINITY, f64::min);
     let cold = |condition: &Condition| match condition {
-        Condition::Temperature(series) => series.range().0 <= least,
-        Condition::Convection { ambient, .. } => ambient.range().0 <= least,
+        Condition::Temperature(series) | Condition::Film { ambient: series, .. } => series.range().0 <= least,
         Condition::Flux(flux) => flux.range().0 < 0.0,
         Condition::Symmetry => false,
         Condition::Exact => true,

@@ -90,7 +90,7 @@ fn direction(scene: &Scene) -> Option<f64> {
         let wall = |condition: &Condition| match condition {
             Condition::Symmetry => true,
             Condition::Temperature(series) => pulls(series, *sign),
-            Condition::Convection { coefficient, ambient } => !coefficient.changes() && pulls(ambient, *sign),
+            Condition::Film { strength, ambient, .. } => !strength.changes() && pulls(ambient, *sign),
             Condition::Flux(_) | Condition::Exact => false,
         };
         scene.conditions().all(wall)
@@ -102,6 +102,7 @@ fn direction(scene: &Scene) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use frazil_core::physics::film::FilmKind;
     use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
     use frazil_core::space::domain::Domain;
     use frazil_scene::{PipeRing, Wall};
@@ -190,7 +191,8 @@ mod tests {
 
     #[test]
     fn no_rule_is_made_where_data_allow_either_way() {
-        let film = |times: Series| Condition::Convection { coefficient: times, ambient: Series::Constant(-20.0) };
+        let ambient = Series::Constant(-20.0);
+        let film = |strength: Series| Condition::Film { kind: FilmKind::Convection, strength, ambient };
         let swinging = Series::Repeated { rows: vec![(0.0, 5.0), (1.0, -2.0)], period: 2.0 };
         let swinging = Condition::Temperature(swinging);
         let growing = Series::Table(vec![(0.0, 1.0), (1.0, 2.0)]);

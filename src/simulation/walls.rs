@@ -5,6 +5,7 @@ use std::sync::Arc;
 use frazil_core::boundary::condition::Condition;
 use frazil_core::boundary::patch::{Boundary, Dug, FACE, Patch, Side, WallTemperature};
 use frazil_core::boundary::wall_layers::WallModel;
+use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_scene::Scene;
 
@@ -33,12 +34,7 @@ pub fn boundary(
                 name,
                 condition: condition.clone(),
                 layers: matches!(model, WallModel::Naive | WallModel::InnerLayers),
-                changes: match condition {
-                    Condition::Symmetry => false,
-                    Condition::Temperature(series) | Condition::Flux(series) => series.changes(),
-                    Condition::Convection { coefficient, ambient } => coefficient.changes() || ambient.changes(),
-                    Condition::Exact => true,
-                },
+                changes: *condition == Condition::Exact || condition.series().any(Series::changes),
                 exact: exact
                     .clone()
                     .filter(|_| *condition == Condition::Exact)

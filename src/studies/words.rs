@@ -55,7 +55,7 @@ struct Words {
 
 impl Words {
     fn with(&self, value: f64, unit: &str) -> String {
-        if self.si { format!("{} {unit}", number(value, 4)) } else { number(value, 4) }
+        if self.si && !unit.is_empty() { format!("{} {unit}", number(value, 4)) } else { number(value, 4) }
     }
 
     fn point(&self, place: DVec2) -> String {
@@ -117,8 +117,9 @@ impl Words {
             Condition::Symmetry => "mirror plane, no heat crosses".into(),
             Condition::Temperature(value) => self.series(value, "°C"),
             Condition::Flux(value) => format!("heat flux into the body: {}", self.series(value, "W/m²")),
-            Condition::Convection { coefficient, ambient } => {
-                format!("film coefficient {} to {}", self.series(coefficient, "W/m²K"), self.series(ambient, "°C"))
+            Condition::Film { kind, strength, ambient } => {
+                let (name, unit) = kind.words();
+                format!("{name} {} to {}", self.series(strength, unit), self.series(ambient, "°C"))
             }
             Condition::Exact => "temperature of the exact solution".into(),
         }

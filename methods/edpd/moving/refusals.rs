@@ -23,7 +23,7 @@ pub fn refuse(scene: &Scene) -> Result<(), String> {
         let kind = match condition {
             Condition::Symmetry | Condition::Temperature(_) => continue,
             Condition::Flux(_) => "a flux",
-            Condition::Convection { .. } => "a film",
+            Condition::Film { .. } => "a film",
             Condition::Exact => "an exact solution",
         };
         return Err(format!(

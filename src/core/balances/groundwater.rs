@@ -224,7 +224,7 @@ impl FlowMethod {
         self.beside.clear();
         let held = |patch: u8| match self.faces[patch as usize] {
             Face::Odd { temperature, .. } | Face::Held { temperature, .. } => Some(temperature),
-            Face::Film { ambient, .. } => Some(ambient),
+            Face::Film { film, .. } => Some(film.ambient),
             Face::Even | Face::Flux(_) => None,
         };
         self.opening_temperatures.clear();

@@ -1,5 +1,6 @@
 //! What happens at walls.
 
+use crate::physics::film::FilmKind;
 use crate::series::Series;
 
 /// What happens at a wall.
@@ -11,14 +12,40 @@ pub enum Condition {
     Temperature(Series),
     /// This heat flux enters the body (W/m2; negative when it leaves).
     Flux(Series),
-    /// The wall exchanges heat with surroundings at a temperature through a film coefficient.
-    Convection {
-        /// Film coefficient (W/m2K).
-        coefficient: Series,
+    /// The wall exchanges heat with surroundings by its own temperature.
+    Film {
+        /// By what.
+        kind: FilmKind,
+        /// How strongly, as its kind counts it.
+        strength: Series,
         /// Temperature of the surroundings.
         ambient: Series,
     },
     /// The wall has the temperature of the scene's exact solution at its position: a finite stand-in for an
     /// infinite body.
     Exact,
+}
+
+impl Condition {
+    /// The temperature that the wall has, or its surroundings have, where the scene says one.
+    pub fn temperature(&self) -> Option<&Series> {
+        match self {
+            Condition::Temperature(series) | Condition::Film { ambient: series, .. } => Some(series),
+            Condition::Symmetry | Condition::Flux(_) | Condition::Exact => None,
+        }
+    }
+
+    /// All numbers of it that the scene says.
+    pub fn series(&self) -> impl Iterator<Item = &Series> {
+        let other = match self {
+            Condition::Flux(series) | Condition::Film { strength: series, .. } => Some(series),
+            Condition::Symmetry | Condition::Temperature(_) | Condition::Exact => None,
+        };
+        self.temperature().into_iter().chain(other)
+    }
+
+    /// Whether heat comes in by a flux, given or by a film.
+    pub fn brings_heat(&self) -> bool {
+        matches!(self, Condition::Flux(_) | Condition::Film { .. })
+    }
 }

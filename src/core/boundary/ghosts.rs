@@ -246,9 +246,10 @@ impl Ghosts {
                 }
                 Some(Face::Held { temperature, .. }) => (temperature, curve.conductivity(temperature)),
                 Some(Face::Flux(flux)) => (image + 2.0 * self.depth[ghost] * flux / carried, carried),
-                Some(Face::Film { coefficient, ambient, through }) => {
-                    let film = coefficient * self.depth[ghost] / carried;
-                    (image + 2.0 * film / (1.0 + through * film) * (ambient - image), carried)
+                Some(Face::Film { film, through }) => {
+                    let coefficient = film.coefficient_before(image, carried, through * self.depth[ghost]);
+                    let share = coefficient * self.depth[ghost] / carried;
+                    (image + 2.0 * share / (1.0 + through * share) * (film.ambient - image), carried)
                 }
             };
             temperatures[count + ghost] = temperature;

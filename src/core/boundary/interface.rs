@@ -11,7 +11,8 @@
 
 use crate::boundary::patch::Face;
 use crate::memory::HeapSize;
-use crate::physics::curve::solve_increasing;
+use crate::physics::film::Film;
+use crate::physics::root::solve_increasing;
 use crate::physics::thermal::Thermal;
 
 /// A piece of a chain.
@@ -269,29 +270,33 @@ impl<'a> Way<'a> {
             Face::Odd { wall, .. } | Face::Held { wall, .. } => (wall, -self.conducted(wall, far) / depth),
             Face::Even => (self.march(beyond, 0.0, true).potential - near, 0.0),
             Face::Flux(flux) => (self.march(beyond, flux * depth, true).potential - near, flux),
-            Face::Film { coefficient, ambient, .. } => {
-                let flux = self.film_flux(depth, beyond, coefficient, ambient);
+            Face::Film { ref film, .. } => {
+                let flux = self.film_flux(depth, beyond, film);
                 (self.march(beyond, flux * depth, true).potential - near, flux)
             }
         }
     }
 
     /// Flux (W/m2) through a film and the chain behind it.
-    fn film_flux(&self, depth: f64, far: f64, coefficient: f64, ambient: f64) -> f64 {
-        if coefficient == 0.0 {
+    fn film_flux(&self, depth: f64, far: f64, film: &Film) -> f64 {
+        if film.is_closed() {
             return 0.0;
         }
         let curve = &self.thermal(&self.pieces[0]).curve;
         let last = self.pieces[self.pieces.len() - 1];
-        let difference = ambient - self.thermal(&last).curve.temperature_of_potential(far);
+        let inside = self.thermal(&last).curve.temperature_of_potential(far);
         // In units of the film's greatest flux, which may be too large to be told from its neighbours.
         let missing = |flux: f64| {
             let marched = self.march(far, flux * depth, true);
             let wall = curve.temperature_of_potential(marched.potential);
             let slope = marched.by_conducted * depth / curve.conductivity(wall);
-            (wall - ambient + flux / coefficient, slope + 1.0 / coefficient)
+            let coefficient = film.coefficient(wall);
+            (wall - film.ambient + flux / coefficient, slope * (film.steepness(wall) / coefficient) + 1.0 / coefficient)
         };
-        let most = difference * (1.0 / (1.0 / coefficient + depth / self.chain.conductivity.1)) * (1.0 + 1e-12);
+        // The coefficient of a wall between both is none greater than at either.
+        let greatest = film.coefficient(inside).max(film.coefficient(film.ambient));
+        let most =
+            (film.ambient - inside) * (1.0 / (1.0 / greatest + depth / self.chain.conductivity.1)) * (1.0 + 1e-12);
         solve_increasing(missing, most.min(0.0), most.max(0.0))
     }
 
@@ -302,16 +307,16 @@ impl<'a> Way<'a> {
             Face::Odd { wall, .. } | Face::Held { wall, .. } => (0.0, -self.shares(wall, far).1 / depth),
             Face::Even => (self.march(beyond, 0.0, true).by_start, 0.0),
             Face::Flux(flux) => (self.march(beyond, flux * depth, true).by_start, 0.0),
-            Face::Film { coefficient, ambient, .. } => {
-                if coefficient == 0.0 {
+            Face::Film { ref film, .. } => {
+                if film.is_closed() {
                     return (self.march(beyond, 0.0, true).by_start, 0.0);
                 }
                 let curve = &self.thermal(&self.pieces[0]).curve;
-                let flux = self.film_flux(depth, beyond, coefficient, ambient);
+                let flux = self.film_flux(depth, beyond, film);
                 let marched = self.march(beyond, flux * depth, true);
-                let conductivity = curve.conductivity(curve.temperature_of_potential(marched.potential));
+                let wall = curve.temperature_of_potential(marched.potential);
                 let by_flux = marched.by_conducted * depth;
-                let slope = -marched.by_start / (by_flux + conductivity / coefficient);
+                let slope = -marched.by_start / (by_flux + curve.conductivity(wall) / film.steepness(wall));
                 (marched.by_start + by_flux * slope, slope)
             }
         }

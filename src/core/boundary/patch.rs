@@ -10,6 +10,7 @@ use glam::DVec2;
 
 use crate::boundary::condition::Condition;
 use crate::physics::curve::Curve;
+use crate::physics::film::Film;
 use crate::physics::thermal::Thermal;
 
 /// Walls and parts of walls that a body may have.
@@ -59,10 +60,8 @@ pub enum Face {
     Flux(f64),
     /// Ghosts carry the slope of the flux through a film.
     Film {
-        /// Film coefficient (W/m2K).
-        coefficient: f64,
-        /// Temperature of the surroundings.
-        ambient: f64,
+        /// What passes.
+        film: Film,
         /// Depths of a ghost that heat is conducted through behind the film: one to a mirror, and all of two to a layer
         /// of one value.
         through: f64,
@@ -78,8 +77,8 @@ impl Face {
             Face::Odd { wall, .. } => 2.0 * wall - image,
             Face::Held { wall, .. } => wall,
             Face::Flux(flux) => image + 2.0 * depth * flux,
-            Face::Film { coefficient, ambient, through } => {
-                image + 2.0 * depth * curve.film_flux(image + initial_potential, through * depth, coefficient, ambient)
+            Face::Film { ref film, through } => {
+                image + 2.0 * depth * curve.film_flux(image + initial_potential, through * depth, film)
             }
         }
     }
@@ -100,8 +99,8 @@ impl Face {
             Face::Even | Face::Flux(_) => 1.0,
             Face::Odd { .. } => -1.0,
             Face::Held { .. } => 0.0,
-            Face::Film { coefficient, ambient, through } => {
-                1.0 + 2.0 * depth * curve.film_slope(image + initial_potential, through * depth, coefficient, ambient)
+            Face::Film { ref film, through } => {
+                1.0 + 2.0 * depth * curve.film_slope(image + initial_potential, through * depth, film)
             }
         }
     }
@@ -114,9 +113,7 @@ impl Face {
             Face::Even => 0.0,
             Face::Odd { wall, .. } | Face::Held { wall, .. } => (wall - potential) / depth,
             Face::Flux(flux) => flux,
-            Face::Film { coefficient, ambient, .. } => {
-                thermal.curve.film_flux(potential + thermal.initial_potential, depth, coefficient, ambient)
-            }
+            Face::Film { ref film, .. } => thermal.curve.film_flux(potential + thermal.initial_potential, depth, film),
         }
     }
 
@@ -125,9 +122,7 @@ impl Face {
         match *self {
             Face::Even | Face::Flux(_) => 0.0,
             Face::Odd { .. } | Face::Held { .. } => -1.0 / depth,
-            Face::Film { coefficient, ambient, .. } => {
-                thermal.curve.film_slope(potential + thermal.initial_potential, depth, coefficient, ambient)
-            }
+            Face::Film { ref film, .. } => thermal.curve.film_slope(potential + thermal.initial_potential, depth, film),
         }
     }
 
@@ -140,8 +135,9 @@ impl Face {
                 conductivity * (temperature - inside) / depth
             }
             Face::Flux(flux) => flux,
-            Face::Film { coefficient, ambient, .. } => {
-                coefficient / (1.0 + coefficient * depth / conductivity) * (ambient - inside)
+            Face::Film { ref film, .. } => {
+                let coefficient = film.coefficient_before(inside, conductivity, depth);
+                coefficient / (1.0 + coefficient * depth / conductivity) * (film.ambient - inside)
             }
         }
     }
@@ -178,9 +174,9 @@ impl Patch {
             Condition::Symmetry => Face::Even,
             Condition::Temperature(series) => at(series.at(time)),
             Condition::Flux(series) => Face::Flux(series.at(time)),
-            Condition::Convection { coefficient, ambient } => {
-                let through = if self.layers { 2.0 } else { 1.0 };
-                Face::Film { coefficient: coefficient.at(time), ambient: ambient.at(time), through }
+            Condition::Film { kind, strength, ambient } => {
+                let film = Film { kind: *kind, strength: strength.at(time), ambient: ambient.at(time) };
+                Face::Film { film, through: if self.layers { 2.0 } else { 1.0 } }
             }
             Condition::Exact => match self.exact.as_ref().and_then(|exact| exact(time)) {
                 Some(temperature) => at(temperature),
@@ -271,7 +267,7 @@ impl Boundary {
 
     /// Whether ghosts follow their images in the same way at all states and times.
     pub fn is_linear(&self) -> bool {
-        !self.patches.iter().any(|patch| matches!(patch.condition, Condition::Convection { .. } | Condition::Exact))
+        !self.patches.iter().any(|patch| matches!(patch.condition, Condition::Film { .. } | Condition::Exact))
     }
 
     /// Takes the walls as they are from now on, whatever the time.

@@ -14,6 +14,7 @@ use glam::DVec2;
 
 use crate::boundary::green::Green;
 use crate::memory::HeapSize;
+use crate::physics::film::Film;
 use crate::physics::thermal::Thermal;
 use crate::series::{Schedule, Series};
 use crate::space::lattice::Lattice;
@@ -86,7 +87,7 @@ pub struct Sink {
     /// Temperature of the pipe's wall, or of the brine where there is a film.
     pub temperature: Series,
     /// What lies between brine and ground.
-    pub film: Option<Film>,
+    pub film: Option<PipeFilm>,
     /// When the pipe works; always if absent.
     pub schedule: Option<Arc<Schedule>>,
     /// Ground (m2) in whose place the pipe stands.
@@ -97,7 +98,7 @@ pub struct Sink {
 
 /// A film at the wall of a pipe.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Film {
+pub struct PipeFilm {
     /// Coefficient (W/m2K).
     pub coefficient: f64,
     /// Perimeter of the pipe (m).
@@ -186,7 +187,7 @@ pub fn immerse(
         share,
         resistance: hold.resistance,
         temperature: pipe.temperature.clone(),
-        film: pipe.film.map(|coefficient| Film { coefficient, perimeter: TAU * radius }),
+        film: pipe.film.map(|coefficient| PipeFilm { coefficient, perimeter: TAU * radius }),
         schedule: pipe.schedule.clone(),
         displaced: PI * radius * radius,
         extent: Extent { ring, centre, half_width: hold.half_width * lattice.spacing, share, smoothing },
@@ -289,16 +290,18 @@ impl Sink {
     /// and the potential of its own temperature.
     #[inline]
     pub fn heat(&self, sampled: f64, own: f64, time: f64, thermal: &Thermal) -> f64 {
-        let Some(Film { coefficient, perimeter }) = self.film else { return (sampled - own) / self.resistance };
-        let (inside, brine) = (sampled + thermal.initial_potential, self.temperature.at(time));
-        -perimeter * thermal.curve.film_flux(inside, perimeter * self.resistance, coefficient, brine)
+        let Some(PipeFilm { coefficient, perimeter }) = self.film else { return (sampled - own) / self.resistance };
+        let film = Film::convection(coefficient, self.temperature.at(time));
+        let inside = sampled + thermal.initial_potential;
+        -perimeter * thermal.curve.film_flux(inside, perimeter * self.resistance, &film)
     }
 
     /// Resistance with which small changes around a state meet the pipe.
     pub fn resistance_to_changes(&self, sampled: f64, time: f64, thermal: &Thermal) -> f64 {
-        let Some(Film { coefficient, perimeter }) = self.film else { return self.resistance };
-        let (inside, brine) = (sampled + thermal.initial_potential, self.temperature.at(time));
-        -1.0 / (perimeter * thermal.curve.film_slope(inside, perimeter * self.resistance, coefficient, brine))
+        let Some(PipeFilm { coefficient, perimeter }) = self.film else { return self.resistance };
+        let film = Film::convection(coefficient, self.temperature.at(time));
+        let inside = sampled + thermal.initial_potential;
+        -1.0 / (perimeter * thermal.curve.film_slope(inside, perimeter * self.resistance, &film))
     }
 
     /// What the sink adds to the row sum of a particle (m^-2), by particle.

@@ -4,7 +4,8 @@
 //! any shape hold their own heat and latent heat wherever interfaces lie. It conducts as the material at its centre; what
 //! lies between it and others is known exactly ([`crate::boundary::interface`]).
 
-use crate::physics::curve::{Curve, solve_increasing};
+use crate::physics::curve::Curve;
+use crate::physics::root::solve_increasing;
 
 /// Materials in shares of one volume, all at one temperature.
 #[derive(Debug, Clone)]

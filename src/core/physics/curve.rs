@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use crate::memory::HeapSize;
 use crate::physics::blend::Blend;
+use crate::physics::film::Film;
 use crate::physics::freezing_curve::linear::Linear;
 use crate::physics::freezing_curve::shape::UnfrozenFraction;
 use crate::physics::integral::Integral;
 use crate::physics::material::{FreezingLaw, Material, Mixing};
+use crate::physics::root::solve_increasing;
 
 /// Intervals of the table of a smooth law. Hermite interpolation over this many leaves less than 1e-7 of the
 /// width of the freezing interval for water (measured in the tests below).
@@ -296,44 +298,54 @@ impl Curve {
         )
     }
 
-    /// Heat flux (W/m2) that enters through a film of `coefficient` (W/m2K) from surroundings at `ambient`,
-    /// into a particle with potential `inside` (W/m) whose centre is `depth` (m) behind the wall.
-    pub fn film_flux(&self, inside: f64, depth: f64, coefficient: f64, ambient: f64) -> f64 {
-        if coefficient == 0.0 {
+    /// Heat flux (W/m2) that enters through a film into a particle with potential `inside` (W/m) whose centre is `depth` (m)
+    /// behind the wall.
+    pub fn film_flux(&self, inside: f64, depth: f64, film: &Film) -> f64 {
+        if film.is_closed() {
             return 0.0;
         }
-        // The wall's temperature Tw makes coefficient (ambient - Tw) = (U(Tw) - inside) / depth.
-        let target = coefficient * depth;
-        let wall = if self.is_kinked() {
-            let warm = (target * (ambient - self.freezing_point) + inside) / (target + self.unfrozen_conductivity);
-            let cold = (target * (ambient - self.freezing_point) + inside) / (target + self.frozen_conductivity);
-            self.freezing_point + if warm >= 0.0 { warm } else { cold }
-        } else {
-            let start = self.temperature_of_potential(inside);
-            solve_increasing(
-                |temperature| {
-                    let missing = self.potential(temperature) - inside + target * (temperature - ambient);
-                    (missing, self.conductivity(temperature) + target)
-                },
-                start.min(ambient),
-                start.max(ambient),
-            )
-        };
+        let wall = self.film_wall(inside, depth, film);
+        let coefficient = film.coefficient(wall);
         // The smaller of the two differences of temperature would be lost in rounding.
-        if target > self.most_conductive() {
+        if coefficient * depth > self.most_conductive() {
             (self.potential(wall) - inside) / depth
         } else {
-            coefficient * (ambient - wall)
+            coefficient * (film.ambient - wall)
         }
     }
 
+    /// The temperature of the wall between them, at which film and ground carry the same flux.
+    fn film_wall(&self, inside: f64, depth: f64, film: &Film) -> f64 {
+        let ambient = film.ambient;
+        if self.is_kinked() && film.is_linear() {
+            let target = film.strength * depth;
+            let warm = (target * (ambient - self.freezing_point) + inside) / (target + self.unfrozen_conductivity);
+            let cold = (target * (ambient - self.freezing_point) + inside) / (target + self.frozen_conductivity);
+            return self.freezing_point + if warm >= 0.0 { warm } else { cold };
+        }
+        let start = self.temperature_of_potential(inside);
+        solve_increasing(
+            |wall| {
+                let missing = self.potential(wall) - inside + film.coefficient(wall) * depth * (wall - ambient);
+                (missing, self.conductivity(wall) + film.steepness(wall) * depth)
+            },
+            start.min(ambient),
+            start.max(ambient),
+        )
+    }
+
     /// How the flux of [`Curve::film_flux`] changes with the particle's potential (1/m).
-    pub fn film_slope(&self, inside: f64, depth: f64, coefficient: f64, ambient: f64) -> f64 {
-        if coefficient == 0.0 {
+    pub fn film_slope(&self, inside: f64, depth: f64, film: &Film) -> f64 {
+        if film.is_closed() {
             return 0.0;
         }
-        let wall = ambient - self.film_flux(inside, depth, coefficient, ambient) / coefficient;
-        -coefficient / (self.conductivity(wall) + coefficient * depth)
+        let wall = if film.is_linear() {
+            film.ambient - self.film_flux(inside, depth, film) / film.strength
+        } else {
+            self.film_wall(inside, depth, film)
+        };
+        let steepness = film.steepness(wall);
+        -steepness / (self.conductivity(wall) + steepness * depth)
     }
 
     /// The conductivity (W/mK) at all temperatures between two, if it is one.
@@ -374,29 +386,6 @@ impl Curve {
             .map(|temperature| self.conductivity(temperature) / self.apparent_capacity(temperature))
             .fold(ends, f64::max)
     }
-}
-
-/// Root of an increasing function between two bounds by Newton's method, kept inside by bisection.
-pub(crate) fn solve_increasing(residual: impl Fn(f64) -> (f64, f64), mut low: f64, mut high: f64) -> f64 {
-    let mut guess = 0.5 * (low + high);
-    for _ in 0..200 {
-        let (value, slope) = residual(guess);
-        if value == 0.0 {
-            return guess;
-        }
-        if value > 0.0 {
-            high = guess;
-        } else {
-            low = guess;
-        }
-        let newton = guess - value / slope;
-        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-        if next == guess || (high - low) <= f64::EPSILON * high.abs().max(low.abs()) {
-            return next;
-        }
-        guess = next;
-    }
-    guess
 }
 
 impl HeapSize for Curve {

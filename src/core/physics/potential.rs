@@ -292,6 +292,7 @@ impl Curved {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::film::{FILMS, Film};
     use crate::physics::freezing_curve::linear::Linear;
     use crate::physics::freezing_curve::shape::{Given, InScenes, UnfrozenFraction};
     use crate::physics::freezing_curve::table::Table;
@@ -427,11 +428,23 @@ mod tests {
     fn film_flux_matches_conduction_behind_the_wall() {
         for curve in laws() {
             for (inside, ambient) in [(4.8, -20.0), (-30.0, 5.0), (0.0, -1.0), (-0.1, -30.0)] {
-                let (depth, coefficient) = (0.001, 25.0);
-                let flux = curve.film_flux(inside, depth, coefficient, ambient);
-                let wall = ambient - flux / coefficient;
-                // Balance of film and conduction, to the rounding of the potentials.
-                assert!((curve.potential(wall) - inside - flux * depth).abs() < 1e-9 * inside.abs().max(1.0));
+                for (kind, strength, depth) in FILMS.iter().flat_map(|kind| [(*kind, 0.9, 0.05), (*kind, 0.3, 0.001)]) {
+                    let film = Film { kind, strength, ambient };
+                    let flux = curve.film_flux(inside, depth, &film);
+                    let wall = curve.temperature_of_potential(inside + flux * depth);
+                    // Balance of film and conduction, to the rounding of the potentials.
+                    let through = film.coefficient(wall) * (ambient - wall);
+                    assert!((through - flux).abs() * depth < 1e-9 * inside.abs().max(1.0), "{kind:?} {flux} {through}");
+                    // A film is never steeper than a wall of given temperature.
+                    let slope = curve.film_slope(inside, depth, &film);
+                    assert!(slope < 0.0 && slope > -1.0 / depth);
+                    let step = 1e-6;
+                    let beside = |inside: f64| curve.film_flux(inside, depth, &film);
+                    let measured = (beside(inside + step) - beside(inside - step)) / (2.0 * step);
+                    // Not where the wall stands at a kink; else to rounding of the differences.
+                    let steady = |below: f64| curve.conductivity(wall + below) / curve.conductivity(wall - below) - 1.0;
+                    assert!((measured / slope - 1.0).abs() < 1e-4 || steady(1e-5).abs() > 1e-4, "{measured} {slope}");
+                }
             }
         }
     }

@@ -5,13 +5,15 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use super::problem::Read;
-use super::range::{Range, all_of, plain, temperatures};
+use super::range::{Range, all_of, one_of, plain, temperatures};
 use super::section::{Key, Names, Section};
 use super::shells;
 use crate::pipe_ring::PipeRing;
 use crate::region::Region;
 use crate::scene::{ReferenceChoice, Wall, WallPart};
+use crate::units::Units;
 use frazil_core::boundary::condition::Condition;
+use frazil_core::physics::film::FILMS;
 use frazil_core::physics::material::Material;
 use frazil_core::space::domain::{Domain, Sector};
 
@@ -102,23 +104,31 @@ pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> (Vec<
 pub(super) fn condition(wall: &mut Section<'_>) -> Read<Condition> {
     const TEMPERATURE: (&str, &str) = ("temperature", "c");
     const FLUX: (&str, &str) = ("flux", "W_per_m2");
-    const COEFFICIENT: (&str, &str) = ("coefficient", "W_per_m2_K");
     const AMBIENT: (&str, &str) = ("ambient", "c");
-    let keys: [Key; 4] = [TEMPERATURE.into(), FLUX.into(), COEFFICIENT.into(), "condition".into()];
+    let films: Vec<Key> = FILMS.iter().map(|kind| kind.key().into()).collect();
+    let keys = [&[TEMPERATURE.into(), FLUX.into()][..], &films, &["condition".into()]].concat();
     let found = wall.only_one(&keys);
-    if found != Ok(2) {
-        let reason = format!("only a wall with \"{}\" has surroundings", keys[2].written(wall.units()));
-        wall.refuse(AMBIENT, &reason);
+    let film = found.ok().and_then(|index| FILMS.get(index.checked_sub(2)?));
+    if film.is_none() {
+        let words: Vec<String> = films.iter().map(|key| key.written(wall.units())).collect();
+        let words = one_of(words.iter().map(String::as_str));
+        wall.refuse(AMBIENT, &format!("only a wall with {words} has surroundings"));
     }
     let allowed = temperatures(wall.units().absolute_zero());
-    match found? {
-        0 => wall.series(TEMPERATURE, allowed).map(Condition::Temperature),
-        1 => wall.series(FLUX, Range::ANY).map(Condition::Flux),
-        2 => {
-            let coefficient = wall.series(COEFFICIENT, Range::NOT_NEGATIVE);
+    match (found?, film) {
+        (_, Some(kind)) => {
+            let (low, high) = kind.range();
+            let strength = wall.series(kind.key(), Range::of(low, high));
             let ambient = wall.series(AMBIENT, allowed);
-            Ok(Condition::Convection { coefficient: coefficient?, ambient: ambient? })
+            if kind.needs_si() && wall.units() != Units::Si {
+                let units = wall.units().name();
+                let message = format!("found beside units = \"{units}\", needs units = \"si\" for its constants");
+                return Err(wall.problem(kind.key(), message));
+            }
+            Ok(Condition::Film { kind: *kind, strength: strength?, ambient: ambient? })
         }
+        (0, _) => wall.series(TEMPERATURE, allowed).map(Condition::Temperature),
+        (1, _) => wall.series(FLUX, Range::ANY).map(Condition::Flux),
         _ => wall.choice("condition", &[("symmetry", Condition::Symmetry), ("exact", Condition::Exact)]),
     }
 }

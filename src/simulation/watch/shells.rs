@@ -1,6 +1,5 @@
 //! What is read off bodies of shells: fronts as radii.
 
-use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::material::Material;
 use frazil_core::space::domain::Domain;
 use frazil_core::space::symmetry::Symmetry;
@@ -22,15 +21,7 @@ impl RadialFront {
         if !scene.materials.iter().any(Material::freezes) {
             return None;
         }
-        let drive = |name: &str| match scene.wall(name) {
-            Some(Condition::Temperature(series)) => (series.at(scene.duration) - scene.initial_temperature).abs(),
-            Some(Condition::Convection { ambient, .. }) => {
-                (ambient.at(scene.duration) - scene.initial_temperature).abs()
-            }
-            Some(Condition::Flux(series)) => series.range().0.abs().max(series.range().1.abs()),
-            _ => 0.0,
-        };
-        Some(RadialFront { symmetry, inner, outer, from_outer: drive("outer") > drive("inner") })
+        Some(RadialFront { symmetry, inner, outer, from_outer: scene.drive("outer") > scene.drive("inner") })
     }
 
     /// Radius (m) up to which, or from which on, a frozen volume fills the body.

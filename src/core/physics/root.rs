@@ -1,0 +1,24 @@
+//! Roots of functions of one number.
+
+/// Root of an increasing function between two bounds by Newton's method, kept inside by bisection.
+pub(crate) fn solve_increasing(residual: impl Fn(f64) -> (f64, f64), mut low: f64, mut high: f64) -> f64 {
+    let mut guess = 0.5 * (low + high);
+    for _ in 0..200 {
+        let (value, slope) = residual(guess);
+        if value == 0.0 {
+            return guess;
+        }
+        if value > 0.0 {
+            high = guess;
+        } else {
+            low = guess;
+        }
+        let newton = guess - value / slope;
+        let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+        if next == guess || (high - low) <= f64::EPSILON * high.abs().max(low.abs()) {
+            return next;
+        }
+        guess = next;
+    }
+    guess
+}

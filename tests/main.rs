@@ -31,6 +31,7 @@ mod pipes;
 mod printed;
 mod profiles;
 mod properties;
+mod radiation;
 mod reductions;
 mod references;
 mod regions;

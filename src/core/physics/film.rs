@@ -3,6 +3,7 @@
 
 pub mod convection;
 pub mod law;
+pub mod radiation;
 
 use std::ops::Bound;
 
@@ -64,7 +65,7 @@ macro_rules! films {
     };
 }
 
-films![convection::Convection];
+films![convection::Convection, radiation::Radiation];
 
 /// An exchange at one instant.
 #[derive(Debug, Clone, Copy, PartialEq)]

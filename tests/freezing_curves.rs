@@ -3,6 +3,7 @@
 use frazil::registry::methods;
 use frazil_core::physics::freezing_curve::CURVES;
 use frazil_core::space::domain::Domain;
+use frazil_scene::Scene;
 
 use crate::sketch::{Sketch, even, sand, through, water, without_noise};
 
@@ -70,6 +71,37 @@ fn a_plate_freezes_as_a_fine_one_does() {
         for kind in even() {
             let own = heat(slab(&law, 0.005), kind);
             assert!((own / fine - 1.0).abs() < 0.02, "{} {law}: {own} J/m2, not {fine}", kind.name);
+        }
+    }
+}
+
+/// What goes with no curve is refused beside each, by the one table of what does not go together.
+#[test]
+fn every_curve_is_a_material_that_freezes_over_an_interval() {
+    for kind in even() {
+        for law in laws() {
+            let text = slab(&law, 0.005).with("scheme = \"flags\"").text(kind.name);
+            let refused =
+                Scene::read(&text, "slab", "slab", &[], &[kind]).map(drop).map_err(|problems| problems.to_string());
+            let reason = "does not go with a material that freezes over an interval";
+            assert!(refused.as_ref().is_err_and(|problems| problems.contains(reason)), "{law}: {refused:?}");
+        }
+    }
+}
+
+/// Points on the line of the linear law make the same run, but for rounding.
+#[test]
+fn a_table_of_the_linear_curve_is_the_linear_curve() {
+    let table = "law = \"table\", temperature_c = -0.2, temperatures_c = [-1.7, -1.2, -0.2], unfrozen_fractions = [0, THIRD, 1]";
+    let laws = [
+        "law = \"linear\", temperature_c = -0.2, width_K = 1.5",
+        &table.replace("THIRD", &(1.0_f64 / 3.0).to_string()),
+    ];
+    for kind in even() {
+        let [linear, table] = laws.map(|law| through(&slab(law, 0.005).run(kind), "left"));
+        for (own, other) in linear.iter().zip(&table) {
+            // A point of the table inside a step of the law's own table bends nothing: rounding of ten thousand steps.
+            assert!((own / other - 1.0).abs() < 1e-11, "{}: {own} {other}", kind.name);
         }
     }
 }

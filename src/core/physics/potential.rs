@@ -424,6 +424,31 @@ mod tests {
         }
     }
 
+    /// Soils at the ends of what keys allow: a law is a law, however near to a jump or to nothing.
+    #[test]
+    fn laws_of_extreme_soils_rise_and_have_inverses() {
+        for (alpha, n) in [(1e-30, 1.5), (1e-3, 1.0 + 1e-12), (1.0, 20.0), (1e4, 20.0), (1e4, 1.001)] {
+            for mixing in [Mixing::Arithmetic, Mixing::Geometric] {
+                let values = vec![vec![alpha], vec![n], vec![0.0]];
+                let given = Given { freezing_point: 0.0, absolute_zero: -273.15, values };
+                let curve = water(VanGenuchten::new(&given).expect("a curve").into(), mixing);
+                let thermal = Thermal::new(curve.clone(), 5.0);
+                assert!(thermal.largest_slope.is_finite() && thermal.largest_slope > 0.0);
+                let mut last = f64::NEG_INFINITY;
+                for temperature in temperatures() {
+                    let enthalpy = curve.enthalpy(temperature);
+                    let potential = thermal.law.potential(enthalpy - thermal.initial_enthalpy);
+                    assert!(potential >= last, "{alpha} {n} at {temperature}: {potential} {last}");
+                    last = potential;
+                    let back = curve.enthalpy(curve.temperature(enthalpy));
+                    // Rounding of the temperature, which latent heat multiplies, and of sums as large as that.
+                    let rounding = curve.apparent_capacity(temperature) * temperature.abs() + curve.latent_heat;
+                    assert!((back - enthalpy).abs() <= 8.0 * f64::EPSILON * rounding, "{alpha} {n} at {temperature}");
+                }
+            }
+        }
+    }
+
     #[test]
     fn film_flux_matches_conduction_behind_the_wall() {
         for curve in laws() {

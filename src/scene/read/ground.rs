@@ -174,7 +174,9 @@ fn freezing(mut section: Section<'_>) -> Read<Freezing> {
 /// The curve of a kind by its keys.
 fn curve(section: &mut Section<'_>, kind: &CurveKind, point: Read<f64>) -> Read<FreezingCurve> {
     if kind.needs_si && section.units() != Units::Si {
-        let message = format!("found \"{}\", must be another one: its constants need units = \"si\"", kind.word);
+        let units = section.units().name();
+        let message =
+            format!("found \"{}\" beside units = \"{units}\", needs units = \"si\" for its constants", kind.word);
         section.problem("law", message);
     }
     let values: Vec<Read<Vec<f64>>> =

@@ -24,7 +24,7 @@ fn main() {
     );
     for case in &cases {
         let steps = ratio(case, first);
-        let neighbours = 2.0 * case.plan.method.pairs() as f64 / case.len() as f64;
+        let neighbours = 2.0 * case.plan.method.report().pairs as f64 / case.len() as f64;
         println!(
             "{:<8} {:>28} {:>16.2} {:>12.1} {:>10.3} {:>24.2}",
             case.name,

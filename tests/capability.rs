@@ -49,7 +49,7 @@ fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
         Domain::Rectangle { .. } => sketch.wall("left", cold).wall("right", "temperature_c = 2"),
         _ => sketch.wall("outer", cold),
     };
-    let flows = has(Feature::Groundwater);
+    let flows = has(Feature::Groundwater) || has(Feature::GradientAdvection);
     let plain = ground(law).replace(", permeability_m2 = 1.3e-10", "");
     sketch.materials = vec![("ground", if flows { ground(law) } else { plain })];
     if has(Feature::FreezingCurve) && !has(Feature::NothingSharp) {
@@ -102,8 +102,10 @@ fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
             Feature::WholePhases,
             if has(Feature::PairMeans) { "mushy = false" } else { "mean = \"harmonic\"\nmushy = false" },
         ),
+        (Feature::Stages, "integrator = \"heun\""),
         (Feature::Rkl2, "integrator = \"rkl2\""),
         (Feature::Implicit, "integrator = \"implicit\""),
+        (Feature::GradientAdvection, "advection = \"central\""),
         (Feature::SubCellFronts, "front = \"sub-cell\""),
         (Feature::FittedWalls, "wall_model = \"moving-least-squares\""),
         (Feature::InnerLayers, "wall_model = \"inner-layers\""),
@@ -151,6 +153,8 @@ fn runs(sketch: &Sketch, features: &[Feature], kind: &'static MethodKind) -> Res
             (Feature::FreezingCurve, features.contains(&Feature::NothingSharp)),
             (Feature::Pipes, features.contains(&Feature::Excavation)),
             (Feature::PairMeans, features.contains(&Feature::WholePhases)),
+            (Feature::Groundwater, features.contains(&Feature::GradientAdvection)),
+            (Feature::Stages, features.contains(&Feature::Rkl2) || features.contains(&Feature::Implicit)),
             (Feature::Ring, features.contains(&Feature::Excavation) || features.contains(&Feature::Pipes)),
         ];
         features.contains(feature) || beside.contains(&(*feature, true))

@@ -21,10 +21,10 @@ fn sand(law: &str) -> String {
     )
 }
 
-const NEVER: &str = "law = \"none\", temperature_c = 0";
+pub const NEVER: &str = "law = \"none\", temperature_c = 0";
 
 /// A ring of radius 4 m that water crosses.
-fn crossed(law: &str, sector: Sector, velocity: f64, degrees: f64) -> Sketch {
+pub fn crossed(law: &str, sector: Sector, velocity: f64, degrees: f64) -> Sketch {
     let mut sketch = Sketch::new(Domain::Ring { outer_radius: 4.0, sector }, 0.2).wall("outer", "temperature_c = 15");
     sketch.materials = vec![("sand", sand(law))];
     sketch.initial_c = 15.0;

@@ -139,7 +139,7 @@ fn assembled(sketch: &Sketch, kind: &'static MethodKind) -> ListParts {
         fluctuation: 0.0,
         stepper: Stepper::Own(Arc::new(move |assembly: Assembly| {
             *keep.lock().expect("no other thread") = Some(assembly.parts.clone());
-            assembly.into_method(Off)
+            assembly.into_solver(Off)
         })),
     });
     plan::build(&scene, &scene.methods[0], None, 1, 1).expect("a plan");

@@ -10,6 +10,7 @@ mod calibration;
 mod capability;
 mod command_line;
 mod comparisons;
+mod coupled;
 mod cracks;
 mod documents;
 mod ensembles;

@@ -11,7 +11,7 @@ use crate::references::errors;
 use crate::sketch::{Sketch, advance};
 
 /// Permeability over viscosity of the sketches (m2/(Pa s)).
-const OPEN: f64 = 1.3e-10 / 1.793e-3;
+pub const OPEN: f64 = 1.3e-10 / 1.793e-3;
 
 /// Saturated sand that freezes along a curve or not at all.
 fn sand(law: &str) -> String {
@@ -31,7 +31,7 @@ fn sand(law: &str) -> String {
 const CURVE: &str = "law = \"weibull\", temperature_c = 0, latent_heat_J_per_kg = 334000, width_K = 0.5";
 
 /// A box of sand at 5 degC with water from left to right, driven by a pressure (Pa).
-fn seeping(law: &str, pressure: f64) -> Sketch {
+pub fn seeping(law: &str, pressure: f64) -> Sketch {
     let mut sketch = Sketch::new(Domain::Rectangle { width: 0.3, height: 0.2 }, 0.01);
     sketch.materials = vec![("sand", sand(law))];
     sketch.initial_c = 5.0;
@@ -44,14 +44,14 @@ fn seeping(law: &str, pressure: f64) -> Sketch {
 }
 
 /// The same with a frozen square in it.
-fn with_ice(pressure: f64) -> Sketch {
+pub fn with_ice(pressure: f64) -> Sketch {
     let mut sketch = seeping(CURVE, pressure).wall("left", "temperature_c = 5");
     sketch.regions = vec!["temperature_c = -5\nx_min_m = 0.08\nx_max_m = 0.16\ny_min_m = 0.06\ny_max_m = 0.14".into()];
     sketch.duration_s = 600.0;
     sketch
 }
 
-fn flowing() -> impl Iterator<Item = &'static MethodKind> {
+pub fn flowing() -> impl Iterator<Item = &'static MethodKind> {
     methods().iter().copied().filter(|kind| !kind.stochastic)
 }
 

@@ -1,5 +1,6 @@
 //! Steps by error: what they keep whatever their length, and what outputs may not change.
 
+use frazil_core::solvers::step::Clock;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_simulation::march::Options;
 
@@ -44,6 +45,43 @@ fn linear_bodies() -> Vec<(&'static str, Sketch)> {
     ]
 }
 
+/// Small changes act as differences of rates do, at a state in which particles are frozen, freezing and thawed.
+#[test]
+fn the_tangent_is_the_derivative() {
+    for (name, sketch) in freezing_bodies() {
+        for kind in even() {
+            let film = "coefficient_W_per_m2_K = 20\nambient_c = -15";
+            let mut plan = sketch.clone().wall("top", film).with("integrator = \"implicit\"").plan(kind);
+            let latent_heat = 3.34e8;
+            let state: Vec<f64> = (0..plan.particles.len())
+                .map(|i| latent_heat * (0.6 * ((i * i) % 17) as f64 / 17.0 - 0.2 - 0.04 * (i % 12) as f64) - 3e6)
+                .collect();
+            let change: Vec<f64> = (0..state.len()).map(|i| ((7 * i) % 11) as f64 - 5.0).collect();
+            let balance = plan.method.balance_mut().expect("a balance");
+            let clock = Clock { time: 0.0, step: 1.0, index: 0, turned: false };
+            let mut rates = |size: f64| {
+                let state: Vec<f64> = state.iter().zip(&change).map(|(state, change)| state + size * change).collect();
+                let (mut rate, mut patches) = (vec![0.0; state.len()], vec![0.0; balance.facts().patches.len()]);
+                balance.rates(&state, &clock, &mut rate, &mut patches);
+                rate
+            };
+            let (up, down) = (rates(100.0), rates(-100.0));
+            let mut slopes = vec![0.0; state.len()];
+            let tangent = balance.tangent();
+            tangent.linearise(&state, 0.0, &mut slopes);
+            let potentials: Vec<f64> = slopes.iter().zip(&change).map(|(slope, change)| slope * change).collect();
+            let mut found = vec![0.0; state.len()];
+            tangent.act(&potentials, &mut found);
+            let size = found.iter().fold(0.0, |most: f64, rate| most.max(rate.abs()));
+            for (i, found) in found.iter().enumerate() {
+                let exact = (up[i] - down[i]) / 200.0;
+                // Rounding of rates over a change of a millionth, and the third derivative of a smooth curve.
+                assert!((found - exact).abs() < 1e-5 * size, "{name}, {} at {i}: {found}, not {exact}", kind.name);
+            }
+        }
+    }
+}
+
 /// The Newton matrix is the derivative of the rates: a linear system is solved at once by elimination, and by iteration
 /// as fast as the linear solver is asked to.
 #[test]
@@ -61,7 +99,7 @@ fn newton_solves_a_linear_system_at_once() {
     }
 }
 
-/// Freezing bodies: sharp, along a curve, two materials.
+/// Freezing bodies: sharp, along a curve, two materials, with fronts inside particles.
 fn freezing_bodies() -> Vec<(&'static str, Sketch)> {
     let body = |law: &str| {
         let mut sketch =
@@ -77,7 +115,14 @@ fn freezing_bodies() -> Vec<(&'static str, Sketch)> {
     let mut mixed = body(sharp);
     mixed.materials.push(("sand", sand("law = \"isothermal\", temperature_c = -0.5, latent_heat_J_per_kg = 50000")));
     mixed.regions.push("material = \"sand\"\nx_min_m = 0.1\nx_max_m = 0.24\ny_min_m = 0\ny_max_m = 0.2".into());
-    vec![("sharp", body(sharp)), ("along a curve", body(curve)), ("two materials", mixed)]
+    let fronts = "front = \"sub-cell\"";
+    vec![
+        ("sharp", body(sharp)),
+        ("along a curve", body(curve)),
+        ("two materials", mixed.clone()),
+        ("sharp, fronts inside particles", body(sharp).with(fronts)),
+        ("two materials, fronts inside particles", mixed.with(fronts)),
+    ]
 }
 
 #[test]

@@ -20,8 +20,8 @@ use frazil_core::kernels::term::{Off, PairTerm, PairView};
 use frazil_core::memory::HeapSize;
 use frazil_core::noise::StepNoise;
 use frazil_core::solvers::assembly::Assembly;
-use frazil_core::solvers::method::Method;
 use frazil_core::solvers::moving::Purpose;
+use frazil_core::solvers::solver::Solver;
 use frazil_core::solvers::step::Clock;
 use frazil_record::Value;
 use frazil_scene::method::MethodSettings;
@@ -174,12 +174,12 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimens
         true => PAPERS_CAPACITY,
         false => quiet_capacity(section.temperatures(), section.units().absolute_zero()),
     });
-    let step = move |assembly: Assembly| -> Box<dyn Method> {
+    let step = move |assembly: Assembly| -> Box<dyn Solver> {
         if !noise {
-            return assembly.into_method(Off);
+            return assembly.into_solver(Off);
         }
         let term = RandomFlux::new(&assembly, capacity);
-        assembly.into_method(term)
+        assembly.into_solver(term)
     };
     if let Some(motion) = motion {
         return with_motion(

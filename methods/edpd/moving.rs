@@ -19,8 +19,8 @@ mod settings;
 
 use std::sync::Arc;
 
-use frazil_core::solvers::method::Method;
 use frazil_core::solvers::moving::{ParticleSet, Purpose};
+use frazil_core::solvers::solver::Solver;
 use frazil_scene::method::MethodSettings;
 use frazil_scene::region::Cell;
 use frazil_scene::{Scene, Stream};
@@ -75,7 +75,7 @@ pub fn build(
     let differences = vec![map.words(scene.units), words(&fluid, count)];
     let confined = Confined(body);
     let (joule, bound) = (per_heat * liquid.volume, liquid.bound);
-    let method: Box<dyn Method> = match &scene.stream {
+    let method: Box<dyn Solver> = match &scene.stream {
         None => Box::new(MovingParticles::new(fluid, confined, map, &patches, joule, bound)),
         Some(stream) => {
             let driven = StreamDrive::of(stream, confined, &map, fluid.matter(), count as u32);

@@ -10,6 +10,7 @@ pub mod lattice;
 pub mod lattice_parts;
 mod lattice_tangent;
 pub mod list_parts;
+mod mean_tangent;
 pub mod rows;
 pub mod sweep;
 pub mod target;

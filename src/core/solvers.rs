@@ -1,15 +1,16 @@
 //! How time advances.
 
 pub mod assembly;
+pub mod balance;
 pub mod band;
 pub mod control;
 pub mod euler;
+pub mod heun;
 pub mod implicit;
 pub mod krylov;
-pub mod method;
 pub mod moving;
 pub mod newton;
-pub mod operator;
 pub mod rkl2;
 pub mod sharp;
+pub mod solver;
 pub mod step;

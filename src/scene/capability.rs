@@ -2,6 +2,7 @@
 //!
 //! Whatever is not in it goes together, under every method.
 
+use frazil_core::balances::groundwater::numerics::{Advection, FlowNumerics};
 use frazil_core::bonds::exchange::Exchange;
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
@@ -46,10 +47,14 @@ pub enum Feature {
     ApparentCapacity,
     /// Freezing particles that conduct as a whole phase, or as half of each.
     WholePhases,
+    /// Steps of several stages.
+    Stages,
     /// Super-time-stepping.
     Rkl2,
     /// Implicit steps.
     Implicit,
+    /// Water that carries heat by what gradients mend.
+    GradientAdvection,
     /// Fronts inside particles.
     SubCellFronts,
     /// Walls fitted by moving least squares.
@@ -92,38 +97,29 @@ const fn row(asked: Feature, beside: Feature, because: &'static str) -> Exclusio
 
 const OWN_NOISE: &str = "its noise is exchanged at explicit steps of its own";
 const NO_ENTHALPY: &str = "the scheme advances unknowns of its own by explicit steps";
+const LIMITED: &str = "what gradients mend is limited by what one explicit step may do";
 const BY_PAIRS: &str = "the sweep over a lattice knows no such rows";
 const WHOLE_LATTICE: &str = "the front in a cell is seen along the rows of a lattice";
 const FIXED_LAYERS: &str = "layers of particles stand for the wall, whatever cuts them off";
 
 /// All pairs that exclude each other.
-pub const EXCLUSIONS: [Exclusion; 61] = {
+pub const EXCLUSIONS: [Exclusion; 47] = {
     use Feature::{
-        ApparentCapacity, Cracks, Excavation, FittedWalls, Flags, FreezingCurve, Groundwater, Implicit, InnerLayers,
-        LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls, NothingSharp, OwnSteps, PairMeans, Pipes, Ring,
-        Rkl2, Shells, SubCellFronts, Surfaces, UnevenParticles, WholePhases,
+        ApparentCapacity, Cracks, Excavation, FittedWalls, Flags, FreezingCurve, GradientAdvection, Groundwater,
+        Implicit, InnerLayers, LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls, NothingSharp, OwnSteps,
+        PairMeans, Pipes, Ring, Rkl2, Shells, Stages, SubCellFronts, Surfaces, UnevenParticles, WholePhases,
     };
     [
         row(Groundwater, Shells, "water flows through a line, a rectangle or a ring"),
-        row(Groundwater, Cracks, "paths of water are those at the start: a crack would cut them as well"),
-        row(Groundwater, Excavation, "paths of water are those at the start: a shaft would cut them as well"),
-        row(Groundwater, Surfaces, "surfaces count what is conducted, and not what water carries"),
         row(OwnSteps, Groundwater, "its noise is balanced against conduction, and not against what water carries"),
         row(OwnSteps, Shells, "its particles are of one volume"),
         row(OwnSteps, Surfaces, "its random heat is not counted through surfaces"),
-        row(Rkl2, OwnSteps, OWN_NOISE),
-        row(Implicit, OwnSteps, OWN_NOISE),
-        row(Rkl2, Groundwater, "water is carried in Heun's steps, whose mean keeps the range of the data"),
-        row(Implicit, Groundwater, "water is carried in Heun's steps, whose mean keeps the range of the data"),
-        row(Rkl2, Flags, NO_ENTHALPY),
-        row(Rkl2, ApparentCapacity, NO_ENTHALPY),
-        row(Rkl2, WholePhases, "the phase that a particle last was is known at whole steps alone"),
-        row(Implicit, Flags, NO_ENTHALPY),
-        row(Implicit, ApparentCapacity, NO_ENTHALPY),
-        row(Implicit, WholePhases, "the phase that a particle last was is known at whole steps alone"),
-        row(Implicit, PairMeans, "Newton's method is that of potentials"),
+        row(Stages, OwnSteps, OWN_NOISE),
+        row(Stages, ApparentCapacity, NO_ENTHALPY),
+        row(Stages, WholePhases, "the phase that a particle last was is known at whole steps alone"),
+        row(GradientAdvection, Rkl2, LIMITED),
+        row(GradientAdvection, Implicit, LIMITED),
         row(Flags, FreezingCurve, "the accumulator of latent heat fills at one temperature"),
-        row(Flags, Groundwater, NO_ENTHALPY),
         row(ApparentCapacity, Groundwater, NO_ENTHALPY),
         row(WholePhases, Groundwater, "the phase that a particle last was is known at whole steps alone"),
         row(UnevenParticles, Shells, "shells stand evenly along the radius"),
@@ -134,10 +130,8 @@ pub const EXCLUSIONS: [Exclusion; 61] = {
         row(SubCellFronts, UnevenParticles, WHOLE_LATTICE),
         row(SubCellFronts, ListSearch, WHOLE_LATTICE),
         row(SubCellFronts, PairMeans, "a front has a potential, and no conductivity of its own"),
-        row(SubCellFronts, Flags, NO_ENTHALPY),
         row(SubCellFronts, ApparentCapacity, NO_ENTHALPY),
         row(SubCellFronts, WholePhases, "a front lies where the frozen fraction says"),
-        row(SubCellFronts, Implicit, "implicit steps are longer than a front takes to cross its cell"),
         row(SubCellFronts, NothingSharp, "there is no front where everything freezes over an interval"),
         row(SubCellFronts, FittedWalls, WHOLE_LATTICE),
         row(SubCellFronts, InnerLayers, WHOLE_LATTICE),
@@ -157,9 +151,7 @@ pub const EXCLUSIONS: [Exclusion; 61] = {
         row(LatticeSearch, OwnSteps, BY_PAIRS),
         row(LatticeSearch, Shells, BY_PAIRS),
         row(LatticeSearch, UnevenParticles, BY_PAIRS),
-        row(LatticeSearch, Groundwater, "water needs its paths one by one"),
         row(LatticeSearch, PairMeans, BY_PAIRS),
-        row(LatticeSearch, Flags, BY_PAIRS),
         row(LatticeSearch, ApparentCapacity, BY_PAIRS),
         row(LatticeSearch, WholePhases, BY_PAIRS),
         row(LatticeSearch, FittedWalls, BY_PAIRS),
@@ -182,7 +174,7 @@ pub fn exclusions(features: &[Feature]) -> impl Iterator<Item = &'static Exclusi
 
 impl Feature {
     /// All of them.
-    pub const ALL: [Feature; 24] = [
+    pub const ALL: [Feature; 26] = [
         Feature::Groundwater,
         Feature::Cracks,
         Feature::Excavation,
@@ -199,8 +191,10 @@ impl Feature {
         Feature::Flags,
         Feature::ApparentCapacity,
         Feature::WholePhases,
+        Feature::Stages,
         Feature::Rkl2,
         Feature::Implicit,
+        Feature::GradientAdvection,
         Feature::SubCellFronts,
         Feature::FittedWalls,
         Feature::InnerLayers,
@@ -228,8 +222,10 @@ impl Feature {
             Feature::Flags => "scheme = \"flags\"",
             Feature::ApparentCapacity => "scheme = \"apparent-capacity\"",
             Feature::WholePhases => "mushy other than true",
+            Feature::Stages => "integrator other than \"euler\"",
             Feature::Rkl2 => "integrator = \"rkl2\"",
             Feature::Implicit => "integrator = \"implicit\"",
+            Feature::GradientAdvection => "advection = \"limited\" or \"central\"",
             Feature::SubCellFronts => "front = \"sub-cell\"",
             Feature::FittedWalls => "wall_model = \"moving-least-squares\"",
             Feature::InnerLayers => "wall_model = \"inner-layers\"",
@@ -254,7 +250,8 @@ impl Feature {
             Feature::PairMeans => Place::Setting("mean"),
             Feature::Flags | Feature::ApparentCapacity => Place::Setting("scheme"),
             Feature::WholePhases => Place::Setting("mushy"),
-            Feature::Rkl2 | Feature::Implicit => Place::Setting("integrator"),
+            Feature::Stages | Feature::Rkl2 | Feature::Implicit => Place::Setting("integrator"),
+            Feature::GradientAdvection => Place::Setting("advection"),
             Feature::SubCellFronts => Place::Setting("front"),
             Feature::FittedWalls | Feature::InnerLayers | Feature::NaiveOpenWalls => Place::Setting("wall_model"),
             Feature::LatticeSearch | Feature::ListSearch => Place::Setting("search"),
@@ -277,6 +274,13 @@ pub(crate) fn of_settings(numerics: &Numerics, kind: &MethodKind, walls: &[Wall]
     let rkl2 = matches!(numerics.integrator, IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. });
     let apparent = matches!(numerics.latent_heat_scheme, LatentHeatScheme::ApparentCapacity { .. });
     let naive = numerics.walls == WallModel::Naive && walls.iter().any(|wall| wall.condition.brings_heat());
+    let stages = match numerics.integrator {
+        IntegratorChoice::Euler => false,
+        // What water carries asks for them.
+        IntegratorChoice::Heun => numerics.flow.is_none(),
+        _ => true,
+    };
+    let mended = |flow: &FlowNumerics| matches!(flow.advection, Advection::Limited | Advection::Central);
     let features = [
         (kind.stochastic, Feature::OwnSteps),
         (kind.lattice_only, Feature::LatticeWeights),
@@ -285,8 +289,10 @@ pub(crate) fn of_settings(numerics: &Numerics, kind: &MethodKind, walls: &[Wall]
         (numerics.latent_heat_scheme == LatentHeatScheme::Flags, Feature::Flags),
         (apparent, Feature::ApparentCapacity),
         (numerics.mushy != Mushy::Fraction, Feature::WholePhases),
+        (stages, Feature::Stages),
         (rkl2, Feature::Rkl2),
         (matches!(numerics.integrator, IntegratorChoice::Implicit { .. }), Feature::Implicit),
+        (numerics.flow.as_ref().is_some_and(mended), Feature::GradientAdvection),
         (numerics.front == Front::SubCell, Feature::SubCellFronts),
         (numerics.walls == WallModel::MovingLeastSquares, Feature::FittedWalls),
         (numerics.walls == WallModel::InnerLayers, Feature::InnerLayers),

@@ -9,8 +9,8 @@ use frazil_core::bonds::weight::{Normalisation, PairWeight};
 use frazil_core::boundary::green::Green;
 use frazil_core::boundary::pipe::radius_of_one_particle;
 use frazil_core::solvers::assembly::Assembly;
-use frazil_core::solvers::method::Method;
 use frazil_core::solvers::moving::{ParticleSet, Purpose};
+use frazil_core::solvers::solver::Solver;
 use frazil_core::solvers::step::Bound;
 use frazil_record::Value;
 use rayon::ThreadPool;
@@ -47,7 +47,7 @@ pub type MakeParticleSet =
     dyn Fn(&Scene, &MethodSettings, Option<Arc<ThreadPool>>, u64, Purpose) -> Result<ParticleSet, String> + Send + Sync;
 
 /// Makes a method that makes its own steps.
-pub type OwnStep = dyn Fn(Assembly) -> Box<dyn Method> + Send + Sync;
+pub type OwnStep = dyn Fn(Assembly) -> Box<dyn Solver> + Send + Sync;
 
 /// Who makes the step.
 #[derive(Clone)]

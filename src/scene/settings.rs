@@ -79,6 +79,8 @@ impl SearchChoice {
 pub enum IntegratorChoice {
     /// Explicit Euler.
     Euler,
+    /// The mean of the state and of two steps of Euler.
+    Heun,
     /// Runge-Kutta-Legendre of second order in steps of a fixed number of stages.
     Rkl2 {
         /// Stages, at least 3.
@@ -100,11 +102,16 @@ impl IntegratorChoice {
     /// Estimated error of one step, where steps follow it.
     pub fn tolerance(self) -> Option<f64> {
         match self {
-            IntegratorChoice::Euler | IntegratorChoice::Rkl2 { .. } => None,
+            IntegratorChoice::Euler | IntegratorChoice::Heun | IntegratorChoice::Rkl2 { .. } => None,
             IntegratorChoice::ControlledRkl2 { tolerance } | IntegratorChoice::Implicit { tolerance } => {
                 Some(tolerance)
             }
         }
+    }
+
+    /// Whether steps at the bound keep the maximum principle.
+    pub fn is_monotone(self) -> bool {
+        matches!(self, IntegratorChoice::Euler | IntegratorChoice::Heun)
     }
 }
 
@@ -216,9 +223,8 @@ impl Numerics {
 
     fn put_steps(&self, values: &mut Vec<(&'static str, Value)>) {
         let integrator = match self.integrator {
-            // Beside water a step is the mean of two.
-            IntegratorChoice::Euler if self.flow.is_some() => "heun",
             IntegratorChoice::Euler => "euler",
+            IntegratorChoice::Heun => "heun",
             IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. } => "rkl2",
             IntegratorChoice::Implicit { .. } => "implicit",
         };

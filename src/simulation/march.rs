@@ -14,7 +14,7 @@ use std::vec::IntoIter;
 
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
-use frazil_core::solvers::method::Method;
+use frazil_core::solvers::solver::Solver;
 use frazil_core::solvers::step::{Bound, Clock};
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
@@ -96,7 +96,7 @@ struct Simulation<'a> {
     settings: &'a MethodSettings,
     options: &'a Options<'a>,
     particles: Particles,
-    method: Box<dyn Method>,
+    method: Box<dyn Solver>,
     bound: Bound,
     /// The longest step that will be made (s), and that was made.
     step: f64,
@@ -135,7 +135,7 @@ pub fn run(
     let setup = setup.stop();
     let guard = Guard::new(scene, &plan.particles, &plan.pipe_extents);
     let solve = Stopwatch::start(options.threads);
-    let (began, dense) = (Instant::now(), plan.method.is_dense());
+    let (began, dense) = (Instant::now(), plan.method.report().is_dense);
     let Plan { particles, method, step, bound, summary, .. } = plan;
     let outputs = outputs(scene);
     let stops = stops(scene, &outputs, dense);

@@ -14,17 +14,19 @@ use std::sync::Arc;
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::memory::{HeapSize, Memory};
 use frazil_core::particles::Particles;
-use frazil_core::solvers::method::Method;
+use frazil_core::physics::latent_heat::LatentHeatScheme;
 use frazil_core::solvers::moving::Purpose;
+use frazil_core::solvers::solver::{Solver, SolverReport};
 use frazil_core::solvers::step::Bound;
 use frazil_scene::method::MethodSettings;
 use frazil_scene::method::Stepper;
-use frazil_scene::{Front, IntegratorChoice, Scene, StepChoice};
+use frazil_scene::settings::SearchChoice;
+use frazil_scene::{Front, IntegratorChoice, Numerics, Scene, StepChoice};
 
 use crate::plan::listed::Listed;
 use crate::plan::prepared::Prepared;
 use crate::plan::refusals::{affordable, why_list};
-use crate::plan::steps::{choose_step, integrator, on_lattice, pool};
+use crate::plan::steps::{choose_step, on_lattice, pool, solver};
 use crate::predict::{StepCount, planned_steps};
 use crate::reference::Reference;
 use crate::refused::{Refused, refuse};
@@ -62,7 +64,7 @@ pub struct Plan {
     /// Particles at their start.
     pub particles: Particles,
     /// The method.
-    pub method: Box<dyn Method>,
+    pub method: Box<dyn Solver>,
     /// The longest step that will be made (s).
     pub step: f64,
     /// The bound that the step was chosen from.
@@ -114,6 +116,19 @@ pub fn build(
     build_for(Purpose::Run, scene, settings, reference, threads, seed)
 }
 
+/// Settings in which flags of latent heat are enthalpies, where steps have several stages, water flows, or fronts and rows
+/// are those of enthalpies: with overshoots credited both are the same unknown, in other words.
+fn flags_as_enthalpies(scene: &Scene, settings: &MethodSettings) -> Option<MethodSettings> {
+    let numerics = &settings.numerics;
+    let whole_steps = numerics.integrator == IntegratorChoice::Euler && scene.flow.is_none();
+    let own_rows = numerics.front == Front::Cell && numerics.search != SearchChoice::Lattice;
+    if numerics.latent_heat_scheme != LatentHeatScheme::Flags || whole_steps && own_rows {
+        return None;
+    }
+    let numerics = Numerics { latent_heat_scheme: LatentHeatScheme::Enthalpy, ..numerics.clone() };
+    Some(MethodSettings { numerics, ..settings.clone() })
+}
+
 /// Builds everything that is needed for a purpose.
 pub(crate) fn build_for(
     purpose: Purpose,
@@ -123,6 +138,8 @@ pub(crate) fn build_for(
     threads: usize,
     seed: u64,
 ) -> Result<Plan, Refused> {
+    let as_enthalpies = flags_as_enthalpies(scene, settings);
+    let settings = as_enthalpies.as_ref().unwrap_or(settings);
     let numerics = &settings.numerics;
     let discretisation = settings.discretisation.as_ref();
     let stencil = discretisation.stencil(numerics.spacing, scene.domain.dimension());
@@ -143,42 +160,42 @@ pub(crate) fn build_for(
     let why_list = |flows| why_list(scene, numerics, discretisation, &prepared.stencil, prepared.narrow, flows);
     // Water needs the pairs; heat may be conducted without them.
     let conducts_on_lattice = why_list(false).is_none();
-    if let (Some(reason), Front::SubCell) = (why_list(false), numerics.front) {
-        return Err(refuse(format!("front = \"sub-cell\" needs a lattice without a neighbour list, but {reason}")));
-    }
+    refusals::front_off_the_lattice(numerics, why_list(false))?;
     let why_list = why_list(scene.flow.is_some());
     let (terms, spared, relaxed_by) = prepared.terms(scene, settings, why_list.is_some());
     let mut used = vec![prepared.words(numerics)];
-    let method: Box<dyn Method> = match why_list {
+    used.extend(
+        as_enthalpies.iter().map(|_| "flags of latent heat as enthalpies, which they are in other words".into()),
+    );
+    let method: Box<dyn Solver> = match why_list {
         None => {
             used.push(format!("one fused sweep a step, {} neighbours a particle", prepared.stencil.neighbours()));
             let range = prepared.range(scene);
             let largest_slope = prepared.largest_slope();
             let parts = prepared.lattice_parts(scene, settings, pool)?;
             used.extend(parts.irregular.as_deref().map(terms::irregular));
-            integrator(numerics, on_lattice(parts), range, largest_slope, prepared.count())
+            solver(numerics, on_lattice(parts), range, largest_slope, prepared.count())
         }
         Some(reason) => {
             used.push(format!("a neighbour list, because {reason}"));
             let listed = Listed { scene, settings, own_step, conducts_on_lattice, seed };
-            if conducts_on_lattice && own_step.is_none() && scene.flow.is_some() {
-                used.push("heat is conducted by a sweep over the lattice".into());
-            }
-            listed.method(&mut prepared, pool)?
+            let swept = conducts_on_lattice && own_step.is_none() && scene.flow.is_some();
+            used.extend(swept.then(|| "heat is conducted by a sweep over the lattice".into()));
+            listed.solver(&mut prepared, pool)?
         }
     };
-    let bound = method.bound();
+    let SolverReport { bound, pairs, gentle_step, .. } = method.report();
     let step = choose_step(numerics, &bound, scene)?;
     let (particles, differences) = prepared.into_particles(numerics);
     let summary = PlanSummary {
         particles: particles.len() as u64,
-        pairs: method.pairs(),
+        pairs,
         memory: Memory { particles: particles.heap_size(), method: method.heap_size(), watches: 0 },
         step_s: step,
         step_bound_s: bound.step,
         step_limit: bound.cause.clone(),
         steps: match numerics.integrator.tolerance() {
-            None => StepCount::Planned(planned_steps(scene, step, method.gentle_step())),
+            None => StepCount::Planned(planned_steps(scene, step, gentle_step)),
             Some(_) => StepCount::ByErrorControl { estimate: None, trial: 0 },
         },
         used: [used, terms].concat(),

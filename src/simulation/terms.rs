@@ -8,7 +8,7 @@ use frazil_core::physics::material::Material;
 use frazil_core::physics::potential::Law;
 use frazil_core::physics::thermal::Thermal;
 use frazil_scene::method::{Discretisation, Stepper};
-use frazil_scene::{IntegratorChoice, Numerics, Scene, StepChoice, Units};
+use frazil_scene::{Numerics, Scene, StepChoice, Units};
 
 /// What the words are about.
 pub struct Parts<'a> {
@@ -36,7 +36,7 @@ pub fn irregular(rows: &IrregularRows) -> String {
 
 impl Parts<'_> {
     fn is_explicit(&self) -> bool {
-        self.numerics.integrator == IntegratorChoice::Euler
+        self.numerics.integrator.is_monotone()
     }
 
     fn has_shared_steps(&self) -> bool {

@@ -2,7 +2,7 @@
 
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
-use frazil_core::solvers::method::{Method, Water};
+use frazil_core::solvers::solver::{Solver, Water};
 use frazil_core::space::domain::Domain;
 use frazil_record::{CutRow, FlowPoint, WaterRecord, WaterRow, WaterSeries};
 use frazil_scene::Scene;
@@ -29,7 +29,7 @@ pub struct WaterWatch {
 
 impl WaterWatch {
     /// The watch of a scene at its start, if water flows.
-    pub fn new(scene: &Scene, particles: &Particles, method: &dyn Method, maps: bool) -> Option<Self> {
+    pub fn new(scene: &Scene, particles: &Particles, method: &dyn Solver, maps: bool) -> Option<Self> {
         let water = scene.flow.as_ref().and(method.water(particles))?;
         // A particle that the edge of a region cuts starts as a mixture, in which ice has thawed already.
         let mut ice = 0.0;
@@ -47,7 +47,7 @@ impl WaterWatch {
     }
 
     /// Takes what is due at an output.
-    pub fn output(&mut self, scene: &Scene, particles: &Particles, method: &dyn Method, time: f64, maps: bool) {
+    pub fn output(&mut self, scene: &Scene, particles: &Particles, method: &dyn Solver, time: f64, maps: bool) {
         let Some(water) = method.water(particles) else { return };
         self.row(particles, &water, method.ledger(), time);
         self.last = Some(water);
@@ -74,7 +74,7 @@ impl WaterWatch {
     }
 
     /// Keeps the cut and the map.
-    fn keep(&mut self, scene: &Scene, particles: &Particles, method: &dyn Method, time_s: f64, maps: bool) {
+    fn keep(&mut self, scene: &Scene, particles: &Particles, method: &dyn Solver, time_s: f64, maps: bool) {
         let Some((pressure, velocity)) = method.water_fields() else { return };
         if let (Some(y), Domain::Rectangle { .. }) = (scene.flow.as_ref().and_then(|flow| flow.cut), scene.domain) {
             let lattice = &particles.lattice;

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use frazil_core::ledger::Ledger;
+use frazil_core::memory::HeapSize;
 use frazil_core::particles::{Particles, Places};
 use frazil_core::series::Series;
-use frazil_core::solvers::method::Method;
+use frazil_core::solvers::solver::{Solver, SolverReport};
 use frazil_core::solvers::step::{Bound, Clock, StepError};
 use frazil_record::Work;
 use glam::DVec2;
@@ -71,16 +72,14 @@ impl<W: Drive<2>> MovingParticles<W> {
     }
 }
 
-impl<W: Drive<2> + Send> Method for MovingParticles<W> {
-    fn bound(&self) -> Bound {
-        self.bound.clone()
+impl<W: Drive<2> + Send> Solver for MovingParticles<W> {
+    fn report(&self) -> SolverReport {
+        let work = Work { evaluations: self.steps, ..Work::default() };
+        let pairs = self.fluid.pairs();
+        SolverReport { bound: self.bound.clone(), pairs, gentle_step: None, is_dense: false, work }
     }
 
-    fn sharp_step(&mut self) -> f64 {
-        self.bound.step
-    }
-
-    fn advance(&mut self, _particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
+    fn make_step(&mut self, _particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
         let now = clock.time + clock.step;
         for (face, patch) in self.fluid.faces().iter_mut().zip(&self.patches) {
             if let Some(series) = patch {
@@ -130,16 +129,10 @@ impl<W: Drive<2> + Send> Method for MovingParticles<W> {
     fn ledger(&self) -> &Ledger {
         &self.ledger
     }
+}
 
-    fn pairs(&self) -> u64 {
-        self.fluid.pairs()
-    }
-
+impl<W: Drive<2>> HeapSize for MovingParticles<W> {
     fn heap_size(&self) -> usize {
         self.fluid.heap_size() + self.patches.len() * size_of::<Option<Series>>()
-    }
-
-    fn work(&self) -> Work {
-        Work { evaluations: self.steps, ..Work::default() }
     }
 }

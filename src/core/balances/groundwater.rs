@@ -1,47 +1,44 @@
-//! Groundwater that flows through freezing ground, and the heat that it carries.
+//! Groundwater that flows through freezing ground.
 //!
 //! The pairs that conduct heat conduct water: particle i sends `q_ij = w_ij K_ij (p_i - p_j)` to j (1/s by volume), with
-//! the pair's weight, a mean of the hydraulic conductivities of both and the difference of pressures, which follow from `sum_j q_ij = -n (1 - rho_i/rho_w) dS_w/dt` (Nikolaev et al. 2021, eqs 3 and 6). Water carries heat along
-//! the same pairs ([`carrier`]). Both are beside the conduction of the shared operator.
-//!
-//! A step is Heun's, of two explicit Euler steps: second order, and a mean of two states that each keep the range of
-//! the data, so it keeps it too (Shu and Osher 1988).
+//! the pair's weight, a mean of the hydraulic conductivities of both and the difference of pressures, which follow from `sum_j q_ij = -n (1 - rho_i/rho_w) dS_w/dt` (Nikolaev et al. 2021, eqs 3 and 6). The pressure follows
+//! the state of heat at once: it is solved for between steps of heat, which see it frozen ([`advected`]). What cuts pairs
+//! cuts the paths of water.
 
 use std::sync::Arc;
 use std::time::Instant;
 
-use frazil_record::Work;
 use glam::DVec2;
 use rayon::ThreadPool;
 
 use crate::balances::groundwater::aquifer::{Aquifer, Warmth};
-use crate::balances::groundwater::bend::Bend;
-use crate::balances::groundwater::carrier::{Carrier, Ground, State};
+use crate::balances::groundwater::carrier::{Carrier, Ground};
+use crate::balances::groundwater::cuts::CutPaths;
 use crate::balances::groundwater::ground::Flow;
 use crate::balances::groundwater::network::Network;
 use crate::balances::groundwater::numerics::FlowNumerics;
 use crate::balances::groundwater::pressure::Pressure;
 use crate::balances::groundwater::velocity::velocities;
-use crate::boundary::patch::{Boundary, Face};
-use crate::ledger::{Ledger, Sum};
+use crate::boundary::patch::Face;
+use crate::ledger::Sum;
 use crate::memory::HeapSize;
 use crate::particles::Particles;
 use crate::physics::latent_heat::Materials;
-use crate::solvers::method::{Method, Water};
-use crate::solvers::operator::Operator;
-use crate::solvers::sharp::{just_before, sharp_step};
-use crate::solvers::step::{Bound, Clock, StepError};
+use crate::solvers::solver::Water;
 
+pub mod advected;
 pub mod aquifer;
 pub mod bend;
 mod build;
 pub mod carrier;
+mod cuts;
 pub mod diagonals;
 pub mod ground;
 pub mod network;
 pub mod numerics;
 pub mod pressure;
 pub mod row;
+pub mod surfaces;
 pub mod tasks;
 pub mod velocity;
 
@@ -62,27 +59,23 @@ struct WaterLedger {
     asked: Sum,
 }
 
-/// Flowing water beside conduction: the method of scenes with water.
-pub struct FlowMethod {
-    /// Conduction.
-    operator: Box<dyn Operator>,
-    pairs: u64,
+/// Water in the pores of a body.
+struct Groundwater {
     network: Network,
     pressure: Pressure,
     carrier: Carrier,
-    bend: Option<Bend>,
+    cuts: Option<Box<CutPaths>>,
     aquifers: Vec<Aquifer>,
     materials: Materials,
-    boundary: Boundary,
     faces: Vec<Face>,
     flow: Flow,
     numerics: FlowNumerics,
-    fraction: f64,
     volume: f64,
     across: f64,
     /// What gravity adds to the pressure of each wall, and to that of each particle (Pa); none without gravity.
     lifts: Vec<f64>,
     heights: Vec<f64>,
+    /// Heat capacity of water (J/m3K).
     capacity: f64,
     pool: Option<Arc<ThreadPool>>,
     temperature: Vec<f64>,
@@ -97,20 +90,14 @@ pub struct FlowMethod {
     asking: Vec<f64>,
     last_solution: f64,
     interval: f64,
-    ledger: Ledger,
-    water: WaterLedger,
-    rate: Vec<f64>,
-    start: Vec<f64>,
-    patches: [Vec<f64>; 2],
-    beside: Vec<(u32, f64)>,
-    opening_temperatures: Vec<Option<f64>>,
-    own_bound: Bound,
-    bound: Bound,
+    /// How long (s) the last solution may stand.
+    lasts: f64,
+    ledger: WaterLedger,
     steps: u64,
     seconds: f64,
 }
 
-impl FlowMethod {
+impl Groundwater {
     fn aquifer(&self, particle: usize) -> &Aquifer {
         &self.aquifers[self.materials.index(particle)]
     }
@@ -135,17 +122,41 @@ impl FlowMethod {
         }
     }
 
+    /// Follows the state of heat at a time (s), where permeabilities, walls, ice or paths have changed enough; whether they
+    /// have.
+    fn follow(&mut self, enthalpy: &[f64], time: f64) -> Result<bool, String> {
+        if self.steps == 0 {
+            return Ok(false);
+        }
+        // Temperatures are those within the last step.
+        self.warm(enthalpy);
+        self.permeate(enthalpy);
+        let cut = self.cut(time)?;
+        let due = cut || self.is_due(time);
+        if due {
+            self.solve(time, enthalpy)?;
+        }
+        Ok(due)
+    }
+
+    /// Cuts the paths whose pairs are cut by a time (s); whether there are any new ones.
+    fn cut(&mut self, time: f64) -> Result<bool, String> {
+        let Some(cuts) = &mut self.cuts else { return Ok(false) };
+        let Some(network) = cuts.bring_to(time)? else { return Ok(false) };
+        self.network = network;
+        Ok(true)
+    }
+
     /// Whether permeabilities, walls or ice have changed enough for another solution by this time (s).
-    fn is_due(&self, time: f64) -> bool {
+    fn is_due(&mut self, time: f64) -> bool {
         let since = time - self.last_solution;
-        if since >= self.numerics.pressure_interval || (!self.asked.is_empty() && since >= GROWTH * self.interval) {
-            return true;
-        }
-        if (0..self.walls.len()).any(|wall| self.wall_pressure(wall, time) != self.walls[wall]) {
-            return true;
-        }
         let changed: f64 = self.permeability.iter().zip(&self.solved).map(|(now, then)| (now - then).abs()).sum();
-        changed > self.numerics.pressure_change * self.across
+        let allowed = self.numerics.pressure_change * self.across;
+        let lasts = if changed > 0.0 { since * allowed / changed } else { f64::INFINITY };
+        self.lasts = lasts.min(self.numerics.pressure_interval);
+        let expands = !self.asked.is_empty() && since >= GROWTH * self.interval;
+        let jumps = || (0..self.walls.len()).any(|wall| self.wall_pressure(wall, time) != self.walls[wall]);
+        since >= self.numerics.pressure_interval || expands || jumps() || changed > allowed
     }
 
     /// The pressure of a wall (Pa), at y = 0.
@@ -168,7 +179,8 @@ impl FlowMethod {
                 let aquifer = self.aquifer(i);
                 let taken =
                     aquifer.expansion() * (aquifer.unfrozen(enthalpy[i], self.temperature[i]) - self.started[i]);
-                self.asking[i] = (taken - self.asked[i]) / (GROWTH * self.interval);
+                let open = self.cuts.as_ref().is_none_or(|cuts| cuts.is_open(i));
+                self.asking[i] = if open { (taken - self.asked[i]) / (GROWTH * self.interval) } else { 0.0 };
             }
         }
         self.last_solution = time;
@@ -180,26 +192,7 @@ impl FlowMethod {
         let ground = Ground { least_conductivity: &least, capacity: self.capacity, warm: &warm };
         self.carrier.take(&self.network, &self.pressure, &ground, self.numerics.advection);
         self.seconds += began.elapsed().as_secs_f64();
-        self.bind();
         Ok(())
-    }
-
-    /// The step that conduction and water allow together.
-    fn bind(&mut self) {
-        let least =
-            self.aquifers.iter().map(|aquifer| aquifer.thermal.curve.least_capacity()).fold(f64::INFINITY, f64::min);
-        let carried = self.carrier.greatest.0 / least;
-        let step = 1.0 / (1.0 / self.own_bound.step + carried);
-        let carries = if carried > 0.0 {
-            format!("advection ({:.3e} s alone, at particle {})", 1.0 / carried, self.carrier.greatest.1)
-        } else {
-            "no advection, as no water flows".to_owned()
-        };
-        let cause = format!(
-            "conduction ({:.3e} s alone) and {carries}; latent heat only lengthens it: {}",
-            self.own_bound.step, self.own_bound.cause
-        );
-        self.bound = Bound { step, cause };
     }
 
     /// The temperature that a pressure wall holds, as its patch was seen last.
@@ -210,141 +203,22 @@ impl FlowMethod {
         }
     }
 
-    /// Rates at a state and time, for a step of this length; `patches` takes the heat that comes in (W).
-    fn rates(&mut self, enthalpy: &[f64], clock: &Clock, stage: usize) {
-        let mut patches = std::mem::take(&mut self.patches[stage]);
-        let walls = patches.len() - 1;
-        self.operator.rate(enthalpy, clock.time, &mut self.rate, &mut patches[..walls]);
-        if let Some(bend) = &self.bend {
-            self.carrier.conducted(&self.rate, bend.kappa);
-        }
-        self.warm(enthalpy);
-        let first = &self.materials.thermals[0];
-        self.boundary.update_faces(&mut self.faces, clock.time, &first.curve, first.initial_potential);
-        self.beside.clear();
-        let held = |patch: u8| match self.faces[patch as usize] {
-            Face::Odd { temperature, .. } | Face::Held { temperature, .. } => Some(temperature),
-            Face::Film { film, .. } => Some(film.ambient),
-            Face::Even | Face::Flux(_) => None,
-        };
-        self.opening_temperatures.clear();
-        let wall_temperatures: [Option<f64>; network::MOST_WALLS] =
-            std::array::from_fn(|wall| if wall < self.walls.len() { self.wall_temperature(wall) } else { None });
-        let of_opening = |opening: &network::Opening| wall_temperatures[opening.wall as usize];
-        self.opening_temperatures.extend(self.network.openings.iter().map(of_opening));
-        self.beside.extend(self.network.beside.iter().filter_map(|(i, patch)| Some((*i, held(*patch)?))));
-        // Heat in water counts from the freezing point.
-        let zero = first.curve.freezing_point();
-        for mouth in &self.carrier.mouths {
-            let i = mouth.particle as usize;
-            let own = self.temperature[i];
-            let wall = self.wall_temperature(mouth.wall as usize);
-            let entering = wall.unwrap_or(own);
-            self.rate[i] += self.capacity * mouth.inflow * (entering - own);
-            let carried = mouth.inflow * (entering - zero) - mouth.outflow * (own - zero);
-            patches[self.network.patches[mouth.wall as usize]] += self.volume * self.capacity * carried;
-        }
-        let (kept, temperature) = (&self.carrier.kept[..enthalpy.len()], &self.temperature[..enthalpy.len()]);
-        let kept = diagonals::sum(kept.len(), |i| kept[i] * (temperature[i] - zero));
-        patches[walls] = -self.volume * self.capacity * kept;
-        let materials = &self.materials;
-        let enthalpy_at = |particle: usize, temperature: f64| materials.of(particle).enthalpy(temperature);
-        let state = State {
-            temperature: &self.temperature,
-            enthalpy,
-            step: clock.step,
-            mixed: materials.mixed(),
-            enthalpy_at: &enthalpy_at,
-            beside: &self.beside,
-            openings: &self.opening_temperatures,
-            pool: self.pool.as_ref(),
-        };
-        self.carrier.carry(&self.network, &state, &mut self.rate);
-        self.patches[stage] = patches;
-    }
-
+    /// Books the water of a step (s).
     fn book(&mut self, step: f64) {
-        for patch in 0..self.patches[0].len() {
-            self.ledger.book(patch, 0.5 * step * (self.patches[0][patch] + self.patches[1][patch]), step);
-        }
+        self.steps += 1;
         let volume = self.volume * step;
         for mouth in &self.carrier.mouths {
-            self.water.walls[mouth.wall as usize].add(volume * (mouth.inflow - mouth.outflow));
-            self.water.exchanged.add(volume * (mouth.inflow + mouth.outflow));
+            self.ledger.walls[mouth.wall as usize].add(volume * (mouth.inflow - mouth.outflow));
+            self.ledger.exchanged.add(volume * (mouth.inflow + mouth.outflow));
         }
         for (asked, asking) in self.asked.iter_mut().zip(&self.asking) {
             *asked += step * asking;
-            self.water.asked.add(volume * asking);
+            self.ledger.asked.add(volume * asking);
         }
     }
-}
 
-impl Method for FlowMethod {
-    fn bound(&self) -> Bound {
-        self.bound.clone()
-    }
-
-    fn sharp_step(&mut self) -> f64 {
-        sharp_step(self.operator.as_mut())
-    }
-
-    fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
-        let enthalpy = &mut particles.enthalpy;
-        if self.steps > 0 {
-            // Temperatures are those of the second stage.
-            self.warm(enthalpy);
-            self.permeate(enthalpy);
-            if self.is_due(clock.time) {
-                self.solve(clock.time, enthalpy).map_err(|reason| StepError { reason })?;
-            }
-        }
-        // What flows faster than it did when the step was chosen shortens it.
-        let step = clock.step.min(self.bound.step);
-        self.start.copy_from_slice(enthalpy);
-        self.rates(enthalpy, &Clock { step, ..*clock }, 0);
-        for (h, rate) in enthalpy.iter_mut().zip(&self.rate) {
-            *h += step * rate;
-        }
-        self.rates(enthalpy, &Clock { step, time: just_before(clock.time, step), ..*clock }, 1);
-        for ((h, start), rate) in enthalpy.iter_mut().zip(&self.start).zip(&self.rate) {
-            *h = 0.5 * (start + (*h + step * rate));
-        }
-        self.book(step);
-        self.steps += 1;
-        Ok(step)
-    }
-
-    fn ledger(&self) -> &Ledger {
-        &self.ledger
-    }
-
-    fn pairs(&self) -> u64 {
-        self.pairs
-    }
-
-    fn heap_size(&self) -> usize {
-        let columns =
-            [&self.temperature, &self.permeability, &self.solved, &self.conductivity, &self.started, &self.heights];
-        let more = [&self.asked, &self.asking, &self.rate, &self.start];
-        let columns: usize = columns.iter().chain(&more).map(|column| column.heap_size()).sum();
-        let parts = self.network.heap_size() + self.pressure.heap_size() + self.carrier.heap_size();
-        let tables = self.aquifers.iter().map(|aquifer| match &aquifer.warmth {
-            Warmth::Exact(_) => 0,
-            Warmth::Table { table, .. } => table.heap_size(),
-        });
-        let copies = self.materials.of_particle.heap_size() + self.beside.capacity() * size_of::<(u32, f64)>();
-        self.operator.heap_size() + columns + parts + tables.sum::<usize>() + copies
-    }
-
-    fn wanted_step(&self) -> f64 {
-        self.fraction * self.bound.step
-    }
-
-    fn work(&self) -> Work {
-        Work { evaluations: 2 * self.steps, linear_iterations: self.pressure.iterations, ..Work::default() }
-    }
-
-    fn water(&self, particles: &Particles) -> Option<Water> {
+    /// Where it stands.
+    fn water(&self, particles: &Particles) -> Water {
         let mut inflow = vec![0.0; self.walls.len()];
         let (mut entering, mut leaving) = (0.0, 0.0);
         for mouth in &self.carrier.mouths {
@@ -353,7 +227,8 @@ impl Method for FlowMethod {
             leaving += self.volume * mouth.outflow;
         }
         let (mut ice, mut liquid, mut taken) = (Sum::default(), Sum::default(), Sum::default());
-        for i in 0..particles.len() {
+        // What was dug out holds none.
+        for i in (0..particles.len()).filter(|i| !particles.is_gone(*i)) {
             let aquifer = self.aquifer(i);
             let unfrozen = 1.0 - particles.frozen_fraction(i);
             ice.add(self.volume * aquifer.pores.porosity * (1.0 - unfrozen));
@@ -362,11 +237,11 @@ impl Method for FlowMethod {
                 taken.add(self.volume * aquifer.expansion() * (unfrozen - started));
             }
         }
-        let exchanged = self.water.exchanged.value();
+        let exchanged = self.ledger.exchanged.value();
         let over = |amount: f64| if exchanged > 0.0 { amount / exchanged } else { 0.0 };
-        let came: f64 = self.water.walls.iter().map(Sum::value).sum();
-        let asked = self.water.asked.value();
-        Some(Water {
+        let came: f64 = self.ledger.walls.iter().map(Sum::value).sum();
+        let asked = self.ledger.asked.value();
+        Water {
             walls: self.flow.walls.iter().map(|wall| wall.name).collect(),
             inflow,
             entering,
@@ -378,14 +253,31 @@ impl Method for FlowMethod {
             solutions: self.pressure.solutions,
             iterations: self.pressure.iterations,
             seconds: self.seconds,
-        })
+        }
     }
 
-    fn water_fields(&self) -> Option<(Vec<f64>, Vec<DVec2>)> {
+    /// Pressures (Pa) and Darcy velocities (m/s) of all particles.
+    fn fields(&self) -> (Vec<f64>, Vec<DVec2>) {
         let mut pressure = self.pressure.pressure.clone();
         for (pressure, height) in pressure.iter_mut().zip(&self.heights) {
             *pressure -= height;
         }
-        Some((pressure, velocities(&self.network, &self.pressure)))
+        (pressure, velocities(&self.network, &self.pressure))
+    }
+}
+
+impl HeapSize for Groundwater {
+    fn heap_size(&self) -> usize {
+        let columns =
+            [&self.temperature, &self.permeability, &self.solved, &self.conductivity, &self.started, &self.heights];
+        let more = [&self.asked, &self.asking];
+        let columns: usize = columns.iter().chain(&more).map(|column| column.heap_size()).sum();
+        let parts = self.network.heap_size() + self.pressure.heap_size() + self.carrier.heap_size();
+        let tables = self.aquifers.iter().map(|aquifer| match &aquifer.warmth {
+            Warmth::Exact(_) => 0,
+            Warmth::Table { table, .. } => table.heap_size(),
+        });
+        let cuts = self.cuts.as_ref().map_or(0, |cuts| cuts.heap_size());
+        columns + parts + tables.sum::<usize>() + cuts + self.materials.of_particle.heap_size()
     }
 }

@@ -197,6 +197,32 @@ impl Ghosts {
         }));
     }
 
+    /// How the temperature of each ghost follows that of its image, by temperatures and conductivities (W/mK).
+    pub fn temperature_slopes(
+        &self,
+        temperatures: &[f64],
+        conductivities: &[f64],
+        faces: &[Vec<Face>],
+        materials: &Materials,
+        slopes: &mut Vec<f64>,
+    ) {
+        slopes.clear();
+        slopes.extend((0..self.len()).map(|ghost| {
+            let material = self.material(ghost, materials);
+            match self.patch[ghost].map(|patch| faces[material][patch as usize]) {
+                None | Some(Face::Even | Face::Flux(_)) => 1.0,
+                Some(Face::Odd { .. }) => -1.0,
+                Some(Face::Held { .. }) => 0.0,
+                Some(Face::Film { film, through }) => {
+                    let (image, depth) = (self.image(ghost, temperatures), self.depth[ghost]);
+                    let carried = conductivities[self.model[ghost] as usize];
+                    let share = film.coefficient_before(image, carried, through * depth) * depth / carried;
+                    1.0 - 2.0 * share / (1.0 + through * share)
+                }
+            }
+        }));
+    }
+
     /// Fills small changes of the potentials of ghosts, behind those of the particles.
     pub fn fill_changes(&self, changes: &mut [f64], slopes: &[f64]) {
         let count = changes.len() - self.len();

@@ -223,9 +223,10 @@ impl Cuts {
         self.events.is_empty()
     }
 
-    /// Cuts what is cut by a time (s), or heals what was cut in a step that is made again.
+    /// Cuts what is cut by a time (s), or heals what was cut in a step that is made again; whether anything changes.
     #[inline]
-    pub fn bring_to(&mut self, time: f64, weights: &mut [f64]) {
+    pub fn bring_to(&mut self, time: f64, weights: &mut [f64]) -> bool {
+        let before = self.done;
         while let Some((_, place, _)) = self.events.get(self.done).filter(|event| event.0 <= time) {
             weights[*place] = 0.0;
             self.done += 1;
@@ -236,6 +237,7 @@ impl Cuts {
             weights[place] = weight;
             self.done -= 1;
         }
+        self.done != before
     }
 }
 

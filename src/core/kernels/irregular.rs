@@ -1,9 +1,9 @@
 //! Rows of a lattice that its stencil does not know: those whose pairs interfaces, cracks or a shaft cut, and those at walls
 //! near them. They are on a list of their own, with all that a list can do, and take the place of what the sweep makes of them.
 
-use crate::kernels::enthalpy_rows::Tangent;
+use crate::kernels::enthalpy_rows::Linearised;
 use crate::kernels::list_parts::{ListParts, row_sums};
-use crate::kernels::rows::ListOperator;
+use crate::kernels::rows::ListRows;
 use crate::kernels::term::Off;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::{LatentHeatScheme, Mushy, SchemeState, scheme};
@@ -15,14 +15,14 @@ pub struct IrregularRows {
     particles: Vec<u32>,
     /// How many have rows.
     rows: usize,
-    list: ListOperator<Off>,
+    list: ListRows<Off>,
     scheme: Box<dyn SchemeState>,
     enthalpy: Vec<f64>,
     rate: Vec<f64>,
     /// What the rates are added to.
     kept: Vec<f64>,
     patches: Vec<f64>,
-    tangent: Tangent,
+    tangent: Linearised,
 }
 
 impl IrregularRows {
@@ -33,13 +33,13 @@ impl IrregularRows {
         let patches = vec![0.0; parts.boundary.patches.len()];
         IrregularRows {
             rows,
-            list: ListOperator::new(parts, Off),
+            list: ListRows::new(parts, Off),
             scheme,
             enthalpy: vec![0.0; count],
             rate: vec![0.0; count],
             kept: vec![0.0; rows],
             patches,
-            tangent: Tangent::default(),
+            tangent: Linearised::default(),
             particles,
         }
     }
@@ -96,10 +96,15 @@ impl IrregularRows {
         }
     }
 
-    /// Heat (W) through the surfaces that the list knows, towards greater coordinates.
-    pub(super) fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
-        self.gather(enthalpy);
-        self.list.across(self.scheme.as_ref(), &self.enthalpy, time, &mut self.rate, &mut self.patches)
+    /// Heat (W) through the surfaces that the list knows, towards greater coordinates, at a state and time (s).
+    pub(super) fn across(&mut self, enthalpy: &[f64], time: f64, heat: &mut [f64]) {
+        self.evaluate(enthalpy, time);
+        self.list.across(heat);
+    }
+
+    /// Surfaces through which heat is counted.
+    pub(super) fn surfaces(&self) -> usize {
+        self.list.parts.surfaces.len()
     }
 
     /// Row sums (m^-2) of the particles that have rows here.

@@ -19,20 +19,19 @@ use crate::physics::latent_heat::Materials;
 use crate::physics::laws::Laws;
 use crate::physics::potential::Identity;
 use crate::physics::sub_cell::SubCellFront;
-use crate::solvers::operator::{Operator, Stage, StageColumns};
-use crate::solvers::step::Bound;
+use crate::solvers::balance::{Balance, BalanceFacts, Rates, Stage, StageColumns, Tangent, TangentShape, Update};
+use crate::solvers::step::{Bound, Clock};
 use crate::space::lattice::Lattice;
 
 /// Particles that each further thread must have to itself: a step of fewer is over before a thread is woken.
 pub const PARTICLES_PER_THREAD: usize = 16_384;
 
 /// The operator, monomorphised over the laws of its particles.
-pub struct LatticeOperator<L> {
+pub struct LatticeBalance<L> {
     pub(super) around: Around<L>,
     pub(super) boundary: Boundary,
     pub(super) sum: f64,
     pub(super) sinks: Vec<Sink>,
-    pub(super) rings: Vec<String>,
     pub(super) sink_potentials: Vec<f64>,
     pub(super) sink_heat: Vec<f64>,
     pub(super) corners: Vec<CornerPair>,
@@ -45,14 +44,14 @@ pub struct LatticeOperator<L> {
     pub(super) bands: Vec<Band>,
     pub(super) row_patches: Vec<[f64; 4]>,
     pub(super) pool: Option<Arc<ThreadPool>>,
-    pub(super) bound: Bound,
+    pub(super) facts: BalanceFacts,
     /// The same operator for small changes of potentials, once it was asked for.
-    pub(super) tangent: Option<Box<LatticeOperator<Identity>>>,
+    pub(super) tangent: Option<Box<LatticeBalance<Identity>>>,
     /// Time (s) of the last linearisation.
     pub(super) linear_time: f64,
 }
 
-impl<L: Laws> LatticeOperator<L> {
+impl<L: Laws> LatticeBalance<L> {
     /// An operator on the given parts, with the laws of their particles.
     pub fn new(parts: LatticeParts, laws: L) -> Self {
         let LatticeParts { lattice, stencil, materials, boundary, pool, .. } = parts;
@@ -98,12 +97,19 @@ impl<L: Laws> LatticeOperator<L> {
         }
         let bands = bands(&around.lattice, threads(&pool, &around), shape);
         let potential = |sink: &Sink| around.thermal_at_sink(sink).potential_at(sink.temperature.at(0.0));
-        LatticeOperator {
+        let walls = boundary.patches.iter().map(|patch| patch.name.to_string());
+        let facts = BalanceFacts {
+            patches: walls.chain(parts.rings).collect(),
+            pairs: (around.lattice.len() * around.stencil.neighbours() / 2) as u64,
+            surfaces: parts.observed.as_deref().map_or(0, IrregularRows::surfaces),
+            bound: parts.bound.unwrap_or(derived),
+            turning: 0.0,
+        };
+        LatticeBalance {
             sum: around.stencil.sum(),
             sink_potentials: parts.sinks.iter().map(potential).collect(),
             sink_heat: vec![0.0; parts.sinks.len()],
             sinks: parts.sinks,
-            rings: parts.rings,
             corner_rates: vec![0.0; corners.len()],
             corners,
             front: parts.front,
@@ -112,7 +118,7 @@ impl<L: Laws> LatticeOperator<L> {
             row_patches: vec![[0.0; 4]; around.lattice.rows],
             pool: if bands.len() > 1 { pool } else { None },
             bands,
-            bound: parts.bound.unwrap_or(derived),
+            facts,
             tangent: None,
             linear_time: 0.0,
             boundary,
@@ -201,6 +207,43 @@ impl<L: Laws> LatticeOperator<L> {
             }
             None => sweep(&frame, &mut self.bands[0], &mut targets[0], &mut self.row_patches),
         }
+    }
+
+    /// One step of explicit Euler in place.
+    fn euler(&mut self, enthalpy: &mut [f64], clock: &Clock) {
+        let step = clock.step;
+        self.prepare(enthalpy, clock.time);
+        self.keep(|particle| enthalpy[particle]);
+        if let [_] = self.bands.as_slice() {
+            self.sweep(&mut [InPlace { enthalpy, step }]);
+        } else {
+            let mut targets: Vec<InPlace<'_>> = Vec::with_capacity(self.bands.len());
+            let mut rest = &mut enthalpy[..];
+            for band in &self.bands {
+                let count = self.around.lattice.start(band.rows.1) - self.around.lattice.start(band.rows.0);
+                let (own, later) = rest.split_at_mut(count);
+                targets.push(InPlace { enthalpy: own, step });
+                rest = later;
+            }
+            self.sweep(&mut targets);
+        }
+        self.complete(enthalpy, step);
+    }
+
+    /// One stage of a chain, its rate taken at a time (s).
+    fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64) {
+        self.prepare(columns.newest, time);
+        self.keep(|particle| {
+            let states = (columns.newest[particle], columns.oldest[particle], columns.start[particle]);
+            stage.without_rate(states, columns.first[particle])
+        });
+        if let [_] = self.bands.as_slice() {
+            let StageColumns { newest, ref mut oldest, start, first } = *columns;
+            self.sweep(&mut [Chained { stage: *stage, columns: StageColumns { newest, oldest, start, first } }]);
+        } else {
+            self.stage_in_bands(stage, columns);
+        }
+        self.complete(columns.oldest, stage.rate);
     }
 
     /// The sweep of a stage over several bands.
@@ -323,26 +366,49 @@ fn material_at(boundary: &Boundary, lattice: &Lattice, materials: &Materials) ->
     found
 }
 
-impl<L: Laws> Operator for LatticeOperator<L> {
-    fn rate(&mut self, enthalpy: &[f64], time: f64, rate: &mut [f64], patches: &mut [f64]) {
-        self.rates(enthalpy, time, rate);
+impl<L: Laws> Balance for LatticeBalance<L> {
+    fn facts(&self) -> &BalanceFacts {
+        &self.facts
+    }
+
+    fn rate(&mut self, enthalpy: &[f64], clock: &Clock, rates: &mut Rates<'_>) {
+        self.rates(enthalpy, clock.time, rates.of_particles);
+        self.book(rates.patches);
+        if let (Some(observed), false) = (&mut self.observed, rates.surfaces.is_empty()) {
+            observed.across(enthalpy, clock.time, rates.surfaces);
+        }
+    }
+
+    fn advance(&mut self, update: Update<'_, '_>, clock: &Clock, patches: &mut [f64]) {
+        match update {
+            Update::Euler(enthalpy) => self.euler(enthalpy, clock),
+            Update::Stage(stage, columns) => self.stage(stage, columns, clock.time),
+        }
         self.book(patches);
     }
 
-    fn stage(&mut self, stage: &Stage, columns: &mut StageColumns<'_>, time: f64, patches: &mut [f64]) {
-        self.prepare(columns.newest, time);
-        self.keep(|particle| {
-            let states = (columns.newest[particle], columns.oldest[particle], columns.start[particle]);
-            stage.without_rate(states, columns.first[particle])
-        });
-        if let [_] = self.bands.as_slice() {
-            let StageColumns { newest, ref mut oldest, start, first } = *columns;
-            self.sweep(&mut [Chained { stage: *stage, columns: StageColumns { newest, oldest, start, first } }]);
-        } else {
-            self.stage_in_bands(stage, columns);
+    fn tangent(&mut self) -> &mut dyn Tangent {
+        self
+    }
+}
+
+impl<L: Laws> Tangent for LatticeBalance<L> {
+    fn shape(&mut self) -> TangentShape {
+        let Around { lattice, shape, exterior, faces, .. } = &self.around;
+        let irregular = self.irregular.as_deref();
+        // Particles see a curved wall through others, and behind a film deeper ghosts follow less.
+        let film = (0..4).any(|side| matches!(self.around.face(side), Face::Film { .. }));
+        let curved = self.boundary.curved.is_some_and(|(patch, _)| faces[patch].holds() > 0.0);
+        let symmetric = irregular.is_none_or(IrregularRows::is_symmetric);
+        let scheduled = self.sinks.iter().any(|sink| sink.schedule.is_some() || sink.film.is_some());
+        let constant = irregular.is_none_or(IrregularRows::is_constant) && self.boundary.is_linear();
+        let far = irregular.is_some_and(IrregularRows::has_rims) || exterior.is_some() || !self.sinks.is_empty();
+        let by_pairs = shape.reach_rows * lattice.columns + shape.reach.min(lattice.columns);
+        TangentShape {
+            is_symmetric: symmetric && !curved && (shape.reach == 1 || !film) && self.front.is_none(),
+            is_constant: constant && !scheduled && self.front.is_none(),
+            bandwidth: if far { lattice.len() } else { by_pairs.min(lattice.len()) },
         }
-        self.complete(columns.oldest, stage.rate);
-        self.book(patches);
     }
 
     fn linearise(&mut self, enthalpy: &[f64], time: f64, slopes: &mut [f64]) {
@@ -353,79 +419,23 @@ impl<L: Laws> Operator for LatticeOperator<L> {
         match &mut self.tangent {
             Some(tangent) => {
                 std::mem::swap(&mut tangent.irregular, &mut self.irregular);
-                tangent.rates(potentials, self.linear_time, rate);
+                let changes = self.front.as_mut().map_or(potentials, |front| front.hold_back(potentials));
+                tangent.rates(changes, self.linear_time, rate);
                 std::mem::swap(&mut tangent.irregular, &mut self.irregular);
+                if let Some(front) = &self.front {
+                    front.act(rate);
+                }
             }
             None => rate.fill(0.0),
         }
     }
 
-    fn is_symmetric(&self) -> bool {
-        // Particles see a curved wall through others, and behind a film deeper ghosts follow less.
-        let film = |side: usize| matches!(self.around.face(side), Face::Film { .. });
-        let curved = self.boundary.curved.is_some_and(|(patch, _)| self.around.faces[patch].holds() > 0.0);
-        let irregular = self.irregular.as_deref().is_none_or(IrregularRows::is_symmetric);
-        irregular && !curved && (self.around.shape.reach == 1 || !(0..4).any(film))
-    }
-
-    fn is_constant(&self) -> bool {
-        let irregular = self.irregular.as_deref().is_none_or(IrregularRows::is_constant);
-        irregular
-            && self.boundary.is_linear()
-            && self.sinks.iter().all(|sink| sink.schedule.is_none() && sink.film.is_none())
-    }
-
-    fn bandwidth(&self) -> usize {
-        let lattice = &self.around.lattice;
-        let by_pairs = self.around.shape.reach_rows * lattice.columns + self.around.shape.reach.min(lattice.columns);
-        let rims = self.irregular.as_deref().is_some_and(IrregularRows::has_rims);
-        if rims || self.around.exterior.is_some() || !self.sinks.is_empty() {
-            lattice.len()
-        } else {
-            by_pairs.min(lattice.len())
-        }
-    }
-
-    fn euler(&mut self, enthalpy: &mut [f64], time: f64, step: f64, patches: &mut [f64]) {
-        self.prepare(enthalpy, time);
-        self.keep(|particle| enthalpy[particle]);
-        if let [_] = self.bands.as_slice() {
-            self.sweep(&mut [InPlace { enthalpy, step }]);
-        } else {
-            let mut targets: Vec<InPlace<'_>> = Vec::with_capacity(self.bands.len());
-            let mut rest = &mut enthalpy[..];
-            for band in &self.bands {
-                let count = self.around.lattice.start(band.rows.1) - self.around.lattice.start(band.rows.0);
-                let (own, later) = rest.split_at_mut(count);
-                targets.push(InPlace { enthalpy: own, step });
-                rest = later;
-            }
-            self.sweep(&mut targets);
-        }
-        self.complete(enthalpy, step);
-        self.book(patches);
-    }
-
-    fn steepest(&self) -> Vec<f64> {
+    fn steepest(&mut self) -> Vec<f64> {
         (0..self.around.lattice.len()).map(|i| self.around.materials.of(i).largest_slope).collect()
     }
+}
 
-    fn bound(&self) -> Bound {
-        self.bound.clone()
-    }
-
-    fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
-        self.observed.as_mut().map_or_else(Vec::new, |observed| observed.across(enthalpy, time))
-    }
-
-    fn patches(&self) -> Vec<String> {
-        self.boundary.patches.iter().map(|patch| patch.name.to_string()).chain(self.rings.iter().cloned()).collect()
-    }
-
-    fn pairs(&self) -> u64 {
-        (self.around.lattice.len() * self.around.stencil.neighbours() / 2) as u64
-    }
-
+impl<L> HeapSize for LatticeBalance<L> {
     fn heap_size(&self) -> usize {
         let around = &self.around;
         let walls = around.exterior.heap_size() + around.patch_weights.heap_size() + around.patch_own.heap_size();
@@ -434,13 +444,7 @@ impl<L: Laws> Operator for LatticeOperator<L> {
             self.corners.capacity() * size_of::<CornerPair>() + self.corner_rates.heap_size() + self.front.heap_size();
         let tangent = self.tangent.as_ref().map_or(0, |tangent| tangent.heap_size());
         let rows = self.irregular.heap_size() + self.observed.heap_size() + around.materials.of_particle.heap_size();
-        around.stencil.heap_size()
-            + walls
-            + pipes
-            + corners
-            + self.bands.heap_size()
-            + self.row_patches.heap_size()
-            + tangent
-            + rows
+        let bands = self.bands.heap_size() + self.row_patches.heap_size();
+        around.stencil.heap_size() + walls + pipes + corners + bands + tangent + rows
     }
 }

@@ -4,13 +4,13 @@ use crate::boundary::patch::Face;
 use crate::boundary::pipe::Sink;
 use crate::kernels::around::Around;
 use crate::kernels::exterior::WallSlopes;
-use crate::kernels::lattice::LatticeOperator;
+use crate::kernels::lattice::LatticeBalance;
 use crate::kernels::sweep::Shape;
 use crate::physics::laws::Laws;
 use crate::physics::potential::Identity;
 use crate::series::Series;
 
-impl<L: Laws> LatticeOperator<L> {
+impl<L: Laws> LatticeBalance<L> {
     /// Linearises at a state and time (s); `slopes` takes dU/dH (m2/s) of every particle.
     pub(super) fn linearise_at(&mut self, enthalpy: &[f64], time: f64, slopes: &mut [f64]) {
         self.around.update_faces(&self.boundary, time, false);
@@ -20,9 +20,14 @@ impl<L: Laws> LatticeOperator<L> {
         if let Some(irregular) = &mut self.irregular {
             irregular.linearise(enthalpy, time);
         }
+        if let Some(front) = &mut self.front {
+            let Around { laws, lattice, materials, .. } = &self.around;
+            let potential = |particle: usize| laws.potential_of(particle, enthalpy[particle]);
+            front.linearise(lattice, enthalpy, potential, |particle| materials.of(particle).largest_slope, slopes);
+        }
         self.linear_time = time;
         let wall_slopes = self.wall_slopes(enthalpy);
-        let mut tangent = self.tangent.take().unwrap_or_else(|| Box::new(self.tangent()));
+        let mut tangent = self.tangent.take().unwrap_or_else(|| Box::new(self.still()));
         for (linear, face) in tangent.around.faces.iter_mut().zip(&self.around.faces) {
             *linear = face.homogeneous();
         }
@@ -35,12 +40,12 @@ impl<L: Laws> LatticeOperator<L> {
     }
 
     /// The operator on small changes of potentials: walls and pipes hold still, and no heat is booked.
-    fn tangent(&self) -> LatticeOperator<Identity> {
+    fn still(&self) -> LatticeBalance<Identity> {
         let still = |sink: &Sink| Sink { temperature: Series::Constant(0.0), film: None, ..sink.clone() };
         let around = &self.around;
         let mut boundary = self.boundary.clone();
         boundary.hold_still();
-        LatticeOperator {
+        LatticeBalance {
             around: Around {
                 lattice: around.lattice.clone(),
                 shape: around.shape,
@@ -60,7 +65,6 @@ impl<L: Laws> LatticeOperator<L> {
             boundary,
             sum: self.sum,
             sinks: self.sinks.iter().map(still).collect(),
-            rings: self.rings.clone(),
             sink_potentials: vec![0.0; self.sinks.len()],
             sink_heat: vec![0.0; self.sinks.len()],
             corners: self.corners.clone(),
@@ -71,7 +75,7 @@ impl<L: Laws> LatticeOperator<L> {
             bands: self.bands.clone(),
             row_patches: self.row_patches.clone(),
             pool: self.pool.clone(),
-            bound: self.bound.clone(),
+            facts: self.facts.clone(),
             tangent: None,
             linear_time: 0.0,
         }

@@ -8,7 +8,7 @@ use crate::boundary::interface::Way;
 use crate::boundary::patch::{Face, MOST_PATCHES};
 use crate::boundary::shells::Touch;
 use crate::kernels::crossing::{Crossing, Portion, pairs_across};
-use crate::kernels::enthalpy_rows::Tangent;
+use crate::kernels::enthalpy_rows::Linearised;
 use crate::kernels::list_parts::{ListParts, bound};
 use crate::kernels::term::{PairTerm, PairView};
 use crate::ledger::Sum;
@@ -21,7 +21,7 @@ use crate::space::domain::Surface;
 const TASK: usize = 2048;
 
 /// The operator.
-pub struct ListOperator<T> {
+pub struct ListRows<T> {
     pub(super) parts: ListParts,
     pub(super) term: T,
     pub(super) fields: Fields,
@@ -34,7 +34,7 @@ pub struct ListOperator<T> {
     pub(super) bound: Bound,
 }
 
-impl<T: PairTerm> ListOperator<T> {
+impl<T: PairTerm> ListRows<T> {
     /// An operator on the given parts with a term.
     pub fn new(parts: ListParts, term: T) -> Self {
         let total = parts.positions.len() + parts.ghosts.len();
@@ -67,7 +67,7 @@ impl<T: PairTerm> ListOperator<T> {
         let across = parts.surfaces.iter().map(|surface| pairs_across(&parts, surface)).collect();
         let bound = parts.bound.clone().unwrap_or_else(|| bound(&parts, &faces[0]));
         let sink_heat = vec![0.0; parts.sinks.len()];
-        ListOperator { parts, term, fields, faces, sink_heat, crossings, across, bound }
+        ListRows { parts, term, fields, faces, sink_heat, crossings, across, bound }
     }
 
     /// Rates from the state of a scheme. `clock` feeds the term.
@@ -183,7 +183,7 @@ impl<T: PairTerm> ListOperator<T> {
     }
 
     /// Curved walls that are there at a time (s), with their numbers.
-    fn standing(&self, time: f64) -> impl Iterator<Item = (usize, &Rim)> {
+    pub(super) fn standing(&self, time: f64) -> impl Iterator<Item = (usize, &Rim)> {
         self.parts.rims.iter().enumerate().filter(move |(_, rim)| rim.stands(time))
     }
 
@@ -270,20 +270,8 @@ impl<T: PairTerm> ListOperator<T> {
         weight * conducted + self.term.add(&view)
     }
 
-    /// Heat (W) through each surface, towards greater coordinates; `rate` and `patches` are used up.
-    pub fn across(
-        &mut self,
-        scheme: &dyn SchemeState,
-        enthalpy: &[f64],
-        time: f64,
-        rate: &mut [f64],
-        patches: &mut [f64],
-    ) -> Vec<f64> {
-        if self.across.is_empty() {
-            return Vec::new();
-        }
-        let clock = Clock { time, step: 0.0, index: 0, turned: false };
-        self.rate_of(scheme, enthalpy, &clock, rate, patches);
+    /// Heat (W) through each surface, towards greater coordinates, at the last state.
+    pub fn across(&self, heat: &mut [f64]) {
         let conducted = |i: usize, j: usize, k: usize| match (self.parts.exchange, self.parts.materials.mixed()) {
             (Exchange::Potential, false) => self.potential_difference(i, j),
             (Exchange::Potential, true) => self.across_materials(i, j, k),
@@ -292,7 +280,7 @@ impl<T: PairTerm> ListOperator<T> {
             (Exchange::Mean(Mean::Geometric), _) => self.by_mean(i, j, |a, b| (a * b).sqrt()),
         };
         let pairs = &self.parts.pairs;
-        let heat = |(Crossing { particle, pair, portion }, volume): &(Crossing, f64)| {
+        let of_pair = |(Crossing { particle, pair, portion }, volume): &(Crossing, f64)| {
             let to = |j: u32| conducted(*particle as usize, j as usize, *pair);
             let all = pairs.partners[*pair];
             let conducted = match *portion {
@@ -315,8 +303,10 @@ impl<T: PairTerm> ListOperator<T> {
             })
             .sum::<f64>()
         };
-        let pairs = self.across.iter().map(|pairs| pairs.iter().map(heat).collect::<Sum>().value());
-        pairs.zip(&self.parts.surfaces).map(|(pairs, surface)| pairs + walls(surface)).collect()
+        let pairs = self.across.iter().map(|pairs| pairs.iter().map(of_pair).collect::<Sum>().value());
+        for ((heat, pairs), surface) in heat.iter_mut().zip(pairs).zip(&self.parts.surfaces) {
+            *heat = pairs + walls(surface);
+        }
     }
 
     #[inline(always)]
@@ -330,7 +320,7 @@ impl<T: PairTerm> ListOperator<T> {
         mean(self.fields.conductivity[i], self.fields.conductivity[j]) * difference
     }
 
-    /// How the flux that [`ListOperator::across_materials`] gives follows the potentials of both sides: it falls by the
+    /// How the flux that [`ListRows::across_materials`] gives follows the potentials of both sides: it falls by the
     /// first share of the change of `i` and rises by the second share of the change of `j`.
     fn shares(&self, i: usize, j: usize, k: usize) -> (f64, f64) {
         let potential = &self.fields.potential;
@@ -351,16 +341,19 @@ impl<T: PairTerm> ListOperator<T> {
         enthalpy: &[f64],
         time: f64,
         slopes: &mut [f64],
-        tangent: &mut Tangent,
+        tangent: &mut Linearised,
     ) {
         let total = self.parts.positions.len() + self.parts.ghosts.len();
-        self.fields.potential.resize(total, 0.0);
         self.parts.cuts.bring_to(time, &mut self.parts.pairs.weights);
         let parts = &self.parts;
-        scheme.read(&parts.materials, enthalpy, &mut self.fields);
         for (faces, thermal) in self.faces.iter_mut().zip(parts.materials.thermals.iter()) {
             parts.boundary.update_faces(faces, time, &thermal.curve, thermal.initial_potential);
         }
+        if matches!(parts.exchange, Exchange::Mean(_)) {
+            return self.linearise_means(scheme, enthalpy, time, slopes, tangent);
+        }
+        self.fields.potential.resize(total, 0.0);
+        scheme.read(&parts.materials, enthalpy, &mut self.fields);
         let potential = &mut self.fields.potential;
         parts.ghosts.fill_potentials(potential, &self.faces, &parts.materials, &parts.chains);
         parts.ghosts.slopes(potential, &self.faces, &parts.materials, &parts.chains, &mut tangent.ghosts);
@@ -377,11 +370,7 @@ impl<T: PairTerm> ListOperator<T> {
             };
             contacts.slopes(slope, &mut tangent.views[number]);
         }
-        tangent.pipes.clear();
-        tangent.pipes.extend(parts.sinks.iter().map(|sink| {
-            let material = parts.materials.of(sink.sample.first().map_or(0, |entry| entry.0 as usize));
-            sink.resistance_to_changes(sink.sampled(|index| self.fields.potential[index]), time, material)
-        }));
+        self.linearise_pipes(time, tangent);
         tangent.touches.clear();
         tangent.touches.extend(parts.touches.iter().enumerate().map(|(number, touch)| {
             let way = parts.chains.of_touch(number, &parts.materials.thermals);
@@ -397,10 +386,20 @@ impl<T: PairTerm> ListOperator<T> {
         }
     }
 
-    /// Rates (W/m3) that small changes of the potentials (W/m) of particles cause.
-    pub fn act(&self, tangent: &mut Tangent, potentials: &[f64], rate: &mut [f64]) {
+    /// Fills the resistances with which small changes meet pipes at a time (s).
+    pub(super) fn linearise_pipes(&self, time: f64, tangent: &mut Linearised) {
         let parts = &self.parts;
-        let Tangent { changes, ghosts, shares, views, touches, pipes, time } = tangent;
+        tangent.pipes.clear();
+        tangent.pipes.extend(parts.sinks.iter().map(|sink| {
+            let material = parts.materials.of(sink.sample.first().map_or(0, |entry| entry.0 as usize));
+            sink.resistance_to_changes(sink.sampled(|index| self.fields.potential[index]), time, material)
+        }));
+    }
+
+    /// Rates (W/m3) that small changes of the potentials (W/m) of particles cause.
+    pub fn act(&self, tangent: &mut Linearised, potentials: &[f64], rate: &mut [f64]) {
+        let parts = &self.parts;
+        let Linearised { changes, ghosts, shares, views, touches, pipes, time } = tangent;
         changes[..potentials.len()].copy_from_slice(potentials);
         parts.ghosts.fill_changes(changes, ghosts);
         let changes = &*changes;
@@ -438,7 +437,7 @@ impl<T: PairTerm> ListOperator<T> {
             rate[touch.particle as usize] += slope * changes[touch.particle as usize];
         }
         for (sink, resistance) in parts.sinks.iter().zip(pipes).filter(|(sink, _)| sink.works(*time)) {
-            let heat = sink.sampled(|index| changes[index]) / *resistance * sink.share;
+            let heat = sink.sampled(|index| self.potential_of_change(index, changes[index])) / *resistance * sink.share;
             for (index, weight) in &sink.sample {
                 rate[*index as usize] -= heat * weight / parts.volumes.of(*index as usize);
             }
@@ -464,7 +463,7 @@ impl<T: PairTerm> ListOperator<T> {
     }
 }
 
-impl<T: PairTerm> HeapSize for ListOperator<T> {
+impl<T: PairTerm> HeapSize for ListRows<T> {
     fn heap_size(&self) -> usize {
         let parts = &self.parts;
         let fields = total(&[&self.fields.potential, &self.fields.temperature, &self.fields.conductivity]);

@@ -1,6 +1,6 @@
 //! What a sweep does with the rates that it finds.
 
-use crate::solvers::operator::{Stage, StageColumns};
+use crate::solvers::balance::{Stage, StageColumns};
 
 /// Where a band reads enthalpies and leaves what it finds. Ranges count from the band's first particle.
 pub trait Target {

@@ -42,6 +42,22 @@ pub struct SubCellFront {
     window: Vec<Seen>,
     /// What fronts add to the rates of particles (W/m3).
     changes: Vec<(u32, f64)>,
+    /// How that follows small changes.
+    tangent: FrontTangent,
+}
+
+/// How what fronts add follows small changes of the state.
+#[derive(Debug, Clone, Default)]
+struct FrontTangent {
+    /// Particles whose fronts are followed, and what their enthalpy changes by for each watt a metre that they are given (s/m2).
+    freezing: Vec<(u32, f64)>,
+    /// Rates by potentials: the particle that is changed, the one that changes it, and the factor (m^-2).
+    by_potential: Vec<(u32, u32, f64)>,
+    /// Rates by enthalpies of freezing particles: the particle that is changed, which of `freezing`, and the factor (1/s).
+    by_enthalpy: Vec<(u32, u32, f64)>,
+    /// Changes of potentials (W/m), without those of freezing particles, and what their enthalpies change by (J/m3).
+    changes: Vec<f64>,
+    kept: Vec<f64>,
 }
 
 /// A material that freezes at one temperature.
@@ -161,12 +177,46 @@ impl SubCellFront {
             reach,
             window: vec![Seen { particle: NONE, above: 0.0, change: 0.0 }; size],
             changes: Vec::with_capacity(2 * size * (lattice.columns + lattice.rows)),
+            tangent: FrontTangent::default(),
         }
     }
 
     /// Brings the fronts to a state of enthalpies (J/m3) with their potentials (W/m).
     pub fn update(&mut self, lattice: &Lattice, enthalpy: &[f64], potential: impl Fn(usize) -> f64) {
         self.changes.clear();
+        self.each_front(lattice, enthalpy, potential, |front, _, fraction, _| front.exchange(fraction));
+    }
+
+    /// Linearises at a state of enthalpies (J/m3) with their potentials (W/m). Potentials of freezing particles do not follow
+    /// their enthalpies: they are given the slope `steepest` (m2/s) in `slopes`, and stand for the change of the enthalpy.
+    pub fn linearise(
+        &mut self,
+        lattice: &Lattice,
+        enthalpy: &[f64],
+        potential: impl Fn(usize) -> f64,
+        steepest: impl Fn(usize) -> f64,
+        slopes: &mut [f64],
+    ) {
+        let FrontTangent { freezing, by_potential, by_enthalpy, .. } = &mut self.tangent;
+        freezing.clear();
+        by_potential.clear();
+        by_enthalpy.clear();
+        self.each_front(lattice, enthalpy, potential, |front, particle, fraction, latent_heat| {
+            slopes[particle] = steepest(particle);
+            front.tangent.freezing.push((particle as u32, 1.0 / slopes[particle]));
+            front.exchange_changes(fraction, -1.0 / latent_heat);
+        });
+    }
+
+    /// Does something at every front, with its surroundings in the window: by its particle, the frozen fraction there, and the
+    /// latent heat (J/m3).
+    fn each_front(
+        &mut self,
+        lattice: &Lattice,
+        enthalpy: &[f64],
+        potential: impl Fn(usize) -> f64,
+        mut one: impl FnMut(&mut Self, usize, f64, f64),
+    ) {
         for stretch in 0..self.stretches.len() {
             let (first, end, sharp) = self.stretches[stretch];
             let Sharp { interval: (frozen, unfrozen), potential: at_front, .. } = self.sharp[sharp as usize];
@@ -178,8 +228,9 @@ impl SubCellFront {
                     if *own > frozen && *own < unfrozen {
                         let fraction = (unfrozen - own) / (unfrozen - frozen);
                         let above = |other: usize| potential(other) - at_front;
-                        self.look_around(lattice, first as usize + number * LOOK + i, above);
-                        self.exchange(fraction);
+                        let particle = first as usize + number * LOOK + i;
+                        self.look_around(lattice, particle, above);
+                        one(self, particle, fraction, unfrozen - frozen);
                     }
                 }
             }
@@ -232,6 +283,69 @@ impl SubCellFront {
         }
         let changed = window.iter().filter(|seen| seen.change != 0.0);
         self.changes.extend(changed.map(|seen| (seen.particle, seen.change)));
+    }
+
+    /// How what the front in the middle of the window exchanges follows the potentials around it, and the enthalpy of its own
+    /// particle, with which the frozen fraction goes by `slope` (m3/J).
+    fn exchange_changes(&mut self, fraction: f64, slope: f64) {
+        let FrontTangent { freezing, by_potential, by_enthalpy, .. } = &mut self.tangent;
+        let window = &self.window;
+        let (middle, own) = (window.len() / 2, freezing.len() as u32 - 1);
+        let name = |place: usize| window[place].particle;
+        for OwnPair { other, opposite, cells, weight } in &self.own {
+            let (other, above) = (*other as usize, window[*other as usize].above);
+            if above != 0.0 {
+                let (share, grows) = if above < 0.0 { (fraction, 1.0) } else { (1.0 - fraction, -1.0) };
+                let fronts = if above * window[*opposite as usize].above > 0.0 { 2.0 } else { 1.0 };
+                let far = distance(*cells, share / fronts);
+                let by_above = weight * (cells / far - 1.0);
+                let by_fraction = -weight * above * cells / (far * far) * grows / fronts * slope;
+                by_potential.extend([(name(other), name(other), -by_above), (name(middle), name(other), by_above)]);
+                by_enthalpy.extend([(name(other), own, -by_fraction), (name(middle), own, by_fraction)]);
+            }
+        }
+        for pair in &self.over {
+            let (frozen, unfrozen) = (pair.frozen as usize, pair.unfrozen as usize);
+            let (below, above) = (window[frozen].above, window[unfrozen].above);
+            let freezes =
+                |place: &u32| window[*place as usize].above == 0.0 && window[*place as usize].particle != NONE;
+            if below < 0.0 && above > 0.0 && !pair.way.iter().any(freezes) {
+                let carried = pair.weight * pair.cells;
+                let near = distance(pair.before, fraction);
+                let far = distance(pair.cells - pair.before, 1.0 - fraction);
+                let (cold, warm, direct) = (carried / near, carried / far, pair.weight);
+                let rows = [name(frozen), name(unfrozen), name(middle)];
+                for (row, (by_below, by_above)) in
+                    rows.into_iter().zip([(direct - cold, -direct), (-direct, direct - warm), (cold, warm)])
+                {
+                    by_potential.extend([(row, rows[0], by_below), (row, rows[1], by_above)]);
+                }
+                let (cold, warm) = (-cold * below / near * slope, warm * above / far * slope);
+                by_enthalpy.extend([(rows[0], own, -cold), (rows[1], own, -warm), (rows[2], own, cold + warm)]);
+            }
+        }
+    }
+
+    /// Takes small changes of potentials (W/m) apart, and gives them without those of freezing particles.
+    pub fn hold_back(&mut self, potentials: &[f64]) -> &[f64] {
+        let FrontTangent { freezing, changes, kept, .. } = &mut self.tangent;
+        changes.clear();
+        changes.extend_from_slice(potentials);
+        kept.clear();
+        let enthalpy = |(particle, by): &(u32, f64)| by * std::mem::take(&mut changes[*particle as usize]);
+        kept.extend(freezing.iter().map(enthalpy));
+        changes
+    }
+
+    /// Adds to `rates` (W/m3) how fronts follow the changes that were taken apart last.
+    pub fn act(&self, rates: &mut [f64]) {
+        let FrontTangent { by_potential, by_enthalpy, changes, kept, .. } = &self.tangent;
+        for (row, column, factor) in by_potential {
+            rates[*row as usize] += factor * changes[*column as usize];
+        }
+        for (row, number, factor) in by_enthalpy {
+            rates[*row as usize] += factor * kept[*number as usize];
+        }
     }
 
     /// Adds what the fronts exchange to `rates`, scaled.
@@ -323,6 +437,9 @@ impl HeapSize for SubCellFront {
         let ways: usize = self.over.iter().map(|pair| pair.way.heap_size()).sum();
         let tables = self.own.capacity() * size_of::<OwnPair>() + self.over.capacity() * size_of::<PairOver>();
         let states = self.window.capacity() * size_of::<Seen>() + self.changes.capacity() * size_of::<(u32, f64)>();
-        ways + tables + states
+        let FrontTangent { freezing, by_potential, by_enthalpy, changes, kept } = &self.tangent;
+        let factors = freezing.heap_size() + by_potential.heap_size() + by_enthalpy.heap_size();
+        let tangent = factors + changes.heap_size() + kept.heap_size();
+        ways + tables + states + tangent
     }
 }

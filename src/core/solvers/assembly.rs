@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
+use crate::kernels::enthalpy_rows::ListBalance;
 use crate::kernels::list_parts::ListParts;
-use crate::kernels::rows::ListOperator;
 use crate::kernels::term::PairTerm;
 use crate::physics::latent_heat::{LatentHeatScheme, Mushy, scheme};
-use crate::solvers::euler::SchemeEuler;
-use crate::solvers::method::Method;
+use crate::solvers::euler::Euler;
+use crate::solvers::solver::Solver;
 
 /// Particles, neighbours and walls on a list, ready for a method's own step.
 pub struct Assembly {
@@ -26,10 +26,10 @@ pub struct Assembly {
 }
 
 impl Assembly {
-    /// The shared explicit step with a term beside conduction.
-    pub fn into_method<T: PairTerm>(self, term: T) -> Box<dyn Method> {
+    /// Steps of Euler with a term beside conduction.
+    pub fn into_solver<T: PairTerm>(self, term: T) -> Box<dyn Solver> {
         let count = self.parts.positions.len();
         let scheme = scheme(self.latent_heat_scheme, self.mushy, &self.parts.materials, &self.start, count);
-        Box::new(SchemeEuler::new(ListOperator::new(self.parts, term), scheme, count))
+        Box::new(Euler::new(Box::new(ListBalance::new(self.parts, term, scheme)), 1.0))
     }
 }

@@ -5,12 +5,12 @@ use frazil_record::Work;
 use crate::ledger::{Hermite, Ledger};
 use crate::memory::{HeapSize, total};
 use crate::particles::Particles;
+use crate::solvers::balance::{Balance, BalanceFacts};
 use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
-use crate::solvers::method::Method;
 use crate::solvers::newton::{Newton, NotConverged, RESIDUAL, Stage};
-use crate::solvers::operator::Operator;
-use crate::solvers::sharp::{just_before, sharp_step};
-use crate::solvers::step::{Bound, Clock, StepError};
+use crate::solvers::sharp::just_before;
+use crate::solvers::solver::{Solver, SolverReport};
+use crate::solvers::step::{Clock, StepError};
 
 /// The diagonal of the scheme, 1 - 1/sqrt 2: L-stable and of second order (Alexander 1977).
 const DIAGONAL: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -36,9 +36,8 @@ fn error_weights() -> [f64; 3] {
 /// iteration leaves. A step that would leave the range of the data is mixed with the backward Euler step, which never
 /// does, as little as keeps the range.
 pub struct Implicit {
-    operator: Box<dyn Operator>,
+    balance: Box<dyn Balance>,
     ledger: Ledger,
-    euler: Bound,
     control: Control,
     range: EnthalpyRange,
     newton: Newton,
@@ -63,29 +62,30 @@ pub struct Implicit {
     turns: u64,
     rejected: u64,
     limited: u64,
+    /// Whether the rates are not those of the present state.
+    stale: bool,
 }
 
 impl Implicit {
     /// Steps whose estimated error is at most `tolerance` (see [`Control`]).
     pub fn new(
-        operator: Box<dyn Operator>,
+        mut balance: Box<dyn Balance>,
         tolerance: f64,
         range: EnthalpyRange,
         largest_slope: f64,
         count: usize,
     ) -> Self {
-        let ledger = Ledger::new(operator.patches());
+        let ledger = Ledger::new(balance.facts().patches.clone());
         let count_patches = ledger.names().len();
         let patch = || vec![0.0; count_patches];
         let patches = std::array::from_fn(|_| patch());
-        let euler = operator.bound();
-        let newton = Newton::new(operator.as_ref(), count, largest_slope);
+        let newton = Newton::new(balance.as_mut(), count, largest_slope);
+        let euler = balance.step_bound();
         let column = || vec![0.0; count];
         Implicit {
-            operator,
+            balance,
             ledger,
-            control: Control::new(tolerance, 3.0, START * euler.step),
-            euler,
+            control: Control::new(tolerance, 3.0, START * euler),
             range,
             newton,
             stage: column(),
@@ -104,41 +104,57 @@ impl Implicit {
             turns: 0,
             rejected: 0,
             limited: 0,
+            stale: false,
         }
     }
 
     /// Solves both stages from `start`, and leaves the new state in `next`.
-    fn stages(&mut self, start: &[f64], time: f64, step: f64) -> Result<(), NotConverged> {
+    fn stages(&mut self, start: &[f64], clock: &Clock) -> Result<(), NotConverged> {
+        let Clock { time, step, .. } = *clock;
         let weight = DIAGONAL * step;
-        let Implicit { operator, newton, range, stage, known, next, rates: [first, second], patches, .. } = self;
+        let Implicit { balance, newton, range, stage, known, next, rates: [first, second], patches, .. } = self;
         let [first_patches, second_patches, _] = patches;
         extrapolate(stage, start, &self.rate, weight);
-        let system = Stage { known: start, weight, time: time + weight, range };
-        newton.solve(operator.as_mut(), &system, stage, first, first_patches)?;
+        let system = Stage { known: start, weight, clock: Clock { time: time + weight, ..*clock }, range };
+        newton.solve(balance.as_mut(), &system, stage, first, first_patches)?;
         extrapolate(known, start, first, (1.0 - DIAGONAL) * step);
         extrapolate(stage, start, first, step);
-        let system = Stage { known, weight, time: just_before(time, step), range };
-        newton.solve(operator.as_mut(), &system, stage, second, second_patches)?;
+        let clock = Clock { time: just_before(time, step), ..*clock };
+        let system = Stage { known, weight, clock, range };
+        newton.solve(balance.as_mut(), &system, stage, second, second_patches)?;
         extrapolate(next, known, second, weight);
         Ok(())
     }
 
     /// Mixes the step in `next` with the backward Euler step, if it leaves the range; returns the share of the former.
-    fn limit(&mut self, start: &[f64], time: f64, step: f64) -> Result<f64, NotConverged> {
+    fn limit(&mut self, start: &[f64], clock: &Clock) -> Result<f64, NotConverged> {
+        let Clock { time, step, .. } = *clock;
         if self.range.excess(&self.next) <= SLACK {
             return Ok(1.0);
         }
         self.euler_rate.resize(start.len(), 0.0);
-        let Implicit { operator, newton, range, stage, next, euler_rate, patches, .. } = self;
+        let Implicit { balance, newton, range, stage, next, euler_rate, patches, .. } = self;
         stage.copy_from_slice(start);
-        let system = Stage { known: start, weight: step, time: just_before(time, step), range };
-        newton.solve(operator.as_mut(), &system, stage, euler_rate, &mut patches[2])?;
+        let clock = Clock { time: just_before(time, step), ..*clock };
+        let system = Stage { known: start, weight: step, clock, range };
+        newton.solve(balance.as_mut(), &system, stage, euler_rate, &mut patches[2])?;
         extrapolate(stage, start, euler_rate, step);
         let share = range.share(stage, next, SLACK);
         for (next, euler) in next.iter_mut().zip(stage.iter()) {
             *next = euler + share * (*next - euler);
         }
         Ok(share)
+    }
+
+    /// Makes a step of explicit Euler, short enough to keep the range, where Newton's iteration finds none; its length (s).
+    fn step_by_euler(&mut self, state: &mut [f64], step: f64) -> f64 {
+        self.euler_rate.clone_from(&self.rate);
+        self.patches[2].clone_from(&self.end_patches);
+        extrapolate(&mut self.next, state, &self.euler_rate, step);
+        self.limited += 1;
+        self.stale = true;
+        self.keep(state, step, 0.0);
+        step
     }
 
     /// Takes the step in `next`, of which `share` is of second order.
@@ -188,24 +204,35 @@ fn extrapolate(out: &mut [f64], from: &[f64], rate: &[f64], weight: f64) {
     }
 }
 
-impl Method for Implicit {
-    fn bound(&self) -> Bound {
-        self.euler.clone()
+impl Solver for Implicit {
+    fn report(&self) -> SolverReport {
+        let BalanceFacts { bound, pairs, .. } = self.balance.facts();
+        let (newton_median, newton_most) = self.newton.median_and_most();
+        let work = Work {
+            evaluations: self.turns + self.newton.evaluations,
+            rejected_steps: self.rejected,
+            limited_steps: self.limited,
+            newton_solves: self.newton.solves,
+            newton_iterations: self.newton.iterations,
+            newton_median,
+            newton_most,
+            newton_paths: self.newton.paths,
+            linear_iterations: self.newton.linear_iterations,
+        };
+        SolverReport { bound: bound.clone(), pairs: *pairs, gentle_step: None, is_dense: true, work }
     }
 
-    fn sharp_step(&mut self) -> f64 {
-        sharp_step(self.operator.as_mut())
-    }
-
-    fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
+    fn make_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
         let (state, volumes) = (&mut particles.enthalpy, &particles.volumes);
-        if clock.turned {
+        // Walls have jumped, what flows has changed, or the last step took its rates at its start.
+        if clock.turned || self.balance.companion().is_some() || std::mem::take(&mut self.stale) {
             self.turns += 1;
-            self.operator.rate(state, clock.time, &mut self.rate, &mut self.end_patches);
+            self.balance.rates(state, clock, &mut self.rate, &mut self.end_patches);
         }
         let mut step = clock.step;
         loop {
-            let solved = self.stages(state, clock.time, step).and_then(|()| self.limit(state, clock.time, step));
+            let attempt = Clock { step, ..*clock };
+            let solved = self.stages(state, &attempt).and_then(|()| self.limit(state, &attempt));
             let judgement = match solved {
                 Ok(share) => {
                     self.limited += u64::from(share < 1.0);
@@ -217,8 +244,7 @@ impl Method for Implicit {
                     (self.control.judge(step, error, size), share)
                 }
                 Err(NotConverged) if self.control.is_least(step) => {
-                    let reason = format!("Newton's iteration finds no solution for a step of {step:e} s");
-                    return Err(StepError { reason });
+                    return Ok(self.step_by_euler(state, step.min(self.balance.step_bound())));
                 }
                 Err(NotConverged) => (self.control.again(step, 0.25), 1.0),
             };
@@ -239,26 +265,8 @@ impl Method for Implicit {
         &self.ledger
     }
 
-    fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
-        self.operator.across(enthalpy, time)
-    }
-
-    fn pairs(&self) -> u64 {
-        self.operator.pairs()
-    }
-
-    fn heap_size(&self) -> usize {
-        let columns = [&self.stage, &self.known, &self.next, &self.previous, &self.rate, &self.previous_rate];
-        let columns: usize = columns.into_iter().map(HeapSize::heap_size).sum();
-        self.operator.heap_size() + self.newton.heap_size() + columns + total(&[&self.rates, &self.euler_rate])
-    }
-
     fn wanted_step(&self) -> f64 {
-        self.control.next()
-    }
-
-    fn is_dense(&self) -> bool {
-        true
+        self.control.next().min(self.balance.companion_lasts())
     }
 
     fn between(&self, particles: &Particles, share: f64, enthalpy: &mut [f64]) -> Ledger {
@@ -268,18 +276,19 @@ impl Method for Implicit {
         self.ledger.between(share, self.last_step, &self.heat, &self.start_patches, &self.end_patches)
     }
 
-    fn work(&self) -> Work {
-        let (newton_median, newton_most) = self.newton.median_and_most();
-        Work {
-            evaluations: self.turns + self.newton.evaluations,
-            rejected_steps: self.rejected,
-            limited_steps: self.limited,
-            newton_solves: self.newton.solves,
-            newton_iterations: self.newton.iterations,
-            newton_median,
-            newton_most,
-            newton_paths: self.newton.paths,
-            linear_iterations: self.newton.linear_iterations,
-        }
+    fn balance(&self) -> Option<&dyn Balance> {
+        Some(self.balance.as_ref())
+    }
+
+    fn balance_mut(&mut self) -> Option<&mut dyn Balance> {
+        Some(self.balance.as_mut())
+    }
+}
+
+impl HeapSize for Implicit {
+    fn heap_size(&self) -> usize {
+        let columns = [&self.stage, &self.known, &self.next, &self.previous, &self.rate, &self.previous_rate];
+        let columns: usize = columns.into_iter().map(HeapSize::heap_size).sum();
+        self.balance.heap_size() + self.newton.heap_size() + columns + total(&[&self.rates, &self.euler_rate])
     }
 }

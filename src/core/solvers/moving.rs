@@ -1,9 +1,9 @@
 //! Methods whose particles move: they place them, and make their own steps.
 
 use crate::physics::thermal::Thermal;
-use crate::solvers::method::Method;
+use crate::solvers::solver::Solver;
 
-/// Particles that move, at their start, and the method that moves them. [`Method::publish`] fills their columns.
+/// Particles that move, at their start, and the method that moves them. [`Solver::publish`] fills their columns.
 pub struct ParticleSet {
     /// Their material.
     pub thermal: Thermal,
@@ -14,7 +14,7 @@ pub struct ParticleSet {
     /// How the method differs from the scene, in words.
     pub differences: Vec<String>,
     /// The method.
-    pub method: Box<dyn Method>,
+    pub method: Box<dyn Solver>,
 }
 
 /// What a plan is made for.

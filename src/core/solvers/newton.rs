@@ -6,10 +6,11 @@
 //! followed from c = 0, at which `H = R` holds.
 
 use crate::memory::HeapSize;
+use crate::solvers::balance::{Balance, Tangent, TangentShape};
 use crate::solvers::band::Band;
 use crate::solvers::control::EnthalpyRange;
 use crate::solvers::krylov::Krylov;
-use crate::solvers::operator::Operator;
+use crate::solvers::step::Clock;
 
 /// Largest residual that is left, over the scale of a particle's enthalpy. It bounds how far a stage can leave the range of the
 /// data, of which a billionth is allowed; heat is conserved whatever it is.
@@ -32,7 +33,7 @@ pub const WIDEST_BAND: usize = 32;
 /// Largest relative residual of a linear solve, and what each asks beyond the fall of the nonlinear one.
 const LOOSEST: f64 = 1e-2;
 
-/// Solves stage after stage of one operator.
+/// Solves stage after stage of one balance.
 pub struct Newton {
     count: usize,
     residual: Vec<f64>,
@@ -53,7 +54,7 @@ pub struct Newton {
     pub iterations: u64,
     /// Solves that followed the path.
     pub paths: u64,
-    /// Products with the linearised operator, and evaluations of the operator itself.
+    /// Products with the linearised exchange, and evaluations of the balance itself.
     pub evaluations: u64,
     /// Iterations of the linear solver; a direct solve counts as one.
     pub linear_iterations: u64,
@@ -66,6 +67,7 @@ enum Linear {
         exchange: Band,
         system: Band,
         probed: bool,
+        is_constant: bool,
     },
     Iterative(Krylov),
 }
@@ -77,8 +79,8 @@ pub struct Stage<'a> {
     pub known: &'a [f64],
     /// Weight of the rates (s).
     pub weight: f64,
-    /// Time at which rates are taken (s).
-    pub time: f64,
+    /// When rates are taken.
+    pub clock: Clock,
     /// What errors of enthalpies are measured by.
     pub range: &'a EnthalpyRange,
 }
@@ -87,14 +89,20 @@ pub struct Stage<'a> {
 pub struct NotConverged;
 
 impl Newton {
-    /// A solver for `count` particles of an operator. Narrow bands are solved directly, all else by iteration.
-    pub fn new(operator: &dyn Operator, count: usize, largest_slope: f64) -> Self {
+    /// A solver for `count` particles of a balance. Narrow bands are solved directly, all else by iteration.
+    pub fn new(balance: &mut dyn Balance, count: usize, largest_slope: f64) -> Self {
         let column = || vec![0.0; count];
-        let half = operator.bandwidth();
+        let row_sum = 1.0 / (balance.step_bound() * largest_slope);
+        let TangentShape { bandwidth: half, is_symmetric, is_constant } = balance.tangent().shape();
         let linear = if half <= WIDEST_BAND {
-            Linear::Direct { exchange: Band::new(count, half), system: Band::new(count, half), probed: false }
+            Linear::Direct {
+                exchange: Band::new(count, half),
+                system: Band::new(count, half),
+                probed: false,
+                is_constant,
+            }
         } else {
-            Linear::Iterative(Krylov::new(count, operator.is_symmetric()))
+            Linear::Iterative(Krylov::new(count, is_symmetric))
         };
         Newton {
             count,
@@ -106,7 +114,7 @@ impl Newton {
             right: column(),
             diagonal: column(),
             linear,
-            row_sum: 1.0 / (operator.bound().step * largest_slope),
+            row_sum,
             histogram: [0; MOST_ITERATIONS as usize + 1],
             solves: 0,
             iterations: 0,
@@ -130,7 +138,7 @@ impl Newton {
     /// Solves a stage from the guess in `state`, which takes the solution; `rate` and `patches` take what belongs to it.
     pub fn solve(
         &mut self,
-        operator: &mut dyn Operator,
+        balance: &mut dyn Balance,
         stage: &Stage<'_>,
         state: &mut [f64],
         rate: &mut [f64],
@@ -138,11 +146,11 @@ impl Newton {
     ) -> Result<(), NotConverged> {
         self.solves += 1;
         let mut iterations = self.iterations;
-        let mut found = self.iterate(operator, stage, state, rate, patches);
+        let mut found = self.iterate(balance, stage, state, rate, patches);
         if found.is_err() {
             self.paths += 1;
             iterations = self.iterations;
-            found = self.follow(operator, stage, state, rate, patches);
+            found = self.follow(balance, stage, state, rate, patches);
         }
         let taken = (self.iterations - iterations).min(u64::from(u32::MAX)) as u32;
         self.most = self.most.max(taken);
@@ -153,7 +161,7 @@ impl Newton {
     /// Follows the solutions of growing weights.
     fn follow(
         &mut self,
-        operator: &mut dyn Operator,
+        balance: &mut dyn Balance,
         stage: &Stage<'_>,
         state: &mut [f64],
         rate: &mut [f64],
@@ -165,7 +173,7 @@ impl Newton {
         while reached < 1.0 {
             let next = (reached + stretch).min(1.0);
             let part = Stage { weight: next * stage.weight, ..*stage };
-            match self.iterate(operator, &part, state, rate, patches) {
+            match self.iterate(balance, &part, state, rate, patches) {
                 Ok(()) => {
                     kept.copy_from_slice(state);
                     reached = next;
@@ -185,7 +193,7 @@ impl Newton {
 
     fn iterate(
         &mut self,
-        operator: &mut dyn Operator,
+        balance: &mut dyn Balance,
         stage: &Stage<'_>,
         state: &mut [f64],
         rate: &mut [f64],
@@ -194,7 +202,7 @@ impl Newton {
         let mut last = f64::INFINITY;
         let (mut best, mut stalled) = (f64::INFINITY, 0);
         for _ in 0..MOST_ITERATIONS {
-            operator.rate(state, stage.time, rate, patches);
+            balance.rates(state, &stage.clock, rate, patches);
             self.evaluations += 1;
             let mut worst: f64 = 0.0;
             for (i, residual) in self.residual.iter_mut().enumerate() {
@@ -217,9 +225,10 @@ impl Newton {
             let fall = (worst / last).min(1.0);
             let relative = LOOSEST.min(fall * fall).max(0.1 * RESIDUAL / worst);
             last = worst;
-            operator.linearise(state, stage.time, &mut self.slopes);
+            let tangent = balance.tangent();
+            tangent.linearise(state, stage.clock.time, &mut self.slopes);
             self.iterations += 1;
-            self.step(operator, stage.weight, relative);
+            self.step(tangent, stage.weight, relative);
             for (state, change) in state.iter_mut().zip(&self.change) {
                 *state += change;
             }
@@ -228,14 +237,14 @@ impl Newton {
     }
 
     /// The change of enthalpies that the linearised system wants.
-    fn step(&mut self, operator: &mut dyn Operator, weight: f64, relative: f64) {
+    fn step(&mut self, tangent: &mut dyn Tangent, weight: f64, relative: f64) {
         let Newton { residual, slopes, roots, change, scratch, right, diagonal, linear, .. } = self;
         match linear {
-            Linear::Direct { exchange, system, probed } => {
+            Linear::Direct { exchange, system, probed, is_constant } => {
                 if !*probed {
-                    probe(operator, exchange, change, scratch);
+                    probe(tangent, exchange, change, scratch);
                     self.evaluations += 2 * exchange.half() as u64 + 1;
-                    *probed = operator.is_constant();
+                    *probed = *is_constant;
                 }
                 let half = exchange.half();
                 for i in 0..self.count {
@@ -261,7 +270,7 @@ impl Newton {
                     for (scratch, (root, v)) in scratch.iter_mut().zip(roots.iter().zip(vector)) {
                         *scratch = root * v;
                     }
-                    operator.act(scratch, out);
+                    tangent.act(scratch, out);
                     for (out, (root, v)) in out.iter_mut().zip(roots.iter().zip(vector)) {
                         *out = v - weight * root * *out;
                     }
@@ -272,7 +281,7 @@ impl Newton {
                 for (scratch, (root, change)) in scratch.iter_mut().zip(roots.iter().zip(change.iter())) {
                     *scratch = root * change;
                 }
-                operator.act(scratch, right);
+                tangent.act(scratch, right);
                 self.evaluations += products + 1;
                 let largest = roots.iter().copied().fold(0.0, f64::max);
                 for i in 0..self.count {
@@ -303,13 +312,13 @@ impl HeapSize for Newton {
 const PASSIVE: f64 = 1e-8;
 
 /// Finds the entries of the exchange by acting on columns of ones that are too far apart to meet.
-fn probe(operator: &mut dyn Operator, exchange: &mut Band, ones: &mut [f64], image: &mut [f64]) {
+fn probe(tangent: &mut dyn Tangent, exchange: &mut Band, ones: &mut [f64], image: &mut [f64]) {
     let (half, count) = (exchange.half(), exchange.len());
     let apart = 2 * half + 1;
     for first in 0..apart.min(count) {
         ones.fill(0.0);
         ones.iter_mut().skip(first).step_by(apart).for_each(|one| *one = 1.0);
-        operator.act(ones, image);
+        tangent.act(ones, image);
         for column in (first..count).step_by(apart) {
             for (row, image) in image.iter().enumerate().take(column + half + 1).skip(column.saturating_sub(half)) {
                 exchange.row_mut(row)[column + half - row] = *image;

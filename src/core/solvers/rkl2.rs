@@ -5,10 +5,10 @@ use frazil_record::Work;
 use crate::ledger::{Hermite, Ledger};
 use crate::memory::HeapSize;
 use crate::particles::Particles;
+use crate::solvers::balance::{Balance, BalanceFacts, Stage, StageColumns, Update};
 use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
-use crate::solvers::method::Method;
-use crate::solvers::operator::{Operator, Stage, StageColumns};
-use crate::solvers::sharp::{just_before, sharp_step};
+use crate::solvers::sharp::just_before;
+use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Bound, Clock, StepError};
 
 /// Growth of the steps of a fixed chain, from one step to the next: modes that a step cannot resolve have decayed by
@@ -21,13 +21,15 @@ const EXCESS: f64 = 1e-3;
 /// Share of Euler's bound at which controlled steps start.
 const START: f64 = 0.9;
 
+/// Half height of the stable region, by stages: an ellipse over its whole length is stable up to here from three stages on.
+const HALF_HEIGHT: f64 = 0.37;
+
 /// Runge-Kutta-Legendre of second order (Meyer, Balsara and Aslam 2014): s stages reach (s^2 + s - 2) / 4 Euler
 /// steps. Stable, but not monotone: a full step right after a jump leaves the range of the data, so steps grow from
 /// Euler's: by a fixed factor, or as the estimated error allows.
 pub struct Rkl2 {
-    operator: Box<dyn Operator>,
+    balance: Box<dyn Balance>,
     ledger: Ledger,
-    euler: Bound,
     pace: Pace,
     /// State two stages back and one stage back.
     older: Vec<f64>,
@@ -61,13 +63,13 @@ enum Pace {
 
 impl Rkl2 {
     /// Steps of `stages` stages for `count` particles.
-    pub fn fixed(operator: Box<dyn Operator>, stages: usize, count: usize) -> Self {
-        Self::new(operator, count, |_| Pace::Fixed { stages, steps: 0 })
+    pub fn fixed(balance: Box<dyn Balance>, stages: usize, count: usize) -> Self {
+        Self::new(balance, count, |_| Pace::Fixed { stages, steps: 0 })
     }
 
     /// Steps whose estimated error is at most `tolerance` (see [`Control`]), of at most `most` stages.
     pub fn controlled(
-        operator: Box<dyn Operator>,
+        balance: Box<dyn Balance>,
         most: usize,
         tolerance: f64,
         range: EnthalpyRange,
@@ -75,21 +77,19 @@ impl Rkl2 {
     ) -> Self {
         // The estimate is of third order in the step.
         let pace = |euler: f64| Pace::Controlled { most, control: Control::new(tolerance, 3.0, START * euler), range };
-        Self::new(operator, count, pace)
+        Self::new(balance, count, pace)
     }
 
-    fn new(operator: Box<dyn Operator>, count: usize, pace: impl FnOnce(f64) -> Pace) -> Self {
-        let ledger = Ledger::new(operator.patches());
+    fn new(balance: Box<dyn Balance>, count: usize, pace: impl FnOnce(f64) -> Pace) -> Self {
+        let ledger = Ledger::new(balance.facts().patches.clone());
         let patch = || vec![0.0; ledger.names().len()];
         let patches = Patches { older: patch(), old: patch(), first: patch(), rate: patch(), last: patch() };
-        let euler = operator.bound();
-        let pace = pace(euler.step);
+        let pace = pace(balance.step_bound());
         let last_rate = if matches!(pace, Pace::Fixed { .. }) { Vec::new() } else { vec![0.0; count] };
         let column = || vec![0.0; count];
         Rkl2 {
-            operator,
+            balance,
             ledger,
-            euler,
             pace,
             older: column(),
             old: column(),
@@ -99,6 +99,14 @@ impl Rkl2 {
             last_step: 0.0,
             patches,
             work: Work::default(),
+        }
+    }
+
+    /// Most stages of a step by error.
+    fn most(&self) -> usize {
+        match self.pace {
+            Pace::Fixed { stages, .. } => stages,
+            Pace::Controlled { most, .. } => most,
         }
     }
 
@@ -114,8 +122,23 @@ impl Rkl2 {
         (s * (1.0 - 1e-12)).ceil().max(3.0) as usize
     }
 
-    /// The chain of stages from `start`; the result is left in `old`.
-    fn chain(&mut self, start: &[f64], time: f64, step: f64, stages: usize) {
+    /// Least number of stages in which a step (s) is stable.
+    fn stages(&self, step: f64) -> usize {
+        let facts = self.balance.facts();
+        let by_turning = (step * facts.turning / HALF_HEIGHT).ceil() as usize;
+        Self::stages_for(step / facts.bound.step).max(by_turning)
+    }
+
+    /// The longest step (s) that is stable in so many stages.
+    fn longest(&self, stages: usize) -> f64 {
+        let facts = self.balance.facts();
+        let by_turning = HALF_HEIGHT * stages as f64 / facts.turning;
+        (facts.bound.step * Self::reach(stages)).min(by_turning)
+    }
+
+    /// The chain of stages of one step from `start`; the result is left in `old`.
+    fn chain(&mut self, start: &[f64], clock: &Clock, stages: usize) {
+        let Clock { time, step, .. } = *clock;
         let s = stages as f64;
         let w1 = 4.0 / (s * s + s - 2.0);
         let b = |j: usize| {
@@ -123,7 +146,7 @@ impl Rkl2 {
             if j < 2.0 { 1.0 / 3.0 } else { (j * j + j - 2.0) / (2.0 * j * (j + 1.0)) }
         };
         if self.first_holds_at != Some(time) {
-            self.operator.rate(start, time, &mut self.first_rate, &mut self.patches.first);
+            self.balance.rates(start, clock, &mut self.first_rate, &mut self.patches.first);
             self.work.evaluations += 1;
         }
         let by_first = b(1) * w1 * step;
@@ -153,7 +176,8 @@ impl Rkl2 {
             let abscissa = if j == 2 { b(1) * w1 } else { (p * p + p - 2.0) / (s * s + s - 2.0) };
             let mut columns =
                 StageColumns { newest: &self.old, oldest: &mut self.older, start, first: &self.first_rate };
-            self.operator.stage(&stage, &mut columns, time + abscissa * step, &mut patches.rate);
+            let clock = Clock { time: time + abscissa * step, ..*clock };
+            self.balance.advance(Update::Stage(&stage, &mut columns), &clock, &mut patches.rate);
             std::mem::swap(&mut self.old, &mut self.older);
             for patch in 0..patches.old.len() {
                 let next = mu * patches.old[patch]
@@ -187,21 +211,23 @@ impl Rkl2 {
     }
 }
 
-impl Method for Rkl2 {
-    fn bound(&self) -> Bound {
-        match self.pace {
-            Pace::Fixed { stages, .. } => {
-                Bound { step: self.euler.step * Self::reach(stages), cause: self.euler.cause.clone() }
-            }
-            Pace::Controlled { .. } => self.euler.clone(),
+impl Solver for Rkl2 {
+    fn report(&self) -> SolverReport {
+        let BalanceFacts { bound, pairs, .. } = self.balance.facts();
+        let (step, gentle_step) = match self.pace {
+            Pace::Fixed { stages, .. } => (self.longest(stages), Some(bound.step)),
+            Pace::Controlled { .. } => (bound.step, None),
+        };
+        SolverReport {
+            bound: Bound { step, cause: bound.cause.clone() },
+            pairs: *pairs,
+            gentle_step,
+            is_dense: gentle_step.is_none(),
+            work: self.work,
         }
     }
 
-    fn sharp_step(&mut self) -> f64 {
-        sharp_step(self.operator.as_mut())
-    }
-
-    fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
+    fn make_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
         let (state, volumes) = (&mut particles.enthalpy, &particles.volumes);
         if clock.turned {
             self.first_holds_at = None;
@@ -209,17 +235,25 @@ impl Method for Rkl2 {
         if let Pace::Fixed { stages, steps } = &mut self.pace {
             *steps = steps.saturating_add(1);
             let stages = *stages;
-            self.chain(state, clock.time, clock.step, stages);
+            let step =
+                if self.balance.companion().is_some() { clock.step.min(self.longest(stages)) } else { clock.step };
+            self.chain(state, &Clock { step, ..*clock }, stages);
             std::mem::swap(&mut self.old, state);
-            self.book(clock.step);
-            return Ok(clock.step);
+            self.book(step);
+            return Ok(step);
         }
         let mut step = clock.step;
+        if self.balance.companion().is_some() {
+            // What flows has changed since the last step.
+            self.first_holds_at = None;
+            step = step.min(self.longest(self.most()));
+        }
         loop {
-            self.chain(state, clock.time, step, Self::stages_for(step / self.euler.step));
+            let attempt = Clock { step, ..*clock };
+            self.chain(state, &attempt, self.stages(step));
             self.first_holds_at = Some(clock.time);
-            let end = clock.time + step;
-            self.operator.rate(&self.old, just_before(clock.time, step), &mut self.last_rate, &mut self.patches.last);
+            let end = Clock { time: just_before(clock.time, step), ..attempt };
+            self.balance.rates(&self.old, &end, &mut self.last_rate, &mut self.patches.last);
             self.work.evaluations += 1;
             let (error, size) = match volumes.is_even() {
                 true => self.error(state, step, |_| 1.0),
@@ -247,7 +281,7 @@ impl Method for Rkl2 {
                     self.last_step = step;
                     std::mem::swap(&mut self.first_rate, &mut self.last_rate);
                     std::mem::swap(&mut self.patches.first, &mut self.patches.last);
-                    self.first_holds_at = Some(end);
+                    self.first_holds_at = Some(clock.time + step);
                     self.book(step);
                     return Ok(step);
                 }
@@ -263,32 +297,17 @@ impl Method for Rkl2 {
         &self.ledger
     }
 
-    fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
-        self.operator.across(enthalpy, time)
-    }
-
-    fn pairs(&self) -> u64 {
-        self.operator.pairs()
-    }
-
-    fn gentle_step(&self) -> Option<f64> {
-        matches!(self.pace, Pace::Fixed { .. }).then_some(self.euler.step)
-    }
-
-    fn heap_size(&self) -> usize {
-        let columns = [&self.older, &self.old, &self.first_rate, &self.last_rate];
-        self.operator.heap_size() + columns.into_iter().map(HeapSize::heap_size).sum::<usize>()
-    }
-
     fn wanted_step(&self) -> f64 {
         match &self.pace {
-            Pace::Fixed { steps, .. } => self.euler.step * GROWTH.powi((*steps).min(1000)),
-            Pace::Controlled { most, control, .. } => control.next().min(self.euler.step * Self::reach(*most)),
+            Pace::Fixed { stages, steps } => {
+                let grown = self.balance.step_bound() * GROWTH.powi((*steps).min(1000));
+                let longest = self.balance.companion().map_or(f64::INFINITY, |_| self.longest(*stages));
+                grown.min(longest).min(self.balance.companion_lasts())
+            }
+            Pace::Controlled { most, control, .. } => {
+                control.next().min(self.longest(*most)).min(self.balance.companion_lasts())
+            }
         }
-    }
-
-    fn is_dense(&self) -> bool {
-        matches!(self.pace, Pace::Controlled { .. })
     }
 
     fn between(&self, particles: &Particles, share: f64, enthalpy: &mut [f64]) -> Ledger {
@@ -298,7 +317,18 @@ impl Method for Rkl2 {
         self.ledger.between(share, self.last_step, &self.patches.old, &self.patches.last, &self.patches.first)
     }
 
-    fn work(&self) -> Work {
-        self.work
+    fn balance(&self) -> Option<&dyn Balance> {
+        Some(self.balance.as_ref())
+    }
+
+    fn balance_mut(&mut self) -> Option<&mut dyn Balance> {
+        Some(self.balance.as_mut())
+    }
+}
+
+impl HeapSize for Rkl2 {
+    fn heap_size(&self) -> usize {
+        let columns = [&self.older, &self.old, &self.first_rate, &self.last_rate];
+        self.balance.heap_size() + columns.into_iter().map(HeapSize::heap_size).sum::<usize>()
     }
 }

@@ -1,6 +1,6 @@
 //! The sharp limit of explicit steps: two over the largest rate of decay, by power iteration.
 
-use crate::solvers::operator::Operator;
+use crate::solvers::balance::Tangent;
 
 /// Iterations, and the relative change of the estimate at which they end. The largest rates lie close together, so the
 /// vector keeps turning long after its rate is known.
@@ -9,7 +9,7 @@ const SETTLED: f64 = 1e-7;
 
 /// Longest step (s) for which explicit Euler is linearly stable, if every particle conducts with its slope dU/dH
 /// (m2/s). `act` gives the rates that changes of potentials cause.
-pub fn stable_step(slopes: &[f64], mut act: impl FnMut(&[f64], &mut [f64])) -> f64 {
+fn stable_step(slopes: &[f64], mut act: impl FnMut(&[f64], &mut [f64])) -> f64 {
     let count = slopes.len();
     let roots: Vec<f64> = slopes.iter().map(|slope| slope.sqrt()).collect();
     // Neighbours of opposite sign decay fastest; a little unevenness lets every pattern grow.
@@ -41,12 +41,12 @@ pub fn stable_step(slopes: &[f64], mut act: impl FnMut(&[f64], &mut [f64])) -> f
     if rate > 0.0 { 2.0 / rate } else { f64::INFINITY }
 }
 
-/// The sharp limit of an operator's explicit steps (s).
-pub fn sharp_step(operator: &mut dyn Operator) -> f64 {
-    let slopes = operator.steepest();
+/// The sharp limit of a balance's explicit steps (s).
+pub fn sharp_step(tangent: &mut dyn Tangent) -> f64 {
+    let slopes = tangent.steepest();
     let state = vec![0.0; slopes.len()];
-    operator.linearise(&state, 0.0, &mut slopes.clone());
-    stable_step(&slopes, |potentials, rate| operator.act(potentials, rate))
+    tangent.linearise(&state, 0.0, &mut slopes.clone());
+    stable_step(&slopes, |potentials, rate| tangent.act(potentials, rate))
 }
 
 /// How far before its end, over its length, a step takes its last rates: walls that jump and pipes that are switched at

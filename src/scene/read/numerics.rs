@@ -77,7 +77,8 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     numerics.walls = section.choice_or("wall_model", &WallModel::WORDS, numerics.walls);
     numerics.search = section.choice_or("search", &SearchChoice::WORDS, numerics.search);
     numerics.integrator = integrator(section, numerics.integrator, setup.features.contains(&Feature::Groundwater));
-    numerics.flow = flow(section, setup.features.contains(&Feature::Groundwater), setting);
+    let monotone = numerics.integrator.is_monotone();
+    numerics.flow = flow(section, setup.features.contains(&Feature::Groundwater), setting, monotone);
     numerics.conduction = conduction(section, &numerics, setup.domain);
     numerics.step = step(section, numerics.step, numerics.integrator.tolerance().is_some());
     combinations(section, &numerics, setup, kind);
@@ -180,18 +181,19 @@ fn latent_heat_scheme(section: &mut Section<'_>, preset: LatentHeatScheme, mater
 #[derive(Clone, Copy, PartialEq)]
 enum Advance {
     Euler,
+    Heun,
     Rkl2,
     Implicit,
 }
 
 fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, flows: bool) -> IntegratorChoice {
-    let mut words = vec![("euler", Advance::Euler), ("rkl2", Advance::Rkl2), ("implicit", Advance::Implicit)];
-    if flows {
-        // Two steps of Euler and their mean.
-        words.push(("heun", Advance::Euler));
-    }
+    let words =
+        [("euler", Advance::Euler), ("heun", Advance::Heun), ("rkl2", Advance::Rkl2), ("implicit", Advance::Implicit)];
     let preset_word = match preset {
+        // What water carries asks for steps of second order.
+        IntegratorChoice::Euler if flows => Advance::Heun,
         IntegratorChoice::Euler => Advance::Euler,
+        IntegratorChoice::Heun => Advance::Heun,
         IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. } => Advance::Rkl2,
         IntegratorChoice::Implicit { .. } => Advance::Implicit,
     };
@@ -199,9 +201,9 @@ fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, flows: bool) 
     if word != Advance::Rkl2 {
         section.refuse("stages", "only the integrator \"rkl2\" has stages");
     }
-    if word == Advance::Euler {
-        section.refuse("tolerance", "explicit Euler does not estimate its error");
-        return IntegratorChoice::Euler;
+    if matches!(word, Advance::Euler | Advance::Heun) {
+        section.refuse("tolerance", "explicit steps of Euler and Heun do not estimate their error");
+        return if word == Advance::Euler { IntegratorChoice::Euler } else { IntegratorChoice::Heun };
     }
     if word == Advance::Rkl2 && section.has("stages") {
         section.refuse("tolerance", "\"stages\" fixes the step");
@@ -218,7 +220,7 @@ fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, flows: bool) 
     }
 }
 
-fn flow(section: &mut Section<'_>, flows: bool, setting: Setting) -> Option<FlowNumerics> {
+fn flow(section: &mut Section<'_>, flows: bool, setting: Setting, monotone: bool) -> Option<FlowNumerics> {
     if !flows {
         for key in ["advection", "conduction", "permeability_mean", "pressure_change"] {
             section.refuse(key, "the scene has no section \"flow\"");
@@ -228,7 +230,11 @@ fn flow(section: &mut Section<'_>, flows: bool, setting: Setting) -> Option<Flow
         }
         return None;
     }
-    let usual = if setting == Setting::Paper { Advection::Paper } else { Advection::Limited };
+    let usual = match (setting, monotone) {
+        (Setting::Paper, _) => Advection::Paper,
+        (Setting::Best, true) => Advection::Limited,
+        (Setting::Best, false) => Advection::Blended,
+    };
     let advection = section.choice_or("advection", &Advection::WORDS, usual);
     let usual = if setting == Setting::Paper { Mean::Harmonic } else { Mean::Arithmetic };
     let mean = section.choice_or("permeability_mean", &Mean::WORDS, usual);

@@ -72,7 +72,7 @@ impl Simulation<'_> {
                 judge(settings.numerics.latent_heat_scheme, balance, violation, setback, noise)
             }
         };
-        let work = self.method.work();
+        let work = self.method.report().work;
         Record {
             frazil_version: env!("CARGO_PKG_VERSION").to_string(),
             scene: scene.name.clone(),

@@ -2,17 +2,17 @@
 
 use std::sync::Arc;
 
-use frazil_core::balances::groundwater::{FlowMethod, FlowParts};
-use frazil_core::kernels::enthalpy_rows::{EnthalpyList, Tangent};
+use frazil_core::balances::groundwater::FlowParts;
+use frazil_core::balances::groundwater::advected::AdvectedHeat;
+use frazil_core::kernels::enthalpy_rows::ListBalance;
 use frazil_core::kernels::list_parts::ListParts;
-use frazil_core::kernels::rows::ListOperator;
 use frazil_core::kernels::term::Off;
-use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy, scheme};
+use frazil_core::physics::latent_heat::scheme;
 use frazil_core::solvers::assembly::Assembly;
-use frazil_core::solvers::method::Method;
+use frazil_core::solvers::balance::Balance;
+use frazil_core::solvers::solver::Solver;
 use frazil_scene::Scene;
 use frazil_scene::method::{MethodSettings, OwnStep};
-use frazil_scene::settings::StepChoice;
 use rayon::ThreadPool;
 
 use crate::plan::bonds::list;
@@ -32,55 +32,42 @@ pub(super) struct Listed<'a> {
 }
 
 impl Listed<'_> {
-    /// The method of these particles.
-    pub(super) fn method(
+    /// The solver of these particles.
+    pub(super) fn solver(
         &self,
         prepared: &mut Prepared,
         pool: Option<Arc<ThreadPool>>,
-    ) -> Result<Box<dyn Method>, Refused> {
+    ) -> Result<Box<dyn Solver>, Refused> {
         let (scene, numerics) = (self.scene, &self.settings.numerics);
         let (range, count) = (prepared.range(scene), prepared.count());
-        let on_lattice = self.conducts_on_lattice && self.own_step.is_none() && scene.flow.is_some();
+        let flow = scene.flow.as_ref().zip(numerics.flow).filter(|_| self.own_step.is_none());
+        let on_lattice = self.conducts_on_lattice && flow.is_some();
         let lattice = on_lattice.then(|| prepared.lattice_parts(scene, self.settings, pool.clone())).transpose()?;
-        let (parts, ways_out) = list(scene, self.settings, prepared, pool)?;
-        let latent_heat_scheme = (numerics.latent_heat_scheme, numerics.mushy);
-        match (self.own_step, scene.flow.as_ref().zip(numerics.flow)) {
-            (None, Some((flow, own))) => {
-                let fraction = match numerics.step {
-                    StepChoice::Fraction(fraction) => fraction,
-                    StepChoice::Fixed(_) => 1.0,
-                };
+        let (list, ways_out) = list(scene, self.settings, prepared, pool)?;
+        if let Some(step) = self.own_step {
+            return Ok(step(self.assembly(prepared, list)));
+        }
+        let balance: Box<dyn Balance> = match flow {
+            Some((flow, own)) => {
                 let parts = FlowParts {
-                    list: parts,
-                    ways_out: &ways_out,
+                    list,
+                    ways_out,
                     lattice: lattice.map(steps::on_lattice),
                     ground: &scene.materials,
                     domain: scene.domain,
                     flow,
                     numerics: own,
                     conduction: numerics.conduction,
-                    fraction,
                 };
-                Ok(Box::new(FlowMethod::new(parts, &prepared.enthalpies()).map_err(refuse)?))
+                Box::new(AdvectedHeat::new(parts, &prepared.enthalpies()).map_err(refuse)?)
             }
-            (Some(step), _) => Ok(step(self.assembly(prepared, parts))),
-            (None, None) if latent_heat_scheme == (LatentHeatScheme::Enthalpy, Mushy::Fraction) => {
-                let operator = EnthalpyList {
-                    operator: ListOperator::new(parts, Off),
-                    scheme: scheme(
-                        LatentHeatScheme::Enthalpy,
-                        Mushy::Fraction,
-                        &prepared.materials,
-                        &prepared.start,
-                        count,
-                    ),
-                    rate: vec![0.0; count],
-                    tangent: Tangent::default(),
-                };
-                Ok(steps::integrator(numerics, Box::new(operator), range, prepared.largest_slope(), count))
+            None => {
+                let (choice, materials) = (numerics.latent_heat_scheme, &prepared.materials);
+                let scheme = scheme(choice, numerics.mushy, materials, &prepared.start, count);
+                Box::new(ListBalance::new(list, Off, scheme))
             }
-            (None, None) => Ok(self.assembly(prepared, parts).into_method(Off)),
-        }
+        };
+        Ok(steps::solver(numerics, balance, range, prepared.largest_slope(), count))
     }
 
     fn assembly(&self, prepared: &Prepared, parts: ListParts) -> Assembly {

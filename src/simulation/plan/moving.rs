@@ -6,6 +6,7 @@ use frazil_core::memory::{HeapSize, Memory};
 use frazil_core::particles::{Particles, Places};
 use frazil_core::physics::latent_heat::Materials;
 use frazil_core::solvers::moving::ParticleSet;
+use frazil_core::solvers::solver::SolverReport;
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;
@@ -21,7 +22,7 @@ use crate::refused::Refused;
 pub(super) fn plan(scene: &Scene, settings: &MethodSettings, set: ParticleSet) -> Result<Plan, Refused> {
     let numerics = &settings.numerics;
     let ParticleSet { thermal, enthalpy, volume, differences, mut method } = set;
-    let bound = method.bound();
+    let SolverReport { bound, pairs, .. } = method.report();
     let step = choose_step(numerics, &bound, scene)?;
     let count = enthalpy.len();
     let mut particles = Particles {
@@ -38,7 +39,7 @@ pub(super) fn plan(scene: &Scene, settings: &MethodSettings, set: ParticleSet) -
     method.publish(&mut particles);
     let summary = PlanSummary {
         particles: count as u64,
-        pairs: method.pairs(),
+        pairs,
         memory: Memory { particles: particles.heap_size(), method: method.heap_size(), watches: 0 },
         step_s: step,
         step_bound_s: bound.step,

@@ -12,7 +12,7 @@ use frazil_core::space::lattice::Lattice;
 use frazil_core::space::segment::meet;
 use frazil_scene::Scene;
 use frazil_scene::method::{Discretisation, MethodSettings, Stepper};
-use frazil_scene::settings::{Arrangement, Numerics, SearchChoice};
+use frazil_scene::settings::{Arrangement, Front, Numerics, SearchChoice};
 use glam::DVec2;
 
 use crate::closing::dug_too_early;
@@ -103,6 +103,16 @@ pub(super) fn unsupported(scene: &Scene) -> Result<(), Refused> {
         return Err(refuse(reason));
     }
     Ok(())
+}
+
+/// Refuses fronts inside particles where heat needs a list, for this reason.
+pub(super) fn front_off_the_lattice(numerics: &Numerics, why_list: Option<&str>) -> Result<(), Refused> {
+    match why_list {
+        Some(reason) if numerics.front == Front::SubCell => {
+            Err(refuse(format!("front = \"sub-cell\" needs a lattice without a neighbour list, but {reason}")))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Refuses a search, cracks and shafts that a body has no place for.

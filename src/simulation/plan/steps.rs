@@ -2,16 +2,17 @@
 
 use std::sync::Arc;
 
-use frazil_core::kernels::lattice::LatticeOperator;
+use frazil_core::kernels::lattice::LatticeBalance;
 use frazil_core::kernels::lattice_parts::LatticeParts;
 use frazil_core::physics::laws::Runs;
 use frazil_core::physics::potential::Law;
+use frazil_core::solvers::balance::Balance;
 use frazil_core::solvers::control::EnthalpyRange;
 use frazil_core::solvers::euler::Euler;
+use frazil_core::solvers::heun::Heun;
 use frazil_core::solvers::implicit::Implicit;
-use frazil_core::solvers::method::Method;
-use frazil_core::solvers::operator::Operator;
 use frazil_core::solvers::rkl2::Rkl2;
+use frazil_core::solvers::solver::Solver;
 use frazil_core::solvers::step::Bound;
 use frazil_scene::Scene;
 use frazil_scene::settings::{IntegratorChoice, Numerics, StepChoice};
@@ -25,35 +26,41 @@ const MOST_STAGES: usize = 99;
 /// Steps of one run: more and time, which is as good as 16 digits, would stand still.
 const MOST_STEPS: f64 = 1e15;
 
-/// The operator on a lattice, with the laws of its materials.
-pub(super) fn on_lattice(parts: LatticeParts) -> Box<dyn Operator> {
+/// The balance on a lattice, with the laws of its materials.
+pub(super) fn on_lattice(parts: LatticeParts) -> Box<dyn Balance> {
     if parts.materials.mixed() {
         let runs = Runs::new(&parts.materials, parts.lattice.len());
-        return Box::new(LatticeOperator::new(parts, runs));
+        return Box::new(LatticeBalance::new(parts, runs));
     }
     match parts.materials.thermals[0].law.clone() {
-        Law::Straight(law) => Box::new(LatticeOperator::new(parts, law)),
-        Law::Kinked(law) => Box::new(LatticeOperator::new(parts, law)),
-        Law::Curved(law) => Box::new(LatticeOperator::new(parts, law)),
+        Law::Straight(law) => Box::new(LatticeBalance::new(parts, law)),
+        Law::Kinked(law) => Box::new(LatticeBalance::new(parts, law)),
+        Law::Curved(law) => Box::new(LatticeBalance::new(parts, law)),
         Law::Blended(_) => unreachable!("cells of one material"),
     }
 }
 
-pub(super) fn integrator(
+/// The solver that settings ask for.
+pub(super) fn solver(
     numerics: &Numerics,
-    operator: Box<dyn Operator>,
+    balance: Box<dyn Balance>,
     range: EnthalpyRange,
     largest_slope: f64,
     count: usize,
-) -> Box<dyn Method> {
+) -> Box<dyn Solver> {
+    let fraction = match numerics.step {
+        StepChoice::Fraction(fraction) => fraction,
+        StepChoice::Fixed(_) => 1.0,
+    };
     match numerics.integrator {
-        IntegratorChoice::Euler => Box::new(Euler::new(operator)),
-        IntegratorChoice::Rkl2 { stages } => Box::new(Rkl2::fixed(operator, stages, count)),
+        IntegratorChoice::Euler => Box::new(Euler::new(balance, fraction)),
+        IntegratorChoice::Heun => Box::new(Heun::new(balance, fraction, count)),
+        IntegratorChoice::Rkl2 { stages } => Box::new(Rkl2::fixed(balance, stages, count)),
         IntegratorChoice::ControlledRkl2 { tolerance } => {
-            Box::new(Rkl2::controlled(operator, MOST_STAGES, tolerance, range, count))
+            Box::new(Rkl2::controlled(balance, MOST_STAGES, tolerance, range, count))
         }
         IntegratorChoice::Implicit { tolerance } => {
-            Box::new(Implicit::new(operator, tolerance, range, largest_slope, count))
+            Box::new(Implicit::new(balance, tolerance, range, largest_slope, count))
         }
     }
 }

@@ -105,7 +105,7 @@ impl Probe {
 
     /// Whether steps promise the maximum principle up to the stated bound, and not stability alone.
     pub fn monotone(&self) -> bool {
-        self.settings().is_some_and(|settings| settings.numerics.integrator == IntegratorChoice::Euler)
+        self.settings().is_some_and(|settings| settings.numerics.integrator.is_monotone())
     }
 
     /// Whether runs differ by their seed, so that a cell needs several.

@@ -2,23 +2,26 @@
 
 use glam::DVec2;
 
-use super::{FlowMethod, WaterLedger};
+use super::{Groundwater, WaterLedger};
+use crate::balances::groundwater::advected::AdvectedHeat;
 use crate::balances::groundwater::aquifer::{Aquifer, Warmth};
 use crate::balances::groundwater::bend::Bend;
 use crate::balances::groundwater::carrier::Carrier;
+use crate::balances::groundwater::cuts::CutPaths;
 use crate::balances::groundwater::ground::{Flow, PressureWall};
-use crate::balances::groundwater::network::{Network, WayOut};
+use crate::balances::groundwater::network::{Network, NetworkParts, WayOut};
 use crate::balances::groundwater::numerics::{Conduction, FlowNumerics};
 use crate::balances::groundwater::pressure::Pressure;
-use crate::kernels::enthalpy_rows::{EnthalpyList, Tangent};
+use crate::balances::groundwater::surfaces::Crossed;
+use crate::boundary::patch::Face;
+use crate::kernels::enthalpy_rows::ListBalance;
 use crate::kernels::list_parts::ListParts;
-use crate::kernels::rows::ListOperator;
 use crate::kernels::term::Off;
-use crate::ledger::{Ledger, Sum};
+use crate::ledger::Sum;
 use crate::physics::latent_heat::{LatentHeatScheme, Materials, Mushy, scheme};
 use crate::physics::material::Material;
 use crate::physics::thermal::Thermal;
-use crate::solvers::operator::Operator;
+use crate::solvers::balance::{Balance, BalanceFacts};
 use crate::solvers::step::Bound;
 use crate::space::domain::Domain;
 
@@ -27,9 +30,9 @@ pub struct FlowParts<'a> {
     /// Particles, pairs and walls.
     pub list: ListParts,
     /// Pairs that a curved wall cuts.
-    pub ways_out: &'a [WayOut],
+    pub ways_out: Vec<WayOut>,
     /// What conducts heat, where that is a lattice.
-    pub lattice: Option<Box<dyn Operator>>,
+    pub lattice: Option<Box<dyn Balance>>,
     /// Materials, in the order of the particles'.
     pub ground: &'a [Material],
     /// The body.
@@ -40,95 +43,128 @@ pub struct FlowParts<'a> {
     pub numerics: FlowNumerics,
     /// Conduction beside it.
     pub conduction: Conduction,
-    /// Steps over their bound.
-    pub fraction: f64,
 }
 
-impl FlowMethod {
-    /// Water through the assembled particles, neighbours and walls of a scene, from these enthalpies (J/m3) on. Heat is
-    /// conducted by the pairs, or by the same on a lattice where there is one.
+impl AdvectedHeat {
+    /// Heat beside water through the assembled particles, neighbours and walls of a scene, from these enthalpies (J/m3) on. Heat
+    /// is conducted by the pairs, or by the same on a lattice where there is one.
+    ///
+    /// # Errors
+    /// Materials without pores, walls that water cannot pass, pressures that are not found.
     pub fn new(parts: FlowParts<'_>, enthalpy: &[f64]) -> Result<Self, String> {
-        let FlowParts { list: parts, ways_out, lattice, ground, domain, flow, numerics, conduction, fraction } = parts;
-        let spacing = parts.spacing;
-        let (materials, boundary) = (parts.materials.clone(), parts.boundary.clone());
-        let first = &materials.thermals[0];
-        let faces = boundary.first_faces(&first.curve, first.initial_potential);
-        let pairs = (&parts.pairs, ways_out);
-        let network = Network::new(&parts.positions, pairs, &parts.ghosts, &boundary, &faces, flow, conduction)?;
-        let count = network.len();
-        let aquifers = aquifers(ground, &materials, flow.viscosity)?;
-        let water = aquifers[0].pores;
-        let pressure = Pressure::new(&network, &parts.positions);
-        let carrier = Carrier::new(&network, numerics.advection);
-        let (volume, pool) = (parts.volumes.unit(), parts.pool.clone());
+        let FlowParts { list, ways_out, lattice, ground, domain, flow, numerics, conduction } = parts;
         let bend = (conduction == Conduction::Corrected)
-            .then(|| Bend::new(&parts.positions, &parts.ghosts.position, &parts.pairs, spacing));
-        let (lifts, heights) = lifts(flow, water.water_density * flow.gravity, domain, &parts.positions);
-        let pairs = parts.pair_count();
-        let operator = lattice.unwrap_or_else(|| {
-            Box::new(EnthalpyList {
-                operator: ListOperator::new(parts, Off),
-                scheme: scheme(LatentHeatScheme::Enthalpy, Mushy::Fraction, &materials, enthalpy, count),
-                rate: Vec::new(),
-                tangent: Tangent::default(),
-            })
+            .then(|| Bend::new(&list.positions, &list.ghosts.position, &list.pairs, list.spacing));
+        let (materials, boundary, positions) = (list.materials.clone(), list.boundary.clone(), list.positions.clone());
+        let (pairs, surfaces) = (list.pair_count(), list.surfaces.clone());
+        let water = Groundwater::new(&list, ways_out, ground, domain, flow, numerics, conduction)?;
+        let mut conduction = lattice.unwrap_or_else(|| {
+            let scheme = scheme(LatentHeatScheme::Enthalpy, Mushy::Fraction, &materials, enthalpy, enthalpy.len());
+            Box::new(ListBalance::new(list, Off, scheme))
         });
-        let names: Vec<String> = operator.patches().into_iter().chain(["ice".to_owned()]).collect();
-        let patches = vec![0.0; names.len()];
-        let expands = flow.density_change && aquifers.iter().any(|aquifer| aquifer.expansion() != 0.0);
-        let own_bound = bound(operator.as_ref(), bend.as_ref());
-        let mut method = FlowMethod {
-            pairs,
-            pressure,
-            carrier,
+        let patches = conduction.facts().patches.iter().cloned().chain(["ice".to_owned()]).collect();
+        let crossed = |surface| Crossed::new(surface, &water.network, &water.carrier, flow, &positions);
+        let surfaces: Vec<Crossed> = surfaces.iter().map(crossed).collect();
+        let own_bound = bound(conduction.as_mut(), bend.as_ref());
+        let facts = BalanceFacts { patches, pairs, surfaces: surfaces.len(), bound: own_bound.clone(), turning: 0.0 };
+        let mut heat = AdvectedHeat {
+            conduction,
+            water,
             bend,
-            aquifers,
             boundary,
+            own_bound,
+            facts,
+            surfaces,
+            beside: Vec::new(),
+            opening_temperatures: Vec::new(),
+            rate: Vec::new(),
+            warmed: Vec::new(),
+            changes: Vec::new(),
+        };
+        let expands = flow.density_change && heat.water.aquifers.iter().any(|aquifer| aquifer.expansion() != 0.0);
+        heat.water.start(enthalpy, expands)?;
+        heat.bind();
+        Ok(heat)
+    }
+}
+
+impl Groundwater {
+    /// Water along the pairs of a list.
+    fn new(
+        list: &ListParts,
+        ways_out: Vec<WayOut>,
+        ground: &[Material],
+        domain: Domain,
+        flow: &Flow,
+        numerics: FlowNumerics,
+        conduction: Conduction,
+    ) -> Result<Self, String> {
+        let ListParts { positions, pairs, ghosts, boundary, materials, .. } = list;
+        let first = &materials.thermals[0];
+        let faces: Vec<Face> = boundary.first_faces(&first.curve, first.initial_potential);
+        let mut cuts = (!list.cuts.is_empty()).then(|| CutPaths {
+            open: Vec::new(),
+            positions: positions.clone(),
+            pairs: pairs.clone(),
+            cuts: list.cuts.clone(),
+            ghosts: ghosts.clone(),
+            boundary: boundary.clone(),
+            faces: faces.clone(),
+            flow: flow.clone(),
+            ways_out: ways_out.clone(),
+            conduction,
+        });
+        let network = match &mut cuts {
+            Some(cuts) => cuts.start()?,
+            None => {
+                let (ways_out, faces) = (&ways_out[..], &faces[..]);
+                Network::new(&NetworkParts { positions, pairs, ways_out, ghosts, boundary, faces, flow, conduction })?
+            }
+        };
+        let count = network.len();
+        let aquifers = aquifers(ground, materials, flow.viscosity)?;
+        let water = aquifers[0].pores;
+        let (lifts, heights) = lifts(flow, water.water_density * flow.gravity, domain, positions);
+        Ok(Groundwater {
+            pressure: Pressure::new(&network, positions),
+            carrier: Carrier::new(&network, numerics.advection),
+            cuts: cuts.map(Box::new),
+            aquifers,
             faces,
             flow: flow.clone(),
             numerics,
-            fraction,
-            volume,
+            volume: list.volumes.unit(),
             across: across(domain, count),
             lifts,
             heights,
             capacity: water.water_density * water.water_heat_capacity,
-            pool,
+            pool: list.pool.clone(),
             temperature: vec![0.0; count],
             permeability: vec![1.0; count],
             solved: Vec::new(),
             conductivity: vec![0.0; count],
             walls: vec![0.0; flow.walls.len()],
             started: Vec::new(),
-            asked: if expands { vec![0.0; count] } else { Vec::new() },
-            asking: if expands { vec![0.0; count] } else { Vec::new() },
+            asked: Vec::new(),
+            asking: Vec::new(),
             last_solution: 0.0,
             interval: 0.0,
-            ledger: Ledger::new(names),
-            water: WaterLedger { walls: vec![Sum::default(); flow.walls.len()], ..WaterLedger::default() },
-            rate: vec![0.0; count],
-            start: vec![0.0; count],
-            patches: [patches.clone(), patches],
-            beside: Vec::new(),
-            opening_temperatures: Vec::new(),
-            bound: own_bound.clone(),
-            own_bound,
+            lasts: f64::INFINITY,
+            ledger: WaterLedger { walls: vec![Sum::default(); flow.walls.len()], ..WaterLedger::default() },
             steps: 0,
             seconds: 0.0,
-            materials,
+            materials: materials.clone(),
             network,
-            operator,
-        };
-        method.begin(enthalpy, expands)?;
-        Ok(method)
+        })
     }
 
     /// Fills the columns from the enthalpies at the start, and solves for the first pressures.
-    fn begin(&mut self, enthalpy: &[f64], expands: bool) -> Result<(), String> {
+    fn start(&mut self, enthalpy: &[f64], expands: bool) -> Result<(), String> {
         self.warm(enthalpy);
         if expands {
-            self.started =
-                (0..enthalpy.len()).map(|i| self.aquifer(i).unfrozen(enthalpy[i], self.temperature[i])).collect();
+            let count = enthalpy.len();
+            self.started = (0..count).map(|i| self.aquifer(i).unfrozen(enthalpy[i], self.temperature[i])).collect();
+            (self.asked, self.asking) = (vec![0.0; count], vec![0.0; count]);
         }
         self.permeate(enthalpy);
         self.solve(0.0, enthalpy)
@@ -153,10 +189,10 @@ fn aquifers(ground: &[Material], materials: &Materials, viscosity: f64) -> Resul
 }
 
 /// The bound of conduction, corrected for bends or not.
-fn bound(operator: &dyn Operator, bend: Option<&Bend>) -> Bound {
-    let own = operator.bound();
+fn bound(conduction: &mut dyn Balance, bend: Option<&Bend>) -> Bound {
+    let own = conduction.facts().bound.clone();
     let Some(bend) = bend else { return own };
-    let steepest = operator.steepest().into_iter().fold(0.0, f64::max);
+    let steepest = conduction.tangent().steepest().into_iter().fold(0.0, f64::max);
     let linear = 2.0 / (bend.rate * steepest);
     if linear < own.step {
         return Bound { step: linear, cause: "linear limit of conduction without its bends".into() };

@@ -13,12 +13,13 @@
 //! of smeared fronts; limited, most of it is taken back again: as much as leaves every particle within the enthalpies
 //! around it (Zalesak 1979).
 
+mod limit;
+
 use std::sync::Arc;
 
 use glam::DVec2;
 use rayon::ThreadPool;
 
-use crate::balances::groundwater::diagonals::{Carried, Diagonals, Fields};
 use crate::balances::groundwater::network::{NONE, Network};
 use crate::balances::groundwater::numerics::Advection;
 use crate::balances::groundwater::pressure::Pressure;
@@ -60,7 +61,9 @@ pub struct Carrier {
     pub kept: Vec<f64>,
     /// Greatest sum of factors of one particle (W/m3K), and the particle.
     pub greatest: (f64, usize),
-    /// Least conductivity of each particle (W/mK), and the sum of its factors (W/m3K).
+    /// Greatest sum of what paths carry at one particle, whatever its sign (W/m3K).
+    pub turning: f64,
+    /// Least conductivity of each particle (W/mK), and the sum of its factors (W/m3K), while water is taken.
     least: Vec<f64>,
     sums: Vec<f64>,
     limits_now: bool,
@@ -247,12 +250,24 @@ impl Carrier {
                 bent.extend(network.spans.iter().zip(&self.carried).map(|(span, carried)| carried / 3.0 * span[axis]));
             }
         }
+        self.turning = self.turning(network);
         let sums = &mut self.sums;
         for mouth in &self.mouths {
             sums[mouth.particle as usize] += ground.capacity * mouth.inflow;
         }
         self.greatest =
             sums.iter().enumerate().fold((0.0, 0), |most, (i, sum)| if *sum > most.0 { (*sum, i) } else { most });
+    }
+
+    /// Greatest sum of what paths carry at one particle, whatever its sign (W/m3K).
+    fn turning(&mut self, network: &Network) -> f64 {
+        let Carrier { carried, least, .. } = self;
+        least.fill(0.0);
+        network.each_path(|i, j, slot| {
+            least[i] += carried[slot].abs();
+            least[j] += carried[slot].abs();
+        });
+        least.iter().copied().fold(0.0, f64::max)
     }
 
     /// Adds what paths carry to the rates (W/m3), from temperatures and enthalpies (J/m3) at the start of a step (s);
@@ -262,29 +277,8 @@ impl Carrier {
         if self.bends {
             self.slope(network, state);
         }
-        let limits_now = self.limits_now || !self.conducted.is_empty();
-        if !limits_now {
-            self.exchange_beside(temperature, |particle, gain| rate[particle] += gain);
-            match &network.diagonals {
-                Some(diagonals) if !self.bends => {
-                    let [column, ..] = &mut self.columns;
-                    column[diagonals.pad..diagonals.pad + temperature.len()].copy_from_slice(temperature);
-                    let exchange = when(self.exchanges, &self.exchange);
-                    tasks(state.pool, rate, |first, rates| {
-                        diagonals.carry(&self.carried, exchange, &self.columns[0], first, rates);
-                    });
-                }
-                _ => each(state.pool, rate, |i, rate| {
-                    let own = temperature[i];
-                    for (j, slot, later) in network.paths(i) {
-                        *rate += self.factor(slot, later) * (temperature[j] - own);
-                        if self.bends {
-                            *rate += self.bend(network, i, j, slot);
-                        }
-                    }
-                }),
-            }
-            return;
+        if !self.limits_now && self.conducted.is_empty() {
+            return self.carry_unlimited(network, temperature, state.pool, self.bends, rate);
         }
         self.gather(network, state);
         let mut rows = std::mem::take(&mut self.rows);
@@ -310,6 +304,37 @@ impl Carrier {
         });
     }
 
+    /// Adds what paths carry to the rates (W/m3), with all of the exchange beside it, and what gradients mend or not.
+    pub fn carry_unlimited(
+        &mut self,
+        network: &Network,
+        temperature: &[f64],
+        pool: Option<&Arc<ThreadPool>>,
+        bends: bool,
+        rate: &mut [f64],
+    ) {
+        self.exchange_beside(temperature, |particle, gain| rate[particle] += gain);
+        match &network.diagonals {
+            Some(diagonals) if !bends => {
+                let [column, ..] = &mut self.columns;
+                column[diagonals.pad..diagonals.pad + temperature.len()].copy_from_slice(temperature);
+                let exchange = when(self.exchanges, &self.exchange);
+                tasks(pool, rate, |first, rates| {
+                    diagonals.carry(&self.carried, exchange, &self.columns[0], first, rates);
+                });
+            }
+            _ => each(pool, rate, |i, rate| {
+                let own = temperature[i];
+                for (j, slot, later) in network.paths(i) {
+                    *rate += self.factor(slot, later) * (temperature[j] - own);
+                    if bends {
+                        *rate += self.bend(network, i, j, slot);
+                    }
+                }
+            }),
+        }
+    }
+
     /// What particles exchange that see each other's images behind walls (W/m3).
     fn exchange_beside(&self, temperature: &[f64], mut add: impl FnMut(usize, f64)) {
         for (i, j, slot) in &self.beside_walls {
@@ -318,6 +343,32 @@ impl Carrier {
             add(i, gain);
             add(j, -gain);
         }
+    }
+
+    /// Heat (W/m3) that a path brings to one end from the other, at the state that was carried last: what water carries counts
+    /// from the temperature `zero`.
+    pub fn along(
+        &self,
+        network: &Network,
+        temperature: &[f64],
+        (own, other, slot): (usize, usize, usize),
+        zero: f64,
+    ) -> f64 {
+        let [here, there] = [own, other].map(|particle| temperature[particle] - zero);
+        let carried = if other > own { -self.carried[slot] } else { self.carried[slot] };
+        let exchange = if self.exchanges { self.exchange[slot] } else { 0.0 };
+        let back = self.bend(network, own, other, slot);
+        let limited = self.limits_now || !self.conducted.is_empty();
+        let mended = if limited {
+            let back = back - exchange * (there - here);
+            let (here, there) = (self.limits[own], self.limits[other]);
+            back * if back > 0.0 { here.0.min(there.1) } else { here.1.min(there.0) }
+        } else if self.bends {
+            back
+        } else {
+            0.0
+        };
+        carried * (here + there) + (exchange + self.beside[slot]) * (there - here) + mended
     }
 
     /// Factor with which a particle takes part in a path, whose other end may be the later one.
@@ -355,105 +406,6 @@ impl Carrier {
             let image = state.temperature[image];
             let ghost = wall.map_or(image, |wall| if opening.sign == 0.0 { wall } else { 2.0 * wall - image });
             self.gradients[own] += 0.5 * opening.weight * (ghost - state.temperature[own]) * opening.arm;
-        }
-    }
-
-    /// What each particle gains with the whole exchange, and what lies around it.
-    fn gather(&mut self, network: &Network, state: &State<'_>) {
-        let mut rows = std::mem::take(&mut self.rows);
-        match &network.diagonals {
-            Some(diagonals) if !state.mixed => self.gather_diagonals(network, diagonals, state, &mut rows),
-            _ => self.gather_paths(network, state, &mut rows),
-        }
-        self.rows = rows;
-        for (i, temperature) in state.beside {
-            let wall = (state.enthalpy_at)(*i as usize, *temperature);
-            let row = &mut self.rows[*i as usize];
-            (row.least, row.most) = (row.least.min(wall), row.most.max(wall));
-        }
-    }
-
-    fn gather_diagonals(&mut self, network: &Network, diagonals: &Diagonals, state: &State<'_>, rows: &mut [Row]) {
-        let pad = diagonals.pad;
-        let copied = [state.temperature, state.enthalpy, &self.conducted];
-        for (column, values) in self.columns.iter_mut().zip(copied) {
-            column[pad..pad + values.len()].copy_from_slice(values);
-        }
-        let [temperature, enthalpy, conducted, x, y] = &mut self.columns;
-        if self.bends {
-            for (i, gradient) in self.gradients.iter().enumerate() {
-                (x[pad + i], y[pad + i]) = (gradient.x, gradient.y);
-            }
-        }
-        let carried = Carried {
-            carried: &self.carried,
-            exchange: when(self.exchanges, &self.exchange),
-            weights: &network.weights,
-            even: when(!self.conducted.is_empty(), &network.even_weights),
-            bends: [when(self.bends, &self.bent[0]), when(self.bends, &self.bent[1])],
-        };
-        let fields = Fields { temperature, enthalpy, conducted, gradients: [x, y] };
-        tasks(state.pool, rows, |first, rows| diagonals.gather(&carried, &fields, first, rows));
-    }
-
-    fn gather_paths(&self, network: &Network, state: &State<'_>, rows: &mut [Row]) {
-        each(state.pool, rows, |i, row| {
-            let (own, enthalpy) = (state.temperature[i], state.enthalpy[i]);
-            *row = Row { least: enthalpy, most: enthalpy, ..Row::default() };
-            let mut warmest = (own, i);
-            let mut coldest = (own, i);
-            for (j, slot, later) in network.paths(i) {
-                let rise = state.temperature[j] - own;
-                row.gain += self.factor(slot, later) * rise;
-                let exchange = if self.exchanges { self.exchange[slot] } else { 0.0 };
-                let back = self.bend(network, i, j, slot) - exchange * rise;
-                if back > 0.0 {
-                    row.up += back;
-                } else {
-                    row.down += back;
-                }
-                let other = state.enthalpy[j];
-                if !state.mixed {
-                    row.least = if other < row.least { other } else { row.least };
-                    row.most = if other > row.most { other } else { row.most };
-                } else {
-                    warmest = if state.temperature[j] > warmest.0 { (state.temperature[j], j) } else { warmest };
-                    coldest = if state.temperature[j] < coldest.0 { (state.temperature[j], j) } else { coldest };
-                }
-            }
-            if state.mixed {
-                row.most = row.most.max((state.enthalpy_at)(i, warmest.0));
-                row.least = row.least.min((state.enthalpy_at)(i, coldest.0));
-            }
-        });
-    }
-
-    /// How much of the exchange may be taken back at each particle; marks those where it is not all.
-    fn limit(&mut self, network: &Network, state: &State<'_>, rate: &[f64]) {
-        self.marked.fill(false);
-        let nearest_only = network.diagonals.is_some() && !state.mixed;
-        let share = |room: f64, wanted: f64| if wanted > room { (room / wanted).max(0.0) } else { 1.0 };
-        for i in 0..network.len() {
-            let mut row = self.rows[i];
-            let low = state.enthalpy[i] + state.step * (rate[i] + row.gain);
-            let shares = |row: &Row| {
-                (share(row.most - low, state.step * row.up), share(low - row.least, -state.step * row.down))
-            };
-            let (mut up, mut down) = shares(&row);
-            if nearest_only && (up < 1.0 || down < 1.0) {
-                for (j, ..) in network.paths(i) {
-                    let other = state.enthalpy[j];
-                    (row.least, row.most) = (row.least.min(other), row.most.max(other));
-                }
-                (up, down) = shares(&row);
-            }
-            self.limits[i] = (up, down);
-            if up < 1.0 || down < 1.0 {
-                self.marked[i] = true;
-                for j in &network.partners[network.starts[i]..network.starts[i + 1]] {
-                    self.marked[*j as usize] = true;
-                }
-            }
         }
     }
 }

@@ -114,6 +114,26 @@ struct EndWeights {
     even: Vec<f64>,
 }
 
+/// What paths are made of.
+pub struct NetworkParts<'a> {
+    /// Places of particles (m).
+    pub positions: &'a [DVec2],
+    /// Their pairs.
+    pub pairs: &'a PairList,
+    /// Those that a curved wall cuts.
+    pub ways_out: &'a [WayOut],
+    /// What stands behind walls.
+    pub ghosts: &'a Ghosts,
+    /// Walls.
+    pub boundary: &'a Boundary,
+    /// Walls at the start.
+    pub faces: &'a [Face],
+    /// What drives the water.
+    pub flow: &'a Flow,
+    /// Conduction beside it.
+    pub conduction: Conduction,
+}
+
 /// Walls as ghosts mirror them.
 struct Mirrors<'a> {
     ghosts: &'a Ghosts,
@@ -123,19 +143,12 @@ struct Mirrors<'a> {
 }
 
 impl Network {
-    /// The paths of a list of pairs. `faces` are the walls of the boundary at the start.
+    /// The paths of a list of pairs.
     ///
     /// # Errors
     /// Walls for water that the body has not, ghosts that mirror several particles, pairs in one direction only.
-    pub fn new(
-        positions: &[DVec2],
-        (pairs, ways_out): (&PairList, &[WayOut]),
-        ghosts: &Ghosts,
-        boundary: &Boundary,
-        faces: &[Face],
-        flow: &Flow,
-        conduction: Conduction,
-    ) -> Result<Self, String> {
+    pub fn new(parts: &NetworkParts<'_>) -> Result<Self, String> {
+        let NetworkParts { positions, pairs, ways_out, ghosts, boundary, faces, flow, conduction } = *parts;
         let mirrors = Mirrors { ghosts, boundary, faces, flow };
         let mut network = Network { starts: vec![0], patches: mirrors.patches()?, ..Network::default() };
         let (mut row, mut weights) = (Vec::new(), EndWeights::default());
@@ -320,6 +333,18 @@ impl Network {
                 }
             }
         }
+    }
+
+    /// Which particles water can reach from walls of given pressure.
+    pub fn reached(&self) -> Vec<bool> {
+        let mut reached = vec![false; self.len()];
+        let mut next: Vec<usize> = self.openings.iter().map(|opening| opening.particle as usize).collect();
+        while let Some(i) = next.pop() {
+            if !std::mem::replace(&mut reached[i], true) {
+                next.extend(self.paths(i).filter(|(_, slot, _)| self.weights[*slot] > 0.0).map(|(j, ..)| j));
+            }
+        }
+        reached
     }
 
     /// Number of particles.

@@ -1,0 +1,109 @@
+//! How much of the exchange beside water is taken back: as much as leaves every particle within the enthalpies around it
+//! (Zalesak 1979).
+
+use crate::balances::groundwater::carrier::{Carrier, State};
+use crate::balances::groundwater::diagonals::{Carried, Diagonals, Fields};
+use crate::balances::groundwater::network::Network;
+use crate::balances::groundwater::row::Row;
+use crate::balances::groundwater::tasks::{each, tasks, when};
+
+impl Carrier {
+    /// What each particle gains with the whole exchange, and what lies around it.
+    pub(super) fn gather(&mut self, network: &Network, state: &State<'_>) {
+        let mut rows = std::mem::take(&mut self.rows);
+        match &network.diagonals {
+            Some(diagonals) if !state.mixed => self.gather_diagonals(network, diagonals, state, &mut rows),
+            _ => self.gather_paths(network, state, &mut rows),
+        }
+        self.rows = rows;
+        for (i, temperature) in state.beside {
+            let wall = (state.enthalpy_at)(*i as usize, *temperature);
+            let row = &mut self.rows[*i as usize];
+            (row.least, row.most) = (row.least.min(wall), row.most.max(wall));
+        }
+    }
+
+    fn gather_diagonals(&mut self, network: &Network, diagonals: &Diagonals, state: &State<'_>, rows: &mut [Row]) {
+        let pad = diagonals.pad;
+        let copied = [state.temperature, state.enthalpy, &self.conducted];
+        for (column, values) in self.columns.iter_mut().zip(copied) {
+            column[pad..pad + values.len()].copy_from_slice(values);
+        }
+        let [temperature, enthalpy, conducted, x, y] = &mut self.columns;
+        if self.bends {
+            for (i, gradient) in self.gradients.iter().enumerate() {
+                (x[pad + i], y[pad + i]) = (gradient.x, gradient.y);
+            }
+        }
+        let carried = Carried {
+            carried: &self.carried,
+            exchange: when(self.exchanges, &self.exchange),
+            weights: &network.weights,
+            even: when(!self.conducted.is_empty(), &network.even_weights),
+            bends: [when(self.bends, &self.bent[0]), when(self.bends, &self.bent[1])],
+        };
+        let fields = Fields { temperature, enthalpy, conducted, gradients: [x, y] };
+        tasks(state.pool, rows, |first, rows| diagonals.gather(&carried, &fields, first, rows));
+    }
+
+    fn gather_paths(&self, network: &Network, state: &State<'_>, rows: &mut [Row]) {
+        each(state.pool, rows, |i, row| {
+            let (own, enthalpy) = (state.temperature[i], state.enthalpy[i]);
+            *row = Row { least: enthalpy, most: enthalpy, ..Row::default() };
+            let mut warmest = (own, i);
+            let mut coldest = (own, i);
+            for (j, slot, later) in network.paths(i) {
+                let rise = state.temperature[j] - own;
+                row.gain += self.factor(slot, later) * rise;
+                let exchange = if self.exchanges { self.exchange[slot] } else { 0.0 };
+                let back = self.bend(network, i, j, slot) - exchange * rise;
+                if back > 0.0 {
+                    row.up += back;
+                } else {
+                    row.down += back;
+                }
+                let other = state.enthalpy[j];
+                if !state.mixed {
+                    row.least = if other < row.least { other } else { row.least };
+                    row.most = if other > row.most { other } else { row.most };
+                } else {
+                    warmest = if state.temperature[j] > warmest.0 { (state.temperature[j], j) } else { warmest };
+                    coldest = if state.temperature[j] < coldest.0 { (state.temperature[j], j) } else { coldest };
+                }
+            }
+            if state.mixed {
+                row.most = row.most.max((state.enthalpy_at)(i, warmest.0));
+                row.least = row.least.min((state.enthalpy_at)(i, coldest.0));
+            }
+        });
+    }
+
+    /// How much of the exchange may be taken back at each particle; marks those where it is not all.
+    pub(super) fn limit(&mut self, network: &Network, state: &State<'_>, rate: &[f64]) {
+        self.marked.fill(false);
+        let nearest_only = network.diagonals.is_some() && !state.mixed;
+        let share = |room: f64, wanted: f64| if wanted > room { (room / wanted).max(0.0) } else { 1.0 };
+        for i in 0..network.len() {
+            let mut row = self.rows[i];
+            let low = state.enthalpy[i] + state.step * (rate[i] + row.gain);
+            let shares = |row: &Row| {
+                (share(row.most - low, state.step * row.up), share(low - row.least, -state.step * row.down))
+            };
+            let (mut up, mut down) = shares(&row);
+            if nearest_only && (up < 1.0 || down < 1.0) {
+                for (j, ..) in network.paths(i) {
+                    let other = state.enthalpy[j];
+                    (row.least, row.most) = (row.least.min(other), row.most.max(other));
+                }
+                (up, down) = shares(&row);
+            }
+            self.limits[i] = (up, down);
+            if up < 1.0 || down < 1.0 {
+                self.marked[i] = true;
+                for j in &network.partners[network.starts[i]..network.starts[i + 1]] {
+                    self.marked[*j as usize] = true;
+                }
+            }
+        }
+    }
+}

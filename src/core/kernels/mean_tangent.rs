@@ -1,0 +1,91 @@
+//! Small changes where pairs exchange by a mean of conductivities.
+//!
+//! What a pair conducts, `w mean(k_i, k_j) (T_j - T_i)`, is linearised with the conductivities held: the changes that count
+//! are those of `K T`, with the largest conductivity K of all. Newton's iteration then is Picard's where conductivities
+//! follow temperatures, and its matrix stays an M-matrix.
+
+use crate::bonds::exchange::{Exchange, Mean};
+use crate::boundary::curved_wall::Rim;
+use crate::boundary::patch::Face;
+use crate::kernels::enthalpy_rows::Linearised;
+use crate::kernels::rows::ListRows;
+use crate::kernels::term::PairTerm;
+use crate::physics::latent_heat::SchemeState;
+
+impl<T: PairTerm> ListRows<T> {
+    /// Linearises around a state at a time (s): `slopes` takes `K dT/dH` (m2/s) of every particle.
+    pub(super) fn linearise_means(
+        &mut self,
+        scheme: &dyn SchemeState,
+        enthalpy: &[f64],
+        time: f64,
+        slopes: &mut [f64],
+        tangent: &mut Linearised,
+    ) {
+        let largest = self.largest_conductivity();
+        let (parts, fields) = (&self.parts, &mut self.fields);
+        scheme.read(&parts.materials, enthalpy, fields);
+        parts.ghosts.fill_temperatures(
+            &mut fields.temperature,
+            &mut fields.conductivity,
+            &self.faces,
+            &parts.materials,
+        );
+        let seen = (&fields.temperature, &fields.conductivity);
+        parts.ghosts.temperature_slopes(seen.0, seen.1, &self.faces, &parts.materials, &mut tangent.ghosts);
+        tangent.changes.resize(fields.temperature.len(), 0.0);
+        for (i, (slope, enthalpy)) in slopes.iter_mut().zip(enthalpy).enumerate() {
+            let thermal = parts.materials.of(i);
+            *slope = largest * thermal.law.slope(*enthalpy) / thermal.curve.conductivity(fields.temperature[i]);
+        }
+        tangent.time = time;
+        let conductivity = &self.fields.conductivity;
+        let share = |i: usize, j: usize| {
+            let (a, b) = (conductivity[i], conductivity[j]);
+            let mean = match self.parts.exchange {
+                Exchange::Mean(Mean::Harmonic) => 2.0 * a * b / (a + b),
+                Exchange::Mean(Mean::Arithmetic) => 0.5 * (a + b),
+                Exchange::Mean(Mean::Geometric) => (a * b).sqrt(),
+                Exchange::Potential => largest,
+            };
+            (mean / largest, mean / largest)
+        };
+        let pairs = &self.parts.pairs;
+        tangent.shares.clear();
+        for i in 0..enthalpy.len() {
+            let row = &pairs.partners[pairs.starts[i]..pairs.starts[i + 1]];
+            tangent.shares.extend(row.iter().map(|j| share(i, *j as usize)));
+        }
+        let of_wall = |face: &Face, particle: usize, depth: f64| {
+            let flux = |temperature: f64| face.flux_by_temperature(temperature, conductivity[particle], depth);
+            let own = self.fields.temperature[particle];
+            (flux(own + 1.0) - flux(own)) / largest
+        };
+        tangent.views.resize_with(self.parts.rims.len(), Vec::new);
+        for (number, Rim { patch, contacts, .. }) in self.standing(time) {
+            let slope = |particle: usize, depth: f64| of_wall(&self.faces[0][*patch], particle, depth);
+            contacts.slopes(slope, &mut tangent.views[number]);
+        }
+        self.linearise_pipes(time, tangent);
+        tangent.touches.clear();
+        tangent.touches.extend(self.parts.touches.iter().map(|touch| {
+            let particle = touch.particle as usize;
+            let face = &self.faces[self.parts.materials.index(particle)][touch.patch as usize];
+            touch.area * of_wall(face, particle, touch.depth)
+        }));
+    }
+
+    /// The largest conductivity (W/mK) of all materials.
+    fn largest_conductivity(&self) -> f64 {
+        let thermals = self.parts.materials.thermals.iter();
+        thermals.map(|thermal| thermal.curve.most_conductive()).fold(0.0, f64::max)
+    }
+
+    /// The change of the potential (W/m) of a particle, which pipes see under every exchange, by the change that pairs see.
+    pub(super) fn potential_of_change(&self, particle: usize, change: f64) -> f64 {
+        match self.parts.exchange {
+            Exchange::Potential => change,
+            Exchange::Mean(_) => change * self.fields.conductivity[particle] / self.largest_conductivity(),
+        }
+    }
+}

@@ -119,7 +119,7 @@ fn plan_text(forecast: &Forecast) -> String {
 
 fn memory_text(memory: &Memory) -> String {
     let parts =
-        [("particles", memory.particles), ("pairs, walls and step", memory.method), ("results", memory.watches)];
+        [("particles", memory.particles), ("pairs, walls and step", memory.method), ("results", memory.observers)];
     let parts = parts.map(|(name, bytes)| format!("{name} {}", size(bytes)));
     format!("{}: {}", size(memory.total()), parts.join(", "))
 }

@@ -116,13 +116,13 @@ pub struct Memory {
     /// Pairs, ghosts, walls, pipes, buffers of the step and columns of the integrator.
     pub method: usize,
     /// Samples that outputs read, and the series that they fill, to the end of the run.
-    pub watches: usize,
+    pub observers: usize,
 }
 
 impl Memory {
     /// All of it, with what is too small to be counted.
     pub fn total(&self) -> usize {
-        self.particles + self.method + self.watches + SMALL_THINGS
+        self.particles + self.method + self.observers + SMALL_THINGS
     }
 }
 

@@ -10,7 +10,7 @@ use frazil_core::physics::material::Material;
 use frazil_scene::{PipeRing, Scene};
 use glam::DVec2;
 
-use crate::watch::loops::{closure, neighbours};
+use crate::observers::loops::{closure, neighbours};
 
 /// Pieces of the time over which the coldness of pipes is summed.
 const PIECES: usize = 4000;

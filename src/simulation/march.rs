@@ -6,6 +6,7 @@ mod leave;
 mod stopwatch;
 mod verdict;
 
+use std::cell::OnceCell;
 use std::iter::Peekable;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -20,10 +21,10 @@ use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
 
+use crate::observers::Observers;
+use crate::observers::observer::{Moment, Setup, View};
 use crate::plan::{Plan, build, settings_of};
 use crate::reference::Reference;
-use crate::watch::Watches;
-use crate::water::WaterWatch;
 
 use guard::Guard;
 use instants::{next_turn, stops};
@@ -109,8 +110,7 @@ struct Simulation<'a> {
     between: Vec<f64>,
     /// Outputs to come.
     pending: Peekable<IntoIter<f64>>,
-    watches: Watches,
-    water: Option<WaterWatch>,
+    observers: Observers,
     guard: Guard,
     observation: Elapsed,
     began: Instant,
@@ -130,8 +130,8 @@ pub fn run(
     let setup = Stopwatch::start(options.threads);
     let settings = settings_of(scene, method)?;
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
-    let watches = Watches::new(scene, &plan.particles, &plan.pipe_extents, options.fields);
-    let water = WaterWatch::new(scene, &plan.particles, plan.method.as_ref(), options.fields);
+    let (particles, method, pipes) = (&plan.particles, plan.method.as_ref(), &plan.pipe_extents[..]);
+    let observers = Observers::new(&Setup { scene, particles, method, pipes, maps: options.fields });
     let setup = setup.stop();
     let guard = Guard::new(scene, &plan.particles, &plan.pipe_extents);
     let solve = Stopwatch::start(options.threads);
@@ -153,8 +153,7 @@ pub fn run(
         turn: f64::NEG_INFINITY,
         dense,
         pending: outputs.into_iter().peekable(),
-        watches,
-        water,
+        observers,
         guard,
         observation: Elapsed::default(),
         began,
@@ -169,9 +168,7 @@ pub fn run(
 impl Simulation<'_> {
     /// The time loop: from instant to instant on which steps land.
     fn march(&mut self, stops: Vec<f64>) -> Result<(), Stop> {
-        self.watches.begin(&self.particles);
-        self.watches.look(&self.particles, 0.0);
-        self.show(0.0);
+        self.observe(0.0, Moment::Start, None);
         for instant in stops {
             while self.clock.time < instant {
                 let before = self.clock.time;
@@ -211,41 +208,48 @@ impl Simulation<'_> {
     /// Takes outputs that the last step passed over, and looks into it where a gap closes in it.
     fn look_back(&mut self, before: f64, made: f64) {
         let now = self.clock.time;
-        if !self.pending.peek().is_some_and(|time| *time < now) && !self.watches.closes(&self.particles) {
+        if !self.pending.peek().is_some_and(|time| *time < now) && !self.observers.have_crossed(&self.particles) {
             return;
         }
         let seen = Stopwatch::start(self.options.threads);
         while let Some(time) = self.pending.next_if(|time| *time < now) {
-            self.at(time, (before, made), |simulation, ledger| {
-                simulation.watches.output(simulation.scene, &simulation.particles, ledger, time, false);
-                let across = simulation.method.across(&simulation.particles.enthalpy, time);
-                simulation.watches.surfaces(simulation.scene, &across, time);
-                simulation.show(time);
-            });
+            self.observe_within(time, Moment::Output { landed: false }, (before, made));
         }
-        if self.watches.closes(&self.particles) {
+        if self.observers.have_crossed(&self.particles) {
             for part in 1..LOOKS {
                 let time = before + made * part as f64 / LOOKS as f64;
-                self.at(time, (before, made), |simulation, _| simulation.watches.look(&simulation.particles, time));
+                self.observe_within(time, Moment::Within, (before, made));
             }
         }
         self.observation.add(&seen);
     }
 
-    /// Shows the state at a time (s) within the last step, given by its start and length (s).
-    fn at(&mut self, time: f64, (before, made): (f64, f64), see: impl FnOnce(&mut Self, &Ledger)) {
+    /// Shows observers the state at a time (s) within the last step, given by its start and length (s).
+    fn observe_within(&mut self, time: f64, moment: Moment, (before, made): (f64, f64)) {
         let ledger = self.method.between(&self.particles, (time - before) / made, &mut self.between);
         std::mem::swap(&mut self.particles.enthalpy, &mut self.between);
-        see(self, &ledger);
+        self.observe(time, moment, Some(&ledger));
         std::mem::swap(&mut self.particles.enthalpy, &mut self.between);
     }
 
-    /// Looks at the state where it is time to: for gaps that close, and for values that are absurd.
+    /// Shows observers the state of the particles, at a time (s) and with a ledger that may be another than that of the last step.
+    fn observe(&mut self, time: f64, moment: Moment, ledger: Option<&Ledger>) {
+        let is_output = matches!(moment, Moment::Output { .. });
+        let across = if is_output { self.method.across(&self.particles.enthalpy, time) } else { Vec::new() };
+        let (scene, particles, method) = (self.scene, &self.particles, self.method.as_ref());
+        let (ledger, frozen) = (ledger.unwrap_or(method.ledger()), OnceCell::new());
+        self.observers.observe(&View { scene, particles, method, ledger, across: &across, time, moment, frozen });
+        if let Some(see) = self.options.each_output.filter(|_| is_output || moment == Moment::Start) {
+            see(&self.particles, time);
+        }
+    }
+
+    /// Looks at the state where it is time to: for what is observed between outputs, and for values that are absurd.
     fn look(&mut self) -> Result<(), Stop> {
         let Clock { time, index, .. } = self.clock;
-        if self.watches.due(time) {
+        if self.observers.are_due(time) {
             self.method.publish(&mut self.particles);
-            self.watches.look(&self.particles, time);
+            self.observe(time, Moment::Between, None);
         }
         if self.dense || index.is_multiple_of(GUARD_STEPS) || index.is_power_of_two() {
             self.method.publish(&mut self.particles);
@@ -282,21 +286,9 @@ impl Simulation<'_> {
         self.guard.look(&self.particles, &self.clock, &self.bound).map_err(|cause| (Outcome::Diverged, cause))?;
         if self.pending.next_if(|time| *time <= instant).is_some() {
             let seen = Stopwatch::start(self.options.threads);
-            self.watches.output(self.scene, &self.particles, self.method.ledger(), instant, true);
-            let across = self.method.across(&self.particles.enthalpy, instant);
-            self.watches.surfaces(self.scene, &across, instant);
-            self.show(instant);
-            if let Some(water) = &mut self.water {
-                water.output(self.scene, &self.particles, self.method.as_ref(), instant, self.options.fields);
-            }
+            self.observe(instant, Moment::Output { landed: true }, None);
             self.observation.add(&seen);
         }
         Ok(())
-    }
-
-    fn show(&self, time: f64) {
-        if let Some(see) = self.options.each_output {
-            see(&self.particles, time);
-        }
     }
 }

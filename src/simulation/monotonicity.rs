@@ -4,7 +4,10 @@
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::series::Series;
+use frazil_record::RunResult;
 use frazil_scene::Scene;
+
+use crate::observers::observer::{End, Made, Moment, Observer, Schedule, Setup, View};
 
 /// What is watched, and how far it went the wrong way.
 #[derive(Debug, Clone)]
@@ -21,6 +24,32 @@ pub struct MonotonicityCheck {
     /// Strongest flow through any patch so far (W).
     strongest: f64,
     setback: f64,
+}
+
+pub(crate) fn of(setup: &Setup<'_>) -> Made {
+    let check = MonotonicityCheck::new(setup.scene, setup.particles.volumes.largest());
+    check.watches.then(|| Box::new(check) as _)
+}
+
+impl Observer for MonotonicityCheck {
+    fn schedule(&self) -> Schedule {
+        Schedule::OUTPUTS
+    }
+
+    fn observe(&mut self, view: &View<'_>) {
+        // The curve between two states may swing where steps do not.
+        if view.moment == (Moment::Output { landed: true }) {
+            self.look(view.frozen(), view.ledger.rate(), view.ledger.rings());
+        }
+    }
+
+    fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {
+        result.record.setback_rel = self.setback();
+    }
+
+    fn held_at_the_end(&self) -> usize {
+        0
+    }
 }
 
 impl MonotonicityCheck {

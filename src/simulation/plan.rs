@@ -190,7 +190,7 @@ pub(crate) fn build_for(
     let summary = PlanSummary {
         particles: particles.len() as u64,
         pairs,
-        memory: Memory { particles: particles.heap_size(), method: method.heap_size(), watches: 0 },
+        memory: Memory { particles: particles.heap_size(), method: method.heap_size(), observers: 0 },
         step_s: step,
         step_bound_s: bound.step,
         step_limit: bound.cause.clone(),

@@ -3,6 +3,7 @@
 //! The trial makes the first steps of the planned run on a plan of its own, and its outputs and looks besides, for some
 //! milliseconds. What each takes is multiplied by how often the run will do it.
 
+use std::cell::OnceCell;
 use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
@@ -17,9 +18,10 @@ use frazil_scene::Scene;
 use crate::march::guard::Guard;
 use crate::march::instants::{next_turn, outputs};
 use crate::march::{GUARD_STEPS, Refused};
+use crate::observers::Observers;
+use crate::observers::observer::{Cadence, Moment, Setup, View};
 use crate::plan::{Plan, PlanSummary, build_for, settings_of};
 use crate::reference::Reference;
-use crate::watch::Watches;
 
 /// How many steps a run makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -131,7 +133,7 @@ impl Work {
         // At 1, 2, 4 ... up to the period, then at its multiples; and at outputs.
         let early = u64::from(steps.min(GUARD_STEPS - 1).checked_ilog2().map_or(0, |power| power + 1));
         let guards = early + steps / GUARD_STEPS + outputs;
-        let most = (1.0 / Watches::LOOK_SHARE) as u64 + 1;
+        let most = (1.0 / Cadence::SHARE) as u64 + 1;
         Work {
             steps,
             outputs,
@@ -175,7 +177,7 @@ impl Cost {
 /// What a run will take.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Forecast {
-    /// The plan; its memory includes the watches.
+    /// The plan; its memory includes the observers.
     pub summary: PlanSummary,
     /// The work, if the number of steps is known.
     pub work: Option<Work>,
@@ -216,11 +218,12 @@ pub fn forecast(
 
 /// Tries a plan by a clock (s).
 fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f64) -> Forecast {
-    let Plan { mut particles, mut method, step, bound, mut summary, pipe_extents } = plan;
-    let mut watches = Watches::new(scene, &particles, &pipe_extents, true);
-    summary.memory =
-        Memory { watches: watches.held_at_the_end(&particles, method.ledger().names().len()), ..summary.memory };
-    let mut guard = Guard::new(scene, &particles, &pipe_extents);
+    let Plan { mut particles, mut method, step, bound, mut summary, pipe_extents: pipes } = plan;
+    let setup = Setup { scene, particles: &particles, method: method.as_ref(), pipes: &pipes, maps: true };
+    let mut observers = Observers::new(&setup);
+    summary.memory = Memory { observers: observers.held_at_the_end(), ..summary.memory };
+    let looks = observers.are_due(0.0);
+    let mut guard = Guard::new(scene, &particles, &pipes);
     let mut clock = Clock { time: 0.0, step, index: 0, turned: true };
     let mut failed = false;
     let mut times = Vec::new();
@@ -244,18 +247,20 @@ fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f
     let mut cost = Cost { step: stepped.each, ..Cost::default() };
     cost.guard = timed(TRIAL.1, now, &mut || failed |= guard.look(&particles, &clock, &bound).is_err()).each;
     // No profile is wanted at the start, and one at each of its instants.
-    let output = |watches: &mut Watches, time: f64| {
-        watches.output(scene, &particles, method.ledger(), time, true);
-        watches.forget();
+    let mut observe = |time: f64, moment: Moment| {
+        let across = method.across(&particles.enthalpy, time);
+        let (method, frozen) = (method.as_ref(), OnceCell::new());
+        let (particles, ledger) = (&particles, method.ledger());
+        observers.observe(&View { scene, particles, method, ledger, across: &across, time, moment, frozen });
     };
-    cost.output = timed(TRIAL.1, now, &mut || output(&mut watches, 0.0)).each;
+    let output = Moment::Output { landed: true };
+    cost.output = timed(TRIAL.1, now, &mut || observe(0.0, output)).each;
     if let Some(instant) = scene.watch.profiles.first() {
-        let both = timed(TRIAL.1, now, &mut || output(&mut watches, *instant)).each;
+        let both = timed(TRIAL.1, now, &mut || observe(*instant, output)).each;
         cost.profile = (both - cost.output).max(0.0);
     }
-    let looks = watches.due(0.0);
     if looks {
-        cost.look = timed(TRIAL.1, now, &mut || watches.look(&particles, 0.0)).each;
+        cost.look = timed(TRIAL.1, now, &mut || observe(0.0, Moment::Within)).each;
     }
     let steps = summary.steps.number().filter(|_| !failed);
     let work = steps.map(|steps| Work::of(scene, steps, looks));

@@ -9,7 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use frazil_core::particles::Particles;
 use frazil_plots::{FigureOptions, frame};
 use frazil_scene::Scene;
-use frazil_simulation::watch;
+use frazil_simulation::observers;
 use tempfile::TempDir;
 use vtkio::model::{
     Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, IOBuffer, UnstructuredGridPiece, Version,
@@ -86,7 +86,7 @@ impl<'a> Snapshots<'a> {
         }
         if self.frames {
             let options = FigureOptions::of(self.scene);
-            let field = watch::map(self.scene, particles, time);
+            let field = observers::map(self.scene, particles, time);
             let names = (self.scene.title.as_str(), self.method, self.scene.units.name());
             let png = frame(&field, names, &options, self.scene.temperature_range()).png()?;
             let path = place(NAMES[2], format!("{number:05}.png"));

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use frazil_record::{Errors, Outcome, Record, RunResult};
+use frazil_record::{Outcome, Record, RunResult};
 
 use super::Simulation;
 use super::verdict::{judge, noise};
 use crate::measure::attach;
+use crate::observers::observer::End;
 use crate::plan::PlanSummary;
 use crate::reference::Reference;
 
@@ -24,34 +25,21 @@ pub(super) struct Course {
 
 impl Simulation<'_> {
     /// The record and the tables, with errors against a reference.
-    pub(super) fn leave(mut self, course: Course, reference: Option<&Arc<dyn Reference>>) -> RunResult {
-        let gaps = self.watches.gap_rows();
-        let (stream, mut sections) = self.watches.stream(&self.particles);
-        let mut record = self.record(course);
-        record.water = self.water.as_mut().map(|water| water.judge(self.scene, reference.map(|found| found.as_ref())));
-        record.stream = crate::stream::judge(self.scene, &stream, &mut sections);
-        let (links, planes) = self.watches.wall();
-        let watches = self.watches;
-        let mut result = RunResult {
-            record,
-            front: watches.front,
-            start: watches.start,
-            beside: Vec::new(),
-            frozen: watches.frozen,
-            phases: watches.phases,
-            stream,
-            sections,
-            surfaces: watches.surfaces,
-            profiles: watches.profiles,
-            probes: watches.probe_rows,
-            budget_names: self.method.ledger().names().to_vec(),
-            budget: watches.budget,
-            walls: watches.walls,
-            gaps,
-            links,
-            planes,
-            fields: watches.fields,
-            water: self.water.map(|water| water.series),
+    pub(super) fn leave(self, mut course: Course, reference: Option<&Arc<dyn Reference>>) -> RunResult {
+        let stopped = course.stopped.take();
+        let mut result = RunResult::bare(self.record(course));
+        let end = End { scene: self.scene, particles: &self.particles, reference };
+        self.observers.leave(&end, &mut result);
+        let record = &mut result.record;
+        let balance = result.budget.iter().map(|row| row.balance_rel).fold(0.0, larger_magnitude);
+        record.energy_balance_rel = balance;
+        (record.outcome, record.cause) = match stopped {
+            Some((outcome, cause)) => (outcome, Some(cause)),
+            None => {
+                let noise = noise(self.scene, self.settings, &self.particles);
+                let scheme = self.settings.numerics.latent_heat_scheme;
+                judge(scheme, balance, record.bounds_violation_rel, record.setback_rel, noise)
+            }
         };
         if let Some(reference) = reference {
             attach(self.scene, self.particles.lattice.spacing, &mut result, reference.as_ref());
@@ -59,19 +47,10 @@ impl Simulation<'_> {
         result
     }
 
+    /// The record, but for what observers and a reference tell.
     fn record(&self, course: Course) -> Record {
-        let (scene, settings, watches) = (self.scene, self.settings, &self.watches);
-        let Course { stopped, setup, solve, summary } = course;
-        let balance = watches.budget.iter().map(|row| row.balance_rel).fold(0.0, larger_magnitude);
-        let setback = watches.monotonicity.setback();
-        let violation = self.guard.violation();
-        let (outcome, cause) = match stopped {
-            Some((outcome, cause)) => (outcome, Some(cause)),
-            None => {
-                let noise = noise(scene, settings, &self.particles);
-                judge(settings.numerics.latent_heat_scheme, balance, violation, setback, noise)
-            }
-        };
+        let (scene, settings) = (self.scene, self.settings);
+        let Course { setup, solve, summary, .. } = course;
         let work = self.method.report().work;
         Record {
             frazil_version: env!("CARGO_PKG_VERSION").to_string(),
@@ -99,21 +78,12 @@ impl Simulation<'_> {
             observation_wall_s: self.observation.wall,
             observation_cpu_s: self.observation.cpu,
             peak_memory_bytes: peak_memory(),
-            outcome,
-            cause,
-            energy_balance_rel: balance,
-            bounds_violation_rel: violation,
-            setback_rel: setback,
-            errors: Errors::default(),
-            reference: None,
-            reduced_from: None,
-            water: None,
-            stream: None,
-            wall: watches.wall_record(),
+            bounds_violation_rel: self.guard.violation(),
             spared: summary.spared,
             differences: summary.differences,
             remarks: scene.remarks.clone(),
             state_hash: self.particles.state_hash(),
+            ..Record::default()
         }
     }
 }

@@ -40,7 +40,7 @@ pub(super) fn plan(scene: &Scene, settings: &MethodSettings, set: ParticleSet) -
     let summary = PlanSummary {
         particles: count as u64,
         pairs,
-        memory: Memory { particles: particles.heap_size(), method: method.heap_size(), watches: 0 },
+        memory: Memory { particles: particles.heap_size(), method: method.heap_size(), observers: 0 },
         step_s: step,
         step_bound_s: bound.step,
         step_limit: bound.cause.clone(),

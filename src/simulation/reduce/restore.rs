@@ -7,7 +7,7 @@ use frazil_record::{Field, GapRow, MeanOver, ProfileRow, RunResult};
 use frazil_scene::Scene;
 
 use super::fold::{Fold, folded, same_direction};
-use crate::watch::rays::pairs;
+use crate::observers::rays::pairs;
 
 impl Fold {
     /// Turns what the smaller body left into what `larger`, the scene before this fold, would have left. Counts and

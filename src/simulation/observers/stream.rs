@@ -2,8 +2,10 @@
 
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::Domain;
-use frazil_record::{SectionRow, StreamRow};
-use frazil_scene::Scene;
+use frazil_record::{RunResult, SectionRow, StreamRow};
+
+use super::observer::{Cadence, End, Instants, Made, Observer, Schedule, Setup, View};
+use crate::stream::judge;
 
 /// Half the length along x over which a section is averaged, over the spacing.
 const HALF_LENGTH: f64 = 4.0;
@@ -17,8 +19,7 @@ struct Bin {
 }
 
 /// Averages across a stream.
-#[derive(Debug, Clone)]
-pub(super) struct Averages {
+struct Averages {
     between: (f64, f64),
     sections: Vec<f64>,
     half_length: f64,
@@ -28,39 +29,58 @@ pub(super) struct Averages {
     whole: Vec<Bin>,
     across: Vec<Vec<Bin>>,
     looks: f64,
+    cadence: Cadence,
+}
+
+/// The averages of a scene with a stream.
+pub(super) fn of(setup: &Setup<'_>) -> Made {
+    let (scene, particles) = (setup.scene, setup.particles);
+    let (Some(stream), Domain::Rectangle { width, height }) = (&scene.stream, scene.domain) else { return None };
+    let spacing = particles.lattice.spacing;
+    let bins = (height / spacing).round().max(1.0) as usize;
+    let averages = Averages {
+        between: stream.average,
+        sections: stream.sections.clone(),
+        half_length: HALF_LENGTH * spacing,
+        length: width,
+        height,
+        whole: vec![Bin::default(); bins],
+        across: vec![vec![Bin::default(); bins]; stream.sections.len()],
+        looks: 0.0,
+        cadence: Cadence::of(scene),
+    };
+    particles.move_about().then(|| Box::new(averages) as _)
+}
+
+impl Observer for Averages {
+    fn schedule(&self) -> Schedule {
+        let next = self.cadence.next.max(self.between.0);
+        let next = if next <= self.between.1 { next } else { f64::INFINITY };
+        Schedule { start: true, instants: Instants::None, next }
+    }
+
+    fn observe(&mut self, view: &View<'_>) {
+        self.cadence.seen(view.time);
+        if (self.between.0..=self.between.1).contains(&view.time) {
+            self.add(view.particles);
+        }
+    }
+
+    fn leave(self: Box<Self>, end: &End<'_>, result: &mut RunResult) {
+        (result.stream, result.sections) = (self.stream(end.particles), self.sections());
+        result.record.stream = judge(end.scene, &result.stream, &mut result.sections);
+    }
+
+    fn held_at_the_end(&self) -> usize {
+        let bins = self.whole.len();
+        let rows = bins * size_of::<StreamRow>() + self.sections.len() * bins * size_of::<SectionRow>();
+        rows + (1 + self.sections.len()) * bins * size_of::<Bin>()
+    }
 }
 
 impl Averages {
-    /// The averages of a scene with a stream.
-    pub(super) fn of(scene: &Scene, particles: &Particles) -> Option<Self> {
-        let (Some(stream), Domain::Rectangle { width, height }) = (&scene.stream, scene.domain) else { return None };
-        if !particles.move_about() {
-            return None;
-        }
-        let spacing = particles.lattice.spacing;
-        let bins = (height / spacing).round().max(1.0) as usize;
-        Some(Averages {
-            between: stream.average,
-            sections: stream.sections.clone(),
-            half_length: HALF_LENGTH * spacing,
-            length: width,
-            height,
-            whole: vec![Bin::default(); bins],
-            across: vec![vec![Bin::default(); bins]; stream.sections.len()],
-            looks: 0.0,
-        })
-    }
-
-    /// Whether a time is one that is averaged over.
-    pub(super) fn wants(&self, time: f64) -> bool {
-        (self.between.0..=self.between.1).contains(&time)
-    }
-
     /// Adds a state.
-    pub(super) fn look(&mut self, particles: &Particles, time: f64) {
-        if !self.wants(time) {
-            return;
-        }
+    fn add(&mut self, particles: &Particles) {
         self.looks += 1.0;
         let bins = self.whole.len();
         particles.visit(|i, place| {
@@ -81,7 +101,7 @@ impl Averages {
     }
 
     /// Velocity and density across all of the stream.
-    pub(super) fn stream(&self, particles: &Particles) -> Vec<StreamRow> {
+    fn stream(&self, particles: &Particles) -> Vec<StreamRow> {
         let bins = self.whole.len();
         let even = self.length * self.height / bins as f64 / particles.volumes.largest() * self.looks;
         let row = |(k, bin): (usize, &Bin)| StreamRow {
@@ -93,7 +113,7 @@ impl Averages {
     }
 
     /// Temperatures across the sections.
-    pub(super) fn sections(&self) -> Vec<SectionRow> {
+    fn sections(&self) -> Vec<SectionRow> {
         let bins = self.whole.len();
         let mut rows = Vec::new();
         for (x_m, across) in self.sections.iter().zip(&self.across) {

@@ -1,6 +1,7 @@
 //! Points of a body as weighted sums over its particles.
 
 use frazil_core::boundary::patch::moving_least_squares;
+use frazil_core::memory::HeapSize;
 use frazil_core::neighbours::tree::Tree;
 use frazil_core::neighbours::{NeighbourSearch, Period};
 use frazil_core::particles::Particles;
@@ -16,6 +17,12 @@ pub(super) struct Sample(pub(super) Vec<(u32, f64)>);
 impl Sample {
     pub(super) fn of(&self, value: impl Fn(usize) -> f64) -> f64 {
         self.0.iter().map(|(index, weight)| weight * value(*index as usize)).sum()
+    }
+}
+
+impl HeapSize for Sample {
+    fn heap_size(&self) -> usize {
+        self.0.heap_size()
     }
 }
 

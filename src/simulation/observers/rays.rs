@@ -1,15 +1,15 @@
-//! Planes through the wall of the first ring of pipes: rays through its pipes and between neighbours, and the gaps there.
+//! Planes through the wall of the first ring of pipes: rays through its pipes and between neighbours.
 
 use std::f64::consts::TAU;
 
+use frazil_core::memory::HeapSize;
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::Domain;
 use frazil_scene::{PipeRing, Scene};
 use glam::DVec2;
 
 use super::loops::{SAME, neighbours, turn};
-use super::wall::{Joint, Way};
-use super::{Sample, Sampler};
+use super::sampler::{Sample, Sampler};
 
 /// A ray of evenly spaced samples.
 #[derive(Debug, Clone)]
@@ -21,35 +21,20 @@ pub(super) struct Ray {
     pub(super) samples: Vec<Sample>,
 }
 
-/// A gap between two pipes and whether it has closed.
-#[derive(Debug, Clone)]
-pub(super) struct Gap {
-    pub(super) number: usize,
-    /// Names of its pipes.
-    pub(super) ends: [String; 2],
-    pub(super) angle: f64,
-    pub(super) multiplicity: usize,
-    pub(super) joint: Joint,
-}
-
-/// Rays and gaps of the first ring, those of the part of the plan that is run.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Planes {
-    /// Rays through the pipes that are there.
-    pub(super) main: Vec<Ray>,
-    /// Rays between neighbours.
-    pub(super) interface: Vec<Ray>,
-    pub(super) gaps: Vec<Gap>,
+impl HeapSize for Ray {
+    fn heap_size(&self) -> usize {
+        self.radii.heap_size() + self.samples.heap_size()
+    }
 }
 
 /// Two neighbours of a ring, anticlockwise as the centre sees them.
 pub(crate) struct Pair {
     numbers: [usize; 2],
     /// Where the arc between them is half-way, or else the line (m).
-    middle: DVec2,
+    pub(super) middle: DVec2,
     /// Outwards, across the line between them.
-    across: DVec2,
-    distance: f64,
+    pub(super) across: DVec2,
+    pub(super) distance: f64,
     /// Whether the line between them is seen from the centre at all, and not along itself.
     seen: bool,
 }
@@ -71,10 +56,11 @@ impl Pair {
     }
 }
 
-/// The planes of a scene. Walls are measured on the first ring; others are part of the layout around it.
-pub(super) fn planes(scene: &Scene, sampler: &Sampler<'_>) -> Planes {
+/// Rays through the pipes of the first ring that are there, and between its neighbours, in the part of the plan that is run. Walls
+/// are measured on that ring; others are part of the layout around it.
+pub(super) fn rays(scene: &Scene, sampler: &Sampler<'_>) -> [Vec<Ray>; 2] {
     let (Domain::Ring { outer_radius: outer, sector }, Some(ring)) = (&scene.domain, scene.rings.first()) else {
-        return Planes::default();
+        return [Vec::new(), Vec::new()];
     };
     let (outer, spacing) = (*outer, sampler.lattice.spacing);
     let angle = |place: DVec2| place.to_angle().rem_euclid(TAU);
@@ -85,31 +71,11 @@ pub(super) fn planes(scene: &Scene, sampler: &Sampler<'_>) -> Planes {
         let samples = radii.iter().map(|radius| sampler.sample(direction * *radius)).collect();
         Ray { multiplicity: sector.multiplicity(angle(place)), direction, radii, samples }
     };
-    let mut planes = Planes::default();
     let off_centre = |place: &DVec2| place.length() > SAME * outer;
-    let held = |place: DVec2| sector.holds(angle(place));
+    let held = |place: &DVec2| sector.holds(angle(*place));
     let pipes = ring.numbers().map(|k| ring.place(k)).filter(off_centre);
-    planes.main.extend(pipes.filter(|place| held(*place)).map(ray));
-    for pair in pairs(ring).into_iter().filter(|pair| held(pair.middle)) {
-        if pair.seen {
-            planes.interface.push(ray(pair.middle));
-        }
-        // Columns meet a little inside the ring; look where they can.
-        let (from, to) = (-0.5 * pair.distance, 0.3 * pair.distance);
-        let count = ((to - from) / (0.25 * spacing)).ceil().max(1.0) as usize;
-        let places = (0..=count).map(|k| pair.middle + (from + (to - from) * k as f64 / count as f64) * pair.across);
-        // Not beyond the centre, nor the outer wall.
-        let near = places.filter(|place| place.length() <= outer && place.dot(pair.middle) >= 0.0);
-        let ways = near.map(|place| Way::Through(sampler.sample(place), Vec::new())).collect();
-        planes.gaps.push(Gap {
-            number: pair.first(),
-            ends: pair.names(),
-            angle: pair.angle(),
-            multiplicity: sector.multiplicity(pair.angle()),
-            joint: Joint::new(ways),
-        });
-    }
-    planes
+    let between = pairs(ring).into_iter().filter(|pair| pair.seen).map(|pair| pair.middle);
+    [pipes.filter(held).map(ray).collect(), between.filter(held).map(ray).collect()]
 }
 
 /// Neighbours of a ring, in order of the first of each pair.

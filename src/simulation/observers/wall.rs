@@ -2,107 +2,27 @@
 //! the centre and how thick it is where it is weakest, and sections of it.
 
 use frazil_core::boundary::pipe::Extent;
-use frazil_core::ledger::Ledger;
-use frazil_core::memory::HeapSize;
+use frazil_core::memory::total;
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::{Domain, Sector};
-use frazil_record::{LinkRow, PlaneRow, WallRecord};
+use frazil_record::{LinkRow, PlaneRow, RunResult, WallRecord, WallRow};
 use frazil_scene::Scene;
 use glam::DVec2;
 
+use super::joint::{Joint, Way, is_sharp};
 use super::loops::{closure, neighbours};
+use super::observer::{Cadence, End, Made, Moment, Observer, Schedule, Setup, View, room};
 use super::passage::{Passage, PassageFinder};
+use super::rays::{Ray, frozen_length, rays};
+use super::sampler::Sampler;
 use super::standing::Standing;
 use super::sunk::{FrozenIn, Sunk, frozen_in};
-use super::{Ray, Sample, Sampler};
 
 /// Two places that are the same, over the size of the plan.
 pub(super) const SAME_PLACE: f64 = 1e-9;
 
 /// Bends of ways that are tried to either side of the straight one, at most.
 const MOST_BENDS: f64 = 16.0;
-
-/// Openness of a place that the tip of open ground between two frozen bodies is leaving, over the difference of openness one
-/// spacing to either side of it, behind the tip and ahead: a tip is a parabola, as wide as the root of the distance from it, so with
-/// it at the place the cell there holds the integral of the root from 0 to 1/2, and the next one that from 1/2 to 3/2.
-const AT_A_TIP: f64 = 0.25;
-
-/// Places that all have to freeze for a way through them to be frozen.
-#[derive(Debug, Clone)]
-pub(super) enum Way {
-    /// The place half-way, likely to be the last, and the others.
-    Through(Sample, Vec<Sample>),
-    /// One place that a tip of open ground is leaving, and places a spacing to either side of it.
-    Tip(Sample, [Sample; 2]),
-}
-
-impl Way {
-    /// The greatest of a value along the way; less is not sought than a greatest value that is known.
-    fn greatest(&self, known: f64, value: impl Fn(&Sample) -> f64) -> f64 {
-        match self {
-            Way::Through(gate, rest) => {
-                let mut greatest = value(gate);
-                for sample in rest {
-                    if greatest >= known {
-                        break;
-                    }
-                    greatest = greatest.max(value(sample));
-                }
-                greatest
-            }
-            Way::Tip(place, [before, behind]) => {
-                let open = |sample: &Sample| value(sample).clamp(0.0, 1.0);
-                value(place) - AT_A_TIP * (open(before) - open(behind)).abs()
-            }
-        }
-    }
-}
-
-impl HeapSize for Way {
-    fn heap_size(&self) -> usize {
-        match self {
-            Way::Through(gate, rest) => gate.heap_size() + rest.heap_size(),
-            Way::Tip(place, beside) => place.heap_size() + beside.iter().map(HeapSize::heap_size).sum::<usize>(),
-        }
-    }
-}
-
-/// Ways of which the first to freeze joins two frozen bodies.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Joint {
-    ways: Vec<Way>,
-    /// Time and openness at the last look: positive while open.
-    last: Option<(f64, f64)>,
-    pub(super) closed: Option<f64>,
-}
-
-impl Joint {
-    pub(super) fn new(ways: Vec<Way>) -> Self {
-        Joint { ways, ..Joint::default() }
-    }
-
-    /// How far it is from being closed: positive while open.
-    pub(super) fn openness(&self, value: impl Fn(&Sample) -> f64) -> f64 {
-        self.ways.iter().fold(f64::INFINITY, |least, way| least.min(way.greatest(least, &value)))
-    }
-
-    /// Takes how far it is from being closed at a time. The instant of closing is interpolated between looks.
-    pub(super) fn look(&mut self, time: f64, now: f64) {
-        if now <= 0.0 {
-            self.closed = Some(match self.last {
-                Some((before, open)) if open > 0.0 => before + (time - before) * open / (open - now),
-                _ => time,
-            });
-        }
-        self.last = Some((time, now));
-    }
-}
-
-impl HeapSize for Joint {
-    fn heap_size(&self) -> usize {
-        self.ways.heap_size()
-    }
-}
 
 /// Two neighbouring pipes.
 #[derive(Debug, Clone)]
@@ -124,18 +44,24 @@ struct Place {
     at: DVec2,
 }
 
-/// Neighbouring pipes and their joints.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Wall {
+/// Rays through the wall of the first ring, and neighbouring pipes and their joints.
+struct Wall {
+    /// Rays through its pipes and between them.
+    rays: [Vec<Ray>; 2],
+    /// Pipes of the whole plan, and how often the part that is run is in it.
+    pipe_count: usize,
+    images: f64,
+    rows: Vec<WallRow>,
+    cadence: Cadence,
     places: Vec<Place>,
     links: Vec<Link>,
     /// Lines between pipes, as mirrors bring them into the part of the plan that is run.
     lines: Vec<[DVec2; 2]>,
-    pub(super) joints: Vec<Joint>,
+    joints: Vec<Joint>,
     /// Rings of pipes, as the wall around them is read.
     rings: Vec<Sunk>,
     /// Sections of the wall over time.
-    pub(super) planes: Vec<PlaneRow>,
+    planes: Vec<PlaneRow>,
     /// What finds the least frozen way through it.
     finder: PassageFinder,
     /// Whether its ground freezes at one temperature.
@@ -155,78 +81,89 @@ struct Weakest {
     mean_temperature: Option<f64>,
 }
 
+pub(super) fn of(setup: &Setup<'_>) -> Made {
+    let (scene, sampler, outputs) = (setup.scene, setup.sampler(), setup.outputs());
+    let Domain::Ring { sector, .. } = scene.domain else { return None };
+    let rays = rays(scene, &sampler);
+    let mut wall = Wall {
+        pipe_count: scene.rings.iter().map(|ring| ring.numbers().count()).sum(),
+        images: setup.images(),
+        rows: Vec::with_capacity(if rays[0].is_empty() { 0 } else { outputs }),
+        rays,
+        cadence: Cadence::of(scene),
+        places: Vec::new(),
+        links: Vec::new(),
+        lines: Vec::new(),
+        joints: Vec::new(),
+        rings: Vec::new(),
+        planes: Vec::new(),
+        finder: PassageFinder::default(),
+        sharp: is_sharp(scene),
+        standing: Standing::default(),
+        weakest: None,
+    };
+    if scene.watch.frozen_wall {
+        wall.link(scene, sector, &sampler, setup.pipes);
+        wall.planes.reserve_exact(4 * outputs);
+    }
+    (!wall.rays[0].is_empty() || !wall.places.is_empty()).then(|| Box::new(wall) as _)
+}
+
 impl Wall {
-    /// The neighbouring pipes of a scene that asks for them.
-    pub(super) fn of(scene: &Scene, sampler: &Sampler<'_>, pipes: &[Extent]) -> Self {
-        let Domain::Ring { sector, .. } = scene.domain else { return Wall::default() };
-        if !scene.watch.frozen_wall {
-            return Wall::default();
-        }
-        let mut places = Vec::new();
+    /// Watches neighbouring pipes.
+    fn link(&mut self, scene: &Scene, sector: Sector, sampler: &Sampler<'_>, pipes: &[Extent]) {
         for (number, ring) in scene.rings.iter().enumerate() {
             let name = |k: usize| format!("{}.{}", number + 1, k + 1);
-            places.extend(ring.numbers().map(|k| Place { name: name(k), at: ring.place(k) }));
+            self.places.extend(ring.numbers().map(|k| Place { name: name(k), at: ring.place(k) }));
         }
-        let mut rings = vec![Sunk::default(); scene.rings.len()];
+        self.rings = vec![Sunk::default(); scene.rings.len()];
         for pipe in pipes {
-            rings[pipe.ring].pipes.push(*pipe);
+            self.rings[pipe.ring].pipes.push(*pipe);
             let inside = |i: &u32| sampler.lattice.position(*i as usize).distance(pipe.centre) <= pipe.half_width;
-            rings[pipe.ring].near.extend(pipe.particles(sampler.lattice).into_iter().filter(inside));
+            self.rings[pipe.ring].near.extend(pipe.particles(sampler.lattice).into_iter().filter(inside));
         }
-        let sharp = scene.materials[0].is_sharp();
-        let finder = PassageFinder::over(sampler.lattice);
-        let mut wall = Wall { places, rings, finder, sharp, ..Wall::default() };
-        let stand: Vec<DVec2> = wall.places.iter().map(|place| place.at).collect();
+        self.finder = PassageFinder::over(sampler.lattice);
+        let stand: Vec<DVec2> = self.places.iter().map(|place| place.at).collect();
         let mut joints: Vec<(usize, Option<usize>)> = Vec::new();
         for ends in neighbours(&stand) {
-            let line = folded(ends.map(|end| wall.places[end].at), sector);
+            let line = folded(ends.map(|end| self.places[end].at), sector);
             let same = |a: DVec2, b: DVec2| a.distance(b) <= SAME_PLACE * scene.domain.extent();
-            let known = wall.lines.iter().position(|other| {
+            let known = self.lines.iter().position(|other| {
                 (same(line[0], other[0]) && same(line[1], other[1]))
                     || (same(line[0], other[1]) && same(line[1], other[0]))
             });
             let number = known.unwrap_or_else(|| {
-                wall.lines.push(line);
+                self.lines.push(line);
                 let middle = 0.5 * (line[0] + line[1]);
-                wall.joints.push(Joint::new(ways(line, sampler)));
-                joints.push((wall.joints.len() - 1, None));
+                self.joints.push(Joint::new(ways(line, sampler)));
+                joints.push((self.joints.len() - 1, None));
                 if (line[0].length() - line[1].length()).abs() <= SAME_PLACE * scene.domain.extent() {
                     let outwards = middle.normalize_or_zero();
                     let arc = line[0].length() * outwards;
                     let step = sampler.lattice.spacing * outwards;
                     // Half frozen ground, by which other laws are judged, passes a place like any level.
-                    let way = match sharp {
+                    let way = match self.sharp {
                         true => {
                             Way::Tip(sampler.sample(arc), [arc - step, arc + step].map(|place| sampler.sample(place)))
                         }
                         false => Way::Through(sampler.sample(arc), Vec::new()),
                     };
-                    wall.joints.push(Joint::new(vec![way]));
-                    joints[wall.lines.len() - 1].1 = Some(wall.joints.len() - 1);
+                    self.joints.push(Joint::new(vec![way]));
+                    joints[self.lines.len() - 1].1 = Some(self.joints.len() - 1);
                 }
-                wall.lines.len() - 1
+                self.lines.len() - 1
             });
             let (joint, arc) = joints[number];
-            wall.links.push(Link { ends, joint, line: number, arc });
+            self.links.push(Link { ends, joint, line: number, arc });
         }
-        wall
     }
 
     /// Takes sections of the wall at a time: along the first rays through a pipe and between two, and of all that is frozen.
-    pub(super) fn output(
-        &mut self,
-        rays: [&[Ray]; 2],
-        scene: &Scene,
-        particles: &Particles,
-        ledger: &Ledger,
-        time: f64,
-    ) {
-        if self.places.is_empty() {
-            return;
-        }
-        let pipes = frozen_in(&self.rings, scene, particles, ledger, time);
-        for (plane, ray) in ["main", "interface"].into_iter().zip(rays.map(<[Ray]>::first)) {
-            let Some(ray) = ray else { continue };
+    fn sections(&mut self, view: &View<'_>) {
+        let (particles, time) = (view.particles, view.time);
+        let pipes = frozen_in(&self.rings, view.scene, particles, view.ledger, time);
+        for (plane, rays) in ["main", "interface"].into_iter().zip(&self.rays) {
+            let Some(ray) = rays.first() else { continue };
             let fraction: Vec<f64> =
                 ray.samples.iter().map(|sample| sample.of(|i| particles.frozen_fraction(i))).collect();
             let mut temperature: Vec<f64> =
@@ -246,7 +183,7 @@ impl Wall {
         }
         let area: f64 = pipes.iter().map(FrozenIn::area).sum();
         let excess: f64 = pipes.iter().map(FrozenIn::excess).sum();
-        let frozen = particles.integral(|i| particles.frozen_fraction(i)) - area;
+        let frozen = view.frozen() - area;
         let weighted = particles.integral(|i| particles.frozen_fraction(i) * particles.frozen_reading(i)) - excess;
         let mean_temperature_c = (frozen > 0.0).then(|| weighted / frozen);
         self.planes.push(PlaneRow {
@@ -261,7 +198,7 @@ impl Wall {
     }
 
     /// Takes the wall where it is weakest at a time: whether it stands closed, and how thick it is (m); none where it is not watched.
-    pub(super) fn stand(&mut self, particles: &Particles, time: f64) -> Option<(bool, f64)> {
+    fn stand(&mut self, particles: &Particles, time: f64) -> Option<(bool, f64)> {
         if self.places.is_empty() {
             return None;
         }
@@ -348,8 +285,26 @@ impl Wall {
         crossed.reduce(|best, link| if closed(link) > closed(best) { link } else { best })
     }
 
+    /// Takes thicknesses, what is frozen and what a pipe takes.
+    fn row(&mut self, view: &View<'_>, stand: Option<(bool, f64)>) {
+        let [main, interface] = self.rays.each_ref().map(|rays| mean_length(rays, view.particles));
+        let heat = -view.ledger.rings().sum::<f64>();
+        self.rows.push(WallRow {
+            time_s: view.time,
+            thickness_main_mean_m: main,
+            thickness_main_mean_ref_m: None,
+            thickness_interface_mean_m: interface,
+            thickness_interface_mean_ref_m: None,
+            frozen_area_m2: view.frozen() * self.images,
+            frozen_area_ref_m2: None,
+            heat_per_pipe_w_per_m: heat / (self.pipe_count as f64 / self.images),
+            closed: stand.map(|(closed, _)| closed),
+            thickness_weakest_m: stand.map(|(_, thickness)| thickness),
+        });
+    }
+
     /// All links.
-    pub(super) fn rows(&self) -> Vec<LinkRow> {
+    fn link_rows(&self) -> Vec<LinkRow> {
         let rows = self.links.iter().map(|link| {
             let [a, b] = link.ends.map(|end| &self.places[end]);
             let middle = 0.5 * (a.at + b.at);
@@ -367,7 +322,7 @@ impl Wall {
     }
 
     /// What has become of the wall; none where it was not watched.
-    pub(super) fn record(&self) -> Option<WallRecord> {
+    fn record(&self) -> Option<WallRecord> {
         if self.places.is_empty() {
             return None;
         }
@@ -387,10 +342,47 @@ impl Wall {
     }
 }
 
-impl HeapSize for Wall {
-    fn heap_size(&self) -> usize {
-        self.joints.iter().map(HeapSize::heap_size).sum::<usize>() + self.finder.heap_size()
+impl Observer for Wall {
+    fn schedule(&self) -> Schedule {
+        let next = if self.joints.is_empty() { f64::INFINITY } else { self.cadence.next };
+        Schedule { start: true, next, ..Schedule::OUTPUTS }
     }
+
+    fn observe(&mut self, view: &View<'_>) {
+        if !matches!(view.moment, Moment::Output { .. }) {
+            self.cadence.seen(view.time);
+            self.joints.iter_mut().for_each(|joint| joint.look(view.particles, self.sharp, view.time));
+            return;
+        }
+        let stand = self.stand(view.particles, view.time);
+        if !self.rays[0].is_empty() {
+            self.row(view, stand);
+        }
+        if !self.places.is_empty() {
+            self.sections(view);
+        }
+    }
+
+    fn has_crossed(&self, particles: &Particles) -> bool {
+        self.joints.iter().any(|joint| joint.closes(particles, self.sharp))
+    }
+
+    fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {
+        (result.links, result.record.wall) = (self.link_rows(), self.record());
+        (result.walls, result.planes) = (self.rows, self.planes);
+    }
+
+    fn held_at_the_end(&self) -> usize {
+        let names = self.planes.capacity() * "interface".len();
+        room(&self.rows) + room(&self.planes) + names + total(&[&self.rays, &self.joints, &self.finder])
+    }
+}
+
+/// Mean frozen length over rays (m), each for all that it stands for.
+fn mean_length(rays: &[Ray], particles: &Particles) -> f64 {
+    let weights: usize = rays.iter().map(|ray| ray.multiplicity).sum();
+    let lengths = rays.iter().map(|ray| ray.multiplicity as f64 * frozen_length(ray, particles));
+    lengths.sum::<f64>() / weights.max(1) as f64
 }
 
 /// Ways from one pipe to another: straight to a point half-way between both, and straight on.

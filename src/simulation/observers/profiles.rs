@@ -3,23 +3,76 @@
 use frazil_core::memory::total;
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::{Domain, Surface};
-use frazil_record::{MeanOver, ProfileRow};
+use frazil_record::{MeanOver, ProfileRow, RunResult};
 use frazil_scene::{FreezingDirection, Scene};
 use glam::DVec2;
 
-use super::rays::Ray;
+use super::observer::{End, Instants, Made, Observer, Schedule, Setup, View, room};
+use super::rays::{Ray, rays};
 use super::sampler::{Sample, Sampler};
+
+struct Profiles {
+    direction: Option<FreezingDirection>,
+    /// How far from where a plane front starts (m).
+    length: f64,
+    /// Lines along which profiles are kept, beside means over layers.
+    lines: Vec<Line>,
+    rows: Vec<ProfileRow>,
+}
+
+pub(super) fn of(setup: &Setup<'_>) -> Made {
+    let (scene, particles, sampler) = (setup.scene, setup.particles, setup.sampler());
+    let direction = scene.freezing_direction();
+    let mut lines = Line::all(scene, particles, &sampler);
+    for (rays, plane) in rays(scene, &sampler).iter().zip(["main", "interface"]) {
+        lines.extend(rays.first().map(|ray| Line::along(plane, ray)));
+    }
+    if direction.is_none() && lines.is_empty() {
+        return None;
+    }
+    let length = scene.watch.profile_length.or(direction.map(|direction| direction.length)).unwrap_or(0.0);
+    let spacing = particles.lattice.spacing;
+    let layers =
+        direction.map_or(0.0, |direction| (direction.length / spacing).round().min((length / spacing + 0.5).floor()));
+    let points = layers as usize + lines.iter().map(|line| line.along.len()).sum::<usize>();
+    Some(Box::new(Profiles { direction, length, lines, rows: Vec::with_capacity(points * setup.profiles()) }))
+}
+
+impl Observer for Profiles {
+    fn schedule(&self) -> Schedule {
+        Schedule { instants: Instants::Profiles, ..Schedule::OUTPUTS }
+    }
+
+    fn observe(&mut self, view: &View<'_>) {
+        let (particles, dimension) = (view.particles, view.scene.domain.dimension());
+        if let Some(direction) = &self.direction {
+            self.rows.extend(layers(particles, direction, self.length, view.time, dimension));
+        }
+        for line in &self.lines {
+            line.read(dimension, particles, view.time, &mut self.rows);
+        }
+    }
+
+    fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {
+        result.profiles = self.rows;
+    }
+
+    fn held_at_the_end(&self) -> usize {
+        let lines: usize = self.lines.iter().map(Line::heap_size).sum();
+        lines + room(&self.rows) + self.rows.capacity() * "line".len()
+    }
+}
 
 /// A line of points at which a body is read.
 #[derive(Debug, Clone)]
-pub(super) struct Line {
+struct Line {
     /// Name in the series: `radius`, `main`, `interface`, or as `z=0.4`.
-    pub(super) plane: String,
+    plane: String,
     /// Places along the line (m).
-    pub(super) along: Vec<f64>,
+    along: Vec<f64>,
     /// The same in coordinates of the scene (m).
     places: Vec<DVec2>,
-    pub(super) samples: Vec<Sample>,
+    samples: Vec<Sample>,
 }
 
 impl Line {
@@ -30,13 +83,13 @@ impl Line {
     }
 
     /// A ray from the centre.
-    pub(super) fn along(plane: &str, ray: &Ray) -> Self {
+    fn along(plane: &str, ray: &Ray) -> Self {
         let places = ray.radii.iter().map(|radius| *radius * ray.direction).collect();
         Line { plane: plane.to_owned(), along: ray.radii.clone(), places, samples: ray.samples.clone() }
     }
 
     /// The lines of a scene: of a radial body the whole radius, of others the cuts that it has.
-    pub(super) fn all(scene: &Scene, particles: &Particles, sampler: &Sampler<'_>) -> Vec<Line> {
+    fn all(scene: &Scene, particles: &Particles, sampler: &Sampler<'_>) -> Vec<Line> {
         if let Domain::Radial { .. } = scene.domain {
             let lattice = &particles.lattice;
             let radii = (0..lattice.columns).map(|column| lattice.centre(column as i64, 0).x);
@@ -47,7 +100,7 @@ impl Line {
     }
 
     /// Adds temperatures and frozen fractions along the line; of ground that is there.
-    pub(super) fn read(&self, dimension: usize, particles: &Particles, time: f64, rows: &mut Vec<ProfileRow>) {
+    fn read(&self, dimension: usize, particles: &Particles, time: f64, rows: &mut Vec<ProfileRow>) {
         // Samples are of particles that stay where they are.
         let moved = particles.move_about().then(|| Sampler::free(particles).samples(&self.places));
         let samples = moved.as_ref().unwrap_or(&self.samples);
@@ -68,7 +121,7 @@ impl Line {
     }
 
     /// Bytes on the heap.
-    pub(super) fn heap_size(&self) -> usize {
+    fn heap_size(&self) -> usize {
         total(&[&self.plane, &self.along, &self.places, &self.samples])
     }
 }

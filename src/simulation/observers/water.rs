@@ -1,13 +1,14 @@
-//! What a run with water leaves beside the series of all runs, and how wrong it is.
+//! The water of a run: what it leaves beside the series of all runs, and how wrong it is.
 
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
-use frazil_core::solvers::solver::{Solver, Water};
+use frazil_core::solvers::solver::Water;
 use frazil_core::space::domain::Domain;
-use frazil_record::{CutRow, FlowPoint, WaterRecord, WaterRow, WaterSeries};
+use frazil_record::{CutRow, FlowPoint, RunResult, WaterRecord, WaterRow, WaterSeries};
 use frazil_scene::Scene;
 use frazil_scene::region::Cell;
 
+use super::observer::{End, Made, Moment, Observer, Schedule, Setup, View};
 use crate::reference::Reference;
 
 /// Distance (m) over which the pressure beside ice is not compared with a reference: it follows the staircase of the
@@ -18,44 +19,69 @@ const BESIDE_ICE: f64 = 0.015;
 /// region cuts, but not from the shape.
 const ICE_FROM: f64 = 1.0 / 60.0;
 
-/// Watches the water of a run.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct WaterWatch {
-    /// What it has seen.
-    pub series: WaterSeries,
+/// The water of a run.
+#[derive(Default)]
+struct WaterWatch {
+    series: WaterSeries,
+    /// Ice of the scene at its start.
     started_with: f64,
     last: Option<Water>,
+    /// Whether maps are kept.
+    maps: bool,
+    /// Instants of output and of profiles, and particles.
+    counts: (usize, usize, usize),
 }
 
-impl WaterWatch {
-    /// The watch of a scene at its start, if water flows.
-    pub fn new(scene: &Scene, particles: &Particles, method: &dyn Solver, maps: bool) -> Option<Self> {
-        let water = scene.flow.as_ref().and(method.water(particles))?;
-        // A particle that the edge of a region cuts starts as a mixture, in which ice has thawed already.
-        let mut ice = 0.0;
-        particles.visit(|i, place| {
-            let porosity = scene.materials[particles.materials.index(i)].pores.map_or(0.0, |pores| pores.porosity);
-            let curve = &particles.materials.of(i).curve;
-            for (temperature, share) in scene.starts_in(&Cell::around(place, particles.lattice.spacing)) {
-                ice += share * porosity * (1.0 - curve.unfrozen_fraction(temperature));
-            }
-        });
-        let mut watch = WaterWatch { started_with: ice * particles.volumes.unit(), ..WaterWatch::default() };
-        watch.row(particles, &water, method.ledger(), 0.0);
-        watch.keep(scene, particles, method, 0.0, maps);
-        Some(watch)
+pub(super) fn of(setup: &Setup<'_>) -> Made {
+    let (scene, particles) = (setup.scene, setup.particles);
+    scene.flow.as_ref()?;
+    // A particle that the edge of a region cuts starts as a mixture, in which ice has thawed already.
+    let mut ice = 0.0;
+    particles.visit(|i, place| {
+        let porosity = scene.materials[particles.materials.index(i)].pores.map_or(0.0, |pores| pores.porosity);
+        let curve = &particles.materials.of(i).curve;
+        for (temperature, share) in scene.starts_in(&Cell::around(place, particles.lattice.spacing)) {
+            ice += share * porosity * (1.0 - curve.unfrozen_fraction(temperature));
+        }
+    });
+    let counts = (setup.outputs() + 1, setup.profiles() + 1, particles.len());
+    let started_with = ice * particles.volumes.unit();
+    Some(Box::new(WaterWatch { started_with, maps: setup.maps, counts, ..WaterWatch::default() }))
+}
+
+impl Observer for WaterWatch {
+    fn schedule(&self) -> Schedule {
+        Schedule { start: true, ..Schedule::OUTPUTS }
     }
 
-    /// Takes what is due at an output.
-    pub fn output(&mut self, scene: &Scene, particles: &Particles, method: &dyn Solver, time: f64, maps: bool) {
-        let Some(water) = method.water(particles) else { return };
-        self.row(particles, &water, method.ledger(), time);
+    fn observe(&mut self, view: &View<'_>) {
+        let Some(water) = view.method.water(view.particles) else { return };
+        self.row(view.particles, &water, view.ledger, view.time);
+        if view.moment == Moment::Start {
+            self.keep(view);
+            return;
+        }
         self.last = Some(water);
-        if scene.watch.profiles.iter().any(|wanted| (wanted - time).abs() <= 1e-9 * scene.duration) {
-            self.keep(scene, particles, method, time, maps);
+        if view.is_kept() {
+            self.keep(view);
         }
     }
 
+    fn leave(mut self: Box<Self>, end: &End<'_>, result: &mut RunResult) {
+        if !self.series.rows.is_empty() {
+            result.record.water = Some(self.judge(end.scene, end.reference.map(|found| found.as_ref())));
+            result.water = Some(self.series);
+        }
+    }
+
+    fn held_at_the_end(&self) -> usize {
+        let (outputs, profiles, particles) = self.counts;
+        let points = if self.maps { profiles * particles } else { 0 };
+        outputs * size_of::<WaterRow>() + points * size_of::<FlowPoint>()
+    }
+}
+
+impl WaterWatch {
     fn row(&mut self, particles: &Particles, water: &Water, ledger: &Ledger, time_s: f64) {
         let coldest = (0..particles.len()).map(|i| particles.temperature(i)).fold(f64::INFINITY, f64::min);
         let walls = ledger.rate().len() - 1;
@@ -74,8 +100,9 @@ impl WaterWatch {
     }
 
     /// Keeps the cut and the map.
-    fn keep(&mut self, scene: &Scene, particles: &Particles, method: &dyn Solver, time_s: f64, maps: bool) {
-        let Some((pressure, velocity)) = method.water_fields() else { return };
+    fn keep(&mut self, view: &View<'_>) {
+        let View { scene, particles, time: time_s, .. } = *view;
+        let Some((pressure, velocity)) = view.method.water_fields() else { return };
         if let (Some(y), Domain::Rectangle { .. }) = (scene.flow.as_ref().and_then(|flow| flow.cut), scene.domain) {
             let lattice = &particles.lattice;
             let row = ((y - lattice.corner.y) / lattice.spacing - 0.5).clamp(0.0, lattice.rows as f64 - 1.0);
@@ -96,7 +123,7 @@ impl WaterWatch {
                 });
             }
         }
-        if maps {
+        if self.maps {
             particles.visit(|i, place| {
                 self.series.maps.push(FlowPoint {
                     time_s,
@@ -113,7 +140,7 @@ impl WaterWatch {
     }
 
     /// What the record says of the water; fills the columns of the reference.
-    pub fn judge(&mut self, scene: &Scene, reference: Option<&dyn Reference>) -> WaterRecord {
+    fn judge(&mut self, scene: &Scene, reference: Option<&dyn Reference>) -> WaterRecord {
         let mut record = WaterRecord::default();
         if let Some(water) = &self.last {
             record.owed_rel = water.owed;

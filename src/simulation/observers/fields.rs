@@ -2,26 +2,76 @@
 
 use frazil_core::particles::Particles;
 use frazil_core::space::lattice::Lattice;
-use frazil_record::Field;
+use frazil_record::{Field, RunResult};
+use frazil_scene::{PipeRing, Scene};
 use glam::DVec2;
+
+use super::observer::{End, Instants, Made, Observer, Schedule, Setup, View, room};
 
 /// Largest number of cells of a kept field along one direction.
 const FIELD_CELLS: usize = 400;
 
+/// The map of a state of a scene, as fields are kept.
+pub fn map(scene: &Scene, particles: &Particles, time: f64) -> Field {
+    field(particles, time, field_radius(scene))
+}
+
+/// Radius (m) around the origin within which maps are kept: beyond the pipes as far as a wall comes to; zero for all of the body.
+fn field_radius(scene: &Scene) -> f64 {
+    let apart = |ring: &PipeRing| 2.0 * ring.ring_radius * (std::f64::consts::PI / ring.count as f64).sin();
+    let reach = |ring: &PipeRing| (1.6 * ring.ring_radius).max(ring.ring_radius + 1.5 * apart(ring));
+    scene.rings.iter().map(reach).fold(0.0, f64::max)
+}
+
+struct Fields {
+    radius: f64,
+    /// Cells of one of them.
+    cells: usize,
+    fields: Vec<Field>,
+}
+
+pub(super) fn of(setup: &Setup<'_>) -> Made {
+    let wanted = setup.maps && setup.scene.domain.dimension() == 2;
+    let radius = field_radius(setup.scene);
+    let Grid { nx, ny, .. } = grid(&setup.particles.lattice, radius);
+    let fields = Vec::with_capacity(setup.profiles());
+    wanted.then(|| Box::new(Fields { radius, cells: nx * ny, fields }) as _)
+}
+
+impl Observer for Fields {
+    fn schedule(&self) -> Schedule {
+        Schedule { instants: Instants::Profiles, ..Schedule::OUTPUTS }
+    }
+
+    fn observe(&mut self, view: &View<'_>) {
+        self.fields.push(field(view.particles, view.time, self.radius));
+    }
+
+    fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {
+        result.fields = self.fields;
+    }
+
+    fn held_at_the_end(&self) -> usize {
+        let kept = 2 * self.fields.capacity() * self.cells * size_of::<f64>();
+        // The sums from which a field is taken.
+        room(&self.fields) + kept + self.cells * size_of::<(f64, f64, usize)>()
+    }
+}
+
 /// Cells of a kept field.
-pub(super) struct Grid {
+struct Grid {
     /// Lower left corner (m).
     least: DVec2,
     /// Cell size (m).
     spacing: f64,
     /// Columns.
-    pub(super) nx: usize,
+    nx: usize,
     /// Rows.
-    pub(super) ny: usize,
+    ny: usize,
 }
 
 /// The grid of fields over a lattice, of at most [`FIELD_CELLS`] cells a side, within `radius` (m) if that is not zero.
-pub(super) fn grid(lattice: &Lattice, radius: f64) -> Grid {
+fn grid(lattice: &Lattice, radius: f64) -> Grid {
     let within = |extent: f64| if radius > 0.0 { extent.min(radius) } else { extent };
     let least = DVec2::new(-within(-lattice.corner.x), -within(-lattice.corner.y));
     let most = lattice.corner + lattice.spacing * DVec2::new(lattice.columns as f64, lattice.rows as f64);
@@ -33,7 +83,7 @@ pub(super) fn grid(lattice: &Lattice, radius: f64) -> Grid {
 }
 
 /// Temperatures on a grid of at most [`FIELD_CELLS`] cells a side; particles off the lattice fill their nearest cell.
-pub(super) fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
+fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
     let Grid { least, spacing, nx, ny } = grid(&particles.lattice, radius);
     let mut sums = vec![(0.0, 0usize, 0.0, 0usize); nx * ny];
     particles.visit(|i, place| {

@@ -1,0 +1,97 @@
+//! Observers: what is read off the particles between steps, and never inside one.
+
+mod budget;
+mod corners;
+mod fields;
+mod front;
+mod frozen;
+mod gaps;
+mod joint;
+pub(crate) mod loops;
+pub(crate) mod observer;
+mod passage;
+mod phases;
+mod probes;
+mod profiles;
+pub(crate) mod rays;
+mod sampler;
+mod shells;
+mod standing;
+mod stream;
+mod sunk;
+mod surfaces;
+mod wall;
+mod water;
+
+use frazil_core::particles::Particles;
+use frazil_record::RunResult;
+
+use crate::monotonicity;
+use observer::{End, Made, Observer, Setup, View};
+
+pub use fields::map;
+
+/// Makes each observer, where a scene needs it.
+const OBSERVERS: [fn(&Setup<'_>) -> Made; 13] = [
+    monotonicity::of,
+    front::of,
+    frozen::of,
+    phases::of,
+    stream::of,
+    surfaces::of,
+    profiles::of,
+    probes::of,
+    budget::of,
+    gaps::of,
+    wall::of,
+    fields::of,
+    water::of,
+];
+
+/// The observers of a run.
+pub(crate) struct Observers {
+    all: Vec<Box<dyn Observer>>,
+    /// The earliest time (s) at which one of them wants to see a state between outputs.
+    next: f64,
+}
+
+impl Observers {
+    /// Those that a scene needs.
+    pub(crate) fn new(setup: &Setup<'_>) -> Self {
+        let all = OBSERVERS.iter().filter_map(|of| of(setup)).collect();
+        let mut observers = Observers { all, next: f64::INFINITY };
+        observers.plan();
+        observers
+    }
+
+    fn plan(&mut self) {
+        self.next = self.all.iter().map(|observer| observer.schedule().next).fold(f64::INFINITY, f64::min);
+    }
+
+    /// Whether one of them wants to see the state between outputs at this time (s).
+    #[inline]
+    pub(crate) fn are_due(&self, time: f64) -> bool {
+        time >= self.next
+    }
+
+    /// Shows a state to those that want it.
+    pub(crate) fn observe(&mut self, view: &View<'_>) {
+        self.all.iter_mut().filter(|observer| observer.schedule().wants(view)).for_each(|one| one.observe(view));
+        self.plan();
+    }
+
+    /// Whether something whose instant one of them tells has come about since the last state that it saw.
+    pub(crate) fn have_crossed(&self, particles: &Particles) -> bool {
+        self.all.iter().any(|observer| observer.has_crossed(particles))
+    }
+
+    /// Puts all that they have seen into what the run leaves.
+    pub(crate) fn leave(self, end: &End<'_>, result: &mut RunResult) {
+        self.all.into_iter().for_each(|observer| observer.leave(end, result));
+    }
+
+    /// Bytes that they will hold on the heap at the end of a run.
+    pub(crate) fn held_at_the_end(&self) -> usize {
+        self.all.iter().map(|observer| observer.held_at_the_end()).sum()
+    }
+}

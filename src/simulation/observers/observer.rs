@@ -1,0 +1,192 @@
+//! What an observer is: when it sees the state of a run, and what it leaves.
+
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+use frazil_core::boundary::pipe::Extent;
+use frazil_core::ledger::Ledger;
+use frazil_core::particles::Particles;
+use frazil_core::solvers::solver::Solver;
+use frazil_core::space::domain::Domain;
+use frazil_record::RunResult;
+use frazil_scene::Scene;
+
+use super::sampler::Sampler;
+use crate::march::instants::outputs;
+use crate::reference::Reference;
+
+/// Something that reads states between steps and leaves tables. No call of it is made within a step.
+pub trait Observer {
+    /// When it is to see the state next.
+    fn schedule(&self) -> Schedule;
+    /// Takes what it is there for off a state.
+    fn observe(&mut self, view: &View<'_>);
+    /// Whether something whose instant it tells has come about since the state that it saw last: where states within the step are
+    /// known, it sees some of them then.
+    fn has_crossed(&self, _particles: &Particles) -> bool {
+        false
+    }
+    /// Puts what it has seen into what the run leaves.
+    fn leave(self: Box<Self>, end: &End<'_>, result: &mut RunResult);
+    /// Bytes that it will hold on the heap at the end of the run.
+    fn held_at_the_end(&self) -> usize;
+}
+
+/// An observer, if the scene needs it.
+pub(crate) type Made = Option<Box<dyn Observer>>;
+
+/// When an observer is to see states.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Schedule {
+    /// Whether at the start.
+    pub(crate) start: bool,
+    /// At which of the instants of output.
+    pub(crate) instants: Instants,
+    /// Time (s) from which on it wants to see the next state between outputs; infinite where it wants none.
+    pub(crate) next: f64,
+}
+
+/// Instants of output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Instants {
+    /// None of them.
+    None,
+    /// All of them.
+    Outputs,
+    /// Those at which profiles are kept.
+    Profiles,
+}
+
+impl Schedule {
+    /// Every output.
+    pub(crate) const OUTPUTS: Schedule = Schedule { start: false, instants: Instants::Outputs, next: f64::INFINITY };
+
+    /// Whether a view is for it.
+    pub(super) fn wants(&self, view: &View<'_>) -> bool {
+        match view.moment {
+            Moment::Start => self.start,
+            Moment::Between => view.time >= self.next,
+            Moment::Within => self.next < f64::INFINITY,
+            Moment::Output { .. } => match self.instants {
+                Instants::None => false,
+                Instants::Outputs => true,
+                Instants::Profiles => view.is_kept(),
+            },
+        }
+    }
+}
+
+/// Evenly spaced looks between outputs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Cadence {
+    every: f64,
+    pub(super) next: f64,
+}
+
+impl Cadence {
+    /// Share of the duration between two looks.
+    pub(crate) const SHARE: f64 = 1.0 / 4000.0;
+
+    pub(super) fn of(scene: &Scene) -> Self {
+        Cadence { every: scene.duration * Self::SHARE, next: 0.0 }
+    }
+
+    /// Takes that a state was seen at a time (s).
+    pub(super) fn seen(&mut self, time: f64) {
+        self.next = time + self.every;
+    }
+}
+
+/// What moment of a run a view is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Moment {
+    /// Before the first step.
+    Start,
+    /// After a step, for those that want it between outputs.
+    Between,
+    /// Within a step, for those that tell instants.
+    Within,
+    /// An output.
+    Output {
+        /// Whether a step has landed on it, and has not passed over it.
+        landed: bool,
+    },
+}
+
+/// A state and what belongs to it.
+pub(crate) struct View<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) particles: &'a Particles,
+    pub(crate) method: &'a dyn Solver,
+    /// Heat that has come in.
+    pub(crate) ledger: &'a Ledger,
+    /// Heat (W) through the surfaces of the scene, in their order; at outputs.
+    pub(crate) across: &'a [f64],
+    /// Time (s).
+    pub(crate) time: f64,
+    pub(crate) moment: Moment,
+    /// Integral of the frozen fraction, once an observer has asked for it.
+    pub(crate) frozen: OnceCell<f64>,
+}
+
+impl View<'_> {
+    /// Integral of the frozen fraction over the particles (m^d).
+    pub(crate) fn frozen(&self) -> f64 {
+        let of_all = || self.particles.integral(|i| self.particles.frozen_fraction(i));
+        *self.frozen.get_or_init(of_all)
+    }
+
+    /// Whether profiles are kept at its time.
+    pub(super) fn is_kept(&self) -> bool {
+        let wanted = |instant: &f64| (instant - self.time).abs() <= 1e-9 * self.scene.duration;
+        self.scene.watch.profiles.iter().any(wanted)
+    }
+}
+
+/// What observers are made from.
+pub(crate) struct Setup<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) particles: &'a Particles,
+    pub(crate) method: &'a dyn Solver,
+    /// Where pipes are at work.
+    pub(crate) pipes: &'a [Extent],
+    /// Whether maps are kept.
+    pub(crate) maps: bool,
+}
+
+impl<'a> Setup<'a> {
+    /// Instants of output.
+    pub(super) fn outputs(&self) -> usize {
+        outputs(self.scene).len()
+    }
+
+    /// Instants at which profiles are kept.
+    pub(super) fn profiles(&self) -> usize {
+        self.scene.watch.profiles.len()
+    }
+
+    /// How often the part of a ring that is run is in the whole.
+    pub(super) fn images(&self) -> f64 {
+        match self.scene.domain {
+            Domain::Ring { sector, .. } => sector.images() as f64,
+            _ => 1.0,
+        }
+    }
+
+    pub(super) fn sampler(&self) -> Sampler<'a> {
+        Sampler::new(self.scene, self.particles)
+    }
+}
+
+/// The end of a run.
+pub(crate) struct End<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) particles: &'a Particles,
+    /// What the run is measured against.
+    pub(crate) reference: Option<&'a Arc<dyn Reference>>,
+}
+
+/// Bytes of rows, without what each holds on the heap.
+pub(super) fn room<T>(rows: &Vec<T>) -> usize {
+    rows.capacity() * size_of::<T>()
+}

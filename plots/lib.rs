@@ -23,6 +23,7 @@ pub mod signed;
 pub mod stability;
 mod stream;
 pub mod style;
+mod table;
 pub mod words;
 
 pub use run::{frame, run_figures};

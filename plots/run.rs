@@ -11,7 +11,7 @@ use crate::PlotError;
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Canvas, Colour, Stroke};
 use crate::style::{INK, LABEL, REFERENCE, method_style, method_title, number};
-use crate::{flow_map, map, rings, stream};
+use crate::{flow_map, map, rings, stream, table};
 
 /// Draws every figure that a run has rows for and returns the files.
 pub fn run_figures(result: &RunResult, folder: &Path, options: &FigureOptions) -> Result<Vec<PathBuf>, PlotError> {
@@ -49,6 +49,7 @@ pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Can
         all.push(("gaps".into(), rings::gaps(result, &words)));
     }
     all.extend(stream::drawings(result, &words));
+    all.extend(result.tables.iter().filter_map(|table| table::drawing(table, &words)));
     for field in &result.fields {
         let time = number(words.time(field.time_s), 4).replace([' ', '·'], "").replace('−', "-");
         all.push((format!("map_{time}{}", words.time_symbol), map::temperature_map(field, &options.plan, &words)));

@@ -24,6 +24,7 @@ mod groundwater;
 mod interfaces;
 mod invariants;
 mod irregular;
+mod isotherms;
 mod layout_references;
 mod layouts;
 mod moving;

@@ -3,6 +3,7 @@
 mod record;
 mod result;
 mod stream;
+mod table;
 mod tables;
 mod wall;
 mod water;
@@ -12,6 +13,7 @@ mod write;
 pub use record::{Errors, Outcome, Record, ReferenceInfo, Value};
 pub use result::RunResult;
 pub use stream::{SectionRow, StreamRecord, StreamRow};
+pub use table::{Column, Head, Role, Table, Unit};
 pub use tables::{
     BesideRow, BudgetRow, Field, FrontRow, FrozenRow, MeanOver, PhaseRow, ProbeRow, ProfileRow, Start, SurfaceRow,
 };

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     BesideRow, BudgetRow, Field, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow, ProfileRow,
-    Record, SectionRow, Start, StreamRow, SurfaceRow, WallRow, WaterSeries,
+    Record, SectionRow, Start, StreamRow, SurfaceRow, Table, WallRow, WaterSeries,
 };
 
 /// Everything one run leaves.
@@ -48,6 +48,9 @@ pub struct RunResult {
     pub fields: Vec<Field>,
     /// Water over time, where it flows.
     pub water: Option<WaterSeries>,
+    /// Tables that say themselves what is in them.
+    #[serde(default)]
+    pub tables: Vec<Table>,
 }
 
 impl RunResult {

@@ -60,6 +60,8 @@ pub struct Watch {
     pub surfaces: Vec<Surface>,
     /// Lines along which profiles are kept, in bodies of two dimensions; [`Scene::cuts`] has those of every scene.
     pub cuts: Vec<Surface>,
+    /// Temperatures whose isotherms are kept at every output.
+    pub isotherms: Vec<f64>,
     /// Part of the body (m along x) whose shares of liquid, freezing and solid particles are kept at every output.
     pub phases: Option<(f64, f64)>,
     /// Whether neighbouring pipes and sections of the frozen wall are watched, in a ring.

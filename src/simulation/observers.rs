@@ -1,12 +1,15 @@
 //! Observers: what is read off the particles between steps, and never inside one.
 
+mod boundary;
 mod budget;
 mod corners;
 mod fields;
 mod front;
 mod frozen;
 mod gaps;
+mod isotherms;
 mod joint;
+mod level_set;
 pub(crate) mod loops;
 pub(crate) mod observer;
 mod passage;
@@ -27,26 +30,32 @@ use frazil_core::particles::Particles;
 use frazil_record::RunResult;
 
 use crate::monotonicity;
-use observer::{End, Made, Observer, Setup, View};
+use observer::{End, Maker, Observer, Setup, View};
 
 pub use fields::map;
 
-/// Makes each observer, where a scene needs it.
-const OBSERVERS: [fn(&Setup<'_>) -> Made; 13] = [
-    monotonicity::of,
-    front::of,
-    frozen::of,
-    phases::of,
-    stream::of,
-    surfaces::of,
-    profiles::of,
-    probes::of,
-    budget::of,
-    gaps::of,
-    wall::of,
-    fields::of,
-    water::of,
+/// Makes each observer, where a scene needs it; and the table that says itself what is in it, if it leaves one.
+const OBSERVERS: [(Maker, Option<&str>); 14] = [
+    (monotonicity::of, None),
+    (front::of, None),
+    (frozen::of, None),
+    (phases::of, None),
+    (stream::of, None),
+    (surfaces::of, None),
+    (profiles::of, None),
+    (probes::of, None),
+    (budget::of, None),
+    (gaps::of, None),
+    (wall::of, None),
+    (fields::of, None),
+    (water::of, None),
+    (isotherms::of, Some(isotherms::TABLE)),
 ];
+
+/// Files of the tables that say themselves what is in them.
+pub fn tables() -> impl Iterator<Item = &'static str> {
+    OBSERVERS.iter().filter_map(|(_, table)| *table)
+}
 
 /// The observers of a run.
 pub(crate) struct Observers {
@@ -58,7 +67,7 @@ pub(crate) struct Observers {
 impl Observers {
     /// Those that a scene needs.
     pub(crate) fn new(setup: &Setup<'_>) -> Self {
-        let all = OBSERVERS.iter().filter_map(|of| of(setup)).collect();
+        let all = OBSERVERS.iter().filter_map(|(of, _)| of(setup)).collect();
         let mut observers = Observers { all, next: f64::INFINITY };
         observers.plan();
         observers

@@ -4,7 +4,8 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use frazil_record::{BudgetRow, Record, RunResult};
+use frazil_record::{BudgetRow, Record, RunResult, Table};
+use frazil_simulation::observers::tables;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -72,7 +73,8 @@ pub type Fill<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
 /// Every series that runs may have, by the name of its file; one without rows has no file.
 pub fn series(result: &RunResult) -> Vec<(&'static str, Option<Fill<'_>>)> {
     let water = result.water.as_ref();
-    vec![
+    let of = |file: &'static str| (file, result.tables.iter().find(|table| table.file == file).and_then(fill_table));
+    let known = vec![
         ("front.csv", rows(&result.front)),
         ("front_beside.csv", rows(&result.beside)),
         ("frozen.csv", rows(&result.frozen)),
@@ -90,7 +92,8 @@ pub fn series(result: &RunResult) -> Vec<(&'static str, Option<Fill<'_>>)> {
         ("cut.csv", water.and_then(|water| rows(&water.cut))),
         ("flow.csv", water.and_then(|water| rows(&water.maps))),
         ("budget.csv", budget(&result.budget_names, &result.budget)),
-    ]
+    ];
+    known.into_iter().chain(tables().map(of)).collect()
 }
 
 /// Writes the series of a run that have rows, and last its record: where that is, everything is. Files of an
@@ -154,6 +157,18 @@ pub fn remove(path: &Path) -> Result<(), Failure> {
 
 fn rows<R: Serialize>(rows: &[R]) -> Option<Fill<'_>> {
     if rows.is_empty() { None } else { Some(Box::new(move |writer| fill_rows(writer, rows))) }
+}
+
+fn fill_table(table: &Table) -> Option<Fill<'_>> {
+    if table.rows.is_empty() {
+        return None;
+    }
+    Some(Box::new(|writer| {
+        let mut csv = csv::Writer::from_writer(writer);
+        csv.write_record(table.columns.iter().map(|column| &column.name)).map_err(io::Error::other)?;
+        table.rows.iter().try_for_each(|row| csv.serialize(row)).map_err(io::Error::other)?;
+        csv.flush()
+    }))
 }
 
 fn budget<'a>(names: &'a [String], rows: &'a [BudgetRow]) -> Option<Fill<'a>> {

@@ -1,7 +1,7 @@
 //! Time, what is observed, and the reference.
 
 use super::problem::Read;
-use super::range::{Range, plain};
+use super::range::{Range, plain, temperatures};
 use super::section::{Duration, Section};
 use super::shells;
 use crate::scene::{ReferenceChoice, Watch};
@@ -49,7 +49,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Read<
     let (mut probes, mut profile_length, mut front_from) = (Vec::new(), None, None);
     let mut front_key = String::new();
     let mut cuts = Vec::new();
-    let mut surfaces = Vec::new();
+    let (mut surfaces, mut isotherms) = (Vec::new(), Vec::new());
     let mut frozen_wall = domain.is_some_and(|domain| matches!(domain, Domain::Ring { .. }));
     let (mut phases, mut corner_front) = (None, false);
     if let Some(mut section) = root.optional_section("watch") {
@@ -66,6 +66,8 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Read<
         }
         cuts = self::cuts(&mut section, domain);
         surfaces = shells::surfaces(&mut section, domain);
+        let allowed = temperatures(section.units().absolute_zero());
+        isotherms = section.optional_numbers(("isotherms", "c"), allowed).unwrap_or_default();
         phases = self::phases(&mut section, domain);
         corner_front = section.flag_or("corner_front", false);
         if corner_front && domain.is_some_and(|domain| !matches!(domain, Domain::Rectangle { .. })) {
@@ -101,6 +103,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Read<
         probes,
         surfaces,
         cuts,
+        isotherms,
         phases,
         corner_front,
         frozen_wall,

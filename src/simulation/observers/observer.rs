@@ -35,6 +35,9 @@ pub trait Observer {
 /// An observer, if the scene needs it.
 pub(crate) type Made = Option<Box<dyn Observer>>;
 
+/// What makes an observer where it is needed.
+pub(super) type Maker = fn(&Setup<'_>) -> Made;
+
 /// When an observer is to see states.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Schedule {

@@ -155,12 +155,13 @@ pub(super) fn layers(
     time: f64,
     dimension: usize,
 ) -> impl Iterator<Item = ProfileRow> {
-    let spacing = particles.lattice.spacing;
+    let (spacing, corner) = (particles.lattice.spacing, particles.lattice.corner);
+    let first = if direction.along_y { corner.y } else { corner.x };
     let count = (direction.length / spacing).round() as usize;
     let mut sums = vec![(0.0, 0.0, 0.0, 0usize); count];
     particles.visit(|i, place| {
         let along = if direction.along_y { place.y } else { place.x };
-        let layer = ((along / spacing) as usize).min(count - 1);
+        let layer = (((along - first) / spacing) as usize).min(count - 1);
         let sum = &mut sums[layer];
         *sum = (sum.0 + along, sum.1 + particles.reading(i), sum.2 + particles.frozen_fraction(i), sum.3 + 1);
     });
@@ -182,5 +183,5 @@ pub(super) fn layers(
         }
     };
     let known = sums.into_iter().filter(|sum| sum.3 > 0).map(row);
-    known.filter(move |row| direction.distance(row.along_m) <= length)
+    known.filter(move |row| direction.distance(row.along_m - first) <= length)
 }

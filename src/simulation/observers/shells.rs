@@ -11,7 +11,7 @@ pub(super) struct RadialFront {
     symmetry: Symmetry,
     inner: f64,
     outer: f64,
-    from_outer: bool,
+    pub(super) from_outer: bool,
 }
 
 impl RadialFront {

@@ -27,6 +27,7 @@ impl Fold {
             }
             Fold::Half { along_y, length } => {
                 result.frozen.iter_mut().for_each(|row| row.frozen_volume *= 2.0);
+                result.tables.iter_mut().for_each(|table| table.scale_sums(2.0));
                 if larger.freezing_direction().is_some_and(|direction| direction.along_y == along_y) {
                     result.front.iter_mut().for_each(|row| row.front_m *= 2.0);
                     result.start.front_m = result.start.front_m.map(|front| 2.0 * front);

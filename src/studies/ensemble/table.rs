@@ -11,7 +11,7 @@ use frazil_core::statistics::{HalfWidths, moments};
 use serde::de::DeserializeOwned;
 
 /// Numbers that tell rows apart.
-const KEYS: [&str; 8] = ["time_s", "y_m", "z_m", "r_m", "gap", "angle_deg", "multiplicity", "mean_over"];
+const KEYS: [&str; 9] = ["time_s", "y_m", "z_m", "r_m", "isotherm_c", "gap", "angle_deg", "multiplicity", "mean_over"];
 
 /// The place along a profile. Of moving particles it is a mean over a layer of them, and differs between members.
 pub const ALONG: &str = "along_m";

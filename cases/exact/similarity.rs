@@ -38,8 +38,8 @@ impl Similarity {
         if !wall.is_finite() || !initial.is_finite() || wall == initial {
             return Err(format!("a wall at {wall} does not change a body at {initial}"));
         }
-        let medium = Medium::new(material)
-            .ok_or_else(|| format!("{} has no freezing curve that it is known for", material.name))?;
+        let unknown = || format!("the similarity solution is not made for the way in which {} freezes", material.name);
+        let medium = Medium::new(material).ok_or_else(unknown)?;
         // Seen from the wall, so that a body at the freezing point itself counts as what it is about to become.
         let last_part = medium.part(initial, wall);
         let initial_frozen = medium.properties(last_part, initial).frozen_fraction;

@@ -8,7 +8,7 @@ use frazil_plots::convergence::{OrderCurve, convergence};
 use frazil_plots::ground_plan::{GroundPlan, ShaftMark, WaterMark};
 use frazil_plots::run::drawings;
 use frazil_plots::{FigureOptions, run_figures};
-use frazil_record::{Field, FrontRow, GapRow, Outcome, ProfileRow, Record, RunResult, WallRow};
+use frazil_record::{Field, FrontRow, GapRow, Outcome, ProfileRow, Record, Role, RunResult, Table, Unit, WallRow};
 use frazil_scene::TimeUnit;
 
 #[path = "figures/layouts.rs"]
@@ -257,6 +257,43 @@ fn a_run_without_rows_has_no_figures() -> Result<(), Box<dyn std::error::Error>>
     };
     assert!(run_figures(&empty("nothing", "pd"), folder.path(), &options)?.is_empty());
     Ok(())
+}
+
+/// The figure of a table has a panel for each of its columns with a value, by its words and unit, and a curve for each key.
+#[test]
+fn a_table_is_drawn_by_what_it_says_of_itself() {
+    let columns = [
+        ("isotherm_c", "isotherm", Unit::Celsius, Role::Key),
+        ("depth_m", "depth", Unit::Metre, Role::Value),
+        ("colder_m2", "colder area", Unit::SquareMetre, Role::Sum),
+        ("length_m", "length", Unit::Metre, Role::Sum),
+    ];
+    let mut table = Table::over_time("isotherms.csv", "Isotherms", &columns, 4);
+    for (time, isotherm) in [(3600.0, -1.0), (3600.0, 2.0), (7200.0, -1.0), (7200.0, 2.0)] {
+        table.rows.push(vec![Some(time), Some(isotherm), Some(1e-5 * time), Some(time), None]);
+    }
+    let run = |units: &str| {
+        let mut run = empty("a slab", "pd");
+        run.record.units = units.into();
+        run.tables = vec![table.clone()];
+        let options = FigureOptions {
+            name: None,
+            plan: Default::default(),
+            time_unit: TimeUnit::Hour,
+            freezing_point: 0.0,
+            axes: ("x", "y"),
+            pressures: (0.0, 0.0),
+            cut: 0.0,
+        };
+        let all = drawings(&run, &options);
+        assert_eq!(all.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["isotherms"]);
+        all[0].1.svg()
+    };
+    let (own, bare) = (run("si"), run("dimensionless"));
+    for words in ["isotherm −1 °C", "isotherm 2 °C", "depth (mm)", "colder area (m²)", "time (h)"] {
+        assert!(own.contains(words), "{words}");
+    }
+    assert!(!own.contains("length") && bare.contains("depth (dimensionless)"));
 }
 
 /// A map of a layout has its name, its shaft, and the water that crosses it.

@@ -131,7 +131,7 @@ pub fn run(
     let settings = settings_of(scene, method)?;
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
     let (particles, method, pipes) = (&plan.particles, plan.method.as_ref(), &plan.pipe_extents[..]);
-    let observers = Observers::new(&Setup { scene, particles, method, pipes, maps: options.fields });
+    let observers = Observers::new(&Setup { scene, particles, method, pipes, maps: options.fields, reference });
     let setup = setup.stop();
     let guard = Guard::new(scene, &plan.particles, &plan.pipe_extents);
     let solve = Stopwatch::start(options.threads);

@@ -5,6 +5,7 @@ mod budget;
 mod corners;
 mod fields;
 mod front;
+mod front_shape;
 mod frozen;
 mod gaps;
 mod isotherms;
@@ -35,7 +36,7 @@ use observer::{End, Maker, Observer, Setup, View};
 pub use fields::map;
 
 /// Makes each observer, where a scene needs it; and the table that says itself what is in it, if it leaves one.
-const OBSERVERS: [(Maker, Option<&str>); 14] = [
+const OBSERVERS: [(Maker, Option<&str>); 15] = [
     (monotonicity::of, None),
     (front::of, None),
     (frozen::of, None),
@@ -50,6 +51,7 @@ const OBSERVERS: [(Maker, Option<&str>); 14] = [
     (fields::of, None),
     (water::of, None),
     (isotherms::of, Some(isotherms::TABLE)),
+    (front_shape::of, Some(front_shape::TABLE)),
 ];
 
 /// Files of the tables that say themselves what is in them.

@@ -39,7 +39,7 @@ pub struct PlanSummary {
     pub particles: u64,
     /// Pairs that one evaluation visits (each pair once).
     pub pairs: u64,
-    /// What the run holds on the heap to its end, apart from watches (bytes).
+    /// What the run holds on the heap to its end, apart from observers (bytes).
     pub memory: Memory,
     /// Step that will be made (s), before it is shortened to land on outputs.
     pub step_s: f64,

@@ -219,7 +219,8 @@ pub fn forecast(
 /// Tries a plan by a clock (s).
 fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f64) -> Forecast {
     let Plan { mut particles, mut method, step, bound, mut summary, pipe_extents: pipes } = plan;
-    let setup = Setup { scene, particles: &particles, method: method.as_ref(), pipes: &pipes, maps: true };
+    let setup =
+        Setup { scene, particles: &particles, method: method.as_ref(), pipes: &pipes, maps: true, reference: None };
     let mut observers = Observers::new(&setup);
     summary.memory = Memory { observers: observers.held_at_the_end(), ..summary.memory };
     let looks = observers.are_due(0.0);

@@ -155,6 +155,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) pipes: &'a [Extent],
     /// Whether maps are kept.
     pub(crate) maps: bool,
+    /// What the run is measured against.
+    pub(crate) reference: Option<&'a Arc<dyn Reference>>,
 }
 
 impl<'a> Setup<'a> {

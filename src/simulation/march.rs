@@ -198,7 +198,7 @@ impl Simulation<'_> {
         let count = ((landing - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
         clock.step = (landing - clock.time) / count;
         let made =
-            self.method.advance(&mut self.particles, clock).map_err(|error| (Outcome::Diverged, error.reason))?;
+            self.method.advance(&mut self.particles, clock).map_err(|error| (Outcome::Diverged, error.to_string()))?;
         self.longest = self.longest.max(made);
         clock.index += 1;
         clock.time = if count == 1.0 && made == clock.step { landing } else { clock.time + made };

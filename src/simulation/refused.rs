@@ -8,6 +8,6 @@ pub struct Refused {
     pub reason: String,
 }
 
-pub(crate) fn refuse(reason: String) -> Refused {
-    Refused { reason }
+pub(crate) fn refuse(reason: impl ToString) -> Refused {
+    Refused { reason: reason.to_string() }
 }

@@ -14,6 +14,7 @@ use rayon::ThreadPool;
 use crate::balances::groundwater::aquifer::{Aquifer, Warmth};
 use crate::balances::groundwater::carrier::{Carrier, Ground};
 use crate::balances::groundwater::cuts::CutPaths;
+use crate::balances::groundwater::error::GroundwaterError;
 use crate::balances::groundwater::ground::Flow;
 use crate::balances::groundwater::network::Network;
 use crate::balances::groundwater::numerics::FlowNumerics;
@@ -33,6 +34,7 @@ mod build;
 pub mod carrier;
 mod cuts;
 pub mod diagonals;
+pub mod error;
 pub mod ground;
 pub mod network;
 pub mod numerics;
@@ -124,7 +126,7 @@ impl Groundwater {
 
     /// Follows the state of heat at a time (s), where permeabilities, walls, ice or paths have changed enough; whether they
     /// have.
-    fn follow(&mut self, enthalpy: &[f64], time: f64) -> Result<bool, String> {
+    fn follow(&mut self, enthalpy: &[f64], time: f64) -> Result<bool, GroundwaterError> {
         if self.steps == 0 {
             return Ok(false);
         }
@@ -140,7 +142,7 @@ impl Groundwater {
     }
 
     /// Cuts the paths whose pairs are cut by a time (s); whether there are any new ones.
-    fn cut(&mut self, time: f64) -> Result<bool, String> {
+    fn cut(&mut self, time: f64) -> Result<bool, GroundwaterError> {
         let Some(cuts) = &mut self.cuts else { return Ok(false) };
         let Some(network) = cuts.bring_to(time)? else { return Ok(false) };
         self.network = network;
@@ -165,7 +167,7 @@ impl Groundwater {
     }
 
     /// Solves for the pressure at a time (s), for what the state is now.
-    fn solve(&mut self, time: f64, enthalpy: &[f64]) -> Result<(), String> {
+    fn solve(&mut self, time: f64, enthalpy: &[f64]) -> Result<(), GroundwaterError> {
         let began = Instant::now();
         for i in 0..self.conductivity.len() {
             self.conductivity[i] = self.aquifer(i).open * self.permeability[i];

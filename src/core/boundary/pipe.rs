@@ -167,7 +167,7 @@ pub fn immerse(
     lattice: &Lattice,
     mirrors: (bool, bool),
     green: &Green,
-) -> Result<Option<Sink>, String> {
+) -> Result<Option<Sink>, PipeError> {
     let centre = DVec2::new(pipe.x, pipe.y);
     let tolerance = 1e-9 * (centre.length() + lattice.spacing);
     if (mirrors.0 && centre.x < -tolerance) || (mirrors.1 && centre.y < -tolerance) {
@@ -195,7 +195,7 @@ pub fn immerse(
 }
 
 /// The hold of a pipe that is one particle.
-fn hold_one(pipe: &Pipe, lattice: &Lattice, green: &Green) -> Result<Hold, String> {
+fn hold_one(pipe: &Pipe, lattice: &Lattice, green: &Green) -> Result<Hold, PipeError> {
     let place = lattice.to_cells(DVec2::new(pipe.x, pipe.y)).round();
     let index = lattice.index(place.x as i64, place.y as i64).ok_or_else(|| outside(pipe, lattice, 1.0))?;
     let sample = vec![(index as u32, 1.0)];
@@ -203,7 +203,7 @@ fn hold_one(pipe: &Pipe, lattice: &Lattice, green: &Green) -> Result<Hold, Strin
 }
 
 /// The hold of a pipe on particles around it, by the narrowest delta that leaves a resistance.
-fn spread(pipe: &Pipe, lattice: &Lattice, mirrors: (bool, bool), green: &Green) -> Result<Hold, String> {
+fn spread(pipe: &Pipe, lattice: &Lattice, mirrors: (bool, bool), green: &Green) -> Result<Hold, PipeError> {
     let centre = lattice.to_cells(DVec2::new(pipe.x, pipe.y));
     for stretch in STRETCHES {
         let cells = delta(centre, stretch);
@@ -228,12 +228,7 @@ fn spread(pipe: &Pipe, lattice: &Lattice, mirrors: (bool, bool), green: &Green) 
         let sample = folded(&cells, lattice, mirrors).ok_or_else(|| outside(pipe, lattice, stretch))?;
         return Ok(Hold { sample, resistance, half_width: 2.0 * stretch, smoothing: 0.25 * moment - green.spread });
     }
-    Err(format!(
-        "the pipe of radius {} m is too wide for a line sink on particles {} m apart; a spacing of at least {:.3} m is needed",
-        pipe.radius,
-        lattice.spacing,
-        pipe.radius / 6.0
-    ))
+    Err(PipeError::TooWide { radius: pipe.radius, spacing: lattice.spacing, needed: pipe.radius / 6.0 })
 }
 
 /// Particles and weights of cells, those behind mirror planes with their images; none if one lies outside.
@@ -251,14 +246,41 @@ fn folded(cells: &[((i64, i64), f64)], lattice: &Lattice, mirrors: (bool, bool))
     Some(sample)
 }
 
-fn outside(pipe: &Pipe, lattice: &Lattice, stretch: f64) -> String {
-    format!(
-        "the pipe at ({:.4}, {:.4}) m lies too close to a wall for particles {} m apart: {:.3} m are needed",
-        pipe.x,
-        pipe.y,
-        lattice.spacing,
-        (2.0 * stretch + 1.0) * lattice.spacing
-    )
+fn outside(pipe: &Pipe, lattice: &Lattice, stretch: f64) -> PipeError {
+    let spacing = lattice.spacing;
+    PipeError::AtWall { x: pipe.x, y: pipe.y, spacing, needed: (2.0 * stretch + 1.0) * spacing }
+}
+
+/// Why particles cannot stand for a pipe (lengths in m).
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum PipeError {
+    /// Particles around it lie beyond a wall.
+    #[error(
+        "the pipe at ({x:.4}, {y:.4}) m lies too close to a wall for particles {spacing} m apart: {needed:.3} m are needed"
+    )]
+    AtWall {
+        /// Its place.
+        x: f64,
+        /// Its place.
+        y: f64,
+        /// Distance of particles.
+        spacing: f64,
+        /// Distance from walls that it needs.
+        needed: f64,
+    },
+    /// It would hold more particles than a line of heat stands for.
+    #[error(
+        "the pipe of radius {radius} m is too wide for a line sink on particles {spacing} m apart; a spacing of at least \
+         {needed:.3} m is needed"
+    )]
+    TooWide {
+        /// Its radius.
+        radius: f64,
+        /// Distance of particles.
+        spacing: f64,
+        /// The one that it needs.
+        needed: f64,
+    },
 }
 
 /// Radius (m) as which a pipe of one particle acts: that of a particle held at the pipe's temperature, less what the

@@ -34,6 +34,29 @@ mod naive;
 
 pub use crate::boundary::shells::naive::naive_shells;
 
+/// Why a body of shells cannot exchange heat.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum ShellError {
+    /// It is no body of shells.
+    #[error("the body has no symmetry")]
+    NoSymmetry,
+    /// Weights whose second moment is right near an axis or a wall have the wrong sign, by this share of what they should be.
+    #[error(
+        "the weights of the method cannot be made positive near the axis or a wall: a pair has {0:.1e} of what it should; \
+         choose a shorter reach"
+    )]
+    Negative(f64),
+    /// Layers behind the inner wall reach to this radius (m).
+    #[error(
+        "the layers of wall_model = \"naive\" behind the wall \"inner\" reach across the axis, to r = {0:.6} m: pairs must \
+         reach at most the inner radius"
+    )]
+    AcrossTheAxis(f64),
+    /// A wall has no condition.
+    #[error("the wall \"{0}\" has no condition")]
+    NoWall(&'static str),
+}
+
 /// Where a wall touches a particle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Touch {
@@ -62,8 +85,13 @@ pub struct Shells {
 }
 
 /// Pairs of the shells of a domain under a stencil, or why they have none that keep the maximum principle.
-pub fn shells(domain: &Domain, lattice: &Lattice, stencil: &Stencil, boundary: &Boundary) -> Result<Shells, String> {
-    let Some(symmetry) = domain.symmetry() else { return Err("the body has no symmetry".into()) };
+pub fn shells(
+    domain: &Domain,
+    lattice: &Lattice,
+    stencil: &Stencil,
+    boundary: &Boundary,
+) -> Result<Shells, ShellError> {
+    let Some(symmetry) = domain.symmetry() else { return Err(ShellError::NoSymmetry) };
     let exchange = Exchange::positive(symmetry, lattice, stencil)?;
     let volumes = Volumes::new(domain, lattice, false);
     Ok(Shells {
@@ -121,7 +149,7 @@ impl<'a> Exchange<'a> {
     }
 
     /// The exchange, or why it has pairs that break the maximum principle.
-    fn positive(symmetry: Symmetry, lattice: &'a Lattice, stencil: &'a Stencil) -> Result<Self, String> {
+    fn positive(symmetry: Symmetry, lattice: &'a Lattice, stencil: &'a Stencil) -> Result<Self, ShellError> {
         // Beside a thin pipe pairs see the bend of ln r. Along a height profiles have a bend of their own.
         if lattice.dimension == 1 && lattice.corner.x > 0.0 {
             let exchange = Exchange::new(Profile::Steady, symmetry, lattice, stencil);
@@ -132,10 +160,7 @@ impl<'a> Exchange<'a> {
         let exchange = Exchange::new(Profile::Square, symmetry, lattice, stencil);
         match exchange.weakest() {
             None => Ok(exchange),
-            Some(weakest) => Err(format!(
-                "the weights of the method cannot be made positive near the axis or a wall: a pair has {weakest:.1e} of \
-                 what it should; choose a shorter reach"
-            )),
+            Some(weakest) => Err(ShellError::Negative(weakest)),
         }
     }
 

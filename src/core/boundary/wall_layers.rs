@@ -239,18 +239,26 @@ impl Layers<'_> {
     }
 }
 
+/// As many layers at each wall hold all particles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("wall_model = \"inner-layers\" holds the {0} outermost layers at each wall, which leaves no particle free")]
+pub struct NoFreeParticle(pub usize);
+
 /// Makes the outermost `number` of layers of particles at open walls the walls themselves; gives where walls touch them.
 ///
 /// # Errors
 /// Layers that leave no particle free.
-pub fn inner(pairs: &mut PairList, ghosts: &mut Ghosts, body: &Body<'_>, number: usize) -> Result<Vec<Touch>, String> {
+pub fn inner(
+    pairs: &mut PairList,
+    ghosts: &mut Ghosts,
+    body: &Body<'_>,
+    number: usize,
+) -> Result<Vec<Touch>, NoFreeParticle> {
     let count = body.positions.len();
     let layers = Layers { body, number };
     let held: Vec<Vec<(usize, usize)>> = (0..count).map(|i| layers.holding(i)).collect();
     if held.iter().all(|held| !held.is_empty()) {
-        return Err(format!(
-            "wall_model = \"inner-layers\" holds the {number} outermost layers at each wall, which leaves no particle free"
-        ));
+        return Err(NoFreeParticle(number));
     }
     let mut touches = Vec::new();
     // The first of the ghosts that stand for a held particle, one for each of its walls.

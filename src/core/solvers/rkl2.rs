@@ -263,9 +263,7 @@ impl Solver for Rkl2 {
             let Pace::Controlled { control, range, .. } = &mut self.pace else { return Ok(step) };
             let judgement = if !error.is_finite() {
                 if control.is_least(step) {
-                    return Err(StepError {
-                        reason: format!("a step of {step:e} s gives numbers that are not finite"),
-                    });
+                    return Err(StepError::NotFinite(step));
                 }
                 control.again(step, 0.1)
             } else if range.excess(&self.old) > EXCESS && !control.is_least(step) {

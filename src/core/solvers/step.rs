@@ -1,5 +1,7 @@
 //! A step: where it stands, how long it may be, and why it could not be made.
 
+use crate::balances::groundwater::error::GroundwaterError;
+
 /// Where a run stands in time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clock {
@@ -24,8 +26,14 @@ pub struct Bound {
 
 /// A step that could not be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{reason}")]
-pub struct StepError {
-    /// What went wrong, in words.
-    pub reason: String,
+pub enum StepError {
+    /// The shortest step of those by error (s) gives numbers that are none.
+    #[error("a step of {0:e} s gives numbers that are not finite")]
+    NotFinite(f64),
+    /// Water does not flow any further.
+    #[error(transparent)]
+    Groundwater(#[from] GroundwaterError),
+    /// A method's own step, and what went wrong in it.
+    #[error("{0}")]
+    Own(String),
 }

@@ -88,7 +88,7 @@ impl Prepared {
         };
         let stencil = discretisation.stencil(lattice.spacing, lattice.dimension);
         if !stencil.sum().is_finite() || stencil.sum() <= 0.0 {
-            return Err(refuse("no pair of particles has a weight: the reach is shorter than the spacing".into()));
+            return Err(refuse("no pair of particles has a weight: the reach is shorter than the spacing"));
         }
         if materials.mixed() {
             differences.extend(layers::unresolved(scene, numerics, &lattice, &stencil, &materials.thermals));

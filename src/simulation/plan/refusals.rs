@@ -92,11 +92,11 @@ pub(super) fn why_list(
 /// Refuses what needs particles that move, and a shaft that is dug before a wall can stand.
 pub(super) fn unsupported(scene: &Scene) -> Result<(), Refused> {
     if scene.stream.is_some() {
-        return Err(refuse("a driven liquid needs particles that move: method.edpd.motion = true".into()));
+        return Err(refuse("a driven liquid needs particles that move: method.edpd.motion = true"));
     }
     if !scene.wall_parts.is_empty() && scene.domain.symmetry().is_none() {
         return Err(refuse(
-            "parts of the walls of a rectangle need particles that move (method.edpd.motion = true) or an axis".into(),
+            "parts of the walls of a rectangle need particles that move (method.edpd.motion = true) or an axis",
         ));
     }
     if let Some(reason) = dug_too_early(scene) {
@@ -119,7 +119,7 @@ pub(super) fn front_off_the_lattice(numerics: &Numerics, why_list: Option<&str>)
 pub(super) fn out_of_place(scene: &Scene, numerics: &Numerics, prepared: &Prepared) -> Result<(), Refused> {
     let Prepared { boundary, sinks, lattice, narrow, .. } = prepared;
     if *narrow && numerics.search == SearchChoice::Lattice {
-        return Err(refuse("search = \"lattice\" needs a body at least as wide as pairs reach: set \"auto\"".into()));
+        return Err(refuse("search = \"lattice\" needs a body at least as wide as pairs reach: set \"auto\""));
     }
     let reach = prepared.stencil.reach as f64 * lattice.spacing;
     let cracks = cracks_out_of_place(scene, boundary, sinks, reach, *narrow);

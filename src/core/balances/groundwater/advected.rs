@@ -169,7 +169,7 @@ impl Balance for AdvectedHeat {
 
 impl Companion for AdvectedHeat {
     fn begin(&mut self, enthalpy: &[f64], clock: &Clock) -> Result<(), StepError> {
-        if self.water.follow(enthalpy, clock.time).map_err(|reason| StepError { reason })? {
+        if self.water.follow(enthalpy, clock.time)? {
             self.bind();
         }
         Ok(())

@@ -8,6 +8,7 @@ use crate::balances::groundwater::aquifer::{Aquifer, Warmth};
 use crate::balances::groundwater::bend::Bend;
 use crate::balances::groundwater::carrier::Carrier;
 use crate::balances::groundwater::cuts::CutPaths;
+use crate::balances::groundwater::error::GroundwaterError;
 use crate::balances::groundwater::ground::{Flow, PressureWall};
 use crate::balances::groundwater::network::{Network, NetworkParts, WayOut};
 use crate::balances::groundwater::numerics::{Conduction, FlowNumerics};
@@ -51,7 +52,7 @@ impl AdvectedHeat {
     ///
     /// # Errors
     /// Materials without pores, walls that water cannot pass, pressures that are not found.
-    pub fn new(parts: FlowParts<'_>, enthalpy: &[f64]) -> Result<Self, String> {
+    pub fn new(parts: FlowParts<'_>, enthalpy: &[f64]) -> Result<Self, GroundwaterError> {
         let FlowParts { list, ways_out, lattice, ground, domain, flow, numerics, conduction } = parts;
         let bend = (conduction == Conduction::Corrected)
             .then(|| Bend::new(&list.positions, &list.ghosts.position, &list.pairs, list.spacing));
@@ -98,7 +99,7 @@ impl Groundwater {
         flow: &Flow,
         numerics: FlowNumerics,
         conduction: Conduction,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, GroundwaterError> {
         let ListParts { positions, pairs, ghosts, boundary, materials, .. } = list;
         let first = &materials.thermals[0];
         let faces: Vec<Face> = boundary.first_faces(&first.curve, first.initial_potential);
@@ -159,7 +160,7 @@ impl Groundwater {
     }
 
     /// Fills the columns from the enthalpies at the start, and solves for the first pressures.
-    fn start(&mut self, enthalpy: &[f64], expands: bool) -> Result<(), String> {
+    fn start(&mut self, enthalpy: &[f64], expands: bool) -> Result<(), GroundwaterError> {
         self.warm(enthalpy);
         if expands {
             let count = enthalpy.len();
@@ -172,10 +173,10 @@ impl Groundwater {
 }
 
 /// Materials as water of a viscosity (Pa s) sees them.
-fn aquifers(ground: &[Material], materials: &Materials, viscosity: f64) -> Result<Vec<Aquifer>, String> {
+fn aquifers(ground: &[Material], materials: &Materials, viscosity: f64) -> Result<Vec<Aquifer>, GroundwaterError> {
     let aquifer = |(material, thermal): (&Material, &Thermal)| {
-        let pores = material.pores.ok_or_else(|| format!("\"{}\" has no pores", material.name))?;
-        let permeability = pores.permeability.ok_or_else(|| format!("\"{}\" has no permeability", material.name))?;
+        let pores = material.pores.ok_or_else(|| GroundwaterError::NoPores(material.name.clone()))?;
+        let permeability = pores.permeability.ok_or_else(|| GroundwaterError::NoPermeability(material.name.clone()))?;
         Ok(Aquifer {
             warmth: Warmth::new(thermal),
             thermal: thermal.clone(),

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
+use crate::balances::groundwater::error::GroundwaterError;
 use crate::balances::groundwater::ground::Flow;
 use crate::balances::groundwater::network::WayOut;
 use crate::balances::groundwater::network::{Network, NetworkParts};
@@ -31,7 +32,7 @@ pub(super) struct CutPaths {
 
 impl CutPaths {
     /// The paths at a time (s), if pairs were cut since the last one.
-    pub(super) fn bring_to(&mut self, time: f64) -> Result<Option<Network>, String> {
+    pub(super) fn bring_to(&mut self, time: f64) -> Result<Option<Network>, GroundwaterError> {
         if !self.cuts.bring_to(time, &mut self.pairs.weights) {
             return Ok(None);
         }
@@ -39,12 +40,12 @@ impl CutPaths {
     }
 
     /// The paths at the start.
-    pub(super) fn start(&mut self) -> Result<Network, String> {
+    pub(super) fn start(&mut self) -> Result<Network, GroundwaterError> {
         self.cuts.bring_to(0.0, &mut self.pairs.weights);
         self.network()
     }
 
-    fn network(&mut self) -> Result<Network, String> {
+    fn network(&mut self) -> Result<Network, GroundwaterError> {
         let network = Network::new(&NetworkParts {
             positions: &self.positions,
             pairs: &self.pairs,

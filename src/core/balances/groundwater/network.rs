@@ -8,6 +8,7 @@
 use glam::DVec2;
 
 use crate::balances::groundwater::diagonals::Diagonals;
+use crate::balances::groundwater::error::GroundwaterError;
 use crate::balances::groundwater::ground::Flow;
 use crate::balances::groundwater::numerics::Conduction;
 use crate::bonds::pair_list::PairList;
@@ -147,7 +148,7 @@ impl Network {
     ///
     /// # Errors
     /// Walls for water that the body has not, ghosts that mirror several particles, pairs in one direction only.
-    pub fn new(parts: &NetworkParts<'_>) -> Result<Self, String> {
+    pub fn new(parts: &NetworkParts<'_>) -> Result<Self, GroundwaterError> {
         let NetworkParts { positions, pairs, ways_out, ghosts, boundary, faces, flow, conduction } = *parts;
         let mirrors = Mirrors { ghosts, boundary, faces, flow };
         let mut network = Network { starts: vec![0], patches: mirrors.patches()?, ..Network::default() };
@@ -181,7 +182,7 @@ impl Network {
         pairs: &PairList,
         mirrors: &Mirrors<'_>,
         row: &mut Vec<Part>,
-    ) -> Result<(), String> {
+    ) -> Result<(), GroundwaterError> {
         let count = positions.len();
         for k in pairs.starts[i]..pairs.starts[i + 1] {
             let (partner, weight) = (pairs.partners[k], pairs.weights[k]);
@@ -259,7 +260,7 @@ impl Network {
     }
 
     /// Gives both directions of each path one slot.
-    fn pair_up(&mut self) -> Result<(), String> {
+    fn pair_up(&mut self) -> Result<(), GroundwaterError> {
         let count = self.starts.len() - 1;
         self.diagonals = Diagonals::of(&self.starts, &self.partners);
         self.places = self.diagonals.as_ref().map_or(self.partners.len() / 2, Diagonals::slots);
@@ -273,7 +274,7 @@ impl Network {
                 let j = self.partners[k] as usize;
                 let back = &self.partners[self.starts[j]..self.starts[j + 1]];
                 let Ok(place) = back.binary_search(&(i as u32)) else {
-                    return Err("water would flow through a pair in one direction only".into());
+                    return Err(GroundwaterError::OneWay);
                 };
                 let twin = self.starts[j] + place;
                 let slot = self.diagonals.as_ref().map_or(next, |diagonals| diagonals.slot(i, j - i));
@@ -283,7 +284,7 @@ impl Network {
             }
         }
         if self.slots.contains(&NONE) {
-            return Err("water would flow through a pair in one direction only".into());
+            return Err(GroundwaterError::OneWay);
         }
         if let Some(diagonals) = &mut self.diagonals {
             let length = |slots: &[DVec2]| slots.iter().map(|span| span.length()).fold(0.0, f64::max);
@@ -369,10 +370,10 @@ struct Chain {
 
 impl Mirrors<'_> {
     /// Patches of the walls for water.
-    fn patches(&self) -> Result<Vec<usize>, String> {
+    fn patches(&self) -> Result<Vec<usize>, GroundwaterError> {
         let patch = |name: &str| self.boundary.patches.iter().position(|patch| patch.name == name);
         let walls = self.flow.walls.iter().map(|wall| &wall.name);
-        walls.map(|name| patch(name).ok_or_else(|| format!("the body has no wall \"{name}\" for water"))).collect()
+        walls.map(|name| patch(name).ok_or(GroundwaterError::NoWall(name))).collect()
     }
 
     /// The wall for water at a patch.
@@ -382,7 +383,7 @@ impl Mirrors<'_> {
 }
 
 impl Chain {
-    fn of(mut ghost: usize, count: usize, mirrors: &Mirrors<'_>) -> Result<Self, String> {
+    fn of(mut ghost: usize, count: usize, mirrors: &Mirrors<'_>) -> Result<Self, GroundwaterError> {
         let mut chain = Chain { image: 0, wall: None, sign: 1.0, multiples: [0.0; MOST_WALLS], heat: 1.0 };
         loop {
             if let Some(patch) = mirrors.ghosts.patch[ghost] {
@@ -393,8 +394,7 @@ impl Chain {
                     chain.sign = -chain.sign;
                 }
             }
-            let original =
-                mirrors.ghosts.original(ghost).ok_or("water needs walls that mirror particles one by one")?;
+            let original = mirrors.ghosts.original(ghost).ok_or(GroundwaterError::FittedWall)?;
             match (original as usize).checked_sub(count) {
                 Some(parent) => ghost = parent,
                 None => {

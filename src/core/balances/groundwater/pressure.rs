@@ -11,6 +11,7 @@ use glam::DVec2;
 
 use self::coarse::Coarse;
 use crate::balances::groundwater::diagonals::sum;
+use crate::balances::groundwater::error::GroundwaterError;
 use crate::balances::groundwater::network::{NONE, Network, Opening};
 use crate::bonds::exchange::Mean;
 use crate::memory::HeapSize;
@@ -97,7 +98,7 @@ impl Pressure {
         walls: &[f64],
         taken: Option<&[f64]>,
         mean: Mean,
-    ) -> Result<(), String> {
+    ) -> Result<(), GroundwaterError> {
         self.walls.clear();
         self.walls.extend_from_slice(walls);
         match mean {
@@ -120,7 +121,7 @@ impl Pressure {
         let (mut last, mut count) = (0.0, 0);
         while norm(&self.residual) > limit {
             if count == MOST_ITERATIONS {
-                return Err(format!("the pressure was not found within {MOST_ITERATIONS} iterations"));
+                return Err(GroundwaterError::NotFound(MOST_ITERATIONS));
             }
             self.sweep(network);
             let swept = &self.swept[own.clone()];
@@ -136,7 +137,7 @@ impl Pressure {
             let direction = &self.direction[own.clone()];
             let length = product / dot(direction, &self.image);
             if !length.is_finite() {
-                return Err("the pressure is not finite".into());
+                return Err(GroundwaterError::NotFinite);
             }
             for i in 0..self.pressure.len() {
                 self.pressure[i] += length * direction[i];

@@ -4,7 +4,7 @@ use crate::bonds::pair_list::PairList;
 use crate::bonds::stencil::Stencil;
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::Boundary;
-use crate::boundary::shells::{Exchange, Shells};
+use crate::boundary::shells::{Exchange, ShellError, Shells};
 use crate::space::domain::Domain;
 use crate::space::lattice::Lattice;
 use crate::space::volumes::Volumes;
@@ -16,8 +16,8 @@ pub fn naive_shells(
     lattice: &Lattice,
     stencil: &Stencil,
     boundary: &Boundary,
-) -> Result<Shells, String> {
-    let Some(symmetry) = domain.symmetry() else { return Err("the body has no symmetry".into()) };
+) -> Result<Shells, ShellError> {
+    let Some(symmetry) = domain.symmetry() else { return Err(ShellError::NoSymmetry) };
     let (columns, rows, spacing) = (lattice.columns, lattice.rows, lattice.spacing);
     // A wall is open where any of its parts is; closed parts then have layers that take nothing.
     let is_open = |name: &str| {
@@ -29,10 +29,7 @@ pub fn naive_shells(
     let (inner, outer) = domain.radii();
     let innermost = inner - left as f64 * spacing;
     if innermost < -1e-9 * spacing {
-        return Err(format!(
-            "the layers of wall_model = \"naive\" behind the wall \"inner\" reach across the axis, to r = {innermost:.6} m: \
-             pairs must reach at most the inner radius"
-        ));
+        return Err(ShellError::AcrossTheAxis(innermost));
     }
     let (innermost, outermost) = (innermost.max(0.0), outer + right as f64 * spacing);
     let longer = match *domain {
@@ -64,7 +61,7 @@ pub fn naive_shells(
                 (if row < below { "bottom" } else { "top" }, inner + (near as f64 + 0.5) * spacing)
             };
             let Some(whole) = boundary.patches.iter().position(|patch| patch.name == wall) else {
-                return Err(format!("the wall \"{wall}\" has no condition"));
+                return Err(ShellError::NoWall(wall));
             };
             let patch = boundary.patch_at(whole, along) as u8;
             index.push((lattice.len() + ghosts.len()) as u32);

@@ -126,18 +126,19 @@ pub fn sweep<L: Laws, S: Surroundings, T: Target>(
     target: &mut T,
     patches: &mut [[f64; 4]],
 ) {
+    let reach = frame.shape.reach_rows.min(WIDEST);
     #[cfg(target_arch = "x86_64")]
     {
         if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") {
             // SAFETY: the processor has just been asked for these features.
-            return unsafe { sweep_avx512(frame, band, target, patches) };
+            return unsafe { sweep_avx512(frame, band, target, patches, avx512::BY_REACH[reach]) };
         }
         if is_x86_feature_detected!("avx2") {
             // SAFETY: as above.
-            return unsafe { sweep_avx2(frame, band, target, patches) };
+            return unsafe { sweep_avx2(frame, band, target, patches, avx2::BY_REACH[reach]) };
         }
     }
-    by_reach::<L, S, T, 4>(frame, band, target, patches);
+    rows(frame, band, target, patches, plain::BY_REACH[reach]);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -147,8 +148,9 @@ fn sweep_avx512<L: Laws, S: Surroundings, T: Target>(
     band: &mut Band,
     target: &mut T,
     patches: &mut [[f64; 4]],
+    block: Block,
 ) {
-    by_reach::<L, S, T, 8>(frame, band, target, patches);
+    rows(frame, band, target, patches, block);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -158,32 +160,53 @@ fn sweep_avx2<L: Laws, S: Surroundings, T: Target>(
     band: &mut Band,
     target: &mut T,
     patches: &mut [[f64; 4]],
+    block: Block,
 ) {
-    by_reach::<L, S, T, 8>(frame, band, target, patches);
+    rows(frame, band, target, patches, block);
 }
 
-/// The one place where the reach becomes a constant.
-#[inline(always)]
-fn by_reach<L: Laws, S: Surroundings, T: Target, const LANES: usize>(
-    frame: &Frame<'_, L, S>,
-    band: &mut Band,
-    target: &mut T,
-    patches: &mut [[f64; 4]],
-) {
-    if frame.shape.reach_rows == 0 {
-        return rows::<L, S, T, LANES, 0>(frame, band, target, patches);
-    }
-    match frame.shape.reach_rows {
-        1 => rows::<L, S, T, LANES, 1>(frame, band, target, patches),
-        2 => rows::<L, S, T, LANES, 2>(frame, band, target, patches),
-        3 => rows::<L, S, T, LANES, 3>(frame, band, target, patches),
-        4 => rows::<L, S, T, LANES, 4>(frame, band, target, patches),
-        5 => rows::<L, S, T, LANES, 5>(frame, band, target, patches),
-        6 => rows::<L, S, T, LANES, 6>(frame, band, target, patches),
-        7 => rows::<L, S, T, LANES, 7>(frame, band, target, patches),
-        _ => rows::<L, S, T, LANES, WIDEST>(frame, band, target, patches),
-    }
+/// Rates of some particles of a row, into their slots. Only the reach and the processor's vectors are compiled into it: laws and targets
+/// have their potentials and slots ready before.
+type Block = unsafe fn(&Near<'_>, &mut [Sums], &mut [f64], Option<f64>);
+
+/// What lies around the particles of a block.
+struct Near<'a> {
+    weights: &'a [[f64; 9]; 9],
+    /// Whether the weights fit a disc.
+    disc: bool,
+    /// Sum of all weights.
+    sum: f64,
+    reach: usize,
+    /// Rows of potentials, from the lowest to the highest.
+    rows: &'a [&'a [f64]; 17],
+    /// First column.
+    column: usize,
 }
+
+/// Blocks by their reach, for the vectors of one kind of processor.
+macro_rules! blocks {
+    ($name:ident, $lanes:literal $(, $feature:literal)?) => {
+        mod $name {
+            use super::{Block, Near, Sums};
+
+            $(#[target_feature(enable = $feature)])?
+            fn block<const ROWS: usize>(near: &Near<'_>, sums: &mut [Sums], slots: &mut [f64], step: Option<f64>) {
+                super::block::<$lanes, ROWS>(near, sums, slots, step);
+            }
+
+            /// Those of each reach; on a line there is none.
+            pub(super) const BY_REACH: [Block; super::WIDEST + 1] = [
+                block::<1>, block::<1>, block::<2>, block::<3>, block::<4>, block::<5>, block::<6>, block::<7>, block::<8>,
+            ];
+        }
+    };
+}
+
+blocks!(plain, 4);
+#[cfg(target_arch = "x86_64")]
+blocks!(avx2, 8, "avx2");
+#[cfg(target_arch = "x86_64")]
+blocks!(avx512, 8, "avx512f,avx512vl");
 
 /// Fills the slot of a row in the ring of rows.
 #[inline(always)]
@@ -204,42 +227,43 @@ fn fill_slot<L: Laws, S: Surroundings, T: Target>(
 }
 
 #[inline(always)]
-fn rows<L: Laws, S: Surroundings, T: Target, const LANES: usize, const ROWS: usize>(
+fn rows<L: Laws, S: Surroundings, T: Target>(
     frame: &Frame<'_, L, S>,
     band: &mut Band,
     target: &mut T,
     patches: &mut [[f64; 4]],
+    block: Block,
 ) {
-    let Shape { reach, width, .. } = frame.shape;
+    let Shape { reach, reach_rows, width } = frame.shape;
     let (first_row, end_row) = band.rows;
-    let slots = 2 * ROWS + 1;
+    let slots = 2 * reach_rows + 1;
     let base = frame.lattice.start(first_row);
     let Band { below, above, ring, ring_start, sums, rate, .. } = band;
     let ring = &mut ring[*ring_start..];
     let has_patches = frame.surroundings.has_patches();
     let mut weights = [[0.0; 9]; 9];
-    for (k, by_row) in weights.iter_mut().enumerate().take(ROWS + 1) {
-        for (dy, weight) in by_row.iter_mut().enumerate().take(ROWS + 1) {
+    for (k, by_row) in weights.iter_mut().enumerate().take(reach_rows + 1) {
+        for (dy, weight) in by_row.iter_mut().enumerate().take(reach_rows + 1) {
             *weight = frame.stencil.at(k, dy);
         }
     }
     let disc = frame.stencil.fits_disc();
-    for row in first_row..end_row.min(first_row + ROWS) {
+    for row in first_row..end_row.min(first_row + reach_rows) {
         fill_slot::<L, S, T>(frame, row, slots, base, ring, target);
     }
     for row in first_row..end_row {
-        if row + ROWS < end_row {
-            fill_slot::<L, S, T>(frame, row + ROWS, slots, base, ring, target);
+        if row + reach_rows < end_row {
+            fill_slot::<L, S, T>(frame, row + reach_rows, slots, base, ring, target);
         }
         let at = |offset: usize| -> &[f64] {
-            // offset 0..=2 ROWS stands for row - ROWS ..= row + ROWS
+            // offset 0..=2 reach_rows stands for row - reach_rows ..= row + reach_rows
             let position = row + offset;
-            if position < first_row + ROWS {
+            if position < first_row + reach_rows {
                 &below[(position - first_row) * width..][..width]
-            } else if position - ROWS < end_row {
-                &ring[((position - ROWS) % slots) * width..][..width]
+            } else if position - reach_rows < end_row {
+                &ring[((position - reach_rows) % slots) * width..][..width]
             } else {
-                &above[(position - ROWS - end_row) * width..][..width]
+                &above[(position - reach_rows - end_row) * width..][..width]
             }
         };
         let mut near: [&[f64]; 17] = [&[]; 17];
@@ -254,15 +278,16 @@ fn rows<L: Laws, S: Surroundings, T: Target, const LANES: usize, const ROWS: usi
         while column < end {
             let count = (end - column).min(BLOCK);
             let from = start - base + column - first;
-            if ROWS == 0 {
+            let step = target.step();
+            if reach_rows == 0 {
                 line(frame.stencil, frame.sum, reach, near[0], column, &mut rate[..count]);
-                let step = target.step();
                 let slots = target.slots(from..from + count);
                 slots.iter_mut().zip(&rate[..count]).for_each(|(slot, rate)| settle(slot, *rate, step));
             } else {
-                let step = target.step();
                 let slots = target.slots(from..from + count);
-                block::<LANES, ROWS>((&weights, disc), frame.sum, reach, &near, column, sums, slots, step);
+                let near = Near { weights: &weights, disc, sum: frame.sum, reach, rows: &near, column };
+                // SAFETY: blocks are those of this processor.
+                unsafe { block(&near, sums, slots, step) };
             }
             column += count;
         }
@@ -285,19 +310,14 @@ fn line(stencil: &Stencil, sum: f64, reach: usize, row: &[f64], column: usize, r
     }
 }
 
-/// Rates of the particles of a row from column `column` on, into their slots.
 #[inline(always)]
-#[allow(clippy::too_many_arguments)]
 fn block<const LANES: usize, const ROWS: usize>(
-    (weights, disc): (&[[f64; 9]; 9], bool),
-    sum: f64,
-    reach: usize,
-    near: &[&[f64]; 17],
-    column: usize,
+    near: &Near<'_>,
     sums: &mut [Sums],
     slots: &mut [f64],
     step: Option<f64>,
 ) {
+    let Near { weights, disc, sum, reach, rows: near, column } = *near;
     // Column sums of all columns that the block reaches.
     let length = slots.len() + 2 * reach;
     if disc {

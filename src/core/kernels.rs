@@ -12,6 +12,7 @@ mod lattice_tangent;
 pub mod list_parts;
 mod mean_tangent;
 pub mod rows;
+mod rows_tangent;
 pub mod sweep;
 pub mod target;
 pub mod term;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use rayon::ThreadPool;
+use rayon::prelude::*;
 
 use crate::bonds::exchange::Exchange;
 use crate::bonds::pair_list::PairList;
@@ -58,7 +59,22 @@ pub struct ListParts {
     pub bound: Option<Bound>,
 }
 
+/// Particles that one task handles; fixed, so that results do not depend on the number of threads.
+const TASK: usize = 2048;
+
 impl ListParts {
+    /// Fills rates in tasks, each from a first particle on, side by side where there is a pool and enough to do.
+    #[inline(always)]
+    pub(super) fn in_tasks(&self, rate: &mut [f64], fill: impl Fn(usize, &mut [f64]) + Sync) {
+        let task = |(number, rates): (usize, &mut [f64])| fill(number * TASK, rates);
+        match &self.pool {
+            Some(pool) if rate.len() > 2 * TASK => {
+                pool.install(|| rate.par_chunks_mut(TASK).enumerate().for_each(task));
+            }
+            _ => rate.chunks_mut(TASK).enumerate().for_each(task),
+        }
+    }
+
     /// Pairs, each once.
     pub fn pair_count(&self) -> u64 {
         let count = self.positions.len();

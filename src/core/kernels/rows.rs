@@ -1,6 +1,6 @@
 //! The pair operator on a list: any cloud, any exchange, several materials, and a random part for those who need it.
 
-use rayon::prelude::*;
+use std::array::from_fn;
 
 use crate::bonds::exchange::{Exchange, Mean};
 use crate::boundary::curved_wall::Rim;
@@ -8,7 +8,6 @@ use crate::boundary::interface::Way;
 use crate::boundary::patch::{Face, MOST_PATCHES};
 use crate::boundary::shells::Touch;
 use crate::kernels::crossing::{Crossing, Portion, pairs_across};
-use crate::kernels::enthalpy_rows::Linearised;
 use crate::kernels::list_parts::{ListParts, bound};
 use crate::kernels::term::{PairTerm, PairView};
 use crate::ledger::Sum;
@@ -17,8 +16,8 @@ use crate::physics::latent_heat::{Fields, SchemeState};
 use crate::solvers::step::{Bound, Clock};
 use crate::space::domain::Surface;
 
-/// Particles that one task handles; fixed, so that results do not depend on the number of threads.
-const TASK: usize = 2048;
+/// Rows that are summed side by side.
+const ABREAST: usize = 4;
 
 /// The operator.
 pub struct ListRows<T> {
@@ -160,18 +159,6 @@ impl<T: PairTerm> ListRows<T> {
         }
     }
 
-    /// How that flux follows the potential of the particle (1/m).
-    fn through_wall_slope(&self, way: Option<Way<'_>>, particle: usize, patch: usize, depth: f64) -> f64 {
-        let (materials, potential) = (&self.parts.materials, self.fields.potential[particle]);
-        match way {
-            None => {
-                let material = materials.index(particle);
-                self.faces[material][patch].flux_slope(potential, depth, &materials.thermals[material])
-            }
-            Some(way) => way.wall_slopes(&self.faces[way.near()][patch], depth, potential).1,
-        }
-    }
-
     /// Adds what walls give that touch a body of shells.
     fn touch(&self, rate: &mut [f64], patches: &mut [f64]) {
         for (number, touch) in self.parts.touches.iter().enumerate() {
@@ -218,32 +205,26 @@ impl<T: PairTerm> ListRows<T> {
         F: Fn(&Self, usize, usize, usize) -> f64 + Sync,
     {
         let pairs = &self.parts.pairs;
-        let row = |i: usize| {
-            let mut total = 0.0;
-            for k in pairs.starts[i]..pairs.starts[i + 1] {
-                total += self.flux(conducted, i, k);
+        self.parts.in_tasks(rate, |mut first, rates| {
+            let mut groups = rates.chunks_exact_mut(ABREAST);
+            for group in &mut groups {
+                group.copy_from_slice(&self.rows::<ABREAST, F>(conducted, first));
+                first += ABREAST;
             }
-            total
-        };
-        let task = |(number, rates): (usize, &mut [f64])| {
-            for (offset, rate) in rates.iter_mut().enumerate() {
-                *rate = row(number * TASK + offset);
+            for rate in groups.into_remainder() {
+                [*rate] = self.rows::<1, F>(conducted, first);
+                first += 1;
             }
-        };
-        match &self.parts.pool {
-            Some(pool) if rate.len() > 2 * TASK => {
-                pool.install(|| rate.par_chunks_mut(TASK).enumerate().for_each(task));
-            }
-            _ => rate.chunks_mut(TASK).enumerate().for_each(task),
-        }
+        });
         let mut sums = [Sum::default(); MOST_PATCHES];
         for (Crossing { particle, pair: k, portion }, patch) in &self.crossings {
             let (i, k) = (*particle as usize, *k);
             let up_to = |image: u32| pairs.weights[k] * conducted(self, i, image as usize, k);
+            let all = || self.flux(conducted, i, pairs.partners[k] as usize, pairs.weights[k], k);
             let flux = match *portion {
-                Portion::All => self.flux(conducted, i, k),
+                Portion::All => all(),
                 Portion::UpTo(image) => up_to(image),
-                Portion::From(image) => self.flux(conducted, i, k) - up_to(image),
+                Portion::From(image) => all() - up_to(image),
             };
             sums[*patch as usize].add(flux * self.parts.volumes.share(i));
         }
@@ -252,9 +233,45 @@ impl<T: PairTerm> ListRows<T> {
         }
     }
 
+    /// What the pairs of `N` rows from `first` on give their particles (W/m3). Each sum runs in the order of its row; side
+    /// by side they need not wait for their own last term.
     #[inline(always)]
-    fn flux<F: Fn(&Self, usize, usize, usize) -> f64>(&self, conducted: &F, i: usize, k: usize) -> f64 {
-        let (j, weight) = (self.parts.pairs.partners[k] as usize, self.parts.pairs.weights[k]);
+    fn rows<const N: usize, F>(&self, conducted: &F, first: usize) -> [f64; N]
+    where
+        F: Fn(&Self, usize, usize, usize) -> f64,
+    {
+        let pairs = &self.parts.pairs;
+        let starts: [usize; N] = from_fn(|row| pairs.starts[first + row]);
+        let partners: [&[u32]; N] = from_fn(|row| &pairs.partners[starts[row]..pairs.starts[first + row + 1]]);
+        let weights: [&[f64]; N] = from_fn(|row| &pairs.weights[starts[row]..starts[row] + partners[row].len()]);
+        let common = partners.iter().map(|row| row.len()).min().unwrap_or(0);
+        let mut sums = [0.0; N];
+        let heads: [(&[u32], &[f64]); N] = from_fn(|row| (&partners[row][..common], &weights[row][..common]));
+        for k in 0..common {
+            for row in 0..N {
+                let (j, weight) = (heads[row].0[k] as usize, heads[row].1[k]);
+                sums[row] += self.flux(conducted, first + row, j, weight, starts[row] + k);
+            }
+        }
+        for row in 0..N {
+            for k in common..partners[row].len() {
+                let (j, weight) = (partners[row][k] as usize, weights[row][k]);
+                sums[row] += self.flux(conducted, first + row, j, weight, starts[row] + k);
+            }
+        }
+        sums
+    }
+
+    /// What pair `k` of particle `i` with `j` gives `i` (W/m3).
+    #[inline(always)]
+    fn flux<F: Fn(&Self, usize, usize, usize) -> f64>(
+        &self,
+        conducted: &F,
+        i: usize,
+        j: usize,
+        weight: f64,
+        k: usize,
+    ) -> f64 {
         let conducted = conducted(self, i, j, k);
         if !T::ACTIVE {
             return weight * conducted;
@@ -320,133 +337,9 @@ impl<T: PairTerm> ListRows<T> {
         mean(self.fields.conductivity[i], self.fields.conductivity[j]) * difference
     }
 
-    /// How the flux that [`ListRows::across_materials`] gives follows the potentials of both sides: it falls by the
-    /// first share of the change of `i` and rises by the second share of the change of `j`.
-    fn shares(&self, i: usize, j: usize, k: usize) -> (f64, f64) {
-        let potential = &self.fields.potential;
-        match self.way(k) {
-            None => (1.0, 1.0),
-            Some(way) if i < j => way.shares(potential[i], potential[j]),
-            Some(way) => {
-                let (near, far) = way.shares(potential[j], potential[i]);
-                (far, near)
-            }
-        }
-    }
-
-    /// Linearises around a state: `slopes` takes dU/dH (m2/s) of every particle, `tangent` the exchange of small changes.
-    pub fn linearise(
-        &mut self,
-        scheme: &dyn SchemeState,
-        enthalpy: &[f64],
-        time: f64,
-        slopes: &mut [f64],
-        tangent: &mut Linearised,
-    ) {
-        let total = self.parts.positions.len() + self.parts.ghosts.len();
-        self.parts.cuts.bring_to(time, &mut self.parts.pairs.weights);
-        let parts = &self.parts;
-        for (faces, thermal) in self.faces.iter_mut().zip(parts.materials.thermals.iter()) {
-            parts.boundary.update_faces(faces, time, &thermal.curve, thermal.initial_potential);
-        }
-        if matches!(parts.exchange, Exchange::Mean(_)) {
-            return self.linearise_means(scheme, enthalpy, time, slopes, tangent);
-        }
-        self.fields.potential.resize(total, 0.0);
-        scheme.read(&parts.materials, enthalpy, &mut self.fields);
-        let potential = &mut self.fields.potential;
-        parts.ghosts.fill_potentials(potential, &self.faces, &parts.materials, &parts.chains);
-        parts.ghosts.slopes(potential, &self.faces, &parts.materials, &parts.chains, &mut tangent.ghosts);
-        tangent.changes.resize(potential.len(), 0.0);
-        for (i, (slope, enthalpy)) in slopes.iter_mut().zip(enthalpy).enumerate() {
-            *slope = parts.materials.of(i).law.slope(*enthalpy);
-        }
-        tangent.time = time;
-        tangent.views.resize_with(parts.rims.len(), Vec::new);
-        for (number, Rim { patch, contacts, .. }) in self.standing(time) {
-            let slope = |particle: usize, depth: f64| {
-                let way = parts.chains.of_rim(number, particle, &parts.materials.thermals);
-                self.through_wall_slope(way, particle, *patch, depth)
-            };
-            contacts.slopes(slope, &mut tangent.views[number]);
-        }
-        self.linearise_pipes(time, tangent);
-        tangent.touches.clear();
-        tangent.touches.extend(parts.touches.iter().enumerate().map(|(number, touch)| {
-            let way = parts.chains.of_touch(number, &parts.materials.thermals);
-            touch.area * self.through_wall_slope(way, touch.particle as usize, touch.patch as usize, touch.depth)
-        }));
-        if parts.materials.mixed() {
-            let pairs = &parts.pairs;
-            tangent.shares.clear();
-            for i in 0..enthalpy.len() {
-                let row = pairs.starts[i]..pairs.starts[i + 1];
-                tangent.shares.extend(row.map(|k| self.shares(i, pairs.partners[k] as usize, k)));
-            }
-        }
-    }
-
-    /// Fills the resistances with which small changes meet pipes at a time (s).
-    pub(super) fn linearise_pipes(&self, time: f64, tangent: &mut Linearised) {
-        let parts = &self.parts;
-        tangent.pipes.clear();
-        tangent.pipes.extend(parts.sinks.iter().map(|sink| {
-            let material = parts.materials.of(sink.sample.first().map_or(0, |entry| entry.0 as usize));
-            sink.resistance_to_changes(sink.sampled(|index| self.fields.potential[index]), time, material)
-        }));
-    }
-
-    /// Rates (W/m3) that small changes of the potentials (W/m) of particles cause.
-    pub fn act(&self, tangent: &mut Linearised, potentials: &[f64], rate: &mut [f64]) {
-        let parts = &self.parts;
-        let Linearised { changes, ghosts, shares, views, touches, pipes, time } = tangent;
-        changes[..potentials.len()].copy_from_slice(potentials);
-        parts.ghosts.fill_changes(changes, ghosts);
-        let changes = &*changes;
-        let pairs = &parts.pairs;
-        let row = |i: usize| {
-            let range = pairs.starts[i]..pairs.starts[i + 1];
-            let own = changes[i];
-            let partners = pairs.partners[range.clone()].iter().zip(&pairs.weights[range.clone()]);
-            if shares.is_empty() {
-                partners.map(|(j, weight)| weight * (changes[*j as usize] - own)).sum::<f64>()
-            } else {
-                let flux = |((j, weight), (own_share, other_share)): ((&u32, &f64), &(f64, f64))| {
-                    weight * (other_share * changes[*j as usize] - own_share * own)
-                };
-                partners.zip(&shares[range]).map(flux).sum()
-            }
-        };
-        let task = |(number, rates): (usize, &mut [f64])| {
-            for (offset, rate) in rates.iter_mut().enumerate() {
-                *rate = row(number * TASK + offset);
-            }
-        };
-        match &parts.pool {
-            Some(pool) if rate.len() > 2 * TASK => {
-                pool.install(|| rate.par_chunks_mut(TASK).enumerate().for_each(task));
-            }
-            _ => rate.chunks_mut(TASK).enumerate().for_each(task),
-        }
-        for (rim, views) in parts.rims.iter().zip(views.iter()).filter(|(rim, _)| rim.stands(*time)) {
-            for contact in &rim.contacts.contacts {
-                rate[contact.particle as usize] += rim.contacts.change(contact, views, |particle| changes[particle]);
-            }
-        }
-        for (touch, slope) in parts.touches.iter().zip(touches.iter()) {
-            rate[touch.particle as usize] += slope * changes[touch.particle as usize];
-        }
-        for (sink, resistance) in parts.sinks.iter().zip(pipes).filter(|(sink, _)| sink.works(*time)) {
-            let heat = sink.sampled(|index| self.potential_of_change(index, changes[index])) / *resistance * sink.share;
-            for (index, weight) in &sink.sample {
-                rate[*index as usize] -= heat * weight / parts.volumes.of(*index as usize);
-            }
-        }
-    }
-
     /// What lies between the ends of a pair, if that is of several materials.
     #[inline(always)]
-    fn way(&self, pair: usize) -> Option<Way<'_>> {
+    pub(super) fn way(&self, pair: usize) -> Option<Way<'_>> {
         self.parts.chains.of_pair(pair, &self.parts.materials.thermals)
     }
 

@@ -4,9 +4,6 @@
 //! back: tenths of a pixel are finer than any screen. The PNG is drawn at four times its size and averaged down to
 //! twice: the bitmap backend leaves stairs along thick and slanted edges, and the mean of four pixels removes them.
 
-use std::io::Cursor;
-
-use image::{ImageOutputFormat, RgbImage};
 use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{Color, FontStyle, FontTransform, IntoTextStyle, RGBColor, ShapeStyle, TextStyle};
@@ -59,19 +56,23 @@ pub(crate) fn svg(canvas: &Canvas) -> String {
 pub(crate) fn png(canvas: &Canvas) -> Result<Vec<u8>, PlotError> {
     style::register()?;
     let (width, height) = BITMAP.size(canvas);
-    let mut pixels = RgbImage::new(width, height);
+    let mut pixels = vec![0; 3 * width as usize * height as usize];
     BITMAP.draw(canvas, &mut BitMapBackend::with_buffer(&mut pixels, (width, height)))?;
-    let mut out = Cursor::new(Vec::new());
-    halved(&pixels).write_to(&mut out, ImageOutputFormat::Png).map_err(failed)?;
-    Ok(out.into_inner())
+    let mut out = Vec::new();
+    let mut encoder = png::Encoder::new(&mut out, width / 2, height / 2);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::Fast);
+    let mut writer = encoder.write_header().map_err(failed)?;
+    writer.write_image_data(&halved(&pixels, width as usize)).map_err(failed)?;
+    writer.finish().map_err(failed)?;
+    Ok(out)
 }
 
-/// The means of two by two pixels.
-fn halved(pixels: &RgbImage) -> RgbImage {
-    let (width, height) = (pixels.width() / 2, pixels.height() / 2);
-    let row = 3 * pixels.width() as usize;
-    let mut small = Vec::with_capacity(3 * (width * height) as usize);
-    for rows in pixels.as_raw().chunks_exact(2 * row) {
+/// The means of two by two pixels of an image of a width.
+fn halved(pixels: &[u8], width: usize) -> Vec<u8> {
+    let row = 3 * width;
+    let mut small = Vec::with_capacity(pixels.len() / 4);
+    for rows in pixels.chunks_exact(2 * row) {
         let (upper, lower) = rows.split_at(row);
         for (upper, lower) in upper.chunks_exact(6).zip(lower.chunks_exact(6)) {
             for c in 0..3 {
@@ -80,7 +81,7 @@ fn halved(pixels: &RgbImage) -> RgbImage {
             }
         }
     }
-    RgbImage::from_raw(width, height, small).unwrap_or_default()
+    small
 }
 
 /// Width of a text (px).

@@ -2,10 +2,6 @@
 
 use std::f64::consts::TAU;
 
-use frazil_core::series::Series;
-use frazil_core::space::domain::Domain;
-use frazil_scene::Scene;
-
 use crate::axes::Frame;
 use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, text_width};
 use crate::map::notes_at;
@@ -44,41 +40,22 @@ pub struct ShaftMark {
 /// Groundwater that crosses a plan, as it flows where nothing disturbs it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WaterMark {
-    /// What drives it over time, and its velocity (m/s) by that.
-    pub drive: (Series, f64),
+    /// Its Darcy velocity (m/s) at times (s), increasing: the start, and the instants of maps.
+    pub speeds: Vec<(f64, f64)>,
     /// Where it flows to, of length 1.
     pub direction: (f64, f64),
 }
 
 impl WaterMark {
-    /// Of a scene whose ring water crosses.
-    pub fn of(scene: &Scene) -> Option<WaterMark> {
-        let flow = scene.flow.as_ref()?;
-        let across = flow.across?;
-        let pressure = &flow.walls.first()?.pressure;
-        let permeability = scene.materials.first()?.pores?.permeability?;
-        // The outer wall holds the pressure that drives undisturbed water over a radius.
-        let velocity = permeability / (flow.viscosity * across.radius);
-        Some(WaterMark { drive: (pressure.clone(), velocity), direction: (across.direction.x, across.direction.y) })
-    }
-
     /// Its Darcy velocity in words, at a time (s).
     pub fn words(&self, time: f64) -> String {
-        format!("{} m/day", number(self.drive.0.at(time) * self.drive.1 * DAY, 3))
+        let before = self.speeds.partition_point(|(at, _)| *at <= time).saturating_sub(1);
+        let speed = self.speeds.get(before).map_or(0.0, |(_, speed)| *speed);
+        format!("{} m/day", number(speed * DAY, 3))
     }
 }
 
 impl GroundPlan {
-    /// Of a scene; without anything where its body is no plan of a shaft.
-    pub fn of(scene: &Scene) -> GroundPlan {
-        let Domain::Ring { .. } = scene.domain else { return GroundPlan::default() };
-        GroundPlan {
-            pipes: scene.pipes().iter().map(|pipe| (pipe.x, pipe.y, pipe.radius)).collect(),
-            shaft: scene.excavation.as_ref().map(|shaft| ShaftMark { radius: shaft.radius, dug: Some(shaft.start) }),
-            water: WaterMark::of(scene),
-        }
-    }
-
     /// Draws all of it over a map of an instant (s).
     pub(crate) fn draw(&self, canvas: &mut Canvas, frame: &Frame, time: f64) {
         let scale = (frame.right - frame.left) / (frame.x.high - frame.x.low);

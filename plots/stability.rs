@@ -1,7 +1,6 @@
 //! Maps of outcomes over the step and one parameter, and the boundaries of RKL2.
 
 use frazil_record::Outcome;
-use frazil_simulation::march::{BALANCE_TOLERANCE, RANGE_TOLERANCE};
 
 use crate::axes::{Axis, Entry, Frame, legend};
 use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, Text, text_width};
@@ -52,6 +51,10 @@ pub struct StabilityFigure {
     pub axis: String,
     /// Ends of the upward axis, in steps over the bound.
     pub range: (f64, f64),
+    /// How far temperatures may leave the range of the data, over that range.
+    pub range_tolerance: f64,
+    /// How far the heat balance may be open, over the heat exchanged.
+    pub balance_tolerance: f64,
     /// Panels.
     pub panels: Vec<MapPanel>,
 }
@@ -122,15 +125,6 @@ fn paint(canvas: &mut Canvas, (left, top): Spot, (right, bottom): Spot, class: O
 const BOUND: Stroke = Stroke { colour: INK, width: 2.2, dash: &[9.0, 5.0] };
 const SHARP: Stroke = Stroke { colour: INK, width: 3.0, dash: &[] };
 
-/// What tolerance is, in a line.
-fn tolerance() -> String {
-    format!(
-        "tolerance: {} of the data's range, {} of the heat exchanged",
-        percent(RANGE_TOLERANCE, 2),
-        percent(BALANCE_TOLERANCE, 2)
-    )
-}
-
 /// Draws the maps, two to a row.
 pub fn stability(figure: &StabilityFigure) -> Canvas {
     const SIZE: (f64, f64) = (540.0, 430.0);
@@ -158,8 +152,13 @@ fn entries(figure: &StabilityFigure) -> Vec<Entry> {
         |text: &str, marker, hollow| Entry { text: text.into(), stroke: None, marker: Some((marker, INK, hollow)) };
     let line = |text: &str, stroke| Entry { text: text.into(), stroke: Some(stroke), marker: None };
     let columns = || figure.panels.iter().flat_map(|panel| &panel.columns);
+    let tolerance = format!(
+        "tolerance: {} of the data's range, {} of the heat exchanged",
+        percent(figure.range_tolerance, 2),
+        percent(figure.balance_tolerance, 2)
+    );
     let mut entries = vec![
-        Entry { text: tolerance(), stroke: None, marker: None },
+        Entry { text: tolerance, stroke: None, marker: None },
         line("bound by row sums (Gershgorin)", BOUND),
         line("linear stability limit (sharp)", SHARP),
     ];
@@ -381,7 +380,9 @@ mod tests {
             [0.25, 1.0, 4.0].into_iter().map(|ratio| MapCell { ratio, class: Outcome::TimedOut }).collect();
         let column = MapColumn { name: "1".into(), cells, ..MapColumn::default() };
         let panel = MapPanel { method: "pd".into(), columns: vec![column] };
-        let figure = StabilityFigure { title: "t".into(), axis: "a".into(), range: (0.25, 4.0), panels: vec![panel] };
+        let (title, axis, range) = ("t".into(), "a".into(), (0.25, 4.0));
+        let panels = vec![panel];
+        let figure = StabilityFigure { title, axis, range, range_tolerance: 0.01, balance_tolerance: 1e-3, panels };
         let canvas = stability(&figure);
         // The swatch of the legend comes first.
         let areas: Vec<_> = canvas

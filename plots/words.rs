@@ -1,7 +1,6 @@
 //! What figures of a run say alike: titles, units, the entry of the reference.
 
-use frazil_record::RunResult;
-use frazil_scene::{Scene, TimeUnit};
+use frazil_record::{RunResult, TimeUnit};
 
 use crate::axes::Entry;
 use crate::canvas::{Align, Canvas, Stroke, Text};
@@ -25,21 +24,6 @@ pub struct FigureOptions {
     pub cut: f64,
     /// What is drawn over maps.
     pub plan: GroundPlan,
-}
-
-impl FigureOptions {
-    /// What a scene asks of its figures.
-    pub fn of(scene: &Scene) -> FigureOptions {
-        FigureOptions {
-            name: None,
-            time_unit: scene.time_unit,
-            freezing_point: scene.materials.first().map_or(0.0, |material| material.freezing_point),
-            axes: scene.domain.axes(),
-            pressures: scene.flow.as_ref().map_or((0.0, 0.0), |flow| flow.pressures()),
-            cut: scene.flow.as_ref().and_then(|flow| flow.cut).unwrap_or(0.0),
-            plan: GroundPlan::of(scene),
-        }
-    }
 }
 
 /// How a run speaks of its units.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use frazil_core::particles::Particles;
-use frazil_plots::{FigureOptions, run_figures};
+use frazil_plots::run_figures;
 use frazil_record::RunResult;
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options, Progress, Refused};
@@ -15,7 +15,7 @@ use frazil_studies::failure::{Failure, Verdict, answer, complain};
 use frazil_studies::fields::Snapshots;
 use frazil_studies::output::{self, Folder};
 use frazil_studies::progress::{Reporter, clock, forewarn};
-use frazil_studies::{answers, expect};
+use frazil_studies::{answers, expect, figure_options};
 
 use crate::{interrupt, load};
 
@@ -106,7 +106,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     };
     let also = || snapshots.map_or(Ok(()), |snapshots| snapshots.finish(folder.path()));
     output::write_run_and(folder.path(), &result, also)?;
-    let options = FigureOptions::of(&scene);
+    let options = figure_options::of(&scene, &result.fields);
     if let Err(error) = run_figures(&result, folder.path(), &options) {
         // The numbers are safe: a figure that cannot be drawn does not undo them.
         complain(&format!("figures: {error}"));

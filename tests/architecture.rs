@@ -18,7 +18,7 @@ const PACKAGES: [(&str, &str, &[&str]); 11] = [
     ("frazil_sph", "methods/sph", METHODS_MAY),
     ("frazil_edpd", "methods/edpd", METHODS_MAY),
     ("frazil_cases", "cases", &["frazil_record", "frazil_core", "frazil_scene", "frazil_simulation"]),
-    ("frazil_plots", "plots", &["frazil_record", "frazil_core", "frazil_scene", "frazil_simulation"]),
+    ("frazil_plots", "plots", &["frazil_record"]),
     (
         "frazil_studies",
         "src/studies",
@@ -270,6 +270,12 @@ fn packages_know_only_those_below() {
     for (name, folder, may) in PACKAGES {
         let wrong = forbidden(&sources(&root().join(folder)), may);
         assert!(wrong.is_empty(), "{name}:\n{}", wrong.join("\n"));
+        let manifest = fs::read_to_string(root().join(folder).join("Cargo.toml")).expect("readable");
+        let manifest: toml::Table = manifest.parse().expect("a manifest");
+        let dependencies = manifest["dependencies"].as_table().expect("a table");
+        let own = dependencies.keys().filter(|key| key.starts_with("frazil")).map(|key| key.replace('-', "_"));
+        let wrong: Vec<String> = own.filter(|key| !may.contains(&key.as_str())).collect();
+        assert!(wrong.is_empty(), "{name} depends on {}", wrong.join(", "));
     }
 }
 

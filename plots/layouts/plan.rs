@@ -7,7 +7,7 @@ use crate::ground_plan::{GroundPlan, LEAST, ShaftMark, arrow_around};
 use crate::map::{self, Look};
 use crate::style::{INK, REFERENCE, TICK, number};
 use crate::words::{FigureOptions, Words, title};
-use frazil_scene::TimeUnit;
+use frazil_record::TimeUnit;
 
 /// Sketches in a row, and in a figure.
 const COLUMNS: usize = 3;

@@ -2,14 +2,14 @@
 //!
 //! With `FRAZIL_FIGURES=folder` the files stay there to be looked at.
 
-use frazil_core::series::Series;
 use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint, work_precision};
 use frazil_plots::convergence::{OrderCurve, convergence};
 use frazil_plots::ground_plan::{GroundPlan, ShaftMark, WaterMark};
 use frazil_plots::run::drawings;
 use frazil_plots::{FigureOptions, run_figures};
-use frazil_record::{Field, FrontRow, GapRow, Outcome, ProfileRow, Record, Role, RunResult, Table, Unit, WallRow};
-use frazil_scene::TimeUnit;
+use frazil_record::{
+    Field, FrontRow, GapRow, Outcome, ProfileRow, Record, Role, RunResult, Table, TimeUnit, Unit, WallRow,
+};
 
 #[path = "figures/layouts.rs"]
 mod layouts;
@@ -300,7 +300,7 @@ fn a_table_is_drawn_by_what_it_says_of_itself() {
 #[test]
 fn a_map_names_its_layout_and_shows_shaft_and_water() {
     let map = |dug: Option<f64>, plan: bool| {
-        let water = WaterMark { drive: (Series::Constant(2.0), 0.05 / 86_400.0), direction: (0.6, 0.8) };
+        let water = WaterMark { speeds: vec![(0.0, 0.1 / 86_400.0)], direction: (0.6, 0.8) };
         let shaft = Some(ShaftMark { radius: 3.5, dug });
         let marks = GroundPlan { pipes: vec![(5.0, 0.0, 0.1)], shaft, water: Some(water) };
         let options = FigureOptions {

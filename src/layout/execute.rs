@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use frazil_core::particles::Particles;
 use frazil_plots::ground_plan::ShaftMark;
 use frazil_plots::{FigureOptions, run_figures};
-use frazil_record::Outcome;
+use frazil_record::{Field, Outcome};
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, EachOutput, Options};
 use frazil_simulation::predict;
@@ -15,7 +15,7 @@ use frazil_studies::campaign::{self, Campaign, Meter, Shard};
 use frazil_studies::failure::{Failure, complain};
 use frazil_studies::fields::{self, Snapshots};
 use frazil_studies::machine::Machine;
-use frazil_studies::{output, parallel};
+use frazil_studies::{figure_options, output, parallel};
 use serde::{Deserialize, Serialize};
 
 use super::answers::Kept;
@@ -250,7 +250,7 @@ impl Work<'_> {
         }
         output::write_run_and(&path, &fine, || frames.map_or(Ok(()), |frames| frames.finish(&path)))?;
         if self.has_maps(layout)
-            && let Err(error) = run_figures(&fine, &path, &self.figure_options(layout))
+            && let Err(error) = run_figures(&fine, &path, &self.figure_options(layout, &fine.fields))
         {
             complain(&format!("figures: {error}"));
         }
@@ -258,8 +258,8 @@ impl Work<'_> {
     }
 
     /// Figures of a layout have its name, and the shaft also where it is not dug.
-    fn figure_options(&self, layout: &Layout) -> FigureOptions {
-        let mut options = FigureOptions::of(&layout.scene);
+    fn figure_options(&self, layout: &Layout, maps: &[Field]) -> FigureOptions {
+        let mut options = figure_options::of(&layout.scene, maps);
         options.name = Some(layout.name.clone());
         let planned = self.study.shaft_radius.map(|radius| ShaftMark { radius, dug: None });
         options.plan.shaft = options.plan.shaft.or(planned);

@@ -3,13 +3,12 @@
 use std::fs;
 
 use frazil_core::space::domain::Domain;
-use frazil_plots::ground_plan::WaterMark;
 use frazil_plots::layouts::{LayoutView, PipeView, drawings};
 use frazil_plots::page::{self, Block, Fact, Figure, Page, Table};
 use frazil_plots::style::number;
 use frazil_record::RunResult;
 use frazil_studies::failure::Failure;
-use frazil_studies::parallel;
+use frazil_studies::{figure_options, parallel};
 
 use super::answers::{DAY, Far};
 use super::execute::Work;
@@ -151,7 +150,7 @@ fn view<'a>(study: &Study, one: &Found<'_>, run: &'a RunResult) -> LayoutView<'a
         },
         shaft_radius_m: scene.excavation.as_ref().map(|shaft| shaft.radius).or(study.shaft_radius),
         dug_s: scene.excavation.as_ref().map(|shaft| shaft.start),
-        water: WaterMark::of(scene),
+        water: figure_options::water(scene, &run.fields),
         result: run,
         load: one.fine.load.clone(),
         axis: one.pair.fine.axis.clone(),

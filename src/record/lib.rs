@@ -5,6 +5,7 @@ mod result;
 mod stream;
 mod table;
 mod tables;
+mod time_unit;
 mod wall;
 mod water;
 mod work;
@@ -17,6 +18,7 @@ pub use table::{Column, Head, Role, Table, Unit};
 pub use tables::{
     BesideRow, BudgetRow, Field, FrontRow, FrozenRow, MeanOver, PhaseRow, ProbeRow, ProfileRow, Start, SurfaceRow,
 };
+pub use time_unit::TimeUnit;
 pub use wall::{GapRow, LinkRow, PlaneRow, WallRecord, WallRow};
 pub use water::{CutRow, FlowPoint, WaterRecord, WaterRow, WaterSeries};
 pub use work::Work;

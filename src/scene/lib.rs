@@ -14,6 +14,7 @@ pub mod settings;
 pub mod stream;
 mod units;
 
+pub use frazil_record::TimeUnit;
 pub use pipe_name::{NoPipeName, PipeName};
 pub use pipe_ring::PipeRing;
 pub use read::{Change, Duration, Key, Noted, Problem, Problems, Range, Read, Section, Spot, read_section};
@@ -21,4 +22,4 @@ pub use region::{Region, Shape};
 pub use scene::{Excavation, FreezingDirection, ReferenceChoice, Scene, Wall, WallPart, Watch};
 pub use settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice};
 pub use stream::Stream;
-pub use units::{TimeUnit, Units};
+pub use units::Units;

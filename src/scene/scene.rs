@@ -8,11 +8,12 @@ use frazil_core::physics::material::Material;
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Surface};
 
+use crate::TimeUnit;
 use crate::method::MethodSettings;
 use crate::pipe_ring::PipeRing;
 use crate::region::{Region, Shape};
 use crate::stream::Stream;
-use crate::units::{TimeUnit, Units};
+use crate::units::Units;
 
 /// One named wall of the domain.
 #[derive(Debug, Clone, PartialEq)]

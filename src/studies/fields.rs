@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use frazil_core::particles::Particles;
-use frazil_plots::{FigureOptions, frame};
+use frazil_plots::frame;
 use frazil_scene::Scene;
 use frazil_simulation::observers;
 use tempfile::TempDir;
@@ -17,6 +17,7 @@ use vtkio::model::{
 };
 
 use crate::failure::Failure;
+use crate::figure_options;
 use crate::output::write_whole;
 
 /// Folder of states, the file that lists them with their times, and folder of frames.
@@ -85,8 +86,8 @@ impl<'a> Snapshots<'a> {
             state.write_xml(BufWriter::new(file)).map_err(|error| failed(std::io::Error::other(error.to_string())))?;
         }
         if self.frames {
-            let options = FigureOptions::of(self.scene);
             let field = observers::map(self.scene, particles, time);
+            let options = figure_options::of(self.scene, std::slice::from_ref(&field));
             let names = (self.scene.title.as_str(), self.method, self.scene.units.name());
             let png = frame(&field, names, &options, self.scene.temperature_range()).png()?;
             let path = place(NAMES[2], format!("{number:05}.png"));

@@ -9,6 +9,7 @@ pub mod ensemble;
 pub mod expect;
 pub mod failure;
 pub mod fields;
+pub mod figure_options;
 pub mod machine;
 pub mod output;
 pub mod parallel;

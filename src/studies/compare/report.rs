@@ -5,7 +5,6 @@ mod words;
 
 use std::path::Path;
 
-use frazil_plots::FigureOptions;
 use frazil_plots::comparison::work_precision_panels;
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection};
 use frazil_plots::run::drawings;
@@ -15,6 +14,7 @@ use super::curve::Clock;
 use super::figures::{Cost, order_figure, work_figure};
 use super::request::CompareRequest;
 use crate::failure::Failure;
+use crate::figure_options;
 use crate::machine::Machine;
 use numbers::{
     ensembles, equal_error_table, equal_time_table, failures, gates, order_table, overall, run_table, settings,
@@ -121,7 +121,6 @@ fn caption(study: &Study, cost: Cost) -> String {
 
 fn finest_runs(folder: &Path, study: &Study) -> Result<Vec<Block>, Failure> {
     let scene = &study.runs.scene;
-    let options = FigureOptions::of(scene);
     let mut blocks = Vec::new();
     for same in analysis::group(&study.runs.measured) {
         let Some((one, result)) =
@@ -133,7 +132,7 @@ fn finest_runs(folder: &Path, study: &Study) -> Result<Vec<Block>, Failure> {
         let own = folder.join(&key);
         std::fs::create_dir_all(&own).map_err(|error| Failure::file(&own, "cannot be made a folder", error))?;
         crate::output::write_run(&own, result)?;
-        let all = drawings(result, &options);
+        let all = drawings(result, &figure_options::of(scene, &result.fields));
         let last_map = all.iter().rposition(|(file, _)| file.starts_with("map_"));
         let mut block = Block { heading: format!("{} at {}", one.label(), one.spacing_words()), ..Block::default() };
         for (k, (file, canvas)) in all.iter().enumerate() {

@@ -5,6 +5,7 @@ use frazil_plots::stability::{
     MapCell, MapColumn, MapPanel, StabilityFigure, StagesCurve, StagesPoint, stability, super_steps,
 };
 use frazil_plots::style::number;
+use frazil_simulation::march::{BALANCE_TOLERANCE, RANGE_TOLERANCE};
 
 use super::axis::Axis;
 use super::execute::{Mapped, RANGE};
@@ -35,6 +36,8 @@ pub fn map(title: &str, axis: Axis, columns: &[&Mapped]) -> Option<Canvas> {
         title: title.into(),
         axis: axis.label().into(),
         range: RANGE,
+        range_tolerance: RANGE_TOLERANCE,
+        balance_tolerance: BALANCE_TOLERANCE,
         panels: methods(columns).iter().map(panel).collect(),
     };
     columns.iter().any(|mapped| mapped.found.is_ok()).then(|| stability(&figure))

@@ -4,7 +4,8 @@ use super::super::problem::{Noted, Read};
 use super::super::range::{Range, plain};
 use super::super::tree::{Entry, Item, Node};
 use super::{Asked, Key, Section, Spot};
-use crate::units::{TimeUnit, Units};
+use crate::TimeUnit;
+use crate::units::Units;
 use frazil_core::series::{Schedule, Series};
 
 /// A time as it was given.

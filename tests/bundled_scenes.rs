@@ -1,4 +1,4 @@
-//! The scenes that come with the program are good, and say what they are.
+//! The scenes that come with the program are good, say what they are, and are held to what they gave.
 
 use frazil_scene::Scene;
 use frazil_scene::method::MethodKind;
@@ -20,4 +20,27 @@ fn every_bundled_scene_is_good_under_every_method() {
         assert!(bundled.text.starts_with("# "), "{} opens with what it is", bundled.name);
         assert!(scene.watch.profiles.contains(&scene.duration), "{} keeps its last profile", bundled.name);
     }
+}
+
+/// A scene or study whose results nothing holds could change without being seen.
+#[test]
+fn every_bundled_scene_under_its_methods_and_every_study_has_a_row_of_the_baseline() {
+    let table = include_str!("baseline.csv");
+    let commands: Vec<&str> = table.lines().skip(1).filter_map(|line| line.split(',').next()).collect();
+    let mut wanted: Vec<String> =
+        frazil_cases::studies::all().iter().map(|study| format!("layout {}", study.name)).collect();
+    for bundled in frazil_cases::scenes::all().iter().chain(frazil_cases::scenes::extreme()) {
+        let scene = frazil::load::scene(bundled.name, &[]).unwrap_or_else(|failure| unreachable!("{failure}"));
+        wanted.extend(scene.methods.iter().map(|own| format!("run {} --method {}", bundled.name, own.method)));
+    }
+    // Long ones are cut short or made coarse.
+    let is_row = |wanted: &str, command: &str| {
+        let rest = command.strip_prefix(wanted);
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(" --set "))
+    };
+    let missing = |wanted: &&String| !commands.iter().any(|command| is_row(wanted, command));
+    let missing: Vec<&String> = wanted.iter().filter(missing).collect();
+    assert!(missing.is_empty(), "tests/baseline.csv has no row for {missing:#?}");
+    let twice: Vec<_> = commands.iter().enumerate().filter(|(k, row)| commands[..*k].contains(row)).collect();
+    assert!(twice.is_empty(), "tests/baseline.csv has two rows for {twice:#?}");
 }

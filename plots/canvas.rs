@@ -203,11 +203,19 @@ impl Canvas {
     }
 
     /// The drawing as a PNG of twice its size.
+    ///
+    /// # Errors
+    ///
+    /// If the built-in font is refused or the picture cannot be encoded.
     pub fn png(&self) -> Result<Vec<u8>, PlotError> {
         draw::png(self)
     }
 
-    /// Writes `NAME.svg` and `NAME.png` into a folder.
+    /// Writes `NAME.svg` and `NAME.png` into a folder, and returns both.
+    ///
+    /// # Errors
+    ///
+    /// If the picture cannot be encoded or written.
     pub fn write(&self, folder: &Path, name: &str) -> Result<Vec<PathBuf>, PlotError> {
         let mut paths = Vec::new();
         for (ending, bytes) in [("svg", self.svg().into_bytes()), ("png", self.png()?)] {

@@ -119,7 +119,7 @@ impl Paper {
         (radius * self.scale).round() as u32
     }
 
-    fn draw<DB: DrawingBackend>(&self, canvas: &Canvas, backend: &mut DB) -> Result<(), PlotError> {
+    fn draw<DB: DrawingBackend<ErrorType: 'static>>(&self, canvas: &Canvas, backend: &mut DB) -> Result<(), PlotError> {
         backend.ensure_prepared().map_err(failed)?;
         let (width, height) = self.size(canvas);
         backend.draw_rect((0, 0), (width as i32, height as i32), &filled(Colour::WHITE), true).map_err(failed)?;
@@ -157,7 +157,12 @@ impl Paper {
         ShapeStyle { stroke_width: self.width(stroke.width), filled: false, ..filled(stroke.colour) }
     }
 
-    fn line<DB: DrawingBackend>(&self, points: &[Spot], stroke: &Stroke, backend: &mut DB) -> Result<(), PlotError> {
+    fn line<DB: DrawingBackend<ErrorType: 'static>>(
+        &self,
+        points: &[Spot],
+        stroke: &Stroke,
+        backend: &mut DB,
+    ) -> Result<(), PlotError> {
         let style = self.stroke(stroke);
         let mut path: Vec<(i32, i32)> = Vec::with_capacity(points.len());
         // Over very short pieces whole pixels would set the direction of the line.
@@ -188,7 +193,7 @@ impl Paper {
         Ok(())
     }
 
-    fn text<DB: DrawingBackend>(&self, text: &Text, backend: &mut DB) -> Result<(), PlotError> {
+    fn text<DB: DrawingBackend<ErrorType: 'static>>(&self, text: &Text, backend: &mut DB) -> Result<(), PlotError> {
         let colour = tone(text.colour);
         let mut style = font(text.size * self.scale * self.font, text.bold).color(&colour);
         let h_pos = match text.align {
@@ -208,7 +213,11 @@ impl Paper {
 }
 
 /// Fills a polygon row by row, as pixels lie in memory: the bitmap backend would go through a wide one column by column.
-fn area<DB: DrawingBackend>(points: &[(i32, i32)], style: &ShapeStyle, backend: &mut DB) -> Result<(), PlotError> {
+fn area<DB: DrawingBackend<ErrorType: 'static>>(
+    points: &[(i32, i32)],
+    style: &ShapeStyle,
+    backend: &mut DB,
+) -> Result<(), PlotError> {
     let mut crossings = Vec::new();
     for (from, to) in points.iter().zip(points.iter().cycle().skip(1)) {
         let (low, high) = if from.1 < to.1 { (from, to) } else { (to, from) };
@@ -225,8 +234,8 @@ fn area<DB: DrawingBackend>(points: &[(i32, i32)], style: &ShapeStyle, backend: 
     Ok(())
 }
 
-fn failed(error: impl std::fmt::Display) -> PlotError {
-    PlotError::Encode(error.to_string())
+fn failed(error: impl std::error::Error + Send + Sync + 'static) -> PlotError {
+    PlotError::Encode(error.into())
 }
 
 fn tone(Colour(r, g, b): Colour) -> RGBColor {

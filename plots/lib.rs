@@ -37,7 +37,7 @@ pub enum PlotError {
     Font,
     /// A picture could not be encoded.
     #[error("cannot encode a picture: {0}")]
-    Encode(String),
+    Encode(Box<dyn std::error::Error + Send + Sync>),
     /// A file could not be written.
     #[error("cannot write {path}: {source}")]
     Write {
@@ -48,5 +48,5 @@ pub enum PlotError {
     },
     /// The page could not be filled in.
     #[error("cannot fill in the page: {0}")]
-    Page(String),
+    Page(#[from] minijinja::Error),
 }

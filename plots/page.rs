@@ -109,18 +109,18 @@ pub struct Table {
 }
 
 /// Fills in the page.
-pub fn render(page: &Page) -> Result<String, PlotError> {
+fn render(page: &Page) -> Result<String, PlotError> {
     let mut environment = Environment::new();
-    let failed = |error: minijinja::Error| PlotError::Page(error.to_string());
     // The ending of the name switches escaping on.
-    environment.add_template("report.html", include_str!("report.html")).map_err(failed)?;
-    environment
-        .get_template("report.html")
-        .and_then(|template| template.render(minijinja::value::Serde(page)))
-        .map_err(failed)
+    environment.add_template("report.html", include_str!("report.html"))?;
+    Ok(environment.get_template("report.html")?.render(minijinja::value::Serde(page))?)
 }
 
 /// Writes the page.
+///
+/// # Errors
+///
+/// If it cannot be filled in or written.
 pub fn write(page: &Page, path: &Path) -> Result<(), PlotError> {
     canvas::write(path, render(page)?.as_bytes())
 }

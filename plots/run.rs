@@ -14,6 +14,10 @@ use crate::style::{INK, LABEL, REFERENCE, method_style, method_title, number};
 use crate::{flow_map, map, rings, stream, table};
 
 /// Draws every figure that a run has rows for and returns the files.
+///
+/// # Errors
+///
+/// If a picture cannot be encoded or written.
 pub fn run_figures(result: &RunResult, folder: &Path, options: &FigureOptions) -> Result<Vec<PathBuf>, PlotError> {
     let mut files = Vec::new();
     for (name, canvas) in drawings(result, options) {

@@ -32,7 +32,7 @@ fn main() {
             }
         };
         for kind in methods() {
-            let reference = frazil_cases::reference_for(&scene).ok().flatten().map(Arc::from);
+            let reference = frazil_cases::truth(&scene).ok().and_then(|truth| truth.reference).map(Arc::from);
             let foretold = match forecast(&scene, kind.name, reference.as_ref(), 1, 1) {
                 Ok(forecast) => forecast.seconds(),
                 Err(refused) => {

@@ -6,6 +6,7 @@ use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
 
+use crate::BadTable;
 use crate::soils::Soil;
 use crate::table::{NumberTable, compare, interpolate_square, wall_temperature};
 
@@ -34,9 +35,13 @@ const COLUMN_ERROR: f64 = 1e-6;
 
 impl ColumnTable {
     /// The shipped table.
-    pub fn bundled() -> Result<Self, String> {
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be read.
+    pub fn bundled() -> Result<Self, BadTable> {
         let table = NumberTable::read(include_str!("tables/soil-column.csv"))?;
-        let from_start = |name: &str| Ok::<_, String>([&[0.0], table.column(name)?].concat());
+        let from_start = |name: &str| Ok::<_, BadTable>([&[0.0], table.column(name)?].concat());
         Ok(ColumnTable { times: from_start("time_s")?, fronts: from_start("front_m")? })
     }
 }

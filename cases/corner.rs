@@ -7,6 +7,7 @@ use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
 
+use crate::Unfit;
 use crate::table::{NumberTable, wall_temperature};
 
 /// Name of the table, as a scene file asks for it.
@@ -37,11 +38,15 @@ pub struct Corner {
 }
 
 impl Corner {
-    /// The solution, if the scene is about it; else how it differs.
-    pub fn of_scene(scene: &Scene) -> Result<Self, Vec<String>> {
+    /// The solution.
+    ///
+    /// # Errors
+    ///
+    /// If the scene is not about it.
+    pub fn of_scene(scene: &Scene) -> Result<Self, Unfit> {
         let mut differences = Vec::new();
         let Domain::Rectangle { width, height } = scene.domain else {
-            return Err(vec!["the domain is no rectangle".into()]);
+            return Err(Unfit::another(NAME, vec!["the domain is no rectangle".into()]));
         };
         if scene.materials.len() != 1 || !scene.is_uniform() {
             differences.push("the body is not of one material at one temperature".into());
@@ -56,7 +61,7 @@ impl Corner {
         let cold = first.filter(|first| walls.all(|other| other == Some(*first)) && *first < material.freezing_point);
         let Some(cold) = cold else {
             differences.push("the walls are not held at one temperature below freezing".into());
-            return Err(differences);
+            return Err(Unfit::another(NAME, differences));
         };
         let below = material.freezing_point - cold;
         let stefan = material.unfrozen.heat_capacity * below / material.latent_heat;
@@ -66,11 +71,8 @@ impl Corner {
                 differences.push(format!("the {what} is {found:.4} instead of {wanted}"));
             }
         }
-        if !differences.is_empty() {
-            return Err(differences);
-        }
-        let table = NumberTable::read(TEXT).map_err(|error| vec![error])?;
-        let diagonal = table.column("x_star").map_err(|error| vec![error])?[0];
+        Unfit::unless_same(NAME, differences)?;
+        let diagonal = NumberTable::read(TEXT)?.column("x_star")?[0];
         let diffusivity = material.unfrozen.conductivity / (material.density * material.unfrozen.heat_capacity);
         let half = 0.5 * width.min(height);
         Ok(Corner { diagonal, diffusivity, latest: LATEST * half * half / diffusivity })

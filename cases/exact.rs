@@ -5,6 +5,7 @@ mod functions;
 pub mod line_sink;
 pub mod neumann;
 pub mod similarity;
+mod unsolved;
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::material::FreezingLaw;
@@ -13,9 +14,12 @@ use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
 
+use crate::table::wall_temperature;
+
 pub use advection::OgataBanks;
 pub use neumann::Neumann;
 pub use similarity::Similarity;
+pub use unsolved::Unsolved;
 
 /// Greatest change of temperature that the half space may show at the far wall of a finite body by the end of
 /// the run, over the range of temperatures, before the two count as different problems.
@@ -65,35 +69,28 @@ pub struct HalfSpace {
 }
 
 impl HalfSpace {
-    /// The solution that a scene asks for, or the reason why it has none.
+    /// The solution that a scene asks for.
     ///
-    /// The scene must be a single material in a line or rectangle without pipes, held at one constant temperature
+    /// # Errors
+    ///
+    /// If it has none. The scene must be a single material in a line or rectangle without pipes, held at one constant temperature
     /// at one end and insulated at the sides. The far end may be insulated or held at the initial temperature, as
     /// long as the half space itself changes by less than a thousandth of the range of temperatures there until
     /// the end of the run; or it may follow the exact solution.
-    pub fn of_scene(scene: &Scene) -> Result<Self, String> {
-        if scene.flow.is_some() {
-            return Err("a freezing half space with flowing water has no exact solution".into());
+    pub fn of_scene(scene: &Scene) -> Result<Self, Unsolved> {
+        let unsolved = [
+            (scene.flow.is_some(), "a freezing half space with flowing water"),
+            (!scene.rings.is_empty(), "a scene with freeze pipes"),
+            (scene.has_regional_starts(), "a scene whose regions start at temperatures of their own"),
+            (!scene.cracks.is_empty(), "a scene with cracks"),
+            (!scene.is_uniform(), "a scene with several materials"),
+        ];
+        if let Some((_, body)) = unsolved.iter().find(|(found, _)| *found) {
+            return Err(Unsolved::Body(body));
         }
-        if !scene.rings.is_empty() {
-            return Err("a scene with freeze pipes has no exact solution".into());
-        }
-        if scene.has_regional_starts() {
-            return Err("a scene whose regions start at temperatures of their own has no exact solution".into());
-        }
-        if !scene.cracks.is_empty() {
-            return Err("a scene with cracks has no exact solution".into());
-        }
-        if !scene.is_uniform() {
-            return Err("a scene with several materials has no exact solution".into());
-        }
-        let material = scene.materials.first().ok_or("the scene has no material")?;
+        let material = scene.materials.first().ok_or(Unsolved::NoMaterial)?;
         let (near_name, far, length) = direction(scene)?;
-        let wall = match scene.wall(near_name) {
-            Some(Condition::Temperature(series)) => series.constant(),
-            _ => None,
-        }
-        .ok_or_else(|| format!("the {near_name} wall has no constant temperature"))?;
+        let wall = wall_temperature(scene, near_name).ok_or(Unsolved::WallChanges(near_name))?;
         let initial = scene.initial_temperature;
         let solution = match material.law {
             FreezingLaw::None | FreezingLaw::Isothermal => Solution::Neumann(Neumann::new(material, wall, initial)?),
@@ -102,11 +99,7 @@ impl HalfSpace {
         if !matches!(far, Some(Condition::Exact)) {
             let change = ((solution.temperature(length, scene.duration) - initial) / (initial - wall)).abs();
             if change >= FAR_WALL_TOLERANCE {
-                return Err(format!(
-                    "the far wall is felt: at {length} m the half space changes by {change:.1e} of the range of \
-                     temperatures before the end (limit {FAR_WALL_TOLERANCE:.0e}); lengthen the body, shorten the \
-                     run or let the far wall follow the exact solution"
-                ));
+                return Err(Unsolved::FarWallFelt { length, change, limit: FAR_WALL_TOLERANCE });
             }
         }
         Ok(HalfSpace { solution, length, name: material.name.clone() })
@@ -143,12 +136,12 @@ impl Reference for HalfSpace {
 }
 
 /// Name of the wall where freezing or thawing begins, the condition opposite and the distance between them (m).
-fn direction(scene: &Scene) -> Result<(&'static str, Option<&Condition>, f64), String> {
+fn direction(scene: &Scene) -> Result<(&'static str, Option<&Condition>, f64), Unsolved> {
     let pairs: &[(&'static str, &'static str, f64)] = match scene.domain {
         Domain::Line { length } => &[("left", "right", length)],
         Domain::Rectangle { width, height } => &[("left", "right", width), ("bottom", "top", height)],
-        Domain::Ring { .. } => return Err("a ring has no exact solution".into()),
-        Domain::Radial { .. } | Domain::Axial { .. } => return Err("a body of shells has no exact solution".into()),
+        Domain::Ring { .. } => return Err(Unsolved::Body("a ring")),
+        Domain::Radial { .. } | Domain::Axial { .. } => return Err(Unsolved::Body("a body of shells")),
     };
     let initial = scene.initial_temperature;
     let is_still = |name: &str| match scene.wall(name) {
@@ -161,14 +154,14 @@ fn direction(scene: &Scene) -> Result<(&'static str, Option<&Condition>, f64), S
         .iter()
         .flat_map(|&(first, second, length)| [(first, second, length), (second, first, length)])
         .filter(|&(near, _, _)| !is_still(near));
-    let (near, far, length) = driving.next().ok_or("no wall differs from the initial temperature")?;
+    let (near, far, length) = driving.next().ok_or(Unsolved::NothingDrives)?;
     if let Some((other, _, _)) = driving.next() {
-        return Err(format!("both the {near} and the {other} wall drive heat: no exact solution"));
+        return Err(Unsolved::TwoDrive(near, other));
     }
     for wall in &scene.walls {
         let is_side = wall.name != near && wall.name != far;
         if is_side && wall.condition != Condition::Symmetry {
-            return Err(format!("the {} wall is not insulated, so heat does not flow along one line", wall.name));
+            return Err(Unsolved::NotInsulated(wall.name));
         }
     }
     Ok((near, scene.wall(far), length))

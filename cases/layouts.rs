@@ -2,10 +2,10 @@
 
 use frazil_scene::Scene;
 
-use crate::groundwater;
 use crate::shaft::{PIPES, RING_RADIUS, shaft_differences};
 use crate::shells::cubic;
 use crate::soils::{CLAY, CLAY_TENTH, SAND, Soil};
+use crate::{BadTable, Unfit, groundwater};
 
 /// The table of one ring in sand with pipes of any radius that the others have.
 pub const BY_RADIUS: &str = "shaft-single-sand-by-radius";
@@ -131,28 +131,30 @@ pub fn names() -> Vec<&'static str> {
     names
 }
 
-/// The table of the given name, if it is about the problem of the scene; else the reason. `acting` is the radius (m) as
-/// which a pipe of one particle acts there.
-pub fn by_name(name: &str, scene: &Scene, acting: Option<f64>) -> Result<LayoutTable, String> {
+/// The table of the given name. `acting` is the radius (m) as which a pipe of one particle acts there.
+///
+/// # Errors
+///
+/// If there is none, or it is not about the problem of the scene.
+pub fn by_name(name: &str, scene: &Scene, acting: Option<f64>) -> Result<LayoutTable, Unfit> {
     if !names().contains(&name) {
-        return Err(format!("there is no table '{name}' of a layout; the tables are {}", names().join(", ")));
+        return Err(Unfit::UnknownLayout { name: name.into(), known: names() });
     }
-    let another = |difference: String| format!("the table '{name}' is about another problem: {difference}");
     if name == groundwater::NAME {
-        let closures = groundwater::closures(scene).map_err(another)?;
+        let closures = groundwater::closures(scene)?;
         return Ok(LayoutTable { name: name.into(), closures, days: Vec::new() });
     }
     // shaft-KIND-SOIL-RADIUSmm
     let mut parts = name.splitn(4, '-').skip(1);
     let mut part = || parts.next().unwrap_or_default();
     let (kind, soil, radius) = (part(), part(), part());
-    let wrong = || format!("the name of the table '{name}' tells no layout");
+    let wrong = || Unfit::NoLayout(name.into());
     let inner = INNER.iter().find(|(own, _)| *own == kind).ok_or_else(wrong)?.1;
     let soil = SOILS.iter().find(|(own, _)| *own == soil).ok_or_else(wrong)?.1;
     let radius = radius.strip_suffix("mm").and_then(|text| text.parse::<f64>().ok()).map(|radius| 1e-3 * radius);
     let rings: Vec<Ring> = [Some((PIPES, RING_RADIUS, 0.0)), inner].into_iter().flatten().collect();
     if let Some(first) = shaft_differences(soil, &rings, radius, false, scene).into_iter().next() {
-        return Err(another(first));
+        return Err(Unfit::another(name, vec![first]));
     }
     let counts = (PIPES as f64, inner.map_or(0.0, |inner| inner.0 as f64));
     if name == BY_RADIUS {
@@ -168,28 +170,28 @@ fn lines(text: &'static str) -> impl Iterator<Item = &'static str> {
 }
 
 /// Rows of a table, in their order; empty cells are none.
-fn rows(text: &'static str, name: &str) -> Result<Vec<Vec<&'static str>>, String> {
+fn rows(text: &'static str, name: &str) -> Result<Vec<Vec<&'static str>>, BadTable> {
     let cells = lines(text).skip(1).map(|line| line.split(',').collect::<Vec<_>>());
     let found: Vec<_> = cells.filter(|cells| cells[0] == name).collect();
     let width = lines(text).next().map_or(0, |head| head.split(',').count());
     match found.iter().all(|cells| cells.len() == width) {
         true => Ok(found),
-        false => Err(format!("a row of '{name}' has not {width} cells")),
+        false => Err(BadTable::Width { table: name.into(), width }),
     }
 }
 
-fn number(cell: &str) -> Result<Option<f64>, String> {
+fn number(cell: &str) -> Result<Option<f64>, BadTable> {
     if cell.is_empty() {
         return Ok(None);
     }
-    cell.parse().map(Some).map_err(|_| format!("'{cell}' is not a number"))
+    cell.parse().map(Some).map_err(|_| BadTable::Cell(cell.into()))
 }
 
-fn closures(name: &str) -> Result<Vec<Closure>, String> {
+fn closures(name: &str) -> Result<Vec<Closure>, BadTable> {
     let closure = |cells: Vec<&str>| {
         let gap = Gap::NAMED.iter().find(|(own, _)| *own == cells[1]).map(|(_, gap)| *gap);
-        let gap = gap.ok_or_else(|| format!("'{}' is no gap", cells[1]))?;
-        let day = number(cells[2])?.ok_or("a gap has no day")?;
+        let gap = gap.ok_or_else(|| BadTable::NoGap(cells[1].into()))?;
+        let day = number(cells[2])?.ok_or(BadTable::NoDay)?;
         Ok(Closure { gap, day, error: number(cells[3])? })
     };
     rows(CLOSURES, name)?.into_iter().map(closure).collect()
@@ -197,7 +199,7 @@ fn closures(name: &str) -> Result<Vec<Closure>, String> {
 
 /// Closure of the single ring in sand by the radius of its pipes, by the cubic through the logarithms of four radii; empty
 /// outside all radii.
-fn by_radius(radius: f64) -> Result<Vec<Closure>, String> {
+fn by_radius(radius: f64) -> Result<Vec<Closure>, BadTable> {
     let mut known: Vec<(f64, Vec<Closure>)> = Vec::new();
     for name in names() {
         let radius = name.strip_prefix("shaft-single-sand-").and_then(|rest| rest.strip_suffix("mm"));
@@ -220,16 +222,17 @@ fn by_radius(radius: f64) -> Result<Vec<Closure>, String> {
     Ok(found)
 }
 
-fn days(name: &str, (outer, inner): (f64, f64)) -> Result<Vec<WallDay>, String> {
+fn days(name: &str, (outer, inner): (f64, f64)) -> Result<Vec<WallDay>, BadTable> {
     let day = |cells: Vec<&str>| {
         let at = |column: usize| number(cells[column]);
-        let needed = |column: usize| at(column)?.ok_or_else(|| format!("a row of '{name}' has no column {column}"));
+        let empty = |column: usize| BadTable::EmptyCell { table: name.into(), column };
+        let needed = |column: usize| at(column)?.ok_or_else(|| empty(column));
         let section = |first: usize| {
             let ends = at(first)?.zip(at(first + 1)?);
-            Ok::<_, String>(Section { ends, length: needed(first + 2)?, mean: at(first + 3)? })
+            Ok::<_, BadTable>(Section { ends, length: needed(first + 2)?, mean: at(first + 3)? })
         };
         let both = |first: usize| {
-            Ok::<_, String>(outer * needed(first)? + if inner > 0.0 { inner * needed(first + 2)? } else { 0.0 })
+            Ok::<_, BadTable>(outer * needed(first)? + if inner > 0.0 { inner * needed(first + 2)? } else { 0.0 })
         };
         Ok(WallDay {
             day: needed(1)?,

@@ -15,18 +15,35 @@ pub mod soils;
 pub mod studies;
 pub mod table;
 pub mod tables;
+mod unfit;
 
 use frazil_core::boundary::condition::Condition;
 use frazil_scene::{ReferenceChoice, Scene};
 use frazil_simulation::reference::{Reference, Truth};
-use tables::Unfit;
+
+use exact::Unsolved;
+pub use unfit::{BadTable, Unfit};
+
+/// Why what a scene asks for is not to be had.
+#[derive(Debug, thiserror::Error)]
+pub enum NoReference {
+    /// It has no exact solution.
+    #[error(transparent)]
+    Solution(#[from] Unsolved),
+    /// Its table is not one of it.
+    #[error(transparent)]
+    Table(#[from] Unfit),
+}
 
 /// The reference that a scene asks for and that needs no run. Where the scene is not what its table or closed form is about,
-/// as where a key of it has been changed, whatever else fits stands in and it says so. An error says why what the scene asks
-/// for is not to be had at all.
-pub fn truth(scene: &Scene) -> Result<Truth, String> {
+/// as where a key of it has been changed, whatever else fits stands in and it says so.
+///
+/// # Errors
+///
+/// If what the scene asks for is not to be had at all.
+pub fn truth(scene: &Scene) -> Result<Truth, NoReference> {
     let found = |reference| Ok(Truth { reference, instead: None });
-    let instead = |reason: String| {
+    let instead = |reason: NoReference| {
         let reference = fitting(scene);
         let stands_in = reference.as_ref().map_or("none that needs no run of its own fits".to_owned(), |reference| {
             let info = reference.describe();
@@ -40,24 +57,19 @@ pub fn truth(scene: &Scene) -> Result<Truth, String> {
         ReferenceChoice::Exact => match exact_solution(scene) {
             Ok(solution) => found(Some(solution)),
             // A wall that follows the solution cannot be without it.
-            Err(reason) if scene.walls.iter().any(|wall| wall.condition == Condition::Exact) => Err(reason),
-            Err(reason) => instead(reason),
+            Err(reason) if scene.walls.iter().any(|wall| wall.condition == Condition::Exact) => Err(reason.into()),
+            Err(reason) => instead(reason.into()),
         },
         ReferenceChoice::Table(name) => match tables::by_name(name, scene) {
             Ok(table) => found(Some(table)),
-            Err(Unfit::Another(reason)) => instead(reason),
-            Err(Unfit::Broken(reason)) => Err(reason),
+            Err(reason @ Unfit::Another { .. }) => instead(reason.into()),
+            Err(reason) => Err(reason.into()),
         },
     }
 }
 
-/// The reference of [`truth`] alone.
-pub fn reference_for(scene: &Scene) -> Result<Option<Box<dyn Reference>>, String> {
-    truth(scene).map(|truth| truth.reference)
-}
-
 /// The closed form of a scene, or why it has none.
-fn exact_solution(scene: &Scene) -> Result<Box<dyn Reference>, String> {
+fn exact_solution(scene: &Scene) -> Result<Box<dyn Reference>, Unsolved> {
     Ok(match scene.flow {
         Some(_) => Box::new(exact::OgataBanks::of_scene(scene)?),
         None => Box::new(exact::HalfSpace::of_scene(scene)?),

@@ -7,6 +7,7 @@ use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
 
+use crate::BadTable;
 use crate::table::{NumberTable, interpolate};
 
 /// Name of the table, as a scene file asks for it.
@@ -34,7 +35,11 @@ pub struct Inclusion {
 
 impl Inclusion {
     /// The tables of a law.
-    pub fn of_law(mixing: Mixing) -> Result<Self, String> {
+    ///
+    /// # Errors
+    ///
+    /// If they cannot be read.
+    pub fn of_law(mixing: Mixing) -> Result<Self, BadTable> {
         let (law, temperature, pressure, history) = match mixing {
             Mixing::Geometric => (
                 "geometric",

@@ -5,6 +5,7 @@ use frazil_record::ReferenceInfo;
 use frazil_scene::{PipeRing, Scene};
 use frazil_simulation::reference::{Plane, Reference};
 
+use crate::BadTable;
 use crate::layouts::{LENGTH_ERROR, TEMPERATURE_ERROR};
 use crate::soils::{CLAY, CLAY_TENTH, SAND, Soil};
 use crate::table::{NumberTable, compare, interpolate, interpolate_square, wall_temperature};
@@ -175,7 +176,11 @@ pub struct ShaftTable {
 
 impl ShaftTable {
     /// The shipped table of a case.
-    pub fn bundled(case: &ShaftCase) -> Result<Self, String> {
+    ///
+    /// # Errors
+    ///
+    /// If it cannot be read.
+    pub fn bundled(case: &ShaftCase) -> Result<Self, BadTable> {
         let days = NumberTable::read(case.days)?;
         let seconds = |days: f64| days * DAY;
         let times = days.column("time_day")?.iter().copied().map(seconds).collect();
@@ -185,13 +190,14 @@ impl ShaftTable {
         let table = NumberTable::read(case.profiles)?;
         let mut profiles = Vec::new();
         for name in table.names().iter().filter(|name| *name != "r_m") {
-            let (plane, day) = name.split_once('_').ok_or_else(|| format!("column {name} names no day"))?;
+            let unnamed = |what| BadTable::Unnamed { column: name.clone(), what };
+            let (plane, day) = name.split_once('_').ok_or_else(|| unnamed("day"))?;
             let plane = match plane {
                 "main" => Plane::Main,
                 "interface" => Plane::Interface,
-                _ => return Err(format!("column {name} names no plane")),
+                _ => return Err(unnamed("plane")),
             };
-            let day: f64 = day.parse().map_err(|_| format!("column {name} names no day"))?;
+            let day: f64 = day.parse().map_err(|_| unnamed("day"))?;
             profiles.push((seconds(day), plane, table.column(name)?.to_vec()));
         }
         Ok(ShaftTable {

@@ -14,6 +14,7 @@ use frazil_simulation::reference::{Cut, Reference};
 
 use crate::exact::line_sink::LineSink;
 use crate::table::{NumberTable, compare, interpolate};
+use crate::{BadTable, Unfit};
 
 /// What happens at a wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -173,16 +174,18 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     CASES.iter().map(|case| case.name)
 }
 
-/// The table of the given name, if there is one and it is about the physics of the scene; else the differences.
-pub fn by_name(name: &str, scene: &Scene) -> Option<Result<Box<dyn Reference>, Vec<String>>> {
+/// The table of the given name, if there is one.
+///
+/// # Errors
+///
+/// If it is not about the physics of the scene.
+pub fn by_name(name: &str, scene: &Scene) -> Option<Result<Box<dyn Reference>, Unfit>> {
     let case = CASES.iter().find(|case| case.name == name)?;
-    let differences = case.differences(scene);
-    Some(match differences.is_empty() {
-        true => {
-            ShellTable::new(case, scene).map(|table| Box::new(table) as Box<dyn Reference>).map_err(|error| vec![error])
-        }
-        false => Err(differences),
-    })
+    let table = || -> Result<Box<dyn Reference>, Unfit> {
+        Unfit::unless_same(name, case.differences(scene))?;
+        Ok(Box::new(ShellTable::new(case, scene)?))
+    };
+    Some(table())
 }
 
 impl Case {
@@ -302,11 +305,11 @@ struct ShellTable {
 }
 
 impl ShellTable {
-    fn new(case: &Case, scene: &Scene) -> Result<Self, String> {
+    fn new(case: &Case, scene: &Scene) -> Result<Self, BadTable> {
         let table = NumberTable::read(case.profiles)?;
         let mut profiles = Vec::new();
         for name in table.names().iter().skip(1) {
-            let wrong = || format!("column {name} names no cut and instant");
+            let wrong = || BadTable::Unnamed { column: name.clone(), what: "cut and instant" };
             let (plane, time) = name.split_once('@').ok_or_else(wrong)?;
             let cut = match plane.contains('=') {
                 false => None,

@@ -3,6 +3,8 @@
 use frazil_core::boundary::condition::Condition;
 use frazil_scene::Scene;
 
+use crate::BadTable;
+
 /// Relative agreement of a scene's numbers with those of a table for the table to be about that scene.
 const SAME: f64 = 1e-3;
 
@@ -15,27 +17,35 @@ pub struct NumberTable {
 
 impl NumberTable {
     /// Reads comma-separated text.
-    pub fn read(text: &str) -> Result<Self, String> {
+    ///
+    /// # Errors
+    ///
+    /// If a cell is no number, or there are no rows.
+    pub fn read(text: &str) -> Result<Self, BadTable> {
         let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(text.as_bytes());
-        let headers = reader.headers().map_err(|error| error.to_string())?;
+        let headers = reader.headers()?;
         let names: Vec<String> = headers.iter().map(str::to_owned).collect();
         let mut columns = vec![Vec::new(); names.len()];
         for row in reader.records() {
-            let row = row.map_err(|error| error.to_string())?;
-            for ((column, name), field) in columns.iter_mut().zip(&names).zip(&row) {
-                column.push(field.parse().map_err(|_| format!("column {name}: '{field}' is not a number"))?);
+            for ((column, name), field) in columns.iter_mut().zip(&names).zip(&row?) {
+                let wrong = || BadTable::CellOfColumn { column: name.clone(), cell: field.into() };
+                column.push(field.parse().map_err(|_| wrong())?);
             }
         }
         if columns.first().is_none_or(Vec::is_empty) {
-            return Err("the table has no rows".into());
+            return Err(BadTable::NoRows);
         }
         Ok(NumberTable { names, columns })
     }
 
     /// The numbers of a column.
-    pub fn column(&self, name: &str) -> Result<&[f64], String> {
+    ///
+    /// # Errors
+    ///
+    /// If there is no such column.
+    pub fn column(&self, name: &str) -> Result<&[f64], BadTable> {
         let index = self.names.iter().position(|own| own == name);
-        index.map(|index| self.columns[index].as_slice()).ok_or_else(|| format!("the table has no column {name}"))
+        index.map(|index| self.columns[index].as_slice()).ok_or_else(|| BadTable::NoColumn(name.into()))
     }
 
     /// Names of the columns, in order.
@@ -86,9 +96,9 @@ mod tests {
 
     #[test]
     fn a_bad_table_says_what_is_wrong() {
-        assert!(NumberTable::read("# a\nx,y\n1,two\n").is_err_and(|error| error.contains("'two'")));
+        assert!(NumberTable::read("# a\nx,y\n1,two\n").is_err_and(|error| error.to_string().contains("'two'")));
         assert!(NumberTable::read("x,y\n").is_err());
         let table = NumberTable::read("# a\nx,y\n1,2\n").expect("table");
-        assert!(table.column("z").is_err_and(|error| error.contains('z')));
+        assert!(table.column("z").is_err_and(|error| error.to_string().contains('z')));
     }
 }

@@ -7,10 +7,10 @@ use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_scene::{PipeRing, ReferenceChoice, Region, Scene, Shape, TimeUnit, Wall};
-use frazil_simulation::reference::Plane;
+use frazil_simulation::reference::{Plane, Reference};
 
 use crate::exact::similarity::tests::water;
-use crate::{reference_for, tables, truth};
+use crate::{NoReference, tables, truth};
 
 const HOUR: f64 = 3600.0;
 const DAY: f64 = 86_400.0;
@@ -88,13 +88,17 @@ fn shaft() -> Scene {
     }
 }
 
+fn reference_for(scene: &Scene) -> Result<Option<Box<dyn Reference>>, NoReference> {
+    truth(scene).map(|truth| truth.reference)
+}
+
 fn kind(scene: &Scene) -> Option<String> {
     reference_for(scene).expect("no refusal").map(|reference| reference.describe().kind)
 }
 
 /// Why a scene has not the reference that it names: with another one, or none, in its place, or as an error.
 fn refusal(scene: &Scene) -> String {
-    truth(scene).map_or_else(|reason| reason, |truth| truth.instead.unwrap_or_default())
+    truth(scene).map_or_else(|reason| reason.to_string(), |truth| truth.instead.unwrap_or_default())
 }
 
 #[test]

@@ -142,7 +142,7 @@ fn a_forecast_counts_what_a_run_holds() {
         let bundled = frazil_cases::scenes::find(name).expect("bundled");
         for kind in methods() {
             let scene = shortened(bundled, kind, finer);
-            let reference = frazil_cases::reference_for(&scene).expect("a reference").map(Arc::from);
+            let reference = frazil_cases::truth(&scene).expect("a reference").reference.map(Arc::from);
             let expected = forecast(&scene, kind.name, reference.as_ref(), 1, 1).expect("a forecast");
             let options = Options { fields: true, ..Options::default() };
             let (result, held) = most(|| march::run(&scene, kind.name, reference.as_ref(), &options));

@@ -228,12 +228,12 @@ fn the_table_of_groundwater_is_about_one_problem() {
         ),
     ] {
         let scene = ring(&[(key, value), ("domain.ring.sector", "whole")]);
-        let difference = layouts::by_name(groundwater::NAME, &scene, None).err().unwrap_or_default();
+        let difference = layouts::by_name(groundwater::NAME, &scene, None).expect_err("another problem").to_string();
         let (_, difference) = difference.split_once("another problem: ").expect("a difference");
         assert!(difference.starts_with(expected), "{key}: {difference}");
     }
     let scene = ring(&[]);
-    let still = layouts::by_name("shaft-single-sand-54mm", &scene, None).err().unwrap_or_default();
+    let still = layouts::by_name("shaft-single-sand-54mm", &scene, None).expect_err("another problem").to_string();
     assert!(still.ends_with("no water flows there"), "{still}");
 }
 

@@ -17,7 +17,7 @@ fn scene(text: &str, overrides: &[(&str, &str)]) -> Scene {
 }
 
 fn run(scene: &Scene, threads: usize, seed: u64) -> RunResult {
-    let reference = frazil_cases::reference_for(scene).ok().flatten().map(std::sync::Arc::from);
+    let reference = frazil_cases::truth(scene).ok().and_then(|truth| truth.reference).map(std::sync::Arc::from);
     let options = Options { threads, seed, ..Options::default() };
     march::run(scene, "edpd", reference.as_ref(), &options).unwrap_or_else(|refused| unreachable!("{refused}"))
 }

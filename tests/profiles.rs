@@ -74,7 +74,7 @@ fn errors_do_not_depend_on_the_side_of_the_cold_wall() {
             let text = format!("{}[method.{}]\nspacing_m = 0.01\n", text(near, far), kind.name);
             let scene = Scene::read(&text, "t", "t", &[], &[kind]).expect("a scene");
             let reference: Arc<dyn Reference> =
-                frazil_cases::reference_for(&scene).expect("a reference").map(Arc::from).expect("one");
+                frazil_cases::truth(&scene).expect("a reference").reference.map(Arc::from).expect("one");
             let result = march::run(&scene, kind.name, Some(&reference), &Options::default()).expect("a run");
             assert_eq!(planes(&result), ["line", "y=0.023"]);
             assert!(result.profiles.iter().all(|row| row.temperature_ref_c.is_some()));

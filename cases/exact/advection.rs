@@ -6,7 +6,9 @@ use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
 
+use super::Unsolved;
 use super::functions::erfcx;
+use crate::table::wall_temperature;
 
 /// Estimated relative error: library error functions.
 const ERROR: f64 = 1e-13;
@@ -31,30 +33,29 @@ pub struct OgataBanks {
 impl OgataBanks {
     /// The solution of a scene: a line of one porous material that does not freeze, into which water flows at a constant
     /// temperature under constant pressures.
-    pub fn of_scene(scene: &Scene) -> Result<Self, String> {
+    ///
+    /// # Errors
+    ///
+    /// If the scene is none of these, or its far wall is felt.
+    pub fn of_scene(scene: &Scene) -> Result<Self, Unsolved> {
         let Domain::Line { length } = scene.domain else {
-            return Err("only water along a line has an exact solution".into());
+            return Err(Unsolved::NotALine);
         };
-        let flow = scene.flow.as_ref().ok_or("no water flows")?;
-        let [material] = scene.materials.as_slice() else { return Err("the body is not of one material".into()) };
-        let pores = material.pores.ok_or("the material has no pores")?;
-        let pressure = |name: &str| {
-            let wall =
-                flow.walls.iter().find(|wall| wall.name == name).ok_or(format!("no pressure at the {name} wall"))?;
-            wall.pressure.constant().ok_or(format!("the pressure at the {name} wall changes"))
+        let flow = scene.flow.as_ref().ok_or(Unsolved::NoWater)?;
+        let [material] = scene.materials.as_slice() else { return Err(Unsolved::SeveralMaterials) };
+        let pores = material.pores.ok_or(Unsolved::NoPores)?;
+        let pressure = |name: &'static str| {
+            let wall = flow.walls.iter().find(|wall| wall.name == name).ok_or(Unsolved::NoPressure(name))?;
+            wall.pressure.constant().ok_or(Unsolved::PressureChanges(name))
         };
         let drop = pressure("left")? - pressure("right")?;
-        let temperature = |name: &str| match scene.wall(name) {
-            Some(Condition::Temperature(series)) => series.constant(),
-            _ => None,
-        };
         let (near, far) = if drop > 0.0 { ("left", "right") } else { ("right", "left") };
-        let wall = temperature(near).ok_or_else(|| format!("the {near} wall has no constant temperature"))?;
+        let wall = wall_temperature(scene, near).ok_or(Unsolved::WallChanges(near))?;
         let initial = scene.initial_temperature;
         if scene.temperature_range().0 < material.freezing_point && material.volumetric_latent_heat() > 0.0 {
-            return Err("the ground freezes".into());
+            return Err(Unsolved::Freezes);
         }
-        let permeability = pores.permeability.ok_or("the material has no permeability")?;
+        let permeability = pores.permeability.ok_or(Unsolved::NoPermeability)?;
         let water = permeability / flow.viscosity * drop.abs() / length;
         let capacity = material.unfrozen_capacity();
         let solution = OgataBanks {
@@ -68,10 +69,10 @@ impl OgataBanks {
         let change = solution.share(length, scene.duration);
         let still = match scene.wall(far) {
             Some(Condition::Symmetry) => true,
-            _ => temperature(far) == Some(initial),
+            _ => wall_temperature(scene, far) == Some(initial),
         };
         if !still || change > FAR_WALL {
-            return Err(format!("the far wall is felt: the half space changes by {change:.1e} there"));
+            return Err(Unsolved::ColumnEnds(change));
         }
         Ok(solution)
     }

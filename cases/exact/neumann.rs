@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use frazil_core::physics::material::Material;
 
+use super::Unsolved;
 use super::functions::{decreasing_root, erfc_ratio, erfcx};
 
 /// Conductivity and diffusivity of one side of the front.
@@ -60,12 +61,16 @@ impl Neumann {
     /// The solution for a material from the temperatures of wall and start.
     ///
     /// A body that starts at the freezing point itself is unfrozen.
-    pub fn new(material: &Material, wall: f64, initial: f64) -> Result<Self, String> {
+    ///
+    /// # Errors
+    ///
+    /// If the material freezes along a curve, or nothing happens between these temperatures.
+    pub fn new(material: &Material, wall: f64, initial: f64) -> Result<Self, Unsolved> {
         if material.has_curve() {
-            return Err(format!("{} does not freeze at one temperature", material.name));
+            return Err(Unsolved::Curved(material.name.clone()));
         }
         if !wall.is_finite() || !initial.is_finite() || wall == initial {
-            return Err(format!("a wall at {wall} does not change a body at {initial}"));
+            return Err(Unsolved::Unchanged { wall, initial });
         }
         let change = material.freezing_point;
         let (frozen, unfrozen) = (FrontSide::frozen(material), FrontSide::unfrozen(material));
@@ -90,8 +95,11 @@ impl Neumann {
                 - far.conductivity / near.conductivity * ratio * far_rise / erfcx(lambda * ratio)
                 - PI.sqrt() * lambda * latent_heat / near.capacity
         };
-        let lambda = decreasing_root(0.5, imbalance)
-            .ok_or_else(|| format!("{} has no front between {wall} and {initial}", material.name))?;
+        let lambda = decreasing_root(0.5, imbalance).ok_or_else(|| Unsolved::NoFront {
+            material: material.name.clone(),
+            wall,
+            initial,
+        })?;
         let beyond = FarSide { far, change, lambda, far_lambda: lambda * ratio, has_latent_heat: latent_heat > 0.0 };
         Ok(Neumann { near, wall, initial, beyond: Some(beyond) })
     }

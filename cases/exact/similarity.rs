@@ -10,6 +10,7 @@ mod shooting;
 
 use frazil_core::physics::material::Material;
 
+use super::Unsolved;
 use super::functions::erfc_ratio;
 use medium::Medium;
 use shooting::{Shooting, TrajectoryPoint, along_eta, step};
@@ -34,12 +35,15 @@ pub struct Similarity {
 
 impl Similarity {
     /// The solution for a material from the temperatures of wall and start.
-    pub fn new(material: &Material, wall: f64, initial: f64) -> Result<Self, String> {
+    ///
+    /// # Errors
+    ///
+    /// If the curve of the material is of another kind or too narrow, or nothing happens between these temperatures.
+    pub fn new(material: &Material, wall: f64, initial: f64) -> Result<Self, Unsolved> {
         if !wall.is_finite() || !initial.is_finite() || wall == initial {
-            return Err(format!("a wall at {wall} does not change a body at {initial}"));
+            return Err(Unsolved::Unchanged { wall, initial });
         }
-        let unknown = || format!("the similarity solution is not made for the way in which {} freezes", material.name);
-        let medium = Medium::new(material).ok_or_else(unknown)?;
+        let medium = Medium::new(material).ok_or_else(|| Unsolved::UnknownCurve(material.name.clone()))?;
         // Seen from the wall, so that a body at the freezing point itself counts as what it is about to become.
         let last_part = medium.part(initial, wall);
         let initial_frozen = medium.properties(last_part, initial).frozen_fraction;
@@ -47,12 +51,9 @@ impl Similarity {
         let flux = shooting.wall_flux()?;
         let mut nodes = Vec::new();
         let excess = shooting.integrate(flux, Some(&mut nodes))?;
-        let last = nodes.last().ok_or("the similarity solution has no points")?;
+        let last = nodes.last().ok_or(Unsolved::NoEnd)?;
         if excess.abs() > MISMATCH * (initial - wall).abs() {
-            return Err(format!(
-                "the similarity solution of {} does not reach {initial}; its curve may be too narrow",
-                material.name
-            ));
+            return Err(Unsolved::Missed { material: material.name.clone(), initial });
         }
         let tail_diffusivity = medium.properties(last.part, last.temperature).diffusivity();
         let frozen = last.frozen;

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::medium::{CurvePart, Medium};
+use crate::exact::Unsolved;
 use crate::exact::functions::erfcx;
 
 /// Local error of one step, relative to the scale of each variable.
@@ -79,22 +80,22 @@ impl<'a> Shooting<'a> {
     }
 
     /// The wall flux that leads to the initial temperature: the largest number that does not lead beyond it.
-    pub fn wall_flux(&self) -> Result<f64, String> {
+    pub fn wall_flux(&self) -> Result<f64, Unsolved> {
         let direction = (self.initial - self.wall).signum();
         let at_wall = self.medium.properties(self.medium.part(self.wall, self.initial), self.wall);
         let guess = 2.0 * at_wall.conductivity * (self.initial - self.wall).abs() / (self.reach * PI.sqrt());
-        let falls_short = |size: f64| Ok::<bool, String>(self.integrate(direction * size, None)? <= 0.0);
+        let falls_short = |size: f64| Ok::<bool, Unsolved>(self.integrate(direction * size, None)? <= 0.0);
         let (mut low, mut high) = (guess, guess);
         while !falls_short(low)? {
             low *= 0.5;
             if low < 1e-100 * guess {
-                return Err("no wall flux is small enough".into());
+                return Err(Unsolved::FluxTooLarge);
             }
         }
         while falls_short(high)? {
             high *= 2.0;
             if high > 1e100 * guess {
-                return Err("no wall flux is large enough".into());
+                return Err(Unsolved::FluxTooSmall);
             }
         }
         loop {
@@ -111,7 +112,7 @@ impl<'a> Shooting<'a> {
     }
 
     /// How far the temperature at infinity lies beyond the initial one (K, negative if it falls short).
-    pub fn integrate(&self, wall_flux: f64, mut record: Option<&mut Vec<TrajectoryPoint>>) -> Result<f64, String> {
+    pub fn integrate(&self, wall_flux: f64, mut record: Option<&mut Vec<TrajectoryPoint>>) -> Result<f64, Unsolved> {
         let direction = (self.initial - self.wall).signum();
         let mut eta = 0.0;
         let mut state = [self.wall, wall_flux, 0.0];
@@ -146,7 +147,7 @@ impl<'a> Shooting<'a> {
                 break;
             }
         }
-        Err("the similarity solution has no end".into())
+        Err(Unsolved::NoEnd)
     }
 
     /// One step of fitting length; `length` becomes the proposal for the next.
@@ -157,13 +158,13 @@ impl<'a> Shooting<'a> {
         state: [f64; 3],
         length: &mut f64,
         steps: &mut usize,
-    ) -> Result<([f64; 3], f64), String> {
+    ) -> Result<([f64; 3], f64), Unsolved> {
         let longest = self.medium.longest_step(state[0]);
         let scales = [self.resolution, state[1].abs(), self.reach];
         loop {
             *steps += 1;
             if *steps > MOST_STEPS {
-                return Err("the similarity solution takes too many steps".into());
+                return Err(Unsolved::TooManySteps);
             }
             let used = *length;
             let (next, error) =
@@ -188,14 +189,14 @@ impl<'a> Shooting<'a> {
         kink: f64,
         mut record: Option<&mut Vec<TrajectoryPoint>>,
         steps: &mut usize,
-    ) -> Result<(f64, [f64; 3]), String> {
+    ) -> Result<(f64, [f64; 3]), Unsolved> {
         let mut temperature = state[0];
         let mut turned = [eta, state[1], state[2]];
         let mut length = kink - temperature;
         while temperature != kink {
             *steps += 1;
             if *steps > MOST_STEPS {
-                return Err("the similarity solution takes too many steps".into());
+                return Err(Unsolved::TooManySteps);
             }
             let longest = self.medium.longest_step(temperature);
             length = length.clamp(-longest, longest);

@@ -134,7 +134,7 @@ fn parts() -> Parts<'static> {
     static INTERRUPT: AtomicBool = AtomicBool::new(false);
     Parts {
         scene_at: &bundled::scene,
-        reference_for: &frazil_cases::truth,
+        reference_for: &|scene| frazil_cases::truth(scene).map_err(|reason| reason.to_string()),
         run: &made_up,
         methods: bundled::methods(),
         interrupt: &INTERRUPT,

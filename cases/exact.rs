@@ -34,7 +34,7 @@ const SIMILARITY_ERROR: f64 = 1e-10;
 
 /// A solution in a half space.
 #[derive(Debug, Clone)]
-pub enum Solution {
+enum Solution {
     /// All latent heat at one temperature, or none.
     Neumann(Neumann),
     /// A freezing curve.
@@ -43,18 +43,10 @@ pub enum Solution {
 
 impl Solution {
     /// Temperature at a distance `x` (m) from the wall at time `t` (s).
-    pub fn temperature(&self, x: f64, t: f64) -> f64 {
+    fn temperature(&self, x: f64, t: f64) -> f64 {
         match self {
             Solution::Neumann(neumann) => neumann.temperature(x, t),
             Solution::Similarity(similarity) => similarity.temperature(x, t),
-        }
-    }
-
-    /// Heat that leaves through the wall (W/m2) at time `t` (s); negative when it enters.
-    pub fn wall_flux(&self, t: f64) -> f64 {
-        match self {
-            Solution::Neumann(neumann) => neumann.wall_flux(t),
-            Solution::Similarity(similarity) => similarity.wall_flux(t),
         }
     }
 }
@@ -103,11 +95,6 @@ impl HalfSpace {
             }
         }
         Ok(HalfSpace { solution, length, name: material.name.clone() })
-    }
-
-    /// The solution in the unbounded half space.
-    pub fn solution(&self) -> &Solution {
-        &self.solution
     }
 }
 

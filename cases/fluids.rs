@@ -1,13 +1,13 @@
 //! Fluids by name, which constants of eDPD are calibrated to.
 
-/// The text of the file of a bundled fluid.
-pub fn find(name: &str) -> Option<&'static str> {
-    FLUIDS.iter().find(|(own, _)| *own == name).map(|(_, text)| *text)
+use crate::scenes::{BundledScene, bundled};
+
+/// All of them.
+pub fn all() -> &'static [BundledScene] {
+    bundled!["fluids": "water"]
 }
 
-/// Names of the bundled fluids.
-pub fn names() -> impl Iterator<Item = &'static str> {
-    FLUIDS.iter().map(|(name, _)| *name)
+/// The fluid of a name.
+pub fn find(name: &str) -> Option<&'static BundledScene> {
+    all().iter().find(|fluid| fluid.name == name)
 }
-
-const FLUIDS: [(&str, &str); 1] = [("water", include_str!("fluids/water.toml"))];

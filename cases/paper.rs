@@ -1,14 +1,10 @@
 //! What turns bundled scenes into the discretisation that their paper prints: keys over the scene, one a line.
 
-macro_rules! printed {
-    ($($name:literal),* $(,)?) => {
-        &[$(($name, include_str!(concat!("paper/", $name, ".toml")))),*]
-    };
-}
+use crate::scenes::{BundledScene, bundled};
 
 /// Scenes whose papers print a discretisation of their own, and the text of its keys.
-pub fn all() -> &'static [(&'static str, &'static str)] {
-    const ALL: &[(&str, &str)] = printed![
+pub fn all() -> &'static [BundledScene] {
+    bundled!["paper":
         "stefan-water-mushy",
         "advective-column",
         "thawing-inclusion",
@@ -20,14 +16,13 @@ pub fn all() -> &'static [(&'static str, &'static str)] {
         "freezing-annulus",
         "heated-hollow-cylinder",
         "ice-in-glass",
-    ];
-    ALL
+    ]
 }
 
 /// The keys of the paper's discretisation of a bundled scene, each with its value, as overrides.
 pub fn overrides(scene: &str) -> Option<Vec<(String, String)>> {
-    let (_, text) = all().iter().find(|(name, _)| *name == scene)?;
-    let lines = text.lines().filter(|line| !line.starts_with('#'));
+    let printed = all().iter().find(|printed| printed.name == scene)?;
+    let lines = printed.text.lines().filter(|line| !line.starts_with('#'));
     let pair = |line: &str| line.split_once('=').map(|(key, value)| (key.trim().to_owned(), value.trim().to_owned()));
     Some(lines.filter_map(pair).collect())
 }

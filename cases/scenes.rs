@@ -1,6 +1,6 @@
 //! The scenes that come with the program.
 
-/// A scene by its name.
+/// A scene, study or fluid by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BundledScene {
     /// Short name, as the command line takes it.
@@ -9,15 +9,17 @@ pub struct BundledScene {
     pub text: &'static str,
 }
 
+/// Files of a folder beside this one, by their names without ending.
 macro_rules! bundled {
     ($folder:literal: $($name:literal),* $(,)?) => {
-        &[$(BundledScene { name: $name, text: include_str!(concat!($folder, "/", $name, ".toml")) }),*]
+        &[$($crate::scenes::BundledScene { name: $name, text: include_str!(concat!($folder, "/", $name, ".toml")) }),*]
     };
 }
+pub(crate) use bundled;
 
 /// The scenes of the papers, with references: what is compared.
 pub fn all() -> &'static [BundledScene] {
-    const ALL: &[BundledScene] = bundled!["scenes":
+    bundled!["scenes":
         "stefan-water",
         "stefan-water-mushy",
         "stefan-unit",
@@ -57,13 +59,12 @@ pub fn all() -> &'static [BundledScene] {
         "interfrost-th3-6",
         "interfrost-th3-9",
         "interfrost-th3-15",
-    ];
-    ALL
+    ]
 }
 
 /// Scenes that drive physics and numerics to their edges; each says what must hold.
 pub fn extreme() -> &'static [BundledScene] {
-    const EXTREME: &[BundledScene] = bundled!["extreme":
+    bundled!["extreme":
         "stefan-number-1e-3",
         "stefan-number-1e-2",
         "stefan-number-10",
@@ -96,8 +97,7 @@ pub fn extreme() -> &'static [BundledScene] {
         "pipes-by-the-hour",
         "insulated-disc",
         "curved-wall-quench",
-    ];
-    EXTREME
+    ]
 }
 
 /// The bundled scene of this name, of either group.

@@ -39,48 +39,28 @@ const SHAFT_TEMPERATURES: (f64, f64) = (-20.0, 15.0);
 /// 12 to 20 m; the tables have 15 m.
 const LEAST_OUTER_RADIUS: f64 = 12.0;
 
+/// A shaft in a soil with pipes of a radius, when its gaps close, that day's error, and when they do on the pipe circle.
+macro_rules! shaft {
+    ($name:literal, $soil:ident, $pipe_radius:literal, $closure:literal, $closure_error:literal, $on_circle:literal) => {
+        ShaftCase {
+            name: $name,
+            soil: &$soil,
+            pipe_radius: $pipe_radius,
+            days: include_str!(concat!("tables/", $name, "-days.csv")),
+            profiles: include_str!(concat!("tables/", $name, "-profiles.csv")),
+            closure: $closure,
+            closure_error: $closure_error,
+            closure_at_ring_radius: $on_circle,
+        }
+    };
+}
+
 /// All shafts.
 pub const SHAFT_CASES: [ShaftCase; 4] = [
-    ShaftCase {
-        name: "shaft-single-sand-54mm",
-        soil: &SAND,
-        pipe_radius: 0.054,
-        days: include_str!("tables/shaft-single-sand-54mm-days.csv"),
-        profiles: include_str!("tables/shaft-single-sand-54mm-profiles.csv"),
-        closure: 15.398,
-        closure_error: 0.031,
-        closure_at_ring_radius: 15.472,
-    },
-    ShaftCase {
-        name: "shaft-single-clay10-54mm",
-        soil: &CLAY_TENTH,
-        pipe_radius: 0.054,
-        days: include_str!("tables/shaft-single-clay10-54mm-days.csv"),
-        profiles: include_str!("tables/shaft-single-clay10-54mm-profiles.csv"),
-        closure: 19.300,
-        closure_error: 0.039,
-        closure_at_ring_radius: 19.438,
-    },
-    ShaftCase {
-        name: "shaft-single-clay-54mm",
-        soil: &CLAY,
-        pipe_radius: 0.054,
-        days: include_str!("tables/shaft-single-clay-54mm-days.csv"),
-        profiles: include_str!("tables/shaft-single-clay-54mm-profiles.csv"),
-        closure: 122.449,
-        closure_error: 0.245,
-        closure_at_ring_radius: 123.199,
-    },
-    ShaftCase {
-        name: "shaft-single-sand-6.38mm",
-        soil: &SAND,
-        pipe_radius: 0.00638,
-        days: include_str!("tables/shaft-single-sand-6.38mm-days.csv"),
-        profiles: include_str!("tables/shaft-single-sand-6.38mm-profiles.csv"),
-        closure: 39.750,
-        closure_error: 0.151,
-        closure_at_ring_radius: 40.046,
-    },
+    shaft!("shaft-single-sand-54mm", SAND, 0.054, 15.398, 0.031, 15.472),
+    shaft!("shaft-single-clay10-54mm", CLAY_TENTH, 0.054, 19.300, 0.039, 19.438),
+    shaft!("shaft-single-clay-54mm", CLAY, 0.054, 122.449, 0.245, 123.199),
+    shaft!("shaft-single-sand-6.38mm", SAND, 0.00638, 39.750, 0.151, 40.046),
 ];
 
 impl ShaftCase {

@@ -65,57 +65,52 @@ struct Case {
     errors: (Option<f64>, Option<f64>),
 }
 
-const PIPE: Domain = Domain::Radial { symmetry: Symmetry::Axial, inner: 0.05, outer: 1.5 };
-const PIPE_SOURCE: &str = "extrapolated finite volumes, within 3e-6 K of Chebyshev collocation";
-
-const fn pipe(name: &'static str, walls: &'static [(&'static str, ShellWall)], profiles: &'static str) -> Case {
-    Case {
-        name,
-        material: STEEL,
-        domain: PIPE,
-        initial: 226.85,
-        walls,
-        parts: &[],
-        regions: &[],
-        profiles,
-        smooth: true,
-        series: None,
-        source: PIPE_SOURCE,
-        error_estimate_rel: 2e-8,
-        errors: (None, None),
-    }
-}
+/// A thick pipe, of which walls and profiles are left open: what most bodies have.
+const PIPE: Case = Case {
+    name: "",
+    material: STEEL,
+    domain: Domain::Radial { symmetry: Symmetry::Axial, inner: 0.05, outer: 1.5 },
+    initial: 226.85,
+    walls: &[],
+    parts: &[],
+    regions: &[],
+    profiles: "",
+    smooth: true,
+    series: None,
+    source: "extrapolated finite volumes, within 3e-6 K of Chebyshev collocation",
+    error_estimate_rel: 2e-8,
+    errors: (None, None),
+};
 
 static CASES: [Case; 7] = [
-    pipe(
-        "thick-pipe-temperature",
-        &[("inner", ShellWall::Held(26.85)), ("outer", ShellWall::Held(26.85))],
-        include_str!("tables/thick-pipe-temperature.csv"),
-    ),
-    pipe(
-        "thick-pipe-flux",
-        &[("inner", ShellWall::Flux(-1e4)), ("outer", ShellWall::Flux(-1e4))],
-        include_str!("tables/thick-pipe-flux.csv"),
-    ),
-    pipe(
-        "thick-pipe-convection",
-        &[("inner", ShellWall::Film(500.0, 26.85)), ("outer", ShellWall::Film(500.0, 26.85))],
-        include_str!("tables/thick-pipe-convection.csv"),
-    ),
+    Case {
+        name: "thick-pipe-temperature",
+        walls: &[("inner", ShellWall::Held(26.85)), ("outer", ShellWall::Held(26.85))],
+        profiles: include_str!("tables/thick-pipe-temperature.csv"),
+        ..PIPE
+    },
+    Case {
+        name: "thick-pipe-flux",
+        walls: &[("inner", ShellWall::Flux(-1e4)), ("outer", ShellWall::Flux(-1e4))],
+        profiles: include_str!("tables/thick-pipe-flux.csv"),
+        ..PIPE
+    },
+    Case {
+        name: "thick-pipe-convection",
+        walls: &[("inner", ShellWall::Film(500.0, 26.85)), ("outer", ShellWall::Film(500.0, 26.85))],
+        profiles: include_str!("tables/thick-pipe-convection.csv"),
+        ..PIPE
+    },
     Case {
         name: "copper-sphere",
         material: COPPER,
         domain: Domain::Radial { symmetry: Symmetry::Spherical, inner: 0.0, outer: 0.1 },
         initial: 726.85,
         walls: &[("outer", ShellWall::Held(26.85))],
-        parts: &[],
-        regions: &[],
         profiles: include_str!("tables/copper-sphere.csv"),
-        smooth: true,
-        series: None,
         source: "closed-form series",
         error_estimate_rel: 1e-9,
-        errors: (None, None),
+        ..PIPE
     },
     Case {
         name: "freezing-annulus",
@@ -123,18 +118,16 @@ static CASES: [Case; 7] = [
         domain: Domain::Radial { symmetry: Symmetry::Axial, inner: 0.1, outer: 1.1 },
         initial: 8.0,
         walls: &[("inner", ShellWall::Flux(-1000.0)), ("outer", ShellWall::Held(8.0))],
-        parts: &[],
-        regions: &[],
         profiles: include_str!("tables/freezing-annulus.csv"),
         smooth: false,
         series: Some(("front_m", include_str!("tables/freezing-annulus-front.csv"))),
         source: "sharp front, each phase on its own moving grid; front known to 2e-5 m, temperature to 0.07 K",
         error_estimate_rel: 1e-4,
         errors: (Some(2e-5), Some(0.07)),
+        ..PIPE
     },
     Case {
         name: "heated-hollow-cylinder",
-        material: STEEL,
         domain: Domain::Axial { inner: 0.2, outer: 1.0, height: 0.8 },
         initial: -73.15,
         walls: &[
@@ -144,13 +137,10 @@ static CASES: [Case; 7] = [
             ("top", ShellWall::Closed),
         ],
         parts: &[("outer", 0.3, 0.5, ShellWall::Held(226.85))],
-        regions: &[],
         profiles: include_str!("tables/heated-hollow-cylinder.csv"),
-        smooth: true,
-        series: None,
         source: "extrapolated finite volumes; temperature known to 0.15 K up to r = 0.95 m, to 0.6 K beyond",
         error_estimate_rel: 5e-4,
-        errors: (None, None),
+        ..PIPE
     },
     Case {
         name: "ice-in-glass",
@@ -158,7 +148,6 @@ static CASES: [Case; 7] = [
         domain: Domain::Axial { inner: 0.0, outer: 0.1, height: 0.1 },
         initial: 100.0,
         walls: &[("outer", ShellWall::Closed), ("bottom", ShellWall::Closed), ("top", ShellWall::Closed)],
-        parts: &[],
         regions: &[([0.0, 0.04, 0.0, 0.04], -5.0)],
         profiles: include_str!("tables/ice-in-glass.csv"),
         smooth: false,
@@ -166,6 +155,7 @@ static CASES: [Case; 7] = [
         source: "extrapolated enthalpy finite volumes; temperature known to 0.16 K, volume to 0.002 of the first",
         error_estimate_rel: 2e-3,
         errors: (None, Some(0.16)),
+        ..PIPE
     },
 ];
 

@@ -1,16 +1,10 @@
 //! The layout studies that come with the program.
 
-use crate::scenes::BundledScene;
-
-macro_rules! bundled {
-    ($($name:literal),* $(,)?) => {
-        &[$(BundledScene { name: $name, text: include_str!(concat!("studies/", $name, ".toml")) }),*]
-    };
-}
+use crate::scenes::{BundledScene, bundled};
 
 /// All of them.
 pub fn all() -> &'static [BundledScene] {
-    bundled![
+    bundled!["studies":
         "shaft-single-sand",
         "shaft-single-clay",
         "shaft-three-pipe",

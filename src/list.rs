@@ -27,8 +27,8 @@ pub fn list() -> Result<Verdict, Failure> {
         text.push_str(&format!("  {:width$}  {}, for layout\n", bundled.name, study.title));
     }
     text.push_str("\nFluids\n");
-    for name in frazil_cases::fluids::names() {
-        text.push_str(&format!("  {name:width$}  for calibrate and properties\n"));
+    for fluid in frazil_cases::fluids::all() {
+        text.push_str(&format!("  {:width$}  for calibrate and properties\n", fluid.name));
     }
     text.push_str("\nMethods\n");
     for kind in kinds {

@@ -62,7 +62,7 @@ pub type Overrides = Vec<(String, String)>;
 /// that were asked for behind them.
 pub fn paper(scene: &str, asked: &[String], overrides: Overrides) -> Result<(String, Overrides), Failure> {
     let Some((method, printed)) = frazil_cases::paper::method(scene).zip(frazil_cases::paper::overrides(scene)) else {
-        let names: Vec<&str> = frazil_cases::paper::all().iter().map(|(name, _)| *name).collect();
+        let names: Vec<&str> = frazil_cases::paper::all().iter().map(|printed| printed.name).collect();
         return Err(Failure::Request(format!(
             "--paper: no printed discretisation is bundled for \"{scene}\", there are those of {}",
             names.join(", ")

@@ -32,7 +32,7 @@ fn every_file_is_listed_and_can_be_run() {
         .expect("the folder")
         .map(|entry| entry.expect("an entry").path().file_stem().expect("a name").to_string_lossy().into_owned())
         .collect();
-    let listed: BTreeSet<String> = paper::all().iter().map(|(name, _)| (*name).to_owned()).collect();
+    let listed: BTreeSet<String> = paper::all().iter().map(|printed| printed.name.to_owned()).collect();
     assert_eq!(files, listed);
     for name in &listed {
         assert_eq!(paper::method(name).as_deref(), Some("pd"));
@@ -46,8 +46,8 @@ fn every_file_is_listed_and_can_be_run() {
 }
 
 fn scenes_lines(name: &str) -> usize {
-    let (_, text) = paper::all().iter().find(|(other, _)| *other == name).expect("listed");
-    text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')).count()
+    let printed = paper::all().iter().find(|printed| printed.name == name).expect("listed");
+    printed.text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')).count()
 }
 
 /// Phases of a particle in the sense of eq 1 of Nikolaev et al. 2023.

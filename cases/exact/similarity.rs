@@ -71,11 +71,6 @@ impl Similarity {
         self.at(x / t.sqrt())
     }
 
-    /// Heat that leaves through the wall (W/m2) at time `t > 0` (s); negative when it enters.
-    pub fn wall_flux(&self, t: f64) -> f64 {
-        self.nodes.first().map_or(0.0, |node| node.flux / t.sqrt())
-    }
-
     /// Frozen length (m) that the wall has added by time `t` (s): the integral of the frozen fraction over the
     /// half space less its initial value. Negative where the wall thaws.
     pub fn front(&self, t: f64) -> f64 {
@@ -86,41 +81,6 @@ impl Similarity {
     /// not to have reached through, at time `t` (s).
     pub fn frozen_length(&self, length: f64, t: f64) -> f64 {
         (self.initial_frozen * length + self.front(t)).max(0.0)
-    }
-
-    /// Distance (m) from the wall of the place that has the given temperature at time `t` (s); absent unless it
-    /// lies strictly between the temperatures of wall and start.
-    pub fn isotherm(&self, temperature: f64, t: f64) -> Option<f64> {
-        if (temperature - self.wall) * (temperature - self.initial) >= 0.0 {
-            return None;
-        }
-        let rising = self.initial > self.wall;
-        let is_reached = |value: f64| if rising { value >= temperature } else { value <= temperature };
-        let after = self.nodes.partition_point(|node| !is_reached(node.temperature));
-        let mut low = self.nodes[after.saturating_sub(1)].eta;
-        let mut high = match self.nodes.get(after) {
-            Some(node) => node.eta,
-            // 20 diffusion lengths: erfc is below the least number there.
-            None => low + 40.0 * self.tail_diffusivity.sqrt(),
-        };
-        for _ in 0..200 {
-            let middle = low + 0.5 * (high - low);
-            if middle <= low || middle >= high {
-                break;
-            }
-            if is_reached(self.at(middle)) {
-                high = middle;
-            } else {
-                low = middle;
-            }
-        }
-        Some(0.5 * (low + high) * t.max(0.0).sqrt())
-    }
-
-    /// Distance (m) from the wall of the place that is frozen half-way between none and all that the curve
-    /// allows, at time `t` (s).
-    pub fn half_frozen(&self, t: f64) -> Option<f64> {
-        self.isotherm(self.medium.material.freezing_point - self.medium.half_frozen(), t)
     }
 
     /// Temperature at `eta = x / sqrt(t)`: one step from the node before it, which is as good as the nodes.

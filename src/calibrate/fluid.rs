@@ -80,12 +80,12 @@ fn range(column: &str) -> Range {
 
 /// Reads a fluid given by a bundled name or the path of a TOML or CSV file; `judge` adds what it has to say of rows.
 pub fn load(argument: &str, judge: Judge<'_>) -> Result<Fluid, Failure> {
-    if let Some(text) = fluids::find(argument) {
-        return Ok(from_toml(text, argument, &format!("{argument}.toml"), judge)?);
+    if let Some(bundled) = fluids::find(argument) {
+        return Ok(from_toml(bundled.text, argument, &format!("{argument}.toml"), judge)?);
     }
     let path = Path::new(argument);
     if !path.exists() && path.extension().is_none() && path.components().count() == 1 {
-        let known: Vec<&str> = fluids::names().collect();
+        let known: Vec<&str> = fluids::all().iter().map(|fluid| fluid.name).collect();
         let message = format!("\"{argument}\" is neither a file nor a bundled fluid; those are {}", known.join(", "));
         return Err(Failure::Request(message));
     }

@@ -73,14 +73,6 @@ impl Medium {
         }
     }
 
-    /// Kelvin below the freezing point at which half of what freezes is frozen.
-    pub fn half_frozen(&self) -> f64 {
-        match self.shape {
-            Shape::Linear { width } => 0.5 * width,
-            Shape::Weibull { width, .. } => width * std::f64::consts::LN_2.sqrt(),
-        }
-    }
-
     /// Properties at a temperature, by the formulas of a part.
     pub fn properties(&self, part: CurvePart, temperature: f64) -> LocalProperties {
         let material = &self.material;

@@ -1,6 +1,6 @@
 //! Axes: from numbers to pixels, with ticks that people can read.
 
-use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, Text, text_width, widest_tick};
+use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, text_width, widest_tick};
 use crate::style::{GRID, INK, LABEL, Marker, TICK, number, power_of_ten};
 
 /// One axis.
@@ -188,26 +188,11 @@ impl Frame {
             let (_, py) = self.spot(self.x.low, *value);
             canvas.line(vec![(self.left, py), (self.left + 4.0, py)], rim);
         }
-        let corners = [
-            (self.left, self.top),
-            (self.right, self.top),
-            (self.right, self.bottom),
-            (self.left, self.bottom),
-            (self.left, self.top),
-        ];
-        canvas.line(corners.to_vec(), rim);
+        canvas.outline((self.left, self.top), (self.right, self.bottom), rim);
         let middle = 0.5 * (self.left + self.right);
         canvas.text((middle, self.bottom + 2.0 * TICK + LABEL), self.x.label.as_str(), LABEL, Align::Middle);
         let across = self.left - widest_tick(self.y.tick_labels()) - 9.0 - 0.9 * LABEL;
-        canvas.place(Text {
-            at: (across, 0.5 * (self.top + self.bottom)),
-            text: self.y.label.clone(),
-            size: LABEL,
-            align: Align::Middle,
-            bold: false,
-            upward: true,
-            colour: INK,
-        });
+        canvas.upward((across, 0.5 * (self.top + self.bottom)), self.y.label.as_str());
     }
 
     /// Which ticks of the axis to the right have labels: every one, or every second, fifth, tenth from zero on, so that no
@@ -253,6 +238,11 @@ impl Frame {
         canvas.line(piece, stroke);
     }
 
+    /// A line from edge to edge.
+    pub fn level(&self, canvas: &mut Canvas, value: f64, stroke: Stroke) {
+        self.curve(canvas, [(self.x.low, value), (self.x.high, value)], stroke);
+    }
+
     /// The part of a segment inside the frame (Liang and Barsky).
     fn clip(&self, (x0, y0): Spot, (x1, y1): Spot) -> Option<(Spot, Spot)> {
         let (dx, dy) = (x1 - x0, y1 - y0);
@@ -272,6 +262,12 @@ impl Frame {
     }
 }
 
+/// Gives frames below each other one left edge.
+pub fn align(frames: &mut [Frame]) {
+    let left = frames.iter().map(|frame| frame.left).fold(0.0, f64::max);
+    frames.iter_mut().for_each(|frame| frame.left = left);
+}
+
 /// What a legend says about one line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
@@ -281,6 +277,28 @@ pub struct Entry {
     pub stroke: Option<Stroke>,
     /// Its marker, colour, and whether it is hollow.
     pub marker: Option<(Marker, Colour, bool)>,
+}
+
+impl Entry {
+    /// Words alone.
+    pub fn note(text: impl Into<String>) -> Entry {
+        Entry { text: text.into(), stroke: None, marker: None }
+    }
+
+    /// A line.
+    pub fn line(text: impl Into<String>, stroke: Stroke) -> Entry {
+        Entry { stroke: Some(stroke), ..Entry::note(text) }
+    }
+
+    /// A marker, filled or hollow.
+    pub fn mark(text: impl Into<String>, marker: Marker, colour: Colour, hollow: bool) -> Entry {
+        Entry { marker: Some((marker, colour, hollow)), ..Entry::note(text) }
+    }
+
+    /// A marker on a line.
+    pub fn both(text: impl Into<String>, stroke: Stroke, marker: Marker, hollow: bool) -> Entry {
+        Entry { stroke: Some(stroke), ..Entry::mark(text, marker, stroke.colour, hollow) }
+    }
 }
 
 /// Draws a legend in rows from the upper left corner of a box and returns the height that it took (px).

@@ -1,9 +1,9 @@
 //! A calibrated fluid: exponents and Schmidt numbers over temperature, and what fits make of them.
 
-use crate::axes::{Axis, Entry, Frame, legend};
+use crate::axes::{Axis, Entry, Frame, align};
 use crate::canvas::{Canvas, Colour, Stroke};
+use crate::sheet::{WIDTH, sheet};
 use crate::style::{INK, Marker, REFERENCE};
-use crate::words::{MARGIN, title};
 
 /// A fit, sampled over temperature.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,16 +35,13 @@ const LOOKS: [(Colour, &[f64], Marker); 2] = [
 /// Draws exponents above, Schmidt numbers below them, and the errors of the fits at the bottom, where there are fits.
 pub fn calibration(figure: &CalibrationFigure) -> Canvas {
     let height = if figure.fits.is_empty() { 760.0 } else { 1000.0 };
-    let mut canvas = Canvas::new(1000.0, height, &figure.title);
-    title(&mut canvas, &figure.title);
-    let points = (Marker::Circle, INK, true);
     let looks = || figure.fits.iter().zip(LOOKS.iter().cycle());
-    let mut entries = vec![Entry { text: "target, solved".into(), stroke: None, marker: Some(points) }];
+    let mut entries = vec![Entry::mark("target, solved", Marker::Circle, INK, true)];
     for (fit, (colour, dash, _)) in looks() {
-        let stroke = Some(Stroke { colour: *colour, width: 2.2, dash });
-        entries.push(Entry { text: fit.label.clone(), stroke, marker: None });
+        entries.push(Entry::line(fit.label.as_str(), Stroke { colour: *colour, width: 2.2, dash }));
     }
-    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 10.0;
+    let (mut canvas, below) = sheet(height, &figure.title, &figure.title, &entries);
+    let top = below + 10.0;
     let label = "temperature over the reference temperature";
     let x = |last: bool| Axis::linear(if last { label } else { "" }, figure.points.iter().map(|point| point.0));
     let samples = || figure.fits.iter().flat_map(|fit| &fit.samples);
@@ -67,20 +64,17 @@ pub fn calibration(figure: &CalibrationFigure) -> Canvas {
             let last = k + 1 == count;
             let from = top + each * k as f64;
             let bottom = from + each - gap + if last { foot + gap } else { 0.0 };
-            Frame::inside((0.0, from), (1000.0, bottom), x(last), y)
+            Frame::inside((0.0, from), (WIDTH, bottom), x(last), y)
         })
         .collect();
-    let left = frames.iter().map(|frame| frame.left).fold(0.0, f64::max);
-    for frame in &mut frames {
-        frame.left = left;
-        frame.draw(&mut canvas);
-    }
+    align(&mut frames);
+    frames.iter().for_each(|frame| frame.draw(&mut canvas));
     for (fit, (colour, dash, marker)) in looks() {
         let stroke = Stroke { colour: *colour, width: 2.2, dash };
         frames[0].curve(&mut canvas, fit.samples.iter().map(|sample| (sample.0, sample.1)), stroke);
         frames[1].curve(&mut canvas, fit.samples.iter().map(|sample| (sample.0, sample.2)), stroke);
         if let Some(frame) = frames.get(2) {
-            frame.curve(&mut canvas, [(frame.x.low, 0.0), (frame.x.high, 0.0)], Stroke::whole(REFERENCE, 1.5));
+            frame.level(&mut canvas, 0.0, Stroke::whole(REFERENCE, 1.5));
             frame.curve(&mut canvas, fit.errors.iter().map(|error| (error.0, 100.0 * error.1)), stroke);
             for (at, error) in fit.errors.iter().filter(|error| error.1.is_finite()) {
                 canvas.marker(frame.spot(*at, 100.0 * error), *marker, 4.0, *colour, false);

@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 
 use frazil_record::write_whole;
 
-use crate::style::{INK, Marker};
-use crate::{PlotError, draw, style};
+use crate::style::Marker;
+use crate::{PlotError, style};
+
+pub use crate::draw::text_width;
 
 /// A point of a drawing (px).
 pub type Spot = (f64, f64);
@@ -65,23 +67,16 @@ pub enum Align {
     End,
 }
 
-/// A text and its place; the point lies on its base line.
+/// A text in ink and its place; the point lies on its base line.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Text {
-    /// Point on the base line.
-    pub at: Spot,
-    /// The words.
-    pub text: String,
-    /// Size (px).
-    pub size: f64,
-    /// Alignment.
-    pub align: Align,
-    /// Whether it is bold.
-    pub bold: bool,
+pub(crate) struct Text {
+    pub(crate) at: Spot,
+    pub(crate) text: String,
+    pub(crate) size: f64,
+    pub(crate) align: Align,
+    pub(crate) bold: bool,
     /// Whether it runs upwards.
-    pub upward: bool,
-    /// Colour.
-    pub colour: Colour,
+    pub(crate) upward: bool,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -156,14 +151,20 @@ impl Canvas {
         self.area(vec![(x0, y0), (x1, y0), (x1, y1), (x0, y1)], fill);
     }
 
-    /// A text in ink.
+    /// A text.
     pub fn text(&mut self, at: Spot, text: impl Into<String>, size: f64, align: Align) {
-        self.place(Text { at, text: text.into(), size, align, bold: false, upward: false, colour: INK });
+        self.items.push(Item::Text(Text { at, text: text.into(), size, align, bold: false, upward: false }));
     }
 
-    /// A text with all its settings.
-    pub fn place(&mut self, text: Text) {
-        self.items.push(Item::Text(text));
+    /// A bold text.
+    pub fn bold(&mut self, at: Spot, text: impl Into<String>, size: f64, align: Align) {
+        self.items.push(Item::Text(Text { at, text: text.into(), size, align, bold: true, upward: false }));
+    }
+
+    /// The label of an axis that runs upwards around a point.
+    pub fn upward(&mut self, at: Spot, text: impl Into<String>) {
+        let (size, align) = (style::LABEL, Align::Middle);
+        self.items.push(Item::Text(Text { at, text: text.into(), size, align, bold: false, upward: true }));
     }
 
     /// A marker: filled, or white with a coloured rim.
@@ -186,6 +187,11 @@ impl Canvas {
         }
     }
 
+    /// The rim of a box.
+    pub fn outline(&mut self, (left, top): Spot, (right, bottom): Spot, stroke: Stroke) {
+        self.line(vec![(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], stroke);
+    }
+
     /// A circle around a point.
     pub fn ring(&mut self, at: Spot, radius: f64, stroke: Stroke) {
         self.items.push(Item::Circle { at, radius, stroke });
@@ -195,20 +201,6 @@ impl Canvas {
     pub fn cross(&mut self, (x, y): Spot, radius: f64, stroke: Stroke) {
         self.line(vec![(x - radius, y - radius), (x + radius, y + radius)], stroke);
         self.line(vec![(x - radius, y + radius), (x + radius, y - radius)], stroke);
-    }
-
-    /// The drawing as SVG.
-    pub fn svg(&self) -> String {
-        draw::svg(self)
-    }
-
-    /// The drawing as a PNG of twice its size.
-    ///
-    /// # Errors
-    ///
-    /// If the built-in font is refused or the picture cannot be encoded.
-    pub fn png(&self) -> Result<Vec<u8>, PlotError> {
-        draw::png(self)
     }
 
     /// Writes `NAME.svg` and `NAME.png` into a folder, and returns both.
@@ -234,11 +226,6 @@ impl Canvas {
 /// If it cannot be written.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), PlotError> {
     write_whole(path, |writer| writer.write_all(bytes)).map_err(|source| PlotError::Write { path: path.into(), source })
-}
-
-/// Width of a text (px).
-pub fn text_width(text: &str, size: f64, bold: bool) -> f64 {
-    draw::text_width(text, size, bold)
 }
 
 /// Width of the widest of some texts in the size of tick labels (px).

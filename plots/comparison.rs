@@ -1,9 +1,9 @@
 //! Error against cost: the work-precision diagram.
 
 use crate::axes::{Axis, Entry, Frame, legend};
-use crate::canvas::{Align, Canvas, Stroke, Text};
-use crate::style::{INK, LABEL, REFERENCE, TITLE, method_style};
-use crate::words::MARGIN;
+use crate::canvas::{Align, Canvas, Stroke};
+use crate::sheet::{MARGIN, title_at};
+use crate::style::{GRID, LABEL, Marker, MethodStyle, REFERENCE, method_style};
 
 /// One setting of one method at one resolution.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,20 +71,8 @@ pub fn work_precision_panels(figures: &[WorkFigure]) -> Canvas {
 }
 
 fn panel(canvas: &mut Canvas, figure: &WorkFigure, (left, top): (f64, f64), (width, height): (f64, f64)) {
-    let at = (left + MARGIN, top + 34.0);
-    let size = (1..16)
-        .map(|k| TITLE - 0.5 * f64::from(k - 1))
-        .find(|size| crate::canvas::text_width(&figure.title, *size, true) < width - 2.0 * MARGIN)
-        .unwrap_or(12.0);
-    canvas.place(Text {
-        at,
-        text: figure.title.clone(),
-        size,
-        align: Align::Start,
-        bold: true,
-        upward: false,
-        colour: INK,
-    });
+    title_at(canvas, (left, top), width, &figure.title);
+    let entry = |curve: &WorkCurve| Look::of(&curve.method, curve.second).entry(&curve.label);
     let mut entries: Vec<Entry> = figure.curves.iter().map(entry).collect();
     let points = || figure.curves.iter().flat_map(|curve| &curve.points);
     entries.extend(notes(points));
@@ -113,35 +101,45 @@ fn panel(canvas: &mut Canvas, figure: &WorkFigure, (left, top): (f64, f64), (wid
 
 /// Entries that explain the marks which occur.
 fn notes<'a, I: Iterator<Item = &'a WorkPoint>>(points: impl Fn() -> I) -> Vec<Entry> {
-    use crate::style::Marker;
     let mut notes = Vec::new();
-    let mut note = |text: &str, marker| notes.push(Entry { text: text.into(), stroke: None, marker });
     if points().any(|point| point.hollow) {
-        note("hollow: below 10 × error of the reference, a bound", Some((Marker::Circle, REFERENCE, true)));
+        let text = "hollow: below 10 × error of the reference, a bound";
+        notes.push(Entry::mark(text, Marker::Circle, REFERENCE, true));
     }
     if points().any(|point| point.ringed) {
-        note("ringed (○): may be low by luck", None);
+        notes.push(Entry::note("ringed (○): may be low by luck"));
     }
     if points().any(|point| point.error.is_none() && point.cost.is_some()) {
-        note("× at the edge: failed, or cut off for lack of time", None);
+        notes.push(Entry::note("× at the edge: failed, or cut off for lack of time"));
     }
     notes
 }
 
-fn entry(curve: &WorkCurve) -> Entry {
-    let style = method_style(&curve.method);
-    let width = if curve.second { 1.2 } else { 2.4 };
-    let marker = Some((style.marker, style.colour, false));
-    Entry { text: curve.label.clone(), stroke: Some(style.stroke(width)), marker }
+/// How a curve of a method looks: its style, the width of its line and the radius of its markers (px).
+pub(crate) struct Look {
+    pub(crate) style: MethodStyle,
+    pub(crate) width: f64,
+    pub(crate) radius: f64,
+}
+
+impl Look {
+    /// `second` is the second curve of a method, which is thin.
+    pub(crate) fn of(method: &str, second: bool) -> Look {
+        let (width, radius) = if second { (1.2, 4.5) } else { (2.4, 6.5) };
+        Look { style: method_style(method), width, radius }
+    }
+
+    pub(crate) fn entry(&self, label: &str) -> Entry {
+        Entry::both(label, self.style.stroke(self.width), self.style.marker, false)
+    }
 }
 
 fn draw_curve(canvas: &mut Canvas, frame: &Frame, curve: &WorkCurve) {
-    let style = method_style(&curve.method);
-    let (width, radius) = if curve.second { (1.2, 4.5) } else { (2.4, 6.5) };
+    let Look { style, width, radius } = Look::of(&curve.method, curve.second);
     let seen = |point: &&WorkPoint| point.error.is_some_and(|error| error > 0.0) && point.cost.is_some();
     let spot = |point: &WorkPoint| Some((point.error?, point.cost?));
     // All points in their order, faintly; the envelope that is read at equal error, in full.
-    frame.curve(canvas, curve.points.iter().filter(seen).filter_map(spot), Stroke::whole(crate::style::GRID, 1.6));
+    frame.curve(canvas, curve.points.iter().filter(seen).filter_map(spot), Stroke::whole(GRID, 1.6));
     let mut front: Vec<(f64, f64)> = curve.points.iter().filter(|point| point.on_front).filter_map(spot).collect();
     front.sort_by(|a, b| a.0.total_cmp(&b.0));
     frame.curve(canvas, front, style.stroke(width));

@@ -1,9 +1,10 @@
 //! Error against spacing, with slopes to compare by eye.
 
-use crate::axes::{Axis, Entry, Frame, legend};
+use crate::axes::{Axis, Entry, Frame};
 use crate::canvas::{Align, Canvas, Stroke};
-use crate::style::{REFERENCE, TICK, method_style};
-use crate::words::{MARGIN, title};
+use crate::comparison::Look;
+use crate::sheet::{WIDTH, sheet};
+use crate::style::{REFERENCE, TICK};
 
 /// The errors of one method and setting by spacing.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,27 +21,17 @@ pub struct OrderCurve {
 
 /// Draws error against spacing. `scale` turns spacings into the unit of `spacing_label`.
 pub fn convergence(heading: &str, spacing_label: &str, scale: f64, error_label: &str, curves: &[OrderCurve]) -> Canvas {
-    let mut canvas = Canvas::new(1000.0, 680.0, heading);
-    title(&mut canvas, heading);
-    let entries: Vec<Entry> = curves
-        .iter()
-        .map(|curve| {
-            let style = method_style(&curve.method);
-            let stroke = style.stroke(if curve.second { 1.2 } else { 2.4 });
-            let marker = Some((style.marker, style.colour, false));
-            Entry { text: curve.label.clone(), stroke: Some(stroke), marker }
-        })
-        .collect();
-    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 8.0;
+    let entry = |curve: &OrderCurve| Look::of(&curve.method, curve.second).entry(&curve.label);
+    let entries: Vec<Entry> = curves.iter().map(entry).collect();
+    let (mut canvas, below) = sheet(680.0, heading, heading, &entries);
     let points = || curves.iter().flat_map(|curve| &curve.points).filter(|point| point.1 > 0.0);
     let x = Axis::log(spacing_label, points().map(|point| scale * point.0));
     let y = Axis::log_percent(error_label, points().map(|point| point.1));
-    let frame = Frame::inside((0.0, top), (1000.0, 680.0), x, y);
+    let frame = Frame::inside((0.0, below + 8.0), (WIDTH, 680.0), x, y);
     frame.draw(&mut canvas);
     triangles(&mut canvas, &frame);
     for curve in curves {
-        let style = method_style(&curve.method);
-        let (width, radius) = if curve.second { (1.2, 4.5) } else { (2.4, 6.5) };
+        let Look { style, width, radius } = Look::of(&curve.method, curve.second);
         frame.curve(&mut canvas, curve.points.iter().map(|point| (scale * point.0, point.1)), style.stroke(width));
         for (spacing, error, hollow) in curve.points.iter().filter(|point| point.1 > 0.0) {
             canvas.marker(frame.spot(scale * spacing, *error), style.marker, radius, style.colour, *hollow);

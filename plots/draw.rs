@@ -32,40 +32,46 @@ const BITMAP: Paper = Paper { scale: 4.0, font: 1.362, base: 0.5 * 1.362, pieces
 /// The SVG backend divides sizes by 1.24 and moves texts that hang from their point by 0.76 of their size.
 const SVG: Paper = Paper { scale: 10.0, font: 1.24, base: 0.76, pieces: false };
 
-/// The drawing as SVG.
-pub(crate) fn svg(canvas: &Canvas) -> String {
-    let mut out = String::new();
-    let (width, height) = SVG.size(canvas);
-    // Writing into a string and without measuring any text cannot fail.
-    let _ = SVG.draw(canvas, &mut SVGBackend::with_string(&mut out, (width, height)));
-    // The backend knows one size only. The first tag is replaced by one that gives the size of the page and that of
-    // the pixels, and how all lines and areas are drawn.
-    let body = out.split_once('>').map_or("", |(_, body)| body);
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{}\" height=\"{}\" \
+impl Canvas {
+    /// The drawing as SVG.
+    pub fn svg(&self) -> String {
+        let mut out = String::new();
+        let (width, height) = SVG.size(self);
+        // Writing into a string and without measuring any text cannot fail.
+        let _ = SVG.draw(self, &mut SVGBackend::with_string(&mut out, (width, height)));
+        // The backend knows one size only. The first tag is replaced by one that gives the size of the page and that of
+        // the pixels, and how all lines and areas are drawn.
+        let body = out.split_once('>').map_or("", |(_, body)| body);
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{}\" height=\"{}\" \
          role=\"img\" stroke-linejoin=\"round\">\n<title>{}</title>{}",
-        canvas.width,
-        canvas.height,
-        escaped(&canvas.title),
-        // Most of the elements are opaque and say so.
-        body.replace(" opacity=\"1\"", "")
-    )
-}
+            self.width,
+            self.height,
+            escaped(&self.title),
+            // Most of the elements are opaque and say so.
+            body.replace(" opacity=\"1\"", "")
+        )
+    }
 
-/// The drawing as a PNG of twice its size.
-pub(crate) fn png(canvas: &Canvas) -> Result<Vec<u8>, PlotError> {
-    style::register()?;
-    let (width, height) = BITMAP.size(canvas);
-    let mut pixels = vec![0; 3 * width as usize * height as usize];
-    BITMAP.draw(canvas, &mut BitMapBackend::with_buffer(&mut pixels, (width, height)))?;
-    let mut out = Vec::new();
-    let mut encoder = png::Encoder::new(&mut out, width / 2, height / 2);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_compression(png::Compression::Fast);
-    let mut writer = encoder.write_header().map_err(failed)?;
-    writer.write_image_data(&halved(&pixels, width as usize)).map_err(failed)?;
-    writer.finish().map_err(failed)?;
-    Ok(out)
+    /// The drawing as a PNG of twice its size.
+    ///
+    /// # Errors
+    ///
+    /// If the built-in font is refused or the picture cannot be encoded.
+    pub fn png(&self) -> Result<Vec<u8>, PlotError> {
+        style::register()?;
+        let (width, height) = BITMAP.size(self);
+        let mut pixels = vec![0; 3 * width as usize * height as usize];
+        BITMAP.draw(self, &mut BitMapBackend::with_buffer(&mut pixels, (width, height)))?;
+        let mut out = Vec::new();
+        let mut encoder = png::Encoder::new(&mut out, width / 2, height / 2);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_compression(png::Compression::Fast);
+        let mut writer = encoder.write_header().map_err(failed)?;
+        writer.write_image_data(&halved(&pixels, width as usize)).map_err(failed)?;
+        writer.finish().map_err(failed)?;
+        Ok(out)
+    }
 }
 
 /// The means of two by two pixels of an image of a width.
@@ -85,7 +91,7 @@ fn halved(pixels: &[u8], width: usize) -> Vec<u8> {
 }
 
 /// Width of a text (px).
-pub(crate) fn text_width(text: &str, size: f64, bold: bool) -> f64 {
+pub fn text_width(text: &str, size: f64, bold: bool) -> f64 {
     // Measured large, because the font layer rounds to whole pixels.
     const LARGE: f64 = 200.0;
     let fallback = 0.55 * size * text.chars().count() as f64;
@@ -194,7 +200,7 @@ impl Paper {
     }
 
     fn text<DB: DrawingBackend<ErrorType: 'static>>(&self, text: &Text, backend: &mut DB) -> Result<(), PlotError> {
-        let colour = tone(text.colour);
+        let colour = tone(style::INK);
         let mut style = font(text.size * self.scale * self.font, text.bold).color(&colour);
         let h_pos = match text.align {
             Align::Start => HPos::Left,

@@ -1,10 +1,11 @@
 //! Figures of an ensemble: means with bands of their intervals, members as thin lines, references.
 
-use crate::axes::{Axis, Entry, Frame, legend};
+use crate::axes::{Axis, Entry, Frame, align};
 use crate::canvas::{Canvas, Colour, Stroke};
 use crate::run::aged;
-use crate::style::{INK, REFERENCE, method_style, method_title};
-use crate::words::{MARGIN, reference_entry, reference_stroke, title};
+use crate::sheet::{WIDTH, grown};
+use crate::style::{REFERENCE, method_style, method_title};
+use crate::words::{DOTS, reference_entry, reference_stroke};
 
 /// How far bands, their edges and members are on their way from the colour of their curve to white.
 const BAND: f64 = 0.68;
@@ -99,60 +100,49 @@ pub fn bands(figure: &BandFigure) -> Canvas {
     /// What a panel with words below it is higher by (px).
     const FOOT: f64 = 56.0;
     let heading = format!("{} — {}, {} members", figure.heading, method_title(&figure.method), figure.members);
-    let entries = entries(figure);
-    // A legend takes as much room wherever it is drawn.
-    let top = 52.0 + legend(&mut Canvas::new(1000.0, 100.0, ""), (MARGIN, 46.0), 950.0, &entries);
     let height = |panel: &Panel| if panel.x_label.is_empty() { EACH } else { EACH + FOOT };
-    let whole = top + figure.panels.iter().map(height).sum::<f64>();
-    let mut canvas = Canvas::new(1000.0, whole.ceil(), &heading);
-    title(&mut canvas, &heading);
-    legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries);
-    let mut at = top;
+    let all = figure.panels.iter().map(height).sum::<f64>();
+    let (mut canvas, mut at) = grown(&heading, &entries(figure), 6.0, |top| top + all);
     let mut frames: Vec<Frame> = Vec::new();
     for panel in &figure.panels {
         let all = || figure.panels.iter().filter(|other| panel.x_label.is_empty() || other.x_label == panel.x_label);
         let places = all().flat_map(|panel| &panel.curves).flat_map(|curve| &curve.points).map(|point| point.x);
         let x = Axis::linear(panel.x_label.as_str(), places.chain([0.0]));
         let next = at + height(panel);
-        frames.push(Frame::inside((0.0, at), (1000.0, next - 14.0), x, upwards(panel)));
+        frames.push(Frame::inside((0.0, at), (WIDTH, next - 14.0), x, upwards(panel)));
         at = next;
     }
-    let left = frames.iter().map(|frame| frame.left).fold(0.0, f64::max);
-    for (frame, panel) in frames.iter_mut().zip(&figure.panels) {
-        frame.left = left;
+    align(&mut frames);
+    for (frame, panel) in frames.iter().zip(&figure.panels) {
         draw(&mut canvas, frame, panel, &figure.method);
     }
     canvas
 }
 
 fn entries(figure: &BandFigure) -> Vec<Entry> {
-    let line = |text: &str, stroke: Stroke| Entry { text: text.into(), stroke: Some(stroke), marker: None };
     let mut entries: Vec<Entry> = Vec::new();
     let curves = || figure.panels.iter().flat_map(|panel| &panel.curves);
     for curve in curves() {
         if !entries.iter().any(|entry| entry.text == curve.name) {
-            entries.push(line(&curve.name, stroke(&figure.method, curve.look)));
+            entries.push(Entry::line(curve.name.as_str(), stroke(&figure.method, curve.look)));
         }
     }
     let Some(first) = curves().next() else { return entries };
     let colour = stroke(&figure.method, first.look).colour;
     if curves().flat_map(|curve| &curve.points).any(|point| point.half_width > 0.0) {
-        entries.push(line("95 % interval of the mean", Stroke::whole(colour.tint(BAND), 12.0)));
+        entries.push(Entry::line("95 % interval of the mean", Stroke::whole(colour.tint(BAND), 12.0)));
     }
     if curves().any(|curve| !curve.members.is_empty()) {
-        entries.push(line("members", Stroke::whole(colour.tint(THIN), 0.7)));
+        entries.push(Entry::line("members", Stroke::whole(colour.tint(THIN), 0.7)));
     }
     if let Some(curve) = curves().find(|curve| !curve.reference.is_empty()) {
         entries.push(match curve.look {
             Look::Kind(_) => reference_entry(),
-            Look::Instant(..) => line("reference", DOTS),
+            Look::Instant(..) => Entry::line("reference", DOTS),
         });
     }
     entries
 }
-
-/// References of profiles lie over their means.
-const DOTS: Stroke = Stroke { colour: INK, width: 1.6, dash: &[2.5, 4.5] };
 
 fn upwards(panel: &Panel) -> Axis {
     let points = || panel.curves.iter().flat_map(|curve| &curve.points);
@@ -188,7 +178,7 @@ fn draw(canvas: &mut Canvas, frame: &Frame, panel: &Panel, method: &str) {
     // Grid and ticks over the bands.
     frame.draw(canvas);
     if panel.errors {
-        frame.curve(canvas, [(frame.x.low, 0.0), (frame.x.high, 0.0)], Stroke::whole(REFERENCE, 1.5));
+        frame.level(canvas, 0.0, Stroke::whole(REFERENCE, 1.5));
     }
     for curve in &panel.curves {
         if matches!(curve.look, Look::Kind(_)) {

@@ -1,14 +1,14 @@
 //! Figures of flowing water: maps of the pressure with arrows along the flow, and ice over time.
 
-use frazil_record::Field;
-use frazil_record::{FlowPoint, WaterRow};
+use frazil_record::{Field, FlowPoint, WaterRow};
 
-use crate::axes::{Axis, Entry, Frame, legend};
+use crate::axes::{Axis, Entry, Frame};
 use crate::canvas::{Align, Canvas};
 use crate::ground_plan::arrow;
 use crate::map::{Look, draw_in, notes_at};
+use crate::sheet::{WIDTH, sheet};
 use crate::style::{LABEL, method_style, method_title, number};
-use crate::words::{FigureOptions, MARGIN, Words, reference_entry, reference_stroke, title};
+use crate::words::{FigureOptions, Words, reference_entry, reference_stroke};
 
 /// Distance between arrows, and length of that of the fastest water (px).
 const BETWEEN: f64 = 52.0;
@@ -85,19 +85,18 @@ fn note(canvas: &mut Canvas, frame: &Frame, fastest: f64, undisturbed: Option<St
 
 /// Ice over time, beside the reference's.
 pub(crate) fn ice(rows: &[WaterRow], words: &Words) -> Canvas {
-    let mut canvas = Canvas::new(1000.0, 640.0, &format!("Ice over time: {}", words.heading));
-    title(&mut canvas, &words.heading);
     let stroke = method_style(&words.method).stroke(2.2);
-    let mut entries = vec![Entry { text: method_title(&words.method), stroke: Some(stroke), marker: None }];
+    let mut entries = vec![Entry::line(method_title(&words.method), stroke)];
     let reference = || rows.iter().filter_map(|row| Some((words.time(row.time_s), row.ice_fraction_ref?)));
     if reference().next().is_some() {
         entries.push(reference_entry());
     }
-    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 6.0;
+    let name = format!("Ice over time: {}", words.heading);
+    let (mut canvas, below) = sheet(640.0, &name, &words.heading, &entries);
     let own = || rows.iter().map(|row| (words.time(row.time_s), row.ice_fraction));
     let x = Axis::linear(words.time_label.as_str(), own().map(|point| point.0));
     let y = Axis::linear("ice over that of the start (1)", own().chain(reference()).map(|point| point.1).chain([0.0]));
-    let frame = Frame::inside((0.0, top), (1000.0, 640.0), x, y);
+    let frame = Frame::inside((0.0, below + 6.0), (WIDTH, 640.0), x, y);
     frame.draw(&mut canvas);
     frame.curve(&mut canvas, reference(), reference_stroke());
     frame.curve(&mut canvas, own(), stroke);

@@ -19,6 +19,7 @@ pub mod page;
 pub mod properties;
 pub mod rings;
 pub mod run;
+mod sheet;
 pub mod signed;
 pub mod stability;
 mod stream;

@@ -4,10 +4,11 @@ use contour::ContourBuilder;
 use frazil_record::Field;
 
 use crate::axes::{Axis, Frame, nice_step};
-use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, Text, text_width};
+use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, text_width};
 use crate::ground_plan::GroundPlan;
+use crate::sheet::title;
 use crate::style::{INK, LABEL, TICK, number};
-use crate::words::{Words, title};
+use crate::words::Words;
 
 /// Longest side of the grid that is contoured; finer fields are thinned, which keeps the SVG small.
 const GRID: usize = 240;
@@ -41,10 +42,8 @@ pub(crate) struct Look {
 
 /// The map of a run and, where the reference has one, beside it the reference and the difference.
 pub(crate) fn temperature_map(field: &Field, plan: &GroundPlan, words: &Words) -> Canvas {
-    let draw = |field: &Field, words: &Words, look: &Look| draw_over(field, plan, words, look);
-    let heading = format!("{}, {}", words.heading, words.instant(field.time_s));
     if field.temperature_ref_c.is_empty() {
-        return draw(field, words, &Look::temperatures(heading, words, None));
+        return plain_map(field, plan, words, None);
     }
     // What only one of both knows is not compared.
     let known = |pair: (&f64, &f64), value: f64| if (pair.0 + pair.1).is_finite() { value } else { f64::NAN };
@@ -58,28 +57,22 @@ pub(crate) fn temperature_map(field: &Field, plan: &GroundPlan, words: &Words) -
     // A difference of rounding is none.
     let most = low.abs().max(high.abs()).max(1e-9 * (range.1 - range.0));
     let named = |name: &str| format!("{name}, {}", words.instant(field.time_s));
-    let panels = [
-        draw(field, words, &Look::temperatures(heading, words, Some(range))),
-        draw(&reference, words, &Look::temperatures(named("Reference"), words, Some(range))),
-        draw(
-            &difference,
-            words,
-            &Look {
-                heading: named("Difference"),
-                kind: "Temperature",
-                label: words.temperature_label.replace("temperature", "difference"),
-                range: Some((-most, most)),
-                zero: 0.0,
-            },
-        ),
-    ];
-    Canvas::beside(&panels)
+    let difference_look = Look {
+        label: words.temperature_label.replace("temperature", "difference"),
+        zero: 0.0,
+        ..Look::temperatures(named("Difference"), words, Some((-most, most)))
+    };
+    Canvas::beside(&[
+        plain_map(field, plan, words, Some(range)),
+        draw_over(&reference, plan, words, &Look::temperatures(named("Reference"), words, Some(range))),
+        draw_over(&difference, plan, words, &difference_look),
+    ])
 }
 
-/// One frame of an animation: colours between the same ends in all frames.
-pub(crate) fn frame_map(field: &Field, plan: &GroundPlan, words: &Words, range: (f64, f64)) -> Canvas {
+/// A map without a reference, as the frames of an animation are, with colours between these ends or those of the field.
+pub(crate) fn plain_map(field: &Field, plan: &GroundPlan, words: &Words, range: Option<(f64, f64)>) -> Canvas {
     let heading = format!("{}, {}", words.heading, words.instant(field.time_s));
-    draw_over(field, plan, words, &Look::temperatures(heading, words, Some(range)))
+    draw_over(field, plan, words, &Look::temperatures(heading, words, range))
 }
 
 impl Look {
@@ -94,7 +87,7 @@ fn extremes<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
 }
 
 /// A map with what stands in its plan.
-pub(crate) fn draw_over(field: &Field, plan: &GroundPlan, words: &Words, look: &Look) -> Canvas {
+fn draw_over(field: &Field, plan: &GroundPlan, words: &Words, look: &Look) -> Canvas {
     let (mut canvas, frame) = draw_in(field, words, look);
     plan.draw(&mut canvas, &frame, field.time_s);
     plan.note(&mut canvas, &frame, field.time_s);
@@ -162,14 +155,7 @@ pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Fra
             front_note(&mut canvas, &frame, frozen, words);
         }
     }
-    let rim = [
-        (frame.left, frame.top),
-        (frame.right, frame.top),
-        (frame.right, frame.bottom),
-        (frame.left, frame.bottom),
-        (frame.left, frame.top),
-    ];
-    canvas.line(rim.to_vec(), Stroke::whole(INK, 1.3));
+    canvas.outline((frame.left, frame.top), (frame.right, frame.bottom), Stroke::whole(INK, 1.3));
     (canvas, frame)
 }
 
@@ -223,8 +209,7 @@ fn colour_bar(
         let colour = colours.at(0.5 * (band[0] + band[1]));
         canvas.rectangle((left, height(band[1])), (right, height(band[0]) + 0.5), colour);
     }
-    let rim = [(left, frame.top), (right, frame.top), (right, frame.bottom), (left, frame.bottom), (left, frame.top)];
-    canvas.line(rim.to_vec(), Stroke::whole(INK, 1.3));
+    canvas.outline((left, frame.top), (right, frame.bottom), Stroke::whole(INK, 1.3));
     for k in (low / isotherm).ceil() as i64..=(high / isotherm + 1e-9).floor() as i64 {
         let level = k as f64 * isotherm;
         let py = height(level);
@@ -236,15 +221,7 @@ fn colour_bar(
         let py = height(look.zero);
         canvas.line(vec![(left - 4.0, py), (right + 4.0, py)], Stroke::whole(INK, FRONT_WIDTH));
     }
-    canvas.place(Text {
-        at: (right + 8.0 + 3.4 * TICK, 0.5 * (frame.top + frame.bottom)),
-        text: look.label.clone(),
-        size: LABEL,
-        align: Align::Middle,
-        bold: false,
-        upward: true,
-        colour: INK,
-    });
+    canvas.upward((right + 8.0 + 3.4 * TICK, 0.5 * (frame.top + frame.bottom)), look.label.as_str());
 }
 
 /// Says what the heavy line is, under the colour bar's side of the map.

@@ -1,9 +1,9 @@
 //! Measured properties of a fluid: curves by temperature, and numbers over temperature beside what they should be.
 
-use crate::axes::{Axis, Entry, Frame, legend};
+use crate::axes::{Axis, Entry, Frame, align};
 use crate::canvas::{Canvas, Colour, Stroke};
+use crate::sheet::{WIDTH, sheet};
 use crate::style::{INK, Marker, REFERENCE};
-use crate::words::{MARGIN, title};
 
 /// What was measured, and the line that goes with it.
 #[derive(Debug, Clone, PartialEq)]
@@ -78,22 +78,15 @@ const TEMPERATURE: &str = "temperature over the reference temperature";
 
 /// Draws points with the lines that go with them.
 pub fn curves(figure: &CurvesFigure) -> Canvas {
-    let mut canvas = Canvas::new(1000.0, 680.0, &figure.title);
-    title(&mut canvas, &figure.title);
     let looks = || figure.curves.iter().zip(LOOKS.iter().cycle());
-    let mut entries: Vec<Entry> = looks()
-        .map(|(curve, (colour, marker))| Entry {
-            text: curve.label.clone(),
-            stroke: None,
-            marker: Some((*marker, *colour, true)),
-        })
-        .collect();
-    entries.push(Entry { text: figure.line_label.clone(), stroke: Some(Stroke::whole(REFERENCE, 2.2)), marker: None });
-    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 10.0;
+    let mut entries: Vec<Entry> =
+        looks().map(|(curve, (colour, marker))| Entry::mark(curve.label.as_str(), *marker, *colour, true)).collect();
+    entries.push(Entry::line(figure.line_label.as_str(), Stroke::whole(REFERENCE, 2.2)));
+    let (mut canvas, below) = sheet(680.0, &figure.title, &figure.title, &entries);
     let all = || figure.curves.iter().flat_map(|curve| curve.points.iter().chain(&curve.line));
     let x = Axis::linear(figure.axes.0.as_str(), all().map(|point| point.0));
     let y = Axis::linear(figure.axes.1.as_str(), all().map(|point| point.1));
-    let frame = Frame::inside((0.0, top), (1000.0, 680.0), x, y);
+    let frame = Frame::inside((0.0, below + 10.0), (WIDTH, 680.0), x, y);
     frame.draw(&mut canvas);
     for (curve, _) in looks() {
         frame.curve(&mut canvas, curve.line.iter().copied(), Stroke::whole(REFERENCE, 2.2));
@@ -108,23 +101,17 @@ pub fn curves(figure: &CurvesFigure) -> Canvas {
 
 /// Draws a number over temperature, and what it is too much below.
 pub fn numbers(figure: &NumberFigure) -> Canvas {
-    let mut canvas = Canvas::new(1000.0, 860.0, &figure.title);
-    title(&mut canvas, &figure.title);
-    let target = Stroke { colour: REFERENCE, width: 3.0, dash: &[] };
+    let target = Stroke::whole(REFERENCE, 3.0);
     let mut entries = vec![
-        Entry { text: "target, and theory".into(), stroke: Some(target), marker: None },
-        Entry {
-            text: "measured, with 95 % interval".into(),
-            stroke: Some(Stroke::whole(INK, 1.5)),
-            marker: Some((Marker::Circle, INK, true)),
-        },
+        Entry::line("target, and theory", target),
+        Entry::both("measured, with 95 % interval", Stroke::whole(INK, 1.5), Marker::Circle, true),
     ];
     let looks = || figure.deviations.iter().zip(LOOKS.iter().skip(1).cycle());
     for (kind, (colour, marker)) in looks() {
-        let stroke = Some(Stroke::whole(*colour, 1.5));
-        entries.push(Entry { text: kind.label.clone(), stroke, marker: Some((*marker, *colour, true)) });
+        entries.push(Entry::both(kind.label.as_str(), Stroke::whole(*colour, 1.5), *marker, true));
     }
-    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 10.0;
+    let (mut canvas, below) = sheet(860.0, &figure.title, &figure.title, &entries);
+    let top = below + 10.0;
     let values = |points: &[Estimate]| -> Vec<f64> {
         points
             .iter()
@@ -136,21 +123,18 @@ pub fn numbers(figure: &NumberFigure) -> Canvas {
     let y =
         if figure.log { Axis::log(figure.label.as_str(), above) } else { Axis::linear(figure.label.as_str(), above) };
     let off = figure.deviations.iter().flat_map(|kind| values(&kind.points)).chain([0.0]);
-    let below = Axis::linear("deviation (%)", off);
+    let deviation = Axis::linear("deviation (%)", off);
     let places = || figure.target.iter().map(|point| point.0).chain(figure.points.iter().map(|point| point.at));
     let middle = top + 0.55 * (860.0 - top - 60.0);
     let mut frames = [
-        Frame::inside((0.0, top), (1000.0, middle - 18.0), Axis::linear("", places()), y),
-        Frame::inside((0.0, middle), (1000.0, 860.0), Axis::linear(TEMPERATURE, places()), below),
+        Frame::inside((0.0, top), (WIDTH, middle - 18.0), Axis::linear("", places()), y),
+        Frame::inside((0.0, middle), (WIDTH, 860.0), Axis::linear(TEMPERATURE, places()), deviation),
     ];
-    let left = frames[0].left.max(frames[1].left);
-    for frame in &mut frames {
-        frame.left = left;
-        frame.draw(&mut canvas);
-    }
+    align(&mut frames);
+    frames.iter().for_each(|frame| frame.draw(&mut canvas));
     frames[0].curve(&mut canvas, figure.target.iter().copied(), target);
     estimates(&mut canvas, &frames[0], &figure.points, 0.0, INK, Marker::Circle);
-    frames[1].curve(&mut canvas, [(frames[1].x.low, 0.0), (frames[1].x.high, 0.0)], Stroke::whole(REFERENCE, 1.5));
+    frames[1].level(&mut canvas, 0.0, Stroke::whole(REFERENCE, 1.5));
     let count = figure.deviations.len() as f64;
     for (k, (kind, (colour, marker))) in looks().enumerate() {
         // Side by side, or one would hide the other.

@@ -2,30 +2,27 @@
 
 use frazil_record::{RunResult, WallRow};
 
-use crate::axes::{Axis, Entry, Frame, legend};
+use crate::axes::{Axis, Entry, Frame};
 use crate::canvas::{Canvas, Stroke};
+use crate::sheet::{WIDTH, sheet, title};
 use crate::style::{INK, Marker, REFERENCE, method_style, method_title};
-use crate::words::{MARGIN, Words, reference_entry, title};
+use crate::words::{Words, reference_entry, reference_stroke};
 
 const LONG: &[f64] = &[10.0, 6.0];
 
 /// Thickness of the frozen wall over time.
 pub(crate) fn wall(result: &RunResult, words: &Words) -> Canvas {
-    let mut canvas = Canvas::new(1000.0, 640.0, &format!("Wall thickness over time: {}", words.heading));
-    title(&mut canvas, &words.heading);
     let colour = method_style(&words.method).colour;
     let main = Stroke::whole(colour, 2.4);
     let interface = Stroke { colour, width: 2.4, dash: LONG };
-    let reference = Stroke::whole(REFERENCE, 4.5);
-    let mut entries = vec![
-        Entry { text: "through a pipe".into(), stroke: Some(main), marker: None },
-        Entry { text: "between two pipes".into(), stroke: Some(interface), marker: None },
-    ];
+    let reference = reference_stroke();
+    let mut entries = vec![Entry::line("through a pipe", main), Entry::line("between two pipes", interface)];
     let referred = result.walls.iter().any(|row| row.thickness_main_mean_ref_m.is_some());
     if referred || result.walls.iter().any(|row| row.thickness_interface_mean_ref_m.is_some()) {
         entries.push(reference_entry());
     }
-    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 8.0;
+    let name = format!("Wall thickness over time: {}", words.heading);
+    let (mut canvas, below) = sheet(640.0, &name, &words.heading, &entries);
     let x = Axis::linear(words.time_label.as_str(), times(result, words));
     let values = result.walls.iter().flat_map(|row| {
         [
@@ -37,7 +34,7 @@ pub(crate) fn wall(result: &RunResult, words: &Words) -> Canvas {
     });
     let label = if words.length_unit.is_some() { "wall thickness (m)" } else { "wall thickness (dimensionless)" };
     let y = Axis::linear(label, values.flatten().chain([0.0]));
-    let frame = Frame::inside((0.0, top), (1000.0, 640.0), x, y);
+    let frame = Frame::inside((0.0, below + 8.0), (WIDTH, 640.0), x, y);
     frame.draw(&mut canvas);
     let mut draw = |value: &dyn Fn(&WallRow) -> Option<f64>, stroke: Stroke| {
         let rows = result.walls.iter().filter_map(|row| Some((words.time(row.time_s), value(row)?)));
@@ -52,7 +49,7 @@ pub(crate) fn wall(result: &RunResult, words: &Words) -> Canvas {
 
 /// Heat taken by one pipe over time.
 pub(crate) fn heat(result: &RunResult, words: &Words) -> Canvas {
-    let mut canvas = Canvas::new(1000.0, 560.0, &format!("Heat per pipe over time: {}", words.heading));
+    let mut canvas = Canvas::new(WIDTH, 560.0, &format!("Heat per pipe over time: {}", words.heading));
     title(&mut canvas, &words.heading);
     let x = Axis::linear(words.time_label.as_str(), times(result, words));
     let label = if words.length_unit.is_some() { "heat taken by one pipe (W/m)" } else { "heat taken by one pipe" };
@@ -62,7 +59,7 @@ pub(crate) fn heat(result: &RunResult, words: &Words) -> Canvas {
     // The jump at the start is without bound; the axis follows the rest.
     let most = sorted.get(sorted.len() * 19 / 20).copied().unwrap_or(1.0);
     let y = Axis::linear(label, heats().map(|heat| heat.min(1.3 * most.abs())).chain([0.0]));
-    let frame = Frame::inside((0.0, 60.0), (1000.0, 560.0), x, y);
+    let frame = Frame::inside((0.0, 60.0), (WIDTH, 560.0), x, y);
     frame.draw(&mut canvas);
     let rows = result.walls.iter().map(|row| (words.time(row.time_s), row.heat_per_pipe_w_per_m));
     frame.curve(&mut canvas, rows, Stroke::whole(method_style(&words.method).colour, 2.4));
@@ -71,22 +68,16 @@ pub(crate) fn heat(result: &RunResult, words: &Words) -> Canvas {
 
 /// When each gap closed, by its angle.
 pub(crate) fn gaps(result: &RunResult, words: &Words) -> Canvas {
-    let mut canvas = Canvas::new(1000.0, 560.0, &format!("Closure of the gaps: {}", words.heading));
-    title(&mut canvas, &words.heading);
     let style = method_style(&words.method);
-    let mut entries = vec![Entry {
-        text: method_title(&words.method),
-        stroke: None,
-        marker: Some((style.marker, style.colour, false)),
-    }];
+    let mut entries = vec![Entry::mark(method_title(&words.method), style.marker, style.colour, false)];
     if result.gaps.iter().any(|gap| gap.closure_ref_s.is_some()) {
-        entries.push(Entry { text: "reference".into(), stroke: None, marker: Some((Marker::Square, REFERENCE, true)) });
+        entries.push(Entry::mark("reference", Marker::Square, REFERENCE, true));
     }
-    let open = result.gaps.iter().any(|gap| gap.closure_s.is_none());
-    if open {
-        entries.push(Entry { text: "× at the upper edge: not closed".into(), stroke: None, marker: None });
+    if result.gaps.iter().any(|gap| gap.closure_s.is_none()) {
+        entries.push(Entry::note("× at the upper edge: not closed"));
     }
-    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 8.0;
+    let name = format!("Closure of the gaps: {}", words.heading);
+    let (mut canvas, below) = sheet(560.0, &name, &words.heading, &entries);
     let x = Axis::linear("angle of the middle of the gap (degrees)", result.gaps.iter().map(|gap| gap.angle_deg));
     let closures = result.gaps.iter().flat_map(|gap| [gap.closure_s, gap.closure_ref_s]).flatten();
     let mut values: Vec<f64> = closures.map(|time| words.time(time)).collect();
@@ -100,7 +91,7 @@ pub(crate) fn gaps(result: &RunResult, words: &Words) -> Canvas {
     }
     let unit = if words.time_symbol.is_empty() { "dimensionless" } else { words.time_symbol };
     let y = Axis::linear(format!("time of closure ({unit})"), values.into_iter());
-    let frame = Frame::inside((0.0, top), (1000.0, 560.0), x, y);
+    let frame = Frame::inside((0.0, below + 8.0), (WIDTH, 560.0), x, y);
     frame.draw(&mut canvas);
     for gap in &result.gaps {
         if let Some(time) = gap.closure_ref_s {

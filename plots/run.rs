@@ -1,16 +1,16 @@
 //! The figures of one run: front and profiles beside the reference.
 
-use crate::words::{FigureOptions, MARGIN, Words, reference_entry, reference_stroke, title};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use frazil_record::CutRow;
-use frazil_record::{Field, MeanOver, ProfileRow, RunResult};
+use frazil_record::{CutRow, Field, MeanOver, ProfileRow, RunResult};
 
 use crate::PlotError;
-use crate::axes::{Axis, Entry, Frame, legend};
+use crate::axes::{Axis, Entry, Frame, align};
 use crate::canvas::{Canvas, Colour, Stroke};
+use crate::sheet::{WIDTH, sheet};
 use crate::style::{INK, LABEL, REFERENCE, method_style, method_title, number};
+use crate::words::{DOTS, FigureOptions, Words, reference_entry, reference_stroke};
 use crate::{flow_map, map, rings, stream, table};
 
 /// Draws every figure that a run has rows for and returns the files.
@@ -73,31 +73,30 @@ pub fn frame(
     options: &FigureOptions,
     range: (f64, f64),
 ) -> Canvas {
-    map::frame_map(field, &options.plan, &Words::new((heading, method, units), 0.0, options), range)
+    map::plain_map(field, &options.plan, &Words::new((heading, method, units), 0.0, options), Some(range))
 }
 
 fn front(result: &RunResult, words: &Words) -> Canvas {
-    let mut canvas = Canvas::new(1000.0, 720.0, &format!("Front over time: {}", words.heading));
-    title(&mut canvas, &words.heading);
     let style = method_style(&words.method);
     let stroke = style.stroke(2.2);
     let referred = result.front.iter().any(|row| row.front_ref_m.is_some());
-    let mut entries = vec![Entry { text: method_title(&words.method), stroke: Some(stroke), marker: None }];
+    let mut entries = vec![Entry::line(method_title(&words.method), stroke)];
     if referred {
         entries.push(reference_entry());
     }
     let beside = Stroke { colour: INK, width: 1.6, dash: &[7.0, 4.0] };
     if let Some(row) = result.beside.first() {
-        entries.push(Entry { text: row.solution.clone(), stroke: Some(beside), marker: None });
+        entries.push(Entry::line(row.solution.as_str(), beside));
     }
-    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 6.0;
+    let name = format!("Front over time: {}", words.heading);
+    let (mut canvas, upper) = sheet(720.0, &name, &words.heading, &entries);
     let times = || result.front.iter().map(|row| words.time(row.time_s)).chain([0.0]);
     let heights = result.front.iter().flat_map(|row| [Some(row.front_m), row.front_ref_m]).flatten();
     let heights = heights.chain(result.beside.iter().map(|row| row.front_m));
     let what = if words.axes.0 == "r" { "radius of the front" } else { "front" };
     let y = Axis::linear(words.length_label(what), heights.map(|height| words.length(height)));
     let split = if referred { 445.0 } else { 720.0 };
-    let mut below = referred.then(|| {
+    let below = referred.then(|| {
         let errors: Vec<f64> = result.front.iter().filter_map(relative_error).collect();
         let mut sorted = errors.clone();
         sorted.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
@@ -105,14 +104,13 @@ fn front(result: &RunResult, words: &Words) -> Canvas {
         let typical = sorted.get(sorted.len() * 9 / 10).map_or(0.01, |error| 1.3 * error.abs()).max(1e-6);
         let shown = errors.iter().map(|error| 100.0 * error.clamp(-typical, typical)).chain([0.0]);
         let y = Axis::linear("error of the front (%)", shown);
-        Frame::inside((0.0, split + 14.0), (1000.0, 720.0), Axis::linear(words.time_label.as_str(), times()), y)
+        Frame::inside((0.0, split + 14.0), (WIDTH, 720.0), Axis::linear(words.time_label.as_str(), times()), y)
     });
     let label = if referred { String::new() } else { words.time_label.clone() };
-    let mut above = Frame::inside((0.0, top), (1000.0, split), Axis::linear(label, times()), y);
-    if let Some(below) = &mut below {
-        let left = above.left.max(below.left);
-        (above.left, below.left) = (left, left);
-    }
+    let mut frames = vec![Frame::inside((0.0, upper + 6.0), (WIDTH, split), Axis::linear(label, times()), y)];
+    frames.extend(below);
+    align(&mut frames);
+    let above = &frames[0];
     above.draw(&mut canvas);
     if referred {
         let rows = result.front.iter().filter_map(|row| Some((row.time_s, row.front_ref_m?)));
@@ -122,9 +120,9 @@ fn front(result: &RunResult, words: &Words) -> Canvas {
     above.curve(&mut canvas, rows, beside);
     let rows = result.front.iter().map(|row| (words.time(row.time_s), words.length(row.front_m)));
     above.curve(&mut canvas, rows, stroke);
-    if let Some(below) = below {
+    if let Some(below) = frames.get(1) {
         below.draw(&mut canvas);
-        below.curve(&mut canvas, [(below.x.low, 0.0), (below.x.high, 0.0)], Stroke::whole(REFERENCE, 1.5));
+        below.level(&mut canvas, 0.0, Stroke::whole(REFERENCE, 1.5));
         let rows = result.front.iter().filter_map(|row| Some((words.time(row.time_s), 100.0 * relative_error(row)?)));
         // Alone in its frame, it need not be told from others, and dashes would hide its bends.
         below.curve(&mut canvas, rows, Stroke::whole(style.colour, 2.2));
@@ -164,26 +162,22 @@ fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
     }
     let single = planes.len() == 1;
     let height = if single { 640.0 } else { 110.0 + 400.0 * planes.len() as f64 };
-    let mut canvas = Canvas::new(1000.0, height, &format!("Temperature profiles: {}", words.heading));
-    title(&mut canvas, &words.heading);
     let mut instants: Vec<f64> = profiles.iter().map(|row| row.time_s).collect();
     instants.sort_by(f64::total_cmp);
     instants.dedup();
     let base = method_style(&words.method);
     let stroke_at = |k: usize| Stroke::whole(aged(base.colour, k, instants.len()), 2.4);
-    let mut entries: Vec<Entry> = instants
-        .iter()
-        .enumerate()
-        .map(|(k, time)| Entry { text: words.instant(*time), stroke: Some(stroke_at(k)), marker: None })
-        .collect();
-    let thin = Stroke { colour: INK, width: 1.6, dash: &[2.5, 4.5] };
+    let mut entries: Vec<Entry> =
+        instants.iter().enumerate().map(|(k, time)| Entry::line(words.instant(*time), stroke_at(k))).collect();
     if profiles.iter().any(|row| row.temperature_ref_c.is_some()) {
-        entries.push(Entry { text: "reference".into(), stroke: Some(thin), marker: None });
+        entries.push(Entry::line("reference", DOTS));
     }
-    let isotherm = Stroke { colour: REFERENCE, width: 1.6, dash: &[] };
+    let isotherm = Stroke::whole(REFERENCE, 1.6);
     let freezing = format!("freezing point, {}{}", number(words.freezing_point, 3), words.degree);
-    entries.push(Entry { text: freezing, stroke: Some(isotherm), marker: None });
-    let mut top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 10.0;
+    entries.push(Entry::line(freezing, isotherm));
+    let name = format!("Temperature profiles: {}", words.heading);
+    let (mut canvas, below) = sheet(height, &name, &words.heading, &entries);
+    let mut top = below + 10.0;
     const GAP: f64 = 0.9 * LABEL;
     let each = (height - top - GAP * (planes.len() - 1) as f64) / planes.len() as f64;
     let reach = profiles.iter().map(|row| row.along_m.abs()).fold(0.0, f64::max);
@@ -220,14 +214,14 @@ fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
         let x = Axis::linear(x_label, rows.iter().map(|row| scale * row.along_m));
         let values = rows.iter().flat_map(|row| [Some(row.temperature_c), row.temperature_ref_c]).flatten();
         let y = Axis::linear(words.temperature_label.as_str(), values.chain([words.freezing_point]));
-        let frame = Frame::inside((0.0, top), (1000.0, top + each), x, y);
+        let frame = Frame::inside((0.0, top), (WIDTH, top + each), x, y);
         frame.draw(&mut canvas);
-        frame.curve(&mut canvas, [(frame.x.low, words.freezing_point), (frame.x.high, words.freezing_point)], isotherm);
+        frame.level(&mut canvas, words.freezing_point, isotherm);
         for (k, time) in instants.iter().enumerate() {
             let rows: Vec<_> = rows.iter().filter(|row| row.time_s == *time).collect();
             frame.curve(&mut canvas, rows.iter().map(|row| (scale * row.along_m, row.temperature_c)), stroke_at(k));
             let references = rows.iter().filter_map(|row| Some((scale * row.along_m, row.temperature_ref_c?)));
-            frame.curve(&mut canvas, references, thin);
+            frame.curve(&mut canvas, references, DOTS);
         }
         top += each + GAP;
     }

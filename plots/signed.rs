@@ -1,9 +1,9 @@
 //! Magnitudes of signed errors on logarithmic axes: marks say the sign.
 
-use crate::axes::{Axis, Entry, Frame, legend};
+use crate::axes::{Axis, Entry, Frame};
 use crate::canvas::{Canvas, Colour, Stroke};
+use crate::sheet::{WIDTH, sheet};
 use crate::style::{Marker, REFERENCE};
-use crate::words::{MARGIN, title};
 
 /// Errors along which one parameter changes.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,28 +39,22 @@ fn colour(k: usize, count: usize) -> Colour {
 /// Draws magnitudes: filled marks where the error is positive, hollow ones where it is negative. Where the sign changes
 /// between two points the line is broken.
 pub fn signed(figure: &SignedFigure) -> Canvas {
-    let mut canvas = Canvas::new(1000.0, 680.0, &figure.title);
-    title(&mut canvas, &figure.title);
     let count = figure.curves.len();
     let look = |k: usize| (SHAPES[k % SHAPES.len()], colour(k, count));
     let mut entries: Vec<Entry> = figure
         .curves
         .iter()
         .enumerate()
-        .map(|(k, curve)| {
-            let (marker, colour) = look(k);
-            let stroke = Some(Stroke::whole(colour, 2.0));
-            Entry { text: curve.label.clone(), stroke, marker: Some((marker, colour, false)) }
-        })
+        .map(|(k, curve)| Entry::both(curve.label.as_str(), Stroke::whole(look(k).1, 2.0), look(k).0, false))
         .collect();
     for (text, hollow) in [("filled: too high", false), ("hollow: too low", true)] {
-        entries.push(Entry { text: text.into(), stroke: None, marker: Some((Marker::Circle, REFERENCE, hollow)) });
+        entries.push(Entry::mark(text, Marker::Circle, REFERENCE, hollow));
     }
-    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 8.0;
+    let (mut canvas, below) = sheet(680.0, &figure.title, &figure.title, &entries);
     let points = || figure.curves.iter().flat_map(|curve| &curve.points).filter(|point| point.1 != 0.0);
     let x = Axis::log(figure.x_label.as_str(), points().map(|point| point.0));
     let y = Axis::log_percent(figure.y_label.as_str(), points().map(|point| point.1.abs()));
-    let frame = Frame::inside((0.0, top), (1000.0, 680.0), x, y);
+    let frame = Frame::inside((0.0, below + 8.0), (WIDTH, 680.0), x, y);
     frame.draw(&mut canvas);
     for (k, curve) in figure.curves.iter().enumerate() {
         let (marker, colour) = look(k);

@@ -3,9 +3,9 @@
 use frazil_record::Outcome;
 
 use crate::axes::{Axis, Entry, Frame, legend};
-use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, Text, text_width};
+use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, text_width};
+use crate::sheet::{MARGIN, WIDTH, sheet, title};
 use crate::style::{INK, LABEL, Marker, method_style, method_title, percent};
-use crate::words::{MARGIN, title};
 
 /// A cell of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -148,9 +148,6 @@ pub fn stability(figure: &StabilityFigure) -> Canvas {
 }
 
 fn entries(figure: &StabilityFigure) -> Vec<Entry> {
-    let mark =
-        |text: &str, marker, hollow| Entry { text: text.into(), stroke: None, marker: Some((marker, INK, hollow)) };
-    let line = |text: &str, stroke| Entry { text: text.into(), stroke: Some(stroke), marker: None };
     let columns = || figure.panels.iter().flat_map(|panel| &panel.columns);
     let tolerance = format!(
         "tolerance: {} of the data's range, {} of the heat exchanged",
@@ -158,18 +155,18 @@ fn entries(figure: &StabilityFigure) -> Vec<Entry> {
         percent(figure.balance_tolerance, 2)
     );
     let mut entries = vec![
-        Entry { text: tolerance, stroke: None, marker: None },
-        line("bound by row sums (Gershgorin)", BOUND),
-        line("linear stability limit (sharp)", SHARP),
+        Entry::note(tolerance),
+        Entry::line("bound by row sums (Gershgorin)", BOUND),
+        Entry::line("linear stability limit (sharp)", SHARP),
     ];
     if columns().any(|column| column.first_loss.is_some()) {
-        entries.push(mark("measured: first step beyond tolerance", Marker::Wedge, true));
+        entries.push(Entry::mark("measured: first step beyond tolerance", Marker::Wedge, INK, true));
     }
     if columns().any(|column| column.last_exact.is_some()) {
-        entries.push(mark("last step within tolerance", Marker::Triangle, false));
+        entries.push(Entry::mark("last step within tolerance", Marker::Triangle, INK, false));
     }
     if columns().any(|column| column.divergence.is_some()) {
-        entries.push(mark("first step that diverges", Marker::Diamond, true));
+        entries.push(Entry::mark("first step that diverges", Marker::Diamond, INK, true));
     }
     entries
 }
@@ -197,16 +194,11 @@ fn swatches(canvas: &mut Canvas, figure: &StabilityFigure, top: f64, width: f64)
             (x, y) = (MARGIN, y + 1.7 * LABEL);
         }
         paint(canvas, (x, y), (x + SWATCH.0, y + SWATCH.1), class);
-        outline(canvas, (x, y), (x + SWATCH.0, y + SWATCH.1), 1.0);
+        canvas.outline((x, y), (x + SWATCH.0, y + SWATCH.1), Stroke::whole(INK, 1.0));
         canvas.text((x + SWATCH.0 + 8.0, y + 0.5 * SWATCH.1 + 0.35 * LABEL), word, LABEL, Align::Start);
         x += needed + 26.0;
     }
     y - top
-}
-
-fn outline(canvas: &mut Canvas, (left, top): Spot, (right, bottom): Spot, width: f64) {
-    let corners = vec![(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
-    canvas.line(corners, Stroke::whole(INK, width));
 }
 
 fn draw_panel(
@@ -220,15 +212,7 @@ fn draw_panel(
     let x = Axis::columns(figure.axis.as_str(), &names);
     let y = Axis::log_between("step over bound", figure.range, &[0.25, 0.5, 1.0, 2.0, 4.0]);
     let frame = Frame::inside((left, top + 30.0), (left + width, top + height - 14.0), x, y);
-    canvas.place(Text {
-        at: (frame.left, top + 20.0),
-        text: method_title(&panel.method),
-        size: LABEL,
-        align: Align::Start,
-        bold: true,
-        upward: false,
-        colour: INK,
-    });
+    canvas.bold((frame.left, top + 20.0), method_title(&panel.method), LABEL, Align::Start);
     frame.draw(canvas);
     for (k, column) in panel.columns.iter().enumerate() {
         let (from, to) = (k as f64, k as f64 + 1.0);
@@ -243,13 +227,11 @@ fn draw_panel(
             paint(canvas, frame.spot(from, high), frame.spot(to, low), cell.class);
         }
         if k > 0 {
-            canvas.line(
-                vec![frame.spot(from, figure.range.0), frame.spot(from, figure.range.1)],
-                Stroke::whole(INK, 0.6),
-            );
+            let ends = [figure.range.0, figure.range.1].map(|ratio| frame.spot(from, ratio));
+            canvas.line(ends.into(), Stroke::whole(INK, 0.6));
         }
     }
-    frame.curve(canvas, [(0.0, 1.0), (frame.x.high, 1.0)], BOUND);
+    frame.level(canvas, 1.0, BOUND);
     for (k, column) in panel.columns.iter().enumerate() {
         let (from, to) = (k as f64, k as f64 + 1.0);
         if let Some(sharp) = column.sharp {
@@ -268,7 +250,7 @@ fn draw_panel(
             }
         }
     }
-    outline(canvas, (frame.left, frame.top), (frame.right, frame.bottom), 1.3);
+    canvas.outline((frame.left, frame.top), (frame.right, frame.bottom), Stroke::whole(INK, 1.3));
 }
 
 /// Boundaries of RKL2 for a number of stages, over the stated step.
@@ -295,28 +277,23 @@ pub struct StagesCurve {
 
 /// Draws boundaries of RKL2 over the number of stages.
 pub fn super_steps(heading: &str, curves: &[StagesCurve]) -> Canvas {
-    let mut canvas = Canvas::new(1000.0, 620.0, heading);
-    title(&mut canvas, heading);
     let mut entries: Vec<Entry> = Vec::new();
     for curve in curves {
         let style = method_style(&curve.method);
-        let mut entry = |text: &str, stroke, marker| {
-            let text = format!("{}: {text}", method_title(&curve.method));
-            entries.push(Entry { text, stroke, marker });
-        };
-        entry("last step within tolerance", None, Some((style.marker, style.colour, false)));
-        entry("first that diverges", None, Some((style.marker, style.colour, true)));
-        entry("limit of linear stability", Some(style.stroke(1.6)), None);
+        let text = |text: &str| format!("{}: {text}", method_title(&curve.method));
+        entries.push(Entry::mark(text("last step within tolerance"), style.marker, style.colour, false));
+        entries.push(Entry::mark(text("first that diverges"), style.marker, style.colour, true));
+        entries.push(Entry::line(text("limit of linear stability"), style.stroke(1.6)));
     }
-    entries.push(Entry { text: "stated step".into(), stroke: Some(BOUND), marker: None });
-    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 8.0;
+    entries.push(Entry::line("stated step", BOUND));
+    let (mut canvas, below) = sheet(620.0, heading, heading, &entries);
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let x = Axis::between("stages", 2.0, points().map(|point| point.stages).fold(3.0, f64::max) + 1.0);
     let values = points().flat_map(|point| [point.last_exact, point.divergence, Some(point.limit)]).flatten();
     let y = Axis::between("step over stated step", 0.9, 0.1 + values.fold(1.0, f64::max));
-    let frame = Frame::inside((0.0, top), (1000.0, 612.0), x, y);
+    let frame = Frame::inside((0.0, below + 8.0), (WIDTH, 612.0), x, y);
     frame.draw(&mut canvas);
-    frame.curve(&mut canvas, [(frame.x.low, 1.0), (frame.x.high, 1.0)], BOUND);
+    frame.level(&mut canvas, 1.0, BOUND);
     for curve in curves {
         let style = method_style(&curve.method);
         frame.curve(&mut canvas, curve.points.iter().map(|point| (point.stages, point.limit)), style.stroke(1.6));

@@ -2,12 +2,12 @@
 
 use frazil_record::{PhaseRow, RunResult, SectionRow, StreamRow};
 
-use crate::axes::{Axis, Entry, Frame, legend};
+use crate::axes::{Axis, Entry, Frame, align};
 use crate::canvas::{Canvas, Colour, Stroke};
+use crate::sheet::{WIDTH, sheet};
 use crate::style::{INK, method_style, number};
-use crate::words::{MARGIN, Words, reference_entry, reference_stroke, title};
+use crate::words::{DOTS, Words, reference_stroke};
 
-const WIDTH: f64 = 1000.0;
 const HEIGHT: f64 = 640.0;
 
 /// All of them that a run has rows for, by file name.
@@ -26,10 +26,8 @@ pub(crate) fn drawings(result: &RunResult, words: &Words) -> Vec<(String, Canvas
 }
 
 fn begin(what: &str, words: &Words, entries: &[Entry]) -> (Canvas, f64) {
-    let mut canvas = Canvas::new(WIDTH, HEIGHT, &format!("{what}: {}", words.heading));
-    title(&mut canvas, &words.heading);
-    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, entries) + 6.0;
-    (canvas, top)
+    let (canvas, below) = sheet(HEIGHT, &format!("{what}: {}", words.heading), &words.heading, entries);
+    (canvas, below + 6.0)
 }
 
 /// A kind of share, and how it is drawn.
@@ -42,7 +40,7 @@ fn phases(rows: &[PhaseRow], words: &Words) -> Canvas {
         ("freezing", Stroke { colour: INK, width: 2.4, dash: &[3.0, 4.0] }, |row| row.mushy),
         ("solid", Stroke { colour: Colour(0x0b, 0x3c, 0x8c), width: 2.4, dash: &[12.0, 5.0] }, |row| row.solid),
     ];
-    let entries = shares.map(|(name, stroke, _)| Entry { text: name.into(), stroke: Some(stroke), marker: None });
+    let entries = shares.map(|(name, stroke, _)| Entry::line(name, stroke));
     let (mut canvas, top) = begin("Phases over time", words, &entries);
     let times = || rows.iter().map(|row| words.time(row.time_s));
     let x = Axis::linear(words.time_label.as_str(), times().chain([0.0]));
@@ -59,11 +57,10 @@ fn phases(rows: &[PhaseRow], words: &Words) -> Canvas {
 fn stream(result: &RunResult, words: &Words) -> Canvas {
     let rows: &[StreamRow] = &result.stream;
     let stroke = method_style(&words.method).stroke(2.2);
-    let mut entries = vec![Entry { text: "measured".into(), stroke: Some(stroke), marker: None }];
+    let mut entries = vec![Entry::line("measured", stroke)];
     let greatest = result.record.stream.map(|stream| stream.greatest_speed_m_per_s);
     if let Some(greatest) = greatest {
-        let text = format!("parabola of {}", number(greatest, 4));
-        entries.push(Entry { text, ..reference_entry() });
+        entries.push(Entry::line(format!("parabola of {}", number(greatest, 4)), reference_stroke()));
     }
     let (mut canvas, top) = begin("Velocity and density across the stream", words, &entries);
     let split = 0.55 * HEIGHT;
@@ -72,14 +69,14 @@ fn stream(result: &RunResult, words: &Words) -> Canvas {
     let x = |label: String| Axis::linear(label, [0.0, words.length(height)].into_iter());
     let speeds = rows.iter().map(|row| row.speed_m_per_s).chain([0.0]).chain(greatest);
     let speed_label = if words.length_unit.is_some() { "velocity (m/s)" } else { "velocity (dimensionless)" };
-    let mut above = Frame::inside((0.0, top), (WIDTH, split), x(String::new()), Axis::linear(speed_label, speeds));
+    let above = Frame::inside((0.0, top), (WIDTH, split), x(String::new()), Axis::linear(speed_label, speeds));
     let densities = rows.iter().map(|row| row.density_rel).chain([0.0, 1.0]);
     let density = Axis::linear("density over its mean (1)", densities);
-    let mut below = Frame::inside((0.0, split + 10.0), (WIDTH, HEIGHT), x(words.length_label("y")), density);
-    let left = above.left.max(below.left);
-    (above.left, below.left) = (left, left);
-    above.draw(&mut canvas);
-    below.draw(&mut canvas);
+    let below = Frame::inside((0.0, split + 10.0), (WIDTH, HEIGHT), x(words.length_label("y")), density);
+    let mut frames = [above, below];
+    align(&mut frames);
+    frames.iter().for_each(|frame| frame.draw(&mut canvas));
+    let [above, below] = frames;
     if let Some(greatest) = greatest {
         let parabola = (0..=100).map(|k| f64::from(k) / 100.0).map(|part| {
             let across = 2.0 * part - 1.0;
@@ -98,20 +95,15 @@ fn sections(rows: &[SectionRow], words: &Words) -> Canvas {
     let base = method_style(&words.method).colour;
     let stroke_at = |k: usize| {
         let age = if groups.len() > 1 { k as f64 / (groups.len() - 1) as f64 } else { 1.0 };
-        let tone = |channel: u8| (f64::from(channel) + (1.0 - age) * 0.6 * (255.0 - f64::from(channel))) as u8;
-        Stroke::whole(Colour(tone(base.0), tone(base.1), tone(base.2)), 2.4)
+        Stroke::whole(base.tint((1.0 - age) * 0.6), 2.4)
     };
     let mut entries: Vec<Entry> = groups
         .iter()
         .enumerate()
-        .map(|(k, group)| {
-            let text = format!("x = {}", number(words.length(group[0].x_m), 4));
-            Entry { text, stroke: Some(stroke_at(k)), marker: None }
-        })
+        .map(|(k, group)| Entry::line(format!("x = {}", number(words.length(group[0].x_m), 4)), stroke_at(k)))
         .collect();
-    let thin = Stroke { colour: INK, width: 1.6, dash: &[2.5, 4.5] };
     if rows.iter().any(|row| row.temperature_ref_c.is_some()) {
-        entries.push(Entry { text: "reference".into(), stroke: Some(thin), marker: None });
+        entries.push(Entry::line("reference", DOTS));
     }
     let (mut canvas, top) = begin("Temperatures across the stream", words, &entries);
     let x = Axis::linear(words.length_label("y"), rows.iter().map(|row| words.length(row.y_m)).chain([0.0]));
@@ -123,7 +115,7 @@ fn sections(rows: &[SectionRow], words: &Words) -> Canvas {
         let places = || group.iter().map(|row| words.length(row.y_m));
         frame.curve(&mut canvas, places().zip(group.iter().map(|row| row.temperature_c)), stroke_at(k));
         let reference = group.iter().filter_map(|row| Some((words.length(row.y_m), row.temperature_ref_c?)));
-        frame.curve(&mut canvas, reference, thin);
+        frame.curve(&mut canvas, reference, DOTS);
     }
     canvas
 }

@@ -2,13 +2,13 @@
 
 use frazil_record::{Column, Role, Table, Unit};
 
-use crate::axes::{Axis, Entry, Frame, legend};
+use crate::axes::{Axis, Entry, Frame, align};
 use crate::canvas::{Canvas, Stroke};
 use crate::run::aged;
+use crate::sheet::{WIDTH, sheet};
 use crate::style::{method_style, number};
-use crate::words::{MARGIN, Words, title};
+use crate::words::Words;
 
-const WIDTH: f64 = 1000.0;
 /// Height of one panel (px).
 const PANEL: f64 = 300.0;
 /// Dashes of curves, which tell them apart where colours do not.
@@ -36,13 +36,12 @@ pub(crate) fn drawing(table: &Table, words: &Words) -> Option<(String, Canvas)> 
         |k: usize| Stroke { colour: aged(colour, k, curves.len()), width: 2.2, dash: DASHES[k % DASHES.len()] };
     let entry = |(k, values): (usize, &Vec<Option<f64>>)| {
         let parts = keys.iter().zip(values).map(|(key, value)| named(&table.columns[*key], *value, words));
-        Entry { text: parts.collect::<Vec<_>>().join(", "), stroke: Some(stroke(k)), marker: None }
+        Entry::line(parts.collect::<Vec<_>>().join(", "), stroke(k))
     };
     let entries: Vec<Entry> = if keys.is_empty() { Vec::new() } else { curves.iter().enumerate().map(entry).collect() };
     let heading = format!("{}: {}", table.title, words.heading);
-    let mut canvas = Canvas::new(WIDTH, 110.0 + PANEL * panels.len() as f64, &heading);
-    title(&mut canvas, &heading);
-    let top = 46.0 + legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries) + 6.0;
+    let (mut canvas, below) = sheet(110.0 + PANEL * panels.len() as f64, &heading, &heading, &entries);
+    let top = below + 6.0;
     let each = (canvas.height - top) / panels.len() as f64;
     let times = || table.rows.iter().filter_map(|row| row[0]).map(|time| words.time(time)).chain([0.0]);
     let panel = |(place, k): (usize, &usize)| {
@@ -51,12 +50,11 @@ pub(crate) fn drawing(table: &Table, words: &Words) -> Option<(String, Canvas)> 
         let x = if place + 1 == panels.len() { words.time_label.clone() } else { String::new() };
         let y = Axis::linear(label, values().map(|value| scale * value).chain([0.0]));
         let (above, below) = (top + each * place as f64, top + each * (place + 1) as f64 - 8.0);
-        (Frame::inside((0.0, above), (WIDTH, below), Axis::linear(x, times()), y), scale, *k)
+        (Frame::inside((0.0, above), (WIDTH, below), Axis::linear(x, times()), y), scale)
     };
-    let mut frames: Vec<(Frame, f64, usize)> = panels.iter().enumerate().map(panel).collect();
-    let left = frames.iter().map(|(frame, ..)| frame.left).fold(0.0, f64::max);
-    for (frame, scale, k) in &mut frames {
-        frame.left = left;
+    let (mut frames, scales): (Vec<Frame>, Vec<f64>) = panels.iter().enumerate().map(panel).unzip();
+    align(&mut frames);
+    for ((frame, scale), k) in frames.iter().zip(&scales).zip(&panels) {
         frame.draw(&mut canvas);
         for (number, curve) in curves.iter().enumerate() {
             let own = table.rows.iter().filter(|row| curve_of(row) == *curve);

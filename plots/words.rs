@@ -3,9 +3,9 @@
 use frazil_record::{RunResult, TimeUnit};
 
 use crate::axes::Entry;
-use crate::canvas::{Align, Canvas, Stroke, Text};
+use crate::canvas::Stroke;
 use crate::ground_plan::GroundPlan;
-use crate::style::{INK, REFERENCE, TITLE, method_title, number};
+use crate::style::{INK, REFERENCE, method_title, number};
 
 /// What figures of a run need beyond the run itself.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,23 +87,14 @@ impl Words {
     }
 }
 
-/// Left margin of titles and legends (px).
-pub(crate) const MARGIN: f64 = 24.0;
-
-pub(crate) fn title(canvas: &mut Canvas, text: &str) {
-    let mut size = TITLE;
-    while crate::canvas::text_width(text, size, true) > canvas.width - 2.0 * MARGIN && size > 12.0 {
-        size -= 0.5;
-    }
-    let at = (MARGIN, 34.0);
-    canvas.place(Text { at, text: text.into(), size, align: Align::Start, bold: true, upward: false, colour: INK });
-}
-
 /// Line and legend entry of the reference.
 pub(crate) fn reference_entry() -> Entry {
-    Entry { text: "reference".into(), stroke: Some(reference_stroke()), marker: None }
+    Entry::line("reference", reference_stroke())
 }
 
 pub(crate) fn reference_stroke() -> Stroke {
     Stroke { colour: REFERENCE, width: 4.5, dash: &[] }
 }
+
+/// References that lie over their curves.
+pub(crate) const DOTS: Stroke = Stroke { colour: INK, width: 1.6, dash: &[2.5, 4.5] };

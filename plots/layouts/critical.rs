@@ -1,10 +1,11 @@
 //! By how much of something, as of groundwater, layouts are kept open.
 
-use super::view::{fitted, look};
-use crate::axes::{Axis, Entry, Frame, legend};
+use super::curves::entry;
+use super::view::look;
+use crate::axes::{Axis, Entry, Frame};
 use crate::canvas::{Canvas, Stroke};
-use crate::style::{LABEL, REFERENCE};
-use crate::words::{MARGIN, title};
+use crate::sheet::grown;
+use crate::style::REFERENCE;
 
 /// Height of each of the two frames with its labels (px).
 const EACH: f64 = 400.0;
@@ -29,27 +30,14 @@ pub fn critical_map(layouts: &[CriticalView], key: &str) -> Canvas {
         other => other.to_owned(),
     };
     let estimate = Stroke { dash: &[3.0, 4.0], ..Stroke::whole(REFERENCE, 2.0) };
-    let mut entries: Vec<Entry> = layouts
-        .iter()
-        .enumerate()
-        .map(|(k, layout)| Entry {
-            text: fitted(&layout.name, LABEL, false, 520.0),
-            stroke: Some(look(k).stroke(2.4)),
-            marker: Some((look(k).marker, look(k).colour, false)),
-        })
-        .collect();
+    let mut entries: Vec<Entry> = layouts.iter().enumerate().map(|(k, layout)| entry(k, &layout.name)).collect();
     let estimates: Vec<(f64, f64)> =
         layouts.iter().filter_map(|layout| Some((layout.pipe_spacing_m, layout.estimate?))).collect();
     if !estimates.is_empty() {
-        let text = "what pipes can take, by a balance of heat".into();
-        entries.push(Entry { text, stroke: Some(estimate), marker: None });
+        entries.push(Entry::line("what pipes can take, by a balance of heat", estimate));
     }
-    entries.push(Entry { text: "hollow marker: not closed".into(), stroke: None, marker: None });
-    let heading = "What keeps the wall open";
-    let top = 54.0 + legend(&mut Canvas::new(1000.0, 100.0, ""), (MARGIN, 46.0), 950.0, &entries);
-    let mut canvas = Canvas::new(1000.0, (top + 2.0 * EACH).ceil(), heading);
-    title(&mut canvas, heading);
-    legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries);
+    entries.push(Entry::note("hollow marker: not closed"));
+    let (mut canvas, top) = grown("What keeps the wall open", &entries, 8.0, |top| top + 2.0 * EACH);
 
     let values = || layouts.iter().flat_map(|layout| layout.tried.iter().map(|one| one.0));
     let days = || layouts.iter().flat_map(|layout| layout.tried.iter().filter_map(|one| one.1));

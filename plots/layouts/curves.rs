@@ -1,10 +1,10 @@
 //! Layouts over time and along radii, all in one figure.
 
 use super::view::{DAY, LayoutView, between, day, fitted, look};
-use crate::axes::{Axis, Entry, Frame, legend};
+use crate::axes::{Axis, Entry, Frame};
 use crate::canvas::{Align, Canvas, Stroke};
+use crate::sheet::grown;
 use crate::style::{LABEL, REFERENCE, number};
-use crate::words::{MARGIN, title};
 
 /// Height of a frame with its labels (px).
 const HEIGHT: f64 = 520.0;
@@ -64,17 +64,16 @@ fn over_time(
 ) -> Canvas {
     let curves: Vec<Vec<(f64, f64)>> = layouts.iter().map(series).collect();
     let mut entries: Vec<Entry> = layouts.iter().enumerate().map(|(k, layout)| entry(k, &name(layout))).collect();
-    let note = |text: &str| Entry { text: text.into(), stroke: None, marker: None };
     if layouts.iter().any(|layout| layout.closure_s.is_some()) {
-        entries.push(note("marker: wall closed"));
+        entries.push(Entry::note("marker: wall closed"));
     }
     if layouts.iter().any(|layout| layout.closure_s.is_none()) {
-        entries.push(note("hollow marker at the end: not closed"));
+        entries.push(Entry::note("hollow marker at the end: not closed"));
     }
     if layouts.iter().any(|layout| layout.closure_s.is_some() && !layout.closed()) {
-        entries.push(note("cross: opens again"));
+        entries.push(Entry::note("cross: opens again"));
     }
-    let (mut canvas, top) = begun(heading, &entries, HEIGHT);
+    let (mut canvas, top) = grown(heading, &entries, 8.0, |top| top + HEIGHT);
     let points = || curves.iter().flatten();
     let x = Axis::linear("time (d)", points().map(|(time, _)| time / DAY).chain([0.0]));
     let most = if spiked { without_spike(points().map(|(_, value)| *value)) } else { f64::INFINITY };
@@ -112,16 +111,14 @@ pub fn planes(layouts: &[LayoutView<'_>], freezing_c: f64) -> Canvas {
     let last = |layout: &LayoutView<'_>| layout.result.profiles.iter().map(|row| row.time_s).max_by(f64::total_cmp);
     let named = |(k, layout): (usize, &LayoutView<'_>)| {
         let instant = last(layout).map_or_else(|| "no profile".into(), |time| format!("{} d", day(time)));
-        let mut entry = entry(k, &layout.name);
-        entry.marker = None;
-        entry.text = format!("{}, {instant}", fitted(&weakest_name(layout), LABEL, false, 420.0));
-        entry
+        let text = format!("{}, {instant}", fitted(&weakest_name(layout), LABEL, false, 420.0));
+        Entry::line(text, look(k).stroke(2.4))
     };
     let mut entries: Vec<Entry> = layouts.iter().enumerate().map(named).collect();
     let isotherm = Stroke::whole(REFERENCE, 1.6);
-    let freezing = format!("freezing point, {} °C", number(freezing_c, 3));
-    entries.push(Entry { text: freezing, stroke: Some(isotherm), marker: None });
-    let (mut canvas, mut top) = begun("Temperature along the planes of the wall", &entries, 2.0 * EACH);
+    entries.push(Entry::line(format!("freezing point, {} °C", number(freezing_c, 3)), isotherm));
+    let heading = "Temperature along the planes of the wall";
+    let (mut canvas, mut top) = grown(heading, &entries, 8.0, |top| top + 2.0 * EACH);
     for (main, label) in [
         (true, "distance from the centre, through a pipe (m)"),
         (false, "distance from the centre, through the weakest gap (m)"),
@@ -140,7 +137,7 @@ pub fn planes(layouts: &[LayoutView<'_>], freezing_c: f64) -> Canvas {
         let y = Axis::linear("temperature (°C)", points().map(|(_, value)| *value).chain([freezing_c]));
         let frame = Frame::inside((0.0, top), (canvas.width, top + EACH - 14.0), x, y);
         frame.draw(&mut canvas);
-        frame.curve(&mut canvas, [(frame.x.low, freezing_c), (frame.x.high, freezing_c)], isotherm);
+        frame.level(&mut canvas, freezing_c, isotherm);
         for (k, curve) in curves.iter().enumerate() {
             frame.curve(&mut canvas, curve.iter().copied(), look(k).stroke(2.4));
         }
@@ -154,41 +151,27 @@ pub fn planes(layouts: &[LayoutView<'_>], freezing_c: f64) -> Canvas {
 
 /// Temperature around the ring, through the pipes of the first ring, at the last instant of each layout.
 pub fn axis(layouts: &[LayoutView<'_>], freezing_c: f64) -> Canvas {
-    let mut entries: Vec<Entry> = layouts.iter().enumerate().map(|(k, layout)| entry(k, &layout.name)).collect();
-    entries.iter_mut().for_each(|entry| entry.marker = None);
+    let named = |(k, layout): (usize, &LayoutView<'_>)| Entry { marker: None, ..entry(k, &layout.name) };
+    let mut entries: Vec<Entry> = layouts.iter().enumerate().map(named).collect();
     let isotherm = Stroke::whole(REFERENCE, 1.6);
-    let freezing = format!("freezing point, {} °C", number(freezing_c, 3));
-    entries.push(Entry { text: freezing, stroke: Some(isotherm), marker: None });
-    let (mut canvas, top) = begun("Temperature around the ring, from pipe to pipe", &entries, 390.0);
+    entries.push(Entry::line(format!("freezing point, {} °C", number(freezing_c, 3)), isotherm));
+    let heading = "Temperature around the ring, from pipe to pipe";
+    let (mut canvas, top) = grown(heading, &entries, 8.0, |top| top + 390.0);
     let points = || layouts.iter().flat_map(|layout| &layout.axis);
     let x = Axis::between("angle from the x axis (°)", 0.0, 360.0);
     let y = Axis::linear("temperature (°C)", points().map(|(_, value)| *value).chain([freezing_c]));
     let frame = Frame::inside((0.0, top), (canvas.width, canvas.height), x, y);
     frame.draw(&mut canvas);
-    frame.curve(&mut canvas, [(frame.x.low, freezing_c), (frame.x.high, freezing_c)], isotherm);
+    frame.level(&mut canvas, freezing_c, isotherm);
     for (k, layout) in layouts.iter().enumerate() {
         frame.curve(&mut canvas, layout.axis.iter().copied(), look(k).stroke(2.0));
     }
     canvas
 }
 
-/// A drawing with its title and legend, and where they end (px).
-fn begun(heading: &str, entries: &[Entry], below: f64) -> (Canvas, f64) {
-    // A legend takes as much room wherever it is drawn.
-    let top = 54.0 + legend(&mut Canvas::new(1000.0, 100.0, ""), (MARGIN, 46.0), 950.0, entries);
-    let mut canvas = Canvas::new(1000.0, (top + below).ceil(), heading);
-    title(&mut canvas, heading);
-    legend(&mut canvas, (MARGIN, 46.0), 950.0, entries);
-    (canvas, top)
-}
-
+/// The k-th layout in a legend.
 pub(super) fn entry(k: usize, name: &str) -> Entry {
-    let style = look(k);
-    Entry {
-        text: fitted(name, LABEL, false, 520.0),
-        stroke: Some(style.stroke(2.4)),
-        marker: Some((style.marker, style.colour, false)),
-    }
+    Entry::both(fitted(name, LABEL, false, 520.0), look(k).stroke(2.4), look(k).marker, false)
 }
 
 /// The jump at the start is without bound; the axis follows the rest.

@@ -2,10 +2,10 @@
 
 use super::curves::entry;
 use super::view::{DAY, fitted, look};
-use crate::axes::{Axis, Entry, Frame, legend};
+use crate::axes::{Axis, Entry, Frame};
 use crate::canvas::{Align, Canvas, Stroke, text_width};
-use crate::style::{INK, REFERENCE, TICK};
-use crate::words::{MARGIN, title};
+use crate::sheet::{MARGIN, WIDTH, grown};
+use crate::style::{REFERENCE, TICK};
 
 /// A layout in one stratum.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,20 +48,14 @@ const PANELS: [Panel; 3] = [
 /// Day of closure, thickness and load of each stratum, downwards: one line a layout. Where the wall stays open, a cross stands
 /// on the rim.
 pub fn over_depth(shafts: &[ShaftView]) -> Canvas {
-    const WIDTH: f64 = 1000.0;
     const HEIGHT: f64 = 520.0;
-    let open = shafts.iter().flat_map(|shaft| &shaft.layers).any(|layer| layer.closure_s.is_none());
     let mut entries: Vec<Entry> = shafts.iter().enumerate().map(|(k, shaft)| entry(k, &shaft.name)).collect();
-    if open {
-        entries.push(Entry { text: "× at the rim: not closed".into(), stroke: None, marker: None });
-    }
-    // A legend takes as much room wherever it is drawn.
-    let top = 54.0 + legend(&mut Canvas::new(WIDTH, 100.0, ""), (MARGIN, 46.0), 950.0, &entries);
-    let heading = "Closure, thickness and load over depth";
-    let mut canvas = Canvas::new(WIDTH, (top + HEIGHT).ceil(), heading);
-    title(&mut canvas, heading);
-    legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries);
     let layers = || shafts.iter().flat_map(|shaft| &shaft.layers);
+    if layers().any(|layer| layer.closure_s.is_none()) {
+        entries.push(Entry::note("× at the rim: not closed"));
+    }
+    let heading = "Closure, thickness and load over depth";
+    let (mut canvas, top) = grown(heading, &entries, 8.0, |top| top + HEIGHT);
     let bands: &[LayerView] = shafts.first().map_or(&[], |shaft| &shaft.layers);
     let names = bands.iter().map(|layer| text_width(&layer.name, TICK, true)).fold(0.0, f64::max).min(150.0);
     let deepest = layers().map(|layer| layer.to_m).fold(0.0, f64::max).max(1e-9);
@@ -82,19 +76,12 @@ pub fn over_depth(shafts: &[ShaftView]) -> Canvas {
         frame.draw(&mut canvas);
         for layer in bands {
             for edge in [layer.from_m, layer.to_m] {
-                frame.curve(&mut canvas, [(frame.x.low, edge), (frame.x.high, edge)], Stroke::whole(REFERENCE, 1.2));
+                frame.level(&mut canvas, edge, Stroke::whole(REFERENCE, 1.2));
             }
             if number == 0 {
                 let (_, y) = frame.spot(frame.x.low, 0.5 * (layer.from_m + layer.to_m));
-                canvas.place(crate::canvas::Text {
-                    at: (MARGIN, y + 0.36 * TICK),
-                    text: fitted(&layer.name, TICK, true, names),
-                    size: TICK,
-                    align: Align::Start,
-                    bold: true,
-                    upward: false,
-                    colour: INK,
-                });
+                let name = fitted(&layer.name, TICK, true, names);
+                canvas.bold((MARGIN, y + 0.36 * TICK), name, TICK, Align::Start);
             }
         }
         for (k, shaft) in shafts.iter().enumerate() {

@@ -1,10 +1,10 @@
 //! The same layouts under several methods: how far their answers lie apart.
 
 use super::view::wrapped;
-use crate::axes::{Axis, Entry, Frame, legend};
-use crate::canvas::{Align, Canvas, Stroke, Text, text_width};
-use crate::style::{GRID, INK, LABEL, TICK, method_style};
-use crate::words::{MARGIN, title};
+use crate::axes::{Axis, Entry, Frame};
+use crate::canvas::{Align, Canvas, Stroke, text_width};
+use crate::sheet::{MARGIN, WIDTH, grown};
+use crate::style::{GRID, LABEL, TICK, method_style};
 
 /// A number and what the spacing still changes of it.
 pub type Answer = (f64, Option<f64>);
@@ -32,7 +32,6 @@ const LABELS: [&str; 4] = ["wall closed (d)", "thickness (m)", "mean (°C)", "lo
 
 /// Answers of the methods, a row for each layout, with bars as wide as what the spacing still changes.
 pub fn methods(layouts: &[MethodsView]) -> Canvas {
-    const WIDTH: f64 = 1000.0;
     let mut names: Vec<&str> = Vec::new();
     for view in layouts.iter().flat_map(|layout| &layout.methods) {
         if !names.contains(&view.method.as_str()) {
@@ -43,30 +42,25 @@ pub fn methods(layouts: &[MethodsView]) -> Canvas {
         .iter()
         .map(|name| {
             let style = method_style(name);
-            Entry { text: (*name).into(), stroke: None, marker: Some((style.marker, style.colour, false)) }
+            Entry::mark(*name, style.marker, style.colour, false)
         })
         .collect();
-    let note = |text: &str| Entry { text: text.into(), stroke: None, marker: None };
-    entries.push(note("bars: change from twice the spacing"));
+    entries.push(Entry::note("bars: change from twice the spacing"));
     if layouts.iter().flat_map(|layout| &layout.methods).any(|view| view.answers[0].is_none()) {
-        entries.push(note("× at the rim: not closed"));
+        entries.push(Entry::note("× at the rim: not closed"));
     }
-    let top = 54.0 + legend(&mut Canvas::new(WIDTH, 100.0, ""), (MARGIN, 46.0), 950.0, &entries);
     let row = (14.0 * names.len() as f64 + 16.0).max(3.0 * TICK);
     let foot = 2.2 * TICK + 1.4 * LABEL;
-    let bottom = top + row * layouts.len().max(1) as f64;
+    let rows = row * layouts.len().max(1) as f64;
     let heading = "The same layouts under several methods";
-    let mut canvas = Canvas::new(WIDTH, (bottom + foot).ceil(), heading);
-    title(&mut canvas, heading);
-    legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries);
+    let (mut canvas, top) = grown(heading, &entries, 8.0, |top| top + rows + foot);
+    let bottom = top + rows;
     let lines: Vec<Vec<String>> = layouts.iter().map(|layout| wrapped(&layout.layout, TICK, true, 180.0)).collect();
     let left = MARGIN + 14.0 + lines.iter().flatten().map(|line| text_width(line, TICK, true)).fold(60.0, f64::max);
     for (k, lines) in lines.iter().enumerate() {
         let first = top + (k as f64 + 0.5) * row + 0.36 * TICK - 0.6 * TICK * (lines.len() - 1) as f64;
         for (line, text) in lines.iter().enumerate() {
-            let at = (MARGIN, first + 1.2 * TICK * line as f64);
-            let (text, align) = (text.clone(), Align::Start);
-            canvas.place(Text { at, text, size: TICK, align, bold: true, upward: false, colour: INK });
+            canvas.bold((MARGIN, first + 1.2 * TICK * line as f64), text.as_str(), TICK, Align::Start);
         }
     }
     let width = (WIDTH - left - 12.0) / LABELS.len() as f64;

@@ -2,12 +2,13 @@
 
 use super::view::{LayoutView, backed, dashed_circle, day, wrapped};
 use crate::axes::nice_step;
-use crate::canvas::{Align, Canvas, Spot, Stroke, Text};
+use crate::canvas::{Align, Canvas, Spot, Stroke};
 use crate::ground_plan::{GroundPlan, LEAST, ShaftMark, arrow_around};
-use crate::map::{self, Look};
-use crate::style::{INK, REFERENCE, TICK, number};
-use crate::words::{FigureOptions, Words, title};
-use frazil_record::TimeUnit;
+use crate::map::plain_map;
+use crate::sheet::title;
+use crate::style::{INK, Marker, REFERENCE, TICK, number};
+use crate::words::{FigureOptions, Words};
+use frazil_record::{Field, TimeUnit};
 
 /// Sketches in a row, and in a figure.
 const COLUMNS: usize = 3;
@@ -50,15 +51,7 @@ fn sketch(canvas: &mut Canvas, layout: &LayoutView<'_>, (left, top): Spot, reach
     let lines = wrapped(&layout.name, TICK, true, SIDE);
     for (k, line) in lines.iter().enumerate() {
         let y = top + HEAD - 10.0 - 1.2 * TICK * (lines.len() - 1 - k) as f64;
-        canvas.place(Text {
-            at: (left, y),
-            text: line.clone(),
-            size: TICK,
-            align: Align::Start,
-            bold: true,
-            upward: false,
-            colour: INK,
-        });
+        canvas.bold((left, y), line.as_str(), TICK, Align::Start);
     }
     let scale = 0.5 * SIDE / reach;
     let (cx, cy) = (left + 0.5 * SIDE, top + HEAD + 0.5 * SIDE);
@@ -85,7 +78,8 @@ fn sketch(canvas: &mut Canvas, layout: &LayoutView<'_>, (left, top): Spot, reach
         backed(canvas, (px, py + 0.36 * TICK), &gap.name(), TICK);
     }
     for pipe in &layout.pipes {
-        pipe_at(canvas, spot(pipe.x_m, pipe.y_m), scale * pipe.radius_m);
+        let radius = (scale * pipe.radius_m).max(LEAST);
+        canvas.marker(spot(pipe.x_m, pipe.y_m), Marker::Circle, radius, INK, radius > 4.0);
     }
     for (x, y) in &layout.missing {
         canvas.cross(spot(*x, *y), 6.0, Stroke::whole(INK, 2.2));
@@ -95,11 +89,6 @@ fn sketch(canvas: &mut Canvas, layout: &LayoutView<'_>, (left, top): Spot, reach
         arrow_around(canvas, (left + 24.0, top + HEAD + 24.0), water.direction);
     }
     notes(canvas, layout, (left, top + HEAD + SIDE), scale);
-}
-
-fn pipe_at(canvas: &mut Canvas, at: Spot, radius: f64) {
-    let radius = radius.max(LEAST);
-    canvas.marker(at, crate::style::Marker::Circle, radius, INK, radius > 4.0);
 }
 
 /// What stands under a sketch: how many pipes, the weakest gap, and the scale.
@@ -151,16 +140,7 @@ pub fn maps(layout: &LayoutView<'_>, freezing_c: f64) -> Vec<(String, Canvas)> {
     };
     let mut words = Words::of(layout.result, &options);
     words.heading.clone_from(&layout.name);
-    let drawn = |field: &frazil_record::Field| {
-        let look = Look {
-            heading: format!("{}, {}", words.heading, words.instant(field.time_s)),
-            kind: "Temperature",
-            label: words.temperature_label.clone(),
-            range: None,
-            zero: freezing_c,
-        };
-        let canvas = map::draw_over(field, &options.plan, &words, &look);
-        (number(words.time(field.time_s), 4), canvas)
-    };
-    layout.result.fields.iter().map(drawn).collect()
+    let fields = layout.result.fields.iter();
+    let drawn = |field: &Field| (number(words.time(field.time_s), 4), plain_map(field, &options.plan, &words, None));
+    fields.map(drawn).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::view::{DAY, LayoutView, backed, dashed_circle, day, wrapped};
 use crate::axes::{Entry, legend, nice_step};
-use crate::canvas::{Align, Canvas, Stroke, Text, text_width};
+use crate::canvas::{Align, Canvas, Stroke, text_width};
 use crate::style::{GRID, INK, LABEL, Marker, REFERENCE, TICK, number};
 use frazil_record::LinkRow;
 
@@ -64,18 +64,10 @@ pub fn gaps_polar(layout: &LayoutView<'_>) -> Canvas {
     let foot = legend(&mut Canvas::new(WIDTH, 100.0, ""), (LEFT, 0.0), WIDTH - 2.0 * LEFT, &entries);
     let chart = Chart { centre: (0.5 * WIDTH, MIDDLE), radius: if open { 0.86 * RADIUS } else { RADIUS }, step, ticks };
     let below = chart.centre.1 + RADIUS + 76.0;
-    let mut canvas = Canvas::new(WIDTH, (below + foot + 24.0).ceil(), "");
-    canvas.title = format!("Closure of the gaps around the ring: {}", layout.name);
+    let name = format!("Closure of the gaps around the ring: {}", layout.name);
+    let mut canvas = Canvas::new(WIDTH, (below + foot + 24.0).ceil(), &name);
     for (k, line) in wrapped(&layout.name, LABEL, true, WIDTH - 2.0 * LEFT).iter().enumerate() {
-        canvas.place(Text {
-            at: (LEFT, 26.0 + 1.25 * LABEL * k as f64),
-            text: line.clone(),
-            size: LABEL,
-            align: Align::Start,
-            bold: true,
-            upward: false,
-            colour: INK,
-        });
+        canvas.bold((LEFT, 26.0 + 1.25 * LABEL * k as f64), line.as_str(), LABEL, Align::Start);
     }
     chart.draw(&mut canvas, open);
     legend(&mut canvas, (LEFT, below), WIDTH - 2.0 * LEFT, &entries);
@@ -186,33 +178,31 @@ fn median_of(sorted: &[f64]) -> f64 {
 fn entries(layout: &LayoutView<'_>, groups: &[String], days: &[f64], known: &[(&LinkRow, f64)]) -> Vec<Entry> {
     let mark = |(k, group): (usize, &String)| {
         let (marker, hollow) = MARKS[k % MARKS.len()];
-        Entry { text: group.clone(), stroke: None, marker: Some((marker, INK, hollow)) }
+        Entry::mark(group.as_str(), marker, INK, hollow)
     };
     let mut entries: Vec<Entry> = groups.iter().enumerate().map(mark).collect();
     if !days.is_empty() {
-        let text = format!("median {} d", day(DAY * median_of(days)));
-        entries.push(Entry { text, stroke: Some(MEDIAN), marker: None });
+        entries.push(Entry::line(format!("median {} d", day(DAY * median_of(days))), MEDIAN));
     }
     let mut told: Vec<String> = known.iter().map(|(link, _)| rings(link)).collect();
     told.sort();
     told.dedup();
     if !told.is_empty() {
         let of = if told.len() < groups.len() { format!(" of {}", told.join(", ")) } else { String::new() };
-        entries.push(Entry { text: format!("reference{of}"), stroke: Some(BESIDE), marker: None });
+        entries.push(Entry::line(format!("reference{of}"), BESIDE));
     }
-    let note = |text: String| Entry { text, stroke: None, marker: None };
     let open = layout.open();
     if open > 0 {
         let count = if open == layout.result.links.len() { "all".into() } else { open.to_string() };
-        entries.push(note(format!("× on the dotted rim: {count} open at the end")));
+        entries.push(Entry::note(format!("× on the dotted rim: {count} open at the end")));
     }
     match layout.weakest() {
-        Some(gap) if gap.alike => entries.push(note("all gaps alike".into())),
+        Some(gap) if gap.alike => entries.push(Entry::note("all gaps alike")),
         Some(gap) => match gap.link.closure_s {
-            Some(time) => entries.push(note(format!("ringed: weakest, {}, {} d", gap.name(), day(time)))),
-            None => entries.push(note(format!("ringed: widest open, {}", gap.name()))),
+            Some(time) => entries.push(Entry::note(format!("ringed: weakest, {}, {} d", gap.name(), day(time)))),
+            None => entries.push(Entry::note(format!("ringed: widest open, {}", gap.name()))),
         },
-        None => entries.push(note("no gaps watched".into())),
+        None => entries.push(Entry::note("no gaps watched")),
     }
     entries
 }

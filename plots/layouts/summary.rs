@@ -1,10 +1,10 @@
 //! Closure of all layouts as bars from the start: the figure to look at first.
 
 use super::view::{DAY, LayoutView, day, wrapped};
-use crate::axes::{Axis, Entry, Frame, legend};
-use crate::canvas::{Align, Canvas, Colour, Stroke, Text, text_width};
+use crate::axes::{Axis, Entry, Frame};
+use crate::canvas::{Align, Canvas, Colour, Stroke, text_width};
+use crate::sheet::{MARGIN, WIDTH, grown};
 use crate::style::{INK, LABEL, Marker, TICK, number};
-use crate::words::{MARGIN, title};
 
 /// Height of a row and of its bar (px).
 const ROW: f64 = 52.0;
@@ -26,17 +26,11 @@ struct Column {
 /// One bar a layout, from the start: when its first gap closes, when the wall does, and when the wall is as designed.
 /// Beside it stand the day, the gap where the wall is weakest, and the load.
 pub fn summary(layouts: &[LayoutView<'_>]) -> Canvas {
-    const WIDTH: f64 = 1000.0;
-    let entries = entries(layouts);
-    // A legend takes as much room wherever it is drawn.
-    let top = 50.0 + legend(&mut Canvas::new(WIDTH, 100.0, ""), (MARGIN, 46.0), 950.0, &entries);
-    let bars = top + 2.6 * LABEL;
+    let bars = |top: f64| top + 2.6 * LABEL;
+    let bottom = |top: f64| bars(top) + ROW * layouts.len().max(1) as f64;
     let foot = 2.2 * TICK + 1.4 * LABEL;
-    let bottom = bars + ROW * layouts.len().max(1) as f64;
-    let heading = "When the layouts close";
-    let mut canvas = Canvas::new(WIDTH, (bottom + foot).ceil(), heading);
-    title(&mut canvas, heading);
-    legend(&mut canvas, (MARGIN, 46.0), 950.0, &entries);
+    let (mut canvas, top) = grown("When the layouts close", &entries(layouts), 4.0, |top| bottom(top) + foot);
+    let (bars, bottom) = (bars(top), bottom(top));
 
     let names: Vec<Vec<String>> = layouts.iter().map(|layout| wrapped(&layout.name, LABEL, true, 210.0)).collect();
     let widest = names.iter().flatten().map(|line| text_width(line, LABEL, true)).fold(60.0, f64::max);
@@ -47,10 +41,10 @@ pub fn summary(layouts: &[LayoutView<'_>]) -> Canvas {
         let cells = column.cells.iter().map(|cell| text_width(cell, LABEL, true));
         let width = heads.chain(cells).fold(0.0, f64::max);
         for (k, head) in column.heads.iter().enumerate() {
-            bold(&mut canvas, (right, top + (0.9 + 1.2 * k as f64) * TICK), head, TICK, Align::End);
+            canvas.bold((right, top + (0.9 + 1.2 * k as f64) * TICK), *head, TICK, Align::End);
         }
         for (k, cell) in column.cells.iter().enumerate() {
-            bold(&mut canvas, (right, bars + (k as f64 + 0.5) * ROW + 0.36 * LABEL), cell, LABEL, Align::End);
+            canvas.bold((right, bars + (k as f64 + 0.5) * ROW + 0.36 * LABEL), cell.as_str(), LABEL, Align::End);
         }
         right -= width + 18.0;
     }
@@ -70,22 +64,16 @@ pub fn summary(layouts: &[LayoutView<'_>]) -> Canvas {
         let y = bars + (k as f64 + 0.5) * ROW;
         let first = y + 0.36 * LABEL - 0.6 * LABEL * (name.len() - 1) as f64;
         for (line, text) in name.iter().enumerate() {
-            bold(&mut canvas, (MARGIN, first + 1.2 * LABEL * line as f64), text, LABEL, Align::Start);
+            canvas.bold((MARGIN, first + 1.2 * LABEL * line as f64), text.as_str(), LABEL, Align::Start);
         }
         bar(&mut canvas, &frame, layout, y);
     }
     canvas
 }
 
-fn bold(canvas: &mut Canvas, at: (f64, f64), text: &str, size: f64, align: Align) {
-    canvas.place(Text { at, text: text.into(), size, align, bold: true, upward: false, colour: INK });
-}
-
 fn entries(layouts: &[LayoutView<'_>]) -> Vec<Entry> {
-    let band =
-        |text: &str, colour| Entry { text: text.into(), stroke: Some(Stroke::whole(colour, 12.0)), marker: None };
-    let mark =
-        |text: &str, marker, hollow| Entry { text: text.into(), stroke: None, marker: Some((marker, INK, hollow)) };
+    let band = |text: &str, colour| Entry::line(text, Stroke::whole(colour, 12.0));
+    let mark = |text: &str, marker, hollow| Entry::mark(text, marker, INK, hollow);
     let mut entries = vec![band("all gaps open", WAITING), band("gaps closing", CLOSING), band("wall closed", GROWING)];
     if layouts.iter().any(reopens) {
         entries.push(band("wall open again", OPEN));
@@ -95,16 +83,16 @@ fn entries(layouts: &[LayoutView<'_>]) -> Vec<Entry> {
         entries.push(mark("thick and cold as designed", Marker::Diamond, true));
     }
     if layouts.iter().any(|layout| layout.design_left.is_some()) {
-        entries.push(Entry { text: "+ no more as designed".into(), stroke: None, marker: None });
+        entries.push(Entry::note("+ no more as designed"));
     }
     if layouts.iter().any(|layout| layout.closure_s.is_some() && layout.open() > 0) {
         entries.push(mark("a gap beside the wall still open", Marker::Wedge, true));
     }
     if layouts.iter().filter_map(LayoutView::weakest).any(|gap| gap.others > 0 && !gap.alike) {
-        entries.push(Entry { text: "(+n) n more gaps like it".into(), stroke: None, marker: None });
+        entries.push(Entry::note("(+n) n more gaps like it"));
     }
     if layouts.iter().any(|layout| !layout.closed()) {
-        entries.push(Entry { text: "→ wall open at the end".into(), stroke: None, marker: None });
+        entries.push(Entry::note("→ wall open at the end"));
     }
     entries
 }
@@ -177,7 +165,7 @@ fn bar(canvas: &mut Canvas, frame: &Frame, layout: &LayoutView<'_>, y: f64) {
     let rim = Stroke::whole(INK, 1.2);
     let last = place(end);
     let left = place(0.0);
-    canvas.line(vec![(left, upper), (last, upper), (last, lower), (left, lower), (left, upper)], rim);
+    canvas.outline((left, upper), (last, lower), rim);
     if let Some(time) = first {
         canvas.marker((place(time), lower + 8.5), Marker::Triangle, 5.5, INK, false);
     }

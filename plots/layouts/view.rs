@@ -1,6 +1,6 @@
 //! A layout as its figures see it, and what they draw alike.
 
-use crate::canvas::{Canvas, Colour, Stroke, text_width};
+use crate::canvas::{Align, Canvas, Colour, Stroke, text_width};
 use crate::ground_plan::WaterMark;
 use crate::style::{Marker, MethodStyle};
 use frazil_record::{LinkRow, RunResult};
@@ -218,13 +218,5 @@ pub(super) fn dashed_circle(canvas: &mut Canvas, (x, y): (f64, f64), radius: f64
 pub(super) fn backed(canvas: &mut Canvas, (x, y): (f64, f64), text: &str, size: f64) {
     let half = 0.5 * text_width(text, size, true) + 3.0;
     canvas.rectangle((x - half, y - 0.95 * size), (x + half, y + 0.3 * size), Colour::WHITE);
-    canvas.place(crate::canvas::Text {
-        at: (x, y),
-        text: text.into(),
-        size,
-        align: crate::canvas::Align::Middle,
-        bold: true,
-        upward: false,
-        colour: crate::style::INK,
-    });
+    canvas.bold((x, y), text, size, Align::Middle);
 }

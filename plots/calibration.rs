@@ -40,8 +40,7 @@ pub fn calibration(figure: &CalibrationFigure) -> Canvas {
     for (fit, (colour, dash, _)) in looks() {
         entries.push(Entry::line(fit.label.as_str(), Stroke { colour: *colour, width: 2.2, dash }));
     }
-    let (mut canvas, below) = sheet(height, &figure.title, &figure.title, &entries);
-    let top = below + 10.0;
+    let (mut canvas, top) = sheet(height, (&figure.title, &figure.title), &entries, 10.0);
     let label = "temperature over the reference temperature";
     let x = |last: bool| Axis::linear(if last { label } else { "" }, figure.points.iter().map(|point| point.0));
     let samples = || figure.fits.iter().flat_map(|fit| &fit.samples);

@@ -3,7 +3,7 @@
 use crate::axes::{Axis, Entry, Frame};
 use crate::canvas::{Align, Canvas, Stroke};
 use crate::comparison::Look;
-use crate::sheet::{WIDTH, sheet};
+use crate::sheet::framed;
 use crate::style::{REFERENCE, TICK};
 
 /// The errors of one method and setting by spacing.
@@ -23,12 +23,10 @@ pub struct OrderCurve {
 pub fn convergence(heading: &str, spacing_label: &str, scale: f64, error_label: &str, curves: &[OrderCurve]) -> Canvas {
     let entry = |curve: &OrderCurve| Look::of(&curve.method, curve.second).entry(&curve.label);
     let entries: Vec<Entry> = curves.iter().map(entry).collect();
-    let (mut canvas, below) = sheet(680.0, heading, heading, &entries);
     let points = || curves.iter().flat_map(|curve| &curve.points).filter(|point| point.1 > 0.0);
     let x = Axis::log(spacing_label, points().map(|point| scale * point.0));
     let y = Axis::log_percent(error_label, points().map(|point| point.1));
-    let frame = Frame::inside((0.0, below + 8.0), (WIDTH, 680.0), x, y);
-    frame.draw(&mut canvas);
+    let (mut canvas, frame) = framed(680.0, (heading, heading), &entries, 8.0, (x, y));
     triangles(&mut canvas, &frame);
     for curve in curves {
         let Look { style, width, radius } = Look::of(&curve.method, curve.second);

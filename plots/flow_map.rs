@@ -6,7 +6,7 @@ use crate::axes::{Axis, Entry, Frame};
 use crate::canvas::{Align, Canvas};
 use crate::ground_plan::arrow;
 use crate::map::{Look, draw_in, notes_at};
-use crate::sheet::{WIDTH, sheet};
+use crate::sheet::framed;
 use crate::style::{LABEL, method_style, method_title, number};
 use crate::words::{FigureOptions, Words, reference_entry, reference_stroke};
 
@@ -91,13 +91,11 @@ pub(crate) fn ice(rows: &[WaterRow], words: &Words) -> Canvas {
     if reference().next().is_some() {
         entries.push(reference_entry());
     }
-    let name = format!("Ice over time: {}", words.heading);
-    let (mut canvas, below) = sheet(640.0, &name, &words.heading, &entries);
     let own = || rows.iter().map(|row| (words.time(row.time_s), row.ice_fraction));
     let x = Axis::linear(words.time_label.as_str(), own().map(|point| point.0));
     let y = Axis::linear("ice over that of the start (1)", own().chain(reference()).map(|point| point.1).chain([0.0]));
-    let frame = Frame::inside((0.0, below + 6.0), (WIDTH, 640.0), x, y);
-    frame.draw(&mut canvas);
+    let names = (&*words.name("Ice over time"), &*words.heading);
+    let (mut canvas, frame) = framed(640.0, names, &entries, 6.0, (x, y));
     frame.curve(&mut canvas, reference(), reference_stroke());
     frame.curve(&mut canvas, own(), stroke);
     canvas

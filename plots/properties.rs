@@ -2,7 +2,7 @@
 
 use crate::axes::{Axis, Entry, Frame, align};
 use crate::canvas::{Canvas, Colour, Stroke};
-use crate::sheet::{WIDTH, sheet};
+use crate::sheet::{WIDTH, framed, sheet};
 use crate::style::{INK, Marker, REFERENCE};
 
 /// What was measured, and the line that goes with it.
@@ -82,12 +82,10 @@ pub fn curves(figure: &CurvesFigure) -> Canvas {
     let mut entries: Vec<Entry> =
         looks().map(|(curve, (colour, marker))| Entry::mark(curve.label.as_str(), *marker, *colour, true)).collect();
     entries.push(Entry::line(figure.line_label.as_str(), Stroke::whole(REFERENCE, 2.2)));
-    let (mut canvas, below) = sheet(680.0, &figure.title, &figure.title, &entries);
     let all = || figure.curves.iter().flat_map(|curve| curve.points.iter().chain(&curve.line));
     let x = Axis::linear(figure.axes.0.as_str(), all().map(|point| point.0));
     let y = Axis::linear(figure.axes.1.as_str(), all().map(|point| point.1));
-    let frame = Frame::inside((0.0, below + 10.0), (WIDTH, 680.0), x, y);
-    frame.draw(&mut canvas);
+    let (mut canvas, frame) = framed(680.0, (&figure.title, &figure.title), &entries, 10.0, (x, y));
     for (curve, _) in looks() {
         frame.curve(&mut canvas, curve.line.iter().copied(), Stroke::whole(REFERENCE, 2.2));
     }
@@ -110,8 +108,7 @@ pub fn numbers(figure: &NumberFigure) -> Canvas {
     for (kind, (colour, marker)) in looks() {
         entries.push(Entry::both(kind.label.as_str(), Stroke::whole(*colour, 1.5), *marker, true));
     }
-    let (mut canvas, below) = sheet(860.0, &figure.title, &figure.title, &entries);
-    let top = below + 10.0;
+    let (mut canvas, top) = sheet(860.0, (&figure.title, &figure.title), &entries, 10.0);
     let values = |points: &[Estimate]| -> Vec<f64> {
         points
             .iter()

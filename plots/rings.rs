@@ -2,9 +2,9 @@
 
 use frazil_record::{RunResult, WallRow};
 
-use crate::axes::{Axis, Entry, Frame};
+use crate::axes::{Axis, Entry};
 use crate::canvas::{Canvas, Stroke};
-use crate::sheet::{WIDTH, sheet, title};
+use crate::sheet::framed;
 use crate::style::{INK, Marker, REFERENCE, method_style, method_title};
 use crate::words::{Words, reference_entry, reference_stroke};
 
@@ -21,8 +21,6 @@ pub(crate) fn wall(result: &RunResult, words: &Words) -> Canvas {
     if referred || result.walls.iter().any(|row| row.thickness_interface_mean_ref_m.is_some()) {
         entries.push(reference_entry());
     }
-    let name = format!("Wall thickness over time: {}", words.heading);
-    let (mut canvas, below) = sheet(640.0, &name, &words.heading, &entries);
     let x = Axis::linear(words.time_label.as_str(), times(result, words));
     let values = result.walls.iter().flat_map(|row| {
         [
@@ -34,8 +32,8 @@ pub(crate) fn wall(result: &RunResult, words: &Words) -> Canvas {
     });
     let label = if words.length_unit.is_some() { "wall thickness (m)" } else { "wall thickness (dimensionless)" };
     let y = Axis::linear(label, values.flatten().chain([0.0]));
-    let frame = Frame::inside((0.0, below + 8.0), (WIDTH, 640.0), x, y);
-    frame.draw(&mut canvas);
+    let names = (&*words.name("Wall thickness over time"), &*words.heading);
+    let (mut canvas, frame) = framed(640.0, names, &entries, 8.0, (x, y));
     let mut draw = |value: &dyn Fn(&WallRow) -> Option<f64>, stroke: Stroke| {
         let rows = result.walls.iter().filter_map(|row| Some((words.time(row.time_s), value(row)?)));
         frame.curve(&mut canvas, rows, stroke);
@@ -49,8 +47,6 @@ pub(crate) fn wall(result: &RunResult, words: &Words) -> Canvas {
 
 /// Heat taken by one pipe over time.
 pub(crate) fn heat(result: &RunResult, words: &Words) -> Canvas {
-    let mut canvas = Canvas::new(WIDTH, 560.0, &format!("Heat per pipe over time: {}", words.heading));
-    title(&mut canvas, &words.heading);
     let x = Axis::linear(words.time_label.as_str(), times(result, words));
     let label = if words.length_unit.is_some() { "heat taken by one pipe (W/m)" } else { "heat taken by one pipe" };
     let heats = || result.walls.iter().map(|row| row.heat_per_pipe_w_per_m);
@@ -59,8 +55,8 @@ pub(crate) fn heat(result: &RunResult, words: &Words) -> Canvas {
     // The jump at the start is without bound; the axis follows the rest.
     let most = sorted.get(sorted.len() * 19 / 20).copied().unwrap_or(1.0);
     let y = Axis::linear(label, heats().map(|heat| heat.min(1.3 * most.abs())).chain([0.0]));
-    let frame = Frame::inside((0.0, 60.0), (WIDTH, 560.0), x, y);
-    frame.draw(&mut canvas);
+    let names = (&*words.name("Heat per pipe over time"), &*words.heading);
+    let (mut canvas, frame) = framed(560.0, names, &[], 14.0, (x, y));
     let rows = result.walls.iter().map(|row| (words.time(row.time_s), row.heat_per_pipe_w_per_m));
     frame.curve(&mut canvas, rows, Stroke::whole(method_style(&words.method).colour, 2.4));
     canvas
@@ -76,8 +72,6 @@ pub(crate) fn gaps(result: &RunResult, words: &Words) -> Canvas {
     if result.gaps.iter().any(|gap| gap.closure_s.is_none()) {
         entries.push(Entry::note("× at the upper edge: not closed"));
     }
-    let name = format!("Closure of the gaps: {}", words.heading);
-    let (mut canvas, below) = sheet(560.0, &name, &words.heading, &entries);
     let x = Axis::linear("angle of the middle of the gap (degrees)", result.gaps.iter().map(|gap| gap.angle_deg));
     let closures = result.gaps.iter().flat_map(|gap| [gap.closure_s, gap.closure_ref_s]).flatten();
     let mut values: Vec<f64> = closures.map(|time| words.time(time)).collect();
@@ -91,8 +85,8 @@ pub(crate) fn gaps(result: &RunResult, words: &Words) -> Canvas {
     }
     let unit = if words.time_symbol.is_empty() { "dimensionless" } else { words.time_symbol };
     let y = Axis::linear(format!("time of closure ({unit})"), values.into_iter());
-    let frame = Frame::inside((0.0, below + 8.0), (WIDTH, 560.0), x, y);
-    frame.draw(&mut canvas);
+    let names = (&*words.name("Closure of the gaps"), &*words.heading);
+    let (mut canvas, frame) = framed(560.0, names, &entries, 8.0, (x, y));
     for gap in &result.gaps {
         if let Some(time) = gap.closure_ref_s {
             canvas.marker(frame.spot(gap.angle_deg, words.time(time)), Marker::Square, 8.0, REFERENCE, true);

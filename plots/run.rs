@@ -29,30 +29,23 @@ pub fn run_figures(result: &RunResult, folder: &Path, options: &FigureOptions) -
 /// Every figure that a run has rows for, by its file name without ending.
 pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Canvas)> {
     let words = Words::of(result, options);
-    let mut all = Vec::new();
-    if result.front.iter().any(|row| row.front_m > 0.0) {
-        all.push(("front".into(), front(result, &words)));
-    }
-    if !result.profiles.is_empty() {
-        all.push(("profiles".into(), profiles(&result.profiles, &words)));
-    }
+    let mut all: Vec<(String, Canvas)> = Vec::new();
+    let mut add = |name: &str, has_rows: bool, draw: &dyn Fn() -> Canvas| {
+        all.extend(has_rows.then(|| (name.into(), draw())));
+    };
+    add("front", result.front.iter().any(|row| row.front_m > 0.0), &|| front(result, &words));
+    add("profiles", !result.profiles.is_empty(), &|| profiles(&result.profiles, &words));
     if let Some(water) = &result.water {
-        if water.rows.iter().any(|row| row.ice_fraction > 0.0) {
-            all.push(("ice".into(), flow_map::ice(&water.rows, &words)));
-        }
+        add("ice", water.rows.iter().any(|row| row.ice_fraction > 0.0), &|| flow_map::ice(&water.rows, &words));
         let rows: Vec<ProfileRow> = water.cut.iter().map(|row| cut_row(row, options.cut)).collect();
-        if !rows.is_empty() {
-            all.push(("cut".into(), profiles(&rows, &words)));
-        }
+        add("cut", !rows.is_empty(), &|| profiles(&rows, &words));
     }
-    if !result.walls.is_empty() {
-        all.push(("wall".into(), rings::wall(result, &words)));
-        all.push(("heat".into(), rings::heat(result, &words)));
-    }
-    if !result.gaps.is_empty() {
-        all.push(("gaps".into(), rings::gaps(result, &words)));
-    }
-    all.extend(stream::drawings(result, &words));
+    add("wall", !result.walls.is_empty(), &|| rings::wall(result, &words));
+    add("heat", !result.walls.is_empty(), &|| rings::heat(result, &words));
+    add("gaps", !result.gaps.is_empty(), &|| rings::gaps(result, &words));
+    add("phases", !result.phases.is_empty(), &|| stream::phases(&result.phases, &words));
+    add("stream", !result.stream.is_empty(), &|| stream::stream(result, &words));
+    add("sections", !result.sections.is_empty(), &|| stream::sections(&result.sections, &words));
     all.extend(result.tables.iter().filter_map(|table| table::drawing(table, &words)));
     for field in &result.fields {
         let time = number(words.time(field.time_s), 4).replace([' ', '·'], "").replace('−', "-");
@@ -88,8 +81,8 @@ fn front(result: &RunResult, words: &Words) -> Canvas {
     if let Some(row) = result.beside.first() {
         entries.push(Entry::line(row.solution.as_str(), beside));
     }
-    let name = format!("Front over time: {}", words.heading);
-    let (mut canvas, upper) = sheet(720.0, &name, &words.heading, &entries);
+    let names = (&*words.name("Front over time"), &*words.heading);
+    let (mut canvas, top) = sheet(720.0, names, &entries, 6.0);
     let times = || result.front.iter().map(|row| words.time(row.time_s)).chain([0.0]);
     let heights = result.front.iter().flat_map(|row| [Some(row.front_m), row.front_ref_m]).flatten();
     let heights = heights.chain(result.beside.iter().map(|row| row.front_m));
@@ -107,7 +100,7 @@ fn front(result: &RunResult, words: &Words) -> Canvas {
         Frame::inside((0.0, split + 14.0), (WIDTH, 720.0), Axis::linear(words.time_label.as_str(), times()), y)
     });
     let label = if referred { String::new() } else { words.time_label.clone() };
-    let mut frames = vec![Frame::inside((0.0, upper + 6.0), (WIDTH, split), Axis::linear(label, times()), y)];
+    let mut frames = vec![Frame::inside((0.0, top), (WIDTH, split), Axis::linear(label, times()), y)];
     frames.extend(below);
     align(&mut frames);
     let above = &frames[0];
@@ -175,9 +168,8 @@ fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
     let isotherm = Stroke::whole(REFERENCE, 1.6);
     let freezing = format!("freezing point, {}{}", number(words.freezing_point, 3), words.degree);
     entries.push(Entry::line(freezing, isotherm));
-    let name = format!("Temperature profiles: {}", words.heading);
-    let (mut canvas, below) = sheet(height, &name, &words.heading, &entries);
-    let mut top = below + 10.0;
+    let names = (&*words.name("Temperature profiles"), &*words.heading);
+    let (mut canvas, mut top) = sheet(height, names, &entries, 10.0);
     const GAP: f64 = 0.9 * LABEL;
     let each = (height - top - GAP * (planes.len() - 1) as f64) / planes.len() as f64;
     let reach = profiles.iter().map(|row| row.along_m.abs()).fold(0.0, f64::max);

@@ -1,8 +1,8 @@
 //! Magnitudes of signed errors on logarithmic axes: marks say the sign.
 
-use crate::axes::{Axis, Entry, Frame};
+use crate::axes::{Axis, Entry};
 use crate::canvas::{Canvas, Colour, Stroke};
-use crate::sheet::{WIDTH, sheet};
+use crate::sheet::framed;
 use crate::style::{Marker, REFERENCE};
 
 /// Errors along which one parameter changes.
@@ -50,12 +50,10 @@ pub fn signed(figure: &SignedFigure) -> Canvas {
     for (text, hollow) in [("filled: too high", false), ("hollow: too low", true)] {
         entries.push(Entry::mark(text, Marker::Circle, REFERENCE, hollow));
     }
-    let (mut canvas, below) = sheet(680.0, &figure.title, &figure.title, &entries);
     let points = || figure.curves.iter().flat_map(|curve| &curve.points).filter(|point| point.1 != 0.0);
     let x = Axis::log(figure.x_label.as_str(), points().map(|point| point.0));
     let y = Axis::log_percent(figure.y_label.as_str(), points().map(|point| point.1.abs()));
-    let frame = Frame::inside((0.0, below + 8.0), (WIDTH, 680.0), x, y);
-    frame.draw(&mut canvas);
+    let (mut canvas, frame) = framed(680.0, (&figure.title, &figure.title), &entries, 8.0, (x, y));
     for (k, curve) in figure.curves.iter().enumerate() {
         let (marker, colour) = look(k);
         let mut seen: Vec<(f64, f64)> = curve.points.iter().copied().filter(|point| point.1 != 0.0).collect();

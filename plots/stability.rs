@@ -286,12 +286,12 @@ pub fn super_steps(heading: &str, curves: &[StagesCurve]) -> Canvas {
         entries.push(Entry::line(text("limit of linear stability"), style.stroke(1.6)));
     }
     entries.push(Entry::line("stated step", BOUND));
-    let (mut canvas, below) = sheet(620.0, heading, heading, &entries);
+    let (mut canvas, top) = sheet(620.0, (heading, heading), &entries, 8.0);
     let points = || curves.iter().flat_map(|curve| &curve.points);
     let x = Axis::between("stages", 2.0, points().map(|point| point.stages).fold(3.0, f64::max) + 1.0);
     let values = points().flat_map(|point| [point.last_exact, point.divergence, Some(point.limit)]).flatten();
     let y = Axis::between("step over stated step", 0.9, 0.1 + values.fold(1.0, f64::max));
-    let frame = Frame::inside((0.0, below + 8.0), (WIDTH, 612.0), x, y);
+    let frame = Frame::inside((0.0, top), (WIDTH, 612.0), x, y);
     frame.draw(&mut canvas);
     frame.level(&mut canvas, 1.0, BOUND);
     for curve in curves {

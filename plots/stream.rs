@@ -4,49 +4,28 @@ use frazil_record::{PhaseRow, RunResult, SectionRow, StreamRow};
 
 use crate::axes::{Axis, Entry, Frame, align};
 use crate::canvas::{Canvas, Colour, Stroke};
-use crate::sheet::{WIDTH, sheet};
+use crate::sheet::{WIDTH, framed, sheet};
 use crate::style::{INK, method_style, number};
 use crate::words::{DOTS, Words, reference_stroke};
 
 const HEIGHT: f64 = 640.0;
 
-/// All of them that a run has rows for, by file name.
-pub(crate) fn drawings(result: &RunResult, words: &Words) -> Vec<(String, Canvas)> {
-    let mut all = Vec::new();
-    if !result.phases.is_empty() {
-        all.push(("phases".into(), phases(&result.phases, words)));
-    }
-    if !result.stream.is_empty() {
-        all.push(("stream".into(), stream(result, words)));
-    }
-    if !result.sections.is_empty() {
-        all.push(("sections".into(), sections(&result.sections, words)));
-    }
-    all
-}
-
-fn begin(what: &str, words: &Words, entries: &[Entry]) -> (Canvas, f64) {
-    let (canvas, below) = sheet(HEIGHT, &format!("{what}: {}", words.heading), &words.heading, entries);
-    (canvas, below + 6.0)
-}
-
 /// A kind of share, and how it is drawn.
 type Share = (&'static str, Stroke, fn(&PhaseRow) -> f64);
 
 /// Shares of liquid, freezing and solid particles.
-fn phases(rows: &[PhaseRow], words: &Words) -> Canvas {
+pub(crate) fn phases(rows: &[PhaseRow], words: &Words) -> Canvas {
     let shares: [Share; 3] = [
         ("liquid", Stroke { colour: Colour(0xe0, 0x7b, 0x10), width: 2.4, dash: &[] }, |row| row.liquid),
         ("freezing", Stroke { colour: INK, width: 2.4, dash: &[3.0, 4.0] }, |row| row.mushy),
         ("solid", Stroke { colour: Colour(0x0b, 0x3c, 0x8c), width: 2.4, dash: &[12.0, 5.0] }, |row| row.solid),
     ];
     let entries = shares.map(|(name, stroke, _)| Entry::line(name, stroke));
-    let (mut canvas, top) = begin("Phases over time", words, &entries);
     let times = || rows.iter().map(|row| words.time(row.time_s));
     let x = Axis::linear(words.time_label.as_str(), times().chain([0.0]));
-    let frame =
-        Frame::inside((0.0, top), (WIDTH, HEIGHT), x, Axis::linear("share of particles (1)", [0.0, 1.0].into_iter()));
-    frame.draw(&mut canvas);
+    let y = Axis::linear("share of particles (1)", [0.0, 1.0].into_iter());
+    let names = (&*words.name("Phases over time"), &*words.heading);
+    let (mut canvas, frame) = framed(HEIGHT, names, &entries, 6.0, (x, y));
     for (_, stroke, share) in shares {
         frame.curve(&mut canvas, times().zip(rows.iter().map(share)), stroke);
     }
@@ -54,7 +33,7 @@ fn phases(rows: &[PhaseRow], words: &Words) -> Canvas {
 }
 
 /// Velocity and density across a stream, one above the other.
-fn stream(result: &RunResult, words: &Words) -> Canvas {
+pub(crate) fn stream(result: &RunResult, words: &Words) -> Canvas {
     let rows: &[StreamRow] = &result.stream;
     let stroke = method_style(&words.method).stroke(2.2);
     let mut entries = vec![Entry::line("measured", stroke)];
@@ -62,7 +41,8 @@ fn stream(result: &RunResult, words: &Words) -> Canvas {
     if let Some(greatest) = greatest {
         entries.push(Entry::line(format!("parabola of {}", number(greatest, 4)), reference_stroke()));
     }
-    let (mut canvas, top) = begin("Velocity and density across the stream", words, &entries);
+    let names = (&*words.name("Velocity and density across the stream"), &*words.heading);
+    let (mut canvas, top) = sheet(HEIGHT, names, &entries, 6.0);
     let split = 0.55 * HEIGHT;
     let places = || rows.iter().map(|row| words.length(row.y_m));
     let height = rows.last().map_or(1.0, |row| row.y_m) + rows.first().map_or(0.0, |row| row.y_m);
@@ -90,7 +70,7 @@ fn stream(result: &RunResult, words: &Words) -> Canvas {
 }
 
 /// Temperatures across the sections of a stream: further downstream is darker.
-fn sections(rows: &[SectionRow], words: &Words) -> Canvas {
+pub(crate) fn sections(rows: &[SectionRow], words: &Words) -> Canvas {
     let groups: Vec<&[SectionRow]> = rows.chunk_by(|a, b| a.x_m == b.x_m).collect();
     let base = method_style(&words.method).colour;
     let stroke_at = |k: usize| {
@@ -105,12 +85,11 @@ fn sections(rows: &[SectionRow], words: &Words) -> Canvas {
     if rows.iter().any(|row| row.temperature_ref_c.is_some()) {
         entries.push(Entry::line("reference", DOTS));
     }
-    let (mut canvas, top) = begin("Temperatures across the stream", words, &entries);
     let x = Axis::linear(words.length_label("y"), rows.iter().map(|row| words.length(row.y_m)).chain([0.0]));
     let temperatures = rows.iter().flat_map(|row| [Some(row.temperature_c), row.temperature_ref_c]).flatten();
     let y = Axis::linear(words.temperature_label.as_str(), temperatures);
-    let frame = Frame::inside((0.0, top), (WIDTH, HEIGHT), x, y);
-    frame.draw(&mut canvas);
+    let names = (&*words.name("Temperatures across the stream"), &*words.heading);
+    let (mut canvas, frame) = framed(HEIGHT, names, &entries, 6.0, (x, y));
     for (k, group) in groups.iter().enumerate() {
         let places = || group.iter().map(|row| words.length(row.y_m));
         frame.curve(&mut canvas, places().zip(group.iter().map(|row| row.temperature_c)), stroke_at(k));

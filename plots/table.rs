@@ -39,9 +39,8 @@ pub(crate) fn drawing(table: &Table, words: &Words) -> Option<(String, Canvas)> 
         Entry::line(parts.collect::<Vec<_>>().join(", "), stroke(k))
     };
     let entries: Vec<Entry> = if keys.is_empty() { Vec::new() } else { curves.iter().enumerate().map(entry).collect() };
-    let heading = format!("{}: {}", table.title, words.heading);
-    let (mut canvas, below) = sheet(110.0 + PANEL * panels.len() as f64, &heading, &heading, &entries);
-    let top = below + 6.0;
+    let heading = words.name(&table.title);
+    let (mut canvas, top) = sheet(110.0 + PANEL * panels.len() as f64, (&heading, &heading), &entries, 6.0);
     let each = (canvas.height - top) / panels.len() as f64;
     let times = || table.rows.iter().filter_map(|row| row[0]).map(|time| words.time(time)).chain([0.0]);
     let panel = |(place, k): (usize, &usize)| {

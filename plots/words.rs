@@ -67,6 +67,11 @@ impl Words {
         }
     }
 
+    /// What a figure of this shows, for those who cannot see it.
+    pub(crate) fn name(&self, what: &str) -> String {
+        format!("{what}: {}", self.heading)
+    }
+
     pub(crate) fn time(&self, seconds: f64) -> f64 {
         seconds / self.seconds
     }

@@ -8,7 +8,7 @@ use frazil_simulation::reference::{Plane, Reference};
 use crate::BadTable;
 use crate::layouts::{LENGTH_ERROR, TEMPERATURE_ERROR};
 use crate::soils::{CLAY, CLAY_TENTH, SAND, Soil};
-use crate::table::{NumberTable, compare, interpolate, interpolate_square, wall_temperature};
+use crate::table::{NumberTable, compare, interpolate, interpolate_square, note, wall_temperature};
 
 const DAY: f64 = 86_400.0;
 
@@ -87,21 +87,15 @@ pub(crate) fn shaft_differences(
     if outer_radius < LEAST_OUTER_RADIUS {
         differences.push(format!("the outer radius is 15 there and {outer_radius} here"));
     }
-    if !scene.cracks.is_empty() {
-        differences.push("there are no cracks there".into());
-    }
-    if scene.excavation.is_some() {
-        differences.push("no shaft is dug there".into());
-    }
-    if scene.rings.iter().any(|ring| ring.schedule.is_some()) {
-        differences.push("the pipes always work there".into());
-    }
-    if scene.rings.iter().any(|ring| ring.film.is_some()) {
-        differences.push("the pipes' walls have the temperature given there".into());
-    }
-    if !scene.rings.iter().all(PipeRing::is_even) {
-        differences.push("all pipes stand in their places there".into());
-    }
+    let is_any = |of: fn(&PipeRing) -> bool| scene.rings.iter().any(of);
+    let found = [
+        (!scene.cracks.is_empty(), "there are no cracks there"),
+        (scene.excavation.is_some(), "no shaft is dug there"),
+        (is_any(|ring| ring.schedule.is_some()), "the pipes always work there"),
+        (is_any(|ring| ring.film.is_some()), "the pipes' walls have the temperature given there"),
+        (is_any(|ring| !ring.is_even()), "all pipes stand in their places there"),
+    ];
+    note(&mut differences, &found);
     let mut number = |what: &str, own: Option<f64>, expected: f64| compare(&mut differences, what, own, expected);
     number("the number of pipe circles", Some(scene.rings.len() as f64), rings.len() as f64);
     let (pipe_temperature, initial) = SHAFT_TEMPERATURES;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::film::FilmKind;
-use frazil_core::physics::material::{FreezingLaw, Material};
+use frazil_core::physics::material::FreezingLaw;
 use frazil_core::space::domain::Domain;
 use frazil_core::space::symmetry::Symmetry;
 use frazil_record::ReferenceInfo;
@@ -13,7 +13,7 @@ use frazil_scene::{Scene, Units};
 use frazil_simulation::reference::{Cut, Reference};
 
 use crate::exact::line_sink::LineSink;
-use crate::table::{NumberTable, compare, interpolate};
+use crate::table::{NumberTable, compare, compare_material, interpolate, note};
 use crate::{BadTable, Unfit};
 
 /// What happens at a wall.
@@ -182,22 +182,16 @@ impl Case {
     /// What about a scene is not as in the table.
     fn differences(&self, scene: &Scene) -> Vec<String> {
         let mut differences = Vec::new();
-        if scene.units != Units::Si {
-            differences.push("units are si there".into());
-        }
+        note(&mut differences, &[(scene.units != Units::Si, "units are si there")]);
         if !same_body(&self.domain, &scene.domain) {
             differences.push("the body is another one there".into());
             return differences;
         }
         let mixed = scene.regions.iter().any(|region| region.material.is_some_and(|material| material != 0));
-        let own: Option<&Material> = if mixed { None } else { scene.materials.first() };
-        let mut number = |what: &str, own: Option<f64>, expected: f64| compare(&mut differences, what, own, expected);
+        let own = scene.materials.first().filter(|_| !mixed);
         let material = &self.material;
-        number("the density", own.map(|own| own.density), material.density);
-        number("the frozen conductivity", own.map(|own| own.frozen.conductivity), material.frozen.0);
-        number("the frozen heat capacity", own.map(|own| own.frozen.heat_capacity), material.frozen.1);
-        number("the unfrozen conductivity", own.map(|own| own.unfrozen.conductivity), material.unfrozen.0);
-        number("the unfrozen heat capacity", own.map(|own| own.unfrozen.heat_capacity), material.unfrozen.1);
+        compare_material(&mut differences, own, material.density, [material.frozen, material.unfrozen]);
+        let mut number = |what: &str, own: Option<f64>, expected: f64| compare(&mut differences, what, own, expected);
         number("the initial temperature", Some(scene.initial_temperature), self.initial);
         let law = match material.latent_heat {
             None => FreezingLaw::None,
@@ -207,9 +201,8 @@ impl Case {
                 FreezingLaw::Isothermal
             }
         };
-        if own.is_some_and(|own| own.law != law) {
-            differences.push("the law of freezing is another one there".into());
-        }
+        let is_other = own.is_some_and(|own| own.law != law);
+        note(&mut differences, &[(is_other, "the law of freezing is another one there")]);
         for (name, wall) in self.walls {
             if !scene.wall(name).is_some_and(|condition| wall.is(condition)) {
                 differences.push(format!("the wall {name} has another condition there"));

@@ -1,9 +1,8 @@
 //! Soils by name, as materials of a scene, and those that reference tables are about.
 
-use frazil_core::physics::material::Material;
 use frazil_scene::{Scene, Units};
 
-use crate::table::compare;
+use crate::table::{compare, compare_material, note};
 
 /// A TOML table for each.
 pub const TEXT: &str = include_str!("soils.toml");
@@ -42,26 +41,13 @@ impl Soil {
     /// What about a scene's ground is not as in this soil.
     pub fn differences(&self, scene: &Scene) -> Vec<String> {
         let mut differences = Vec::new();
-        if scene.units != Units::Si {
-            differences.push("units are si there".into());
-        }
-        let own: Option<&Material> = match scene.is_uniform() {
-            true => scene.materials.first(),
-            false => None,
-        };
-        let mut number = |what: &str, read: fn(&Material) -> f64, expected: f64| {
-            compare(&mut differences, what, own.map(read), expected);
-        };
-        number("the density", |own| own.density, self.density);
-        number("the frozen conductivity", |own| own.frozen.conductivity, self.frozen.0);
-        number("the frozen heat capacity", |own| own.frozen.heat_capacity, self.frozen.1);
-        number("the unfrozen conductivity", |own| own.unfrozen.conductivity, self.unfrozen.0);
-        number("the unfrozen heat capacity", |own| own.unfrozen.heat_capacity, self.unfrozen.1);
-        number("the freezing point", |own| own.freezing_point, self.freezing_point);
-        number("the latent heat", |own| own.latent_heat, self.latent_heat);
-        if own.is_some_and(|own| !own.is_sharp()) {
-            differences.push("the soil freezes at one temperature there".into());
-        }
+        note(&mut differences, &[(scene.units != Units::Si, "units are si there")]);
+        let own = scene.materials.first().filter(|_| scene.is_uniform());
+        compare_material(&mut differences, own, self.density, [self.frozen, self.unfrozen]);
+        compare(&mut differences, "the freezing point", own.map(|own| own.freezing_point), self.freezing_point);
+        compare(&mut differences, "the latent heat", own.map(|own| own.latent_heat), self.latent_heat);
+        let is_smeared = own.is_some_and(|own| !own.is_sharp());
+        note(&mut differences, &[(is_smeared, "the soil freezes at one temperature there")]);
         differences
     }
 }

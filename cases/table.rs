@@ -1,6 +1,7 @@
 //! Tables of numbers, and what scenes are compared with them.
 
 use frazil_core::boundary::condition::Condition;
+use frazil_core::physics::material::Material;
 use frazil_scene::Scene;
 
 use crate::BadTable;
@@ -80,6 +81,28 @@ pub(crate) fn compare(differences: &mut Vec<String>, what: &str, own: Option<f64
         let own = own.map_or("something else".into(), |own| own.to_string());
         differences.push(format!("{what} is {expected} there and {own} here"));
     }
+}
+
+/// Notes what is not as in the table, in words.
+pub(crate) fn note(differences: &mut Vec<String>, found: &[(bool, &str)]) {
+    differences.extend(found.iter().filter(|(differs, _)| *differs).map(|(_, words)| (*words).to_owned()));
+}
+
+/// Notes numbers of a material by which it conducts and stores heat that are not the table's.
+pub(crate) fn compare_material(
+    differences: &mut Vec<String>,
+    own: Option<&Material>,
+    density: f64,
+    [frozen, unfrozen]: [(f64, f64); 2],
+) {
+    let mut number = |what: &str, read: fn(&Material) -> f64, expected: f64| {
+        compare(differences, what, own.map(read), expected);
+    };
+    number("the density", |own| own.density, density);
+    number("the frozen conductivity", |own| own.frozen.conductivity, frozen.0);
+    number("the frozen heat capacity", |own| own.frozen.heat_capacity, frozen.1);
+    number("the unfrozen conductivity", |own| own.unfrozen.conductivity, unfrozen.0);
+    number("the unfrozen heat capacity", |own| own.unfrozen.heat_capacity, unfrozen.1);
 }
 
 /// The constant temperature of a wall.

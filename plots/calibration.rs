@@ -3,7 +3,7 @@
 use crate::axes::{Axis, Entry, Frame, align};
 use crate::canvas::{Canvas, Colour, Stroke};
 use crate::sheet::{WIDTH, sheet};
-use crate::style::{INK, Marker, REFERENCE};
+use crate::style::{BLUE, INK, LONG, Marker, ORANGE, REFERENCE, SHORT};
 
 /// A fit, sampled over temperature.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,10 +27,7 @@ pub struct CalibrationFigure {
     pub fits: Vec<FitCurve>,
 }
 
-const LOOKS: [(Colour, &[f64], Marker); 2] = [
-    (Colour(0xe0, 0x7b, 0x10), &[12.0, 5.0], Marker::Square),
-    (Colour(0x0b, 0x3c, 0x8c), &[5.0, 4.0], Marker::Triangle),
-];
+const LOOKS: [(Colour, &[f64], Marker); 2] = [(ORANGE, LONG, Marker::Square), (BLUE, SHORT, Marker::Triangle)];
 
 /// Draws exponents above, Schmidt numbers below them, and the errors of the fits at the bottom, where there are fits.
 pub fn calibration(figure: &CalibrationFigure) -> Canvas {

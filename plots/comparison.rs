@@ -52,12 +52,7 @@ pub struct WorkFigure {
     pub curves: Vec<WorkCurve>,
 }
 
-/// Draws one diagram.
-pub fn work_precision(figure: &WorkFigure) -> Canvas {
-    work_precision_panels(std::slice::from_ref(figure))
-}
-
-/// Draws several diagrams, one below the other, two to a row.
+/// Draws diagrams, two to a row.
 pub fn work_precision_panels(figures: &[WorkFigure]) -> Canvas {
     const SIZE: (f64, f64) = (1000.0, 680.0);
     let columns = figures.len().clamp(1, 2);

@@ -4,7 +4,7 @@ use crate::axes::{Axis, Entry, Frame, align};
 use crate::canvas::{Canvas, Colour, Stroke};
 use crate::run::aged;
 use crate::sheet::{WIDTH, grown};
-use crate::style::{REFERENCE, method_style, method_title};
+use crate::style::{BLUE, DASH_DOT, LONG, OLIVE, ORANGE, PURPLE, REFERENCE, SHORT, method_style, method_title};
 use crate::words::{DOTS, reference_entry, reference_stroke};
 
 /// How far bands, their edges and members are on their way from the colour of their curve to white.
@@ -74,12 +74,7 @@ pub struct BandFigure {
 }
 
 /// Looks of curves after the first, which has the colour of the method.
-const LOOKS: [(Colour, &[f64]); 4] = [
-    (Colour(0x0b, 0x3c, 0x8c), &[12.0, 5.0]),
-    (Colour(0xe0, 0x7b, 0x10), &[5.0, 4.0]),
-    (Colour(0x8e, 0x2a, 0x8b), &[12.0, 4.0, 2.5, 4.0]),
-    (Colour(0x7a, 0x6a, 0x10), &[2.5, 3.5]),
-];
+const LOOKS: [(Colour, &[f64]); 4] = [(BLUE, LONG), (ORANGE, SHORT), (PURPLE, DASH_DOT), (OLIVE, &[2.5, 3.5])];
 
 fn stroke(method: &str, look: Look) -> Stroke {
     let own = method_style(method).colour;

@@ -3,7 +3,7 @@
 use crate::axes::{Axis, Entry, Frame, align};
 use crate::canvas::{Canvas, Colour, Stroke};
 use crate::sheet::{WIDTH, framed, sheet};
-use crate::style::{INK, Marker, REFERENCE};
+use crate::style::{BLUE, GREEN, INK, MARKERS, Marker, ORANGE, PURPLE, REFERENCE, SKY};
 
 /// What was measured, and the line that goes with it.
 #[derive(Debug, Clone, PartialEq)]
@@ -66,19 +66,13 @@ pub struct NumberFigure {
     pub deviations: Vec<Deviations>,
 }
 
-const LOOKS: [(Colour, Marker); 5] = [
-    (Colour(0x0b, 0x3c, 0x8c), Marker::Circle),
-    (Colour(0xe0, 0x7b, 0x10), Marker::Square),
-    (Colour(0x1f, 0x95, 0x6c), Marker::Triangle),
-    (Colour(0x8e, 0x2a, 0x8b), Marker::Diamond),
-    (Colour(0x4b, 0xa3, 0xc7), Marker::Wedge),
-];
+const COLOURS: [Colour; 5] = [BLUE, ORANGE, GREEN, PURPLE, SKY];
 
 const TEMPERATURE: &str = "temperature over the reference temperature";
 
 /// Draws points with the lines that go with them.
 pub fn curves(figure: &CurvesFigure) -> Canvas {
-    let looks = || figure.curves.iter().zip(LOOKS.iter().cycle());
+    let looks = || figure.curves.iter().zip(COLOURS.iter().zip(&MARKERS).cycle());
     let mut entries: Vec<Entry> =
         looks().map(|(curve, (colour, marker))| Entry::mark(curve.label.as_str(), *marker, *colour, true)).collect();
     entries.push(Entry::line(figure.line_label.as_str(), Stroke::whole(REFERENCE, 2.2)));
@@ -104,7 +98,7 @@ pub fn numbers(figure: &NumberFigure) -> Canvas {
         Entry::line("target, and theory", target),
         Entry::both("measured, with 95 % interval", Stroke::whole(INK, 1.5), Marker::Circle, true),
     ];
-    let looks = || figure.deviations.iter().zip(LOOKS.iter().skip(1).cycle());
+    let looks = || figure.deviations.iter().zip(COLOURS.iter().zip(&MARKERS).skip(1).cycle());
     for (kind, (colour, marker)) in looks() {
         entries.push(Entry::both(kind.label.as_str(), Stroke::whole(*colour, 1.5), *marker, true));
     }

@@ -3,7 +3,7 @@
 use crate::axes::{Axis, Entry};
 use crate::canvas::{Canvas, Colour, Stroke};
 use crate::sheet::framed;
-use crate::style::{Marker, REFERENCE};
+use crate::style::{MARKERS, Marker, REFERENCE};
 
 /// Errors along which one parameter changes.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +27,6 @@ pub struct SignedFigure {
     pub curves: Vec<SignedCurve>,
 }
 
-const SHAPES: [Marker; 5] = [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::Wedge];
-
 /// The colour of a curve among others: from dark blue to light orange, which differ in a grey print too.
 fn colour(k: usize, count: usize) -> Colour {
     let share = k as f64 / (count.max(2) - 1) as f64;
@@ -40,7 +38,7 @@ fn colour(k: usize, count: usize) -> Colour {
 /// between two points the line is broken.
 pub fn signed(figure: &SignedFigure) -> Canvas {
     let count = figure.curves.len();
-    let look = |k: usize| (SHAPES[k % SHAPES.len()], colour(k, count));
+    let look = |k: usize| (MARKERS[k % MARKERS.len()], colour(k, count));
     let mut entries: Vec<Entry> = figure
         .curves
         .iter()

@@ -3,9 +3,9 @@
 use frazil_record::{PhaseRow, RunResult, SectionRow, StreamRow};
 
 use crate::axes::{Axis, Entry, Frame, align};
-use crate::canvas::{Canvas, Colour, Stroke};
+use crate::canvas::{Canvas, Stroke};
 use crate::sheet::{WIDTH, framed, sheet};
-use crate::style::{INK, method_style, number};
+use crate::style::{BLUE, INK, LONG, ORANGE, method_style, number};
 use crate::words::{DOTS, Words, reference_stroke};
 
 const HEIGHT: f64 = 640.0;
@@ -16,9 +16,9 @@ type Share = (&'static str, Stroke, fn(&PhaseRow) -> f64);
 /// Shares of liquid, freezing and solid particles.
 pub(crate) fn phases(rows: &[PhaseRow], words: &Words) -> Canvas {
     let shares: [Share; 3] = [
-        ("liquid", Stroke { colour: Colour(0xe0, 0x7b, 0x10), width: 2.4, dash: &[] }, |row| row.liquid),
+        ("liquid", Stroke { colour: ORANGE, width: 2.4, dash: &[] }, |row| row.liquid),
         ("freezing", Stroke { colour: INK, width: 2.4, dash: &[3.0, 4.0] }, |row| row.mushy),
-        ("solid", Stroke { colour: Colour(0x0b, 0x3c, 0x8c), width: 2.4, dash: &[12.0, 5.0] }, |row| row.solid),
+        ("solid", Stroke { colour: BLUE, width: 2.4, dash: LONG }, |row| row.solid),
     ];
     let entries = shares.map(|(name, stroke, _)| Entry::line(name, stroke));
     let times = || rows.iter().map(|row| words.time(row.time_s));

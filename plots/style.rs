@@ -66,27 +66,35 @@ impl MethodStyle {
     }
 }
 
-const WHOLE: &[f64] = &[];
-const LONG: &[f64] = &[12.0, 5.0];
-const SHORT: &[f64] = &[5.0, 4.0];
-const DASH_DOT: &[f64] = &[12.0, 4.0, 2.5, 4.0];
+/// Colours that lines and markers take.
+pub(crate) const BLUE: Colour = Colour(0x0b, 0x3c, 0x8c);
+pub(crate) const ORANGE: Colour = Colour(0xe0, 0x7b, 0x10);
+pub(crate) const GREEN: Colour = Colour(0x1f, 0x95, 0x6c);
+pub(crate) const BLACK: Colour = Colour(0x11, 0x11, 0x11);
+pub(crate) const PURPLE: Colour = Colour(0x8e, 0x2a, 0x8b);
+pub(crate) const SKY: Colour = Colour(0x4b, 0xa3, 0xc7);
+pub(crate) const OLIVE: Colour = Colour(0x7a, 0x6a, 0x10);
+
+/// All markers, in the order in which they are taken.
+pub(crate) const MARKERS: [Marker; 5] =
+    [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::Wedge];
+
+/// Dashes of lines.
+pub(crate) const WHOLE: &[f64] = &[];
+pub(crate) const LONG: &[f64] = &[12.0, 5.0];
+pub(crate) const SHORT: &[f64] = &[5.0, 4.0];
+pub(crate) const DASH_DOT: &[f64] = &[12.0, 4.0, 2.5, 4.0];
 
 /// The style of a method; methods that are not known yet get one from their name.
 pub fn method_style(name: &str) -> MethodStyle {
     match name {
-        "pd" => MethodStyle { colour: Colour(0x0b, 0x3c, 0x8c), marker: Marker::Circle, dash: WHOLE },
-        "sph" => MethodStyle { colour: Colour(0xe0, 0x7b, 0x10), marker: Marker::Square, dash: LONG },
-        "edpd" => MethodStyle { colour: Colour(0x1f, 0x95, 0x6c), marker: Marker::Triangle, dash: SHORT },
-        "local" => MethodStyle { colour: Colour(0x11, 0x11, 0x11), marker: Marker::Diamond, dash: DASH_DOT },
+        "pd" => MethodStyle { colour: BLUE, marker: Marker::Circle, dash: WHOLE },
+        "sph" => MethodStyle { colour: ORANGE, marker: Marker::Square, dash: LONG },
+        "edpd" => MethodStyle { colour: GREEN, marker: Marker::Triangle, dash: SHORT },
+        "local" => MethodStyle { colour: BLACK, marker: Marker::Diamond, dash: DASH_DOT },
         other => {
-            const COLOURS: [Colour; 5] = [
-                Colour(0x8e, 0x2a, 0x8b),
-                Colour(0xb0, 0x30, 0x30),
-                Colour(0x4b, 0xa3, 0xc7),
-                Colour(0x7a, 0x6a, 0x10),
-                Colour(0xd4, 0x6a, 0x9e),
-            ];
-            const MARKERS: [Marker; 5] =
+            const COLOURS: [Colour; 5] = [PURPLE, Colour(0xb0, 0x30, 0x30), SKY, OLIVE, Colour(0xd4, 0x6a, 0x9e)];
+            const OTHERS: [Marker; 5] =
                 [Marker::Wedge, Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond];
             const DASHES: [&[f64]; 4] = [WHOLE, SHORT, LONG, DASH_DOT];
             let hash = other
@@ -95,7 +103,7 @@ pub fn method_style(name: &str) -> MethodStyle {
             let pick = |shift: u32, count: usize| ((hash >> shift) % count as u64) as usize;
             MethodStyle {
                 colour: COLOURS[pick(0, COLOURS.len())],
-                marker: MARKERS[pick(16, MARKERS.len())],
+                marker: OTHERS[pick(16, OTHERS.len())],
                 dash: DASHES[pick(32, DASHES.len())],
             }
         }

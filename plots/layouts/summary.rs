@@ -4,7 +4,7 @@ use super::view::{DAY, LayoutView, day, wrapped};
 use crate::axes::{Axis, Entry, Frame};
 use crate::canvas::{Align, Canvas, Colour, Stroke, text_width};
 use crate::sheet::{MARGIN, WIDTH, grown};
-use crate::style::{INK, LABEL, Marker, TICK, number};
+use crate::style::{BLUE, INK, LABEL, Marker, TICK, number};
 
 /// Height of a row and of its bar (px).
 const ROW: f64 = 52.0;
@@ -13,7 +13,7 @@ const BAR: f64 = 20.0;
 /// Until the first gap closes, until the wall does, and from then on to the end.
 const WAITING: Colour = Colour(0xd3, 0xdc, 0xea);
 const CLOSING: Colour = Colour(0x7f, 0x9c, 0xc9);
-const GROWING: Colour = Colour(0x0b, 0x3c, 0x8c);
+const GROWING: Colour = BLUE;
 /// Where the wall has opened again.
 const OPEN: Colour = Colour(0xf2, 0xc4, 0x8a);
 

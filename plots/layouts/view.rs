@@ -2,7 +2,7 @@
 
 use crate::canvas::{Align, Canvas, Colour, Stroke, text_width};
 use crate::ground_plan::WaterMark;
-use crate::style::{Marker, MethodStyle};
+use crate::style::{BLACK, BLUE, DASH_DOT, GREEN, LONG, MARKERS, MethodStyle, ORANGE, PURPLE, SHORT, SKY, WHOLE};
 use frazil_record::{LinkRow, RunResult};
 
 /// Seconds of a day.
@@ -151,17 +151,8 @@ pub fn between(series: &[(f64, f64)], at: f64) -> Option<f64> {
 /// The look of the k-th layout. Colours come again after six, dashes and markers after five: no look comes twice in
 /// thirty.
 pub(super) fn look(k: usize) -> MethodStyle {
-    const COLOURS: [Colour; 6] = [
-        Colour(0x0b, 0x3c, 0x8c),
-        Colour(0xe0, 0x7b, 0x10),
-        Colour(0x11, 0x11, 0x11),
-        Colour(0x1f, 0x95, 0x6c),
-        Colour(0x8e, 0x2a, 0x8b),
-        Colour(0x4b, 0xa3, 0xc7),
-    ];
-    const DASHES: [&[f64]; 5] =
-        [&[], &[12.0, 5.0], &[5.0, 4.0], &[12.0, 4.0, 2.5, 4.0], &[20.0, 4.0, 2.5, 4.0, 2.5, 4.0]];
-    const MARKERS: [Marker; 5] = [Marker::Circle, Marker::Square, Marker::Triangle, Marker::Diamond, Marker::Wedge];
+    const COLOURS: [Colour; 6] = [BLUE, ORANGE, BLACK, GREEN, PURPLE, SKY];
+    const DASHES: [&[f64]; 5] = [WHOLE, LONG, SHORT, DASH_DOT, &[20.0, 4.0, 2.5, 4.0, 2.5, 4.0]];
     MethodStyle {
         colour: COLOURS[k % COLOURS.len()],
         marker: MARKERS[k % MARKERS.len()],

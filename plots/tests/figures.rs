@@ -2,7 +2,7 @@
 //!
 //! With `FRAZIL_FIGURES=folder` the files stay there to be looked at.
 
-use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint, work_precision};
+use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint, work_precision_panels};
 use frazil_plots::convergence::{OrderCurve, convergence};
 use frazil_plots::ground_plan::{GroundPlan, ShaftMark, WaterMark};
 use frazil_plots::run::drawings;
@@ -212,7 +212,7 @@ fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn s
         },
     )?);
     let figure = comparison();
-    files.extend(work_precision(&figure).write(&folder, "work_precision")?);
+    files.extend(work_precision_panels(std::slice::from_ref(&figure)).write(&folder, "work_precision")?);
     let orders: Vec<OrderCurve> = figure
         .curves
         .iter()

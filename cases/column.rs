@@ -2,6 +2,7 @@
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::WallId;
 use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
@@ -63,14 +64,14 @@ pub fn differences(scene: &Scene) -> Vec<String> {
     if !scene.rings.is_empty() {
         differences.push("there are no freeze pipes there".into());
     }
-    let ends: &[(&str, &str, f64)] = match scene.domain {
-        Domain::Line { length } => &[("left", "right", length)],
-        Domain::Rectangle { width, height } => &[("left", "right", width), ("bottom", "top", height)],
+    let ends: &[(WallId, WallId, f64)] = match scene.domain {
+        Domain::Line { length } => &[(WallId::Left, WallId::Right, length)],
+        Domain::Rectangle { width, height } => {
+            &[(WallId::Left, WallId::Right, width), (WallId::Bottom, WallId::Top, height)]
+        }
         Domain::Ring { .. } | Domain::Radial { .. } | Domain::Axial { .. } => &[],
     };
-    let both = |&(first, second, length): &(&'static str, &'static str, f64)| {
-        [(first, second, length), (second, first, length)]
-    };
+    let both = |&(first, second, length): &(WallId, WallId, f64)| [(first, second, length), (second, first, length)];
     let cold = ends.iter().flat_map(both).find(|end| wall_temperature(scene, end.0).is_some_and(|at| at < 0.0));
     let mut number = |what: &str, own: Option<f64>, expected: f64| compare(&mut differences, what, own, expected);
     number("the length", cold.map(|end| end.2), 0.2);
@@ -78,8 +79,8 @@ pub fn differences(scene: &Scene) -> Vec<String> {
     number("the temperature of the other end", cold.and_then(|end| wall_temperature(scene, end.1)), 1.0);
     number("the initial temperature", Some(scene.initial_temperature), 1.0);
     if let Some((near, far, _)) = cold {
-        let is_side = |name: &str| name != near && name != far;
-        if scene.walls.iter().any(|wall| is_side(wall.name) && wall.condition != Condition::Symmetry) {
+        let is_side = |wall: WallId| wall != near && wall != far;
+        if scene.walls.iter().any(|wall| is_side(wall.wall) && wall.condition != Condition::Symmetry) {
             differences.push("the sides are insulated there".into());
         }
     }

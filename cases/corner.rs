@@ -56,7 +56,7 @@ impl Corner {
         if !same {
             differences.push("the phases differ".into());
         }
-        let mut walls = scene.walls.iter().map(|wall| wall_temperature(scene, wall.name));
+        let mut walls = scene.walls.iter().map(|wall| wall_temperature(scene, wall.wall));
         let first = walls.next().flatten();
         let cold = first.filter(|first| walls.all(|other| other == Some(*first)) && *first < material.freezing_point);
         let Some(cold) = cold else {

@@ -10,6 +10,7 @@ mod unsolved;
 use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::material::FreezingLaw;
 use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::WallId;
 use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
@@ -123,15 +124,17 @@ impl Reference for HalfSpace {
 }
 
 /// Name of the wall where freezing or thawing begins, the condition opposite and the distance between them (m).
-fn direction(scene: &Scene) -> Result<(&'static str, Option<&Condition>, f64), Unsolved> {
-    let pairs: &[(&'static str, &'static str, f64)] = match scene.domain {
-        Domain::Line { length } => &[("left", "right", length)],
-        Domain::Rectangle { width, height } => &[("left", "right", width), ("bottom", "top", height)],
+fn direction(scene: &Scene) -> Result<(WallId, Option<&Condition>, f64), Unsolved> {
+    let pairs: &[(WallId, WallId, f64)] = match scene.domain {
+        Domain::Line { length } => &[(WallId::Left, WallId::Right, length)],
+        Domain::Rectangle { width, height } => {
+            &[(WallId::Left, WallId::Right, width), (WallId::Bottom, WallId::Top, height)]
+        }
         Domain::Ring { .. } => return Err(Unsolved::Body("a ring")),
         Domain::Radial { .. } | Domain::Axial { .. } => return Err(Unsolved::Body("a body of shells")),
     };
     let initial = scene.initial_temperature;
-    let is_still = |name: &str| match scene.wall(name) {
+    let is_still = |wall: WallId| match scene.wall(wall) {
         None | Some(Condition::Symmetry) => true,
         Some(Condition::Temperature(series)) => series.constant() == Some(initial),
         Some(Condition::Exact) => true,
@@ -146,9 +149,9 @@ fn direction(scene: &Scene) -> Result<(&'static str, Option<&Condition>, f64), U
         return Err(Unsolved::TwoDrive(near, other));
     }
     for wall in &scene.walls {
-        let is_side = wall.name != near && wall.name != far;
+        let is_side = wall.wall != near && wall.wall != far;
         if is_side && wall.condition != Condition::Symmetry {
-            return Err(Unsolved::NotInsulated(wall.name));
+            return Err(Unsolved::NotInsulated(wall.wall));
         }
     }
     Ok((near, scene.wall(far), length))

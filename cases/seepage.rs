@@ -3,6 +3,7 @@
 
 use frazil_core::physics::material::Mixing;
 use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::WallId;
 use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
@@ -127,10 +128,10 @@ pub fn differences(scene: &Scene) -> Vec<String> {
     compare("the range of temperatures", Some(scene.temperature_range().1 - scene.temperature_range().0), RANGE);
     let flow = scene.flow.as_ref();
     let drop = flow.map(|flow| {
-        let at = |name: &str| {
-            flow.walls.iter().find(|wall| wall.name == name).map_or(f64::NAN, |wall| wall.pressure.at(0.0))
+        let at = |name: WallId| {
+            flow.walls.iter().find(|wall| wall.wall == name).map_or(f64::NAN, |wall| wall.pressure.at(0.0))
         };
-        at("left") - at("right")
+        at(WallId::Left) - at(WallId::Right)
     });
     compare("the drop of pressure", drop, 370.0);
     if let Some(material) = scene.materials.first() {

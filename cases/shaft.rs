@@ -1,6 +1,7 @@
 //! Reference tables of shafts with one circle of freeze pipes, and how a scene differs from one.
 
 use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::WallId;
 use frazil_record::ReferenceInfo;
 use frazil_scene::{PipeRing, Scene};
 use frazil_simulation::reference::{Plane, Reference};
@@ -118,7 +119,7 @@ pub(crate) fn shaft_differences(
         }
     }
     number("the initial temperature", Some(scene.initial_temperature), initial);
-    number("the temperature of the outer wall", wall_temperature(scene, "outer"), initial);
+    number("the temperature of the outer wall", wall_temperature(scene, WallId::Outer), initial);
     if scene.flow.is_some() != is_crossed {
         differences.push(if is_crossed { "water flows across the ring there" } else { "no water flows there" }.into());
     }

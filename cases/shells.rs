@@ -7,6 +7,7 @@ use frazil_core::physics::film::FilmKind;
 use frazil_core::physics::material::FreezingLaw;
 use frazil_core::space::domain::Domain;
 use frazil_core::space::symmetry::Symmetry;
+use frazil_core::space::wall::WallId;
 use frazil_record::ReferenceInfo;
 use frazil_scene::region::{Cell, Region, Shape};
 use frazil_scene::{Scene, Units};
@@ -49,9 +50,9 @@ struct Case {
     material: ShellMaterial,
     domain: Domain,
     initial: f64,
-    walls: &'static [(&'static str, ShellWall)],
+    walls: &'static [(WallId, ShellWall)],
     /// Parts of walls: wall, from, to.
-    parts: &'static [(&'static str, f64, f64, ShellWall)],
+    parts: &'static [(WallId, f64, f64, ShellWall)],
     /// Boxes that start at temperatures (C) of their own: least and greatest r, least and greatest z.
     regions: &'static [([f64; 4], f64)],
     profiles: &'static str,
@@ -85,19 +86,19 @@ const PIPE: Case = Case {
 static CASES: [Case; 7] = [
     Case {
         name: "thick-pipe-temperature",
-        walls: &[("inner", ShellWall::Held(26.85)), ("outer", ShellWall::Held(26.85))],
+        walls: &[(WallId::Inner, ShellWall::Held(26.85)), (WallId::Outer, ShellWall::Held(26.85))],
         profiles: include_str!("tables/thick-pipe-temperature.csv"),
         ..PIPE
     },
     Case {
         name: "thick-pipe-flux",
-        walls: &[("inner", ShellWall::Flux(-1e4)), ("outer", ShellWall::Flux(-1e4))],
+        walls: &[(WallId::Inner, ShellWall::Flux(-1e4)), (WallId::Outer, ShellWall::Flux(-1e4))],
         profiles: include_str!("tables/thick-pipe-flux.csv"),
         ..PIPE
     },
     Case {
         name: "thick-pipe-convection",
-        walls: &[("inner", ShellWall::Film(500.0, 26.85)), ("outer", ShellWall::Film(500.0, 26.85))],
+        walls: &[(WallId::Inner, ShellWall::Film(500.0, 26.85)), (WallId::Outer, ShellWall::Film(500.0, 26.85))],
         profiles: include_str!("tables/thick-pipe-convection.csv"),
         ..PIPE
     },
@@ -106,7 +107,7 @@ static CASES: [Case; 7] = [
         material: COPPER,
         domain: Domain::Radial { symmetry: Symmetry::Spherical, inner: 0.0, outer: 0.1 },
         initial: 726.85,
-        walls: &[("outer", ShellWall::Held(26.85))],
+        walls: &[(WallId::Outer, ShellWall::Held(26.85))],
         profiles: include_str!("tables/copper-sphere.csv"),
         source: "closed-form series",
         error_estimate_rel: 1e-9,
@@ -117,7 +118,7 @@ static CASES: [Case; 7] = [
         material: WATER,
         domain: Domain::Radial { symmetry: Symmetry::Axial, inner: 0.1, outer: 1.1 },
         initial: 8.0,
-        walls: &[("inner", ShellWall::Flux(-1000.0)), ("outer", ShellWall::Held(8.0))],
+        walls: &[(WallId::Inner, ShellWall::Flux(-1000.0)), (WallId::Outer, ShellWall::Held(8.0))],
         profiles: include_str!("tables/freezing-annulus.csv"),
         smooth: false,
         series: Some(("front_m", include_str!("tables/freezing-annulus-front.csv"))),
@@ -131,12 +132,12 @@ static CASES: [Case; 7] = [
         domain: Domain::Axial { inner: 0.2, outer: 1.0, height: 0.8 },
         initial: -73.15,
         walls: &[
-            ("inner", ShellWall::Closed),
-            ("outer", ShellWall::Closed),
-            ("bottom", ShellWall::Closed),
-            ("top", ShellWall::Closed),
+            (WallId::Inner, ShellWall::Closed),
+            (WallId::Outer, ShellWall::Closed),
+            (WallId::Bottom, ShellWall::Closed),
+            (WallId::Top, ShellWall::Closed),
         ],
-        parts: &[("outer", 0.3, 0.5, ShellWall::Held(226.85))],
+        parts: &[(WallId::Outer, 0.3, 0.5, ShellWall::Held(226.85))],
         profiles: include_str!("tables/heated-hollow-cylinder.csv"),
         source: "extrapolated finite volumes; temperature known to 0.15 K up to r = 0.95 m, to 0.6 K beyond",
         error_estimate_rel: 5e-4,
@@ -147,7 +148,11 @@ static CASES: [Case; 7] = [
         material: WATER,
         domain: Domain::Axial { inner: 0.0, outer: 0.1, height: 0.1 },
         initial: 100.0,
-        walls: &[("outer", ShellWall::Closed), ("bottom", ShellWall::Closed), ("top", ShellWall::Closed)],
+        walls: &[
+            (WallId::Outer, ShellWall::Closed),
+            (WallId::Bottom, ShellWall::Closed),
+            (WallId::Top, ShellWall::Closed),
+        ],
         regions: &[([0.0, 0.04, 0.0, 0.04], -5.0)],
         profiles: include_str!("tables/ice-in-glass.csv"),
         smooth: false,
@@ -204,7 +209,7 @@ impl Case {
         let is_other = own.is_some_and(|own| own.law != law);
         note(&mut differences, &[(is_other, "the law of freezing is another one there")]);
         for (name, wall) in self.walls {
-            if !scene.wall(name).is_some_and(|condition| wall.is(condition)) {
+            if !scene.wall(*name).is_some_and(|condition| wall.is(condition)) {
                 differences.push(format!("the wall {name} has another condition there"));
             }
         }
@@ -221,7 +226,7 @@ impl Case {
             differences.push("regions start at other temperatures there".into());
         }
         let parts = &scene.wall_parts;
-        let same = |(own, expected): (&frazil_scene::WallPart, &(&str, f64, f64, ShellWall))| {
+        let same = |(own, expected): (&frazil_scene::WallPart, &(WallId, f64, f64, ShellWall))| {
             own.wall == expected.0
                 && close(own.from, expected.1)
                 && close(own.to, expected.2)

@@ -2,6 +2,7 @@
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::material::Material;
+use frazil_core::space::wall::WallId;
 use frazil_scene::Scene;
 
 use crate::BadTable;
@@ -106,8 +107,8 @@ pub(crate) fn compare_material(
 }
 
 /// The constant temperature of a wall.
-pub(crate) fn wall_temperature(scene: &Scene, name: &str) -> Option<f64> {
-    match scene.wall(name) {
+pub(crate) fn wall_temperature(scene: &Scene, wall: WallId) -> Option<f64> {
+    match scene.wall(wall) {
         Some(Condition::Temperature(series)) => series.constant(),
         _ => None,
     }

@@ -6,6 +6,7 @@ use frazil_core::physics::freezing_curve::weibull::Weibull;
 use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
+use frazil_core::space::wall::WallId;
 use frazil_scene::{PipeRing, ReferenceChoice, Region, Scene, Shape, TimeUnit, Wall};
 use frazil_simulation::reference::{Plane, Reference};
 
@@ -19,15 +20,15 @@ fn temperature(value: f64) -> Condition {
     Condition::Temperature(Series::Constant(value))
 }
 
-fn wall(name: &'static str, condition: Condition) -> Wall {
-    Wall { name, condition }
+fn wall(wall: WallId, condition: Condition) -> Wall {
+    Wall { wall, condition }
 }
 
 /// A metre of water that freezes from the left for ten hours.
 fn half_space(law: FreezingLaw) -> Scene {
     Scene {
         initial_temperature: 8.0,
-        walls: vec![wall("left", temperature(-20.0)), wall("right", Condition::Symmetry)],
+        walls: vec![wall(WallId::Left, temperature(-20.0)), wall(WallId::Right, Condition::Symmetry)],
         reference: ReferenceChoice::Exact,
         time_unit: TimeUnit::Hour,
         ..Scene::bare(Domain::Line { length: 1.0 }, 10.0 * HOUR, vec![water(law)])
@@ -55,7 +56,7 @@ fn column() -> Scene {
         duration: 60.0 * HOUR,
         materials: vec![soil("soil", 1800.0, (2.68, 2508.5), (3.05, 2124.0), -0.25, 33_500.0)],
         initial_temperature: 1.0,
-        walls: vec![wall("left", temperature(-5.0)), wall("right", temperature(1.0))],
+        walls: vec![wall(WallId::Left, temperature(-5.0)), wall(WallId::Right, temperature(1.0))],
         reference: ReferenceChoice::Auto,
         ..half_space(FreezingLaw::Isothermal)
     }
@@ -69,7 +70,7 @@ fn shaft() -> Scene {
         duration: 120.0 * DAY,
         materials: vec![soil("sand", 2090.0, (2.56, 1088.4), (1.86, 1465.1), 0.0, 52_875.8)],
         initial_temperature: 15.0,
-        walls: vec![wall("outer", temperature(15.0))],
+        walls: vec![wall(WallId::Outer, temperature(15.0))],
         wall_parts: Vec::new(),
         rings: vec![PipeRing {
             count: 26,
@@ -133,10 +134,10 @@ fn the_cold_wall_may_be_any() {
     let mut scene = half_space(FreezingLaw::Isothermal);
     scene.domain = Domain::Rectangle { width: 0.1, height: 1.0 };
     scene.walls = vec![
-        wall("left", Condition::Symmetry),
-        wall("right", Condition::Symmetry),
-        wall("bottom", temperature(8.0)),
-        wall("top", temperature(-20.0)),
+        wall(WallId::Left, Condition::Symmetry),
+        wall(WallId::Right, Condition::Symmetry),
+        wall(WallId::Bottom, temperature(8.0)),
+        wall(WallId::Top, temperature(-20.0)),
     ];
     let turned = reference_for(&scene).expect("fits").expect("exact");
     assert_eq!(turned.temperature(0.05, HOUR), reference.temperature(0.05, HOUR));
@@ -178,7 +179,7 @@ fn other_scenes_are_refused_with_the_reason() {
     assert!(inclusion.contains("several materials"), "{inclusion}");
     let side = with(&|scene| {
         scene.domain = Domain::Rectangle { width: 1.0, height: 1.0 };
-        scene.walls.push(wall("top", temperature(8.0)));
+        scene.walls.push(wall(WallId::Top, temperature(8.0)));
     });
     assert!(side.contains("top wall is not insulated"), "{side}");
     let ring = Scene { reference: ReferenceChoice::Exact, ..shaft() };

@@ -2,6 +2,7 @@
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::WallId;
 use frazil_record::ReferenceInfo;
 use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
@@ -44,12 +45,12 @@ impl OgataBanks {
         let flow = scene.flow.as_ref().ok_or(Unsolved::NoWater)?;
         let [material] = scene.materials.as_slice() else { return Err(Unsolved::SeveralMaterials) };
         let pores = material.pores.ok_or(Unsolved::NoPores)?;
-        let pressure = |name: &'static str| {
-            let wall = flow.walls.iter().find(|wall| wall.name == name).ok_or(Unsolved::NoPressure(name))?;
+        let pressure = |name: WallId| {
+            let wall = flow.walls.iter().find(|wall| wall.wall == name).ok_or(Unsolved::NoPressure(name))?;
             wall.pressure.constant().ok_or(Unsolved::PressureChanges(name))
         };
-        let drop = pressure("left")? - pressure("right")?;
-        let (near, far) = if drop > 0.0 { ("left", "right") } else { ("right", "left") };
+        let drop = pressure(WallId::Left)? - pressure(WallId::Right)?;
+        let (near, far) = if drop > 0.0 { (WallId::Left, WallId::Right) } else { (WallId::Right, WallId::Left) };
         let wall = wall_temperature(scene, near).ok_or(Unsolved::WallChanges(near))?;
         let initial = scene.initial_temperature;
         if scene.temperature_range().0 < material.freezing_point && material.volumetric_latent_heat() > 0.0 {
@@ -64,7 +65,7 @@ impl OgataBanks {
             wall,
             initial,
             length,
-            turned: scene.freezing_direction().is_some_and(|direction| direction.from_end) != (near == "right"),
+            turned: scene.freezing_direction().is_some_and(|direction| direction.from_end) != (near == WallId::Right),
         };
         let change = solution.share(length, scene.duration);
         let still = match scene.wall(far) {

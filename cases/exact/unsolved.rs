@@ -1,5 +1,7 @@
 //! Why a scene has no exact solution.
 
+use frazil_core::space::wall::WallId;
+
 /// Why a scene, or a material between two temperatures, has no exact solution.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unsolved {
@@ -11,16 +13,16 @@ pub enum Unsolved {
     NoMaterial,
     /// This wall does not set the solution.
     #[error("the {0} wall has no constant temperature")]
-    WallChanges(&'static str),
+    WallChanges(WallId),
     /// Nothing happens.
     #[error("no wall differs from the initial temperature")]
     NothingDrives,
     /// Two walls do not share one half space.
     #[error("both the {0} and the {1} wall drive heat: no exact solution")]
-    TwoDrive(&'static str, &'static str),
+    TwoDrive(WallId, WallId),
     /// Heat flows across.
     #[error("the {0} wall is not insulated, so heat does not flow along one line")]
-    NotInsulated(&'static str),
+    NotInsulated(WallId),
     /// The body is no half space.
     #[error(
         "the far wall is felt: at {length} m the half space changes by {change:.1e} of the range of temperatures before the \
@@ -51,10 +53,10 @@ pub enum Unsolved {
     NoPermeability,
     /// Nothing drives water.
     #[error("no pressure at the {0} wall")]
-    NoPressure(&'static str),
+    NoPressure(WallId),
     /// Water does not flow steadily.
     #[error("the pressure at the {0} wall changes")]
-    PressureChanges(&'static str),
+    PressureChanges(WallId),
     /// Ice would change how water flows.
     #[error("the ground freezes")]
     Freezes,

@@ -1,4 +1,8 @@
-//! Heat that has come into the body, by patch: each wall, each pipe.
+//! Heat that has come into the body, by patch: each wall, each ring of pipes, and what else brings heat.
+
+use std::fmt;
+
+use crate::space::wall::PatchId;
 
 /// A sum that keeps its rounding error (Neumaier's variant of Kahan summation).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -73,24 +77,53 @@ impl Hermite {
     }
 }
 
-/// Whether a patch is a ring of pipes, by its name: `pipes`, or `pipes_2` of several. Others may come after them.
-pub fn is_ring(name: &str) -> bool {
-    name == "pipes" || name.starts_with("pipes_")
+/// What brings heat into a body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// A wall, a part of one, or the face of a shaft.
+    Patch(PatchId),
+    /// The only ring of pipes.
+    Ring,
+    /// One of several rings of pipes, by its number from 0.
+    RingOf(usize),
+    /// Ice: the rest of the balance beside water.
+    Ice,
+    /// Motion of particles.
+    Motion,
+}
+
+impl Source {
+    /// So many rings of pipes.
+    pub fn rings(count: usize) -> impl Iterator<Item = Source> {
+        (0..count).map(move |ring| if count == 1 { Source::Ring } else { Source::RingOf(ring) })
+    }
+}
+
+impl fmt::Display for Source {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Source::Patch(patch) => patch.fmt(f),
+            Source::Ring => f.write_str("pipes"),
+            Source::RingOf(ring) => write!(f, "pipes_{}", ring + 1),
+            Source::Ice => f.write_str("ice"),
+            Source::Motion => f.write_str("motion"),
+        }
+    }
 }
 
 /// Heat in through each patch (J per metre of each missing dimension).
 #[derive(Debug, Clone, Default)]
 pub struct Ledger {
-    names: Vec<String>,
+    sources: Vec<Source>,
     heat: Vec<Sum>,
     rate: Vec<f64>,
 }
 
 impl Ledger {
     /// A ledger with these patches.
-    pub fn new(names: Vec<String>) -> Self {
-        let count = names.len();
-        Ledger { names, heat: vec![Sum::default(); count], rate: vec![0.0; count] }
+    pub fn new(sources: Vec<Source>) -> Self {
+        let count = sources.len();
+        Ledger { sources, heat: vec![Sum::default(); count], rate: vec![0.0; count] }
     }
 
     /// Books `heat` (J) through a patch over a step of `step` seconds.
@@ -106,7 +139,7 @@ impl Ledger {
         let cubic = Hermite::at(share);
         let slope = Hermite::slope_at(share);
         let mut ledger = self.clone();
-        for patch in 0..self.names.len() {
+        for patch in 0..self.sources.len() {
             let (first, last) = (step * first[patch], step * last[patch]);
             // Counted from the end of the step, to which the ledger has come.
             let since = cubic.first * first + cubic.last * last - cubic.start * heat[patch];
@@ -116,9 +149,9 @@ impl Ledger {
         ledger
     }
 
-    /// Names of the patches.
-    pub fn names(&self) -> &[String] {
-        &self.names
+    /// What each patch is.
+    pub fn sources(&self) -> &[Source] {
+        &self.sources
     }
 
     /// Heat in so far, by patch (J).
@@ -128,7 +161,8 @@ impl Ledger {
 
     /// Rate of the latest step through each ring of pipes (W), in their order.
     pub fn rings(&self) -> impl Iterator<Item = f64> + '_ {
-        self.names.iter().zip(&self.rate).filter(|(name, _)| is_ring(name)).map(|(_, rate)| *rate)
+        let is_ring = |source: &Source| matches!(source, Source::Ring | Source::RingOf(_));
+        self.sources.iter().zip(&self.rate).filter(move |(source, _)| is_ring(source)).map(|(_, rate)| *rate)
     }
 
     /// Rate of the latest step, by patch (W).

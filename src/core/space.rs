@@ -5,3 +5,4 @@ pub mod lattice;
 pub mod segment;
 pub mod symmetry;
 pub mod volumes;
+pub mod wall;

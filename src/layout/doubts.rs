@@ -2,6 +2,7 @@
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::WallId;
 use frazil_scene::Scene;
 
 use super::study::Study;
@@ -50,7 +51,7 @@ pub fn of(study: &Study) -> Vec<String> {
 fn near_wall(scene: &Scene) -> Option<String> {
     let Domain::Ring { outer_radius, .. } = scene.domain else { return None };
     // Water brings heat from farther than any wall; what is symmetric there is meant as another shaft.
-    if scene.flow.is_some() || scene.wall("outer") == Some(&Condition::Symmetry) {
+    if scene.flow.is_some() || scene.wall(WallId::Outer) == Some(&Condition::Symmetry) {
         return None;
     }
     let farthest =

@@ -7,6 +7,7 @@ use frazil_core::breakage::crack::{Crack, Growth};
 use frazil_core::physics::material::Material;
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Surface};
+use frazil_core::space::wall::WallId;
 
 use crate::TimeUnit;
 use crate::method::MethodSettings;
@@ -15,11 +16,11 @@ use crate::region::{Region, Shape};
 use crate::stream::Stream;
 use crate::units::Units;
 
-/// One named wall of the domain.
+/// One wall of the domain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wall {
-    /// `left`, `right`, `bottom`, `top`, `inner` or `outer`.
-    pub name: &'static str,
+    /// Which one it is.
+    pub wall: WallId,
     /// What happens there.
     pub condition: Condition,
 }
@@ -28,7 +29,7 @@ pub struct Wall {
 #[derive(Debug, Clone, PartialEq)]
 pub struct WallPart {
     /// The wall.
-    pub wall: &'static str,
+    pub wall: WallId,
     /// Where it begins along the wall (m): in z on the inner and outer wall, in r on others.
     pub from: f64,
     /// Where it ends (m).
@@ -242,14 +243,14 @@ impl Scene {
             Domain::Rectangle { width, height } if self.is_even_along(false) => (true, height, width),
             _ => return None,
         };
-        let (near, far) = if along_y { ("bottom", "top") } else { ("left", "right") };
+        let [near, far] = WallId::ends(along_y);
         // A wall that drives the front has a temperature of its own; the colder of two is the start.
         Some(FreezingDirection { along_y, length, across, from_end: self.drive(far) > self.drive(near) })
     }
 
     /// How hard a wall drives the front: by its temperature, or that of its surroundings, against the start (K), or else by its
     /// flux (W/m2).
-    pub fn drive(&self, wall: &str) -> f64 {
+    pub fn drive(&self, wall: WallId) -> f64 {
         let Some(condition) = self.wall(wall) else { return 0.0 };
         match (condition.temperature(), condition) {
             (Some(series), _) => (series.at(self.duration) - self.initial_temperature).abs(),
@@ -262,10 +263,9 @@ impl Scene {
     /// reach from one to the other, and there are neither cracks nor parts of walls nor parts of the body that are driven.
     fn is_even_along(&self, y: bool) -> bool {
         let Domain::Rectangle { width, height } = self.domain else { return false };
-        let ends = if y { ["bottom", "top"] } else { ["left", "right"] };
-        let closed = |name: &str| self.wall(name).is_none_or(|condition| *condition == Condition::Symmetry);
+        let ends = WallId::ends(y);
         let dry = |flow: &Flow| {
-            let through = flow.walls.iter().any(|wall| ends.contains(&wall.name));
+            let through = flow.walls.iter().any(|wall| ends.contains(&wall.wall));
             !through && (flow.gravity == 0.0 || !y)
         };
         let reaches = |region: &Region| match &region.shape {
@@ -274,7 +274,7 @@ impl Scene {
             Shape::Circle { .. } | Shape::Polygon(_) => false,
         };
         let driven = |stream: &Stream| stream.pump.is_some() || stream.reset.is_some();
-        ends.into_iter().all(closed)
+        ends.into_iter().all(|wall| self.is_closed(wall))
             && self.flow.as_ref().is_none_or(dry)
             && self.regions.iter().all(reaches)
             && self.cracks.is_empty()
@@ -330,9 +330,14 @@ impl Scene {
         self.rings.iter().flat_map(PipeRing::pipes).collect()
     }
 
-    /// The condition at a named wall.
-    pub fn wall(&self, name: &str) -> Option<&Condition> {
-        self.walls.iter().find(|wall| wall.name == name).map(|wall| &wall.condition)
+    /// The condition at a wall.
+    pub fn wall(&self, wall: WallId) -> Option<&Condition> {
+        self.walls.iter().find(|other| other.wall == wall).map(|wall| &wall.condition)
+    }
+
+    /// Whether no heat crosses a wall, or the domain has no such wall.
+    pub fn is_closed(&self, wall: WallId) -> bool {
+        self.wall(wall).is_none_or(|condition| *condition == Condition::Symmetry)
     }
 
     /// The settings of a method, if the scene has them.

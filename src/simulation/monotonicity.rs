@@ -134,13 +134,14 @@ mod tests {
     use frazil_core::physics::film::FilmKind;
     use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
     use frazil_core::space::domain::Domain;
+    use frazil_core::space::wall::WallId;
     use frazil_scene::{PipeRing, Wall};
 
-    fn scene(walls: Vec<(&'static str, Condition)>) -> Scene {
+    fn scene(walls: Vec<(WallId, Condition)>) -> Scene {
         let phase = Phase { conductivity: 1.0, heat_capacity: 1.0 };
         Scene {
             initial_temperature: 5.0,
-            walls: walls.into_iter().map(|(name, condition)| Wall { name, condition }).collect(),
+            walls: walls.into_iter().map(|(wall, condition)| Wall { wall, condition }).collect(),
             ..Scene::bare(
                 Domain::Line { length: 1.0 },
                 1.0,
@@ -173,7 +174,7 @@ mod tests {
 
     #[test]
     fn a_cooled_body_only_freezes() {
-        let cooled = scene(vec![("left", held(-20.0)), ("right", held(5.0))]);
+        let cooled = scene(vec![(WallId::Left, held(-20.0)), (WallId::Right, held(5.0))]);
         assert_eq!(after(&cooled, &[(0.0, &[-8.0, 0.0]), (2.0, &[-4.0, 1.0]), (2.0, &[-3.0, 0.0])]), Some(0.0));
         // A quarter of the frozen volume thaws again.
         assert_eq!(after(&cooled, &[(1.0, &[-8.0, 0.0]), (4.0, &[-4.0, 0.0]), (3.0, &[-3.0, 0.0])]), Some(0.25));
@@ -181,7 +182,7 @@ mod tests {
 
     #[test]
     fn a_front_may_go_back_within_a_particle() {
-        let cooled = scene(vec![("left", held(-20.0))]);
+        let cooled = scene(vec![(WallId::Left, held(-20.0))]);
         let mut watch = MonotonicityCheck::new(&cooled, 0.5);
         for (frozen, setback) in [(4.0, 0.0), (3.5, 0.0), (4.0, 0.0), (3.25, 0.0625)] {
             watch.look(frozen, &[-1.0], std::iter::empty());
@@ -191,7 +192,7 @@ mod tests {
 
     #[test]
     fn a_heated_body_thaws_only() {
-        let mut heated = scene(vec![("left", held(10.0)), ("right", Condition::Symmetry)]);
+        let mut heated = scene(vec![(WallId::Left, held(10.0)), (WallId::Right, Condition::Symmetry)]);
         heated.initial_temperature = -5.0;
         assert_eq!(after(&heated, &[(4.0, &[8.0, 0.0]), (3.0, &[6.0, 0.0]), (1.0, &[5.0, 0.0])]), Some(0.0));
         assert_eq!(after(&heated, &[(4.0, &[8.0, 0.0]), (2.0, &[6.0, 0.0]), (3.0, &[5.0, 0.0])]), Some(0.25));
@@ -211,7 +212,7 @@ mod tests {
             temperature: Series::Constant(temperature),
             schedule: None,
         };
-        let mut ring = scene(vec![("outer", held(5.0))]);
+        let mut ring = scene(vec![(WallId::Outer, held(5.0))]);
         ring.rings = vec![pipes(-20.0), pipes(-10.0)];
         // Walls come before pipes, and pipes that are not the coldest may do either.
         assert_eq!(after(&ring, &[(1.0, &[0.0, -8.0, -2.0]), (2.0, &[-1.0, -4.0, 2.0])]), Some(0.0));
@@ -231,13 +232,13 @@ mod tests {
         // Thawing under each: allowed but where the wall only ever gets colder.
         let cases = [(rising, None), (swinging, None), (flux, None), (falling, Some(0.75)), (held(5.0), None)];
         for (condition, rule) in cases {
-            assert_eq!(after(&scene(vec![("left", condition)]), &[(4.0, &[-1.0]), (1.0, &[-1.0])]), rule);
+            assert_eq!(after(&scene(vec![(WallId::Left, condition)]), &[(4.0, &[-1.0]), (1.0, &[-1.0])]), rule);
         }
         // A film that changes may let the front go back.
-        let changing = scene(vec![("left", film(growing))]);
+        let changing = scene(vec![(WallId::Left, film(growing))]);
         assert_eq!(after(&changing, &[(4.0, &[-2.0]), (1.0, &[-1.0])]), None);
         // A warmer wall beside a colder one pulls the other way.
-        let both = scene(vec![("left", held(-20.0)), ("right", held(9.0))]);
+        let both = scene(vec![(WallId::Left, held(-20.0)), (WallId::Right, held(9.0))]);
         assert_eq!(after(&both, &[(4.0, &[-2.0, 0.0]), (1.0, &[-1.0, 0.0])]), None);
     }
 }

@@ -6,6 +6,7 @@
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::WallId;
 use frazil_record::{SectionRow, StreamRecord, StreamRow};
 use frazil_scene::Scene;
 
@@ -58,9 +59,9 @@ fn carried(scene: &Scene, greatest: f64) -> Option<impl Fn(f64, f64) -> Option<f
     if !constant || !liquid || greatest <= 0.0 || begin >= width {
         return None;
     }
-    let wall = |name: &str, x: f64| {
-        let part = scene.wall_parts.iter().rev().find(|part| part.wall == name && x >= part.from && x < part.to);
-        match part.map(|part| &part.condition).or_else(|| scene.wall(name)) {
+    let wall = |wall: WallId, x: f64| {
+        let part = scene.wall_parts.iter().rev().find(|part| part.wall == wall && x >= part.from && x < part.to);
+        match part.map(|part| &part.condition).or_else(|| scene.wall(wall)) {
             Some(Condition::Temperature(series)) => Some(series.at(0.0)),
             _ => None,
         }
@@ -77,7 +78,7 @@ fn carried(scene: &Scene, greatest: f64) -> Option<impl Fn(f64, f64) -> Option<f
     columns.push(state.clone());
     for k in 0..STEPS {
         let x = begin + (k as f64 + 0.5) * step;
-        let walls = [wall("bottom", x)?, wall("top", x)?];
+        let walls = [wall(WallId::Bottom, x)?, wall(WallId::Top, x)?];
         let implicit = |state: &mut [f64], length: f64, theta: f64| {
             let ratio = |k: usize| diffusivity * length / (speed(k) * cell * cell);
             let change = |state: &[f64], k: usize| {

@@ -47,12 +47,12 @@ impl Parts<'_> {
         self.scene.materials.iter().any(Material::freezes)
     }
 
-    fn open_walls(&self) -> Vec<&str> {
+    fn open_walls(&self) -> Vec<String> {
         self.boundary
             .patches
             .iter()
             .filter(|patch| patch.lets_heat_through())
-            .map(|patch| patch.name.as_str())
+            .map(|patch| patch.id.to_string())
             .collect()
     }
 

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use frazil_core::boundary::condition::Condition;
-use frazil_core::boundary::patch::{Boundary, Dug, FACE, Patch, Side, WallTemperature};
+use frazil_core::boundary::patch::{Boundary, Dug, Patch, Side, WallTemperature};
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
+use frazil_core::space::wall::{PatchId, WallId};
 use frazil_scene::Scene;
 
 use crate::reference::Reference;
@@ -20,18 +21,18 @@ pub fn boundary(
     mirrors: bool,
 ) -> Result<Boundary, String> {
     let (axis_length, cold_at_end) = scene.freezing_direction().map_or((0.0, false), |d| (d.length, d.from_end));
-    let whole = scene.walls.iter().map(|wall| (wall.name, wall.name.to_string(), &wall.condition));
+    let whole = scene.walls.iter().map(|wall| (PatchId::Whole(wall.wall), &wall.condition));
     let parts = scene.wall_parts.iter().enumerate();
-    let parts = parts.map(|(k, part)| (part.wall, format!("{}_part_{}", part.wall, k + 1), &part.condition));
-    let face = scene.excavation.iter().map(|shaft| (FACE, FACE.to_owned(), &shaft.condition));
+    let parts = parts.map(|(k, part)| (PatchId::Part(part.wall, k), &part.condition));
+    let face = scene.excavation.iter().map(|shaft| (PatchId::Face, &shaft.condition));
     let patches: Vec<Patch> = whole
         .chain(parts)
         .chain(face)
-        .map(|(wall, name, condition)| {
-            let at_end = matches!(wall, "right" | "top");
+        .map(|(id, condition)| {
+            let at_end = id.wall().is_some_and(WallId::is_at_end);
             let distance = if at_end == cold_at_end { 0.0 } else { axis_length };
             Patch {
-                name,
+                id,
                 condition: condition.clone(),
                 layers: matches!(model, WallModel::Naive | WallModel::InnerLayers),
                 changes: *condition == Condition::Exact || condition.series().any(Series::changes),
@@ -44,22 +45,24 @@ pub fn boundary(
         .collect();
     for patch in &patches {
         if patch.condition == Condition::Exact && patch.exact.as_ref().and_then(|exact| exact(1.0)).is_none() {
-            return Err(format!("wall `{}` asks for the exact solution, but this scene has none", patch.name));
+            return Err(format!("wall `{}` asks for the exact solution, but this scene has none", patch.id));
         }
     }
-    let named = |name: &str| patches.iter().position(|patch| patch.name == name).map_or(Side::Mirror, Side::Wall);
+    let whole = |wall: WallId| patches.iter().position(|patch| patch.id == PatchId::Whole(wall));
+    let side = |wall: WallId| whole(wall).map_or(Side::Mirror, Side::Wall);
     let (sides, curved) = match scene.domain {
-        Domain::Line { .. } => ([named("left"), named("right"), Side::Mirror, Side::Mirror], None),
-        Domain::Rectangle { .. } => ([named("left"), named("right"), named("bottom"), named("top")], None),
+        Domain::Line { .. } => ([side(WallId::Left), side(WallId::Right), Side::Mirror, Side::Mirror], None),
+        Domain::Rectangle { .. } => {
+            ([side(WallId::Left), side(WallId::Right), side(WallId::Bottom), side(WallId::Top)], None)
+        }
         Domain::Ring { outer_radius, sector } => {
             let left = if sector == Sector::Quarter { Side::Mirror } else { Side::Curved };
             let bottom = if sector == Sector::Whole { Side::Curved } else { Side::Mirror };
-            let outer = patches.iter().position(|patch| patch.name == "outer");
-            ([left, Side::Curved, bottom, Side::Curved], outer.map(|patch| (patch, outer_radius)))
+            ([left, Side::Curved, bottom, Side::Curved], whole(WallId::Outer).map(|patch| (patch, outer_radius)))
         }
         Domain::Radial { inner, .. } | Domain::Axial { inner, .. } if mirrors => {
-            let left = if inner > 0.0 { named("inner") } else { Side::Curved };
-            ([left, named("outer"), named("bottom"), named("top")], None)
+            let left = if inner > 0.0 { side(WallId::Inner) } else { Side::Curved };
+            ([left, side(WallId::Outer), side(WallId::Bottom), side(WallId::Top)], None)
         }
         Domain::Radial { .. } | Domain::Axial { .. } => ([Side::Curved; 4], None),
     };

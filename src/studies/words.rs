@@ -36,7 +36,7 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
     let cracks = scene.cracks.iter().enumerate();
     facts.extend(cracks.map(|(number, crack)| Fact::new(format!("Crack {number}"), words.crack(crack))));
     let walls = scene.walls.iter();
-    facts.extend(walls.map(|wall| Fact::new(format!("Wall {}", wall.name), words.condition(&wall.condition))));
+    facts.extend(walls.map(|wall| Fact::new(format!("Wall {}", wall.wall), words.condition(&wall.condition))));
     facts.extend(scene.excavation.iter().map(|shaft| {
         let days = words.with(shaft.start / scene.time_unit.seconds(), scene.time_unit.symbol());
         let (radius, face) = (words.with(shaft.radius, "m"), words.condition(&shaft.condition));

@@ -1,15 +1,15 @@
 //! The liquid of a scene in the units of its particles.
 
-use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::curve::Curve;
 use frazil_core::physics::thermal::Thermal;
 use frazil_core::solvers::step::Bound;
 use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::WallId;
 use frazil_scene::{Numerics, Scene};
 
 use super::ground::SceneMatter;
 use super::map::DpdUnits;
-use super::place::{LiquidBody, WALLS, wall};
+use super::place::LiquidBody;
 use super::{Motion, limit};
 use crate::fluid::Parameters;
 
@@ -64,12 +64,11 @@ impl Liquid {
         parameters.step = limit::SETTLING_STEP.min(bound.step / map.time);
         let settling = limit::settling(&parameters, &map, curve, range, diffusivity);
         let strip = height.map_or(motion.strip_width, |height| height / map.length);
-        let walled = |axis: usize| {
-            let condition = |end: bool| scene.wall(WALLS[wall(axis, end)]).unwrap_or(&Condition::Symmetry);
-            !(*condition(false) == Condition::Symmetry && *condition(true) == Condition::Symmetry)
+        let walled = |along_y: bool| !WallId::ends(along_y).into_iter().all(|wall| scene.is_closed(wall));
+        let body = LiquidBody {
+            lengths: [width / map.length, strip],
+            walled: [walled(false), height.is_some() && walled(true)],
         };
-        let body =
-            LiquidBody { lengths: [width / map.length, strip], walled: [walled(0), height.is_some() && walled(1)] };
         let missing = if height.is_some() { 1.0 } else { strip * map.length };
         let volume = map.length.powi(2) / motion.number_density / missing;
         Ok(Liquid { thermal, map, body, parameters, settling, bound, range, volume })

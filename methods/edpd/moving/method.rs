@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use frazil_core::ledger::Ledger;
+use frazil_core::ledger::{Ledger, Source};
 use frazil_core::memory::HeapSize;
 use frazil_core::particles::{Particles, Places};
 use frazil_core::series::Series;
@@ -47,14 +47,14 @@ impl<W: Drive<2>> MovingParticles<W> {
         joule: f64,
         bound: Bound,
     ) -> Self {
-        let names = patches.names.iter().cloned().chain(["motion".to_owned()]).collect();
+        let sources = patches.ids.iter().map(|id| Source::Patch(*id)).chain([Source::Motion]).collect();
         let mut method = MovingParticles {
             fluid,
             drive,
             map,
             patches: patches.temperatures.clone(),
-            ledger: Ledger::new(names),
-            motion: (patches.names.len(), 0.0),
+            ledger: Ledger::new(sources),
+            motion: (patches.ids.len(), 0.0),
             driven: 0.0,
             times: (0.0, 0.0),
             joule,

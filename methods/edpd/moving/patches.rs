@@ -2,18 +2,22 @@
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::series::Series;
+use frazil_core::space::wall::{PatchId, WallId};
 use frazil_scene::Scene;
 
 use super::map::DpdUnits;
-use super::place::{LiquidBody, WALLS, wall};
+use super::place::LiquidBody;
 use crate::fluid::Behind;
+
+/// Walls of the box, by their sides.
+const WALLS: [WallId; 4] = [WallId::Left, WallId::Right, WallId::Bottom, WallId::Top];
 
 /// Walls in their order, then their parts.
 pub struct WallPatches {
     /// Temperature of each over time; none where it is insulated.
     pub temperatures: Vec<Option<Series>>,
-    /// Their names in the ledger.
-    pub names: Vec<String>,
+    /// Which they are.
+    pub ids: Vec<PatchId>,
 }
 
 impl WallPatches {
@@ -23,23 +27,17 @@ impl WallPatches {
             Some(Condition::Temperature(series)) => Some(series.clone()),
             _ => None,
         };
-        let mut patches = WallPatches { temperatures: vec![None; WALLS.len()], names: WALLS.map(str::to_owned).into() };
-        for (axis, end) in [(0, false), (0, true), (1, false), (1, true)] {
-            if body.walled[axis] {
-                let patch = wall(axis, end);
-                patches.temperatures[patch] = temperature(scene.wall(WALLS[patch]));
-            }
+        let mut patches = WallPatches { temperatures: vec![None; WALLS.len()], ids: WALLS.map(PatchId::Whole).into() };
+        for wall in WALLS.into_iter().filter(|wall| body.walled[usize::from(wall.is_across_y())]) {
+            patches.temperatures[wall.side()] = temperature(scene.wall(wall));
         }
         for (k, part) in scene.wall_parts.iter().enumerate() {
-            patches.names.push(format!("{}_part_{}", part.wall, k + 1));
+            patches.ids.push(PatchId::Part(part.wall, k));
             patches.temperatures.push(temperature(Some(&part.condition)));
-            let Some(whole) = WALLS.iter().position(|name| *name == part.wall) else { continue };
-            let along = usize::from(whole < 2);
+            let along = usize::from(!part.wall.is_across_y());
             for behind in &mut *behind {
                 let place = behind.image[along].rem_euclid(body.lengths[along]) * map.length;
-                let own = behind.patch as usize;
-                let of_wall = own == whole
-                    || own.checked_sub(WALLS.len()).is_some_and(|other| scene.wall_parts[other].wall == part.wall);
+                let of_wall = patches.ids[behind.patch as usize].wall() == Some(part.wall);
                 if of_wall && place >= part.from && place < part.to {
                     behind.patch = (WALLS.len() + k) as u32;
                 }

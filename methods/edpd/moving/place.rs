@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use frazil_core::solvers::moving::Purpose;
+use frazil_core::space::wall::WallId;
 use rayon::ThreadPool;
 
 use crate::fluid::{Behind, Fluid, Parameters, Particle, Undriven};
@@ -36,15 +37,7 @@ pub struct Placed {
     pub lengths: [f64; 2],
 }
 
-/// Walls of a body in their order.
-pub const WALLS: [&str; 4] = ["left", "right", "bottom", "top"];
-
-/// Place in [`WALLS`] of the wall at one end of a direction.
-pub fn wall(axis: usize, at_end: bool) -> usize {
-    2 * axis + usize::from(at_end)
-}
-
-/// Fills a body, at a temperature. WallPatches of particles behind walls are the numbers of the walls.
+/// Fills a body, at a temperature. Patches of particles behind walls are the sides of the walls.
 pub fn fill(
     body: &LiquidBody,
     parameters: &Parameters,
@@ -86,7 +79,7 @@ pub fn fill(
                 image[axis] = if below > 0.0 { below } else { body.lengths[axis] - above };
                 if below.max(above) > deepest {
                     deepest = below.max(above);
-                    patch = wall(axis, above > 0.0);
+                    patch = WallId::ends(axis == 1)[usize::from(above > 0.0)].side();
                 }
             }
         }

@@ -18,7 +18,7 @@ pub fn refuse(scene: &Scene) -> Result<(), String> {
     if let Some((_, what)) = problems.into_iter().find(|problem| problem.0) {
         return Err(format!("motion = true knows no {what}: the liquid itself moves"));
     }
-    let whole = scene.walls.iter().map(|wall| (wall.name, &wall.condition));
+    let whole = scene.walls.iter().map(|wall| (wall.wall, &wall.condition));
     for (name, condition) in whole.chain(scene.wall_parts.iter().map(|part| (part.wall, &part.condition))) {
         let kind = match condition {
             Condition::Symmetry | Condition::Temperature(_) => continue,

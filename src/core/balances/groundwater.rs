@@ -244,7 +244,7 @@ impl Groundwater {
         let came: f64 = self.ledger.walls.iter().map(Sum::value).sum();
         let asked = self.ledger.asked.value();
         Water {
-            walls: self.flow.walls.iter().map(|wall| wall.name).collect(),
+            walls: self.flow.walls.iter().map(|wall| wall.wall).collect(),
             inflow,
             entering,
             leaving,

@@ -12,12 +12,10 @@ use crate::boundary::condition::Condition;
 use crate::physics::curve::Curve;
 use crate::physics::film::Film;
 use crate::physics::thermal::Thermal;
+use crate::space::wall::{PatchId, WallId};
 
 /// Walls and parts of walls that a body may have.
 pub const MOST_PATCHES: usize = 24;
-
-/// Name of the face of a shaft in the heat balance.
-pub const FACE: &str = "shaft";
 
 /// Temperature of a wall at a time (s), where it is known.
 pub type WallTemperature = Arc<dyn Fn(f64) -> Option<f64> + Send + Sync>;
@@ -25,8 +23,8 @@ pub type WallTemperature = Arc<dyn Fn(f64) -> Option<f64> + Send + Sync>;
 /// A wall that heat may cross.
 #[derive(Clone)]
 pub struct Patch {
-    /// Name in the scene; of a part, the wall's and its number.
-    pub name: String,
+    /// Which one it is.
+    pub id: PatchId,
     /// Condition.
     pub condition: Condition,
     /// Ghosts hold the wall's own value instead of being mirrored ([`crate::boundary::wall_layers`]).
@@ -216,7 +214,7 @@ pub enum Side {
 #[derive(Clone)]
 pub struct Boundary {
     /// Parts of walls: wall, from and to along it (m), and patch. Later ones win.
-    pub parts: Vec<(&'static str, f64, f64, usize)>,
+    pub parts: Vec<(WallId, f64, f64, usize)>,
     /// Whether heat through closed walls is booked: mirrored shells leak, by the papers' shape factors.
     pub books_all: bool,
     /// All walls that the scene names.
@@ -241,6 +239,11 @@ pub struct Dug {
 }
 
 impl Boundary {
+    /// The patch of a whole wall, if the body has the wall.
+    pub fn whole(&self, wall: WallId) -> Option<usize> {
+        self.patches.iter().position(|patch| patch.id == PatchId::Whole(wall))
+    }
+
     /// Whether walls are in parts.
     pub fn has_parts(&self) -> bool {
         !self.parts.is_empty()
@@ -248,14 +251,16 @@ impl Boundary {
 
     /// The patch at a place (m) along a wall, given by the patch of the whole wall.
     pub fn patch_at(&self, patch: usize, along: f64) -> usize {
-        let name = &self.patches[patch].name;
-        let part = self.parts.iter().rev().find(|part| part.0 == name && along >= part.1 && along < part.2);
+        let id = self.patches[patch].id;
+        let is_here =
+            |part: &&(WallId, f64, f64, usize)| PatchId::Whole(part.0) == id && along >= part.1 && along < part.2;
+        let part = self.parts.iter().rev().find(is_here);
         part.map_or(patch, |part| part.3)
     }
 
     /// The stretches of a wall from one place (m) along it to another, each with its patch.
-    pub fn stretches(&self, wall: &str, low: f64, high: f64) -> Vec<(f64, f64, usize)> {
-        let Some(whole) = self.patches.iter().position(|patch| patch.name == wall) else { return Vec::new() };
+    pub fn stretches(&self, wall: WallId, low: f64, high: f64) -> Vec<(f64, f64, usize)> {
+        let Some(whole) = self.whole(wall) else { return Vec::new() };
         let mut places = vec![low, high];
         let ends = self.parts.iter().filter(|part| part.0 == wall).flat_map(|part| [part.1, part.2]);
         places.extend(ends.filter(|end| *end > low && *end < high));

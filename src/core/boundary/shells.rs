@@ -29,6 +29,7 @@ use crate::space::domain::Domain;
 use crate::space::lattice::Lattice;
 use crate::space::symmetry::Symmetry;
 use crate::space::volumes::{Volumes, edge};
+use crate::space::wall::WallId;
 
 mod naive;
 
@@ -54,7 +55,7 @@ pub enum ShellError {
     AcrossTheAxis(f64),
     /// A wall has no condition.
     #[error("the wall \"{0}\" has no condition")]
-    NoWall(&'static str),
+    NoWall(WallId),
 }
 
 /// Where a wall touches a particle.
@@ -306,35 +307,30 @@ fn touches(
     let end = if plane && boundary.has_parts() { Some(WallEnd::new(stencil, spacing)) } else { None };
     let (inner, outer) = domain.radii();
     let mut found = Vec::new();
-    let mut touch = |particle: usize, patch: usize, depth: f64, area: f64, (across_y, at_end): (bool, bool)| {
+    let mut touch = |particle: usize, patch: usize, depth: f64, area: f64, wall: WallId| {
         if area > 0.0 && boundary.patches[patch].lets_heat_through() {
             let area = area / volumes.of(particle);
+            let (across_y, at_end) = (wall.is_across_y(), wall.is_at_end());
             found.push(Touch { particle: particle as u32, patch: patch as u8, depth, area, across_y, at_end });
         }
     };
     let top = if plane { rows as f64 * spacing } else { 1.0 };
-    for (name, column, wall) in [("inner", 0, inner), ("outer", columns - 1, outer)] {
-        let depth = symmetry.depth(wall, edge(lattice, column) + 0.5 * spacing);
-        let stretches = stretches(boundary, name, (0.0, top), spacing, end.as_ref());
+    for (wall, column, radius) in [(WallId::Inner, 0, inner), (WallId::Outer, columns - 1, outer)] {
+        let depth = symmetry.depth(radius, edge(lattice, column) + 0.5 * spacing);
+        let stretches = stretches(boundary, wall, (0.0, top), spacing, end.as_ref());
         for row in 0..rows {
             let low = row as f64 * spacing;
             let high = if plane { low + spacing } else { 1.0 };
             for (patch, from, to) in covering(&stretches, low, high) {
-                touch(
-                    row * columns + column,
-                    patch,
-                    depth,
-                    symmetry.area(wall) * (to - from),
-                    (false, name == "outer"),
-                );
+                touch(row * columns + column, patch, depth, symmetry.area(radius) * (to - from), wall);
             }
         }
     }
-    for (name, row) in [("bottom", 0), ("top", rows - 1)] {
-        let stretches = stretches(boundary, name, (inner, outer), spacing, end.as_ref());
+    for (wall, row) in [(WallId::Bottom, 0), (WallId::Top, rows - 1)] {
+        let stretches = stretches(boundary, wall, (inner, outer), spacing, end.as_ref());
         for column in 0..columns {
             for (patch, from, to) in covering(&stretches, edge(lattice, column), edge(lattice, column + 1)) {
-                touch(row * columns + column, patch, 0.5 * spacing, symmetry.volume(from, to), (true, name == "top"));
+                touch(row * columns + column, patch, 0.5 * spacing, symmetry.volume(from, to), wall);
             }
         }
     }
@@ -344,7 +340,7 @@ fn touches(
 /// The stretches of a wall, with held ones made longer where they end beside closed ones ([`crate::boundary::wall_ends`]).
 fn stretches(
     boundary: &Boundary,
-    wall: &str,
+    wall: WallId,
     (first, last): (f64, f64),
     spacing: f64,
     end: Option<&WallEnd>,

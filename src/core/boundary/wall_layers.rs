@@ -25,6 +25,7 @@ use crate::physics::latent_heat::Materials;
 use crate::space::lattice::Lattice;
 use crate::space::symmetry::Symmetry;
 use crate::space::volumes::Volumes;
+use crate::space::wall::{PatchId, WallId};
 
 /// How walls act on particles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,17 +77,16 @@ impl Body<'_> {
 
     /// Patch of a side (left or inner, right or outer, bottom, top) beside a particle, if heat crosses it.
     fn open_patch(&self, side: usize, particle: usize) -> Option<usize> {
-        let names: [&[&str]; 4] = [&["left", "inner"], &["right", "outer"], &["bottom"], &["top"]];
-        let whole = self.boundary.patches.iter().position(|patch| names[side].contains(&patch.name.as_str()))?;
+        let is_here = |id: PatchId| matches!(id, PatchId::Whole(wall) if wall.side() == side);
+        let whole = self.boundary.patches.iter().position(|patch| is_here(patch.id))?;
         let place = self.positions[particle];
         let patch = self.boundary.patch_at(whole, if side < 2 { place.y } else { place.x });
         self.boundary.patches[patch].lets_heat_through().then_some(patch)
     }
 
-    /// Whether a patch lies in a wall across y or z.
-    fn is_across_y(&self, patch: usize) -> bool {
-        let name = &self.boundary.patches[patch].name;
-        name.starts_with("bottom") || name.starts_with("top")
+    /// The side that a patch lies at.
+    fn side(&self, patch: usize) -> usize {
+        self.boundary.patches[patch].id.wall().map_or(3, WallId::side)
     }
 
     /// Area of a wall (m^(d-1); of shells by length of the axis or of the whole sphere) that belongs to a column or row.
@@ -151,7 +151,7 @@ pub fn level(ghosts: &mut Ghosts, pairs: &PairList, body: &Body<'_>, closed: boo
         let Some(patch) = ghosts.pays[ghost].filter(takes).or(ghosts.patch[ghost].filter(takes)) else { continue };
         let model = ghosts.model[ghost] as usize;
         let (column, row) = body.cell(model);
-        let along = if body.is_across_y(patch as usize) { column } else { row };
+        let along = if body.side(patch as usize) >= 2 { column } else { row };
         let key = (patch, along, body.materials.index(model));
         groups.entry(key).or_default().members.push(ghost);
         key_of[ghost] = Some(key);
@@ -170,7 +170,7 @@ pub fn level(ghosts: &mut Ghosts, pairs: &PairList, body: &Body<'_>, closed: boo
     let mut levelled: Vec<Option<Levelled>> = (0..ghosts.len()).map(|_| None).collect();
     for ((patch, along, _), Group { members, seen }) in groups {
         let Some(first) = members.first().copied() else { continue };
-        let side = side_of(body, patch as usize);
+        let side = body.side(patch as usize);
         let sum: f64 = seen.values().sum();
         let nearest = |a: &&usize, b: &&usize| {
             let depth = |ghost: usize| body.depth(side, ghosts.model[ghost] as usize);
@@ -190,16 +190,6 @@ pub fn level(ghosts: &mut Ghosts, pairs: &PairList, body: &Body<'_>, closed: boo
         levelled[first] = Some(Levelled { patch: Some(patch), pays: patch, images, depth, model });
     }
     ghosts.level(levelled);
-}
-
-/// Side of a patch by its name.
-fn side_of(body: &Body<'_>, patch: usize) -> usize {
-    match body.boundary.patches[patch].name.as_str() {
-        name if name.starts_with("left") || name.starts_with("inner") => 0,
-        name if name.starts_with("right") || name.starts_with("outer") => 1,
-        name if name.starts_with("bottom") => 2,
-        _ => 3,
-    }
 }
 
 /// The outermost layers of particles of a body.

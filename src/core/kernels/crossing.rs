@@ -3,6 +3,7 @@
 use crate::kernels::list_parts::ListParts;
 use crate::memory::HeapSize;
 use crate::space::domain::Surface;
+use crate::space::wall::WallId;
 
 /// What of a pair's heat goes a way: in corners a ghost is the image of another one, and the heat to that passes the
 /// other's wall.
@@ -60,8 +61,8 @@ pub(super) fn pairs_across(parts: &ListParts, surface: &Surface) -> Vec<(Crossin
         (if surface.across_y { place.y } else { place.x }) >= surface.at
     };
     let faces = |patch: u8| {
-        let name = &parts.boundary.patches[patch as usize].name;
-        (name.starts_with("bottom") || name.starts_with("top")) == surface.across_y
+        let wall = parts.boundary.patches[patch as usize].id.wall();
+        wall.is_some_and(WallId::is_across_y) == surface.across_y
     };
     let mut found = Vec::new();
     for i in 0..count {

@@ -5,6 +5,7 @@ use crate::boundary::pipe::Sink;
 use crate::kernels::list_parts::{ListParts, steepest};
 use crate::kernels::rows::ListRows;
 use crate::kernels::term::PairTerm;
+use crate::ledger::Source;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::SchemeState;
 use crate::solvers::balance::{Balance, BalanceFacts, Rates, Tangent, TangentShape, Update};
@@ -24,8 +25,7 @@ impl<T: PairTerm> ListBalance<T> {
     pub fn new(parts: ListParts, term: T, scheme: Box<dyn SchemeState>) -> Self {
         let (count, pairs, surfaces) = (parts.positions.len(), parts.pair_count(), parts.surfaces.len());
         let rows = ListRows::new(parts, term);
-        let facts =
-            BalanceFacts { patches: rows.patch_names(), pairs, surfaces, bound: rows.bound.clone(), turning: 0.0 };
+        let facts = BalanceFacts { patches: rows.sources(), pairs, surfaces, bound: rows.bound.clone(), turning: 0.0 };
         ListBalance { rows, scheme, rate: vec![0.0; count], linearised: Linearised::default(), facts }
     }
 }
@@ -147,8 +147,8 @@ fn bandwidth(parts: &ListParts) -> usize {
 
 impl<T: PairTerm> ListRows<T> {
     /// Walls, then rings of pipes.
-    fn patch_names(&self) -> Vec<String> {
-        let walls = self.parts.boundary.patches.iter().map(|patch| patch.name.to_string());
-        walls.chain(self.parts.rings.iter().cloned()).collect()
+    fn sources(&self) -> Vec<Source> {
+        let walls = self.parts.boundary.patches.iter().map(|patch| Source::Patch(patch.id));
+        walls.chain(Source::rings(self.parts.rings)).collect()
     }
 }

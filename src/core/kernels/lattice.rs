@@ -13,6 +13,7 @@ use crate::kernels::irregular::IrregularRows;
 use crate::kernels::lattice_parts::{LatticeParts, Stiffness, bands};
 use crate::kernels::sweep::{Band, Frame, Shape, sweep};
 use crate::kernels::target::{Beside, Chained, InPlace, Target};
+use crate::ledger::Source;
 use crate::ledger::Sum;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::Materials;
@@ -97,9 +98,9 @@ impl<L: Laws> LatticeBalance<L> {
         }
         let bands = bands(&around.lattice, threads(&pool, &around), shape);
         let potential = |sink: &Sink| around.thermal_at_sink(sink).potential_at(sink.temperature.at(0.0));
-        let walls = boundary.patches.iter().map(|patch| patch.name.to_string());
+        let walls = boundary.patches.iter().map(|patch| Source::Patch(patch.id));
         let facts = BalanceFacts {
-            patches: walls.chain(parts.rings).collect(),
+            patches: walls.chain(Source::rings(parts.rings)).collect(),
             pairs: (around.lattice.len() * around.stencil.neighbours() / 2) as u64,
             surfaces: parts.observed.as_deref().map_or(0, IrregularRows::surfaces),
             bound: parts.bound.unwrap_or(derived),

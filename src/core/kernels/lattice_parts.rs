@@ -36,8 +36,8 @@ pub struct LatticeParts {
     pub observed: Option<Box<IrregularRows>>,
     /// The pipes.
     pub sinks: Vec<Sink>,
-    /// Names of pipe rings.
-    pub rings: Vec<String>,
+    /// How many rings of pipes there are.
+    pub rings: usize,
     /// Threads, if more than one.
     pub pool: Option<Arc<ThreadPool>>,
     /// The bound of the step, where it is known from elsewhere.
@@ -143,10 +143,10 @@ impl<L: Laws> Stiffness<'_, L> {
         let slope = stiff.iter().map(|side| self.around.thermal_at(*side).largest_slope).fold(0.0, f64::max);
         stiffest.meet(largest * slope, || {
             let name = |side: &usize| match boundary.sides[*side] {
-                Side::Wall(patch) => Some(boundary.patches[patch].name.as_str()),
+                Side::Wall(patch) => Some(boundary.patches[patch].id.to_string()),
                 Side::Mirror | Side::Curved => None,
             };
-            let names: Vec<&str> = stiff.iter().filter_map(name).collect();
+            let names: Vec<String> = stiff.iter().filter_map(name).collect();
             format!("pair exchange of the particles at wall `{}`", names.join("` and `"))
         });
     }

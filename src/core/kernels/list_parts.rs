@@ -47,8 +47,8 @@ pub struct ListParts {
     pub touches: Vec<Touch>,
     /// Pipes.
     pub sinks: Vec<Sink>,
-    /// Names of pipe rings.
-    pub rings: Vec<String>,
+    /// How many rings of pipes there are.
+    pub rings: usize,
     /// Surfaces through which heat is counted.
     pub surfaces: Vec<Surface>,
     /// How pairs exchange heat.

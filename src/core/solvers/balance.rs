@@ -1,5 +1,6 @@
 //! A semi-discrete balance: the seam between what particles exchange and how time advances.
 
+use crate::ledger::Source;
 use crate::memory::HeapSize;
 use crate::particles::Particles;
 use crate::solvers::solver::Water;
@@ -72,8 +73,8 @@ pub struct Rates<'a> {
 /// What a balance is.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BalanceFacts {
-    /// Names of the patches: walls, then rings of pipes, then what else brings heat.
-    pub patches: Vec<String>,
+    /// The patches: walls, then rings of pipes, then what else brings heat.
+    pub patches: Vec<Source>,
     /// Pairs that one evaluation visits.
     pub pairs: u64,
     /// Surfaces through which heat is counted.

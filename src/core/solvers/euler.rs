@@ -22,7 +22,7 @@ impl Euler {
     /// Steps of this fraction of the bound.
     pub fn new(balance: Box<dyn Balance>, fraction: f64) -> Self {
         let ledger = Ledger::new(balance.facts().patches.clone());
-        let patches = vec![0.0; ledger.names().len()];
+        let patches = vec![0.0; ledger.sources().len()];
         Euler { balance, ledger, patches, fraction, steps: 0 }
     }
 }

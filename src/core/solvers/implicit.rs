@@ -76,7 +76,7 @@ impl Implicit {
         count: usize,
     ) -> Self {
         let ledger = Ledger::new(balance.facts().patches.clone());
-        let count_patches = ledger.names().len();
+        let count_patches = ledger.sources().len();
         let patch = || vec![0.0; count_patches];
         let patches = std::array::from_fn(|_| patch());
         let newton = Newton::new(balance.as_mut(), count, largest_slope);

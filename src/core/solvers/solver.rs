@@ -9,6 +9,7 @@ use crate::particles::Particles;
 use crate::solvers::balance::{Balance, Rates};
 use crate::solvers::sharp::sharp_step;
 use crate::solvers::step::{Bound, Clock, StepError};
+use crate::space::wall::WallId;
 
 /// What a solver is, and what it has done.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,7 +110,7 @@ impl dyn Solver + '_ {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Water {
     /// Names of the walls that it crosses.
-    pub walls: Vec<&'static str>,
+    pub walls: Vec<WallId>,
     /// Inflow through each (m^d/s), negative where more leaves.
     pub inflow: Vec<f64>,
     /// All that enters (m^d/s).

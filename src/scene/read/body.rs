@@ -16,6 +16,7 @@ use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::film::FILMS;
 use frazil_core::physics::material::Material;
 use frazil_core::space::domain::{Domain, Sector};
+use frazil_core::space::wall::WallId;
 
 /// Pipes of one ring, and rings, that a scene may have; their distances are checked pair by pair.
 const MOST_PIPES: usize = 1000;
@@ -46,18 +47,29 @@ pub(super) fn domain(root: &mut Section<'_>) -> Read<Domain> {
     }
 }
 
-/// Names of the walls that a domain has.
-pub(super) fn wall_names(domain: &Domain) -> &'static [&'static str] {
+/// The walls that a domain has.
+pub(super) fn walls_of(domain: &Domain) -> &'static [WallId] {
+    use WallId::{Bottom, Inner, Left, Outer, Right, Top};
     match domain {
-        Domain::Line { .. } => &["left", "right"],
-        Domain::Rectangle { .. } => &["left", "right", "bottom", "top"],
-        Domain::Ring { .. } => &["outer"],
+        Domain::Line { .. } => &[Left, Right],
+        Domain::Rectangle { .. } => &[Left, Right, Bottom, Top],
+        Domain::Ring { .. } => &[Outer],
         // At r = 0 is the axis or the centre, and no wall.
-        Domain::Radial { inner: 0.0, .. } => &["outer"],
-        Domain::Radial { .. } => &["inner", "outer"],
-        Domain::Axial { inner: 0.0, .. } => &["outer", "bottom", "top"],
-        Domain::Axial { .. } => &["inner", "outer", "bottom", "top"],
+        Domain::Radial { inner: 0.0, .. } => &[Outer],
+        Domain::Radial { .. } => &[Inner, Outer],
+        Domain::Axial { inner: 0.0, .. } => &[Outer, Bottom, Top],
+        Domain::Axial { .. } => &[Inner, Outer, Bottom, Top],
     }
+}
+
+/// The wall of a domain that a file names.
+pub(super) fn wall_named(domain: &Domain, name: &str) -> Option<WallId> {
+    walls_of(domain).iter().copied().find(|wall| wall.name() == name)
+}
+
+/// The names of the walls that a domain has, as messages list them.
+pub(super) fn wall_names(domain: &Domain) -> String {
+    all_of(walls_of(domain).iter().map(|wall| wall.name()))
 }
 
 pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> (Vec<Wall>, Vec<WallPart>) {
@@ -65,8 +77,7 @@ pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> (Vec<
     let mut given = Vec::new();
     for (name, mut wall) in section.named_sections() {
         if let Some(domain) = domain {
-            let names = wall_names(domain);
-            let Some(known) = names.iter().find(|known| **known == name) else {
+            let Some(known) = wall_named(domain, &name) else {
                 let kind = match domain {
                     Domain::Line { .. } => "line",
                     Domain::Rectangle { .. } => "rectangle",
@@ -75,14 +86,14 @@ pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> (Vec<
                     Domain::Axial { .. } => "axial one",
                 };
                 let axis = if name == "inner" && domain.symmetry().is_some() { " from r = 0 on" } else { "" };
-                let names = all_of(names.iter().copied());
+                let names = wall_names(domain);
                 wall.section_problem(format!("the domain has no such wall, a {kind}{axis} has {names}"));
                 wall.abandon();
                 continue;
             };
             parts.extend(shells::parts(&mut wall, known, domain));
             if let Ok(condition) = condition(&mut wall) {
-                walls.push(Wall { name: known, condition });
+                walls.push(Wall { wall: known, condition });
             }
         } else {
             // Its problems are recorded.
@@ -92,11 +103,11 @@ pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> (Vec<
         given.push(name);
     }
     if let Some(domain) = domain {
-        let names = wall_names(domain);
-        for name in names.iter().filter(|name| !given.iter().any(|given| given == *name)) {
-            section.note(name, "missing, must have a condition as every wall of the domain");
+        let all = walls_of(domain);
+        for wall in all.iter().filter(|wall| !given.iter().any(|given| given == wall.name())) {
+            section.note(wall.name(), "missing, must have a condition as every wall of the domain");
         }
-        walls.sort_by_key(|wall| names.iter().position(|name| *name == wall.name));
+        walls.sort_by_key(|wall| all.iter().position(|known| *known == wall.wall));
     }
     (walls, parts)
 }
@@ -141,29 +152,24 @@ pub(super) fn exact_walls(
     (materials, regions): (&[Material], &[Region]),
     reference: &ReferenceChoice,
 ) {
-    if walls.len() < wall_names(domain).len() {
+    if walls.len() < walls_of(domain).len() {
         return;
     }
     for wall in walls.iter().filter(|wall| wall.condition == Condition::Exact) {
-        let opposite = match wall.name {
-            "left" => "right",
-            "right" => "left",
-            "bottom" => "top",
-            "top" => "bottom",
-            _ => "",
-        };
+        let opposite = wall.wall.opposite();
         let constant = |other: &Wall| matches!(&other.condition, Condition::Temperature(series) if series.range().0 == series.range().1);
         let reason = if matches!(domain, Domain::Ring { .. }) {
             Some("a ring has no exact solution".to_owned())
         } else if domain.symmetry().is_some() {
             Some("a body of shells has no exact solution".to_owned())
-        } else if !walls.iter().any(|other| other.name == opposite && constant(other)) {
-            Some(format!("the wall \"{opposite}\" must have a constant temperature"))
-        } else if let Some(other) = walls
-            .iter()
-            .find(|other| other.name != wall.name && other.name != opposite && other.condition != Condition::Symmetry)
+        } else if let Some(opposite) = opposite
+            && !walls.iter().any(|other| other.wall == opposite && constant(other))
         {
-            Some(format!("the wall \"{}\" must be a symmetry plane", other.name))
+            Some(format!("the wall \"{opposite}\" must have a constant temperature"))
+        } else if let Some(other) = walls.iter().find(|other| {
+            other.wall != wall.wall && Some(other.wall) != opposite && other.condition != Condition::Symmetry
+        }) {
+            Some(format!("the wall \"{}\" must be a symmetry plane", other.wall))
         } else if regions.iter().any(|region| region.temperature.is_some()) {
             Some("the body must start at one temperature".to_owned())
         } else if !regions.is_empty() || materials.len() > 1 {
@@ -174,7 +180,7 @@ pub(super) fn exact_walls(
             None
         };
         if let Some(reason) = reason {
-            section.note(wall.name, format!("condition \"exact\" needs an exact solution: {reason}"));
+            section.note(wall.wall.name(), format!("condition \"exact\" needs an exact solution: {reason}"));
         }
     }
 }

@@ -2,14 +2,15 @@
 
 use glam::DVec2;
 
-use super::body::wall_names;
+use super::body::{wall_named, wall_names};
 use super::problem::{Noted, Read};
-use super::range::{Range, all_of};
+use super::range::Range;
 use super::section::Section;
 use frazil_core::balances::groundwater::ground::{Across, Flow, PressureWall, RelativePermeability};
 use frazil_core::physics::material::Material;
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
+use frazil_core::space::wall::WallId;
 
 const PERMEABILITY: (&str, &str) = ("permeability", "m2");
 const VELOCITY: (&str, &str) = ("velocity", "m_per_day");
@@ -123,7 +124,7 @@ fn open(
         return Ok((Vec::new(), None));
     };
     let pressure = velocity.scaled(viscosity? * across.radius / (DAY * ground));
-    Ok((vec![PressureWall { name: "outer", pressure }], Some(across)))
+    Ok((vec![PressureWall { wall: WallId::Outer, pressure }], Some(across)))
 }
 
 /// Groundwater that crosses a ring: its velocity (m a day) far from what freezes, and its direction.
@@ -163,12 +164,10 @@ fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<PressureWall
         let pressure = wall.series(("pressure", "Pa"), Range::ANY);
         open += 1;
         let Some(domain) = domain else { continue };
-        let names = wall_names(domain);
-        match names.iter().find(|known| **known == name) {
-            Some(name) => found.extend(pressure.map(|pressure| PressureWall { name, pressure })),
+        match wall_named(domain, &name) {
+            Some(wall) => found.extend(pressure.map(|pressure| PressureWall { wall, pressure })),
             None => {
-                let names = all_of(names.iter().copied());
-                wall.section_problem(format!("the domain has no such wall, it has {names}"));
+                wall.section_problem(format!("the domain has no such wall, it has {}", wall_names(domain)));
             }
         }
     }

@@ -8,6 +8,7 @@ use crate::scene::WallPart;
 use frazil_core::boundary::condition::Condition;
 use frazil_core::space::domain::{Domain, Surface};
 use frazil_core::space::symmetry::Symmetry;
+use frazil_core::space::wall::WallId;
 
 const INNER: (&str, &str) = ("inner_radius", "m");
 const OUTER: (&str, &str) = ("outer_radius", "m");
@@ -39,18 +40,17 @@ fn radii(section: &mut Section<'_>) -> Read<(f64, f64)> {
 }
 
 /// Extent of a wall along itself (m), if it has any.
-fn along(domain: &Domain, wall: &str) -> Option<(f64, f64)> {
-    match (*domain, wall) {
-        (Domain::Axial { height, .. }, "inner" | "outer") => Some((0.0, height)),
-        (Domain::Axial { inner, outer, .. }, _) => Some((inner, outer)),
-        (Domain::Rectangle { height, .. }, "left" | "right") => Some((0.0, height)),
-        (Domain::Rectangle { width, .. }, _) => Some((0.0, width)),
+fn along(domain: &Domain, wall: WallId) -> Option<(f64, f64)> {
+    match (*domain, wall.is_across_y()) {
+        (Domain::Axial { inner, outer, .. }, true) => Some((inner, outer)),
+        (Domain::Rectangle { width, .. }, true) => Some((0.0, width)),
+        (Domain::Axial { height, .. } | Domain::Rectangle { height, .. }, false) => Some((0.0, height)),
         _ => None,
     }
 }
 
 /// Reads the parts of a wall that have conditions of their own.
-pub(super) fn parts(section: &mut Section<'_>, wall: &'static str, domain: &Domain) -> Vec<WallPart> {
+pub(super) fn parts(section: &mut Section<'_>, wall: WallId, domain: &Domain) -> Vec<WallPart> {
     const FROM: (&str, &str) = ("from", "m");
     const TO: (&str, &str) = ("to", "m");
     let mut found = Vec::new();

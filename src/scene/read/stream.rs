@@ -7,6 +7,7 @@ use crate::scene::Wall;
 use crate::stream::Stream;
 use frazil_core::boundary::condition::Condition;
 use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::WallId;
 
 /// Reads the section `stream`, if there is one.
 pub(super) fn stream(
@@ -28,8 +29,8 @@ pub(super) fn stream(
         }
         None => f64::INFINITY,
     };
-    for name in ["left", "right"] {
-        if walls.iter().any(|wall| wall.name == name && wall.condition != Condition::Symmetry) {
+    for name in WallId::ends(false) {
+        if walls.iter().any(|wall| wall.wall == name && wall.condition != Condition::Symmetry) {
             section.section_problem(format!(
                 "the wall \"{name}\" must have condition = \"symmetry\": what leaves on the right enters on the left, and no \
                  heat with it"

@@ -4,6 +4,7 @@ use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
+use frazil_core::space::wall::WallId;
 use frazil_record::{Outcome, ProfileRow, Record, ReferenceInfo};
 use frazil_scene::{PipeRing, Wall};
 
@@ -54,7 +55,7 @@ fn scene(domain: Domain, duration: f64) -> Scene {
     let phase = Phase { conductivity: 1.0, heat_capacity: 1.0 };
     Scene {
         initial_temperature: 5.0,
-        walls: vec![Wall { name: "left", condition: Condition::Temperature(Series::Constant(-20.0)) }],
+        walls: vec![Wall { wall: WallId::Left, condition: Condition::Temperature(Series::Constant(-20.0)) }],
         ..Scene::bare(
             domain,
             duration,

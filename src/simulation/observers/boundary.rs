@@ -3,6 +3,7 @@
 use frazil_core::boundary::condition::Condition;
 use frazil_core::series::Series;
 use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::WallId;
 use frazil_scene::Scene;
 use glam::DVec2;
 
@@ -40,26 +41,28 @@ pub(super) struct Boundary {
 impl Boundary {
     pub(super) fn of(scene: &Scene) -> Self {
         let mut parts = Vec::new();
-        let mut straight = |name: &'static str, from: DVec2, to: DVec2| {
+        let mut straight = |wall: WallId, from: DVec2, to: DVec2| {
             let (length, way) = (from.distance(to), (to - from).normalize_or_zero());
             let origin = if way.x > 0.5 { from.x } else { from.y };
-            let own = || scene.wall_parts.iter().filter(|part| part.wall == name);
+            let own = || scene.wall_parts.iter().filter(|part| part.wall == wall);
             let mut ends: Vec<f64> = own().flat_map(|part| [part.from - origin, part.to - origin]).collect();
             ends.extend([0.0, length]);
             ends.sort_by(f64::total_cmp);
             for pair in ends.windows(2).filter(|pair| pair[0] < pair[1]) {
                 let middle = origin + 0.5 * (pair[0] + pair[1]);
                 let part = own().rfind(|part| (part.from..part.to).contains(&middle)).map(|part| &part.condition);
-                if let Some(series) = part.or_else(|| scene.wall(name)).and_then(temperature) {
+                if let Some(series) = part.or_else(|| scene.wall(wall)).and_then(temperature) {
                     parts.push((Shape::Segment(from + pair[0] * way, from + pair[1] * way), series));
                 }
             }
         };
         match scene.domain {
-            Domain::Rectangle { width, height } => sides((0.0, width), height, ["left", "right"], &mut straight),
-            Domain::Axial { inner, outer, height } => sides((inner, outer), height, ["inner", "outer"], &mut straight),
+            Domain::Rectangle { width, height } => sides((0.0, width), height, WallId::ends(false), &mut straight),
+            Domain::Axial { inner, outer, height } => {
+                sides((inner, outer), height, [WallId::Inner, WallId::Outer], &mut straight)
+            }
             Domain::Ring { outer_radius, .. } => {
-                let outer = scene.wall("outer").and_then(temperature);
+                let outer = scene.wall(WallId::Outer).and_then(temperature);
                 parts.extend(outer.map(|series| (Shape::Circle(DVec2::ZERO, outer_radius), series)));
             }
             Domain::Line { .. } | Domain::Radial { .. } => {}
@@ -89,14 +92,14 @@ impl Boundary {
 fn sides(
     (low, high): (f64, f64),
     height: f64,
-    [left, right]: [&'static str; 2],
-    straight: &mut impl FnMut(&'static str, DVec2, DVec2),
+    [left, right]: [WallId; 2],
+    straight: &mut impl FnMut(WallId, DVec2, DVec2),
 ) {
     let at = DVec2::new;
     straight(left, at(low, 0.0), at(low, height));
     straight(right, at(high, 0.0), at(high, height));
-    straight("bottom", at(low, 0.0), at(high, 0.0));
-    straight("top", at(low, height), at(high, height));
+    straight(WallId::Bottom, at(low, 0.0), at(high, 0.0));
+    straight(WallId::Top, at(low, height), at(high, height));
 }
 
 /// The temperature that a wall is held at, or that is beyond its film.

@@ -1,6 +1,6 @@
 //! The heat balance.
 
-use frazil_core::ledger::{Ledger, Sum};
+use frazil_core::ledger::{Ledger, Source, Sum};
 use frazil_core::particles::Particles;
 use frazil_record::{BudgetRow, RunResult};
 
@@ -12,7 +12,7 @@ struct Budget {
 }
 
 pub(super) fn of(setup: &Setup<'_>) -> Made {
-    let names = setup.method.ledger().names().to_vec();
+    let names = setup.method.ledger().sources().iter().map(Source::to_string).collect();
     Some(Box::new(Budget { names, rows: Vec::with_capacity(setup.outputs()) }))
 }
 

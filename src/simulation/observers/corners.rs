@@ -5,6 +5,7 @@ use std::f64::consts::SQRT_2;
 use frazil_core::boundary::condition::Condition;
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::WallId;
 use frazil_scene::Scene;
 use glam::DVec2;
 
@@ -29,10 +30,10 @@ impl Corners {
             return None;
         }
         let freezing = scene.materials[0].freezing_point;
-        let cold = |name: &str| matches!(scene.wall(name), Some(Condition::Temperature(series)) if series.at(scene.duration) < freezing);
+        let cold = |wall: WallId| matches!(scene.wall(wall), Some(Condition::Temperature(series)) if series.at(scene.duration) < freezing);
         let mut corners = Vec::new();
-        for (side, x, right) in [("left", 0.0, 1.0), ("right", width, -1.0)] {
-            for (end, y, up) in [("bottom", 0.0, 1.0), ("top", height, -1.0)] {
+        for (side, x, right) in [(WallId::Left, 0.0, 1.0), (WallId::Right, width, -1.0)] {
+            for (end, y, up) in [(WallId::Bottom, 0.0, 1.0), (WallId::Top, height, -1.0)] {
                 if cold(side) && cold(end) {
                     corners.push((DVec2::new(x, y), DVec2::new(right, up)));
                 }

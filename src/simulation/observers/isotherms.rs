@@ -4,6 +4,7 @@
 use frazil_core::boundary::condition::Condition;
 use frazil_core::memory::HeapSize;
 use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::WallId;
 use frazil_record::{Role, RunResult, Table, Unit};
 use frazil_scene::{FreezingDirection, Scene};
 
@@ -25,7 +26,7 @@ struct Isotherms {
 
 enum Body {
     /// One in which a front runs one way.
-    Deep(FreezingDirection, [&'static str; 2]),
+    Deep(FreezingDirection, [WallId; 2]),
     Plane(LevelSet, Boundary),
 }
 
@@ -51,7 +52,7 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
 }
 
 /// The one direction of a body in which all that it has runs one way, and its walls there, that from which depths count first.
-fn direction(scene: &Scene) -> Option<(FreezingDirection, [&'static str; 2])> {
+fn direction(scene: &Scene) -> Option<(FreezingDirection, [WallId; 2])> {
     let direction = match scene.domain {
         Domain::Radial { inner, outer, .. } => {
             let from_end = RadialFront::of(scene).is_some_and(|front| front.from_outer);
@@ -60,9 +61,8 @@ fn direction(scene: &Scene) -> Option<(FreezingDirection, [&'static str; 2])> {
         _ => scene.freezing_direction()?,
     };
     let mut walls = match scene.domain {
-        Domain::Radial { .. } => ["inner", "outer"],
-        _ if direction.along_y => ["bottom", "top"],
-        _ => ["left", "right"],
+        Domain::Radial { .. } => [WallId::Inner, WallId::Outer],
+        _ => WallId::ends(direction.along_y),
     };
     if direction.from_end {
         walls.reverse();
@@ -72,7 +72,7 @@ fn direction(scene: &Scene) -> Option<(FreezingDirection, [&'static str; 2])> {
 
 /// Temperatures by depth (m), from one wall to the other: on a wall that which it is held at, or where the two particles before
 /// it lead.
-fn by_depth(view: &View<'_>, direction: &FreezingDirection, walls: [&'static str; 2]) -> Vec<(f64, f64)> {
+fn by_depth(view: &View<'_>, direction: &FreezingDirection, walls: [WallId; 2]) -> Vec<(f64, f64)> {
     let particles = view.particles;
     let corner = particles.lattice.corner;
     let first = if direction.along_y { corner.y } else { corner.x };
@@ -82,8 +82,8 @@ fn by_depth(view: &View<'_>, direction: &FreezingDirection, walls: [&'static str
     if direction.from_end {
         points.reverse();
     }
-    let on_wall = |name: &str, depth: f64, [near, next]: [(f64, f64); 2]| {
-        let held = match view.scene.wall(name) {
+    let on_wall = |wall: WallId, depth: f64, [near, next]: [(f64, f64); 2]| {
+        let held = match view.scene.wall(wall) {
             Some(Condition::Temperature(series)) => Some(series.at(view.time)),
             _ => None,
         };

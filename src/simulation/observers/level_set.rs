@@ -4,11 +4,11 @@
 //! outermost particles to straight walls half a spacing away, but for mirrors: areas and contours of a linear field are exact, those of others wrong by
 //! the square of the spacing. Beside curved walls, where not all four are there, nothing is counted.
 
-use frazil_core::boundary::condition::Condition;
 use frazil_core::memory::{HeapSize, total};
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_core::space::lattice::Lattice;
+use frazil_core::space::wall::WallId;
 use frazil_scene::Scene;
 use glam::DVec2;
 
@@ -142,11 +142,11 @@ impl LevelSet {
 
 /// Sides of the lattice of a scene that are mirrors.
 fn mirrors(scene: &Scene) -> [[bool; 2]; 2] {
-    let closed = |name: &str| scene.wall(name).is_none_or(|condition| *condition == Condition::Symmetry);
+    let closed = |walls: [WallId; 2]| walls.map(|wall| scene.is_closed(wall));
     match scene.domain {
         Domain::Ring { sector, .. } => [[sector == Sector::Quarter, false], [sector != Sector::Whole, false]],
-        Domain::Axial { .. } => [["inner", "outer"].map(closed), ["bottom", "top"].map(closed)],
-        _ => [["left", "right"].map(closed), ["bottom", "top"].map(closed)],
+        Domain::Axial { .. } => [closed([WallId::Inner, WallId::Outer]), closed(WallId::ends(true))],
+        _ => [false, true].map(|along_y| closed(WallId::ends(along_y))),
     }
 }
 

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use frazil_core::memory::HeapSize;
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::Domain;
-use frazil_scene::{PipeRing, Scene};
+use frazil_scene::{PipeName, PipeRing, Scene};
 use glam::DVec2;
 
 use super::loops::{SAME, neighbours, turn};
@@ -47,7 +47,7 @@ impl Pair {
 
     /// Names of both.
     pub(crate) fn names(&self) -> [String; 2] {
-        self.numbers.map(|k| format!("1.{}", k + 1))
+        self.numbers.map(|pipe| PipeName { ring: 0, pipe }.to_string())
     }
 
     /// Angle of the middle between them, from 0 to a turn.

@@ -3,6 +3,7 @@
 use frazil_core::physics::material::Material;
 use frazil_core::space::domain::Domain;
 use frazil_core::space::symmetry::Symmetry;
+use frazil_core::space::wall::WallId;
 use frazil_scene::Scene;
 
 /// Where the front of a radial body starts, and how it is measured.
@@ -21,7 +22,12 @@ impl RadialFront {
         if !scene.materials.iter().any(Material::freezes) {
             return None;
         }
-        Some(RadialFront { symmetry, inner, outer, from_outer: scene.drive("outer") > scene.drive("inner") })
+        Some(RadialFront {
+            symmetry,
+            inner,
+            outer,
+            from_outer: scene.drive(WallId::Outer) > scene.drive(WallId::Inner),
+        })
     }
 
     /// Radius (m) up to which, or from which on, a frozen volume fills the body.

@@ -6,7 +6,7 @@ use frazil_core::memory::total;
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{LinkRow, PlaneRow, RunResult, WallRecord, WallRow};
-use frazil_scene::Scene;
+use frazil_scene::{PipeName, Scene};
 use glam::DVec2;
 
 use super::joint::{Joint, Way, is_sharp};
@@ -40,7 +40,7 @@ struct Link {
 /// A pipe of the whole plan.
 #[derive(Debug, Clone)]
 struct Place {
-    name: String,
+    name: PipeName,
     at: DVec2,
 }
 
@@ -113,8 +113,8 @@ impl Wall {
     /// Watches neighbouring pipes.
     fn link(&mut self, scene: &Scene, sector: Sector, sampler: &Sampler<'_>, pipes: &[Extent]) {
         for (number, ring) in scene.rings.iter().enumerate() {
-            let name = |k: usize| format!("{}.{}", number + 1, k + 1);
-            self.places.extend(ring.numbers().map(|k| Place { name: name(k), at: ring.place(k) }));
+            let place = |k: usize| Place { name: PipeName { ring: number, pipe: k }, at: ring.place(k) };
+            self.places.extend(ring.numbers().map(place));
         }
         self.rings = vec![Sunk::default(); scene.rings.len()];
         for pipe in pipes {
@@ -222,7 +222,7 @@ impl Wall {
             });
         }
         if let Some(link) = self.weakest.as_ref().map(|weakest| weakest.link).or_else(|| self.widest_open()) {
-            let [from, to] = self.links[link].ends.map(|end| self.places[end].name.clone());
+            let [from, to] = self.links[link].ends.map(|end| self.places[end].name.to_string());
             (row.from, row.to) = (from, to);
         }
         self.planes.push(row);
@@ -309,8 +309,8 @@ impl Wall {
             let [a, b] = link.ends.map(|end| &self.places[end]);
             let middle = 0.5 * (a.at + b.at);
             LinkRow {
-                from: a.name.clone(),
-                to: b.name.clone(),
+                from: a.name.to_string(),
+                to: b.name.to_string(),
                 x_m: middle.x,
                 y_m: middle.y,
                 distance_m: a.at.distance(b.at),
@@ -326,7 +326,7 @@ impl Wall {
         if self.places.is_empty() {
             return None;
         }
-        let named = |link: usize| self.links[link].ends.map(|end| self.places[end].name.clone());
+        let named = |link: usize| self.links[link].ends.map(|end| self.places[end].name.to_string());
         let link = self.weakest.as_ref().map(|weakest| weakest.link).or_else(|| self.widest_open());
         let periods = &self.standing.periods;
         Some(WallRecord {

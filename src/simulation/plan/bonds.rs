@@ -54,7 +54,7 @@ pub(super) fn list(
     let (positions, materials) = (prepared.positions(), prepared.materials.clone());
     let members = Members { rows: positions.len(), positions, materials, by_stencil: false };
     let (parts, ways_out) = parts(scene, settings, prepared, &members, pool)?;
-    let (sinks, rings) = (std::mem::take(&mut prepared.sinks), std::mem::take(&mut prepared.rings));
+    let (sinks, rings) = (std::mem::take(&mut prepared.sinks), scene.rings.len());
     Ok((ListParts { sinks, rings, bound: settings.bound.clone(), ..parts }, ways_out))
 }
 
@@ -120,7 +120,7 @@ fn parts(
         touches,
         surfaces: scene.watch.surfaces.clone(),
         sinks: Vec::new(),
-        rings: Vec::new(),
+        rings: 0,
         exchange: numerics.exchange,
         pool,
         bound: None,

@@ -16,13 +16,11 @@ const MOST_SWITCHES: f64 = 1e7;
 #[derive(Default)]
 pub(super) struct Pipes {
     pub(super) sinks: Vec<Sink>,
-    /// Names of the rings in the heat balance.
-    pub(super) rings: Vec<String>,
     /// As what pipes of one particle act.
     pub(super) acting: Vec<String>,
 }
 
-/// Sinks of all pipes in the sector, and the names of their rings.
+/// Sinks of all pipes in the sector.
 pub(super) fn pipes(
     scene: &Scene,
     lattice: &Lattice,
@@ -34,7 +32,6 @@ pub(super) fn pipes(
     }
     let mirrors = (boundary.sides[0] == Side::Mirror, boundary.sides[2] == Side::Mirror);
     let mut sinks = Vec::new();
-    let mut rings = Vec::new();
     let mut acting = Vec::new();
     for (number, ring) in scene.rings.iter().enumerate() {
         if let Some(schedule) = &ring.schedule
@@ -59,7 +56,6 @@ pub(super) fn pipes(
             let sink = immerse(&pipe, number, lattice, mirrors, &green).map_err(refuse)?;
             sinks.extend(sink);
         }
-        rings.push(if scene.rings.len() == 1 { "pipes".to_string() } else { format!("pipes_{}", number + 1) });
     }
-    Ok(Pipes { sinks, rings, acting })
+    Ok(Pipes { sinks, acting })
 }

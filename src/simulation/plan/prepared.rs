@@ -48,8 +48,6 @@ pub(super) struct Prepared {
     pub(super) start: Arc<[f64]>,
     pub(super) stencil: Stencil,
     pub(super) sinks: Vec<Sink>,
-    /// Names of pipe rings.
-    pub(super) rings: Vec<String>,
     /// Whether shells take the papers' shape factors and mirrors, in their own setting.
     pub(super) printed: bool,
     /// Whether pairs reach farther than the body is wide.
@@ -93,7 +91,7 @@ impl Prepared {
         if materials.mixed() {
             differences.extend(layers::unresolved(scene, numerics, &lattice, &stencil, &materials.thermals));
         }
-        let Pipes { sinks, rings, acting } = pipes(scene, &lattice, &boundary, &stencil)?;
+        let Pipes { sinks, acting } = pipes(scene, &lattice, &boundary, &stencil)?;
         differences.extend(acting);
         let count = cloud.as_ref().map_or(lattice.len(), |cloud| cloud.len());
         let start = start::without_displaced(start, &sinks, &materials, &volumes, count);
@@ -107,7 +105,6 @@ impl Prepared {
             start,
             stencil,
             sinks,
-            rings,
             printed,
             narrow,
             differences,
@@ -172,7 +169,7 @@ impl Prepared {
             materials: self.materials.clone(),
             boundary,
             sinks: self.sinks.clone(),
-            rings: self.rings.clone(),
+            rings: scene.rings.len(),
             pool,
             bound: settings.bound.clone(),
         })

@@ -6,6 +6,7 @@ use frazil_core::boundary::condition::Condition;
 use frazil_core::boundary::pipe::Pipe;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_core::space::lattice::Lattice;
+use frazil_core::space::wall::WallId;
 use frazil_scene::region::Cell;
 use frazil_scene::{PipeRing, Region, Scene, Shape, Wall};
 use glam::DVec2;
@@ -45,8 +46,12 @@ pub(super) enum Fold {
 impl Fold {
     /// Folds that walls and pipes allow, the ones that save most first. Materials are not looked at.
     pub(super) fn candidates(scene: &Scene) -> Vec<Fold> {
-        let same = |a: &str, b: &str| scene.wall(a) == scene.wall(b);
-        let closed = |name: &str| scene.wall(name).is_none_or(|condition| *condition == Condition::Symmetry);
+        // By direction: along y, or along x.
+        let [same_in_x, same_in_y] = [false, true].map(|along_y| {
+            let [first, last] = WallId::ends(along_y);
+            scene.wall(first) == scene.wall(last)
+        });
+        let closed = |along_y: bool| WallId::ends(along_y).into_iter().all(|wall| scene.is_closed(wall));
         let mut found = Vec::new();
         // Where cracks are, ways differ that look alike.
         if !scene.cracks.is_empty() {
@@ -56,23 +61,23 @@ impl Fold {
             // Shells are what symmetry leaves.
             Domain::Radial { .. } | Domain::Axial { .. } => {}
             Domain::Line { length } => {
-                if same("left", "right") {
+                if same_in_x {
                     found.push(Fold::Half { along_y: false, length });
                 }
             }
             Domain::Rectangle { width, height } => {
                 // A line has no points beside it along which a profile could be kept.
                 let along_line = scene.watch.cuts.is_empty();
-                if along_line && closed("bottom") && closed("top") {
+                if along_line && closed(true) {
                     found.push(Fold::Line { along_y: false, across: height });
                 }
-                if along_line && closed("left") && closed("right") {
+                if along_line && closed(false) {
                     found.push(Fold::Line { along_y: true, across: width });
                 }
-                if same("left", "right") {
+                if same_in_x {
                     found.push(Fold::Half { along_y: false, length: width });
                 }
-                if same("bottom", "top") {
+                if same_in_y {
                     found.push(Fold::Half { along_y: true, length: height });
                 }
             }
@@ -105,12 +110,9 @@ impl Fold {
         match (*self, scene.domain) {
             (Fold::Line { along_y, .. }, Domain::Rectangle { width, height }) => {
                 smaller.domain = Domain::Line { length: if along_y { height } else { width } };
-                let names = if along_y { ["bottom", "top"] } else { ["left", "right"] };
-                smaller.walls = ["left", "right"]
-                    .into_iter()
-                    .zip(names)
-                    .filter_map(|(name, own)| Some(Wall { name, condition: scene.wall(own)?.clone() }))
-                    .collect();
+                let ends = WallId::ends(false).into_iter().zip(WallId::ends(along_y));
+                let wall = |(wall, own)| Some(Wall { wall, condition: scene.wall(own)?.clone() });
+                smaller.walls = ends.filter_map(wall).collect();
                 smaller.regions = scene.regions.iter().filter_map(|region| on_line(region, along_y)).collect();
                 for (x, y) in &mut smaller.watch.probes {
                     (*x, *y) = (if along_y { *y } else { *x }, 0.0);
@@ -123,8 +125,8 @@ impl Fold {
                     Domain::Rectangle { height, .. } => Domain::Rectangle { width: half, height },
                     _ => Domain::Line { length: half },
                 };
-                let far = if along_y { "top" } else { "right" };
-                for wall in smaller.walls.iter_mut().filter(|wall| wall.name == far) {
+                let [_, far] = WallId::ends(along_y);
+                for wall in smaller.walls.iter_mut().filter(|wall| wall.wall == far) {
                     wall.condition = Condition::Symmetry;
                 }
                 for (x, y) in &mut smaller.watch.probes {

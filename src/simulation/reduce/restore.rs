@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use frazil_core::space::domain::Sector;
+use frazil_core::space::wall::WallId;
 use frazil_record::{Field, GapRow, MeanOver, ProfileRow, RunResult};
 use frazil_scene::Scene;
 
@@ -55,47 +56,37 @@ impl Fold {
 
     /// Heat by walls and rings of the larger body.
     fn heat(&self, larger: &Scene, result: &mut RunResult) {
-        let rings = &result.budget_names[result.budget_names.len() - larger.rings.len()..];
-        let walls = larger.walls.iter().map(|wall| wall.name.to_string());
-        let names: Vec<String> = walls.chain(rings.iter().cloned()).collect();
-        // Whose heat stands for a patch's, and how many times; a wall that the smaller body lacks lets none through.
-        let source = |name: &str| -> (Option<String>, f64) {
-            match self {
-                Fold::Line { along_y, across } => {
-                    let own = match (name, along_y) {
-                        ("left" | "right", false) => Some(name),
-                        ("bottom", true) => Some("left"),
-                        ("top", true) => Some("right"),
-                        _ => None,
-                    };
-                    (own.map(str::to_string), *across)
-                }
-                Fold::Half { along_y, .. } => match (name, along_y) {
-                    ("left" | "right", false) => (Some("left".into()), 1.0),
-                    ("bottom" | "top", true) => (Some("bottom".into()), 1.0),
-                    _ => (Some(name.into()), 2.0),
-                },
-                Fold::Sector { from, to, .. } => (Some(name.into()), images(*from, *to)),
-            }
-        };
+        let names = std::mem::take(&mut result.budget_names);
+        let first_ring = names.len() - larger.rings.len();
         let scale = match self {
             Fold::Line { across, .. } => *across,
             Fold::Half { .. } => 2.0,
             Fold::Sector { from, to, .. } => images(*from, *to),
         };
-        let sources: Vec<(Option<usize>, f64)> = names
-            .iter()
-            .map(|name| {
-                let (own, times) = source(name);
-                (own.and_then(|own| result.budget_names.iter().position(|name| *name == own)), times)
-            })
-            .collect();
+        // Whose heat stands for a wall's, and how many times; a wall that the smaller body lacks lets none through.
+        let source = |wall: WallId| -> (Option<WallId>, f64) {
+            match *self {
+                Fold::Line { along_y, across } => {
+                    let known = wall.is_across_y() == along_y;
+                    (known.then(|| WallId::ends(false)[usize::from(wall.is_at_end())]), across)
+                }
+                Fold::Half { along_y, .. } if wall.is_across_y() == along_y => (Some(WallId::ends(along_y)[0]), 1.0),
+                Fold::Half { .. } | Fold::Sector { .. } => (Some(wall), scale),
+            }
+        };
+        let walls = larger.walls.iter().map(|wall| {
+            let (own, times) = source(wall.wall);
+            (own.and_then(|own| names.iter().position(|name| name == own.name())), times)
+        });
+        let rings = (first_ring..names.len()).map(|ring| (Some(ring), scale));
+        let sources: Vec<(Option<usize>, f64)> = walls.chain(rings).collect();
         result.start.frozen_volume *= if let Fold::Sector { .. } = self { 1.0 } else { scale };
         for row in &mut result.budget {
             row.stored_j *= scale;
             row.in_j = sources.iter().map(|(own, times)| own.map_or(0.0, |own| times * row.in_j[own])).collect();
         }
-        result.budget_names = names;
+        let walls = larger.walls.iter().map(|wall| wall.wall.to_string());
+        result.budget_names = walls.chain(names[first_ring..].iter().cloned()).collect();
     }
 }
 

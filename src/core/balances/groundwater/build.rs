@@ -18,6 +18,7 @@ use crate::boundary::patch::Face;
 use crate::kernels::enthalpy_rows::ListBalance;
 use crate::kernels::list_parts::ListParts;
 use crate::kernels::term::Off;
+use crate::ledger::Source;
 use crate::ledger::Sum;
 use crate::physics::latent_heat::{LatentHeatScheme, Materials, Mushy, scheme};
 use crate::physics::material::Material;
@@ -25,6 +26,7 @@ use crate::physics::thermal::Thermal;
 use crate::solvers::balance::{Balance, BalanceFacts};
 use crate::solvers::step::Bound;
 use crate::space::domain::Domain;
+use crate::space::wall::WallId;
 
 /// What water flows through.
 pub struct FlowParts<'a> {
@@ -63,7 +65,7 @@ impl AdvectedHeat {
             let scheme = scheme(LatentHeatScheme::Enthalpy, Mushy::Fraction, &materials, enthalpy, enthalpy.len());
             Box::new(ListBalance::new(list, Off, scheme))
         });
-        let patches = conduction.facts().patches.iter().cloned().chain(["ice".to_owned()]).collect();
+        let patches = conduction.facts().patches.iter().copied().chain([Source::Ice]).collect();
         let crossed = |surface| Crossed::new(surface, &water.network, &water.carrier, flow, &positions);
         let surfaces: Vec<Crossed> = surfaces.iter().map(crossed).collect();
         let own_bound = bound(conduction.as_mut(), bend.as_ref());
@@ -214,7 +216,7 @@ fn across(domain: Domain, count: usize) -> f64 {
 /// density, p + rho g y takes the place of the pressure.
 fn lifts(flow: &Flow, weight: f64, domain: Domain, places: &[DVec2]) -> (Vec<f64>, Vec<f64>) {
     let height = if let Domain::Rectangle { height, .. } = domain { height } else { 0.0 };
-    let lift = |wall: &PressureWall| if wall.name == "top" { weight * height } else { 0.0 };
+    let lift = |wall: &PressureWall| if wall.wall == WallId::Top { weight * height } else { 0.0 };
     let heights = if weight > 0.0 { places.iter().map(|place| weight * place.y).collect() } else { Vec::new() };
     (flow.walls.iter().map(lift).collect(), heights)
 }

@@ -1,11 +1,13 @@
 //! Why water cannot flow.
 
+use crate::space::wall::WallId;
+
 /// Why water cannot flow through a body, or not any further.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GroundwaterError {
     /// A pressure is given at a wall that the body has not.
     #[error("the body has no wall \"{0}\" for water")]
-    NoWall(&'static str),
+    NoWall(WallId),
     /// A ghost stands for several particles.
     #[error("water needs walls that mirror particles one by one")]
     FittedWall,

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use crate::series::Series;
+use crate::space::wall::WallId;
 
 /// Groundwater that flows through all of the body.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,8 +46,8 @@ impl Across {
 /// A wall through which water enters or leaves.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PressureWall {
-    /// `left`, `right`, `bottom`, `top`; in a ring `outer`.
-    pub name: &'static str,
+    /// A side of a box; in a ring the outer one.
+    pub wall: WallId,
     /// Pressure along it (Pa).
     pub pressure: Series,
 }

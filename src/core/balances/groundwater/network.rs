@@ -15,6 +15,7 @@ use crate::bonds::pair_list::PairList;
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::{Boundary, Face};
 use crate::memory::{HeapSize, total};
+use crate::space::wall::PatchId;
 
 /// Walls that a body can have.
 pub const MOST_WALLS: usize = 4;
@@ -371,14 +372,13 @@ struct Chain {
 impl Mirrors<'_> {
     /// Patches of the walls for water.
     fn patches(&self) -> Result<Vec<usize>, GroundwaterError> {
-        let patch = |name: &str| self.boundary.patches.iter().position(|patch| patch.name == name);
-        let walls = self.flow.walls.iter().map(|wall| &wall.name);
-        walls.map(|name| patch(name).ok_or(GroundwaterError::NoWall(name))).collect()
+        let walls = self.flow.walls.iter().map(|wall| wall.wall);
+        walls.map(|wall| self.boundary.whole(wall).ok_or(GroundwaterError::NoWall(wall))).collect()
     }
 
     /// The wall for water at a patch.
     fn wall(&self, patch: usize) -> Option<usize> {
-        self.flow.walls.iter().position(|wall| wall.name == self.boundary.patches[patch].name)
+        self.flow.walls.iter().position(|wall| PatchId::Whole(wall.wall) == self.boundary.patches[patch].id)
     }
 }
 

@@ -7,6 +7,7 @@ use crate::balances::groundwater::ground::Flow;
 use crate::balances::groundwater::network::Network;
 use crate::memory::HeapSize;
 use crate::space::domain::Surface;
+use crate::space::wall::WallId;
 
 /// What of the water's ways passes a surface.
 pub struct Crossed {
@@ -25,10 +26,10 @@ impl Crossed {
             let before = network.paths(i).filter(|(j, ..)| !beyond(*j));
             paths.extend(before.map(|(j, slot, _)| (i as u32, j as u32, slot as u32)));
         }
-        let faced = if surface.across_y { ["bottom", "top"] } else { ["left", "right"] };
+        let faced = WallId::ends(surface.across_y);
         let sign = |mouth: &Mouth| {
-            let name = flow.walls[mouth.wall as usize].name;
-            match (name == faced[0], name == faced[1], beyond(mouth.particle as usize)) {
+            let wall = flow.walls[mouth.wall as usize].wall;
+            match (wall == faced[0], wall == faced[1], beyond(mouth.particle as usize)) {
                 (true, _, true) => Some(1.0),
                 (_, true, false) => Some(-1.0),
                 _ => None,

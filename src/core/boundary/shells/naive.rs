@@ -8,6 +8,7 @@ use crate::boundary::shells::{Exchange, ShellError, Shells};
 use crate::space::domain::Domain;
 use crate::space::lattice::Lattice;
 use crate::space::volumes::Volumes;
+use crate::space::wall::WallId;
 
 /// Pairs of the shells of a domain with each other and with the layers behind walls that let heat through, or why there
 /// are none. The layers take their values from [`crate::boundary::wall_layers::level`].
@@ -20,12 +21,12 @@ pub fn naive_shells(
     let Some(symmetry) = domain.symmetry() else { return Err(ShellError::NoSymmetry) };
     let (columns, rows, spacing) = (lattice.columns, lattice.rows, lattice.spacing);
     // A wall is open where any of its parts is; closed parts then have layers that take nothing.
-    let is_open = |name: &str| {
-        let mut patches = boundary.patches.iter().filter(|patch| patch.name.starts_with(name));
+    let is_open = |wall: WallId| {
+        let mut patches = boundary.patches.iter().filter(|patch| patch.id.wall() == Some(wall));
         patches.any(|patch| patch.lets_heat_through())
     };
-    let [left, right, below, above] =
-        ["inner", "outer", "bottom", "top"].map(|name| if is_open(name) { stencil.reach } else { 0 });
+    let [left, right, below, above] = [WallId::Inner, WallId::Outer, WallId::Bottom, WallId::Top]
+        .map(|wall| if is_open(wall) { stencil.reach } else { 0 });
     let (inner, outer) = domain.radii();
     let innermost = inner - left as f64 * spacing;
     if innermost < -1e-9 * spacing {
@@ -54,13 +55,13 @@ pub fn naive_shells(
             let (near, at) = (column.clamp(left, left + columns - 1), row.clamp(below, below + rows - 1));
             let (near, at) = (near - left, at - below);
             let (wall, along) = if column < left {
-                ("inner", (at as f64 + 0.5) * spacing)
+                (WallId::Inner, (at as f64 + 0.5) * spacing)
             } else if own >= columns {
-                ("outer", (at as f64 + 0.5) * spacing)
+                (WallId::Outer, (at as f64 + 0.5) * spacing)
             } else {
-                (if row < below { "bottom" } else { "top" }, inner + (near as f64 + 0.5) * spacing)
+                (if row < below { WallId::Bottom } else { WallId::Top }, inner + (near as f64 + 0.5) * spacing)
             };
-            let Some(whole) = boundary.patches.iter().position(|patch| patch.name == wall) else {
+            let Some(whole) = boundary.whole(wall) else {
                 return Err(ShellError::NoWall(wall));
             };
             let patch = boundary.patch_at(whole, along) as u8;

@@ -183,7 +183,7 @@ pub fn told_reference(scene: &mut Scene) -> Result<Option<Arc<dyn Reference>>, F
             scene.remarks.extend(truth.instead);
             Ok(truth.reference.map(Arc::from))
         }
-        Err(reason) => Err(Refused { reason: format!("the reference of scene `{}`: {reason}", scene.name) }.into()),
+        Err(reason) => Err(Refused::Reference(format!("the reference of scene `{}`: {reason}", scene.name)).into()),
     }
 }
 

@@ -183,7 +183,7 @@ fn a_step_above_the_bound_is_refused_with_its_cause() {
                 plan::build(&scene, &scene.methods[0], None, 1, 1).map(|plan| plan.step)
             };
             assert_eq!(plan(bound.step), Ok(bound.step), "{}", kind.name);
-            let refused = plan(bound.step * 1.001).expect_err("a step that is too long").reason;
+            let refused = plan(bound.step * 1.001).expect_err("a step that is too long").to_string();
             let number = format!("the stable bound of {:.6} s", bound.step);
             assert!(refused.contains(&number) && refused.contains(&bound.cause), "{}: {refused}", kind.name);
             assert!(bound.cause.contains("particle"), "{}: {}", kind.name, bound.cause);

@@ -269,7 +269,7 @@ fn what_cannot_be_is_refused_with_the_reason() {
     let pd = kinds().find(|kind| kind.name == "pd").expect("pd");
     let refused = |sketch: &Sketch| {
         let scene = sketch.scene(pd);
-        plan::build(&scene, &scene.methods[0], None, 1, 1).err().map(|refused| refused.reason).unwrap_or_default()
+        plan::build(&scene, &scene.methods[0], None, 1, 1).err().map(|refused| refused.to_string()).unwrap_or_default()
     };
     let mut thin = plain(Domain::Line { length: 0.12 }, "inner-layers").wall("left", "temperature_c = 1");
     assert_eq!(refused(&thin), "");

@@ -375,7 +375,7 @@ fn a_shaft_is_not_dug_before_its_wall_can_have_closed() {
     };
     let refused = |start: &str, more: Changes| match dug(start, more) {
         Ok(_) => unreachable!("not refused"),
-        Err(refused) => refused.reason,
+        Err(refused) => refused.to_string(),
     };
     let early = refused("1", &[]);
     assert!(

@@ -7,6 +7,7 @@
 //! kept to rounding; and the same start, constants and seed give the same bits on any number of threads. Rejected: a second
 //! pass for friction, after the kick, which gains less and costs half a step more.
 
+mod error;
 pub mod matter;
 pub mod pairs;
 pub mod parameters;
@@ -16,7 +17,6 @@ mod scan;
 mod slabs;
 pub mod sorting;
 mod start;
-mod state;
 mod step;
 mod totals;
 pub mod walls;
@@ -25,6 +25,7 @@ use std::sync::Arc;
 
 use rayon::ThreadPool;
 
+pub use error::FluidError;
 pub use matter::{ConstantCapacity, Matter};
 pub use parameters::{Exponent, Parameters};
 pub use particle::{Look, Particle};
@@ -113,12 +114,10 @@ impl<const D: usize> Fluid<D> {
         temperature: f64,
         seed: u64,
         pool: Option<Arc<ThreadPool>>,
-    ) -> Result<Self, String> {
-        if let Some(problem) = parameters.problem() {
-            return Err(problem);
-        }
+    ) -> Result<Self, FluidError> {
+        parameters.check()?;
         if !(temperature > 0.0 && temperature.is_finite()) {
-            return Err(format!("temperature: found {temperature}, must be above 0"));
+            return Err(FluidError::NotPositive("temperature", temperature));
         }
         let volume: f64 = lengths.iter().product();
         let count = (parameters.density * volume).round() as usize;
@@ -144,7 +143,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
         shut: Option<usize>,
         seed: u64,
         pool: Option<Arc<ThreadPool>>,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, FluidError> {
         let grid = CellGrid::new(lengths, parameters.reach() * (1.0 + SKIN))?;
         let slabs = grid.slabs();
         let count = particles.len();
@@ -178,8 +177,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             // Forces at the start, without friction, noise and heat: a frame of no time.
             fluid.meet(0.0);
             fluid.potential = fluid.pair_potential();
-            Ok::<(), String>(())
-        })?;
+        });
         Ok(fluid)
     }
 
@@ -257,7 +255,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     ///
     /// # Errors
     /// Particles that crowd together or leave the numbers: the step was too long.
-    pub fn advance(&mut self, steps: u64, drive: &impl Drive<D>) -> Result<(), String> {
+    pub fn advance(&mut self, steps: u64, drive: &impl Drive<D>) -> Result<(), FluidError> {
         self.in_pool(|fluid| (0..steps).try_for_each(|_| fluid.step(fluid.parameters.step, drive)))
     }
 
@@ -265,7 +263,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     ///
     /// # Errors
     /// As [`Fluid::advance`].
-    pub fn advance_by(&mut self, step: f64, drive: &impl Drive<D>) -> Result<(), String> {
+    pub fn advance_by(&mut self, step: f64, drive: &impl Drive<D>) -> Result<(), FluidError> {
         self.in_pool(|fluid| fluid.step(step, drive))
     }
 }

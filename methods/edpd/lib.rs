@@ -237,7 +237,7 @@ fn with_motion(
     knobs.extend(motion.knobs());
     let build =
         move |scene: &Scene, settings: &MethodSettings, pool: Option<Arc<ThreadPool>>, seed: u64, purpose: Purpose| {
-            moving::build(scene, settings, (&motion, ratio, capacity), pool, seed, purpose)
+            Ok(moving::build(scene, settings, (&motion, ratio, capacity), pool, seed, purpose)?)
         };
     Discretisation {
         weight: Arc::new(weight),

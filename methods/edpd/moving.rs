@@ -36,6 +36,7 @@ use method::MovingParticles;
 use patches::WallPatches;
 use place::{Placed, fill};
 
+pub use refusals::MotionError;
 pub use settings::{Motion, read};
 
 /// Particles and method of a scene with motion.
@@ -49,7 +50,7 @@ pub fn build(
     pool: Option<Arc<ThreadPool>>,
     seed: u64,
     purpose: Purpose,
-) -> Result<ParticleSet, String> {
+) -> Result<ParticleSet, MotionError> {
     let numerics = &settings.numerics;
     let liquid = Liquid::of(scene, numerics, motion, (cutoff_ratio, capacity))?;
     refusals::refuse(scene)?;

@@ -9,7 +9,7 @@ pub mod equilibrium;
 pub mod halves;
 pub mod verlet;
 
-use crate::fluid::{Drive, Fluid};
+use crate::fluid::{Drive, Fluid, FluidError};
 
 /// Steps of a measurement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,7 +32,7 @@ fn advance<const D: usize>(
     steps: u64,
     drive: &impl Drive<D>,
     watch: GoOn<'_>,
-) -> Result<bool, String> {
+) -> Result<bool, FluidError> {
     let mut left = steps;
     while left > 0 {
         let now = left.min(CHUNK);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use frazil_core::space::domain::Domain;
 use frazil_scene::{Change, PipeName, PipeRing, Scene};
-use frazil_simulation::closing::dug_too_early;
+use frazil_simulation::closing::{DugTooEarly, in_time};
 use frazil_studies::failure::Failure;
 use glam::DVec2;
 use toml::Value;
@@ -94,9 +94,7 @@ impl Layout {
     /// # Errors
     /// With the first thing that cannot be meant.
     pub fn fits(&self, shaft_radius: Option<f64>, method: &str) -> Result<(), Unfit> {
-        if let Some(reason) = dug_too_early(&self.scene) {
-            return Err(Unfit::DugEarly(reason));
-        }
+        in_time(&self.scene)?;
         let freezing = self.scene.materials[0].freezing_point;
         let mut places: Vec<DVec2> = Vec::new();
         for (number, ring) in self.scene.rings.iter().enumerate() {
@@ -133,8 +131,8 @@ impl Layout {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Unfit {
     /// The shaft is dug before it can be, as far as the scene alone tells.
-    #[error("{0}")]
-    DugEarly(String),
+    #[error(transparent)]
+    DugEarly(#[from] DugTooEarly),
     /// Pipes never freeze the ground.
     #[error("pipes.{ring}.temperature_c: found {coldest}, must come below {freezing}, where the ground freezes")]
     Warm {

@@ -187,7 +187,7 @@ fn explicit(
                     kinetic_over_internal: found.temperatures,
                 }))
             });
-            found.map_err(Failure::Request)
+            found.map_err(|wrong| Failure::Request(wrong.to_string()))
         };
         let key = key(&format!("explicit {lambda}, {steps} steps"), parameters, temperature);
         campaign.known(&key).or_else(|| campaign.make(&key, run))

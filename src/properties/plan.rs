@@ -1,6 +1,6 @@
 //! Which jobs a study consists of: a measurement at a temperature with a seed each.
 
-use frazil_edpd::fluid::{Exponent, Fluid, Parameters};
+use frazil_edpd::fluid::{Exponent, Fluid, FluidError, Parameters};
 use frazil_edpd::properties::Span;
 use frazil_edpd::properties::halves::{Push, decay};
 use frazil_studies::failure::Failure;
@@ -56,7 +56,7 @@ pub struct Job {
 
 impl Job {
     /// The fluid at its start.
-    pub fn fluid(&self) -> Result<Fluid<2>, String> {
+    pub fn fluid(&self) -> Result<Fluid<2>, FluidError> {
         Fluid::new(self.parameters.clone(), self.lengths, self.row.temperature, self.seed, None)
     }
 

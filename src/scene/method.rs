@@ -1,6 +1,7 @@
 //! A method as a scene sees it: its geometry, its own settings, and how it makes steps.
 
 use std::collections::BTreeMap;
+use std::error::Error;
 use std::sync::Arc;
 use std::{fmt, iter};
 
@@ -42,9 +43,13 @@ impl Discretisation {
     }
 }
 
+/// What of a scene a method cannot represent: an error of its own.
+pub type Unrepresented = Box<dyn Error + Send + Sync>;
+
 /// Makes the particles of a scene with these settings, threads and seed, for a purpose; or says what it cannot represent.
-pub type MakeParticleSet =
-    dyn Fn(&Scene, &MethodSettings, Option<Arc<ThreadPool>>, u64, Purpose) -> Result<ParticleSet, String> + Send + Sync;
+pub type MakeParticleSet = dyn Fn(&Scene, &MethodSettings, Option<Arc<ThreadPool>>, u64, Purpose) -> Result<ParticleSet, Unrepresented>
+    + Send
+    + Sync;
 
 /// Makes a method that makes its own steps.
 pub type OwnStep = dyn Fn(Assembly) -> Box<dyn Solver> + Send + Sync;

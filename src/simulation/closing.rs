@@ -15,38 +15,54 @@ use crate::observers::loops::{closure, neighbours};
 /// Pieces of the time over which the coldness of pipes is summed.
 const PIECES: usize = 4000;
 
-/// Why a shaft cannot be dug when the scene wants it, if it is known that the wall is open then.
-pub fn dug_too_early(scene: &Scene) -> Option<String> {
-    let shaft = scene.excavation.as_ref()?;
+/// Seconds of a day.
+const DAY: f64 = 86400.0;
+
+/// Why a shaft cannot be dug when the scene wants it.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum DugTooEarly {
+    /// No wall closes at all.
+    #[error("excavation: the pipes do not surround the shaft, so no wall closes around it")]
+    NotAround,
+    /// The wall is known to be open then.
+    #[error(
+        "excavation: the shaft is dug on day {:.1}, but the wall {}: two pipes stand {apart:.2} m apart, and columns that take \
+         up nothing but latent heat reach {reach:.2} m",
+        .start / DAY,
+        .closes.map_or("cannot close in this run".to_owned(), |time| format!("cannot close before day {:.1}", time / DAY))
+    )]
+    Open {
+        /// When it is dug (s).
+        start: f64,
+        /// Before when the wall cannot close (s), if it can in this run.
+        closes: Option<f64>,
+        /// How far two pipes stand apart (m).
+        apart: f64,
+        /// How far columns reach (m).
+        reach: f64,
+    },
+}
+
+/// Looks whether a wall may stand when the shaft is dug.
+///
+/// # Errors
+/// If it is known to be open then.
+pub fn in_time(scene: &Scene) -> Result<(), DugTooEarly> {
+    let Some(shaft) = &scene.excavation else { return Ok(()) };
     if scene.rings.is_empty() || scene.flow.is_some() || has_other_cold(scene) {
-        return None;
+        return Ok(());
     }
     let places: Vec<(DVec2, f64)> =
         scene.rings.iter().flat_map(|ring| ring.numbers().map(|k| (ring.place(k), ring.pipe_radius))).collect();
-    let Some(apart) = widest(&places) else {
-        return Some("excavation: the pipes do not surround the shaft, so no wall closes around it".into());
-    };
+    let apart = widest(&places).ok_or(DugTooEarly::NotAround)?;
     let diffusion = diffusion(scene);
-    if !diffusion.is_finite() {
-        return None;
-    }
     let reach = |time: f64| 2.0 * (diffusion * coldness(scene, time)).sqrt();
-    if 2.0 * reach(shaft.start) >= apart {
-        return None;
+    if !diffusion.is_finite() || 2.0 * reach(shaft.start) >= apart {
+        return Ok(());
     }
-    let day = |time: f64| time / 86400.0;
-    let closes =
-        (1..=PIECES).map(|k| scene.duration * k as f64 / PIECES as f64).find(|time| 2.0 * reach(*time) >= apart);
-    let when = match closes {
-        Some(time) => format!("cannot close before day {:.1}", day(time)),
-        None => "cannot close in this run".into(),
-    };
-    Some(format!(
-        "excavation: the shaft is dug on day {:.1}, but the wall {when}: two pipes stand {apart:.2} m apart, and columns that take \
-         up nothing but latent heat reach {:.2} m",
-        day(shaft.start),
-        reach(shaft.start)
-    ))
+    let mut times = (1..=PIECES).map(|k| scene.duration * k as f64 / PIECES as f64);
+    let closes = times.find(|time| 2.0 * reach(*time) >= apart);
+    Err(DugTooEarly::Open { start: shaft.start, closes, apart, reach: reach(shaft.start) })
 }
 
 /// Whether anything but pipes may freeze ground.

@@ -16,7 +16,7 @@ use std::vec::IntoIter;
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
 use frazil_core::solvers::solver::Solver;
-use frazil_core::solvers::step::{Bound, Clock};
+use frazil_core::solvers::step::{Bound, Clock, StepError};
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
@@ -26,7 +26,7 @@ use crate::observers::observer::{Moment, Setup, View};
 use crate::plan::{Plan, build, settings_of};
 use crate::reference::Reference;
 
-use guard::Guard;
+use guard::{Absurd, Guard};
 use instants::{next_turn, stops};
 use leave::Course;
 use stopwatch::{Elapsed, Stopwatch};
@@ -118,7 +118,29 @@ struct Simulation<'a> {
 }
 
 /// Why a run stopped before its end.
-type Stop = (Outcome, String);
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+enum Stop {
+    #[error(transparent)]
+    Step(#[from] StepError),
+    #[error(transparent)]
+    Absurd(#[from] Absurd),
+    /// At a time (s).
+    #[error("the time allowed ran out at {0:.6} s")]
+    TimedOut(f64),
+    /// At a time (s) of a duration.
+    #[error("interrupted at {0:.6} s of {1} s")]
+    Interrupted(f64, f64),
+}
+
+impl Stop {
+    fn outcome(&self) -> Outcome {
+        match self {
+            Stop::Step(_) | Stop::Absurd(_) => Outcome::Diverged,
+            Stop::TimedOut(_) => Outcome::TimedOut,
+            Stop::Interrupted(..) => Outcome::Interrupted,
+        }
+    }
+}
 
 /// Runs a scene under one method. Errors are taken against `reference`, if there is one.
 pub fn run(
@@ -197,8 +219,7 @@ impl Simulation<'_> {
         let landing = instant.min(self.turn);
         let count = ((landing - clock.time) / allowed * (1.0 - 1e-12)).ceil().max(1.0);
         clock.step = (landing - clock.time) / count;
-        let made =
-            self.method.advance(&mut self.particles, clock).map_err(|error| (Outcome::Diverged, error.to_string()))?;
+        let made = self.method.advance(&mut self.particles, clock)?;
         self.longest = self.longest.max(made);
         clock.index += 1;
         clock.time = if count == 1.0 && made == clock.step { landing } else { clock.time + made };
@@ -253,7 +274,7 @@ impl Simulation<'_> {
         }
         if self.dense || index.is_multiple_of(GUARD_STEPS) || index.is_power_of_two() {
             self.method.publish(&mut self.particles);
-            self.guard.look(&self.particles, &self.clock, &self.bound).map_err(|cause| (Outcome::Diverged, cause))?;
+            self.guard.look(&self.particles, &self.clock, &self.bound)?;
         }
         Ok(())
     }
@@ -271,11 +292,11 @@ impl Simulation<'_> {
                 progress(&Progress { time_s: now, duration_s: self.scene.duration, steps: index, elapsed_s });
             }
             if self.options.time_limit_s.is_some_and(|limit| elapsed_s > limit) {
-                return Err((Outcome::TimedOut, format!("the time allowed ran out at {now:.6} s")));
+                return Err(Stop::TimedOut(now));
             }
         }
         if self.options.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
-            return Err((Outcome::Interrupted, format!("interrupted at {now:.6} s of {} s", self.scene.duration)));
+            return Err(Stop::Interrupted(now, self.scene.duration));
         }
         Ok(())
     }
@@ -283,7 +304,7 @@ impl Simulation<'_> {
     /// Takes the output at an instant on which a step has landed.
     fn arrive(&mut self, instant: f64) -> Result<(), Stop> {
         self.method.publish(&mut self.particles);
-        self.guard.look(&self.particles, &self.clock, &self.bound).map_err(|cause| (Outcome::Diverged, cause))?;
+        self.guard.look(&self.particles, &self.clock, &self.bound)?;
         if self.pending.next_if(|time| *time <= instant).is_some() {
             let seen = Stopwatch::start(self.options.threads);
             self.observe(instant, Moment::Output { landed: true }, None);

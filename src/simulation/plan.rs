@@ -29,7 +29,7 @@ use crate::plan::refusals::{affordable, why_list};
 use crate::plan::steps::{choose_step, on_lattice, pool, solver};
 use crate::predict::{StepCount, planned_steps};
 use crate::reference::Reference;
-use crate::refused::{Refused, refuse};
+use crate::refused::Refused;
 use crate::terms;
 
 /// What a run of a scene under a method will do: the answer of `frazil check`.
@@ -100,9 +100,7 @@ pub fn bounds(
 
 /// The settings of a method on a scene, or why there are none.
 pub fn settings_of<'a>(scene: &'a Scene, method: &str) -> Result<&'a MethodSettings, Refused> {
-    scene.method(method).ok_or_else(|| {
-        refuse(format!("scene `{}` has no section [method.{method}] that gives its spacing", scene.name))
-    })
+    scene.method(method).ok_or_else(|| Refused::NoMethod { scene: scene.name.clone(), method: method.to_owned() })
 }
 
 /// Builds everything that a run needs.
@@ -146,7 +144,7 @@ pub(crate) fn build_for(
     affordable(scene, settings, &stencil)?;
     let own_step = match &discretisation.stepper {
         Stepper::Moving(make) => {
-            let set = make(scene, settings, pool(threads)?, seed, purpose).map_err(refuse)?;
+            let set = make(scene, settings, pool(threads)?, seed, purpose)?;
             return moving::plan(scene, settings, set);
         }
         Stepper::Own(step) => Some(step.as_ref()),

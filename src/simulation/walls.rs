@@ -11,6 +11,7 @@ use frazil_core::space::wall::{PatchId, WallId};
 use frazil_scene::Scene;
 
 use crate::reference::Reference;
+use crate::refused::Refused;
 
 /// The walls of a scene. `exact` is what walls that follow the exact solution ask. `mirrors` sets ghosts behind the
 /// walls of a body of shells, which otherwise touch its outermost particles alone.
@@ -19,7 +20,7 @@ pub fn boundary(
     model: WallModel,
     exact: Option<Arc<dyn Reference>>,
     mirrors: bool,
-) -> Result<Boundary, String> {
+) -> Result<Boundary, Refused> {
     let (axis_length, cold_at_end) = scene.freezing_direction().map_or((0.0, false), |d| (d.length, d.from_end));
     let whole = scene.walls.iter().map(|wall| (PatchId::Whole(wall.wall), &wall.condition));
     let parts = scene.wall_parts.iter().enumerate();
@@ -45,7 +46,7 @@ pub fn boundary(
         .collect();
     for patch in &patches {
         if patch.condition == Condition::Exact && patch.exact.as_ref().and_then(|exact| exact(1.0)).is_none() {
-            return Err(format!("wall `{}` asks for the exact solution, but this scene has none", patch.id));
+            return Err(Refused::NoExact(patch.id));
         }
     }
     let whole = |wall: WallId| patches.iter().position(|patch| patch.id == PatchId::Whole(wall));

@@ -1,5 +1,6 @@
 //! What a fluid of eDPD particles is made of, in DPD units: masses of 1, k_B of 1, temperatures over the reference one.
 
+use super::FluidError;
 use crate::calibration::Constants;
 
 /// Exponent s of the dissipative weight `(1 - r/rc)^s` over temperature.
@@ -97,8 +98,11 @@ impl Parameters {
         }
     }
 
-    /// What is wrong with the constants, if anything: key, what was found and what is allowed.
-    pub fn problem(&self) -> Option<String> {
+    /// Looks whether the constants mean anything.
+    ///
+    /// # Errors
+    /// The first that does not.
+    pub fn check(&self) -> Result<(), FluidError> {
         let positive = [
             ("density", self.density),
             ("conservative_cutoff", self.conservative_cutoff),
@@ -111,24 +115,22 @@ impl Parameters {
             [("repulsion", self.repulsion), ("friction", self.friction), ("heat_friction", self.heat_friction)];
         for (key, value) in positive {
             if !(value > 0.0 && value.is_finite()) {
-                return Some(format!("{key}: found {value}, must be above 0"));
+                return Err(FluidError::NotPositive(key, value));
             }
         }
         for (key, value) in not_negative {
             if !(value >= 0.0 && value.is_finite()) {
-                return Some(format!("{key}: found {value}, must be at least 0"));
+                return Err(FluidError::Negative(key, value));
             }
         }
         let grows = |pair: &[(f64, f64)]| pair[1].0 > pair[0].0;
         if matches!(&self.exponent, Exponent::Table(rows) if rows.is_empty() || !rows.windows(2).all(grows)) {
-            return Some("exponent: the rows must have growing temperatures, and there must be one".into());
+            return Err(FluidError::Rows);
         }
         let least = self.exponent.least();
         if !(least >= 0.0 && least.is_finite()) {
-            return Some(format!(
-                "exponent: found {least}, must be at least 0: friction would grow towards the cut-off"
-            ));
+            return Err(FluidError::Exponent(least));
         }
-        None
+        Ok(())
     }
 }

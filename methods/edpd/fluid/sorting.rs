@@ -9,6 +9,7 @@
 //! cell stand in a few ranges, which are looked through in vectors each time. Rejected: lists of partners, which take
 //! longer to read than ranges to look through.
 
+use super::FluidError;
 use super::particle::Particle;
 use super::power::round;
 
@@ -51,17 +52,13 @@ impl<const D: usize> CellGrid<D> {
     ///
     /// # Errors
     /// A box that is narrower than three cells.
-    pub fn new(lengths: [f64; D], distance: f64) -> Result<Self, String> {
+    pub fn new(lengths: [f64; D], distance: f64) -> Result<Self, FluidError> {
         let mut cells = [0; D];
         for axis in 0..D {
             cells[axis] = (lengths[axis] / distance) as usize;
             if cells[axis] < 3 {
-                return Err(format!(
-                    "a periodic box of length {} is too small: it must be at least {} long, three times the cut-off radius \
-                     and the skin around it",
-                    lengths[axis],
-                    (3e3 * distance).ceil() / 1e3
-                ));
+                let least = (3e3 * distance).ceil() / 1e3;
+                return Err(FluidError::Narrow { length: lengths[axis], least });
             }
         }
         let last = cells[D - 1];

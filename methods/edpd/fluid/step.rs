@@ -8,7 +8,7 @@ use super::pairs::StepConstants;
 use super::particle::{Look, Particle};
 use super::scan::{LANES, widened};
 use super::slabs::act_in_turn;
-use super::{Drive, Fluid, SKIN};
+use super::{Drive, Fluid, FluidError, SKIN};
 
 /// Particles that a task kicks and moves.
 const TASK: usize = 2048;
@@ -50,7 +50,7 @@ fn farther(a: f64, b: f64) -> f64 {
 
 impl<const D: usize, M: Matter> Fluid<D, M> {
     /// Half a kick and a drift, all pairs, the other half of the kick.
-    pub(super) fn step<W: Drive<D>>(&mut self, step: f64, drive: &W) -> Result<(), String> {
+    pub(super) fn step<W: Drive<D>>(&mut self, step: f64, drive: &W) -> Result<(), FluidError> {
         let first = self.kick_and_drift(step, drive);
         self.sort_if_far(step, first.farthest)?;
         self.meet(step);
@@ -118,15 +118,10 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     }
 
     /// Sorts once a particle has gone half of the skin.
-    fn sort_if_far(&mut self, step: f64, farthest: f64) -> Result<(), String> {
+    fn sort_if_far(&mut self, step: f64, farthest: f64) -> Result<(), FluidError> {
         let reach = self.parameters.reach();
         if farthest.is_nan() || farthest > reach.powi(2) {
-            return Err(format!(
-                "step {}: a particle moved by {:.3} within a few steps, farther than pairs reach: the time step {step} is too \
-                 long",
-                self.steps,
-                farthest.sqrt()
-            ));
+            return Err(FluidError::TooLong { number: self.steps, way: farthest.sqrt(), step });
         }
         if farthest > (0.5 * SKIN * reach).powi(2) {
             self.sort();

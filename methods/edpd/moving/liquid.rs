@@ -10,6 +10,7 @@ use frazil_scene::{Numerics, Scene};
 use super::ground::SceneMatter;
 use super::map::DpdUnits;
 use super::place::LiquidBody;
+use super::refusals::MotionError;
 use super::{Motion, limit};
 use crate::fluid::Parameters;
 
@@ -43,12 +44,12 @@ impl Liquid {
         numerics: &Numerics,
         motion: &Motion,
         (cutoff_ratio, capacity): (f64, f64),
-    ) -> Result<Self, String> {
+    ) -> Result<Self, MotionError> {
         let (width, height) = match scene.domain {
             Domain::Line { length } => (length, None),
             Domain::Rectangle { width, height } => (width, Some(height)),
             Domain::Ring { .. } | Domain::Radial { .. } | Domain::Axial { .. } => {
-                return Err("motion = true needs the domain \"line\" or \"rectangle\"".into());
+                return Err(MotionError::Domain);
             }
         };
         let thermal = Thermal::new(Curve::new(&scene.materials[0]), scene.initial_temperature);

@@ -86,7 +86,9 @@ impl<W: Drive<2> + Send> Solver for MovingParticles<W> {
                 *face = WallState::Held((series.at(now) - self.map.zero) / self.map.degree);
             }
         }
-        self.fluid.advance_by(clock.step / self.map.time, &self.drive).map_err(StepError::Own)?;
+        self.fluid
+            .advance_by(clock.step / self.map.time, &self.drive)
+            .map_err(|wrong| StepError::Own(wrong.to_string()))?;
         if let Some(walls) = self.fluid.walls() {
             for (patch, received) in walls.received.iter().enumerate() {
                 self.ledger.book(patch, -received * self.joule, clock.step);

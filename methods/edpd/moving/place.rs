@@ -9,7 +9,7 @@ use frazil_core::solvers::moving::Purpose;
 use frazil_core::space::wall::WallId;
 use rayon::ThreadPool;
 
-use crate::fluid::{Behind, Fluid, Parameters, Particle, Undriven};
+use crate::fluid::{Behind, Fluid, FluidError, Parameters, Particle, Undriven};
 
 /// Time that a new liquid is left to itself: several times what its structure needs, of the order of one over the friction
 /// rate or the sound's way across a particle.
@@ -38,6 +38,9 @@ pub struct Placed {
 }
 
 /// Fills a body, at a temperature. Patches of particles behind walls are the sides of the walls.
+///
+/// # Errors
+/// A box that is too small, and particles that crowd together before they rest.
 pub fn fill(
     body: &LiquidBody,
     parameters: &Parameters,
@@ -45,7 +48,7 @@ pub fn fill(
     seed: u64,
     pool: Option<Arc<ThreadPool>>,
     purpose: Purpose,
-) -> Result<Placed, String> {
+) -> Result<Placed, FluidError> {
     let thickness = parameters.reach();
     let margin = body.walled.map(|walled| if walled { thickness } else { 0.0 });
     let mut lengths = body.lengths;

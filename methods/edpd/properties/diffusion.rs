@@ -3,7 +3,7 @@
 use frazil_core::statistics::order::line;
 
 use super::{GoOn, Span, advance};
-use crate::fluid::{Fluid, Undriven};
+use crate::fluid::{Fluid, FluidError, Undriven};
 
 /// Instants of a measurement but the first.
 pub const INSTANTS: usize = 100;
@@ -28,7 +28,11 @@ pub struct Diffusion {
 ///
 /// # Errors
 /// Those of the fluid's steps.
-pub fn measure<const D: usize>(fluid: &mut Fluid<D>, span: Span, watch: GoOn<'_>) -> Result<Option<Diffusion>, String> {
+pub fn measure<const D: usize>(
+    fluid: &mut Fluid<D>,
+    span: Span,
+    watch: GoOn<'_>,
+) -> Result<Option<Diffusion>, FluidError> {
     if !advance(fluid, span.settle, &Undriven, watch)? {
         return Ok(None);
     }
@@ -45,7 +49,7 @@ pub fn measure<const D: usize>(fluid: &mut Fluid<D>, span: Span, watch: GoOn<'_>
         (1..=INSTANTS / 2).map(|lag| (lag as f64 * apart, displacement(&instants, lag))).collect();
     let late = |lag: f64| lag >= LATE.0 * INSTANTS as f64 * apart * (1.0 - 1e-9);
     let (lags, squares): (Vec<f64>, Vec<f64>) = curve.iter().copied().filter(|point| late(point.0)).unzip();
-    let slope = line(&lags, &squares).ok_or("displacements that are no numbers")?.slope;
+    let slope = line(&lags, &squares).ok_or(FluidError::NoNumbers)?.slope;
     Ok(Some(Diffusion { diffusivity: slope / (2.0 * D as f64), curve }))
 }
 

@@ -4,7 +4,7 @@ use frazil_core::statistics::moments;
 
 use super::verlet::Verlet;
 use super::{GoOn, advance};
-use crate::fluid::{Fluid, Totals, Undriven};
+use crate::fluid::{Fluid, FluidError, Totals, Undriven};
 
 /// Steps that energy and temperatures settle for: particles start near a lattice.
 pub const SETTLE: u64 = 2000;
@@ -39,7 +39,7 @@ pub fn measure<const D: usize>(
     fluid: &mut Fluid<D>,
     steps: u64,
     watch: GoOn<'_>,
-) -> Result<Option<Equilibrium>, String> {
+) -> Result<Option<Equilibrium>, FluidError> {
     if !advance(fluid, SETTLE, &Undriven, watch)? {
         return Ok(None);
     }
@@ -81,7 +81,7 @@ pub struct Gain {
 ///
 /// # Errors
 /// Those of the fluid's steps.
-pub fn gain(fluid: &mut Fluid<2>, lambda: f64, steps: u64, watch: GoOn<'_>) -> Result<Option<Gain>, String> {
+pub fn gain(fluid: &mut Fluid<2>, lambda: f64, steps: u64, watch: GoOn<'_>) -> Result<Option<Gain>, FluidError> {
     if !advance(fluid, SETTLE, &Undriven, watch)? {
         return Ok(None);
     }

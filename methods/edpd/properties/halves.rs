@@ -11,7 +11,7 @@
 //! 1.96 that is 0.4 % at L = 30, 0.9 % at 20.
 
 use super::{GoOn, Span, advance};
-use crate::fluid::{Drive, Fluid, Particle};
+use crate::fluid::{Drive, Fluid, FluidError, Particle};
 
 /// Bins across the box (as in the paper).
 pub const BINS: usize = 40;
@@ -98,7 +98,7 @@ pub fn measure(
     expected: f64,
     span: Span,
     watch: GoOn<'_>,
-) -> Result<Option<HalvesDrive>, String> {
+) -> Result<Option<HalvesDrive>, FluidError> {
     let height = fluid.lengths()[1];
     let capacity = fluid.parameters().heat_capacity;
     let start = tip(push, height, capacity, expected);

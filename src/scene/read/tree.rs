@@ -119,6 +119,19 @@ fn node(value: &Spanned<DeValue<'_>>, place: &impl Fn(usize) -> Place) -> Node {
     }
 }
 
+/// Why a path of keys leads nowhere.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+enum NoPlace {
+    #[error("lists count from 1: what was \"{0}.0\" is \"{0}.1\"")]
+    Zero(String),
+    #[error("\"{part}\" is an empty list, so it has no \"{next}\"")]
+    Empty { part: String, next: String },
+    #[error("\"{part}\" is a list of {count}, so \"{next}\" must be a number from 1 to {count}")]
+    Number { part: String, next: String, count: usize },
+    #[error("\"{part}\" is {found}, so it has no key \"{next}\"")]
+    Value { part: String, found: String, next: String },
+}
+
 /// Applies one `--set KEY=VALUE`. What is no TOML value is taken as text, so that words need no quotes.
 pub(super) fn set(root: &mut Vec<Entry>, key: &str, value: &str) -> Result<(), Problem> {
     let place = Place::Set(format!("{key}={value}"));
@@ -130,10 +143,10 @@ pub(super) fn set(root: &mut Vec<Entry>, key: &str, value: &str) -> Result<(), P
         Ok(parsed) => node(&parsed, &|_| place.clone()),
         Err(_) => Node::Text(value.to_owned()),
     };
-    set_in_table(root, &parts, new, &place).map_err(|message| Problem::new(&place, key, message))
+    set_in_table(root, &parts, new, &place).map_err(|wrong| Problem::new(&place, key, wrong.to_string()))
 }
 
-fn set_in_table(entries: &mut Vec<Entry>, parts: &[&str], new: Node, place: &Place) -> Result<(), String> {
+fn set_in_table(entries: &mut Vec<Entry>, parts: &[&str], new: Node, place: &Place) -> Result<(), NoPlace> {
     let Some((part, rest)) = parts.split_first() else { return Ok(()) };
     let index = entries.iter().position(|entry| entry.key == *part).unwrap_or_else(|| {
         entries.push(Entry { key: (*part).to_owned(), place: place.clone(), node: Node::Table(Vec::new()) });
@@ -146,7 +159,7 @@ fn set_in_table(entries: &mut Vec<Entry>, parts: &[&str], new: Node, place: &Pla
     set_in_node(&mut entry.node, part, rest, new, place)
 }
 
-fn set_in_node(node: &mut Node, part: &str, rest: &[&str], new: Node, place: &Place) -> Result<(), String> {
+fn set_in_node(node: &mut Node, part: &str, rest: &[&str], new: Node, place: &Place) -> Result<(), NoPlace> {
     let Some((next, after)) = rest.split_first() else {
         *node = new;
         return Ok(());
@@ -157,10 +170,11 @@ fn set_in_node(node: &mut Node, part: &str, rest: &[&str], new: Node, place: &Pl
             let count = items.len();
             let numbered = next.parse().ok().and_then(|number: usize| items.get_mut(number.checked_sub(1)?));
             let Some(item) = numbered else {
-                return Err(match (*next, count) {
-                    ("0", 1..) => format!("lists count from 1: what was \"{part}.0\" is \"{part}.1\""),
-                    (_, 0) => format!("\"{part}\" is an empty list, so it has no \"{next}\""),
-                    _ => format!("\"{part}\" is a list of {count}, so \"{next}\" must be a number from 1 to {count}"),
+                let (part, next) = (part.to_owned(), (*next).to_owned());
+                return Err(match (next.as_str(), count) {
+                    ("0", 1..) => NoPlace::Zero(part),
+                    (_, 0) => NoPlace::Empty { part, next },
+                    _ => NoPlace::Number { part, next, count },
                 });
             };
             if after.is_empty() {
@@ -168,6 +182,6 @@ fn set_in_node(node: &mut Node, part: &str, rest: &[&str], new: Node, place: &Pl
             }
             set_in_node(&mut item.node, next, after, new, place)
         }
-        other => Err(format!("\"{part}\" is {}, so it has no key \"{next}\"", other.found())),
+        other => Err(NoPlace::Value { part: part.to_owned(), found: other.found(), next: (*next).to_owned() }),
     }
 }

@@ -4,6 +4,45 @@ use frazil_core::boundary::pipe::Extent;
 use frazil_core::particles::Particles;
 use frazil_core::solvers::step::{Bound, Clock};
 use frazil_scene::Scene;
+use glam::DVec2;
+
+/// What is wrong with a particle.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Fault {
+    /// Its enthalpy is no number.
+    #[error("is not finite")]
+    NotFinite,
+    /// Its temperature is far from all data.
+    #[error("has the temperature {temperature}, ten times out of the range {low} to {high}")]
+    OutOfRange {
+        /// What it has.
+        temperature: f64,
+        /// The least of the data.
+        low: f64,
+        /// The greatest of them.
+        high: f64,
+    },
+}
+
+/// A particle that cannot be, and the step that made it.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "particle {particle} at ({:.6}, {:.6}) m {fault} by step {} of {:.6e} s (bound {:.6e} s, set by {})",
+    .place.x, .place.y, .clock.index, .clock.step, .bound.step, .bound.cause
+)]
+pub struct Absurd {
+    particle: usize,
+    place: DVec2,
+    fault: Fault,
+    clock: Clock,
+    bound: Bound,
+}
+
+impl Absurd {
+    fn new(particles: &Particles, particle: usize, clock: &Clock, bound: &Bound, fault: Fault) -> Self {
+        Absurd { particle, place: particles.position(particle), fault, clock: *clock, bound: bound.clone() }
+    }
+}
 
 /// Watches over the range of temperatures.
 pub struct Guard {
@@ -30,12 +69,15 @@ impl Guard {
     }
 
     /// Takes note of the extremes, and refuses what cannot be.
-    pub fn look(&mut self, particles: &Particles, clock: &Clock, bound: &Bound) -> Result<(), String> {
+    ///
+    /// # Errors
+    /// A particle that is no number, or far from all data.
+    pub fn look(&mut self, particles: &Particles, clock: &Clock, bound: &Bound) -> Result<(), Absurd> {
         let mut skip = self.inside_pipes.iter().copied().peekable();
         let mut extremes = [(f64::INFINITY, 0usize), (f64::NEG_INFINITY, 0usize)];
         for (i, enthalpy) in particles.enthalpy.iter().enumerate() {
             if !enthalpy.is_finite() {
-                return Err(describe(particles, i, clock, bound, "is not finite"));
+                return Err(Absurd::new(particles, i, clock, bound, Fault::NotFinite));
             }
             if skip.peek() == Some(&(i as u32)) {
                 skip.next();
@@ -68,11 +110,8 @@ impl Guard {
         if !self.open && width > 0.0 {
             for (temperature, index) in [(low, extremes[0].1), (high, extremes[1].1)] {
                 if temperature < self.range.0 - 10.0 * width || temperature > self.range.1 + 10.0 * width {
-                    let what = format!(
-                        "has the temperature {temperature}, ten times out of the range {} to {}",
-                        self.range.0, self.range.1
-                    );
-                    return Err(describe(particles, index, clock, bound, &what));
+                    let fault = Fault::OutOfRange { temperature, low: self.range.0, high: self.range.1 };
+                    return Err(Absurd::new(particles, index, clock, bound, fault));
                 }
             }
         }
@@ -86,12 +125,4 @@ impl Guard {
         (!self.open && width > 0.0 && seen)
             .then(|| (self.range.0 - self.seen.0).max(self.seen.1 - self.range.1).max(0.0) / width)
     }
-}
-
-fn describe(particles: &Particles, index: usize, clock: &Clock, bound: &Bound, what: &str) -> String {
-    let place = particles.position(index);
-    format!(
-        "particle {index} at ({:.6}, {:.6}) m {what} by step {} of {:.6e} s (bound {:.6e} s, set by {})",
-        place.x, place.y, clock.index, clock.step, bound.step, bound.cause
-    )
 }

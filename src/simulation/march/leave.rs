@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use frazil_record::{Outcome, Record, RunResult};
+use frazil_record::{Record, RunResult};
 
-use super::Simulation;
 use super::verdict::{judge, noise};
+use super::{Simulation, Stop};
 use crate::measure::attach;
 use crate::observers::observer::End;
 use crate::plan::PlanSummary;
@@ -14,7 +14,7 @@ use crate::reference::Reference;
 /// What the record says of how a run went.
 pub(super) struct Course {
     /// Why it stopped before its end.
-    pub(super) stopped: Option<(Outcome, String)>,
+    pub(super) stopped: Option<Stop>,
     /// Wall and CPU time of the preparation (s).
     pub(super) setup: (f64, f64),
     /// Wall and CPU time of the steps (s).
@@ -34,7 +34,7 @@ impl Simulation<'_> {
         let balance = result.budget.iter().map(|row| row.balance_rel).fold(0.0, larger_magnitude);
         record.energy_balance_rel = balance;
         (record.outcome, record.cause) = match stopped {
-            Some((outcome, cause)) => (outcome, Some(cause)),
+            Some(stop) => (stop.outcome(), Some(stop.to_string())),
             None => {
                 let noise = noise(self.scene, self.settings, &self.particles);
                 let scheme = self.settings.numerics.latent_heat_scheme;

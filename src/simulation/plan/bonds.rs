@@ -33,7 +33,7 @@ use rayon::ThreadPool;
 use crate::interface;
 use crate::plan::irregular::Selection;
 use crate::plan::prepared::Prepared;
-use crate::refused::{Refused, refuse};
+use crate::refused::Refused;
 
 /// The particles of a list, of which the first have rows.
 struct Members {
@@ -149,7 +149,7 @@ fn bonds(
     let (shelled, naive) = (scene.domain.symmetry().is_some() && !printed, walls == WallModel::Naive);
     let (mut bonds, cut) = if shelled {
         let made = if naive { naive_shells } else { shells };
-        let Shells { pairs, touches, ghosts } = made(&scene.domain, lattice, stencil, boundary).map_err(refuse)?;
+        let Shells { pairs, touches, ghosts } = made(&scene.domain, lattice, stencil, boundary)?;
         (Bonds { pairs, ghosts, touches }, (Contacts::default(), Vec::new()))
     } else {
         let reach = settings.discretisation.weight.reach();
@@ -171,7 +171,7 @@ fn bonds(
         level(&mut bonds.ghosts, &bonds.pairs, &body, shelled);
     }
     if walls == WallModel::InnerLayers {
-        bonds.touches = inner(&mut bonds.pairs, &mut bonds.ghosts, &body, stencil.reach).map_err(refuse)?;
+        bonds.touches = inner(&mut bonds.pairs, &mut bonds.ghosts, &body, stencil.reach)?;
     }
     Ok((bonds, cut))
 }
@@ -296,10 +296,7 @@ fn print_shapes(pairs: &mut PairList, symmetry: Symmetry, positions: &[DVec2], g
         for k in pairs.starts[i]..pairs.starts[i + 1] {
             let other = radius(pairs.partners[k] as usize);
             if other <= 0.0 {
-                return Err(refuse(format!(
-                    "the mirrored layers behind the wall \"inner\" reach across the axis, to r = {other:.6} m: in the \
-                     paper setting pairs must reach less than the inner radius"
-                )));
+                return Err(Refused::AcrossTheAxis(other));
             }
             pairs.weights[k] *= symmetry.printed_factor(positions[i].x, other);
         }

@@ -18,7 +18,7 @@ use rayon::ThreadPool;
 use crate::plan::bonds::list;
 use crate::plan::prepared::Prepared;
 use crate::plan::steps;
-use crate::refused::{Refused, refuse};
+use crate::refused::Refused;
 
 /// A method on a list, in the making.
 pub(super) struct Listed<'a> {
@@ -59,7 +59,7 @@ impl Listed<'_> {
                     numerics: own,
                     conduction: numerics.conduction,
                 };
-                Box::new(AdvectedHeat::new(parts, &prepared.enthalpies()).map_err(refuse)?)
+                Box::new(AdvectedHeat::new(parts, &prepared.enthalpies())?)
             }
             None => {
                 let (choice, materials) = (numerics.latent_heat_scheme, &prepared.materials);

@@ -7,7 +7,7 @@ use frazil_core::boundary::pipe::{Sink, green_reach, immerse, radius_of_one_part
 use frazil_core::space::lattice::Lattice;
 use frazil_scene::Scene;
 
-use crate::refused::{Refused, refuse};
+use crate::refused::Refused;
 
 /// Times that a ring of pipes may be switched in one run.
 const MOST_SWITCHES: f64 = 1e7;
@@ -34,15 +34,9 @@ pub(super) fn pipes(
     let mut sinks = Vec::new();
     let mut acting = Vec::new();
     for (number, ring) in scene.rings.iter().enumerate() {
-        if let Some(schedule) = &ring.schedule
-            && schedule.switches(scene.duration) > MOST_SWITCHES
-        {
-            return Err(refuse(format!(
-                "the pipes of ring {} are switched {:.1e} times, must be at most {MOST_SWITCHES:.0e}: steps land on \
-                 every switch",
-                number + 1,
-                schedule.switches(scene.duration)
-            )));
+        let switches = ring.schedule.as_ref().map_or(0.0, |schedule| schedule.switches(scene.duration));
+        if switches > MOST_SWITCHES {
+            return Err(Refused::Switches { ring: number + 1, switches, most: MOST_SWITCHES });
         }
         let green = Green::new(stencil, lattice.spacing, green_reach(ring.pipe_radius, lattice.spacing));
         if ring.one_particle {
@@ -53,7 +47,7 @@ pub(super) fn pipes(
             ));
         }
         for pipe in ring.pipes() {
-            let sink = immerse(&pipe, number, lattice, mirrors, &green).map_err(refuse)?;
+            let sink = immerse(&pipe, number, lattice, mirrors, &green)?;
             sinks.extend(sink);
         }
     }

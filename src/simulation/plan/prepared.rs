@@ -31,7 +31,7 @@ use crate::plan::irregular;
 use crate::plan::pipes::{Pipes, pipes};
 use crate::plan::refusals::blends;
 use crate::reference::Reference;
-use crate::refused::{Refused, refuse};
+use crate::refused::Refused;
 use crate::terms::Parts;
 use crate::walls::boundary;
 use crate::{layers, start};
@@ -67,13 +67,12 @@ impl Prepared {
         let MethodSettings { numerics, discretisation, .. } = settings;
         let lattice = Arc::new(Lattice::new(&scene.domain, numerics.spacing));
         if lattice.is_empty() {
-            return Err(refuse(format!("a spacing of {} m leaves no particle in the domain", numerics.spacing)));
+            return Err(Refused::NoParticle(numerics.spacing));
         }
         let printed = scene.domain.symmetry().is_some() && discretisation.normalisation == Normalisation::Nominal;
-        let boundary = boundary(scene, numerics.walls, reference.cloned(), printed).map_err(refuse)?;
+        let boundary = boundary(scene, numerics.walls, reference.cloned(), printed)?;
         if boundary.patches.len() > MOST_PATCHES {
-            let patches = boundary.patches.len();
-            return Err(refuse(format!("{patches} walls and parts of walls, must be at most {MOST_PATCHES}")));
+            return Err(Refused::TooManyPatches(boundary.patches.len()));
         }
         let volumes = Volumes::new(&scene.domain, &lattice, printed);
         let cloud = place(scene, numerics, &lattice, seed)?;
@@ -86,7 +85,7 @@ impl Prepared {
         };
         let stencil = discretisation.stencil(lattice.spacing, lattice.dimension);
         if !stencil.sum().is_finite() || stencil.sum() <= 0.0 {
-            return Err(refuse("no pair of particles has a weight: the reach is shorter than the spacing"));
+            return Err(Refused::NoPair);
         }
         if materials.mixed() {
             differences.extend(layers::unresolved(scene, numerics, &lattice, &stencil, &materials.thermals));
@@ -252,7 +251,7 @@ fn materials(scene: &Scene, numerics: &Numerics, lattice: &Lattice, cloud: Optio
 
 /// Positions of particles off the lattice.
 fn place(scene: &Scene, numerics: &Numerics, lattice: &Lattice, seed: u64) -> Result<Option<Arc<[DVec2]>>, Refused> {
-    let uniform = Uniform::new(-0.5, 0.5).map_err(|error| refuse(error.to_string()))?;
+    let uniform = Uniform::new(-0.5, 0.5)?;
     let plane = if lattice.dimension == 1 { DVec2::X } else { DVec2::ONE };
     let mut random = rand::rngs::StdRng::seed_from_u64(seed);
     let mut shift = || DVec2::new(uniform.sample(&mut random), uniform.sample(&mut random)) * plane;

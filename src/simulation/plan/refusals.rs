@@ -15,9 +15,9 @@ use frazil_scene::method::{Discretisation, MethodSettings, Stepper};
 use frazil_scene::settings::{Arrangement, Front, Numerics, SearchChoice};
 use glam::DVec2;
 
-use crate::closing::dug_too_early;
+use crate::closing::in_time;
 use crate::plan::prepared::Prepared;
-use crate::refused::{Refused, refuse};
+use crate::refused::Refused;
 
 /// Whether particles store the heat of all materials in their cells. The papers' exchange and columns know one material a
 /// particle, and so does water in its pores.
@@ -38,7 +38,7 @@ pub(super) fn affordable(scene: &Scene, settings: &MethodSettings, stencil: &Ste
     let particles = scene.domain.size() / spacing.powi(scene.domain.dimension() as i32);
     let pairs = 0.5 * particles * stencil.neighbours() as f64;
     let [still, moving, listed, watered] = BYTES;
-    let (bytes, what) = match (&discretisation.stepper, scene.flow.is_some()) {
+    let (needed, what) = match (&discretisation.stepper, scene.flow.is_some()) {
         (Stepper::Moving(_), _) => (moving * particles, "particles that move"),
         (_, true) => ((still * particles) + watered * pairs, "the pairs along which water flows"),
         _ if why_list(scene, numerics, discretisation, stencil, false, false).is_some() => {
@@ -47,12 +47,7 @@ pub(super) fn affordable(scene: &Scene, settings: &MethodSettings, stencil: &Ste
         _ => (still * particles, "a lattice"),
     };
     match memory::left() {
-        Some(left) if bytes > left => Err(refuse(format!(
-            "a spacing of {spacing} makes {particles:.1e} particles, which with {what} need at least {}, and {} are left: \
-             set a larger spacing",
-            memory::words(bytes),
-            memory::words(left)
-        ))),
+        Some(left) if needed > left => Err(Refused::Memory { spacing, particles, what, needed, left }),
         _ => Ok(()),
     }
 }
@@ -92,25 +87,18 @@ pub(super) fn why_list(
 /// Refuses what needs particles that move, and a shaft that is dug before a wall can stand.
 pub(super) fn unsupported(scene: &Scene) -> Result<(), Refused> {
     if scene.stream.is_some() {
-        return Err(refuse("a driven liquid needs particles that move: method.edpd.motion = true"));
+        return Err(Refused::StillStream);
     }
     if !scene.wall_parts.is_empty() && scene.domain.symmetry().is_none() {
-        return Err(refuse(
-            "parts of the walls of a rectangle need particles that move (method.edpd.motion = true) or an axis",
-        ));
+        return Err(Refused::StillParts);
     }
-    if let Some(reason) = dug_too_early(scene) {
-        return Err(refuse(reason));
-    }
-    Ok(())
+    Ok(in_time(scene)?)
 }
 
 /// Refuses fronts inside particles where heat needs a list, for this reason.
-pub(super) fn front_off_the_lattice(numerics: &Numerics, why_list: Option<&str>) -> Result<(), Refused> {
+pub(super) fn front_off_the_lattice(numerics: &Numerics, why_list: Option<&'static str>) -> Result<(), Refused> {
     match why_list {
-        Some(reason) if numerics.front == Front::SubCell => {
-            Err(refuse(format!("front = \"sub-cell\" needs a lattice without a neighbour list, but {reason}")))
-        }
+        Some(reason) if numerics.front == Front::SubCell => Err(Refused::FrontOnList(reason)),
         _ => Ok(()),
     }
 }
@@ -119,31 +107,29 @@ pub(super) fn front_off_the_lattice(numerics: &Numerics, why_list: Option<&str>)
 pub(super) fn out_of_place(scene: &Scene, numerics: &Numerics, prepared: &Prepared) -> Result<(), Refused> {
     let Prepared { boundary, sinks, lattice, narrow, .. } = prepared;
     if *narrow && numerics.search == SearchChoice::Lattice {
-        return Err(refuse("search = \"lattice\" needs a body at least as wide as pairs reach: set \"auto\""));
+        return Err(Refused::NarrowLattice);
     }
     let reach = prepared.stencil.reach as f64 * lattice.spacing;
-    let cracks = cracks_out_of_place(scene, boundary, sinks, reach, *narrow);
-    let shaft = || boundary.dug.as_ref().and_then(|dug| shaft_out_of_place(dug, lattice, sinks));
-    cracks.or_else(shaft).map_or(Ok(()), |reason| Err(refuse(reason)))
+    cracks_in_place(scene, boundary, sinks, reach, *narrow)?;
+    boundary.dug.as_ref().map_or(Ok(()), |dug| shaft_in_place(dug, lattice, sinks))
 }
 
-/// Why cracks cannot be where they are: pairs alone know which way heat goes, and not the fits and sums that some walls and
+/// Refuses cracks that cannot be where they are: pairs alone know which way heat goes, and not the fits and sums that some walls and
 /// pipes are made of.
-fn cracks_out_of_place(scene: &Scene, boundary: &Boundary, sinks: &[Sink], reach: f64, narrow: bool) -> Option<String> {
-    if scene.cracks.is_empty() {
-        return None;
-    }
-    if narrow {
-        return Some("cracks need a body at least as wide as pairs reach".into());
+fn cracks_in_place(
+    scene: &Scene,
+    boundary: &Boundary,
+    sinks: &[Sink],
+    reach: f64,
+    narrow: bool,
+) -> Result<(), Refused> {
+    if narrow && !scene.cracks.is_empty() {
+        return Err(Refused::NarrowCracks);
     }
     for (number, crack) in scene.cracks.iter().enumerate() {
         let farthest = crack.from.length().max(crack.to.length());
         if let Some((_, radius)) = boundary.curved.filter(|(_, radius)| farthest > radius - reach) {
-            return Some(format!(
-                "crack {number} comes within {:.6} m of the curved wall, must stay away from it by the reach of pairs, \
-                 {reach:.6} m",
-                radius - farthest
-            ));
+            return Err(Refused::CrackAtWall { number, distance: radius - farthest, reach });
         }
         for sink in sinks {
             let Extent { centre, half_width: half, .. } = sink.extent;
@@ -152,30 +138,23 @@ fn cracks_out_of_place(scene: &Scene, boundary: &Boundary, sinks: &[Sink], reach
             let edge = |k: usize| (corners[k], corners[(k + 1) % 4]);
             let inside = (crack.from - centre).abs().max_element() <= half;
             if inside || (0..4).any(|k| meet((crack.from, crack.to), edge(k))) {
-                return Some(format!(
-                    "crack {number} cuts the particles that stand for the pipe at ({:.4}, {:.4}) m, must stay {half:.6} m \
-                     away from it",
-                    centre.x, centre.y
-                ));
+                return Err(Refused::CrackInPipe { number, centre, half });
             }
         }
     }
-    None
+    Ok(())
 }
 
-/// Why a shaft cannot be where it is.
-fn shaft_out_of_place(dug: &Dug, lattice: &Lattice, sinks: &[Sink]) -> Option<String> {
+/// Refuses a shaft that cannot be where it is.
+fn shaft_in_place(dug: &Dug, lattice: &Lattice, sinks: &[Sink]) -> Result<(), Refused> {
     let nearest = |sink: &Sink| {
         let places = sink.sample.iter().map(|(index, _)| lattice.position(*index as usize).length());
         places.fold(f64::INFINITY, f64::min)
     };
-    let sink = sinks.iter().find(|sink| nearest(sink) < dug.radius)?;
-    Some(format!(
-        "the shaft of {} m takes away particles that stand for the pipe at ({:.4}, {:.4}) m, the nearest {:.3} m from the \
-         centre: a finer spacing is needed",
-        dug.radius,
-        sink.extent.centre.x,
-        sink.extent.centre.y,
-        nearest(sink)
-    ))
+    match sinks.iter().find(|sink| nearest(sink) < dug.radius) {
+        Some(sink) => {
+            Err(Refused::ShaftInPipe { radius: dug.radius, centre: sink.extent.centre, nearest: nearest(sink) })
+        }
+        None => Ok(()),
+    }
 }

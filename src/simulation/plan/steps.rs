@@ -18,7 +18,7 @@ use frazil_scene::Scene;
 use frazil_scene::settings::{IntegratorChoice, Numerics, StepChoice};
 use rayon::ThreadPool;
 
-use crate::refused::{Refused, refuse};
+use crate::refused::Refused;
 
 /// Stages of one step by error: longer steps are rarely as exact as they are stable, and gain less and less.
 const MOST_STAGES: usize = 99;
@@ -74,20 +74,14 @@ pub(super) fn choose_step(numerics: &Numerics, bound: &Bound, scene: &Scene) -> 
         StepChoice::Fixed(step) => {
             // A step equal to the bound to rounding is the bound.
             if !by_error && step > bound.step * (1.0 + 1e-12) {
-                return Err(refuse(format!(
-                    "step_s = {step} is above the stable bound of {:.6} s, which is set by {}",
-                    bound.step, bound.cause
-                )));
+                return Err(Refused::LongStep { step, bound: bound.clone() });
             }
             step
         }
     };
     let steps = scene.duration / step;
     if steps.is_nan() || steps > MOST_STEPS {
-        return Err(refuse(format!(
-            "the run would take {steps:.1e} steps of {step:.1e} s, must be at most {MOST_STEPS:.0e}: the bound is set by {}",
-            bound.cause
-        )));
+        return Err(Refused::ManySteps { steps, step, most: MOST_STEPS, cause: bound.cause.clone() });
     }
     Ok(step.min(scene.duration))
 }
@@ -100,5 +94,5 @@ pub(super) fn pool(threads: usize) -> Result<Option<Arc<ThreadPool>>, Refused> {
         .num_threads(threads)
         .build()
         .map(|pool| Some(Arc::new(pool)))
-        .map_err(|error| refuse(format!("cannot start {threads} threads: {error}")))
+        .map_err(|error| Refused::Threads { threads, cause: error.to_string() })
 }

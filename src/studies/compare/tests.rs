@@ -24,12 +24,12 @@ fn made_up(
     options: &Options<'_>,
 ) -> Result<RunResult, Refused> {
     let Some(settings) = scene.method(method) else {
-        return Err(Refused { reason: "no settings".into() });
+        return Err(Refused::Reference("no settings".into()));
     };
     let spacing = settings.numerics.spacing;
     let level = spacing / 0.002;
     if method == "sph" && level > 3.0 {
-        return Err(Refused { reason: "the spacing is <too> large".into() });
+        return Err(Refused::Reference("the spacing is <too> large".into()));
     }
     let noise = if method == "edpd" { 0.02 * ((options.seed * 7919) % 13) as f64 / 13.0 - 0.01 } else { 0.0 };
     let wrong = match method {

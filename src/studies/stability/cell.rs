@@ -80,8 +80,7 @@ impl Probe {
         let reference = wall_data(parts, &scene)?;
         let settings = plan::settings_of(&scene, method)?;
         if settings.numerics.integrator.tolerance().is_some() {
-            let reason = format!("[method.{method}]: steps that follow a tolerance have no bound to go beyond");
-            return Err(Refused { reason });
+            return Err(Refused::NoBound(method));
         }
         let summary = plan::build(&scene, settings, reference.as_ref(), 1, SEED)?.summary;
         let bounds = match known {
@@ -189,6 +188,6 @@ pub fn wall_data(parts: &Parts<'_>, scene: &Scene) -> Result<Option<Arc<dyn Refe
     if !scene.walls.iter().any(|wall| wall.condition == Condition::Exact) {
         return Ok(None);
     }
-    let known = (parts.reference_for)(scene).map_err(|reason| Refused { reason })?;
+    let known = (parts.reference_for)(scene).map_err(Refused::Reference)?;
     Ok(known.reference.map(Arc::from))
 }

@@ -170,7 +170,7 @@ impl Study<'_> {
         let particles = job.overrides.iter().filter(|(key, _)| !of_time(key)).cloned().collect();
         let key = (job.scene.clone(), job.method, particles);
         let known = self.bounds.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
-        let probe = Probe::new(self.parts, scene, job.method, known).map_err(|refused| refused.reason)?;
+        let probe = Probe::new(self.parts, scene, job.method, known).map_err(|refused| refused.to_string())?;
         self.bounds.lock().unwrap_or_else(PoisonError::into_inner).insert(key, probe.bounds.clone());
         Ok(probe)
     }

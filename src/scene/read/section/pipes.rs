@@ -1,5 +1,7 @@
 //! Values of a section that name pipes of one ring.
 
+use std::fmt;
+
 use super::super::problem::Read;
 use super::super::range::Range;
 use super::super::tree::{Item, Node};
@@ -27,21 +29,34 @@ impl Names {
     }
 
     /// The pipe that a value names.
-    fn read(&self, node: &Node) -> Result<usize, String> {
-        let wrong = format!("found {}, must be {}", node.found(), self.allowed());
-        match node {
+    fn read(&self, node: &Node) -> Result<usize, WrongPipe> {
+        let old = match node {
             Node::Text(text) => match text.parse::<PipeName>() {
-                Ok(PipeName { ring, pipe }) if ring == self.ring && pipe < self.count => Ok(pipe),
-                _ => Err(wrong),
+                Ok(PipeName { ring, pipe }) if ring == self.ring && pipe < self.count => return Ok(pipe),
+                _ => None,
             },
-            // Files that count pipes of a ring from 0 are told the name.
-            Node::Number(_, _, Some(old)) => match usize::try_from(*old) {
-                Ok(old) if old < self.count => {
-                    Err(format!("{wrong}, as results have it: what was {old} is \"{}\"", self.of(old)))
-                }
-                _ => Err(wrong),
-            },
-            _ => Err(wrong),
+            Node::Number(_, _, Some(old)) => usize::try_from(*old).ok().filter(|old| *old < self.count),
+            _ => None,
+        };
+        Err(WrongPipe { found: node.found(), allowed: self.allowed(), old: old.map(|old| (old, self.of(old))) })
+    }
+}
+
+/// A value that names no pipe of a ring.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct WrongPipe {
+    found: String,
+    allowed: String,
+    /// The number of a pipe, as files had it that counted pipes of a ring from 0, and its name.
+    old: Option<(usize, PipeName)>,
+}
+
+impl fmt::Display for WrongPipe {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "found {}, must be {}", self.found, self.allowed)?;
+        match &self.old {
+            Some((old, name)) => write!(f, ", as results have it: what was {old} is \"{name}\""),
+            None => Ok(()),
         }
     }
 }
@@ -105,7 +120,7 @@ impl Section<'_> {
 
     /// The pipe that an element of a list names, put to those found already.
     fn pipe(&mut self, path: &str, item: &Item, names: Names, found: &mut Vec<usize>) -> Read<usize> {
-        let pipe = names.read(&item.node).map_err(|message| self.note_at(&item.place, path, message))?;
+        let pipe = names.read(&item.node).map_err(|wrong| self.note_at(&item.place, path, wrong.to_string()))?;
         if found.contains(&pipe) {
             return Err(self.note_at(&item.place, path, format!("found {} twice", item.node.found())));
         }

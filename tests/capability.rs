@@ -179,7 +179,7 @@ fn every_pair_of_features_runs_or_is_refused_by_a_row() {
             Feature::LatticeWeights => kind.lattice_only,
             _ => true,
         };
-        let features: Vec<Feature> = Feature::ALL.into_iter().filter(own).collect();
+        let features: Vec<Feature> = Feature::all().filter(own).collect();
         for (k, first) in features.iter().enumerate() {
             for second in &features[k + 1..] {
                 let pair = [*first, *second];

@@ -172,90 +172,50 @@ pub fn exclusions(features: &[Feature]) -> impl Iterator<Item = &'static Exclusi
     EXCLUSIONS.iter().filter(|row| features.contains(&row.asked) && features.contains(&row.beside))
 }
 
+/// All features, in words as messages have them, and where each is asked for.
+const FEATURES: [(Feature, &str, Place); 26] = [
+    (Feature::Groundwater, "\"flow\"", Place::Scene("flow")),
+    (Feature::Cracks, "\"cracks\"", Place::Scene("cracks")),
+    (Feature::Excavation, "\"excavation\"", Place::Scene("excavation")),
+    (Feature::Pipes, "\"pipes\"", Place::Scene("pipes")),
+    (Feature::Surfaces, "\"watch.surfaces\"", Place::Scene("watch")),
+    (Feature::Shells, "a body of shells", Place::Scene("domain")),
+    (Feature::Ring, "the domain \"ring\"", Place::Scene("domain")),
+    (Feature::FreezingCurve, "a material that freezes over an interval", Place::Scene("materials")),
+    (Feature::NothingSharp, "materials of which none freezes at one temperature", Place::Scene("materials")),
+    (Feature::OwnSteps, "a method that makes its own steps", Place::Method),
+    (Feature::LatticeWeights, "a method of the lattice", Place::Method),
+    (Feature::UnevenParticles, "a layout other than \"lattice\"", Place::Setting("layout")),
+    (Feature::PairMeans, "a mean of conductivities", Place::Setting("mean")),
+    (Feature::Flags, "scheme = \"flags\"", Place::Setting("scheme")),
+    (Feature::ApparentCapacity, "scheme = \"apparent-capacity\"", Place::Setting("scheme")),
+    (Feature::WholePhases, "mushy other than true", Place::Setting("mushy")),
+    (Feature::Stages, "integrator other than \"euler\"", Place::Setting("integrator")),
+    (Feature::Rkl2, "integrator = \"rkl2\"", Place::Setting("integrator")),
+    (Feature::Implicit, "integrator = \"implicit\"", Place::Setting("integrator")),
+    (Feature::GradientAdvection, "advection = \"limited\" or \"central\"", Place::Setting("advection")),
+    (Feature::SubCellFronts, "front = \"sub-cell\"", Place::Setting("front")),
+    (Feature::FittedWalls, "wall_model = \"moving-least-squares\"", Place::Setting("wall_model")),
+    (Feature::InnerLayers, "wall_model = \"inner-layers\"", Place::Setting("wall_model")),
+    (Feature::NaiveOpenWalls, "wall_model = \"naive\" at a wall of a flux or a film", Place::Setting("wall_model")),
+    (Feature::LatticeSearch, "search = \"lattice\"", Place::Setting("search")),
+    (Feature::ListSearch, "search other than \"auto\" and \"lattice\"", Place::Setting("search")),
+];
+
 impl Feature {
     /// All of them.
-    pub const ALL: [Feature; 26] = [
-        Feature::Groundwater,
-        Feature::Cracks,
-        Feature::Excavation,
-        Feature::Pipes,
-        Feature::Surfaces,
-        Feature::Shells,
-        Feature::Ring,
-        Feature::FreezingCurve,
-        Feature::NothingSharp,
-        Feature::OwnSteps,
-        Feature::LatticeWeights,
-        Feature::UnevenParticles,
-        Feature::PairMeans,
-        Feature::Flags,
-        Feature::ApparentCapacity,
-        Feature::WholePhases,
-        Feature::Stages,
-        Feature::Rkl2,
-        Feature::Implicit,
-        Feature::GradientAdvection,
-        Feature::SubCellFronts,
-        Feature::FittedWalls,
-        Feature::InnerLayers,
-        Feature::NaiveOpenWalls,
-        Feature::LatticeSearch,
-        Feature::ListSearch,
-    ];
+    pub fn all() -> impl Iterator<Item = Feature> {
+        FEATURES.iter().map(|row| row.0)
+    }
 
-    /// As messages and the guide say it.
+    /// In words, as messages have it.
     pub fn words(self) -> &'static str {
-        match self {
-            Feature::Groundwater => "\"flow\"",
-            Feature::Cracks => "\"cracks\"",
-            Feature::Excavation => "\"excavation\"",
-            Feature::Pipes => "\"pipes\"",
-            Feature::Surfaces => "\"watch.surfaces\"",
-            Feature::Shells => "a body of shells",
-            Feature::Ring => "the domain \"ring\"",
-            Feature::FreezingCurve => "a material that freezes over an interval",
-            Feature::NothingSharp => "materials of which none freezes at one temperature",
-            Feature::OwnSteps => "a method that makes its own steps",
-            Feature::LatticeWeights => "a method of the lattice",
-            Feature::UnevenParticles => "a layout other than \"lattice\"",
-            Feature::PairMeans => "a mean of conductivities",
-            Feature::Flags => "scheme = \"flags\"",
-            Feature::ApparentCapacity => "scheme = \"apparent-capacity\"",
-            Feature::WholePhases => "mushy other than true",
-            Feature::Stages => "integrator other than \"euler\"",
-            Feature::Rkl2 => "integrator = \"rkl2\"",
-            Feature::Implicit => "integrator = \"implicit\"",
-            Feature::GradientAdvection => "advection = \"limited\" or \"central\"",
-            Feature::SubCellFronts => "front = \"sub-cell\"",
-            Feature::FittedWalls => "wall_model = \"moving-least-squares\"",
-            Feature::InnerLayers => "wall_model = \"inner-layers\"",
-            Feature::NaiveOpenWalls => "wall_model = \"naive\" at a wall of a flux or a film",
-            Feature::LatticeSearch => "search = \"lattice\"",
-            Feature::ListSearch => "search other than \"auto\" and \"lattice\"",
-        }
+        FEATURES[self as usize].1
     }
 
     /// Where it is asked for.
     pub fn place(self) -> Place {
-        match self {
-            Feature::Groundwater => Place::Scene("flow"),
-            Feature::Cracks => Place::Scene("cracks"),
-            Feature::Excavation => Place::Scene("excavation"),
-            Feature::Pipes => Place::Scene("pipes"),
-            Feature::Surfaces => Place::Scene("watch"),
-            Feature::Shells | Feature::Ring => Place::Scene("domain"),
-            Feature::FreezingCurve | Feature::NothingSharp => Place::Scene("materials"),
-            Feature::OwnSteps | Feature::LatticeWeights => Place::Method,
-            Feature::UnevenParticles => Place::Setting("layout"),
-            Feature::PairMeans => Place::Setting("mean"),
-            Feature::Flags | Feature::ApparentCapacity => Place::Setting("scheme"),
-            Feature::WholePhases => Place::Setting("mushy"),
-            Feature::Stages | Feature::Rkl2 | Feature::Implicit => Place::Setting("integrator"),
-            Feature::GradientAdvection => Place::Setting("advection"),
-            Feature::SubCellFronts => Place::Setting("front"),
-            Feature::FittedWalls | Feature::InnerLayers | Feature::NaiveOpenWalls => Place::Setting("wall_model"),
-            Feature::LatticeSearch | Feature::ListSearch => Place::Setting("search"),
-        }
+        FEATURES[self as usize].2
     }
 }
 
@@ -301,4 +261,14 @@ pub(crate) fn of_settings(numerics: &Numerics, kind: &MethodKind, walls: &[Wall]
         (!matches!(numerics.search, SearchChoice::Auto | SearchChoice::Lattice), Feature::ListSearch),
     ];
     features.into_iter().filter(|feature| feature.0).map(|feature| feature.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_feature_has_the_row_of_its_own_number() {
+        assert!(Feature::all().enumerate().all(|(number, feature)| feature as usize == number));
+    }
 }

@@ -19,6 +19,7 @@ mod probes;
 mod profiles;
 pub(crate) mod rays;
 mod sampler;
+mod series;
 mod shells;
 mod standing;
 mod stream;

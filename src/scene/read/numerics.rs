@@ -99,36 +99,21 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     MethodSettings { method: kind.name, setting, numerics, discretisation: Arc::new(discretisation), bound: None }
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum LayoutWord {
-    Lattice,
-    Jittered,
-    Random,
-}
-
 fn layout(section: &mut Section<'_>, preset: Arrangement) -> Arrangement {
-    let words = [("lattice", LayoutWord::Lattice), ("jittered", LayoutWord::Jittered), ("random", LayoutWord::Random)];
-    let preset_word = match preset {
-        Arrangement::Lattice => LayoutWord::Lattice,
-        Arrangement::Jittered { .. } => LayoutWord::Jittered,
-        Arrangement::Random => LayoutWord::Random,
-    };
-    let word = section.choice_or("layout", &words, preset_word);
-    if word != LayoutWord::Jittered {
+    let given = if let Arrangement::Jittered { fraction } = preset { Some(fraction) } else { None };
+    let jittered = Arrangement::Jittered { fraction: given.unwrap_or(0.0) };
+    let words = [("lattice", Arrangement::Lattice), ("jittered", jittered), ("random", Arrangement::Random)];
+    let found = section.choice_or("layout", &words, preset);
+    if !matches!(found, Arrangement::Jittered { .. }) {
         section.refuse("jitter_fraction", "only the layout \"jittered\" reads it");
+        return found;
     }
-    match word {
-        LayoutWord::Lattice => Arrangement::Lattice,
-        LayoutWord::Random => Arrangement::Random,
-        LayoutWord::Jittered => {
-            let range = Range::above_to(0.0, 0.5);
-            let fraction = match preset {
-                Arrangement::Jittered { fraction } => Ok(section.number_or("jitter_fraction", fraction, range)),
-                _ => section.number("jitter_fraction", range),
-            };
-            fraction.map_or(Arrangement::Lattice, |fraction| Arrangement::Jittered { fraction })
-        }
-    }
+    let range = Range::above_to(0.0, 0.5);
+    let fraction = match given {
+        Some(fraction) => Ok(section.number_or("jitter_fraction", fraction, range)),
+        None => section.number("jitter_fraction", range),
+    };
+    fraction.map_or(Arrangement::Lattice, |fraction| Arrangement::Jittered { fraction })
 }
 
 fn exchange(section: &mut Section<'_>, preset: Exchange) -> Exchange {
@@ -140,84 +125,55 @@ fn exchange(section: &mut Section<'_>, preset: Exchange) -> Exchange {
     potential.or(mean.map(Exchange::Mean)).unwrap_or(preset)
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Scheme {
-    Enthalpy,
-    Flags,
-    ApparentCapacity,
-}
-
 fn latent_heat_scheme(section: &mut Section<'_>, preset: LatentHeatScheme, materials: &[Material]) -> LatentHeatScheme {
-    let words =
-        [("enthalpy", Scheme::Enthalpy), ("flags", Scheme::Flags), ("apparent-capacity", Scheme::ApparentCapacity)];
-    let preset_word = match preset {
-        LatentHeatScheme::Enthalpy => Scheme::Enthalpy,
-        LatentHeatScheme::Flags => Scheme::Flags,
-        LatentHeatScheme::ApparentCapacity { .. } => Scheme::ApparentCapacity,
-    };
-    let scheme = section.choice_or("scheme", &words, preset_word);
-    let sharp = materials.iter().any(Material::is_sharp);
-    if scheme != Scheme::ApparentCapacity {
+    use LatentHeatScheme::{ApparentCapacity, Enthalpy, Flags};
+    let given = if let ApparentCapacity { interval } = preset { Some(interval) } else { None };
+    let apparent = ApparentCapacity { interval: given.unwrap_or(0.0) };
+    let words = [("enthalpy", Enthalpy), ("flags", Flags), ("apparent-capacity", apparent)];
+    let found = section.choice_or("scheme", &words, preset);
+    if !matches!(found, ApparentCapacity { .. }) {
         section.refuse(INTERVAL, "only the scheme \"apparent-capacity\" reads it");
-    } else if !sharp && !materials.is_empty() {
-        section.refuse(INTERVAL, "no material freezes at one temperature");
+        return found;
     }
-    match (scheme, preset) {
-        (Scheme::Enthalpy, _) => LatentHeatScheme::Enthalpy,
-        (Scheme::Flags, _) => LatentHeatScheme::Flags,
-        (Scheme::ApparentCapacity, LatentHeatScheme::ApparentCapacity { interval }) if sharp => {
-            LatentHeatScheme::ApparentCapacity { interval: section.number_or(INTERVAL, interval, Range::POSITIVE) }
+    if !materials.iter().any(Material::is_sharp) {
+        if !materials.is_empty() {
+            section.refuse(INTERVAL, "no material freezes at one temperature");
         }
-        (Scheme::ApparentCapacity, _) if sharp => {
-            LatentHeatScheme::ApparentCapacity { interval: section.positive(INTERVAL).unwrap_or(1.0) }
-        }
-        (Scheme::ApparentCapacity, LatentHeatScheme::ApparentCapacity { interval }) => {
-            LatentHeatScheme::ApparentCapacity { interval }
-        }
-        (Scheme::ApparentCapacity, _) => LatentHeatScheme::ApparentCapacity { interval: 0.0 },
+        return found;
     }
-}
-
-#[derive(Clone, Copy, PartialEq)]
-enum Advance {
-    Euler,
-    Heun,
-    Rkl2,
-    Implicit,
+    let interval = match given {
+        Some(interval) => section.number_or(INTERVAL, interval, Range::POSITIVE),
+        None => section.positive(INTERVAL).unwrap_or(1.0),
+    };
+    ApparentCapacity { interval }
 }
 
 fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, flows: bool) -> IntegratorChoice {
-    let words =
-        [("euler", Advance::Euler), ("heun", Advance::Heun), ("rkl2", Advance::Rkl2), ("implicit", Advance::Implicit)];
-    let preset_word = match preset {
-        // What water carries asks for steps of second order.
-        IntegratorChoice::Euler if flows => Advance::Heun,
-        IntegratorChoice::Euler => Advance::Euler,
-        IntegratorChoice::Heun => Advance::Heun,
-        IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. } => Advance::Rkl2,
-        IntegratorChoice::Implicit { .. } => Advance::Implicit,
-    };
-    let word = section.choice_or("integrator", &words, preset_word);
-    if word != Advance::Rkl2 {
+    use IntegratorChoice::{ControlledRkl2, Euler, Heun, Implicit, Rkl2};
+    let controlled = ControlledRkl2 { tolerance: RKL2_TOLERANCE };
+    let implicit = Implicit { tolerance: IMPLICIT_TOLERANCE };
+    let words = [("euler", Euler), ("heun", Heun), ("rkl2", controlled), ("implicit", implicit)];
+    // What water carries asks for steps of second order.
+    let usual = if flows && preset == Euler { Heun } else { preset };
+    let found = section.choice_or("integrator", &words, usual);
+    let in_stages = matches!(found, Rkl2 { .. } | ControlledRkl2 { .. });
+    if !in_stages {
         section.refuse("stages", "only the integrator \"rkl2\" has stages");
     }
-    if matches!(word, Advance::Euler | Advance::Heun) {
+    if found.is_monotone() {
         section.refuse("tolerance", "explicit steps of Euler and Heun do not estimate their error");
-        return if word == Advance::Euler { IntegratorChoice::Euler } else { IntegratorChoice::Heun };
+        return found;
     }
-    if word == Advance::Rkl2 && section.has("stages") {
+    if in_stages && section.has("stages") {
         section.refuse("tolerance", "\"stages\" fixes the step");
-        return IntegratorChoice::Rkl2 { stages: section.integer("stages", 3..=99).unwrap_or(3) };
+        return Rkl2 { stages: section.integer("stages", 3..=99).unwrap_or(3) };
     }
-    if let (IntegratorChoice::Rkl2 { stages }, false) = (preset, section.has("tolerance")) {
-        return IntegratorChoice::Rkl2 { stages };
+    if let (Rkl2 { stages }, false) = (preset, section.has("tolerance")) {
+        return Rkl2 { stages };
     }
-    let usual = if word == Advance::Rkl2 { RKL2_TOLERANCE } else { IMPLICIT_TOLERANCE };
+    let usual = if in_stages { RKL2_TOLERANCE } else { IMPLICIT_TOLERANCE };
     let tolerance = section.number_or("tolerance", preset.tolerance().unwrap_or(usual), Range::between(1e-9, 1.0));
-    match word {
-        Advance::Rkl2 => IntegratorChoice::ControlledRkl2 { tolerance },
-        _ => IntegratorChoice::Implicit { tolerance },
-    }
+    if in_stages { ControlledRkl2 { tolerance } } else { Implicit { tolerance } }
 }
 
 fn flow(section: &mut Section<'_>, flows: bool, setting: Setting, monotone: bool) -> Option<FlowNumerics> {

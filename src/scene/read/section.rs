@@ -241,12 +241,7 @@ impl<'a> Section<'a> {
 
     /// An integer with a default.
     pub fn integer_or(&mut self, key: impl Into<Key>, default: usize, range: RangeInclusive<usize>) -> usize {
-        self.optional_integer(key, range).unwrap_or(default)
-    }
-
-    /// An integer that may be absent.
-    pub fn optional_integer(&mut self, key: impl Into<Key>, range: RangeInclusive<usize>) -> Option<usize> {
-        self.optional(key.into(), |section, entry| section.check_integer(entry, &range))
+        self.optional(key.into(), |section, entry| section.check_integer(entry, &range)).unwrap_or(default)
     }
 
     /// A required text that is not empty.
@@ -287,12 +282,7 @@ impl<'a> Section<'a> {
 
     /// `true` or `false`, with a default.
     pub fn flag_or(&mut self, key: impl Into<Key>, default: bool) -> bool {
-        self.optional_flag(key).unwrap_or(default)
-    }
-
-    /// `true` or `false`, or neither.
-    pub fn optional_flag(&mut self, key: impl Into<Key>) -> Option<bool> {
-        self.optional(key.into(), Self::check_flag)
+        self.optional(key.into(), Self::check_flag).unwrap_or(default)
     }
 
     /// `true`, `false` or a word, or none of them.

@@ -2,36 +2,21 @@
 
 use frazil_core::ledger::{Ledger, Source, Sum};
 use frazil_core::particles::Particles;
-use frazil_record::{BudgetRow, RunResult};
+use frazil_record::BudgetRow;
 
-use super::observer::{End, Made, Observer, Schedule, Setup, View, room};
-
-struct Budget {
-    names: Vec<String>,
-    rows: Vec<BudgetRow>,
-}
+use super::observer::{Instants, Made, Setup};
+use super::series::series;
 
 pub(super) fn of(setup: &Setup<'_>) -> Made {
-    let names = setup.method.ledger().sources().iter().map(Source::to_string).collect();
-    Some(Box::new(Budget { names, rows: Vec::with_capacity(setup.outputs()) }))
-}
-
-impl Observer for Budget {
-    fn schedule(&self) -> Schedule {
-        Schedule::OUTPUTS
-    }
-
-    fn observe(&mut self, view: &View<'_>) {
-        self.rows.push(balance(view.particles, view.ledger, view.time));
-    }
-
-    fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {
-        (result.budget_names, result.budget) = (self.names, self.rows);
-    }
-
-    fn held_at_the_end(&self) -> usize {
-        room(&self.rows) + self.rows.capacity() * self.names.len() * size_of::<f64>()
-    }
+    let names: Vec<String> = setup.method.ledger().sources().iter().map(Source::to_string).collect();
+    let by_row = names.len() * size_of::<f64>();
+    series(
+        Instants::Outputs,
+        Vec::with_capacity(setup.outputs()),
+        (by_row, 0),
+        |view, rows| rows.push(balance(view.particles, view.ledger, view.time)),
+        |rows, result| (result.budget_names, result.budget) = (names, rows),
+    )
 }
 
 /// The heat balance at a time.

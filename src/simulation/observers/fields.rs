@@ -2,11 +2,12 @@
 
 use frazil_core::particles::Particles;
 use frazil_core::space::lattice::Lattice;
-use frazil_record::{Field, RunResult};
+use frazil_record::Field;
 use frazil_scene::{PipeRing, Scene};
 use glam::DVec2;
 
-use super::observer::{End, Instants, Made, Observer, Schedule, Setup, View, room};
+use super::observer::{Instants, Made, Setup, View};
+use super::series::series;
 
 /// Largest number of cells of a kept field along one direction.
 const FIELD_CELLS: usize = 400;
@@ -23,39 +24,17 @@ fn field_radius(scene: &Scene) -> f64 {
     scene.rings.iter().map(reach).fold(0.0, f64::max)
 }
 
-struct Fields {
-    radius: f64,
-    /// Cells of one of them.
-    cells: usize,
-    fields: Vec<Field>,
-}
-
 pub(super) fn of(setup: &Setup<'_>) -> Made {
-    let wanted = setup.maps && setup.scene.domain.dimension() == 2;
+    if !setup.maps || setup.scene.domain.dimension() != 2 {
+        return None;
+    }
     let radius = field_radius(setup.scene);
     let Grid { nx, ny, .. } = grid(&setup.particles.lattice, radius);
+    // Two columns by field, and the sums from which one is taken.
+    let held = (2 * nx * ny * size_of::<f64>(), nx * ny * size_of::<(f64, f64, usize)>());
+    let read = move |view: &View<'_>, fields: &mut Vec<Field>| fields.push(field(view.particles, view.time, radius));
     let fields = Vec::with_capacity(setup.profiles());
-    wanted.then(|| Box::new(Fields { radius, cells: nx * ny, fields }) as _)
-}
-
-impl Observer for Fields {
-    fn schedule(&self) -> Schedule {
-        Schedule { instants: Instants::Profiles, ..Schedule::OUTPUTS }
-    }
-
-    fn observe(&mut self, view: &View<'_>) {
-        self.fields.push(field(view.particles, view.time, self.radius));
-    }
-
-    fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {
-        result.fields = self.fields;
-    }
-
-    fn held_at_the_end(&self) -> usize {
-        let kept = 2 * self.fields.capacity() * self.cells * size_of::<f64>();
-        // The sums from which a field is taken.
-        room(&self.fields) + kept + self.cells * size_of::<(f64, f64, usize)>()
-    }
+    series(Instants::Profiles, fields, held, read, |fields, result| result.fields = fields)
 }
 
 /// Cells of a kept field.

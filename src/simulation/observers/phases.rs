@@ -1,37 +1,16 @@
 //! How much of the body, or of a part of it, is liquid, freezing and solid.
 
 use frazil_core::particles::Particles;
-use frazil_record::{PhaseRow, RunResult};
+use frazil_record::PhaseRow;
 
-use super::observer::{End, Made, Observer, Schedule, Setup, View, room};
-
-struct Phases {
-    /// Part of the body (m along x).
-    part: (f64, f64),
-    rows: Vec<PhaseRow>,
-}
+use super::observer::{Instants, Made, Setup, View};
+use super::series::series;
 
 pub(super) fn of(setup: &Setup<'_>) -> Made {
     let part = setup.scene.watch.phases?;
-    Some(Box::new(Phases { part, rows: Vec::with_capacity(setup.outputs()) }))
-}
-
-impl Observer for Phases {
-    fn schedule(&self) -> Schedule {
-        Schedule::OUTPUTS
-    }
-
-    fn observe(&mut self, view: &View<'_>) {
-        self.rows.push(shares(view.particles, self.part, view.time));
-    }
-
-    fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {
-        result.phases = self.rows;
-    }
-
-    fn held_at_the_end(&self) -> usize {
-        room(&self.rows)
-    }
+    let rows = Vec::with_capacity(setup.outputs());
+    let read = move |view: &View<'_>, rows: &mut Vec<PhaseRow>| rows.push(shares(view.particles, part, view.time));
+    series(Instants::Outputs, rows, (0, 0), read, |rows, result| result.phases = rows)
 }
 
 /// Shares of the particles, by volume, that lie between two places (m) along x.

@@ -3,22 +3,14 @@
 use frazil_core::memory::total;
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::{Domain, Surface};
-use frazil_record::{MeanOver, ProfileRow, RunResult};
+use frazil_record::{MeanOver, ProfileRow};
 use frazil_scene::{FreezingDirection, Scene};
 use glam::DVec2;
 
-use super::observer::{End, Instants, Made, Observer, Schedule, Setup, View, room};
+use super::observer::{Instants, Made, Setup};
 use super::rays::{Ray, rays};
 use super::sampler::{Sample, Sampler};
-
-struct Profiles {
-    direction: Option<FreezingDirection>,
-    /// How far from where a plane front starts (m).
-    length: f64,
-    /// Lines along which profiles are kept, beside means over layers.
-    lines: Vec<Line>,
-    rows: Vec<ProfileRow>,
-}
+use super::series::series;
 
 pub(super) fn of(setup: &Setup<'_>) -> Made {
     let (scene, particles, sampler) = (setup.scene, setup.particles, setup.sampler());
@@ -32,35 +24,25 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
     }
     let length = scene.watch.profile_length.or(direction.map(|direction| direction.length)).unwrap_or(0.0);
     let spacing = particles.lattice.spacing;
-    let layers =
+    let cells =
         direction.map_or(0.0, |direction| (direction.length / spacing).round().min((length / spacing + 0.5).floor()));
-    let points = layers as usize + lines.iter().map(|line| line.along.len()).sum::<usize>();
-    Some(Box::new(Profiles { direction, length, lines, rows: Vec::with_capacity(points * setup.profiles()) }))
-}
-
-impl Observer for Profiles {
-    fn schedule(&self) -> Schedule {
-        Schedule { instants: Instants::Profiles, ..Schedule::OUTPUTS }
-    }
-
-    fn observe(&mut self, view: &View<'_>) {
-        let (particles, dimension) = (view.particles, view.scene.domain.dimension());
-        if let Some(direction) = &self.direction {
-            self.rows.extend(layers(particles, direction, self.length, view.time, dimension));
-        }
-        for line in &self.lines {
-            line.read(dimension, particles, view.time, &mut self.rows);
-        }
-    }
-
-    fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {
-        result.profiles = self.rows;
-    }
-
-    fn held_at_the_end(&self) -> usize {
-        let lines: usize = self.lines.iter().map(Line::heap_size).sum();
-        lines + room(&self.rows) + self.rows.capacity() * "line".len()
-    }
+    let points = cells as usize + lines.iter().map(|line| line.along.len()).sum::<usize>();
+    let held: usize = lines.iter().map(Line::heap_size).sum();
+    series(
+        Instants::Profiles,
+        Vec::with_capacity(points * setup.profiles()),
+        ("line".len(), held),
+        move |view, rows| {
+            let (particles, dimension) = (view.particles, view.scene.domain.dimension());
+            if let Some(direction) = &direction {
+                rows.extend(layers(particles, direction, length, view.time, dimension));
+            }
+            for line in &lines {
+                line.read(dimension, particles, view.time, rows);
+            }
+        },
+        |rows, result| result.profiles = rows,
+    )
 }
 
 /// A line of points at which a body is read.

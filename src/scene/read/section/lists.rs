@@ -107,11 +107,6 @@ impl<'a> Section<'a> {
         self.required(key.into(), "a number or a table in time", |section, entry| section.check_series(entry, range))
     }
 
-    /// A quantity that is constant or a table in time; it may be absent.
-    pub fn optional_series(&mut self, key: impl Into<Key>, range: Range) -> Option<Series> {
-        self.optional(key.into(), |section, entry| section.check_series(entry, range))
-    }
-
     /// When something works, as intervals of time that may repeat: `on_h = [[0, 8], [12, 20]]`, `on_period_h = 24`. An
     /// interval of one instant begins there and never ends. Absent, it always works.
     pub fn optional_schedule(&mut self) -> Option<Schedule> {

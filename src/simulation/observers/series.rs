@@ -1,0 +1,47 @@
+//! Observers of one series: rows are read off the state at instants, and left at the end.
+
+use frazil_record::RunResult;
+
+use super::observer::{End, Instants, Made, Observer, Schedule, View, room};
+
+struct Series<Row, Read, Leave> {
+    instants: Instants,
+    rows: Vec<Row>,
+    /// What is held beside the rows at the end of a run (bytes).
+    beside: usize,
+    read: Read,
+    leave: Leave,
+}
+
+/// An observer that adds to `rows`, for which room has been made, by `read`, and leaves them by `leave`; `by_row` and `beside` are
+/// what each row and all of them hold besides (bytes).
+pub(super) fn series<Row: 'static>(
+    instants: Instants,
+    rows: Vec<Row>,
+    (by_row, beside): (usize, usize),
+    read: impl FnMut(&View<'_>, &mut Vec<Row>) + 'static,
+    leave: impl FnOnce(Vec<Row>, &mut RunResult) + 'static,
+) -> Made {
+    let beside = beside + rows.capacity() * by_row;
+    Some(Box::new(Series { instants, rows, beside, read, leave }))
+}
+
+impl<Row, Read: FnMut(&View<'_>, &mut Vec<Row>), Leave: FnOnce(Vec<Row>, &mut RunResult)> Observer
+    for Series<Row, Read, Leave>
+{
+    fn schedule(&self) -> Schedule {
+        Schedule { instants: self.instants, ..Schedule::OUTPUTS }
+    }
+
+    fn observe(&mut self, view: &View<'_>) {
+        (self.read)(view, &mut self.rows);
+    }
+
+    fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {
+        (self.leave)(self.rows, result);
+    }
+
+    fn held_at_the_end(&self) -> usize {
+        room(&self.rows) + self.beside
+    }
+}

@@ -45,7 +45,8 @@ pub trait Drive<const D: usize>: Sync {
     const WORKS: bool = true;
 
     /// Acts for a time on a particle: before it drifts.
-    fn act(&self, particle: &mut Particle<D>, time: f64);
+    #[inline(always)]
+    fn act(&self, _particle: &mut Particle<D>, _time: f64) {}
 
     /// Keeps a particle in that has drifted for a time. It must keep the kinetic energy.
     #[inline(always)]
@@ -58,9 +59,6 @@ pub struct Undriven;
 
 impl<const D: usize> Drive<D> for Undriven {
     const WORKS: bool = false;
-
-    #[inline(always)]
-    fn act(&self, _particle: &mut Particle<D>, _time: f64) {}
 }
 
 /// A fluid in a periodic box, in parts of which there may be walls.

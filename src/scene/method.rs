@@ -21,6 +21,7 @@ use crate::scene::Scene;
 use crate::settings::{Numerics, Setting, word};
 
 /// A method's geometry on one scene, made by [`MethodKind::read`].
+#[derive(Clone)]
 pub struct Discretisation {
     /// Pair weight.
     pub weight: Arc<dyn PairWeight>,

@@ -70,7 +70,7 @@ pub fn unresolved(
 fn across(shape: &Shape, lattice: &Lattice) -> (f64, f64) {
     let extent = shape.extent();
     let low = lattice.corner;
-    let high = low + lattice.spacing * glam::DVec2::new(lattice.columns as f64, lattice.rows as f64);
+    let high = lattice.far();
     match shape {
         Shape::Box(_) => {
             let (from, to) = (extent.low.max(low), extent.high.min(high));

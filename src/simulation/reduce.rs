@@ -99,23 +99,22 @@ pub fn find(scene: &Scene, method: &str, reference: Option<&Arc<dyn Reference>>)
 /// What about the settings of a method is not symmetric, or would not be in the smaller body.
 fn obstacle(scene: &Scene, settings: &MethodSettings) -> Option<String> {
     let numerics = &settings.numerics;
-    let straight = !matches!(scene.domain, Domain::Ring { .. });
-    if let Stepper::Own(_) | Stepper::Moving(_) = settings.discretisation.stepper {
+    if !matches!(settings.discretisation.stepper, Stepper::Shared) {
         let method = settings.method;
-        Some(format!("the method {method} makes its own steps: each particle has noise of its own"))
-    } else if scene.flow.is_some() {
-        Some("water flows".into())
-    } else if numerics.arrangement != Arrangement::Lattice {
-        Some("particles stand unevenly".into())
-    } else if straight && numerics.walls == WallModel::MovingLeastSquares {
-        Some("fits of wall_model = \"moving-least-squares\" know no mirror planes".into())
-    } else if numerics.walls == WallModel::InnerLayers {
-        Some("inner layers hold particles of the body itself".into())
-    } else if numerics.walls == WallModel::Naive && scene.brings_heat() {
-        Some("naive layers at a flux or film follow the particles of the whole body".into())
-    } else {
-        None
+        return Some(format!("the method {method} makes its own steps: each particle has noise of its own"));
     }
+    let fitted = numerics.walls == WallModel::MovingLeastSquares && !matches!(scene.domain, Domain::Ring { .. });
+    let reasons = [
+        (scene.flow.is_some(), "water flows"),
+        (numerics.arrangement != Arrangement::Lattice, "particles stand unevenly"),
+        (fitted, "fits of wall_model = \"moving-least-squares\" know no mirror planes"),
+        (numerics.walls == WallModel::InnerLayers, "inner layers hold particles of the body itself"),
+        (
+            numerics.walls == WallModel::Naive && scene.brings_heat(),
+            "naive layers at a flux or film follow the particles of the whole body",
+        ),
+    ];
+    reasons.into_iter().find(|reason| reason.0).map(|reason| reason.1.to_owned())
 }
 
 /// What only a plan of the larger body knows.
@@ -207,14 +206,7 @@ fn discretisation(settings: &MethodSettings, folds: &[Fold]) -> Discretisation {
         }
         _ => (own.weight.clone(), own.normalisation),
     };
-    Discretisation {
-        weight,
-        normalisation,
-        knobs: own.knobs.clone(),
-        differences: own.differences.clone(),
-        stepper: own.stepper.clone(),
-        fluctuation: own.fluctuation,
-    }
+    Discretisation { weight, normalisation, ..own.as_ref().clone() }
 }
 
 impl Reduction {

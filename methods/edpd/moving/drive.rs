@@ -14,9 +14,6 @@ impl Drive<2> for Confined {
     const WORKS: bool = false;
 
     #[inline(always)]
-    fn act(&self, _particle: &mut Particle<2>, _time: f64) {}
-
-    #[inline(always)]
     fn confine(&self, particle: &mut Particle<2>, time: f64) {
         let LiquidBody { lengths, walled } = &self.0;
         let beyond = |axis: usize| walled[axis] && !(0.0..=lengths[axis]).contains(&particle.position[axis]);

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use crate::boundary::interface::Chains;
 use crate::boundary::patch::Face;
-use crate::memory::HeapSize;
+use crate::memory::{HeapSize, total};
 use crate::physics::latent_heat::Materials;
 
 /// Ghosts, numbered after the particles; each depends only on particles and earlier ghosts.
@@ -52,10 +52,8 @@ impl HeapSize for Ghosts {
     fn heap_size(&self) -> usize {
         // Patches are a byte and whether there is one.
         let patches = (self.patch.capacity() + self.pays.capacity()) * size_of::<Option<u8>>();
-        let names =
-            self.material.heap_size() + self.model.heap_size() + self.identity.heap_size() + self.stream.heap_size();
-        let numbers = self.depth.heap_size() + self.share.heap_size();
-        self.position.heap_size() + patches + numbers + names + self.starts.heap_size() + self.images.heap_size()
+        let names = total(&[&self.material, &self.model, &self.identity, &self.stream, &self.starts]);
+        patches + names + total(&[&self.position, &self.depth, &self.share, &self.images])
     }
 }
 
@@ -105,8 +103,7 @@ impl Ghosts {
         let mut mirrored: Vec<Option<(u32, f64)>> = Vec::with_capacity(self.len());
         for ghost in 0..self.len() {
             let sign = -self.patch[ghost].map_or(-1.0, |patch| faces[patch as usize].stiffness());
-            let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
-            mirrored.push(match images {
+            mirrored.push(match &self.images[self.images_of(ghost)] {
                 [(image, 1.0)] => match (*image as usize).checked_sub(count) {
                     None => Some((*image, sign)),
                     Some(parent) => mirrored[parent].map(|(particle, factor)| (particle, sign * factor)),
@@ -144,8 +141,8 @@ impl Ghosts {
     /// How strongly a fitted ghost falls when a particle rises, by the particle's share in the fit.
     pub fn own_share(&self, ghost: usize, particle: u32, faces: &[Face]) -> f64 {
         let stiffness = self.patch[ghost].map_or(-1.0, |patch| faces[patch as usize].stiffness());
-        let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
-        stiffness * images.iter().filter(|image| image.0 == particle).map(|image| image.1).sum::<f64>()
+        let images = self.images[self.images_of(ghost)].iter().filter(|image| image.0 == particle);
+        stiffness * images.map(|image| image.1).sum::<f64>()
     }
 
     /// Fills the potentials of ghosts, behind those of the particles.
@@ -233,12 +230,11 @@ impl Ghosts {
 
     /// Particles that the image of a ghost is made of, directly or through other ghosts.
     pub fn makers(&self, ghost: usize, count: usize) -> Vec<u32> {
-        let images = &self.images[self.starts[ghost] as usize..self.starts[ghost + 1] as usize];
         let maker = |index: u32| match (index as usize).checked_sub(count) {
             None => vec![index],
             Some(parent) => self.makers(parent, count),
         };
-        images.iter().flat_map(|image| maker(image.0)).collect()
+        self.images[self.images_of(ghost)].iter().flat_map(|image| maker(image.0)).collect()
     }
 
     /// Whether every ghost is the mirror image of one particle or ghost.

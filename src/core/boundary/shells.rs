@@ -75,8 +75,8 @@ pub struct Touch {
     pub at_end: bool,
 }
 
-/// Pairs and walls of a body of shells.
-pub struct Shells {
+/// Pairs, and what they do not reach: walls that touch particles, and what stands behind walls.
+pub struct Bonds {
     /// Pairs, with weights by the volume of the first.
     pub pairs: PairList,
     /// Walls.
@@ -86,16 +86,11 @@ pub struct Shells {
 }
 
 /// Pairs of the shells of a domain under a stencil, or why they have none that keep the maximum principle.
-pub fn shells(
-    domain: &Domain,
-    lattice: &Lattice,
-    stencil: &Stencil,
-    boundary: &Boundary,
-) -> Result<Shells, ShellError> {
+pub fn shells(domain: &Domain, lattice: &Lattice, stencil: &Stencil, boundary: &Boundary) -> Result<Bonds, ShellError> {
     let Some(symmetry) = domain.symmetry() else { return Err(ShellError::NoSymmetry) };
     let exchange = Exchange::positive(symmetry, lattice, stencil)?;
     let volumes = Volumes::new(domain, lattice, false);
-    Ok(Shells {
+    Ok(Bonds {
         pairs: exchange.list(&volumes),
         touches: touches(domain, symmetry, lattice, boundary, stencil, &volumes),
         ghosts: Ghosts::none(),

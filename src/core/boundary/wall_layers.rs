@@ -104,9 +104,7 @@ impl Body<'_> {
 
     /// Depth (m) of a particle behind a side, as a plane wall would have it.
     fn depth(&self, side: usize, particle: usize) -> f64 {
-        let far = self.lattice.corner
-            + self.lattice.spacing * DVec2::new(self.lattice.columns as f64, self.lattice.rows as f64);
-        let place = self.positions[particle];
+        let (far, place) = (self.lattice.far(), self.positions[particle]);
         match (side, self.symmetry) {
             (0, Some(symmetry)) => symmetry.depth(self.lattice.corner.x, place.x),
             (1, Some(symmetry)) => symmetry.depth(far.x, place.x),
@@ -114,19 +112,6 @@ impl Body<'_> {
             (1, None) => far.x - place.x,
             (2, _) => place.y - self.lattice.corner.y,
             _ => far.y - place.y,
-        }
-    }
-
-    /// The place on a side next to a particle.
-    fn on_wall(&self, side: usize, particle: usize) -> DVec2 {
-        let far = self.lattice.corner
-            + self.lattice.spacing * DVec2::new(self.lattice.columns as f64, self.lattice.rows as f64);
-        let place = self.positions[particle];
-        match side {
-            0 => DVec2::new(self.lattice.corner.x, place.y),
-            1 => DVec2::new(far.x, place.y),
-            2 => DVec2::new(place.x, self.lattice.corner.y),
-            _ => DVec2::new(place.x, far.y),
         }
     }
 }
@@ -269,7 +254,7 @@ pub fn inner(
             for (side, patch) in &held[i] {
                 touches.push(touch((*side, *patch), depth, stiffness * depth / held[i].len() as f64));
                 // On the wall: what the others gain of it crosses every surface in between.
-                ghosts.hold(count, i as u32, body.on_wall(*side, i), *patch as u8);
+                ghosts.hold(count, i as u32, body.lattice.foot(*side, body.positions[i]), *patch as u8);
             }
         } else {
             for (side, patch) in layers.patches(i) {

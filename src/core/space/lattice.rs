@@ -150,6 +150,21 @@ impl Lattice {
             .collect()
     }
 
+    /// The corner across from that at which it begins (m).
+    pub fn far(&self) -> DVec2 {
+        self.corner + self.spacing * DVec2::new(self.columns as f64, self.rows as f64)
+    }
+
+    /// The place on a side next to a point: 0 and 1 across x, 2 and 3 across y.
+    pub fn foot(&self, side: usize, point: DVec2) -> DVec2 {
+        match side {
+            0 => DVec2::new(self.corner.x, point.y),
+            1 => DVec2::new(self.far().x, point.y),
+            2 => DVec2::new(point.x, self.corner.y),
+            _ => DVec2::new(point.x, self.far().y),
+        }
+    }
+
     /// A point in units of cells, measured from the centre of cell (0, 0).
     pub fn to_cells(&self, point: DVec2) -> DVec2 {
         let cells = (point - self.corner) / self.spacing - DVec2::splat(0.5);

@@ -65,7 +65,7 @@ fn material(name: &str, section: &mut Section<'_>) -> Read<Material> {
             latent_heat: freezing.latent_heat * whole.ice_share,
             law: freezing.law,
             mixing: freezing.mixing,
-            pores: Some(porous.pores()),
+            pores: Some(porous.pores),
         });
     }
     section.refuse(

@@ -16,7 +16,7 @@ struct Part {
 /// A porous material as read, before its freezing law says how conductivities mix.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Porous {
-    pores: Pores,
+    pub(super) pores: Pores,
     water: Part,
     ice: Part,
     /// Absent where pores are all there is.
@@ -93,10 +93,6 @@ fn part(mut section: Section<'_>) -> Read<Part> {
 }
 
 impl Porous {
-    pub(super) fn pores(&self) -> Pores {
-        self.pores
-    }
-
     /// The material with pores full of water or ice. Conductivities mix in the same way among phases as between the
     /// frozen and the unfrozen state, so that a partly frozen material mixes all three (Nikolaev et al. 2021, eqs 8, 12).
     pub(super) fn whole(&self, mixing: Mixing) -> Whole {

@@ -143,7 +143,7 @@ fn fault(corners: &[DVec2]) -> Option<String> {
 }
 
 /// The box around the simulated body.
-fn extent(domain: &Domain) -> Cell {
+pub(super) fn extent(domain: &Domain) -> Cell {
     let cell = |low: (f64, f64), high: (f64, f64)| Cell { low: low.into(), high: high.into() };
     match *domain {
         Domain::Line { length } => cell((0.0, f64::NEG_INFINITY), (length, f64::INFINITY)),

@@ -3,7 +3,9 @@
 use super::body::condition;
 use super::problem::Read;
 use super::range::{Range, plain};
+use super::regions::extent;
 use super::section::{Key, Section};
+use crate::region::Cell;
 use crate::scene::WallPart;
 use frazil_core::boundary::condition::Condition;
 use frazil_core::space::domain::{Domain, Surface};
@@ -41,12 +43,9 @@ fn radii(section: &mut Section<'_>) -> Read<(f64, f64)> {
 
 /// Extent of a wall along itself (m), if it has any.
 fn along(domain: &Domain, wall: WallId) -> Option<(f64, f64)> {
-    match (*domain, wall.is_across_y()) {
-        (Domain::Axial { inner, outer, .. }, true) => Some((inner, outer)),
-        (Domain::Rectangle { width, .. }, true) => Some((0.0, width)),
-        (Domain::Axial { height, .. } | Domain::Rectangle { height, .. }, false) => Some((0.0, height)),
-        _ => None,
-    }
+    let Cell { low, high } = extent(domain);
+    let along = if wall.is_across_y() { (low.x, high.x) } else { (low.y, high.y) };
+    matches!(domain, Domain::Axial { .. } | Domain::Rectangle { .. }).then_some(along)
 }
 
 /// Reads the parts of a wall that have conditions of their own.
@@ -93,28 +92,19 @@ pub(super) fn surfaces(section: &mut Section<'_>, domain: Option<&Domain>) -> Ve
         };
         let round = domain.symmetry().is_some();
         let keys: [(&str, &str); 2] = if round { [("r", "m"), ("z", "m")] } else { [("x", "m"), ("y", "m")] };
-        let (across_x, across_y) = match *domain {
-            Domain::Line { length } => ((0.0, length), None),
-            Domain::Rectangle { width, height } => ((0.0, width), Some((0.0, height))),
-            Domain::Radial { inner, outer, .. } => ((inner, outer), None),
-            Domain::Axial { inner, outer, height } => ((inner, outer), Some((0.0, height))),
-            Domain::Ring { .. } => {
-                surface
-                    .section_problem("the domain \"ring\" has no surfaces: pipes and the outer wall tell their heat");
-                surface.abandon();
-                continue;
-            }
-        };
-        let across_y = if across_y.is_some() {
-            surface.only_one(&keys.map(Key::from)).map(|key| if key == 0 { None } else { across_y })
-        } else {
-            Ok(None)
-        };
-        let Ok(across_y) = across_y else { continue };
-        let (key, (least, most)) = across_y.map_or((keys[0], across_x), |extent| (keys[1], extent));
+        if let Domain::Ring { .. } = domain {
+            surface.section_problem("the domain \"ring\" has no surfaces: pipes and the outer wall tell their heat");
+            surface.abandon();
+            continue;
+        }
+        let plane = domain.dimension() == 2;
+        let axis = if plane { surface.only_one(&keys.map(Key::from)) } else { Ok(0) };
+        let Ok(axis) = axis else { continue };
+        let Cell { low, high } = extent(domain);
+        let (key, across_y, least, most) = (keys[axis], axis == 1, low[axis], high[axis]);
         let Ok(at) = surface.number(key, Range::ANY) else { continue };
         if at > least && at < most {
-            found.push(Surface { across_y: across_y.is_some(), at });
+            found.push(Surface { across_y, at });
         } else {
             let message = format!("found {}, must lie between {} and {}", plain(at), plain(least), plain(most));
             surface.problem(key, message);

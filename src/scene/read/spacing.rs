@@ -13,14 +13,19 @@ const MOST_PARTICLES: f64 = 1e8;
 /// A length is a whole number of spacings if it is so to this relative tolerance.
 const WHOLE: f64 = 1e-6;
 
-fn shortest(domain: &Domain) -> f64 {
+/// Extents of a domain (m) that a lattice fills; of a ring its radius.
+fn extents(domain: &Domain) -> Vec<f64> {
     match *domain {
-        Domain::Line { length } => length,
-        Domain::Rectangle { width, height } => width.min(height),
-        Domain::Ring { outer_radius, .. } => outer_radius,
-        Domain::Radial { inner, outer, .. } => outer - inner,
-        Domain::Axial { inner, outer, height } => (outer - inner).min(height),
+        Domain::Line { length } => vec![length],
+        Domain::Rectangle { width, height } => vec![width, height],
+        Domain::Ring { outer_radius, .. } => vec![outer_radius],
+        Domain::Radial { inner, outer, .. } => vec![outer - inner],
+        Domain::Axial { inner, outer, height } => vec![outer - inner, height],
     }
+}
+
+fn shortest(domain: &Domain) -> f64 {
+    extents(domain).into_iter().fold(f64::INFINITY, f64::min)
 }
 
 /// Refuses a spacing (m) with which pairs reach beyond the domain.
@@ -39,13 +44,7 @@ pub(super) fn reaches(section: &mut Section<'_>, spacing: f64, reach: f64, domai
 
 /// Whether the spacing fits the domain; if not, a problem that names the nearest that does.
 pub(super) fn divides(section: &mut Section<'_>, spacing: f64, domain: &Domain) -> bool {
-    let extents = match *domain {
-        Domain::Line { length } => vec![length],
-        Domain::Rectangle { width, height } => vec![width, height],
-        Domain::Radial { inner, outer, .. } => vec![outer - inner],
-        Domain::Axial { inner, outer, height } => vec![outer - inner, height],
-        Domain::Ring { .. } => vec![],
-    };
+    let (extents, round) = (extents(domain), matches!(domain, Domain::Ring { .. }));
     let particles = domain.size() / spacing.powi(domain.dimension() as i32);
     if particles.is_nan() || particles > MOST_PARTICLES {
         let message = format!(
@@ -56,12 +55,12 @@ pub(super) fn divides(section: &mut Section<'_>, spacing: f64, domain: &Domain) 
         return false;
     }
     let longest_allowed = shortest(domain);
-    if extents.is_empty() && spacing > longest_allowed {
+    if round && spacing > longest_allowed {
         let message = format!("found {}, must be at most the outer radius {}", plain(spacing), plain(longest_allowed));
         section.problem(KEY, message);
         return false;
     }
-    if extents.iter().all(|extent| is_whole(extent / spacing)) {
+    if round || extents.iter().all(|extent| is_whole(extent / spacing)) {
         return true;
     }
     let lengths: Vec<String> = extents.iter().map(|extent| plain(*extent)).collect();

@@ -2,10 +2,13 @@
 
 use super::problem::Read;
 use super::range::{Range, plain, temperatures};
+use super::regions::extent;
 use super::section::{Duration, Section};
 use super::shells;
+use crate::region::Cell;
 use crate::scene::{ReferenceChoice, Watch};
-use frazil_core::space::domain::{Domain, Sector, Surface};
+use frazil_core::space::domain::{Domain, Surface};
+use glam::DVec2;
 
 /// End of the run and the instants of the observations.
 pub(super) struct Time {
@@ -119,27 +122,24 @@ fn cuts(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Surface> {
     for (name, across_y) in KEYS {
         let key = (name, "m");
         let round = matches!(name, "cuts_z" | "cuts_r");
-        // Where cuts may lie.
-        let between = match domain {
-            Some(Domain::Axial { height, .. }) if round && across_y => (0.0, *height),
-            Some(Domain::Axial { inner, outer, .. }) if round => (*inner, *outer),
-            Some(Domain::Rectangle { height, .. }) if !round && across_y => (0.0, *height),
-            Some(Domain::Rectangle { width, .. }) if !round => (0.0, *width),
-            Some(Domain::Ring { outer_radius, sector }) if !round => {
-                let mirrored = *sector == Sector::Quarter || across_y && *sector == Sector::Half;
-                (if mirrored { 0.0 } else { -outer_radius }, *outer_radius)
-            }
-            Some(_) => {
-                let domains = if round {
-                    "only the domain \"axial\" has"
-                } else {
-                    "only the domains \"rectangle\" and \"ring\" have"
-                };
-                section.refuse(key, &format!("{domains} cuts of this name"));
-                continue;
-            }
-            None => continue,
+        let Some(domain) = domain else { continue };
+        let own = match domain {
+            Domain::Axial { .. } => round,
+            Domain::Rectangle { .. } | Domain::Ring { .. } => !round,
+            Domain::Line { .. } | Domain::Radial { .. } => false,
         };
+        if !own {
+            let domains = if round {
+                "only the domain \"axial\" has"
+            } else {
+                "only the domains \"rectangle\" and \"ring\" have"
+            };
+            section.refuse(key, &format!("{domains} cuts of this name"));
+            continue;
+        }
+        // Where cuts may lie.
+        let Cell { low, high } = extent(domain);
+        let between = if across_y { (low.y, high.y) } else { (low.x, high.x) };
         let places = section.optional_numbers(key, Range::ANY).unwrap_or_default();
         if let Some(outside) = places.iter().find(|at| !(between.0..=between.1).contains(*at)) {
             let (found, least, most) = (plain(*outside), plain(between.0), plain(between.1));
@@ -171,17 +171,9 @@ fn phases(section: &mut Section<'_>, domain: Option<&Domain>) -> Option<(f64, f6
 }
 
 fn inside(domain: &Domain, x: f64, y: f64) -> bool {
-    match *domain {
-        Domain::Line { length } => (0.0..=length).contains(&x),
-        Domain::Rectangle { width, height } => (0.0..=width).contains(&x) && (0.0..=height).contains(&y),
-        Domain::Radial { inner, outer, .. } => (inner..=outer).contains(&x),
-        Domain::Axial { inner, outer, height } => (inner..=outer).contains(&x) && (0.0..=height).contains(&y),
-        Domain::Ring { outer_radius, sector } => {
-            x.hypot(y) <= outer_radius
-                && (sector == Sector::Whole || y >= 0.0)
-                && (sector != Sector::Quarter || x >= 0.0)
-        }
-    }
+    let (Cell { low, high }, place) = (extent(domain), DVec2::new(x, y));
+    let beyond = matches!(domain, Domain::Ring { outer_radius, .. } if x.hypot(y) > *outer_radius);
+    !beyond && place.cmpge(low).all() && place.cmple(high).all()
 }
 
 pub(super) fn reference(root: &mut Section<'_>, domain: Option<&Domain>) -> ReferenceChoice {

@@ -65,7 +65,7 @@ pub fn chains(scene: &Scene, numerics: &Numerics, seen: &Seen<'_>, ghosts: &mut 
     }
     let of_touch = seen.touches.iter().map(|touch| {
         let side = 2 * usize::from(touch.across_y) + usize::from(touch.at_end);
-        from_wall(ground.foot(side, seen.positions[touch.particle as usize]), touch.particle as usize)
+        from_wall(seen.lattice.foot(side, seen.positions[touch.particle as usize]), touch.particle as usize)
     });
     let of_touch = of_touch.collect();
     (chains.of_rim, chains.of_touch) = (of_rim, of_touch);

@@ -39,7 +39,7 @@ pub struct Ground<'a> {
 impl<'a> Ground<'a> {
     pub fn new(scene: &'a Scene, lattice: &Lattice, boundary: &Boundary) -> Self {
         let low = lattice.corner;
-        let high = low + lattice.spacing * DVec2::new(lattice.columns as f64, lattice.rows as f64);
+        let high = lattice.far();
         let beyond = boundary.sides.map(|side| match side {
             Side::Curved => Beyond::Nothing,
             Side::Mirror => Beyond::Mirrored,
@@ -91,16 +91,6 @@ impl<'a> Ground<'a> {
     pub fn material(&self, place: DVec2) -> u8 {
         let inside = self.inside(place);
         self.scene.material_at(inside.x, inside.y) as u8
-    }
-
-    /// The nearest place on a straight wall, by the patch of the whole wall.
-    pub fn foot(&self, side: usize, place: DVec2) -> DVec2 {
-        match side {
-            0 => DVec2::new(self.low.x, place.y),
-            1 => DVec2::new(self.high.x, place.y),
-            2 => DVec2::new(place.x, self.low.y),
-            _ => DVec2::new(place.x, self.high.y),
-        }
     }
 
     /// The pieces between two places with their materials; none if all is of one.

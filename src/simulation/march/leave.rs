@@ -7,7 +7,7 @@ use frazil_record::{Record, RunResult};
 use super::verdict::{judge, noise};
 use super::{Simulation, Stop};
 use crate::measure::attach;
-use crate::observers::observer::End;
+use crate::observers::observer::{End, larger_magnitude};
 use crate::plan::PlanSummary;
 use crate::reference::Reference;
 
@@ -86,10 +86,6 @@ impl Simulation<'_> {
             ..Record::default()
         }
     }
-}
-
-fn larger_magnitude(a: f64, b: f64) -> f64 {
-    if b.abs() > a.abs() { b } else { a }
 }
 
 /// Greatest resident memory of the process so far (bytes), where the system tells.

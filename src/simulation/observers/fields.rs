@@ -53,7 +53,7 @@ struct Grid {
 fn grid(lattice: &Lattice, radius: f64) -> Grid {
     let within = |extent: f64| if radius > 0.0 { extent.min(radius) } else { extent };
     let least = DVec2::new(-within(-lattice.corner.x), -within(-lattice.corner.y));
-    let most = lattice.corner + lattice.spacing * DVec2::new(lattice.columns as f64, lattice.rows as f64);
+    let most = lattice.far();
     let size = DVec2::new(within(most.x), within(most.y)) - least;
     let coarsening = (size.max_element() / lattice.spacing / FIELD_CELLS as f64).ceil().max(1.0);
     let spacing = coarsening * lattice.spacing;

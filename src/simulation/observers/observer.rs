@@ -195,3 +195,8 @@ pub(crate) struct End<'a> {
 pub(super) fn room<T>(rows: &Vec<T>) -> usize {
     rows.capacity() * size_of::<T>()
 }
+
+/// The one of two numbers that is farther from zero.
+pub(crate) fn larger_magnitude(a: f64, b: f64) -> f64 {
+    if b.abs() > a.abs() { b } else { a }
+}

@@ -8,7 +8,7 @@ use frazil_record::{CutRow, FlowPoint, RunResult, WaterRecord, WaterRow, WaterSe
 use frazil_scene::Scene;
 use frazil_scene::region::Cell;
 
-use super::observer::{End, Made, Moment, Observer, Schedule, Setup, View};
+use super::observer::{End, Made, Moment, Observer, Schedule, Setup, View, larger_magnitude};
 use crate::reference::Reference;
 
 /// Distance (m) over which the pressure beside ice is not compared with a reference: it follows the staircase of the
@@ -203,8 +203,4 @@ impl WaterWatch {
         let (cold, warm) = (freezing - before.least_temperature_c, after.least_temperature_c - freezing);
         Some(before.time_s + (after.time_s - before.time_s) * cold / (cold + warm))
     }
-}
-
-fn larger_magnitude(a: f64, b: f64) -> f64 {
-    if b.abs() > a.abs() { b } else { a }
 }

@@ -10,7 +10,7 @@ use frazil_core::bonds::weight::Normalisation;
 use frazil_core::boundary::curved_wall::{Contacts, Neighbourhood, Rim, cells_behind};
 use frazil_core::boundary::ghosts::Ghosts;
 use frazil_core::boundary::interface::Chains;
-use frazil_core::boundary::shells::{Shells, Touch, naive_shells, shells};
+use frazil_core::boundary::shells::{Bonds, naive_shells, shells};
 use frazil_core::boundary::wall_layers::{Body, WallModel, inner, level};
 use frazil_core::breakage::crack::{Barriers, Cuts};
 use frazil_core::breakage::excavation;
@@ -128,14 +128,6 @@ fn parts(
     Ok((parts, ways_out))
 }
 
-/// Bonds with what stands behind walls.
-struct Bonds {
-    pairs: PairList,
-    ghosts: Ghosts,
-    /// Where walls touch shells.
-    touches: Vec<Touch>,
-}
-
 /// Bonds, walls as layers of particles among them, and what became of those that a curved wall cuts.
 fn bonds(
     scene: &Scene,
@@ -149,8 +141,7 @@ fn bonds(
     let (shelled, naive) = (scene.domain.symmetry().is_some() && !printed, walls == WallModel::Naive);
     let (mut bonds, cut) = if shelled {
         let made = if naive { naive_shells } else { shells };
-        let Shells { pairs, touches, ghosts } = made(&scene.domain, lattice, stencil, boundary)?;
-        (Bonds { pairs, ghosts, touches }, (Contacts::default(), Vec::new()))
+        (made(&scene.domain, lattice, stencil, boundary)?, (Contacts::default(), Vec::new()))
     } else {
         let reach = settings.discretisation.weight.reach();
         let ghosts = Ghosts::new(positions, lattice, boundary, reach, walls == WallModel::MovingLeastSquares);

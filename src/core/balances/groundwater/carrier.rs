@@ -26,7 +26,7 @@ use crate::balances::groundwater::pressure::Pressure;
 use crate::balances::groundwater::row::Row;
 use crate::balances::groundwater::tasks::{each, tasks, when};
 use crate::balances::groundwater::velocity::velocities;
-use crate::memory::HeapSize;
+use crate::memory::{HeapSize, total};
 
 /// Heat that water carries along a path over what the path conducts, from which the bend of profiles counts.
 const FAST: f64 = 1.0;
@@ -85,18 +85,10 @@ pub struct Carrier {
 impl HeapSize for Carrier {
     fn heap_size(&self) -> usize {
         let rows = self.rows.capacity() * size_of::<Row>() + self.mouths.capacity() * size_of::<Mouth>();
-        let paths = self.exchange.heap_size() + self.least.heap_size() + self.sums.heap_size();
         let more = self.bent.iter().chain(&self.columns).map(HeapSize::heap_size).sum::<usize>();
-        let beside = self.beside.heap_size() + self.beside_walls.capacity() * size_of::<(u32, u32, u32)>();
-        rows + paths
-            + more
-            + beside
-            + self.carried.heap_size()
-            + self.conducted.heap_size()
-            + self.kept.heap_size()
-            + self.mouth_of.heap_size()
-            + self.marked.capacity()
-            + self.limits.heap_size()
+        let beside = self.beside_walls.capacity() * size_of::<(u32, u32, u32)>() + self.marked.capacity();
+        let paths = total(&[&self.exchange, &self.least, &self.sums, &self.beside, &self.carried, &self.conducted]);
+        rows + paths + more + beside + total(&[&self.kept, &self.mouth_of, &self.limits])
     }
 }
 

@@ -14,7 +14,7 @@ use crate::balances::groundwater::diagonals::sum;
 use crate::balances::groundwater::error::GroundwaterError;
 use crate::balances::groundwater::network::{NONE, Network, Opening};
 use crate::bonds::exchange::Mean;
-use crate::memory::HeapSize;
+use crate::memory::{HeapSize, total};
 
 /// What remains of a particle's balance over the water that passes through it, in the root of the mean of squares.
 const TOLERANCE: f64 = 1e-8;
@@ -58,8 +58,7 @@ impl HeapSize for Pressure {
         let columns =
             [&self.pressure, &self.diagonal, &self.inverse, &self.right, &self.residual, &self.swept, &self.direction];
         let columns: usize = columns.iter().map(|column| column.heap_size()).sum();
-        let paths = self.conductances.heap_size() + self.mouths.heap_size() + self.rest.heap_size();
-        columns + self.image.heap_size() + paths + self.coarse.heap_size()
+        columns + total(&[&self.image, &self.conductances, &self.mouths, &self.rest, &self.coarse])
     }
 }
 

@@ -77,8 +77,7 @@ impl Ghosts {
 
 impl Builder<'_> {
     fn sides(&self, walls: Walls) -> [BoxSide; 2] {
-        let (corner, lattice) = (self.lattice.corner, self.lattice);
-        let far = corner + lattice.spacing * DVec2::new(lattice.columns as f64, lattice.rows as f64);
+        let (corner, far) = (self.lattice.corner, self.lattice.far());
         match walls {
             Walls::Columns => [(0, DVec2::NEG_X, -corner.x), (1, DVec2::X, far.x)],
             Walls::Rows => [(2, DVec2::NEG_Y, -corner.y), (3, DVec2::Y, far.y)],

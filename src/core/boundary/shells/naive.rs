@@ -4,7 +4,7 @@ use crate::bonds::pair_list::PairList;
 use crate::bonds::stencil::Stencil;
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::Boundary;
-use crate::boundary::shells::{Exchange, ShellError, Shells};
+use crate::boundary::shells::{Bonds, Exchange, ShellError};
 use crate::space::domain::Domain;
 use crate::space::lattice::Lattice;
 use crate::space::volumes::Volumes;
@@ -17,7 +17,7 @@ pub fn naive_shells(
     lattice: &Lattice,
     stencil: &Stencil,
     boundary: &Boundary,
-) -> Result<Shells, ShellError> {
+) -> Result<Bonds, ShellError> {
     let Some(symmetry) = domain.symmetry() else { return Err(ShellError::NoSymmetry) };
     let (columns, rows, spacing) = (lattice.columns, lattice.rows, lattice.spacing);
     // A wall is open where any of its parts is; closed parts then have layers that take nothing.
@@ -82,5 +82,5 @@ pub fn naive_shells(
             pairs.starts.push(pairs.partners.len());
         }
     }
-    Ok(Shells { pairs, touches: Vec::new(), ghosts })
+    Ok(Bonds { pairs, touches: Vec::new(), ghosts })
 }

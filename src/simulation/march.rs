@@ -143,6 +143,9 @@ impl Stop {
 }
 
 /// Runs a scene under one method. Errors are taken against `reference`, if there is one.
+///
+/// # Errors
+/// What the plan of the run refuses.
 pub fn run(
     scene: &Scene,
     method: &str,

@@ -85,6 +85,9 @@ pub struct Bounds {
 }
 
 /// Both limits of explicit steps.
+///
+/// # Errors
+/// What a plan refuses.
 pub fn bounds(
     scene: &Scene,
     settings: &MethodSettings,
@@ -99,11 +102,17 @@ pub fn bounds(
 }
 
 /// The settings of a method on a scene, or why there are none.
+///
+/// # Errors
+/// A scene that says nothing of the method.
 pub fn settings_of<'a>(scene: &'a Scene, method: &str) -> Result<&'a MethodSettings, Refused> {
     scene.method(method).ok_or_else(|| Refused::NoMethod { scene: scene.name.clone(), method: method.to_owned() })
 }
 
 /// Builds everything that a run needs.
+///
+/// # Errors
+/// Whatever of the scene or its settings cannot be run, by what is allowed.
 pub fn build(
     scene: &Scene,
     settings: &MethodSettings,

@@ -202,6 +202,9 @@ const TRIAL: (f64, f64) = (0.03, 0.004);
 const BLOCK: f64 = 0.5e-3;
 
 /// Plans a run, and tries it.
+///
+/// # Errors
+/// What the plan of the run refuses.
 pub fn forecast(
     scene: &Scene,
     method: &str,

@@ -56,6 +56,9 @@ pub enum Finding {
 }
 
 /// Looks for a smaller scene that gives the same answer under a method.
+///
+/// # Errors
+/// What the plan of the larger body refuses.
 pub fn find(scene: &Scene, method: &str, reference: Option<&Arc<dyn Reference>>) -> Result<Finding, Refused> {
     let settings = settings_of(scene, method)?;
     let spacing = settings.numerics.spacing;
@@ -232,6 +235,9 @@ impl Reduction {
     }
 
     /// Runs the smaller scene; what it leaves is in terms of the larger one.
+    ///
+    /// # Errors
+    /// What the plans of both bodies refuse.
     pub fn run(&self, reference: Option<&Arc<dyn Reference>>, options: &Options<'_>) -> Result<RunResult, Refused> {
         let mut result = march::run(&self.scene, self.method, reference, options)?;
         for (k, fold) in self.folds.iter().enumerate().rev() {
@@ -249,6 +255,9 @@ impl Reduction {
 }
 
 /// Runs a scene as [`march::run`] does, by a smaller one if there is one.
+///
+/// # Errors
+/// What the plans of both bodies refuse.
 pub fn run(
     scene: &Scene,
     method: &str,

@@ -15,6 +15,9 @@ use crate::refused::Refused;
 
 /// The walls of a scene. `exact` is what walls that follow the exact solution ask. `mirrors` sets ghosts behind the
 /// walls of a body of shells, which otherwise touch its outermost particles alone.
+///
+/// # Errors
+/// A wall that follows an exact solution where there is none.
 pub fn boundary(
     scene: &Scene,
     model: WallModel,

@@ -86,6 +86,9 @@ pub struct Bonds {
 }
 
 /// Pairs of the shells of a domain under a stencil, or why they have none that keep the maximum principle.
+///
+/// # Errors
+/// A body without symmetry, and weights that cannot be made positive.
 pub fn shells(domain: &Domain, lattice: &Lattice, stencil: &Stencil, boundary: &Boundary) -> Result<Bonds, ShellError> {
     let Some(symmetry) = domain.symmetry() else { return Err(ShellError::NoSymmetry) };
     let exchange = Exchange::positive(symmetry, lattice, stencil)?;

@@ -90,6 +90,9 @@ impl Pressure {
 
     /// Solves for hydraulic conductivities (m2/(Pa s)) of particles, pressures (Pa) of walls, and the water that each
     /// particle takes up by volume (1/s).
+    ///
+    /// # Errors
+    /// A pressure that is not found, or is no number.
     pub fn solve(
         &mut self,
         network: &Network,

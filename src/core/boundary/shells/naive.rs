@@ -12,6 +12,9 @@ use crate::space::wall::WallId;
 
 /// Pairs of the shells of a domain with each other and with the layers behind walls that let heat through, or why there
 /// are none. The layers take their values from [`crate::boundary::wall_layers::level`].
+///
+/// # Errors
+/// A body without symmetry, weights that cannot be made positive, and layers that reach across the axis.
 pub fn naive_shells(
     domain: &Domain,
     lattice: &Lattice,

@@ -3,15 +3,16 @@
 use std::sync::Arc;
 
 use frazil_core::memory::{self, Memory};
+use frazil_layouts::soils;
 use frazil_scene::Scene;
 use frazil_simulation::march::Refused;
 use frazil_simulation::predict::{self, Forecast};
 use frazil_simulation::reduce::{self, Finding};
 use frazil_simulation::reference::Reference;
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
+use frazil_studies::method;
 use frazil_studies::progress::clock;
 
-use crate::layout::soils;
 use crate::load;
 use crate::run::{told_reference, why_not};
 
@@ -36,7 +37,7 @@ pub fn check(request: &CheckRequest) -> Result<Verdict, Failure> {
     let methods: Vec<&str> = if request.methods.is_empty() {
         scene.methods.iter().map(|settings| settings.method).collect()
     } else {
-        request.methods.iter().map(|asked| load::method(&scene, Some(asked))).collect::<Result<_, _>>()?
+        request.methods.iter().map(|asked| method::asked(&scene, Some(asked))).collect::<Result<_, _>>()?
     };
     answer(&format!("{}: {}\n", scene.name, scene.title))?;
     let reference = told_reference(&mut scene)?;

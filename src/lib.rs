@@ -4,7 +4,6 @@ pub mod calibrate;
 pub mod check;
 pub mod cli;
 pub mod interrupt;
-pub mod layout;
 pub mod list;
 pub mod load;
 pub mod parts;

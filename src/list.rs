@@ -3,6 +3,7 @@
 use frazil_scene::Scene;
 use frazil_studies::failure::{Failure, Verdict, answer};
 
+use crate::parts::parts;
 use crate::registry;
 
 /// Prints the bundled scenes by group, the studies, the fluids, and the methods with their titles.
@@ -22,8 +23,9 @@ pub fn list() -> Result<Verdict, Failure> {
         text.push('\n');
     }
     text.push_str("Studies\n");
+    let parts = parts(false);
     for bundled in frazil_cases::studies::all() {
-        let study = crate::layout::read::study(bundled.name, &[])?;
+        let study = frazil_layouts::read::study(bundled.name, &[], &parts)?;
         text.push_str(&format!("  {:width$}  {}, for layout\n", bundled.name, study.title));
     }
     text.push_str("\nFluids\n");

@@ -15,7 +15,7 @@ use frazil_studies::failure::{Failure, Verdict, answer, complain};
 use frazil_studies::fields::Snapshots;
 use frazil_studies::output::{self, Folder};
 use frazil_studies::progress::{Reporter, clock, forewarn};
-use frazil_studies::{answers, expect, figure_options};
+use frazil_studies::{answers, expect, figure_options, method};
 
 use crate::{interrupt, load};
 
@@ -47,7 +47,7 @@ pub struct RunRequest {
 /// Runs and writes the results, whole even if the run was interrupted.
 pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let mut scene = load::scene(&request.scene, &request.overrides)?;
-    let method = load::method(&scene, request.method.as_deref())?;
+    let method = method::asked(&scene, request.method.as_deref())?;
     let reference = told_reference(&mut scene)?;
     if !request.quiet {
         warn(&scene);
@@ -111,7 +111,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
         // The numbers are safe: a figure that cannot be drawn does not undo them.
         complain(&format!("figures: {error}"));
     }
-    if let Some(said) = crate::layout::beside_open(&scene, &result.record) {
+    if let Some(said) = frazil_layouts::beside_open(&scene, &result.record) {
         complain(&format!("WARNING: {}: {said}", scene.name));
     }
     if !request.quiet {
@@ -123,7 +123,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
 /// Runs `count` members of an ensemble, the first with the seed of the request.
 pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
     let mut scene = load::scene(&request.scene, &request.overrides)?;
-    let method = load::method(&scene, request.method.as_deref())?;
+    let method = method::asked(&scene, request.method.as_deref())?;
     let reference = told_reference(&mut scene)?;
     if !request.quiet {
         warn(&scene);

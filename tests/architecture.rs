@@ -8,7 +8,7 @@ use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 
 /// Packages with their folder and the packages of the workspace that they may name.
-const PACKAGES: [(&str, &str, &[&str]); 11] = [
+const PACKAGES: [(&str, &str, &[&str]); 12] = [
     ("frazil_record", "src/record", &[]),
     ("frazil_core", "src/core", &["frazil_record"]),
     ("frazil_scene", "src/scene", &["frazil_record", "frazil_core"]),
@@ -23,6 +23,19 @@ const PACKAGES: [(&str, &str, &[&str]); 11] = [
         "frazil_studies",
         "src/studies",
         &["frazil_record", "frazil_core", "frazil_scene", "frazil_simulation", "frazil_plots"],
+    ),
+    (
+        "frazil_layouts",
+        "src/layout",
+        &[
+            "frazil_record",
+            "frazil_core",
+            "frazil_scene",
+            "frazil_simulation",
+            "frazil_cases",
+            "frazil_plots",
+            "frazil_studies",
+        ],
     ),
 ];
 const METHODS_MAY: &[&str] = &["frazil_record", "frazil_core", "frazil_scene", "frazil_simulation"];

@@ -4,6 +4,7 @@
 use std::fs;
 use std::path::Path;
 
+use frazil::parts::parts;
 use frazil_scene::Scene;
 
 /// Holds the messages of all files of a folder of `cases` against their own lines.
@@ -37,7 +38,7 @@ fn bad_scenes_are_refused_with_their_messages() {
 #[test]
 fn bad_studies_are_refused_with_their_messages() {
     refused_with_their_messages("bad-studies", 3, |text, file| {
-        let read = frazil::layout::read::parse(text, "bad", Path::new(file), &[]);
+        let read = frazil_layouts::read::parse(text, "bad", Path::new(file), &[], &parts(false));
         read.map(drop).map_err(|failure| failure.to_string())
     });
 }

@@ -7,6 +7,7 @@ use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
+use frazil::parts::parts;
 use frazil_core::boundary::condition::Condition;
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
@@ -320,7 +321,7 @@ fn finite(text: &str) -> Result<(), String> {
 }
 
 fn read_study(text: &str) -> Result<End, String> {
-    let Ok(study) = frazil::layout::read::parse(text, "fuzz", Path::new("fuzz.toml"), &[]) else {
+    let Ok(study) = frazil_layouts::read::parse(text, "fuzz", Path::new("fuzz.toml"), &[], &parts(false)) else {
         return Ok(End::Unread);
     };
     for layout in &study.layouts {

@@ -6,6 +6,8 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use frazil::parts::parts;
+
 type Row = BTreeMap<String, String>;
 
 /// Four layouts, coarse and short.
@@ -335,7 +337,7 @@ fn boreholes_told_in_other_words_are_the_same() {
 #[test]
 fn strata_and_boreholes_that_cannot_be_are_refused() {
     let refused = |text: &str| {
-        let read = frazil::layout::read::parse(text, "s", Path::new("s.toml"), &[]);
+        let read = frazil_layouts::read::parse(text, "s", Path::new("s.toml"), &[], &parts(false));
         read.map_or_else(|failure| failure.to_string(), |_| String::new())
     };
     let found = refused(&strata("").replace("title", "depth_m = 150\ntitle"));
@@ -497,7 +499,8 @@ fn sections_and_warnings_tell_of_the_weakest_gap_and_the_outer_wall() {
 #[test]
 fn bundled_studies_and_those_of_the_guide_are_good() {
     for study in frazil_cases::studies::all() {
-        let read = frazil::layout::read::study(study.name, &[]).unwrap_or_else(|error| unreachable!("{error}"));
+        let read =
+            frazil_layouts::read::study(study.name, &[], &parts(false)).unwrap_or_else(|error| unreachable!("{error}"));
         assert!(!read.layouts.is_empty());
     }
     let guide = crate::documents::guide();
@@ -508,7 +511,7 @@ fn bundled_studies_and_those_of_the_guide_are_good() {
     for block in blocks {
         let path = folder.path().join("study.toml");
         fs::write(&path, block).expect("written");
-        let read = frazil::layout::read::study(&path.display().to_string(), &[]);
+        let read = frazil_layouts::read::study(&path.display().to_string(), &[], &parts(false));
         read.unwrap_or_else(|error| unreachable!("{error}"));
     }
 }

@@ -4,9 +4,9 @@
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
-use frazil::layout::answers::{Answers, DAY, Day, Kept};
-use frazil::layout::goals::Design;
 use frazil_core::space::domain::{Domain, Sector};
+use frazil_layouts::answers::{Answers, DAY, Day, Kept};
+use frazil_layouts::goals::Design;
 use frazil_record::{Field, RunResult};
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options};

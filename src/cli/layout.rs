@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use frazil_layouts::{LayoutRequest, layout};
 use frazil_studies::campaign::Shard;
 use frazil_studies::failure::{Failure, Verdict};
 
 use super::values::{command_line, key_and_value, threads};
-use crate::layout::{LayoutRequest, layout};
+use crate::parts::parts;
 
 #[derive(Debug, Args)]
 pub struct LayoutArguments {
@@ -43,7 +44,7 @@ pub struct LayoutArguments {
 impl LayoutArguments {
     /// Sets the layouts beside each other.
     pub fn answer(self) -> Result<Verdict, Failure> {
-        layout(&LayoutRequest {
+        let request = LayoutRequest {
             study: self.study,
             method: self.method,
             overrides: self.set,
@@ -54,7 +55,8 @@ impl LayoutArguments {
             out: self.out,
             quiet: self.quiet,
             command_line: command_line(),
-        })
+        };
+        layout(&request, &parts(false))
     }
 }
 

@@ -54,7 +54,7 @@ impl Ahead {
 }
 
 /// All that a study may try where nothing is known yet.
-pub(super) fn all(study: &Study, method: &str, threads: usize) -> Result<Ahead, Failure> {
+pub(super) fn all(study: &Study<'_>, method: &str, threads: usize) -> Result<Ahead, Failure> {
     beyond(study, method, threads, &|_| Ok(None))
 }
 
@@ -63,7 +63,7 @@ pub(super) fn open(work: &Work<'_>) -> Result<Ahead, Failure> {
     beyond(work.study, work.method, work.threads, &|layout| Ok(work.kept(layout)))
 }
 
-fn beyond(study: &Study, method: &str, threads: usize, known: &Find<'_>) -> Result<Ahead, Failure> {
+fn beyond(study: &Study<'_>, method: &str, threads: usize, known: &Find<'_>) -> Result<Ahead, Failure> {
     let mut ahead = Ahead::default();
     if let Some(wanted) = &study.search {
         ahead = ahead.and(search::ahead(study, wanted, (method, threads), known)?);

@@ -17,8 +17,8 @@ const TRIED: usize = 20;
 const COARSE: f64 = 1.0 / 16.0;
 
 /// Prints the layouts of a study that are compared, under one method or several.
-pub(super) fn print(study: &Study, methods: &[&'static str], threads: usize) -> Result<(), Failure> {
-    let compared: Vec<_> = study.layouts.iter().filter(|one| one.role == Role::Compared).collect();
+pub(super) fn print(study: &Study<'_>, methods: &[&'static str], threads: usize) -> Result<(), Failure> {
+    let compared: Vec<_> = study.compared().collect();
     let ahead = ahead::all(study, methods[0], threads)?;
     answer(&heading(study, methods, &ahead))?;
     // Seconds by particle and second of the scene, of each method, from the layouts that were tried.
@@ -57,7 +57,7 @@ pub(super) fn print(study: &Study, methods: &[&'static str], threads: usize) -> 
 }
 
 /// What is run, counted.
-pub(super) fn heading(study: &Study, methods: &[&'static str], ahead: &Ahead) -> String {
+pub(super) fn heading(study: &Study<'_>, methods: &[&'static str], ahead: &Ahead) -> String {
     let mut text = format!("{}: {}\n", study.name, study.title);
     let under = methods.join(", ");
     text.push_str(&format!("  {} under {under}, each also at twice the spacing\n", layouts(study.layouts.len())));
@@ -91,7 +91,7 @@ fn size(layout: &Layout, method: &str) -> f64 {
 
 /// The time of all runs together: those that were not tried go by particles and duration.
 fn total(
-    study: &Study,
+    study: &Study<'_>,
     methods: &[&'static str],
     rates: &BTreeMap<&str, Vec<f64>>,
     ahead: &Ahead,

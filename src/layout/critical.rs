@@ -14,7 +14,7 @@ use super::answers::Answers;
 use super::execute::Work;
 use super::goals::Critical;
 use super::study::Study;
-use super::variants::{Layout, Role};
+use super::variants::Layout;
 
 /// A value that was tried of a layout: a row of `critical_tried.csv`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -60,8 +60,8 @@ pub struct Outcome {
 }
 
 /// Refuses what cannot be run, before anything is.
-pub(super) fn check(study: &Study, critical: &Critical, method: &str) -> Result<(), Failure> {
-    for layout in compared(study) {
+pub(super) fn check(study: &Study<'_>, critical: &Critical, method: &str) -> Result<(), Failure> {
+    for layout in study.compared() {
         for value in &critical.values {
             study.changed(layout, &critical.key, &value.to_string())?.check(study.shaft_radius, method)?;
         }
@@ -70,8 +70,8 @@ pub(super) fn check(study: &Study, critical: &Critical, method: &str) -> Result<
 }
 
 /// Seeks the value of each layout, runs side by side; none if it was interrupted.
-pub(super) fn seek(study: &Study, critical: &Critical, work: &Work<'_>) -> Result<Option<Outcome>, Failure> {
-    let (layouts, campaign) = (compared(study), work.campaign);
+pub(super) fn seek(study: &Study<'_>, critical: &Critical, work: &Work<'_>) -> Result<Option<Outcome>, Failure> {
+    let (layouts, campaign): (Vec<_>, _) = (study.compared().collect(), work.campaign);
     let find = |layout: &Layout| work.made(layout);
     let attempts = Attempts::new(study, critical, &find, work.quiet);
     let each = critical.values.len();
@@ -92,18 +92,14 @@ pub(super) fn seek(study: &Study, critical: &Critical, work: &Work<'_>) -> Resul
     Ok(Some(outcome))
 }
 
-fn compared(study: &Study) -> Vec<&Layout> {
-    study.layouts.iter().filter(|one| one.role == Role::Compared).collect()
-}
-
 /// What may still be tried beyond what is known.
 pub(super) fn ahead(
-    study: &Study,
+    study: &Study<'_>,
     critical: &Critical,
     (method, threads): (&str, usize),
     known: &Find<'_>,
 ) -> Result<Ahead, Failure> {
-    let layouts = compared(study);
+    let layouts: Vec<_> = study.compared().collect();
     let attempts = Attempts::new(study, critical, known, true);
     let left = |layout: &Layout| {
         let tried: Vec<_> =
@@ -125,7 +121,7 @@ pub(super) fn ahead(
 
 /// What is tried, by all threads.
 struct Attempts<'a> {
-    study: &'a Study,
+    study: &'a Study<'a>,
     critical: &'a Critical,
     find: &'a Find<'a>,
     meter: Meter,
@@ -133,8 +129,8 @@ struct Attempts<'a> {
 }
 
 impl<'a> Attempts<'a> {
-    fn new(study: &'a Study, critical: &'a Critical, find: &'a Find<'a>, quiet: bool) -> Self {
-        let expected = compared(study).len() * (critical.values.len() + critical.halvings());
+    fn new(study: &'a Study<'a>, critical: &'a Critical, find: &'a Find<'a>, quiet: bool) -> Self {
+        let expected = study.compared().count() * (critical.values.len() + critical.halvings());
         Attempts { study, critical, find, meter: Meter::new(quiet, expected as f64), expected }
     }
 

@@ -6,7 +6,6 @@ use frazil_core::space::wall::WallId;
 use frazil_scene::Scene;
 
 use super::study::Study;
-use super::variants::Role;
 use super::{soils, strata};
 
 /// Reach of cold: thickness of ground between pipes and the outer wall, over the root of its diffusivity times the
@@ -15,9 +14,9 @@ use super::{soils, strata};
 const REACH: f64 = 1.7;
 
 /// Doubts about a study, each once.
-pub fn of(study: &Study) -> Vec<String> {
+pub fn of(study: &Study<'_>) -> Vec<String> {
     let mut found = Vec::new();
-    for pair in study.strata.windows(2) {
+    for pair in study.ground.strata.windows(2) {
         let (above, below) = (&pair[0], &pair[1]);
         if below.from > above.to + strata::SAME {
             found.push(format!(
@@ -27,7 +26,7 @@ pub fn of(study: &Study) -> Vec<String> {
             ));
         }
     }
-    for layout in study.layouts.iter().filter(|layout| layout.role == Role::Compared) {
+    for layout in study.compared() {
         let mut doubts = soils::odd(&layout.scene);
         let freezing = layout.scene.materials[0].freezing_point;
         if let Some(design) = study.design_of(layout).filter(|design| design.mean_temperature_c >= freezing) {

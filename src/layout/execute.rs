@@ -21,7 +21,6 @@ use serde::{Deserialize, Serialize};
 use super::answers::Kept;
 use super::study::Study;
 use super::variants::{Layout, Role};
-use crate::load;
 
 /// What is kept of a layout: a run, and the same at twice the spacing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -65,7 +64,7 @@ pub(super) fn seconds_of(scene: &Scene, method: &str) -> Option<f64> {
 /// Runs of a study.
 pub struct Work<'a> {
     /// The study.
-    pub study: &'a Study,
+    pub study: &'a Study<'a>,
     /// Method.
     pub method: &'static str,
     /// Whether it stands beside another method: only layouts that are compared are run, and those that it cannot run are left.
@@ -279,6 +278,7 @@ impl Work<'_> {
         ];
         overrides.extend(layout.overrides.iter().cloned());
         overrides.push((format!("method.{}.spacing_m", self.method), format!("{}", 2.0 * spacing)));
-        load::scene(&self.study.scene, &overrides)
+        let ground = &self.study.ground;
+        (ground.parts.scene_at)(&ground.scene, &overrides)
     }
 }

@@ -10,7 +10,7 @@ use super::answers::Answers;
 use super::execute::Work;
 use super::rows::write_rows;
 use super::study::Study;
-use super::variants::{Layout, Role};
+use super::variants::Layout;
 
 /// What stands for all methods of a scene in place of the name of one.
 pub(super) const ALL: &str = "all";
@@ -52,8 +52,7 @@ struct MethodRow<'a> {
 }
 
 /// All layouts that are compared, under the methods of these works.
-pub(super) fn beside<'a>(study: &'a Study, works: &[Work<'_>]) -> Vec<Beside<'a>> {
-    let compared = study.layouts.iter().filter(|layout| layout.role == Role::Compared);
+pub(super) fn beside<'a>(study: &'a Study<'_>, works: &[Work<'_>]) -> Vec<Beside<'a>> {
     let said = |layout: &Layout, work: &Work<'_>| {
         if let Some(reason) = work.refused(layout) {
             return Some((work.method, Said::Refused(reason)));
@@ -62,7 +61,8 @@ pub(super) fn beside<'a>(study: &'a Study, works: &[Work<'_>]) -> Vec<Beside<'a>
         let of = |kept| Box::new(Answers::of(&layout.scene, kept, study.design_of(layout)));
         Some((work.method, Said::Answers(of(&pair.fine), pair.coarse.as_ref().map(of))))
     };
-    compared
+    study
+        .compared()
         .map(|layout| Beside { layout, said: works.iter().filter_map(|work| said(layout, work)).collect() })
         .collect()
 }

@@ -4,8 +4,10 @@ use std::fs;
 use std::path::Path;
 
 use frazil_core::space::domain::Domain;
+use frazil_scene::method::MethodKind;
 use frazil_scene::{Change, Problem, Problems, Range, Read, Section, Spot, Units, read_section};
 use frazil_studies::failure::Failure;
+use frazil_studies::parts::{Override, Parts};
 
 use super::answers::DAY;
 use super::boreholes::{self, Borehole};
@@ -15,8 +17,7 @@ use super::soils;
 use super::strata::{self, Stratum};
 use super::study::Study;
 use super::variants::{Ground, Layout, Role, Undrilled, changed, deviating, drilled, number_of, pair};
-use crate::load::{self, Overrides};
-use crate::registry;
+use crate::file::Kind;
 
 /// Most layouts of a study.
 const MOST: usize = 10_000;
@@ -29,9 +30,9 @@ const SECTIONS: &str = "strata = [{ design = {} }]\nlayouts = [{ boreholes = [{ 
 ///
 /// # Errors
 /// Where there is no such file, or with all problems of it.
-pub fn study(argument: &str, overrides: &[(String, String)]) -> Result<Study, Failure> {
+pub fn study<'a>(argument: &str, overrides: &[Override], parts: &Parts<'a>) -> Result<Study<'a>, Failure> {
     if let Some(bundled) = frazil_cases::studies::find(argument) {
-        return parse(bundled.text, bundled.name, Path::new(&format!("{argument}.toml")), overrides);
+        return parse(bundled.text, bundled.name, Path::new(&format!("{argument}.toml")), overrides, parts);
     }
     let path = Path::new(argument);
     if frazil_cases::scenes::find(argument).is_some() {
@@ -46,7 +47,7 @@ pub fn study(argument: &str, overrides: &[(String, String)]) -> Result<Study, Fa
     }
     let text = fs::read_to_string(path).map_err(|error| Failure::file(path, "cannot be read", error))?;
     let name = path.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy().into_owned());
-    parse(&text, &name, path, overrides)
+    parse(&text, &name, path, overrides, parts)
 }
 
 fn no_study(argument: &str) -> Failure {
@@ -59,26 +60,30 @@ fn no_study(argument: &str) -> Failure {
 ///
 /// # Errors
 /// With all problems of the file and of the scenes of its layouts.
-pub fn parse(text: &str, name: &str, path: &Path, overrides: &[(String, String)]) -> Result<Study, Failure> {
+pub fn parse<'a>(
+    text: &str,
+    name: &str,
+    path: &Path,
+    overrides: &[Override],
+    parts: &Parts<'a>,
+) -> Result<Study<'a>, Failure> {
     let file = path.display().to_string();
-    if load::Kind::of(text) == Some(load::Kind::Scene) {
+    if Kind::of(text) == Some(Kind::Scene) {
         return Err(no_study(&file));
     }
     Ok(read_section(text, &file, Units::Si, |root| {
-        root.know(SECTIONS, |root| drop(File::read(root)));
-        let file = File::read(root);
-        let scene = base(root, &file, path)?;
-        let (set, strata) = (file.set.clone(), file.strata.clone());
-        let ground = Ground { scene: scene.clone(), set, strata, asked: overrides.to_vec() };
+        root.know(SECTIONS, |root| drop(File::read(root, &[])));
+        let mut file = File::read(root, parts.methods);
+        let scene = base(root, &file, path, parts)?;
+        let (set, strata) = (std::mem::take(&mut file.set), std::mem::take(&mut file.strata));
+        let ground = Ground { parts: *parts, scene, set, strata, asked: overrides.to_vec() };
         let layouts = file.layouts(root, &ground)?;
         Ok(Study {
             name: name.to_owned(),
             title: file.title?,
             source: file.source,
-            scene,
             method: file.method,
             depth: file.depth,
-            strata: file.strata,
             shaft_radius: file.shaft_radius,
             design: file.design,
             layouts,
@@ -90,7 +95,7 @@ pub fn parse(text: &str, name: &str, path: &Path, overrides: &[(String, String)]
 }
 
 /// Name or path of the scene that layouts change, which must be a ring with pipes.
-fn base(root: &mut Section<'_>, file: &File, path: &Path) -> Read<String> {
+fn base(root: &mut Section<'_>, file: &File, path: &Path, parts: &Parts<'_>) -> Read<String> {
     let mut scene = file.scene.clone()?;
     if frazil_cases::scenes::find(&scene).is_none()
         && let Some(folder) = path.parent()
@@ -98,7 +103,7 @@ fn base(root: &mut Section<'_>, file: &File, path: &Path) -> Read<String> {
     {
         scene = folder.join(&scene).to_string_lossy().into_owned();
     }
-    match load::scene(&scene, &[]) {
+    match (parts.scene_at)(&scene, &[]) {
         Ok(base) if matches!(base.domain, Domain::Ring { .. }) && !base.rings.is_empty() => Ok(scene),
         Ok(_) => Err(root.problem("scene", format!("found \"{scene}\", must be a ring with pipes"))),
         Err(failure) => Err(root.problem("scene", failure.to_string())),
@@ -136,9 +141,9 @@ struct Entry {
 }
 
 impl File {
-    fn read(root: &mut Section<'_>) -> File {
+    fn read(root: &mut Section<'_>, methods: &[&'static MethodKind]) -> File {
         let (title, source, scene) = (root.text("title"), root.text_or("source", ""), root.text("scene"));
-        let methods: Vec<(&str, &str)> = registry::methods().iter().map(|kind| (kind.name, kind.name)).collect();
+        let methods: Vec<(&str, &str)> = methods.iter().map(|kind| (kind.name, kind.name)).collect();
         let method = root.optional_choice("method", &methods).map(str::to_owned);
         let (set, reference) = (soils::changes(root), root.optional_text("reference"));
         let depth = root.optional_number(("depth", "m"), Range::POSITIVE);
@@ -183,7 +188,7 @@ impl File {
     }
 
     /// All layouts of the study: those that are compared, and what is varied of them.
-    fn layouts(&self, root: &mut Section<'_>, ground: &Ground) -> Read<Vec<Layout>> {
+    fn layouts(&self, root: &mut Section<'_>, ground: &Ground<'_>) -> Read<Vec<Layout>> {
         let mut refusals = Refusals::new();
         let compared = self.compared(root, ground, &mut refusals)?;
         if let (Some(search), Some(first)) = (&self.search, compared.first()) {
@@ -225,7 +230,12 @@ impl File {
     }
 
     /// The layouts that are compared: each entry with all combinations of what is swept, in each stratum.
-    fn compared(&self, root: &mut Section<'_>, ground: &Ground, refusals: &mut Refusals<Problem>) -> Read<Vec<Layout>> {
+    fn compared(
+        &self,
+        root: &mut Section<'_>,
+        ground: &Ground<'_>,
+        refusals: &mut Refusals<Problem>,
+    ) -> Read<Vec<Layout>> {
         let counts = [self.entries.len().max(1), ground.strata.len().max(1)];
         let counts = self.sweep.iter().map(Vec::len).chain(counts);
         let count = counts.fold(1, usize::saturating_mul);
@@ -261,7 +271,7 @@ impl File {
     /// A layout of a name in a stratum, or what refuses it.
     fn layout(
         &self,
-        ground: &Ground,
+        ground: &Ground<'_>,
         entry: &Entry,
         swept: &[&Change],
         (shaft, at): (&str, Option<usize>),
@@ -296,10 +306,10 @@ fn told(spot: &Spot, reason: &Undrilled) -> impl Iterator<Item = Problem> {
 }
 
 /// What refuses the scene of a layout, each at the place of the file that has brought it in, or that of the scene.
-fn located(failure: Failure, changes: &[&Change], asked: &Overrides, scene: &Spot) -> Vec<Problem> {
+fn located(failure: Failure, changes: &[&Change], asked: &[Override], scene: &Spot) -> Vec<Problem> {
     let Failure::Scene(Problems { file, problems }) = failure else { return vec![scene.problem(failure.to_string())] };
     let at = |problem: Problem| {
-        let is = |(key, value): &(String, String)| problem.set.as_deref() == Some(format!("{key}={value}").as_str());
+        let is = |(key, value): &Override| problem.set.as_deref() == Some(format!("{key}={value}").as_str());
         match changes.iter().rev().find(|change| is(&pair(change))) {
             Some(change) if change.key == problem.key => change.spot.problem(problem.message),
             Some(change) => change.spot.problem(format!("{}: {}", problem.key, problem.message)),
@@ -328,9 +338,10 @@ fn combinations(sweep: &[Vec<Change>]) -> Vec<(String, Vec<&Change>)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bundled;
 
-    fn study(text: &str) -> Result<Study, String> {
-        parse(text, "s", Path::new("s.toml"), &[]).map_err(|failure| failure.to_string())
+    fn study(text: &str) -> Result<Study<'static>, String> {
+        parse(text, "s", Path::new("s.toml"), &[], &bundled::parts()).map_err(|failure| failure.to_string())
     }
 
     #[test]
@@ -374,7 +385,7 @@ mod tests {
         assert_eq!(found.expect("a study").layouts.iter().map(moved).collect::<Vec<_>>(), [[0, 0], [6, 4], [6, 4]]);
         let leaning = |borehole: &str| study(&format!("{rings}[[layouts]]\nname = \"a\"\nboreholes = [{borehole}]"));
         let one = leaning("{ pipe = \"2.3\", surveyed_m = [[0, 0, 0], [200, 0.2, 0.4]], depth_m = 100 }");
-        let rings_of = |found: Study| found.layouts[0].scene.rings.clone();
+        let rings_of = |found: Study<'_>| found.layouts[0].scene.rings.clone();
         let found = rings_of(one.expect("a study"));
         assert_eq!((found[0].moved.len(), &found[1].moved[..]), (0, &[(2, glam::DVec2::new(0.1, 0.2))][..]));
         let refused = |borehole: &str| leaning(borehole).map(|_| String::new()).unwrap_or_else(|message| message);

@@ -16,7 +16,7 @@ use super::answers::{DAY, Day, Kept};
 use super::found::{Compared, Found};
 use super::study::Study;
 use super::variants::Layout;
-use crate::load::{self, Overrides};
+use crate::Overrides;
 
 /// Degrees within which a gap lies where a table has it; they are a tenth of those between gaps of a hundred pipes.
 const SAME_ANGLE: f64 = 0.36;
@@ -26,7 +26,7 @@ const SAME_ANGLE: f64 = 0.36;
 /// # Errors
 /// Where it is, or there is no such table.
 pub(super) fn table(
-    study: &Study,
+    study: &Study<'_>,
     layout: &Layout,
     method: &str,
     set: &Overrides,
@@ -40,7 +40,7 @@ pub(super) fn table(
         Err(difference) => {
             let mut own = vec![("domain.ring.sector".to_owned(), "whole".to_owned())];
             own.extend(layout.overrides.iter().filter(|one| !set.contains(one)).cloned());
-            of(&load::scene(&study.scene, &own)?).map_err(bad)?;
+            of(&(study.ground.parts.scene_at)(&study.ground.scene, &own)?).map_err(bad)?;
             Ok(Some(Compared::Set(difference.to_string())))
         }
     }

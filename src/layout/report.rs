@@ -47,7 +47,7 @@ pub(super) struct Told<'a> {
 /// Writes figures and page.
 pub(super) fn write(
     command: &str,
-    study: &Study,
+    study: &Study<'_>,
     work: &Work<'_>,
     Told { found, tried, beside, critical }: Told<'_>,
 ) -> Result<(), Failure> {
@@ -57,9 +57,9 @@ pub(super) fn write(
         lead: vec![format!(
             "{} of freeze pipes under the method {}, from the scene {}. A gap is closed once ground between two pipes is frozen \
              with its latent heat released; the wall once a closed loop of such gaps runs around the centre.",
-            counted(compared.len(), study.strata.len()),
+            counted(compared.len(), study.ground.strata.len()),
             work.method,
-            study.scene
+            study.ground.scene
         )],
         command: command.to_owned(),
         machine: work.machine.facts(Fact::new("Layouts at once", work.threads.to_string())),
@@ -122,7 +122,7 @@ fn counted(runs: usize, strata: usize) -> String {
 }
 
 /// What figures show of a layout.
-fn view<'a>(study: &Study, one: &Found<'_>, run: &'a RunResult) -> LayoutView<'a> {
+fn view<'a>(study: &Study<'_>, one: &Found<'_>, run: &'a RunResult) -> LayoutView<'a> {
     let scene = &one.layout.scene;
     let mut pipes = Vec::new();
     let mut missing = Vec::new();
@@ -270,7 +270,7 @@ fn near(one: &Found<'_>) -> Option<String> {
 }
 
 /// What holds for all layouts, and which part of the plan each was run on.
-fn assumptions(study: &Study, compared: &[&Found<'_>]) -> Vec<String> {
+fn assumptions(study: &Study<'_>, compared: &[&Found<'_>]) -> Vec<String> {
     let single = |one: &&Found<'_>| one.layout.scene.rings.iter().any(|ring| ring.one_particle);
     let (some, all) = (compared.iter().any(single), compared.iter().all(single));
     let mut facts = Vec::new();

@@ -42,7 +42,7 @@ pub struct Tried {
 }
 
 /// Refuses what cannot be run, before anything is.
-pub(super) fn check(study: &Study, search: &Search, method: &str) -> Result<(), Failure> {
+pub(super) fn check(study: &Study<'_>, search: &Search, method: &str) -> Result<(), Failure> {
     for value in [search.from, search.to] {
         for layout in study.tried(search, value)? {
             layout.check(study.shaft_radius, method)?;
@@ -68,7 +68,7 @@ enum Stop {
 
 /// Tries values.
 struct Trials<'a> {
-    study: &'a Study,
+    study: &'a Study<'a>,
     search: &'a Search,
     find: &'a Find<'a>,
     threads: usize,
@@ -77,7 +77,7 @@ struct Trials<'a> {
 }
 
 impl<'a> Trials<'a> {
-    fn new(study: &'a Study, search: &'a Search, find: &'a Find<'a>, threads: usize) -> Self {
+    fn new(study: &'a Study<'a>, search: &'a Search, find: &'a Find<'a>, threads: usize) -> Self {
         Trials { study, search, find, threads, tried: RefCell::default(), stopped: RefCell::default() }
     }
 
@@ -185,7 +185,7 @@ fn values(search: &Search) -> (usize, usize) {
 
 /// What a search may still try beyond what is known.
 pub(super) fn ahead(
-    study: &Study,
+    study: &Study<'_>,
     search: &Search,
     (method, threads): (&str, usize),
     known: &Find<'_>,
@@ -206,7 +206,7 @@ pub(super) fn ahead(
 }
 
 /// Tries values until the one searched is known, in the order of the values; none if it was interrupted.
-pub(super) fn search(study: &Study, search: &Search, work: &Work<'_>) -> Result<Option<Vec<Tried>>, Failure> {
+pub(super) fn search(study: &Study<'_>, search: &Search, work: &Work<'_>) -> Result<Option<Vec<Tried>>, Failure> {
     let find = |layout: &Layout| work.made(layout);
     let trials = Trials::new(study, search, &find, work.threads);
     match trials.all()? {

@@ -46,7 +46,7 @@ pub(super) struct ShaftRow<'a> {
 }
 
 /// All layouts over their strata, in the order in which they come.
-pub(super) fn shafts<'a>(study: &Study, found: &'a [Found<'a>]) -> Vec<Shaft<'a>> {
+pub(super) fn shafts<'a>(study: &Study<'_>, found: &'a [Found<'a>]) -> Vec<Shaft<'a>> {
     let mut all: Vec<Shaft<'a>> = Vec::new();
     for one in found {
         let Some(thickness) = one.layout.stratum.and(study.depth_of(one.layout)) else { continue };
@@ -97,12 +97,12 @@ impl<'a> Shaft<'a> {
     }
 
     /// Name of the stratum of a part.
-    fn stratum(study: &'a Study, one: &Found<'_>) -> &'a str {
-        one.layout.stratum.and_then(|at| study.strata.get(at)).map_or("", |stratum| stratum.name.as_str())
+    fn stratum(study: &'a Study<'_>, one: &Found<'_>) -> &'a str {
+        study.ground.stratum(one.layout.stratum).map_or("", |stratum| stratum.name.as_str())
     }
 
     /// Its row, beside all layouts.
-    pub(super) fn row(&self, study: &'a Study, found: &'a [Found<'a>]) -> Option<ShaftRow<'a>> {
+    pub(super) fn row(&self, study: &'a Study<'_>, found: &'a [Found<'a>]) -> Option<ShaftRow<'a>> {
         let weakest = self.weakest()?;
         let ends: Vec<_> = self
             .parts
@@ -145,9 +145,9 @@ impl<'a> Shaft<'a> {
     }
 
     /// What a figure over depth shows of it.
-    pub(super) fn view(&self, study: &Study) -> ShaftView {
+    pub(super) fn view(&self, study: &Study<'_>) -> ShaftView {
         let layer = |(one, _): &(&Found<'_>, f64)| {
-            let stratum = one.layout.stratum.and_then(|at| study.strata.get(at))?;
+            let stratum = study.ground.stratum(one.layout.stratum)?;
             Some(LayerView {
                 name: stratum.name.clone(),
                 from_m: stratum.from,
@@ -167,7 +167,7 @@ impl<'a> Shaft<'a> {
 }
 
 /// Writes the table of all shafts, where there are strata.
-pub(super) fn write(folder: &Path, study: &Study, found: &[Found<'_>]) -> Result<(), Failure> {
+pub(super) fn write(folder: &Path, study: &Study<'_>, found: &[Found<'_>]) -> Result<(), Failure> {
     let rows: Vec<ShaftRow<'_>> = shafts(study, found).iter().filter_map(|shaft| shaft.row(study, found)).collect();
     if rows.is_empty() { Ok(()) } else { write_rows(folder, "shafts.csv", &rows) }
 }

@@ -28,7 +28,7 @@ const LATENT_HEAT: (f64, f64) = (2e3, 3.4e5);
 const CAPACITY: (f64, f64) = (4e5, 6e6);
 
 /// Materials of the ground around freeze pipes that have what no soil has, as where kJ were given for J.
-pub(crate) fn odd(scene: &Scene) -> Vec<String> {
+pub fn odd(scene: &Scene) -> Vec<String> {
     if scene.rings.is_empty() || scene.units != Units::Si {
         return Vec::new();
     }
@@ -61,12 +61,12 @@ mod tests {
     use frazil_scene::read_section;
 
     use super::*;
-    use crate::load;
+    use crate::bundled;
 
     fn of(soil: &str) -> Scene {
         let changed = read_section(&format!("soil = \"{soil}\""), "s.toml", Units::Si, |root| Ok(changes(root)));
         let pairs: Vec<_> = changed.expect("a soil").into_iter().map(|change| (change.key, change.value)).collect();
-        load::scene("frozen-wall-sand", &pairs).expect("a scene")
+        bundled::scene("frozen-wall-sand", &pairs).expect("a scene")
     }
 
     #[test]
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn soils_are_those_of_the_scenes_they_come_from() {
         for (soil, scene) in [("sand", "frozen-wall-sand"), ("clay", "frozen-wall-clay")] {
-            assert_eq!(of(soil).materials, load::scene(scene, &[]).expect("a scene").materials);
+            assert_eq!(of(soil).materials, bundled::scene(scene, &[]).expect("a scene").materials);
         }
     }
 }

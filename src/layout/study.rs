@@ -6,23 +6,18 @@ use super::goals::{Critical, Design, Goal, Search};
 use super::strata::Stratum;
 use super::variants::{Ground, Layout, Role};
 
-/// A study.
-#[derive(Debug)]
-pub struct Study {
+/// A study, with the rest of the program that its scenes come from.
+pub struct Study<'a> {
     /// Short name: the file's stem or the bundled name.
     pub name: String,
     /// One line for people.
     pub title: String,
     /// Where its parameters come from.
     pub source: String,
-    /// Name or path of the scene.
-    pub scene: String,
     /// Method, unless another is asked for.
     pub method: Option<String>,
     /// Frozen depth of the shaft (m), from which the load of the plant follows.
     pub depth: Option<f64>,
-    /// Layers of ground, downwards.
-    pub strata: Vec<Stratum>,
     /// Radius of the shaft (m), for sketches.
     pub shaft_radius: Option<f64>,
     /// What a wall must come to.
@@ -34,10 +29,15 @@ pub struct Study {
     /// What is sought of each layout.
     pub critical: Option<Critical>,
     /// What all layouts change.
-    pub(super) ground: Ground,
+    pub(super) ground: Ground<'a>,
 }
 
-impl Study {
+impl Study<'_> {
+    /// Those that are compared.
+    pub fn compared(&self) -> impl Iterator<Item = &Layout> {
+        self.layouts.iter().filter(|layout| layout.role == Role::Compared)
+    }
+
     /// A layout with another value of a key.
     ///
     /// # Errors
@@ -65,12 +65,12 @@ impl Study {
 
     /// Depth (m) over which a layout takes heat.
     pub fn depth_of(&self, layout: &Layout) -> Option<f64> {
-        layout.stratum.map_or(self.depth, |at| self.strata.get(at).map(Stratum::thickness))
+        layout.stratum.map_or(self.depth, |_| self.ground.stratum(layout.stratum).map(Stratum::thickness))
     }
 
     /// What the wall of a layout must come to.
     pub fn design_of(&self, layout: &Layout) -> Option<Design> {
-        layout.stratum.and_then(|at| self.strata.get(at)?.design).or(self.design)
+        self.ground.stratum(layout.stratum).and_then(|stratum| stratum.design).or(self.design)
     }
 }
 

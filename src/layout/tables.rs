@@ -139,7 +139,7 @@ pub(super) fn open_width(answers: &Answers) -> f64 {
 }
 
 /// Writes all tables.
-pub(super) fn write(folder: &Path, study: &Study, method: &str, found: &[Found<'_>]) -> Result<(), Failure> {
+pub(super) fn write(folder: &Path, study: &Study<'_>, method: &str, found: &[Found<'_>]) -> Result<(), Failure> {
     let rows: Vec<LayoutRow<'_>> = found.iter().filter_map(|one| row(study, method, one)).collect();
     write_rows(folder, "layouts.csv", &rows)?;
     let days: Vec<DayRow<'_>> = found
@@ -200,12 +200,12 @@ pub(super) fn write(folder: &Path, study: &Study, method: &str, found: &[Found<'
     Ok(())
 }
 
-fn row<'a>(study: &'a Study, method: &'a str, one: &'a Found<'_>) -> Option<LayoutRow<'a>> {
+fn row<'a>(study: &'a Study<'_>, method: &'a str, one: &'a Found<'_>) -> Option<LayoutRow<'a>> {
     let (fine, coarse) = (&one.fine, one.coarse.as_ref());
     let end = fine.days.last()?;
     let far = coarse.and_then(|coarse| coarse.days.last());
     let load = end.heat_per_pipe_w_per_m * fine.pipes as f64;
-    let stratum = one.layout.stratum.and_then(|at| study.strata.get(at));
+    let stratum = study.ground.stratum(one.layout.stratum);
     Some(LayoutRow {
         layout: &one.layout.name,
         of: match &one.layout.role {
@@ -291,7 +291,7 @@ pub(super) fn change<'a>(found: &'a [Found<'_>], one: &'a Found<'_>) -> Option<S
 }
 
 /// What deviating boreholes do to each layout, and to the shafts of a study with strata.
-pub(super) fn spreads<'a>(study: &Study, found: &'a [Found<'a>]) -> Vec<DeviationRow<'a>> {
+pub(super) fn spreads<'a>(study: &Study<'_>, found: &'a [Found<'a>]) -> Vec<DeviationRow<'a>> {
     let deviates = |other: &Found<'_>, name: &str| matches!(&other.layout.role, Role::Deviating { of } if of == name);
     let layouts = found.iter().filter_map(|one| {
         let own = found.iter().filter(|other| deviates(other, &one.layout.name));
@@ -332,7 +332,7 @@ fn spread<'a>(layout: &'a str, members: &[(Option<f64>, Option<f64>)]) -> Option
 }
 
 /// The answer in a few lines.
-pub(super) fn summary(study: &Study, method: &str, found: &[Found<'_>], folder: &Path) -> String {
+pub(super) fn summary(study: &Study<'_>, method: &str, found: &[Found<'_>], folder: &Path) -> String {
     let mut text = format!("{} under {method}: {} layouts\n", study.name, found.len());
     for one in found.iter().filter(|one| one.layout.role == Role::Compared) {
         let fine = &one.fine;

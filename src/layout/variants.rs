@@ -6,13 +6,14 @@ use frazil_core::space::domain::Domain;
 use frazil_scene::{Change, PipeName, PipeRing, Scene};
 use frazil_simulation::closing::{DugTooEarly, in_time};
 use frazil_studies::failure::Failure;
+use frazil_studies::parts::Parts;
 use glam::DVec2;
 use toml::Value;
 
 use super::boreholes::{self, Borehole, Misplaced, Moved};
 use super::goals::{Deviation, Sensitivity};
 use super::strata::Stratum;
-use crate::load::{self, Overrides};
+use crate::{Overrides, file};
 
 /// The key by which boreholes of a ring are out of their places.
 fn moved_key(ring: usize) -> String {
@@ -183,16 +184,23 @@ pub enum Unfit {
 }
 
 /// The scene that all layouts change, and what else is changed of it in each stratum.
-#[derive(Debug)]
-pub(super) struct Ground {
+pub(super) struct Ground<'a> {
+    pub(super) parts: Parts<'a>,
+    /// Name or path of the scene.
     pub(super) scene: String,
     pub(super) set: Vec<Change>,
+    /// Layers of ground, downwards.
     pub(super) strata: Vec<Stratum>,
     /// What was asked for beside the file.
     pub(super) asked: Overrides,
 }
 
-impl Ground {
+impl Ground<'_> {
+    /// A stratum by its number.
+    pub(super) fn stratum(&self, at: Option<usize>) -> Option<&Stratum> {
+        self.strata.get(at?)
+    }
+
     /// Numbers of the strata, or none where there are none.
     pub(super) fn places(&self) -> impl Iterator<Item = Option<usize>> + use<> {
         let count = self.strata.len();
@@ -201,13 +209,12 @@ impl Ground {
 
     /// What the file changes in a stratum for all layouts, in the order in which it is changed.
     pub(super) fn changes(&self, at: Option<usize>) -> impl Iterator<Item = &Change> {
-        self.set.iter().chain(at.and_then(|at| self.strata.get(at)).into_iter().flat_map(|stratum| &stratum.set))
+        self.set.iter().chain(self.stratum(at).into_iter().flat_map(|stratum| &stratum.set))
     }
 
     /// Name of a layout in a stratum.
     pub(super) fn name(&self, shaft: &str, at: Option<usize>) -> String {
-        let stratum = at.and_then(|at| self.strata.get(at));
-        stratum.map_or_else(|| shaft.to_owned(), |stratum| format!("{shaft}, {}", stratum.name))
+        self.stratum(at).map_or_else(|| shaft.to_owned(), |stratum| format!("{shaft}, {}", stratum.name))
     }
 
     /// A layout in a stratum.
@@ -218,11 +225,7 @@ impl Ground {
         let mut overrides: Overrides = self.changes(at).map(pair).collect();
         overrides.extend(own);
         overrides.extend(self.asked.iter().cloned());
-        Ok(Layout {
-            shaft: shaft.to_owned(),
-            stratum: at,
-            ..layout(&self.scene, self.name(shaft, at), role, overrides)?
-        })
+        Ok(Layout { shaft: shaft.to_owned(), stratum: at, ..layout(self, self.name(shaft, at), role, overrides)? })
     }
 
     /// A layout once more, with more overrides.
@@ -232,20 +235,20 @@ impl Ground {
     pub(super) fn again(&self, of: &Layout, words: &str, role: Role, more: Overrides) -> Result<Layout, Failure> {
         let mut overrides = of.overrides.clone();
         overrides.extend(more);
-        let read = layout(&self.scene, format!("{}{words}", of.name), role, overrides)?;
+        let read = layout(self, format!("{}{words}", of.name), role, overrides)?;
         Ok(Layout { shaft: format!("{}{words}", of.shaft), stratum: of.stratum, ..read })
     }
 
     /// Depth at which boreholes are read (m), and the greatest of all: those of the strata, or what the study says.
     fn depths(&self, at: Option<usize>, otherwise: f64) -> (f64, f64) {
         let deepest = self.strata.last().map_or(otherwise, |stratum| stratum.to);
-        (at.and_then(|at| self.strata.get(at)).map_or(otherwise, |stratum| stratum.depth), deepest)
+        (self.stratum(at).map_or(otherwise, |stratum| stratum.depth), deepest)
     }
 
     /// The key by which pipes of a layout are out of their places as its file has it, if any are.
     pub(super) fn leans(&self, layout: &Layout) -> Option<String> {
         let keys = (0..layout.scene.rings.len()).map(moved_key);
-        keys.into_iter().find(|key| load::value(&self.scene, &layout.overrides, key).is_some())
+        keys.into_iter().find(|key| file::value(&self.scene, &layout.overrides, key).is_some())
     }
 }
 
@@ -255,12 +258,12 @@ pub(super) fn pair(change: &Change) -> (String, String) {
 }
 
 /// Reads the scene of a layout on the smallest part of the plan that holds all of it.
-fn layout(scene: &str, name: String, role: Role, overrides: Overrides) -> Result<Layout, Failure> {
+fn layout(ground: &Ground<'_>, name: String, role: Role, overrides: Overrides) -> Result<Layout, Failure> {
     let at = |sector: &str| {
         let own = [("domain.ring.sector", sector), ("watch.frozen_wall", "true")];
         let mut all: Overrides = own.map(|(key, value)| (key.to_owned(), value.to_owned())).into();
         all.extend(overrides.iter().cloned());
-        load::scene(scene, &all)
+        (ground.parts.scene_at)(&ground.scene, &all)
     };
     let whole = at("whole")?;
     // What the mirrors of a part would have to map is known of pipes alone.
@@ -305,7 +308,7 @@ pub(super) enum Undrilled {
 ///
 /// # Errors
 /// Where they cannot stand there.
-pub(super) fn drilled(ground: &Ground, layout: Layout, entries: &[Borehole]) -> Result<Layout, Undrilled> {
+pub(super) fn drilled(ground: &Ground<'_>, layout: Layout, entries: &[Borehole]) -> Result<Layout, Undrilled> {
     if let Some(key) = ground.leans(&layout) {
         return Err(Undrilled::Beside(key));
     }
@@ -323,8 +326,8 @@ fn as_moved(moved: &Moved) -> Overrides {
 }
 
 /// A number of the scene of a layout.
-pub(super) fn number_of(ground: &Ground, layout: &Layout, key: &str) -> Option<f64> {
-    match load::value(&ground.scene, &layout.overrides, key)? {
+pub(super) fn number_of(ground: &Ground<'_>, layout: &Layout, key: &str) -> Option<f64> {
+    match file::value(&ground.scene, &layout.overrides, key)? {
         Value::Float(found) => Some(found),
         Value::Integer(found) => Some(found as f64),
         _ => None,
@@ -335,7 +338,7 @@ pub(super) fn number_of(ground: &Ground, layout: &Layout, key: &str) -> Option<f
 ///
 /// # Errors
 /// Where the scene of one is refused.
-pub(super) fn changed(ground: &Ground, of: &Layout, sensitivity: &Sensitivity) -> Result<Vec<Layout>, Failure> {
+pub(super) fn changed(ground: &Ground<'_>, of: &Layout, sensitivity: &Sensitivity) -> Result<Vec<Layout>, Failure> {
     let Sensitivity { percent, keys } = sensitivity;
     let mut found = Vec::new();
     for (key, value) in keys.iter().filter_map(|(key, _)| Some((key, number_of(ground, of, key)?))) {
@@ -353,7 +356,7 @@ pub(super) fn changed(ground: &Ground, of: &Layout, sensitivity: &Sensitivity) -
 ///
 /// # Errors
 /// Where boreholes are known already, or find no place.
-pub(super) fn deviating(ground: &Ground, of: &Layout, deviation: &Deviation) -> Result<Vec<Layout>, Undrilled> {
+pub(super) fn deviating(ground: &Ground<'_>, of: &Layout, deviation: &Deviation) -> Result<Vec<Layout>, Undrilled> {
     if let Some(key) = ground.leans(of) {
         return Err(Undrilled::Known(key));
     }

@@ -11,6 +11,7 @@ pub mod failure;
 pub mod fields;
 pub mod figure_options;
 pub mod machine;
+pub mod method;
 pub mod output;
 pub mod parallel;
 pub mod parts;

@@ -3,14 +3,14 @@
 use frazil_plots::page::{Block, Figure, Table};
 use frazil_studies::failure::Failure;
 
-use crate::layout::execute::Work;
-use crate::layout::found::Found;
-use crate::layout::rows::{cell, designed_on, stood, with_error};
-use crate::layout::shaft::{ShaftRow, shafts};
-use crate::layout::study::Study;
+use crate::execute::Work;
+use crate::found::Found;
+use crate::rows::{cell, designed_on, stood, with_error};
+use crate::shaft::{ShaftRow, shafts};
+use crate::study::Study;
 
 /// Layouts over their strata, and what the shaft as a whole comes to.
-pub(super) fn over_depth(study: &Study, work: &Work<'_>, found: &[Found<'_>]) -> Result<Option<Block>, Failure> {
+pub(super) fn over_depth(study: &Study<'_>, work: &Work<'_>, found: &[Found<'_>]) -> Result<Option<Block>, Failure> {
     let all = shafts(study, found);
     let compared: Vec<_> = all.iter().filter(|shaft| shaft.compared()).collect();
     if compared.is_empty() {
@@ -60,6 +60,7 @@ pub(super) fn over_depth(study: &Study, work: &Work<'_>, found: &[Found<'_>]) ->
         caption: "Strata.".into(),
         heads: ["stratum", "from (m)", "to (m)", "boreholes read at (m)"].map(String::from).into(),
         rows: study
+            .ground
             .strata
             .iter()
             .map(|stratum| {

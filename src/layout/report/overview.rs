@@ -2,14 +2,14 @@
 
 use frazil_plots::page::Table;
 
-use crate::layout::found::Found;
-use crate::layout::goals::Design;
-use crate::layout::rows::{cell, designed_on, stood, with_error};
-use crate::layout::study::Study;
-use crate::layout::{reference, tables};
+use crate::found::Found;
+use crate::goals::Design;
+use crate::rows::{cell, designed_on, stood, with_error};
+use crate::study::Study;
+use crate::{reference, tables};
 
 /// A row for each layout: what is asked first.
-pub(super) fn overview(study: &Study, method: &str, compared: &[&Found<'_>]) -> Table {
+pub(super) fn overview(study: &Study<'_>, method: &str, compared: &[&Found<'_>]) -> Table {
     let mut heads: Vec<String> = [
         "layout",
         "weakest gap",

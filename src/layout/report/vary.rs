@@ -2,13 +2,13 @@
 
 use frazil_plots::page::{Block, Table};
 
-use crate::layout::found::Found;
-use crate::layout::rows::{cell, signed};
-use crate::layout::study::Study;
-use crate::layout::tables;
+use crate::found::Found;
+use crate::rows::{cell, signed};
+use crate::study::Study;
+use crate::tables;
 
 /// What changes of one key and deviating boreholes do.
-pub(super) fn what_if(study: &Study, found: &[Found<'_>]) -> Vec<Block> {
+pub(super) fn what_if(study: &Study<'_>, found: &[Found<'_>]) -> Vec<Block> {
     let mut blocks = Vec::new();
     let changes: Vec<_> = found.iter().filter_map(|one| tables::change(found, one)).collect();
     if !changes.is_empty() {

@@ -9,13 +9,13 @@ use frazil_plots::page::Block;
 use frazil_studies::campaign::{Campaign, Shard};
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
 use frazil_studies::machine::Machine;
+use frazil_studies::method;
 use frazil_studies::output::Folder;
 use frazil_studies::parallel;
+use frazil_studies::parts::{Override, Parts};
 use frazil_studies::progress::forewarn;
 
 pub use dug::beside_open;
-
-use crate::{interrupt, load};
 
 mod ahead;
 pub mod answers;
@@ -26,6 +26,7 @@ pub mod critical;
 pub mod doubts;
 mod dug;
 pub mod execute;
+pub mod file;
 pub mod formula;
 pub mod found;
 pub mod goals;
@@ -37,7 +38,7 @@ pub mod report;
 mod rows;
 pub mod search;
 pub mod shaft;
-pub(crate) mod soils;
+pub mod soils;
 pub mod strata;
 pub mod study;
 pub mod tables;
@@ -52,6 +53,9 @@ use rows::write_rows;
 use search::Tried;
 use study::Study;
 
+/// Pairs of key path and value that override a scene.
+pub type Overrides = Vec<Override>;
+
 /// What is to be studied.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayoutRequest {
@@ -60,7 +64,7 @@ pub struct LayoutRequest {
     /// Method; the study's, or the first of the scene, if absent.
     pub method: Option<String>,
     /// Pairs of key path and value that override the scene of all layouts.
-    pub overrides: Vec<(String, String)>,
+    pub overrides: Overrides,
     /// Layouts that run at once.
     pub threads: usize,
     /// Which part of the layouts is to be run.
@@ -81,12 +85,12 @@ pub struct LayoutRequest {
 ///
 /// # Errors
 /// Where the study or one of its layouts cannot be run, or a file cannot be written.
-pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
-    let study = read::study(&request.study, &request.overrides)?;
+pub fn layout(request: &LayoutRequest, parts: &Parts<'_>) -> Result<Verdict, Failure> {
+    let study = read::study(&request.study, &request.overrides, parts)?;
     let Some(first) = study.layouts.first() else { return Ok(Verdict::Done) };
     let all = request.method.as_deref() == Some(methods::ALL);
     let asked = request.method.as_deref().filter(|_| !all).or(study.method.as_deref());
-    let method = load::method(&first.scene, asked)?;
+    let method = method::asked(&first.scene, asked)?;
     let references = references(&study, method, &request.overrides)?;
     for doubt in doubts::of(&study) {
         complain(&format!("warning: {doubt}"));
@@ -100,7 +104,7 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
     }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
     let folder = Folder::make(&path)?;
-    let campaign = Campaign::open(&path, request.shard, request.threads, interrupt::watch())?;
+    let campaign = Campaign::open(&path, request.shard, request.threads, parts.interrupt)?;
     let machine = Machine::now();
     let work_of = |method: &'static str, beside: bool| Work {
         study: &study,
@@ -128,7 +132,7 @@ pub fn layout(request: &LayoutRequest) -> Result<Verdict, Failure> {
 
 /// What each layout is compared with, once all of them have been held against what can be meant and what is sought of them can be
 /// tried.
-fn references(study: &Study, method: &str, asked: &load::Overrides) -> Result<Vec<Option<Compared>>, Failure> {
+fn references(study: &Study<'_>, method: &str, asked: &Overrides) -> Result<Vec<Option<Compared>>, Failure> {
     let (mut found, mut refusals) = (Vec::new(), Refusals::new());
     for layout in &study.layouts {
         let fits = layout.fits(study.shaft_radius, method).map_err(|unfit| unfit.to_string());
@@ -232,4 +236,34 @@ fn sought(work: &Work<'_>) -> Result<Option<Vec<Block>>, Failure> {
     write_rows(&work.folder, "critical.csv", &outcome.found)?;
     write_rows(&work.folder, "critical_tried.csv", &outcome.tried)?;
     Ok(Some(vec![critical::block(wanted, &outcome, work)?]))
+}
+
+/// The methods and bundled scenes, as the application has them.
+#[cfg(test)]
+mod bundled {
+    use std::sync::atomic::AtomicBool;
+
+    use frazil_scene::Scene;
+    use frazil_scene::method::MethodKind;
+    use frazil_studies::failure::Failure;
+    use frazil_studies::parts::{Override, Parts};
+
+    static METHODS: [&MethodKind; 4] =
+        [&frazil_local::METHOD, &frazil_pd::METHOD, &frazil_sph::METHOD, &frazil_edpd::METHOD];
+    static INTERRUPT: AtomicBool = AtomicBool::new(false);
+
+    pub fn scene(name: &str, overrides: &[Override]) -> Result<Scene, Failure> {
+        let text = frazil_cases::scenes::find(name).expect("bundled").text;
+        Ok(Scene::read(text, name, name, overrides, &METHODS)?)
+    }
+
+    pub fn parts() -> Parts<'static> {
+        Parts {
+            scene_at: &scene,
+            reference_for: &frazil_cases::truth,
+            run: &frazil_simulation::march::run,
+            methods: &METHODS,
+            interrupt: &INTERRUPT,
+        }
+    }
 }

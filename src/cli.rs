@@ -73,11 +73,13 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
-/// Whether the program would understand its arguments, the first of which is its own name; if not, why. Asking for help
-/// is understood.
-pub fn understood<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Result<(), String> {
+/// Whether the program would understand its arguments, the first of which is its own name. Asking for help is understood.
+///
+/// # Errors
+/// What it does not understand.
+pub fn understood<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Result<(), clap::Error> {
     match Cli::try_parse_from(arguments) {
-        Err(error) if error.use_stderr() => Err(error.to_string()),
+        Err(error) if error.use_stderr() => Err(error),
         _ => Ok(()),
     }
 }

@@ -10,6 +10,26 @@ use frazil_studies::parts::Override;
 
 use crate::registry;
 
+/// What is no scene, or not one that is asked for.
+#[derive(Debug, thiserror::Error)]
+enum NoScene {
+    #[error("\"{0}\" is a study of layouts and no scene: frazil layout {0}")]
+    Study(String),
+    #[error("\"{asked}\" is neither a file nor a bundled scene{}", guess(near))]
+    Unknown { asked: String, near: Vec<&'static str> },
+    #[error("--paper: no printed discretisation is bundled for \"{asked}\", there are those of {}", known.join(", "))]
+    Unprinted { asked: String, known: Vec<&'static str> },
+    #[error("--paper: found --method {asked}, but the paper of \"{scene}\" prints a discretisation of {printed}")]
+    OtherMethod { asked: String, scene: String, printed: String },
+}
+
+fn guess(near: &[&str]) -> String {
+    match near {
+        [] => "; frazil list shows the scenes".into(),
+        near => format!(", did you mean \"{}\"?", near.join("\" or \"")),
+    }
+}
+
 /// Reads a scene given by a bundled name or a path.
 pub fn scene(argument: &str, overrides: &[Override]) -> Result<Scene, Failure> {
     if let Some(bundled) = frazil_cases::scenes::find(argument) {
@@ -17,43 +37,36 @@ pub fn scene(argument: &str, overrides: &[Override]) -> Result<Scene, Failure> {
         return Ok(Scene::read(bundled.text, bundled.name, &file, overrides, registry::methods())?);
     }
     if frazil_cases::studies::find(argument).is_some() {
-        return Err(no_scene(argument));
+        return Err(Failure::request(NoScene::Study(argument.to_owned())));
     }
     let path = Path::new(argument);
     if !path.exists() && path.extension().is_none() && path.components().count() == 1 {
-        return Err(Failure::Request(unknown_scene(argument)));
+        return Err(Failure::request(NoScene::Unknown { asked: argument.to_owned(), near: near(argument) }));
     }
     let text = fs::read_to_string(path).map_err(|error| Failure::file(path, "cannot be read", error))?;
     let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
     Scene::read(&text, &name, argument, overrides, registry::methods()).map_err(|problems| match Kind::of(&text) {
-        Some(Kind::Study) => no_scene(argument),
+        Some(Kind::Study) => Failure::request(NoScene::Study(argument.to_owned())),
         _ => problems.into(),
     })
-}
-
-fn no_scene(argument: &str) -> Failure {
-    Failure::Request(format!("\"{argument}\" is a study of layouts and no scene: frazil layout {argument}"))
 }
 
 /// What `--paper` stands for on a bundled scene: the method whose discretisation its paper prints, and overrides, with those
 /// that were asked for behind them.
 pub fn paper(scene: &str, asked: &[String], overrides: Vec<Override>) -> Result<(String, Vec<Override>), Failure> {
     let Some((method, printed)) = frazil_cases::paper::method(scene).zip(frazil_cases::paper::overrides(scene)) else {
-        let names: Vec<&str> = frazil_cases::paper::all().iter().map(|printed| printed.name).collect();
-        return Err(Failure::Request(format!(
-            "--paper: no printed discretisation is bundled for \"{scene}\", there are those of {}",
-            names.join(", ")
-        )));
+        let known = frazil_cases::paper::all().iter().map(|printed| printed.name).collect();
+        return Err(Failure::request(NoScene::Unprinted { asked: scene.to_owned(), known }));
     };
     if let Some(other) = asked.iter().find(|other| **other != method) {
-        return Err(Failure::Request(format!(
-            "--paper: found --method {other}, but the paper of \"{scene}\" prints a discretisation of {method}"
-        )));
+        let (asked, scene) = (other.clone(), scene.to_owned());
+        return Err(Failure::request(NoScene::OtherMethod { asked, scene, printed: method }));
     }
     Ok((method, [printed, overrides].concat()))
 }
 
-fn unknown_scene(asked: &str) -> String {
+/// The bundled scenes whose names are most like one, three at most.
+fn near(asked: &str) -> Vec<&'static str> {
     let mut near: Vec<(f64, &str)> = frazil_cases::scenes::all()
         .iter()
         .chain(frazil_cases::scenes::extreme())
@@ -61,10 +74,5 @@ fn unknown_scene(asked: &str) -> String {
         .filter(|(likeness, _)| *likeness > 0.75)
         .collect();
     near.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let near: Vec<String> = near.iter().take(3).map(|(_, name)| format!("\"{name}\"")).collect();
-    if near.is_empty() {
-        format!("\"{asked}\" is neither a file nor a bundled scene; frazil list shows the scenes")
-    } else {
-        format!("\"{asked}\" is neither a file nor a bundled scene, did you mean {}?", near.join(" or "))
-    }
+    near.into_iter().take(3).map(|(_, name)| name).collect()
 }

@@ -8,7 +8,7 @@ use crate::{interrupt, load, registry};
 pub fn parts(reduced: bool) -> Parts<'static> {
     Parts {
         scene_at: &load::scene,
-        reference_for: &|scene| frazil_cases::truth(scene).map_err(|reason| reason.to_string()),
+        reference_for: &|scene| frazil_cases::truth(scene).map_err(Into::into),
         run: if reduced { &frazil_simulation::reduce::run } else { &frazil_simulation::march::run },
         methods: registry::methods(),
         interrupt: interrupt::watch(),

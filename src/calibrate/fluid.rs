@@ -78,6 +78,14 @@ fn range(column: &str) -> Range {
     }
 }
 
+/// There is no such fluid.
+#[derive(Debug, thiserror::Error)]
+#[error("\"{asked}\" is neither a file nor a bundled fluid; those are {}", known.join(", "))]
+struct Unknown {
+    asked: String,
+    known: Vec<&'static str>,
+}
+
 /// Reads a fluid given by a bundled name or the path of a TOML or CSV file; `judge` adds what it has to say of rows.
 pub fn load(argument: &str, judge: Judge<'_>) -> Result<Fluid, Failure> {
     if let Some(bundled) = fluids::find(argument) {
@@ -85,9 +93,10 @@ pub fn load(argument: &str, judge: Judge<'_>) -> Result<Fluid, Failure> {
     }
     let path = Path::new(argument);
     if !path.exists() && path.extension().is_none() && path.components().count() == 1 {
-        let known: Vec<&str> = fluids::all().iter().map(|fluid| fluid.name).collect();
-        let message = format!("\"{argument}\" is neither a file nor a bundled fluid; those are {}", known.join(", "));
-        return Err(Failure::Request(message));
+        return Err(Failure::request(Unknown {
+            asked: argument.to_owned(),
+            known: fluids::all().iter().map(|fluid| fluid.name).collect(),
+        }));
     }
     let text = fs::read_to_string(path).map_err(|error| Failure::file(path, "cannot be read", error))?;
     let name = path.file_stem().map_or_else(|| "fluid".into(), |stem| stem.to_string_lossy().into_owned());

@@ -9,7 +9,7 @@ use frazil_studies::compare::vary::RATIOS;
 use frazil_studies::compare::{CompareRequest, Vary, compare};
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{command_line, key_and_value, positive, positive_seconds};
+use super::values::{MustBe, command_line, key_and_value, positive, positive_seconds};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]
@@ -87,17 +87,17 @@ impl CompareArguments {
     }
 }
 
-fn varied(text: &str) -> Result<String, String> {
+fn varied(text: &str) -> Result<String, MustBe> {
     match text.split_once(',') {
         Some(("spacing", key)) if RATIOS.contains(&key) => Ok(key.to_owned()),
-        _ => Err(format!("must be \"spacing\" and, after a comma, one of {}", RATIOS.join(", "))),
+        _ => Err(MustBe(format!("\"spacing\" and, after a comma, one of {}", RATIOS.join(", ")).into())),
     }
 }
 
-fn setting(text: &str) -> Result<Setting, String> {
+fn setting(text: &str) -> Result<Setting, MustBe> {
     match text {
         "best" => Ok(Setting::Best),
         "paper" => Ok(Setting::Paper),
-        _ => Err("must be \"best\" or \"paper\"".into()),
+        _ => Err(MustBe("\"best\" or \"paper\"".into())),
     }
 }

@@ -7,7 +7,7 @@ use frazil_layouts::{LayoutRequest, layout};
 use frazil_studies::campaign::Shard;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{command_line, key_and_value, threads};
+use super::values::{MustBe, command_line, key_and_value, threads};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]
@@ -60,11 +60,11 @@ impl LayoutArguments {
     }
 }
 
-fn shard(text: &str) -> Result<Shard, String> {
+fn shard(text: &str) -> Result<Shard, MustBe> {
     let parts: Option<(usize, usize)> =
         text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
     match parts {
         Some((k, count)) if k >= 1 && k <= count => Ok(Shard { number: k - 1, count }),
-        _ => Err("must be K/N, as 3/16".into()),
+        _ => Err(MustBe("K/N, as 3/16".into())),
     }
 }

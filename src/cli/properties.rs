@@ -6,7 +6,7 @@ use clap::Args;
 use frazil_edpd::calibration::Constants;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{sized, threads};
+use super::values::{MustBe, number, sized, threads};
 use crate::properties::{PropertiesRequest, Rows, properties};
 
 /// At the defaults, 13 temperatures of water and 5 seeds, it makes 1.8 thousand million steps of particles: some 15 minutes
@@ -92,13 +92,10 @@ impl PropertiesArguments {
     }
 }
 
-fn finite(text: &str) -> Result<f64, String> {
-    text.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| "must be a number".into())
+fn finite(text: &str) -> Result<f64, MustBe> {
+    number(text, f64::is_finite, "a number")
 }
 
-fn effort(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if (1e-3..=1e3).contains(&number) => Ok(number),
-        _ => Err("must be a number between 0.001 and 1000".into()),
-    }
+fn effort(text: &str) -> Result<f64, MustBe> {
+    number(text, |number| (1e-3..=1e3).contains(&number), "a number between 0.001 and 1000")
 }

@@ -7,7 +7,7 @@ use frazil_studies::failure::{Failure, Verdict};
 use frazil_studies::stability::axis::Axis;
 use frazil_studies::stability::{StabilityRequest, stability};
 
-use super::values::{command_line, key_and_value, positive, positive_seconds, threads};
+use super::values::{MustBe, command_line, key_and_value, positive, positive_seconds, threads};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]
@@ -77,14 +77,14 @@ impl StabilityArguments {
     }
 }
 
-fn odd(text: &str) -> Result<u16, String> {
+fn odd(text: &str) -> Result<u16, MustBe> {
     match text.parse::<u16>() {
         Ok(number) if number % 2 == 1 && number < 100 => Ok(number),
-        _ => Err("must be an odd number from 1 to 99".into()),
+        _ => Err(MustBe("an odd number from 1 to 99".into())),
     }
 }
 
-fn axis(text: &str) -> Result<Axis, String> {
+fn axis(text: &str) -> Result<Axis, MustBe> {
     let words = || Axis::WORDS.map(|(word, _)| word).join(", ");
-    Axis::of_word(text).ok_or_else(|| format!("must be one of {}", words()))
+    Axis::of_word(text).ok_or_else(|| MustBe(format!("one of {}", words()).into()))
 }

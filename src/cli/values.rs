@@ -1,5 +1,7 @@
 //! Values of options, as several commands take them.
 
+use std::borrow::Cow;
+
 use frazil_studies::parallel;
 
 /// The command as it was typed, for a page of results.
@@ -12,33 +14,41 @@ pub fn threads(asked: Option<u16>) -> usize {
     asked.map_or_else(parallel::cores, usize::from)
 }
 
+/// What a value of an option must be.
+#[derive(Debug, PartialEq, thiserror::Error)]
+#[error("must be {0}")]
+pub struct MustBe(pub Cow<'static, str>);
+
+/// A number that passes a test.
+pub fn number(text: &str, test: impl Fn(f64) -> bool, must_be: &'static str) -> Result<f64, MustBe> {
+    text.parse().ok().filter(|number| test(*number)).ok_or(MustBe(must_be.into()))
+}
+
 /// A key path and a value.
-pub fn key_and_value(text: &str) -> Result<(String, String), String> {
+pub fn key_and_value(text: &str) -> Result<(String, String), MustBe> {
     match text.split_once('=') {
         Some((key, value)) if !key.trim().is_empty() => Ok((key.trim().to_owned(), value.trim().to_owned())),
-        _ => Err("must be KEY=VALUE, as time.outputs=20".into()),
+        _ => Err(MustBe("KEY=VALUE, as time.outputs=20".into())),
     }
 }
 
 /// Seconds.
-pub fn positive_seconds(text: &str) -> Result<f64, String> {
-    positive(text).map_err(|_| "must be a number of seconds greater than 0".into())
+pub fn positive_seconds(text: &str) -> Result<f64, MustBe> {
+    number(text, is_positive, "a number of seconds greater than 0")
 }
 
 /// A number greater than 0.
-pub fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && number > 0.0 => Ok(number),
-        _ => Err("must be a number greater than 0".into()),
-    }
+pub fn positive(text: &str) -> Result<f64, MustBe> {
+    number(text, is_positive, "a number greater than 0")
+}
+
+fn is_positive(number: f64) -> bool {
+    number.is_finite() && number > 0.0
 }
 
 /// A constant of a fluid: products of several of them must stay numbers.
-pub fn sized(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(number) if (1e-12..=1e12).contains(&number) => Ok(number),
-        _ => Err("must be a number between 1e-12 and 1e12".into()),
-    }
+pub fn sized(text: &str) -> Result<f64, MustBe> {
+    number(text, |number| (1e-12..=1e12).contains(&number), "a number between 1e-12 and 1e12")
 }
 
 #[cfg(test)]

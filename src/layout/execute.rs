@@ -19,7 +19,7 @@ use frazil_studies::{figure_options, output, parallel};
 use serde::{Deserialize, Serialize};
 
 use super::answers::Kept;
-use super::study::Study;
+use super::study::{Study, named};
 use super::variants::{Layout, Role};
 
 /// What is kept of a layout: a run, and the same at twice the spacing.
@@ -204,7 +204,6 @@ impl Work<'_> {
 
     /// One layout, its files before all else: what is kept has its folder. None if it was interrupted.
     fn layout(&self, layout: &Layout) -> Result<Option<Finding>, Failure> {
-        let named = |failure: Failure| Failure::Request(format!("layout \"{}\": {failure}", layout.name));
         let path = self.folder_of(layout);
         fs::create_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
         let wanted = self.draws_frames(layout);
@@ -231,7 +230,7 @@ impl Work<'_> {
         let seen: Option<&EachOutput<'_>> = if frames.is_some() { Some(&see) } else { None };
         let tried = match self.beside {
             true => layout.check(self.study.shaft_radius, self.method).and_then(|()| run(&layout.scene, seen)),
-            false => run(&layout.scene, seen).map_err(named),
+            false => run(&layout.scene, seen).map_err(|failure| named(&layout.name, failure)),
         };
         let fine = match tried {
             Ok(fine) => fine,

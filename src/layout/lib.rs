@@ -130,6 +130,11 @@ pub fn layout(request: &LayoutRequest, parts: &Parts<'_>) -> Result<Verdict, Fai
     finish(request, &works, &references, made)
 }
 
+/// What refuses layouts: each cause once, with its layouts.
+#[derive(Debug, thiserror::Error)]
+#[error("{}", .0.join("\n"))]
+struct Unfit(Vec<String>);
+
 /// What each layout is compared with, once all of them have been held against what can be meant and what is sought of them can be
 /// tried.
 fn references(study: &Study<'_>, method: &str, asked: &Overrides) -> Result<Vec<Option<Compared>>, Failure> {
@@ -143,8 +148,8 @@ fn references(study: &Study<'_>, method: &str, asked: &Overrides) -> Result<Vec<
         }
     }
     if found.len() < study.layouts.len() {
-        let told: Vec<String> = refusals.told().map(|(reason, layouts)| format!("{layouts}: {reason}")).collect();
-        return Err(Failure::Request(told.join("\n")));
+        let told = refusals.told().map(|(reason, layouts)| format!("{layouts}: {reason}"));
+        return Err(Failure::request(Unfit(told.collect())));
     }
     if let Some(wanted) = &study.search {
         search::check(study, wanted, method)?;
@@ -260,7 +265,7 @@ mod bundled {
     pub fn parts() -> Parts<'static> {
         Parts {
             scene_at: &scene,
-            reference_for: &frazil_cases::truth,
+            reference_for: &|scene| frazil_cases::truth(scene).map_err(Into::into),
             run: &frazil_simulation::march::run,
             methods: &METHODS,
             interrupt: &INTERRUPT,

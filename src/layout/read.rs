@@ -26,6 +26,15 @@ const MOST: usize = 10_000;
 const SECTIONS: &str = "strata = [{ design = {} }]\nlayouts = [{ boreholes = [{ inclination_deg = 0 }, { surveyed_m = [] }] }]\n\
                         design = {}\nsearch = { goal = \"energy\" }\ncritical = {}\nsensitivity = {}\ndeviation = {}\n";
 
+/// What is no study.
+#[derive(Debug, thiserror::Error)]
+enum NoStudy {
+    #[error("\"{0}\" is a scene and no study of layouts, which names one: frazil run {0}")]
+    Scene(String),
+    #[error("\"{asked}\" is neither a file nor a bundled study; those are {}", known.join(", "))]
+    Unknown { asked: String, known: Vec<&'static str> },
+}
+
 /// Reads a study given by a bundled name or a path.
 ///
 /// # Errors
@@ -36,24 +45,15 @@ pub fn study<'a>(argument: &str, overrides: &[Override], parts: &Parts<'a>) -> R
     }
     let path = Path::new(argument);
     if frazil_cases::scenes::find(argument).is_some() {
-        return Err(no_study(argument));
+        return Err(Failure::request(NoStudy::Scene(argument.to_owned())));
     }
     if !path.exists() && path.extension().is_none() && path.components().count() == 1 {
-        let names: Vec<&str> = frazil_cases::studies::all().iter().map(|study| study.name).collect();
-        return Err(Failure::Request(format!(
-            "\"{argument}\" is neither a file nor a bundled study; those are {}",
-            names.join(", ")
-        )));
+        let known = frazil_cases::studies::all().iter().map(|study| study.name).collect();
+        return Err(Failure::request(NoStudy::Unknown { asked: argument.to_owned(), known }));
     }
     let text = fs::read_to_string(path).map_err(|error| Failure::file(path, "cannot be read", error))?;
     let name = path.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy().into_owned());
     parse(&text, &name, path, overrides, parts)
-}
-
-fn no_study(argument: &str) -> Failure {
-    Failure::Request(format!(
-        "\"{argument}\" is a scene and no study of layouts, which names one: frazil run {argument}"
-    ))
 }
 
 /// Reads a study from the text of its file, whose place says where a scene given by a path lies.
@@ -69,7 +69,7 @@ pub fn parse<'a>(
 ) -> Result<Study<'a>, Failure> {
     let file = path.display().to_string();
     if Kind::of(text) == Some(Kind::Scene) {
-        return Err(no_study(&file));
+        return Err(Failure::request(NoStudy::Scene(file)));
     }
     Ok(read_section(text, &file, Units::Si, |root| {
         root.know(SECTIONS, |root| drop(File::read(root, &[])));
@@ -340,8 +340,8 @@ mod tests {
     use super::*;
     use crate::bundled;
 
-    fn study(text: &str) -> Result<Study<'static>, String> {
-        parse(text, "s", Path::new("s.toml"), &[], &bundled::parts()).map_err(|failure| failure.to_string())
+    fn study(text: &str) -> Result<Study<'static>, Failure> {
+        parse(text, "s", Path::new("s.toml"), &[], &bundled::parts())
     }
 
     #[test]
@@ -388,7 +388,7 @@ mod tests {
         let rings_of = |found: Study<'_>| found.layouts[0].scene.rings.clone();
         let found = rings_of(one.expect("a study"));
         assert_eq!((found[0].moved.len(), &found[1].moved[..]), (0, &[(2, glam::DVec2::new(0.1, 0.2))][..]));
-        let refused = |borehole: &str| leaning(borehole).map(|_| String::new()).unwrap_or_else(|message| message);
+        let refused = |borehole: &str| leaning(borehole).map_or_else(|failure| failure.to_string(), |_| String::new());
         let found = refused("{ pipe = \"3.1\", inclination_deg = 0, azimuth_deg = 0, depth_m = 9 }");
         let whom = "(layout \"a\")";
         assert_eq!(
@@ -406,7 +406,7 @@ mod tests {
 
     #[test]
     fn what_only_the_scene_tells_is_refused_with_file_line_and_key() {
-        let refused = |text: &str| study(text).map(|_| String::new()).unwrap_or_else(|message| message);
+        let refused = |text: &str| study(text).map_or_else(|failure| failure.to_string(), |_| String::new());
         let head = "title = \"t\"\nscene = \"frozen-wall-sand\"\n";
         let found = refused(&format!("{head}[[layouts]]\nname = \"a\"\n[[layouts]]\nname = \"a\""));
         assert_eq!(found, "s.toml:3: layouts: two have the name \"a\"");

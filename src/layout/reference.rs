@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use frazil_cases::Unfit;
 use frazil_cases::layouts::{self, Gap, HEAT_ERROR, LENGTH_ERROR, RADIUS_ERROR, Section, TEMPERATURE_ERROR, WallDay};
 use frazil_plots::page::{Block, Table};
 use frazil_record::LinkRow;
@@ -33,14 +32,14 @@ pub(super) fn table(
 ) -> Result<Option<Compared>, Failure> {
     let Some(name) = &layout.reference else { return Ok(None) };
     let of = |scene: &Scene| layouts::by_name(name, scene, one_particle(scene, method));
-    let bad = |unfit: Unfit| Failure::Request(format!("reference: {unfit}"));
     match of(&layout.scene) {
         Ok(found) => Ok(Some(Compared::With(found))),
-        Err(difference) if set.is_empty() => Err(bad(difference)),
+        Err(difference) if set.is_empty() => Err(Failure::of("reference", difference)),
         Err(difference) => {
             let mut own = vec![("domain.ring.sector".to_owned(), "whole".to_owned())];
             own.extend(layout.overrides.iter().filter(|one| !set.contains(one)).cloned());
-            of(&(study.ground.parts.scene_at)(&study.ground.scene, &own)?).map_err(bad)?;
+            of(&(study.ground.parts.scene_at)(&study.ground.scene, &own)?)
+                .map_err(|difference| Failure::of("reference", difference))?;
             Ok(Some(Compared::Set(difference.to_string())))
         }
     }

@@ -245,7 +245,7 @@ fn brent(trials: &Trials<'_>) -> Result<Option<Stop>, Failure> {
     match (trials.stopped.take(), run) {
         (Some(stop), _) => Ok(Some(stop)),
         (None, Ok(_)) => Ok(None),
-        (None, Err(error)) => Err(Failure::Request(format!("search: {error}"))),
+        (None, Err(error)) => Err(Failure::of("search", error)),
     }
 }
 

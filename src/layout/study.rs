@@ -1,5 +1,7 @@
 //! A study: a scene, and what each layout changes of it.
 
+use std::error::Error;
+
 use frazil_studies::failure::Failure;
 
 use super::goals::{Critical, Design, Goal, Search};
@@ -46,7 +48,7 @@ impl Study<'_> {
         let (words, own) = (format!(", {key} = {value}"), vec![(key.to_owned(), value.to_owned())]);
         self.ground
             .again(of, &words, Role::Tried, own)
-            .map_err(|failure| named(&format!("{}{words}", of.name), &failure))
+            .map_err(|failure| named(&format!("{}{words}", of.name), failure))
     }
 
     /// The layout with a value of the key that is searched, in each stratum.
@@ -58,7 +60,7 @@ impl Study<'_> {
         let text = if search.goal == Goal::Least { format!("{value}") } else { format!("{value:?}") };
         let layout = |at| {
             let own = vec![(search.key.clone(), text.clone())];
-            self.ground.layout(&name, at, Role::Tried, own).map_err(|failure| named(&name, &failure))
+            self.ground.layout(&name, at, Role::Tried, own).map_err(|failure| named(&name, failure))
         };
         self.ground.places().map(layout).collect()
     }
@@ -74,6 +76,7 @@ impl Study<'_> {
     }
 }
 
-fn named(layout: &str, failure: &Failure) -> Failure {
-    Failure::Request(format!("layout \"{layout}\": {failure}"))
+/// What is wrong with a layout, with its name.
+pub(super) fn named(layout: &str, cause: impl Into<Box<dyn Error + Send + Sync>>) -> Failure {
+    Failure::of(format!("layout \"{layout}\""), cause)
 }

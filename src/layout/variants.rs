@@ -13,6 +13,7 @@ use toml::Value;
 use super::boreholes::{self, Borehole, Misplaced, Moved};
 use super::goals::{Deviation, Sensitivity};
 use super::strata::Stratum;
+use super::study::named;
 use crate::{Overrides, file};
 
 /// The key by which boreholes of a ring are out of their places.
@@ -86,8 +87,7 @@ impl Layout {
     /// # Errors
     /// With the first thing that cannot be meant, and the name of the layout.
     pub fn check(&self, shaft_radius: Option<f64>, method: &str) -> Result<(), Failure> {
-        let named = |unfit: Unfit| Failure::Request(format!("layout \"{}\": {unfit}", self.name));
-        self.fits(shaft_radius, method).map_err(named)
+        self.fits(shaft_radius, method).map_err(|unfit| named(&self.name, unfit))
     }
 
     /// The same without a name.

@@ -64,7 +64,7 @@ pub fn equilibrium(request: &PropertiesRequest, calibrated: &Calibrated<'_>, pat
     let near = |row: &&crate::calibrate::CalibratedRow| (row.temperature - 1.0).abs();
     let table = &calibrated.table;
     let Some(row) = table.rows.iter().min_by(|a, b| near(a).total_cmp(&near(b))) else {
-        return Err(Failure::Request(format!("{}: no row", request.fluid)));
+        return Err(Failure::of(&request.fluid, "no row"));
     };
     let own = plan::parameters(request, table, row);
     let steps = (STEPS * request.effort).round().max(1000.0) as u64;
@@ -147,7 +147,7 @@ fn one<const D: usize>(
     go_on: &dyn Fn(u64) -> bool,
 ) -> Result<Option<Row>, Failure> {
     let step = parameters.step;
-    let failure = |message| Failure::Request(format!("{D}D, step {step}: {message}"));
+    let failure = |error| Failure::of(format!("{D}D, step {step}"), error);
     let mut fluid = Fluid::new(parameters, lengths, temperature, 1, None).map_err(failure)?;
     let found = measure(&mut fluid, steps, go_on).map_err(failure)?;
     Ok(found.map(|found| Row {
@@ -187,7 +187,7 @@ fn explicit(
                     kinetic_over_internal: found.temperatures,
                 }))
             });
-            found.map_err(|wrong| Failure::Request(wrong.to_string()))
+            found.map_err(|error| Failure::Request(error.into()))
         };
         let key = key(&format!("explicit {lambda}, {steps} steps"), parameters, temperature);
         campaign.known(&key).or_else(|| campaign.make(&key, run))

@@ -1,6 +1,7 @@
 //! The jobs of a study, each on one thread.
 
 use std::cell::Cell;
+use std::error::Error;
 
 use frazil_edpd::properties::{diffusion, halves};
 use frazil_studies::campaign::{Campaign, Meter, Task};
@@ -55,13 +56,15 @@ pub fn jobs(request: &PropertiesRequest, jobs: &[Job], campaign: &Campaign<'_>) 
     Ok(found?.into_iter().flatten().collect())
 }
 
+/// Why a job has no finding.
+fn failed(job: &Job, cause: impl Into<Box<dyn Error + Send + Sync>>) -> Failure {
+    let (word, kelvin) = (job.measurement.word(), celsius(&job.row));
+    Failure::of(format!("{word} at {kelvin} degC, seed {}", job.seed), cause)
+}
+
 /// One job; nothing if it was told to stop.
 fn run(job: &Job, task: &Task<'_>, campaign: &Campaign<'_>) -> Result<Option<Finding>, Failure> {
-    let failure = |message| {
-        let (word, kelvin) = (job.measurement.word(), celsius(&job.row));
-        Failure::Request(format!("{word} at {kelvin} degC, seed {}: {message}", job.seed))
-    };
-    let mut fluid = job.fluid().map_err(failure)?;
+    let mut fluid = job.fluid().map_err(|error| failed(job, error))?;
     let particles = job.particles();
     let made = Cell::new(0);
     let watch = |steps: u64| {
@@ -71,11 +74,12 @@ fn run(job: &Job, task: &Task<'_>, campaign: &Campaign<'_>) -> Result<Option<Fin
     };
     let found = match job.measurement {
         Measurement::Diffusion => {
-            let found = diffusion::measure(&mut fluid, job.span, &watch).map_err(failure)?;
+            let found = diffusion::measure(&mut fluid, job.span, &watch).map_err(|error| failed(job, error))?;
             found.map(|found| (found.diffusivity, found.curve))
         }
         Measurement::Halves(push) => {
-            let found = halves::measure(&mut fluid, push, job.expected, job.span, &watch).map_err(failure)?;
+            let found = halves::measure(&mut fluid, push, job.expected, job.span, &watch)
+                .map_err(|error| failed(job, error))?;
             found.map(|found| (found.diffusivity, found.profile))
         }
     };

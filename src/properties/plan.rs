@@ -1,6 +1,8 @@
 //! Which jobs a study consists of: a measurement at a temperature with a seed each.
 
-use frazil_edpd::fluid::{Exponent, Fluid, FluidError, Parameters};
+use std::error::Error;
+
+use frazil_edpd::fluid::{Exponent, Fluid, Parameters};
 use frazil_edpd::properties::Span;
 use frazil_edpd::properties::halves::{Push, decay};
 use frazil_studies::failure::Failure;
@@ -56,8 +58,11 @@ pub struct Job {
 
 impl Job {
     /// The fluid at its start.
-    pub fn fluid(&self) -> Result<Fluid<2>, FluidError> {
-        Fluid::new(self.parameters.clone(), self.lengths, self.row.temperature, self.seed, None)
+    ///
+    /// # Errors
+    /// Where its box is too small, or a constant out of range.
+    pub fn fluid(&self) -> Result<Fluid<2>, Box<dyn Error + Send + Sync>> {
+        Ok(Fluid::new(self.parameters.clone(), self.lengths, self.row.temperature, self.seed, None)?)
     }
 
     /// Number of particles.
@@ -83,6 +88,15 @@ pub fn celsius(row: &CalibratedRow) -> f64 {
     ((row.temperature_k + ZERO) * 1e9).round() / 1e9
 }
 
+/// A temperature was asked for that the fluid has no row of.
+#[derive(Debug, thiserror::Error)]
+#[error("--temperatures-c {temperature}: {fluid} has no row of that temperature; there are {}", known.join(", "))]
+struct NoRow {
+    temperature: f64,
+    fluid: String,
+    known: Vec<String>,
+}
+
 /// The rows that are to be measured.
 pub fn rows(request: &PropertiesRequest, table: &Calibration) -> Result<Vec<CalibratedRow>, Failure> {
     let mut rows: Vec<CalibratedRow> = Vec::new();
@@ -99,12 +113,9 @@ pub fn rows(request: &PropertiesRequest, table: &Calibration) -> Result<Vec<Cali
             for temperature in temperatures {
                 let near = |row: &&CalibratedRow| (celsius(row) - temperature).abs() < 1e-6;
                 let Some(row) = table.rows.iter().find(near) else {
-                    let known: Vec<String> = table.rows.iter().map(|row| celsius(row).to_string()).collect();
-                    return Err(Failure::Request(format!(
-                        "--temperatures-c {temperature}: {} has no row of that temperature; there are {}",
-                        request.fluid,
-                        known.join(", ")
-                    )));
+                    let known = table.rows.iter().map(|row| celsius(row).to_string()).collect();
+                    let (temperature, fluid) = (*temperature, request.fluid.clone());
+                    return Err(Failure::request(NoRow { temperature, fluid, known }));
                 };
                 rows.push(row.clone());
             }
@@ -166,7 +177,7 @@ pub fn jobs(request: &PropertiesRequest, table: &Calibration, rows: &[Calibrated
     }
     // Boxes are tried once for each measurement: no other temperature has other ones.
     for job in jobs.iter().filter(|job| job.seed == 1 && job.row == rows[0]) {
-        job.fluid().map_err(|message| Failure::Request(format!("--box {height}: {message}")))?;
+        job.fluid().map_err(|error| Failure::of(format!("--box {height}"), error))?;
     }
     Ok(jobs)
 }

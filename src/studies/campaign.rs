@@ -162,7 +162,7 @@ mod tests {
                     let key = format!("task {task}");
                     let seek = || {
                         sought.fetch_add(1, Ordering::Relaxed);
-                        if task == worse { Err(Failure::Request("no".into())) } else { Ok(Some(task)) }
+                        if task == worse { Err(Failure::of("task", "no")) } else { Ok(Some(task)) }
                     };
                     campaign.known(&key).or_else(|| campaign.make(&key, seek))
                 })

@@ -50,8 +50,8 @@ fn by_time(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failu
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join("compare"));
     // Every scene is read under every method and setting before the first run, so that a misspelt word costs no time.
     for name in &request.scenes {
-        let scene = request.scene(parts, name, &[]).map_err(Failure::Request)?;
-        plan::check(request, parts, name, &scene).map_err(Failure::Request)?;
+        let scene = request.scene(parts, name, &[])?;
+        plan::check(request, parts, name, &scene)?;
     }
     request.forewarn();
     let folder = Folder::make(&path)?;
@@ -75,8 +75,8 @@ fn by_time(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failu
                 }
                 finished.push(study);
             }
-            Err(execute::Stop::Scene(reason)) => {
-                complain(&format!("{name}: {reason}"));
+            Err(execute::Stop::Scene(failure)) => {
+                complain(&format!("{name}: {failure}"));
                 broken = true;
             }
             Err(execute::Stop::Files(failure)) => return Err(failure),

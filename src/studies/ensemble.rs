@@ -28,7 +28,7 @@ pub mod table;
 
 use members::{Count, Members};
 use record::{EnsembleRecord, Member};
-use runs::{EnsembleRuns, Tables};
+use runs::{BadSeries, EnsembleRuns, Tables};
 
 /// What is asked of an ensemble.
 pub struct EnsembleRequest<'a> {
@@ -50,6 +50,22 @@ pub struct EnsembleRequest<'a> {
     pub quiet: bool,
 }
 
+/// Why there is no ensemble.
+#[derive(Debug, thiserror::Error)]
+enum Unfit {
+    #[error("--method {0}: the scene has no settings for it")]
+    Unset(String),
+    #[error(
+        "--seeds {count}: the method \"{method}\" has no noise with these settings and its particles stand on a lattice, so all \
+         members would be the same; layout = \"jittered\" or \"random\" would tell them apart"
+    )]
+    Alike { count: usize, method: &'static str },
+    #[error("--seed {first}: {count} seeds go beyond {}", u64::MAX)]
+    Beyond { first: u64, count: usize },
+    #[error("a member was changed while others ran")]
+    Changed,
+}
+
 /// Runs members, and takes their means.
 ///
 /// # Errors
@@ -58,7 +74,7 @@ pub struct EnsembleRequest<'a> {
 pub fn ensemble(request: &EnsembleRequest<'_>, interrupt: &AtomicBool) -> Result<Verdict, Failure> {
     let EnsembleRequest { scene, method, reference, count, out, .. } = *request;
     let Some(settings) = scene.method(method) else {
-        return Err(Failure::Request(format!("--method {method}: the scene has no settings for it")));
+        return Err(Failure::request(Unfit::Unset(method.to_owned())));
     };
     chance(settings, count)?;
     let seeds = seeds(request.seed, count)?;
@@ -105,16 +121,11 @@ fn chance(settings: &MethodSettings, count: usize) -> Result<(), Failure> {
     if settings.discretisation.fluctuation > 0.0 || settings.numerics.arrangement != Arrangement::Lattice {
         return Ok(());
     }
-    Err(Failure::Request(format!(
-        "--seeds {count}: the method \"{}\" has no noise with these settings and its particles stand on a lattice, so all \
-         members would be the same; layout = \"jittered\" or \"random\" would tell them apart",
-        settings.method
-    )))
+    Err(Failure::request(Unfit::Alike { count, method: settings.method }))
 }
 
 fn seeds(first: u64, count: usize) -> Result<Vec<u64>, Failure> {
-    let last = first.checked_add(count as u64 - 1);
-    let last = last.ok_or_else(|| Failure::Request(format!("--seed {first}: {count} seeds go beyond {}", u64::MAX)))?;
+    let last = first.checked_add(count as u64 - 1).ok_or(Unfit::Beyond { first, count }).map_err(Failure::request)?;
     Ok((first..=last).collect())
 }
 
@@ -141,7 +152,7 @@ impl Study {
         let records: Vec<Record> = members.seeds.iter().filter_map(|seed| members.record_of(*seed)).collect();
         let worst = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
         let first = records.first().filter(|_| records.len() == members.seeds.len());
-        let first = first.cloned().ok_or_else(|| Failure::Request("a member was changed while others ran".into()))?;
+        let first = first.cloned().ok_or(Unfit::Changed).map_err(Failure::request)?;
         let entries: Vec<Member> = records.iter().map(Member::of).collect();
         let (mut tables, mut runs) = (Vec::new(), Vec::new());
         for record in records.into_iter().filter(|record| record.outcome != Outcome::Diverged) {
@@ -261,6 +272,6 @@ impl Study {
     }
 }
 
-fn unreadable(reason: String) -> Failure {
-    Failure::Request(format!("series of members: {reason}"))
+fn unreadable(error: BadSeries) -> Failure {
+    Failure::of("series of members", error)
 }

@@ -1,5 +1,7 @@
 //! How a command ends.
 
+use std::error::Error;
+use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -41,8 +43,16 @@ pub enum Failure {
     #[error(transparent)]
     Refused(#[from] Refused),
     /// A name or an option means nothing here.
-    #[error("{0}")]
-    Request(String),
+    #[error(transparent)]
+    Request(Box<dyn Error + Send + Sync>),
+    /// Something failed of one thing among several.
+    #[error("{of}: {cause}")]
+    Of {
+        /// Of what, in words.
+        of: String,
+        /// Why it failed.
+        cause: Box<dyn Error + Send + Sync>,
+    },
     /// A file could not be read or written.
     #[error("{}: {action}: {source}", path.display())]
     File {
@@ -59,6 +69,16 @@ pub enum Failure {
 }
 
 impl Failure {
+    /// What a command was asked for and cannot do.
+    pub fn request(error: impl Error + Send + Sync + 'static) -> Self {
+        Failure::Request(Box::new(error))
+    }
+
+    /// What failed of one thing among several.
+    pub fn of(of: impl Display, cause: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
+        Failure::Of { of: of.to_string(), cause: cause.into() }
+    }
+
     /// A failure on a file.
     pub fn file(path: &Path, action: &'static str, source: io::Error) -> Self {
         Failure::File { path: path.to_owned(), action, source }
@@ -69,7 +89,7 @@ impl From<PlotError> for Failure {
     fn from(error: PlotError) -> Self {
         match error {
             PlotError::Write { path, source } => Failure::file(&path, "cannot be written", source),
-            other => Failure::Request(other.to_string()),
+            other => Failure::request(other),
         }
     }
 }
@@ -96,6 +116,9 @@ pub fn complain(text: &str) {
 }
 
 /// Writes the answer to standard output.
+///
+/// # Errors
+/// Where it cannot be written.
 pub fn answer(text: &str) -> Result<(), Failure> {
     use io::Write;
     let mut out = io::stdout().lock();

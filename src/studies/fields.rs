@@ -23,6 +23,11 @@ use crate::output::write_whole;
 /// Folder of states, the file that lists them with their times, and folder of frames.
 pub const NAMES: [&str; 3] = ["fields", "fields.pvd", "frames"];
 
+/// Frames were asked for of a line.
+#[derive(Debug, thiserror::Error)]
+#[error("--frames draws planes, but the domain of `{0}` is a line")]
+struct NoPlane(String);
+
 /// What a run leaves at each output beside its series.
 pub struct Snapshots<'a> {
     scene: &'a Scene,
@@ -48,10 +53,7 @@ impl<'a> Snapshots<'a> {
         folder: &Path,
     ) -> Result<Self, Failure> {
         if frames && scene.domain.dimension() == 1 {
-            return Err(Failure::Request(format!(
-                "--frames draws planes, but the domain of `{}` is a line",
-                scene.name
-            )));
+            return Err(Failure::request(NoPlane(scene.name.clone())));
         }
         let hidden = TempDir::with_prefix_in(".fields-", folder)
             .map_err(|error| Failure::file(folder, "cannot hold a folder", error))?;

@@ -1,5 +1,6 @@
 //! The rest of the program as studies see it; tests put made-up parts in its place.
 
+use std::error::Error;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -17,7 +18,7 @@ pub type Override = (String, String);
 /// Reads a scene by name or path with overrides.
 pub type SceneAt<'a> = dyn Fn(&str, &[Override]) -> Result<Scene, Failure> + Sync + 'a;
 /// The reference of a scene that needs no run, and why it is not the one that the scene names.
-pub type ReferenceFor<'a> = dyn Fn(&Scene) -> Result<Truth, String> + Sync + 'a;
+pub type ReferenceFor<'a> = dyn Fn(&Scene) -> Result<Truth, Box<dyn Error + Send + Sync>> + Sync + 'a;
 /// Makes one run.
 pub type Run<'a> =
     dyn Fn(&Scene, &str, Option<&Arc<dyn Reference>>, &Options<'_>) -> Result<RunResult, Refused> + Sync + 'a;

@@ -24,6 +24,11 @@ pub mod tables;
 
 pub use request::StabilityRequest;
 
+/// No axis that was asked for means anything to what it was asked of.
+#[derive(Debug, thiserror::Error)]
+#[error("none of the axes means anything to these scenes and methods")]
+struct NoAxis;
+
 /// Maps.
 ///
 /// # Errors
@@ -37,7 +42,7 @@ pub fn stability(request: &StabilityRequest, parts: &Parts<'_>) -> Result<Verdic
         jobs.extend(plan::jobs(request, parts, name, &scene)?);
     }
     if jobs.is_empty() {
-        return Err(Failure::Request("none of the axes means anything to these scenes and methods".into()));
+        return Err(Failure::request(NoAxis));
     }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join("stability"));
     let folder = Folder::make(&path)?;

@@ -33,7 +33,7 @@ const SCATTER: f64 = 0.05;
 /// Why a scene, or the whole comparison, ends early.
 pub enum Stop {
     /// This scene cannot be compared.
-    Scene(String),
+    Scene(Failure),
     /// Results cannot be written.
     Files(Failure),
 }

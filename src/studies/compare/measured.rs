@@ -118,7 +118,7 @@ impl Measured {
             spacing: configuration.spacing,
             units: configuration.units,
             result: None,
-            unmade: configuration.scene.as_ref().err().map(|reason| (Status::Refused, reason.clone())),
+            unmade: configuration.scene.as_ref().err().map(|failure| (Status::Refused, failure.to_string())),
             note: None,
             timings: Vec::new(),
             cold: false,

@@ -5,10 +5,12 @@ use frazil_scene::{Scene, Units};
 
 use super::request::CompareRequest;
 use super::variant::Variant;
+use crate::failure::Failure;
+use crate::method;
 use crate::parts::Parts;
 
 /// One method under one setting at one resolution.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub struct Configuration {
     /// Method.
     pub method: &'static str,
@@ -23,7 +25,16 @@ pub struct Configuration {
     /// Units of the scene.
     pub units: Units,
     /// The scene with these settings, or why it cannot be had.
-    pub scene: Result<Scene, String>,
+    pub scene: Result<Scene, Failure>,
+}
+
+/// What a comparison cannot be asked of a scene.
+#[derive(Debug, thiserror::Error)]
+enum Unfit {
+    #[error("the scene has settings for no method")]
+    NoMethod,
+    #[error("{flag} {asked}: no method of scene `{scene}` takes it: {cause}")]
+    Setting { flag: &'static str, asked: String, scene: String, cause: Failure },
 }
 
 /// Spacings from coarse to fine around a scene's own, which is the second finest.
@@ -44,14 +55,17 @@ pub fn overrides(units: Units, method: &str, spacing: f64, setting: &Variant) ->
 }
 
 /// All configurations of a scene, from coarse to fine.
+///
+/// # Errors
+/// Where a method is none, or the scene has settings for none.
 pub fn configurations(
     request: &CompareRequest,
     parts: &Parts<'_>,
     name: &str,
     base: &Scene,
-) -> Result<Vec<Configuration>, String> {
+) -> Result<Vec<Configuration>, Failure> {
     let methods = methods(request, parts, base)?;
-    let first = base.methods.first().map(|own| own.numerics.spacing).ok_or("the scene has settings for no method")?;
+    let first = base.methods.first().ok_or(Unfit::NoMethod).map_err(Failure::request)?.numerics.spacing;
     let mut all = Vec::new();
     for level in 0..request.levels.max(1) {
         for kind in &methods {
@@ -74,42 +88,38 @@ pub fn configurations(
     Ok(all)
 }
 
-/// Whether the methods that are asked for are known, and each setting is one that at least one of them takes on a scene; if
-/// not, why.
-pub fn check(request: &CompareRequest, parts: &Parts<'_>, name: &str, base: &Scene) -> Result<(), String> {
+/// Holds what is asked for against a scene.
+///
+/// # Errors
+/// Where a method is none, or a setting one that no method takes.
+pub fn check(request: &CompareRequest, parts: &Parts<'_>, name: &str, base: &Scene) -> Result<(), Failure> {
     let methods = methods(request, parts, base)?;
     if methods.is_empty() {
-        return Err(format!("{name}: the scene has settings for no method"));
+        return Err(Failure::of(name, Unfit::NoMethod));
     }
     let own = |kind: &MethodKind| base.method(kind.name).or(base.methods.first()).map(|own| own.numerics.spacing);
     for setting in &request.settings {
-        let mut refusals = Vec::new();
-        for kind in &methods {
-            let Some(spacing) = own(kind) else { continue };
-            match request.scene(parts, name, &overrides(base.units, kind.name, spacing, setting)) {
-                Ok(_) => refusals.clear(),
-                Err(reason) => refusals.push(reason),
-            }
-            if refusals.is_empty() {
-                break;
-            }
-        }
-        if let Some(first) = refusals.first() {
+        let spacings = methods.iter().filter_map(|kind| Some((kind.name, own(kind)?)));
+        let taken = spacings.map(|(method, spacing)| {
+            request.scene(parts, name, &overrides(base.units, method, spacing, setting)).map(drop)
+        });
+        // The first refusal, unless a method takes it.
+        let refused = taken.reduce(|first, next| if next.is_ok() { next } else { first });
+        if let Some(Err(cause)) = refused {
             // The reader says `--set`, by whose way the key came there.
             let (key, value) = setting.key();
-            let flag = if key == "setting" { "--settings" } else { "--also" };
-            let asked = if key == "setting" { value.clone() } else { format!("{key}={value}") };
-            return Err(format!("{flag} {asked}: no method of scene `{}` takes it: {first}", base.name));
+            let (flag, asked) = match key.as_str() {
+                "setting" => ("--settings", value.clone()),
+                _ => ("--also", format!("{key}={value}")),
+            };
+            return Err(Failure::request(Unfit::Setting { flag, asked, scene: base.name.clone(), cause }));
         }
     }
     Ok(())
 }
 
-fn methods(request: &CompareRequest, parts: &Parts<'_>, base: &Scene) -> Result<Vec<&'static MethodKind>, String> {
-    if let Some(unknown) = request.methods.iter().find(|name| !parts.methods.iter().any(|kind| kind.name == **name)) {
-        let known: Vec<&str> = parts.methods.iter().map(|kind| kind.name).collect();
-        return Err(format!("--methods {unknown}: there are {}", known.join(", ")));
-    }
+fn methods(request: &CompareRequest, parts: &Parts<'_>, base: &Scene) -> Result<Vec<&'static MethodKind>, Failure> {
+    method::check(&request.methods, parts.methods)?;
     let asked = |kind: &MethodKind| match request.methods.as_slice() {
         [] => base.method(kind.name).is_some(),
         names => names.iter().any(|name| name == kind.name),

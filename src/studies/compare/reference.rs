@@ -9,7 +9,7 @@ use std::sync::Arc;
 use frazil_plots::style::{duration, percent};
 use frazil_record::{Field, Outcome, ReferenceInfo, RunResult};
 use frazil_scene::{ReferenceChoice, Scene, Setting};
-use frazil_simulation::march::{Options, outputs};
+use frazil_simulation::march::{Options, Refused, outputs};
 use frazil_simulation::measure;
 use frazil_simulation::reference::{Cut, Plane, Reference};
 
@@ -18,6 +18,7 @@ use super::request::CompareRequest;
 use super::runner::{Clock, Purpose, Runner};
 use super::variant::Variant;
 use crate::ensemble::runs::Headline;
+use crate::failure::Failure;
 use crate::parts::Parts;
 use crate::words::length_words;
 
@@ -165,6 +166,23 @@ impl Reference for LocalReference {
     }
 }
 
+/// Why fine local runs are no reference.
+#[derive(Debug, thiserror::Error)]
+enum NoReference {
+    #[error("no local run ended well")]
+    Failed,
+    #[error("{} allow one local run only; give more time with --budget-s", duration(*.budget_s))]
+    Single { budget_s: f64 },
+    #[error("{}", .0.join("; "))]
+    Unconverged(Vec<String>),
+    #[error("the local runs have nothing to compare")]
+    Nothing,
+    #[error("there is no local method to make one")]
+    NoMethod,
+    #[error(transparent)]
+    Refused(#[from] Refused),
+}
+
 /// Judges all runs of a scene over one window, in which the front has left the first particles of the coarsest spacing (m),
 /// where the scene does not say another.
 pub fn judge_alike(scene: &mut Scene, coarsest: f64, reference: &dyn Reference) {
@@ -188,8 +206,8 @@ pub fn truth(
     (name, base): (&str, &mut Scene),
     spacings: (f64, f64),
     say: &dyn Fn(&str),
-) -> Result<Option<Arc<dyn Reference>>, String> {
-    let known = (parts.reference_for)(base)?;
+) -> Result<Option<Arc<dyn Reference>>, Failure> {
+    let known = (parts.reference_for)(base).map_err(Failure::Request)?;
     base.remarks.extend(known.instead);
     if let Some(closed) = known.reference {
         return Ok(Some(Arc::from(closed)));
@@ -219,14 +237,10 @@ fn local_reference(
     (name, base): (&str, &Scene),
     (finest, coarsest): (f64, f64),
     say: &dyn Fn(&str),
-) -> Result<LocalReference, String> {
+) -> Result<LocalReference, NoReference> {
     let mut runs = fine_runs(request, parts, runner, (name, base), finest, say)?;
-    let Some((spacing, fine)) = runs.pop() else {
-        return Err("no local run ended well".into());
-    };
-    let Some((_, coarser)) = runs.last() else {
-        return Err(format!("{} allow one local run only; give more time with --budget-s", duration(request.budget())));
-    };
+    let (spacing, fine) = runs.pop().ok_or(NoReference::Failed)?;
+    let (_, coarser) = runs.last().ok_or(NoReference::Single { budget_s: request.budget() })?;
     let mut truth = LocalReference::new(base, fine);
     let mut judged = base.clone();
     judge_alike(&mut judged, coarsest, &truth);
@@ -257,11 +271,7 @@ fn local_reference(
         }
     }
     let Some(first) = known.first() else {
-        return Err(if unknown.is_empty() {
-            "the local runs have nothing to compare".into()
-        } else {
-            unknown.join("; ")
-        });
+        return Err(if unknown.is_empty() { NoReference::Nothing } else { NoReference::Unconverged(unknown) });
     };
     let source = format!("finest of {} local runs, at {}", runs.len() + 1, length_words(base.units, spacing));
     truth.info = ReferenceInfo { errors: errors.clone(), ..ReferenceInfo::new("local", source, errors[first.name()]) };
@@ -277,9 +287,9 @@ fn fine_runs(
     (name, base): (&str, &Scene),
     finest: f64,
     say: &dyn Fn(&str),
-) -> Result<Vec<(f64, RunResult)>, String> {
+) -> Result<Vec<(f64, RunResult)>, NoReference> {
     if !parts.methods.iter().any(|kind| kind.name == "local") {
-        return Err("there is no local method to make one".into());
+        return Err(NoReference::NoMethod);
     }
     let seconds = request.budget();
     let explicit = 2f64.powi(base.domain.dimension() as i32 + 2);
@@ -297,8 +307,7 @@ fn fine_runs(
         say(&format!("{}: local run at {} for a reference", base.name, length_words(base.units, spacing)));
         let begun = clock.elapsed();
         let options = Options { time_limit_s: Some(2.0 * seconds), fields: true, ..Options::default() };
-        let made = runner.run(Purpose::Reference, &scene, "local", None, &options);
-        let made = made.map_err(|refused| refused.to_string())?;
+        let made = runner.run(Purpose::Reference, &scene, "local", None, &options)?;
         clock.add(made.earlier_s);
         if made.result.record.outcome != Outcome::Ok {
             break;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use frazil_scene::Scene;
 
 use super::variant::Variant;
+use crate::failure::Failure;
 use crate::parts::{Override, Parts};
 use crate::progress::{clock, forewarn};
 
@@ -54,10 +55,9 @@ impl CompareRequest {
     ///
     /// # Errors
     ///
-    /// Why it cannot be had, in words.
-    pub(super) fn scene(&self, parts: &Parts<'_>, name: &str, overrides: &[Override]) -> Result<Scene, String> {
-        let all = [self.overrides.as_slice(), overrides].concat();
-        (parts.scene_at)(name, &all).map_err(|failure| failure.to_string())
+    /// If it cannot be had.
+    pub(super) fn scene(&self, parts: &Parts<'_>, name: &str, overrides: &[Override]) -> Result<Scene, Failure> {
+        (parts.scene_at)(name, &[self.overrides.as_slice(), overrides].concat())
     }
 
     /// Says that all scenes together take long, if they may.

@@ -134,7 +134,7 @@ fn parts() -> Parts<'static> {
     static INTERRUPT: AtomicBool = AtomicBool::new(false);
     Parts {
         scene_at: &bundled::scene,
-        reference_for: &|scene| frazil_cases::truth(scene).map_err(|reason| reason.to_string()),
+        reference_for: &|scene| frazil_cases::truth(scene).map_err(Into::into),
         run: &made_up,
         methods: bundled::methods(),
         interrupt: &INTERRUPT,
@@ -161,7 +161,7 @@ fn slow_edpd(
 #[test]
 fn what_is_left_out_for_lack_of_time_is_not_failed() -> Result<(), Failure> {
     let Ok(temporary) = tempfile::tempdir() else {
-        return Err(Failure::Request("no temporary folder".into()));
+        return Err(Failure::of("temporary folder", "none"));
     };
     let out = temporary.path().join("out");
     let request = CompareRequest { out: Some(out.clone()), settings: vec![best()], ..request() };
@@ -202,7 +202,7 @@ fn what_is_left_out_for_lack_of_time_is_not_failed() -> Result<(), Failure> {
 #[test]
 fn a_comparison_leaves_all_its_files() -> Result<(), Failure> {
     let Ok(temporary) = tempfile::tempdir() else {
-        return Err(Failure::Request("no temporary folder".into()));
+        return Err(Failure::of("temporary folder", "none"));
     };
     let out = std::env::var_os("FRAZIL_COMPARISON").map_or(temporary.path().join("out"), Into::into);
     let request = CompareRequest {

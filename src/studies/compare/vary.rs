@@ -202,8 +202,8 @@ pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join("compare"));
     let mut jobs = Vec::new();
     for name in &request.scenes {
-        let scene = request.scene(parts, name, &[]).map_err(Failure::Request)?;
-        plan::check(request, parts, name, &scene).map_err(Failure::Request)?;
+        let scene = request.scene(parts, name, &[])?;
+        plan::check(request, parts, name, &scene)?;
         let methods = methods(request, vary, parts, &scene)?;
         jobs.push((name, scene, methods));
     }
@@ -220,7 +220,7 @@ pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<
     let mut grids = Vec::new();
     for (name, scene, methods) in jobs {
         let grid = runs(request, vary, parts, &runner, (name, scene), &methods, &say);
-        grids.push(grid.map_err(|reason| Failure::Request(format!("{name}: {reason}")))?);
+        grids.push(grid.map_err(|failure| Failure::of(name, failure))?);
         campaign.check()?;
         tables::write(folder.path(), &grids)?;
         report::write(request, &machine, folder.path(), &grids)?;
@@ -240,6 +240,14 @@ pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<
     Ok(Verdict::Done)
 }
 
+/// No method has the key that is to be varied.
+#[derive(Debug, thiserror::Error)]
+#[error("no method of scene `{scene}` that was asked for has the key \"{key}\"")]
+struct NoKey {
+    scene: String,
+    key: String,
+}
+
 /// Methods of a scene that have the key. Noise would drown signs.
 fn methods(
     request: &CompareRequest,
@@ -254,8 +262,7 @@ fn methods(
     let has = |kind: &MethodKind| own_ratio(scene, kind.name, &vary.key).is_some();
     let found: Vec<_> = parts.methods.iter().copied().filter(|kind| wanted(kind) && has(kind)).collect();
     if found.is_empty() {
-        let message = format!("no method of scene `{}` that was asked for has the key \"{}\"", scene.name, vary.key);
-        return Err(Failure::Request(message));
+        return Err(Failure::request(NoKey { scene: scene.name.clone(), key: vary.key.clone() }));
     }
     Ok(found)
 }
@@ -311,7 +318,7 @@ fn runs(
     (name, mut scene): (&str, Scene),
     methods: &[&'static MethodKind],
     say: &dyn Fn(&str),
-) -> Result<Grid, String> {
+) -> Result<Grid, Failure> {
     let mut grid = planned(request, vary, &scene, methods);
     let spacings = || grid.iter().map(|run| run.spacing);
     let ends = (spacings().fold(f64::INFINITY, f64::min), spacings().fold(0.0, f64::max));
@@ -411,26 +418,25 @@ impl Work<'_> {
                 run.note = (outcome != Outcome::Ok).then(|| outcome.name().to_owned());
                 true
             }
-            Err(reason) => {
-                run.note = Some(reason);
+            Err(failure) => {
+                // All problems of a scene would not fit on a line.
+                run.note = failure.to_string().lines().next().map(str::to_owned);
                 false
             }
         }
     }
 
-    fn one(&self, run: &Run, limit: f64) -> Result<RunResult, String> {
+    fn one(&self, run: &Run, limit: f64) -> Result<RunResult, Failure> {
         let Work { request, vary, parts, name, scene: base, .. } = *self;
         let best = || Variant::standard(frazil_scene::Setting::Best);
         let setting = request.settings.first().cloned().unwrap_or_else(best);
         let mut pairs = overrides(base.units, run.method, run.spacing, &setting);
         pairs.push((format!("method.{}.{}", run.method, vary.key), format!("{}", run.ratio)));
-        let mut scene = request
-            .scene(parts, name, &pairs)
-            .map_err(|reason| reason.lines().next().unwrap_or_default().to_owned())?;
+        let mut scene = request.scene(parts, name, &pairs)?;
         scene.watch.front_from = base.watch.front_from;
         let options = Options { threads: request.threads, time_limit_s: Some(limit.max(1.0)), ..Options::default() };
         let made = self.runner.run(Purpose::First, &scene, run.method, self.reference, &options);
-        let made = made.map_err(|refused| format!("refused: {refused}"))?;
+        let made = made.map_err(|refused| Failure::of("refused", refused))?;
         self.clock.add(made.earlier_s);
         Ok(made.result)
     }

@@ -13,7 +13,7 @@ use frazil_simulation::measure;
 use frazil_simulation::reference::Reference;
 use serde::de::DeserializeOwned;
 
-use super::table::{Table, mean};
+use super::table::{NoMean, Table, mean};
 use crate::output;
 
 /// Series of a run, by the names of their files.
@@ -35,20 +35,38 @@ fn judged(run: &RunResult) -> io::Result<Tables> {
     Ok(tables)
 }
 
+/// A series that is not what runs leave.
+#[derive(Debug, thiserror::Error)]
+pub enum BadSeries {
+    /// It has no mean.
+    #[error("{0}: {1}")]
+    Mean(String, NoMean),
+    /// Its cells are not those of its rows.
+    #[error("{0}: {1}")]
+    Cells(String, csv::Error),
+}
+
 /// Mean of each series over runs; rows that a run lacks are the mean of the others. `spacing` is that of the particles (m).
-pub fn means(runs: &[Tables], spacing: Option<f64>) -> Result<Tables, String> {
+///
+/// # Errors
+/// Where the columns of a series differ between runs.
+pub fn means(runs: &[Tables], spacing: Option<f64>) -> Result<Tables, BadSeries> {
     let mut names: Vec<&String> = runs.iter().flat_map(Tables::keys).collect();
     names.sort();
     names.dedup();
     let of = |name: &String| {
         let tables: Vec<&Table> = runs.iter().filter_map(|run| run.get(name)).collect();
-        Ok((name.clone(), mean(&tables, spacing).map_err(|reason| format!("{name}: {reason}"))?))
+        let mean = mean(&tables, spacing).map_err(|reason| BadSeries::Mean(name.clone(), reason))?;
+        Ok((name.clone(), mean))
     };
     names.into_iter().map(of).collect()
 }
 
 /// A run, as far as errors are taken of it, from its record and its series.
-pub fn result(record: Record, tables: &Tables) -> Result<RunResult, String> {
+///
+/// # Errors
+/// Where a series has other cells than runs leave.
+pub fn result(record: Record, tables: &Tables) -> Result<RunResult, BadSeries> {
     let cut = typed(tables, "cut.csv")?;
     let water = (!cut.is_empty()).then(|| WaterSeries { cut, ..WaterSeries::default() });
     Ok(RunResult {
@@ -62,8 +80,9 @@ pub fn result(record: Record, tables: &Tables) -> Result<RunResult, String> {
     })
 }
 
-fn typed<R: DeserializeOwned>(tables: &Tables, name: &str) -> Result<Vec<R>, String> {
-    tables.get(name).map_or(Ok(Vec::new()), |table| table.typed().map_err(|reason| format!("{name}: {reason}")))
+fn typed<R: DeserializeOwned>(tables: &Tables, name: &str) -> Result<Vec<R>, BadSeries> {
+    let typed = tables.get(name).map_or(Ok(Vec::new()), Table::typed);
+    typed.map_err(|reason| BadSeries::Cells(name.to_owned(), reason))
 }
 
 /// The error that a diagram shows.

@@ -142,14 +142,28 @@ fn cell_of(number: Option<f64>) -> String {
     number.map_or(String::new(), |number| format!("{number:?}"))
 }
 
+/// Why tables have no mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NoMean {
+    /// There are none.
+    #[error("there are no members")]
+    Empty,
+    /// They are not of one kind.
+    #[error("its columns differ between members")]
+    Columns,
+}
+
 /// Mean over the members that have a row, row by row, in the order of the rows. A number that one of these members lacks
 /// has no mean: one over the others would not be that of the ensemble.
 ///
 /// `layer` is the thickness of the layers that places are means over, if they are.
-pub fn mean(members: &[&Table], layer: Option<f64>) -> Result<Table, String> {
-    let first = members.first().ok_or("there are no members")?;
+///
+/// # Errors
+/// Where there are no members, or their columns differ.
+pub fn mean(members: &[&Table], layer: Option<f64>) -> Result<Table, NoMean> {
+    let first = members.first().ok_or(NoMean::Empty)?;
     if members.iter().any(|member| member.columns != first.columns) {
-        return Err("its columns differ between members".into());
+        return Err(NoMean::Columns);
     }
     // A column is text if any member's is.
     let role = |column: usize| {
@@ -258,7 +272,7 @@ fn aligned(members: &[&Table], roles: &[Role], layer: Option<f64>) -> Vec<Vec<(u
 mod tests {
     use super::*;
 
-    fn mean_of(texts: &[&str], layer: Option<f64>) -> Result<String, String> {
+    fn mean_of(texts: &[&str], layer: Option<f64>) -> Result<String, NoMean> {
         let tables: Vec<Table> = texts.iter().map(|text| Table::read(text.as_bytes()).expect("a table")).collect();
         let mut text = Vec::new();
         mean(&tables.iter().collect::<Vec<_>>(), layer)?.write(&mut text).expect("written");

@@ -188,6 +188,6 @@ pub fn wall_data(parts: &Parts<'_>, scene: &Scene) -> Result<Option<Arc<dyn Refe
     if !scene.walls.iter().any(|wall| wall.condition == Condition::Exact) {
         return Ok(None);
     }
-    let known = (parts.reference_for)(scene).map_err(Refused::Reference)?;
+    let known = (parts.reference_for)(scene).map_err(|error| Refused::Reference(error.to_string()))?;
     Ok(known.reference.map(Arc::from))
 }

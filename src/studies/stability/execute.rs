@@ -26,7 +26,7 @@ pub struct Mapped {
     /// What was asked.
     pub job: Job,
     /// What was found, or why there is nothing.
-    pub found: Result<Column, String>,
+    pub found: Result<Column, Failure>,
 }
 
 /// What a column shows.
@@ -148,7 +148,7 @@ impl Study<'_> {
     }
 
     /// One column, and whether any of its runs was made; no answer if the study stops.
-    fn column(&self, job: &Job) -> Option<(Result<Column, String>, bool)> {
+    fn column(&self, job: &Job) -> Option<(Result<Column, Failure>, bool)> {
         let mut was_made = false;
         let found = match self.probe(job) {
             Ok(probe) => {
@@ -158,19 +158,19 @@ impl Study<'_> {
                 let ladder = climb(&steps, self.request.steps.is_empty(), seeds, &mut run)?;
                 Ok(Column { probe, ladder })
             }
-            Err(reason) => Err(reason),
+            Err(failure) => Err(failure),
         };
         Some((found, was_made))
     }
 
     /// The scene of a column. Bounds are found once for all columns whose particles are the same.
-    fn probe(&self, job: &Job) -> Result<Probe, String> {
-        let scene = (self.parts.scene_at)(&job.scene, &job.overrides).map_err(|failure| failure.to_string())?;
+    fn probe(&self, job: &Job) -> Result<Probe, Failure> {
+        let scene = (self.parts.scene_at)(&job.scene, &job.overrides)?;
         let of_time = |key: &str| key.ends_with(".integrator") || key.ends_with(".stages");
         let particles = job.overrides.iter().filter(|(key, _)| !of_time(key)).cloned().collect();
         let key = (job.scene.clone(), job.method, particles);
         let known = self.bounds.lock().unwrap_or_else(PoisonError::into_inner).get(&key).cloned();
-        let probe = Probe::new(self.parts, scene, job.method, known).map_err(|refused| refused.to_string())?;
+        let probe = Probe::new(self.parts, scene, job.method, known)?;
         self.bounds.lock().unwrap_or_else(PoisonError::into_inner).insert(key, probe.bounds.clone());
         Ok(probe)
     }

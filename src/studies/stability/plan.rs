@@ -7,6 +7,7 @@ use frazil_simulation::plan;
 use super::axis::Axis;
 use super::request::StabilityRequest;
 use crate::failure::Failure;
+use crate::method;
 use crate::parts::{Override, Parts};
 
 /// One column of a map that is to be made.
@@ -25,11 +26,11 @@ pub struct Job {
 }
 
 /// All columns of a scene: by axis, then method, then value.
+///
+/// # Errors
+/// Where a method is none.
 pub fn jobs(request: &StabilityRequest, parts: &Parts<'_>, name: &str, scene: &Scene) -> Result<Vec<Job>, Failure> {
-    let known: Vec<&str> = parts.methods.iter().map(|kind| kind.name).collect();
-    if let Some(unknown) = request.methods.iter().find(|asked| !known.contains(&asked.as_str())) {
-        return Err(Failure::Request(format!("--methods {unknown}: there are {}", known.join(", "))));
-    }
+    method::check(&request.methods, parts.methods)?;
     let wanted: Vec<Axis> = if request.axes.is_empty() {
         Axis::WORDS.iter().map(|(_, axis)| *axis).filter(|axis| *axis != Axis::Own).collect()
     } else {

@@ -159,7 +159,7 @@ fn boundary_row(request: &StabilityRequest, mapped: &Mapped) -> BoundaryRow {
     };
     let column = match &mapped.found {
         Ok(column) => column,
-        Err(reason) => return BoundaryRow { refused: reason.clone(), ..row },
+        Err(failure) => return BoundaryRow { refused: failure.to_string(), ..row },
     };
     let (probe, ladder) = (&column.probe, &column.ladder);
     let sharp = column.probe.sharp_over_bound();
@@ -195,7 +195,7 @@ fn stages_row(request: &StabilityRequest, mapped: &Mapped) -> StagesRow {
     };
     let column = match &mapped.found {
         Ok(column) => column,
-        Err(reason) => return StagesRow { refused: reason.clone(), ..row },
+        Err(failure) => return StagesRow { refused: failure.to_string(), ..row },
     };
     let probe = &column.probe;
     let stated = column.ladder.cells.iter().find(|cell| cell.ratio == 1.0);

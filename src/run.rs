@@ -45,27 +45,16 @@ pub struct RunRequest {
 }
 
 /// Runs and writes the results, whole even if the run was interrupted.
+///
+/// # Errors
+/// Where the scene cannot be run, or a file cannot be written.
 pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
-    let mut scene = load::scene(&request.scene, &request.overrides)?;
-    let method = method::asked(&scene, request.method.as_deref())?;
-    let reference = told_reference(&mut scene)?;
-    if !request.quiet {
-        warn(&scene);
-    }
+    let (scene, method, reference) = asked(request)?;
     let path = request.out.clone().unwrap_or_else(|| folder_of(&scene, method));
     let folder = Folder::make(&path)?;
     let wanted = (request.fields, request.frames);
-    let snapshots = if request.fields || request.frames {
-        match Snapshots::new(&scene, method, wanted, folder.path()) {
-            Ok(snapshots) => Some(snapshots),
-            Err(failure) => {
-                folder.take_back();
-                return Err(failure);
-            }
-        }
-    } else {
-        None
-    };
+    let snapshots = (wanted != (false, false)).then(|| Snapshots::new(&scene, method, wanted, folder.path()));
+    let snapshots = snapshots.transpose().inspect_err(|_| folder.take_back())?;
     let see = |particles: &Particles, time: f64| {
         if let Some(snapshots) = &snapshots {
             snapshots.see(particles, time);
@@ -121,13 +110,11 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
 }
 
 /// Runs `count` members of an ensemble, the first with the seed of the request.
+///
+/// # Errors
+/// Where the scene cannot be run, members would be the same, or a file cannot be written.
 pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
-    let mut scene = load::scene(&request.scene, &request.overrides)?;
-    let method = method::asked(&scene, request.method.as_deref())?;
-    let reference = told_reference(&mut scene)?;
-    if !request.quiet {
-        warn(&scene);
-    }
+    let (scene, method, reference) = asked(request)?;
     let ensemble = EnsembleRequest {
         scene: &scene,
         method,
@@ -141,8 +128,22 @@ pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> 
     ensemble::ensemble(&ensemble, interrupt::watch())
 }
 
+/// Scene, method and reference.
+type Asked = (Scene, &'static str, Option<Arc<dyn Reference>>);
+
+/// What a request is about; warns of what is not taken as the scene has it.
+fn asked(request: &RunRequest) -> Result<Asked, Failure> {
+    let mut scene = load::scene(&request.scene, &request.overrides)?;
+    let method = method::asked(&scene, request.method.as_deref())?;
+    let reference = told_reference(&mut scene)?;
+    for remark in scene.remarks.iter().filter(|_| !request.quiet) {
+        complain(&format!("{}: warning: {remark}", scene.name));
+    }
+    Ok((scene, method, reference))
+}
+
 /// Where results of a scene under a method go unless another folder is asked for.
-pub fn folder_of(scene: &Scene, method: &str) -> PathBuf {
+fn folder_of(scene: &Scene, method: &str) -> PathBuf {
     Path::new("out").join(&scene.name).join(method)
 }
 
@@ -184,13 +185,6 @@ pub fn told_reference(scene: &mut Scene) -> Result<Option<Arc<dyn Reference>>, F
             Ok(truth.reference.map(Arc::from))
         }
         Err(reason) => Err(Refused::Reference(format!("the reference of scene `{}`: {reason}", scene.name)).into()),
-    }
-}
-
-/// Warns of what is not taken as the scene has it.
-pub fn warn(scene: &Scene) {
-    for remark in &scene.remarks {
-        complain(&format!("{}: warning: {remark}", scene.name));
     }
 }
 

@@ -1,6 +1,5 @@
 //! Runs of all layouts, as a campaign whose runs leave a folder each.
 
-use std::fs;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -205,10 +204,9 @@ impl Work<'_> {
     /// One layout, its files before all else: what is kept has its folder. None if it was interrupted.
     fn layout(&self, layout: &Layout) -> Result<Option<Finding>, Failure> {
         let path = self.folder_of(layout);
-        fs::create_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
-        let wanted = self.draws_frames(layout);
-        let frames =
-            if wanted { Some(Snapshots::new(&layout.scene, self.method, (false, true), &path)?) } else { None };
+        output::make_folder(&path)?;
+        let draw = || Snapshots::new(&layout.scene, self.method, (false, true), &path);
+        let frames = self.draws_frames(layout).then(draw).transpose()?;
         let see = |particles: &Particles, time: f64| {
             if let Some(frames) = &frames {
                 frames.see(particles, time);

@@ -212,12 +212,7 @@ fn finish(
             answer(&format!("  {}\n", search::words(search, &tried)))?;
         }
     }
-    let bad = found.iter().map(|one| Verdict::of(one.fine.outcome));
-    Ok(bad.fold(Verdict::Done, |worst, own| match (worst, own) {
-        (Verdict::Broken, _) | (_, Verdict::Broken) => Verdict::Broken,
-        (Verdict::CheckFailed, _) | (_, Verdict::CheckFailed) => Verdict::CheckFailed,
-        _ => Verdict::Done,
-    }))
+    Ok(Verdict::worst(found.iter().map(|one| one.fine.outcome)))
 }
 
 /// What a search has tried, with its table; nothing without a search, none if it was interrupted.

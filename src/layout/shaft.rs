@@ -10,7 +10,7 @@ use super::answers::DAY;
 use super::found::Found;
 use super::rows::write_rows;
 use super::study::Study;
-use super::tables::open_width;
+use super::tables::{error, open_width};
 use super::variants::Role;
 
 /// A layout in all strata, downwards.
@@ -126,7 +126,7 @@ impl<'a> Shaft<'a> {
             of,
             depth_m: self.parts.iter().map(|(_, thick)| thick).sum(),
             closure_days: self.closure(),
-            closure_error_days: self.closure().zip(self.coarse_closure()).map(|(fine, coarse)| (fine - coarse).abs()),
+            closure_error_days: error(self.closure(), self.coarse_closure()),
             reopened_days: self.reopening(),
             weakest_stratum: Shaft::stratum(study, weakest),
             weakest_from: weakest.fine.weakest.as_ref().map(|link| link.from.as_str()),

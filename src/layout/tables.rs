@@ -123,7 +123,7 @@ pub(super) struct DeviationRow<'a> {
 }
 
 /// A value, and the same at twice the spacing: what the spacing still changes.
-fn error(fine: Option<f64>, coarse: Option<f64>) -> Option<f64> {
+pub(super) fn error(fine: Option<f64>, coarse: Option<f64>) -> Option<f64> {
     fine.zip(coarse).map(|(fine, coarse)| (fine - coarse).abs())
 }
 

@@ -16,6 +16,7 @@ pub mod analysis;
 pub mod curve;
 pub mod execute;
 pub mod figures;
+pub mod group;
 pub mod measured;
 pub mod plan;
 pub mod reference;
@@ -66,7 +67,7 @@ fn by_time(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failu
                 complain(text);
             }
         };
-        let written = |runs: &execute::SceneRuns| tables::write_comparison(folder.path(), &finished, runs);
+        let written = |runs: &execute::SceneRuns| tables::write_comparison(folder.path(), &finished, Some(runs));
         match execute::scene(request, parts, &runner, name, &say, &written) {
             Ok(runs) => {
                 let study = analysis::Study::of(runs);

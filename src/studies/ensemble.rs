@@ -89,13 +89,7 @@ pub fn ensemble(request: &EnsembleRequest<'_>, interrupt: &AtomicBool) -> Result
         forewarn(&format!("{} under {method}, {open} members", scene.name), seconds);
     }
     let began = Instant::now();
-    let made = match members.make(request.quiet) {
-        Ok(made) => made,
-        Err(failure) => {
-            folder.take_back();
-            return Err(failure);
-        }
-    };
+    let made = members.make(request.quiet).inspect_err(|_| folder.take_back())?;
     if made.finished < count {
         folder.take_back();
         let stopped = if campaign.is_interrupted() { "interrupted" } else { "stopped" };
@@ -113,7 +107,7 @@ pub fn ensemble(request: &EnsembleRequest<'_>, interrupt: &AtomicBool) -> Result
     if !request.quiet {
         answer(&study.summary(out))?;
     }
-    Ok(study.verdict())
+    Ok(Verdict::worst(study.record.members.iter().map(|member| member.outcome)))
 }
 
 /// An ensemble needs chance: without any, all members are one.
@@ -214,15 +208,6 @@ impl Study {
             output::write_whole(&folder.join(name), |writer| table.write(writer))?;
         }
         output::write_json(&folder.join(output::ENSEMBLE), &self.record)
-    }
-
-    /// The worst of the members'.
-    fn verdict(&self) -> Verdict {
-        let verdicts = || self.record.members.iter().map(|member| Verdict::of(member.outcome));
-        [Verdict::Broken, Verdict::CheckFailed]
-            .into_iter()
-            .find(|bad| verdicts().any(|own| own == *bad))
-            .unwrap_or(Verdict::Done)
     }
 
     fn summary(&self, folder: &Path) -> String {

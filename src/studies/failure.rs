@@ -11,8 +11,8 @@ use frazil_record::Outcome;
 use frazil_scene::Problems;
 use frazil_simulation::march::Refused;
 
-/// The end of a command that did what it was asked.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The end of a command that did what it was asked, the better ones first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     /// All is well.
     Done,
@@ -30,6 +30,11 @@ impl Verdict {
             Outcome::Oscillating | Outcome::EnergyDrift | Outcome::PhaseSkipped => Verdict::CheckFailed,
             Outcome::Diverged | Outcome::TimedOut | Outcome::Interrupted => Verdict::Broken,
         }
+    }
+
+    /// That of the worst of several runs.
+    pub fn worst(outcomes: impl Iterator<Item = Outcome>) -> Verdict {
+        outcomes.map(Verdict::of).max().unwrap_or(Verdict::Done)
     }
 }
 

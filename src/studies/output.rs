@@ -16,6 +16,14 @@ pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<
     frazil_record::write_whole(path, fill).map_err(|error| Failure::file(path, "cannot be written", error))
 }
 
+/// Makes a folder and those above it.
+///
+/// # Errors
+/// Where it cannot be made.
+pub fn make_folder(path: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(path).map_err(|error| Failure::file(path, "cannot be made a folder", error))
+}
+
 /// Writes JSON for people: indented, with a last line break.
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {
     write_whole(path, |writer| {
@@ -48,7 +56,7 @@ impl Folder {
     pub fn make(path: &Path) -> Result<Self, Failure> {
         let missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
         let made = path.ancestors().take_while(missing).map(Path::to_owned).collect();
-        fs::create_dir_all(path).map_err(|error| Failure::file(path, "cannot be made a folder", error))?;
+        make_folder(path)?;
         Ok(Folder { path: path.to_owned(), made })
     }
 
@@ -58,7 +66,7 @@ impl Folder {
     }
 
     /// Takes back what was made and is still empty.
-    pub fn take_back(self) {
+    pub fn take_back(&self) {
         for folder in &self.made {
             if fs::remove_dir(folder).is_err() {
                 return;

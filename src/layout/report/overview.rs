@@ -44,7 +44,6 @@ pub(super) fn overview(study: &Study<'_>, method: &str, compared: &[&Found<'_>])
     let row = |one: &&Found<'_>| {
         let (fine, coarse) = (&one.fine, one.coarse.as_ref());
         let (end, far) = (fine.days.last(), coarse.and_then(|coarse| coarse.days.last()));
-        let off = |own: Option<f64>, other: Option<f64>| own.zip(other).map(|(own, other)| (own - other).abs());
         let thickness = end.map(|day| day.thickness_weakest_m);
         let mean = end.and_then(|day| day.temperature_weakest_c);
         let weakest = fine
@@ -57,8 +56,8 @@ pub(super) fn overview(study: &Study<'_>, method: &str, compared: &[&Found<'_>])
             fine.pipes.to_string(),
             stood(with_error(fine.closure, tables::closure_error(one), 2, "not closed"), fine.reopening),
             cell(fine.first_gap, 2, "none"),
-            with_error(thickness, off(thickness, far.map(|day| day.thickness_weakest_m)), 2, ""),
-            with_error(mean, off(mean, far.and_then(|day| day.temperature_weakest_c)), 2, "open"),
+            with_error(thickness, tables::error(thickness, far.map(|day| day.thickness_weakest_m)), 2, ""),
+            with_error(mean, tables::error(mean, far.and_then(|day| day.temperature_weakest_c)), 2, "open"),
             cell(end.map(|day| day.thickness_interface_mean_m), 2, ""),
             cell(end.and_then(|day| day.mean_c), 2, "none"),
             format!("{:.0}", fine.peak),

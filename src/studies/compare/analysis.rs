@@ -8,6 +8,7 @@ use rand::SeedableRng;
 
 use super::curve::{Clock, Curve, Kind, Point};
 use super::execute::SceneRuns;
+use super::group::alike;
 use super::measured::Measured;
 use crate::ensemble::runs::Headline;
 
@@ -124,14 +125,7 @@ impl Study {
 
 /// Configurations of one method and setting, in the order in which they first occur, each from coarse to fine.
 pub fn group(measured: &[Measured]) -> Vec<Vec<&Measured>> {
-    let mut groups: Vec<Vec<&Measured>> = Vec::new();
-    for one in measured {
-        match groups.iter_mut().find(|group| group[0].method == one.method && group[0].setting == one.setting) {
-            Some(group) => group.push(one),
-            None => groups.push(vec![one]),
-        }
-    }
-    groups
+    alike(measured, |a, b| a.method == b.method && a.setting == b.setting)
 }
 
 /// CPU time counts for all, if too many wall times were disturbed.

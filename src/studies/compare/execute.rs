@@ -11,6 +11,7 @@ use frazil_simulation::reference::Reference;
 use rand::SeedableRng;
 use rand::seq::SliceRandom;
 
+use super::group::alike;
 use super::measured::{Measured, Status, Timing};
 use super::plan::{Configuration, configurations};
 use super::reference::{judge_alike, truth};
@@ -195,18 +196,8 @@ impl Work<'_> {
 
     /// Places in the plan of each method and setting, from coarse to fine.
     fn curves(&self) -> Vec<Vec<usize>> {
-        let mut curves: Vec<Vec<usize>> = Vec::new();
-        for (k, one) in self.plan.iter().enumerate() {
-            let same = |curve: &&mut Vec<usize>| {
-                let first = &self.plan[curve[0]];
-                first.method == one.method && first.setting == one.setting
-            };
-            match curves.iter_mut().find(same) {
-                Some(curve) => curve.push(k),
-                None => curves.push(vec![k]),
-            }
-        }
-        curves
+        let of = |k: usize| (self.plan[k].method, &self.plan[k].setting);
+        alike(0..self.plan.len(), |a, b| of(*a) == of(*b))
     }
 
     /// The first run of a configuration, with its other seeds.

@@ -16,6 +16,7 @@ use super::request::CompareRequest;
 use crate::failure::Failure;
 use crate::figure_options;
 use crate::machine::Machine;
+use crate::output::{make_folder, write_run};
 use numbers::{
     ensembles, equal_error_table, equal_time_table, failures, gates, order_table, overall, run_table, settings,
 };
@@ -57,7 +58,7 @@ pub fn write(request: &CompareRequest, machine: &Machine, folder: &Path, studies
 fn section(folder: &Path, study: &Study) -> Result<SceneSection, Failure> {
     let name = study.name().to_owned();
     let own = folder.join(&name);
-    std::fs::create_dir_all(&own).map_err(|error| Failure::file(&own, "cannot be made a folder", error))?;
+    make_folder(&own)?;
     let mut blocks = Vec::new();
     for (k, comparison) in study.comparisons.iter().enumerate() {
         let word = comparison.headline.name();
@@ -130,8 +131,8 @@ fn finest_runs(folder: &Path, study: &Study) -> Result<Vec<Block>, Failure> {
         };
         let key = format!("{}_{}", one.method, one.setting.name.replace('=', "-"));
         let own = folder.join(&key);
-        std::fs::create_dir_all(&own).map_err(|error| Failure::file(&own, "cannot be made a folder", error))?;
-        crate::output::write_run(&own, result)?;
+        make_folder(&own)?;
+        write_run(&own, result)?;
         let all = drawings(result, &figure_options::of(scene, &result.fields));
         let last_map = all.iter().rposition(|(file, _)| file.starts_with("map_"));
         let mut block = Block { heading: format!("{} at {}", one.label(), one.spacing_words()), ..Block::default() };

@@ -202,20 +202,19 @@ struct ConvergenceRow {
     error_at_most: Option<f64>,
 }
 
-/// Writes `comparison.csv` from the finished scenes and the one that is under way.
-pub fn write_comparison(folder: &Path, finished: &[Study], current: &SceneRuns) -> Result<(), Failure> {
-    let all = finished.iter().map(|study| &study.runs).chain([current]);
-    rows(folder, all.flat_map(|runs| runs.measured.iter().map(|one| Row::of(runs, one))).collect())
-}
-
-fn rows(folder: &Path, rows: Vec<Row>) -> Result<(), Failure> {
+/// Writes `comparison.csv` from the finished scenes and one that may be under way.
+///
+/// # Errors
+/// Where it cannot be written.
+pub fn write_comparison(folder: &Path, finished: &[Study], current: Option<&SceneRuns>) -> Result<(), Failure> {
+    let all = finished.iter().map(|study| &study.runs).chain(current);
+    let rows: Vec<Row> = all.flat_map(|runs| runs.measured.iter().map(|one| Row::of(runs, one))).collect();
     write_rows(&folder.join("comparison.csv"), &rows)
 }
 
 /// Writes every table of the finished scenes.
 pub fn write_all(folder: &Path, studies: &[Study]) -> Result<(), Failure> {
-    let runs = studies.iter().map(|study| &study.runs);
-    rows(folder, runs.flat_map(|runs| runs.measured.iter().map(|one| Row::of(runs, one))).collect())?;
+    write_comparison(folder, studies, None)?;
     let pairs: Vec<(&Study, &Comparison)> =
         studies.iter().flat_map(|study| study.comparisons.iter().map(move |comparison| (study, comparison))).collect();
     let errors: Vec<_> = pairs.iter().flat_map(|(study, comparison)| equal_error(study.name(), comparison)).collect();

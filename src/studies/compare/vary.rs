@@ -18,6 +18,7 @@ use frazil_scene::method::MethodKind;
 use frazil_simulation::march::Options;
 use frazil_simulation::reference::Reference;
 
+use super::group::alike;
 use super::plan::{self, overrides, spacings};
 use super::reference::{judge_alike, truth};
 use super::request::{CompareRequest, Vary};
@@ -139,14 +140,10 @@ impl Grid {
 
     /// Lines of one value of something, by that value.
     fn lines(&self, method: &'static str, value: impl Fn(&Run) -> f64) -> Vec<Line<'_>> {
-        let mut lines: Vec<Line<'_>> = Vec::new();
-        for run in self.runs.iter().filter(|run| run.method == method) {
-            let own = value(run);
-            match lines.iter_mut().find(|line| (line.fixed - own).abs() <= SAME * own) {
-                Some(line) => line.runs.push(run),
-                None => lines.push(Line { method, fixed: own, runs: vec![run] }),
-            }
-        }
+        let own = self.runs.iter().filter(|run| run.method == method);
+        let groups = alike(own, |a, b| (value(a) - value(b)).abs() <= SAME * value(b));
+        let mut lines: Vec<Line<'_>> =
+            groups.into_iter().map(|runs| Line { method, fixed: value(runs[0]), runs }).collect();
         lines.sort_by(|a, b| a.fixed.total_cmp(&b.fixed));
         lines
     }
@@ -357,15 +354,8 @@ impl Work<'_> {
     fn all(&self, grid: &mut [Run]) {
         let growth = 2f64.powi(self.scene.domain.dimension() as i32 + 2);
         // Runs of one method and ratio, from coarse to fine.
-        let mut curves: Vec<Vec<usize>> = Vec::new();
-        for (k, run) in grid.iter().enumerate() {
-            let same =
-                |curve: &&mut Vec<usize>| grid[curve[0]].method == run.method && grid[curve[0]].ratio == run.ratio;
-            match curves.iter_mut().find(same) {
-                Some(curve) => curve.push(k),
-                None => curves.push(vec![k]),
-            }
-        }
+        let of = |k: usize| (grid[k].method, grid[k].ratio);
+        let curves = alike(0..grid.len(), |a, b| of(*a) == of(*b));
         let mut lines: Vec<turns::Line> =
             curves.iter().map(|curve| turns::Line { turns: vec![Turn::Waiting; curve.len()], growth }).collect();
         let mut count = 0;

@@ -143,7 +143,7 @@ impl Work<'_> {
         }
         self.clear(folder)?;
         let path = self.members.folder_of(seed);
-        fs::create_dir_all(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
+        output::make_folder(&path)?;
         output::write_run(&path, &result)?;
         self.whole.fetch_add(1, Ordering::Relaxed);
         task.at(1.0, words);

@@ -100,36 +100,34 @@ impl Axis {
         let scaled = |span: f64, column: &dyn Fn(f64) -> Option<Column>| -> Vec<Column> {
             factors(span, count).into_iter().filter_map(column).collect()
         };
+        // A key of what freezes, by the axis' value of the first of it and what each has at a factor.
+        let physical =
+            |name: &str, unit: &str, value: &dyn Fn(&Material) -> Option<f64>, at: &dyn Fn(&Material, f64) -> f64| {
+                let key = key(scene.units, name, unit);
+                scaled(PHYSICS, &|factor| {
+                    let value = Some(value(freezes.first()?)? * factor);
+                    Some(Column { value, overrides: changed(&freezes, factor, &key, at) })
+                })
+            };
         let mut columns = match self {
             Axis::Own => vec![Column { value: None, overrides: Vec::new() }],
-            Axis::Stefan => scaled(PHYSICS, &|factor| {
-                let first = freezes.first()?;
-                let latent = |material: &&Material| material.latent_heat / factor;
-                Some(Column {
-                    value: Some(stefan_number(scene, first)? * factor),
-                    overrides: changed(&freezes, factor, |material| {
-                        (key(scene.units, "freezing.latent_heat", "J_per_kg"), latent(&material))
-                    }),
+            Axis::Stefan => {
+                physical("freezing.latent_heat", "J_per_kg", &|first| stefan_number(scene, first), &|own, factor| {
+                    own.latent_heat / factor
                 })
-            }),
-            Axis::Conductivity => scaled(PHYSICS, &|factor| {
-                let first = freezes.first()?;
-                Some(Column {
-                    value: Some(first.frozen.conductivity / first.unfrozen.conductivity * factor),
-                    overrides: changed(&freezes, factor, |material| {
-                        (key(scene.units, "frozen.conductivity", "W_per_m_K"), material.frozen.conductivity * factor)
-                    }),
-                })
-            }),
-            Axis::Capacity => scaled(PHYSICS, &|factor| {
-                let first = freezes.first()?;
-                Some(Column {
-                    value: Some(first.frozen.heat_capacity / first.unfrozen.heat_capacity * factor),
-                    overrides: changed(&freezes, factor, |material| {
-                        (key(scene.units, "frozen.heat_capacity", "J_per_kg_K"), material.frozen.heat_capacity * factor)
-                    }),
-                })
-            }),
+            }
+            Axis::Conductivity => physical(
+                "frozen.conductivity",
+                "W_per_m_K",
+                &|first| Some(first.frozen.conductivity / first.unfrozen.conductivity),
+                &|own, factor| own.frozen.conductivity * factor,
+            ),
+            Axis::Capacity => physical(
+                "frozen.heat_capacity",
+                "J_per_kg_K",
+                &|first| Some(first.frozen.heat_capacity / first.unfrozen.heat_capacity),
+                &|own, factor| own.frozen.heat_capacity * factor,
+            ),
             Axis::Reach => scaled(REACH, &|factor| {
                 let (knob, own) = reach(settings)?;
                 let value = if factor == 1.0 { own } else { rounded(own * factor) };
@@ -197,14 +195,11 @@ fn method_key(settings: &MethodSettings, name: &str, value: f64) -> Override {
 }
 
 /// One override for each material; none for the scene's own value, whose cells are then those of the other axes.
-fn changed(materials: &[&Material], factor: f64, key: impl Fn(&Material) -> (String, f64)) -> Vec<Override> {
+fn changed(materials: &[&Material], factor: f64, key: &str, at: impl Fn(&Material, f64) -> f64) -> Vec<Override> {
     if factor == 1.0 {
         return Vec::new();
     }
-    let one = |material: &&Material| {
-        let (name, value) = key(material);
-        (format!("materials.{}.{name}", material.name), written(value))
-    };
+    let one = |material: &&Material| (format!("materials.{}.{key}", material.name), written(at(material, factor)));
     materials.iter().map(one).collect()
 }
 

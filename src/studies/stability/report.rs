@@ -16,6 +16,7 @@ use super::search::{Cell, Edge};
 use super::{figures, super_steps};
 use crate::failure::Failure;
 use crate::machine::Machine;
+use crate::output::make_folder;
 use crate::parts::Parts;
 use crate::words::{self, length_words};
 
@@ -71,7 +72,7 @@ fn section(folder: &Path, scene: &Scene, columns: &[&Mapped]) -> Result<Option<S
         return Ok(None);
     }
     let own = folder.join(&scene.name);
-    std::fs::create_dir_all(&own).map_err(|error| Failure::file(&own, "cannot be made a folder", error))?;
+    make_folder(&own)?;
     let mut blocks = Vec::new();
     for axis in Axis::WORDS.map(|(_, axis)| axis) {
         let along: Vec<&Mapped> = columns.iter().copied().filter(|mapped| mapped.job.axis == axis).collect();

@@ -21,6 +21,11 @@ fn reached(value: Reached, show: fn(f64) -> String, within: &str) -> String {
     }
 }
 
+/// A block of one table.
+fn alone(heading: &str, table: Table) -> Block {
+    Block { heading: heading.into(), tables: vec![table], ..Block::default() }
+}
+
 pub(super) fn equal_error_table(comparison: &Comparison) -> Table {
     let base = comparison.baseline.map(|base| comparison.curves[base].label());
     let heads = std::iter::once("method".into()).chain(analysis::TARGETS.iter().map(|target| percent(*target, 2)));
@@ -211,17 +216,14 @@ pub(super) fn run_table(study: &Study) -> Block {
         "CPU time",
         "runs",
     ];
-    Block {
-        heading: "All runs".into(),
-        tables: vec![Table {
-            caption: "Medians of the repeated runs.".into(),
-            heads: heads.map(Into::into).into(),
-            rows: rows.collect(),
-            words: 1,
-            csv: Some("comparison.csv".into()),
-        }],
-        ..Block::default()
-    }
+    let table = Table {
+        caption: "Medians of the repeated runs.".into(),
+        heads: heads.map(Into::into).into(),
+        rows: rows.collect(),
+        words: 1,
+        csv: Some("comparison.csv".into()),
+    };
+    alone("All runs", table)
 }
 
 pub(super) fn gates(study: &Study) -> Block {
@@ -240,17 +242,14 @@ pub(super) fn gates(study: &Study) -> Block {
     });
     let heads =
         ["method", "spacing", "heat not accounted for", "beyond the data's range", "repeats to the bit", "outcome"];
-    Block {
-        heading: "Energy and bounds".into(),
-        tables: vec![Table {
-            caption: "Heat balance: (stored − in) over exchanged, the greatest over all outputs. Bounds: how far temperatures leave the range of the scene's data, over that range.".into(),
-            heads: heads.map(Into::into).into(),
-            rows: rows.collect(),
-            words: 1,
-            csv: Some("comparison.csv".into()),
-        }],
-        ..Block::default()
-    }
+    let table = Table {
+        caption: "Heat balance: (stored − in) over exchanged, the greatest over all outputs. Bounds: how far temperatures leave the range of the scene's data, over that range.".into(),
+        heads: heads.map(Into::into).into(),
+        rows: rows.collect(),
+        words: 1,
+        csv: Some("comparison.csv".into()),
+    };
+    alone("Energy and bounds", table)
 }
 
 /// What was left out for lack of time, apart from what failed.
@@ -301,7 +300,7 @@ pub(super) fn settings(study: &Study) -> Block {
         };
         table.rows.push(vec![one.label(), all.join(", "), differences]);
     }
-    Block { heading: "Settings".into(), tables: vec![table], ..Block::default() }
+    alone("Settings", table)
 }
 
 pub(super) fn overall(studies: &[Study]) -> Block {
@@ -326,15 +325,12 @@ pub(super) fn overall(studies: &[Study]) -> Block {
         "not reached in",
         "not told in",
     ];
-    Block {
-        heading: "All scenes".into(),
-        tables: vec![Table {
-            caption: "Geometric mean of the speed-ups over the scenes where both reach the error.".into(),
-            heads: heads.map(Into::into).into(),
-            rows,
-            words: 1,
-            csv: Some("equal_error.csv".into()),
-        }],
-        ..Block::default()
-    }
+    let table = Table {
+        caption: "Geometric mean of the speed-ups over the scenes where both reach the error.".into(),
+        heads: heads.map(Into::into).into(),
+        rows,
+        words: 1,
+        csv: Some("equal_error.csv".into()),
+    };
+    alone("All scenes", table)
 }

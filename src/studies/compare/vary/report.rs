@@ -11,6 +11,7 @@ use super::{Grid, Line, Measure, Run, warnings};
 use crate::compare::request::CompareRequest;
 use crate::failure::Failure;
 use crate::machine::Machine;
+use crate::output::make_folder;
 use crate::words;
 
 /// Writes the figures and the page of the finished scenes.
@@ -36,7 +37,7 @@ pub fn write(request: &CompareRequest, machine: &Machine, folder: &Path, grids: 
 fn section(folder: &Path, grid: &Grid) -> Result<SceneSection, Failure> {
     let name = grid.scene.name.clone();
     let own = folder.join(&name);
-    std::fs::create_dir_all(&own).map_err(|error| Failure::file(&own, "cannot be made a folder", error))?;
+    make_folder(&own)?;
     let mut blocks = Vec::new();
     for method in grid.methods() {
         for measure in Measure::ALL {

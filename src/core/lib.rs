@@ -9,6 +9,7 @@ pub mod balances;
 pub mod bonds;
 pub mod boundary;
 pub mod breakage;
+pub mod compiled;
 pub mod kernels;
 pub mod ledger;
 pub mod memory;

@@ -3,6 +3,7 @@
 use std::fs;
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use frazil_core::compiled;
 use frazil_plots::page::Fact;
 
 /// What tells machines apart on which runs take other times.
@@ -38,13 +39,13 @@ impl Machine {
             Fact::new("Cores to be had", cores.to_string()),
             Fact::new("Memory", memory),
             Fact::new("System", system()),
-            Fact::new("Program", format!("frazil {}, {}", env!("CARGO_PKG_VERSION"), build())),
-            Fact::new("Compiler", option_env!("FRAZIL_RUSTC").unwrap_or("unknown")),
+            Fact::new("Program", format!("frazil {}, {}", env!("CARGO_PKG_VERSION"), compiled::optimisation())),
+            Fact::new("Compiler", compiled::COMPILER),
             Fact::new(
                 "Flags",
-                match option_env!("FRAZIL_RUSTFLAGS") {
-                    None | Some("") => "none beyond the profile",
-                    Some(flags) => flags,
+                match compiled::FLAGS {
+                    "" => "none beyond the profile",
+                    flags => flags,
                 },
             ),
             threads,
@@ -55,12 +56,6 @@ impl Machine {
             Fact::new("Date", self.date.clone()),
         ]
     }
-}
-
-fn build() -> String {
-    let level = option_env!("FRAZIL_OPT_LEVEL").unwrap_or("unknown");
-    let checks = if cfg!(debug_assertions) { ", with debug assertions" } else { "" };
-    format!("optimisation level {level}{checks}")
 }
 
 fn value_in(file: &str, key: &str) -> Option<String> {

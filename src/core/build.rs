@@ -1,6 +1,6 @@
 #![allow(clippy::print_stdout)] // how a build script speaks to cargo
 
-//! Takes down the compiler and its flags, for the page of a comparison.
+//! Takes down the compiler and the flags of the package whose speed counts.
 
 use std::process::Command;
 

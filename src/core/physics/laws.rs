@@ -18,9 +18,7 @@ pub trait Laws: Clone + Send + Sync + 'static {
 impl<L: PotentialLaw> Laws for L {
     #[inline(always)]
     fn fill(&self, _first: usize, enthalpy: &[f64], potentials: &mut [f64]) {
-        for (potential, enthalpy) in potentials.iter_mut().zip(enthalpy) {
-            *potential = self.potential(*enthalpy);
-        }
+        PotentialLaw::fill(self, enthalpy, potentials);
     }
 
     #[inline(always)]
@@ -76,9 +74,9 @@ impl Laws for Runs {
             let until = (*end as usize - first).min(enthalpy.len());
             let (from, into) = (&enthalpy[done..until], &mut potentials[done..until]);
             match &self.laws[*law as usize] {
-                Law::Straight(law) => law.fill(first, from, into),
-                Law::Kinked(law) => law.fill(first, from, into),
-                Law::Curved(law) => law.fill(first, from, into),
+                Law::Straight(law) => PotentialLaw::fill(law, from, into),
+                Law::Kinked(law) => PotentialLaw::fill(law, from, into),
+                Law::Curved(law) => PotentialLaw::fill(law, from, into),
                 Law::Blended(law) => {
                     for (potential, enthalpy) in into.iter_mut().zip(from) {
                         *potential = law.potential(*enthalpy);

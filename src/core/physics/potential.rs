@@ -17,6 +17,13 @@ pub trait PotentialLaw: Clone + Send + Sync + 'static {
     fn potential(&self, enthalpy: f64) -> f64;
     /// Slope dU/dH (m2/s) at an enthalpy; at a kink, the steeper of the two.
     fn slope(&self, enthalpy: f64) -> f64;
+    /// Potentials of many enthalpies.
+    #[inline(always)]
+    fn fill(&self, enthalpy: &[f64], potentials: &mut [f64]) {
+        for (potential, enthalpy) in potentials.iter_mut().zip(enthalpy) {
+            *potential = self.potential(*enthalpy);
+        }
+    }
 }
 
 /// The law of numbers that are potentials already: what the linearised operator is swept with.
@@ -98,14 +105,28 @@ pub struct Curved {
     pub(super) cold: Arc<[(f64, f64)]>,
 }
 
+/// Neighbours whose potentials are taken together.
+const GROUP: usize = 16;
+
+impl Curved {
+    #[inline(always)]
+    fn unfrozen(&self, absolute: f64) -> f64 {
+        self.unfrozen_slope * absolute
+    }
+
+    #[inline(always)]
+    fn frozen(&self, absolute: f64) -> f64 {
+        self.coldest.1 + self.frozen_slope * (absolute - self.coldest.0)
+    }
+}
+
 impl PotentialLaw for Curved {
-    #[inline]
     fn potential(&self, enthalpy: f64) -> f64 {
         let absolute = enthalpy + self.initial.0;
         let potential = if absolute >= 0.0 {
-            self.unfrozen_slope * absolute
+            self.unfrozen(absolute)
         } else if absolute <= self.coldest.0 {
-            self.coldest.1 + self.frozen_slope * (absolute - self.coldest.0)
+            self.frozen(absolute)
         } else {
             let (nodes, distance) =
                 if absolute > self.middle { (&self.warm, -absolute) } else { (&self.cold, absolute - self.coldest.0) };
@@ -141,6 +162,27 @@ impl PotentialLaw for Curved {
         // place = per_interval sqrt(distance), so d place / d distance = per_interval^2 / (2 place).
         let by_distance = by_place * self.per_interval * self.per_interval / (2.0 * place);
         (if warm { -by_distance } else { by_distance }).max(0.0)
+    }
+
+    /// Neighbours mostly are in one phase, where the law is straight: only groups that are not look into the tables.
+    #[inline(always)]
+    fn fill(&self, enthalpy: &[f64], potentials: &mut [f64]) {
+        for (potentials, enthalpy) in potentials.chunks_mut(GROUP).zip(enthalpy.chunks(GROUP)) {
+            let absolute = |enthalpy: &f64| enthalpy + self.initial.0;
+            if enthalpy.iter().all(|enthalpy| absolute(enthalpy) >= 0.0) {
+                for (potential, enthalpy) in potentials.iter_mut().zip(enthalpy) {
+                    *potential = self.unfrozen(absolute(enthalpy)) - self.initial.1;
+                }
+            } else if enthalpy.iter().all(|enthalpy| absolute(enthalpy) <= self.coldest.0) {
+                for (potential, enthalpy) in potentials.iter_mut().zip(enthalpy) {
+                    *potential = self.frozen(absolute(enthalpy)) - self.initial.1;
+                }
+            } else {
+                for (potential, enthalpy) in potentials.iter_mut().zip(enthalpy) {
+                    *potential = self.potential(*enthalpy);
+                }
+            }
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub mod blend;
 pub mod curve;
+pub mod curved;
 pub mod film;
 pub mod freezing_curve;
 pub mod integral;

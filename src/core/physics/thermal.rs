@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use crate::physics::blend::Blend;
 use crate::physics::curve::Curve;
-use crate::physics::potential::{Blended, Curved, Kinked, Law, Straight};
+use crate::physics::curved::Curved;
+use crate::physics::potential::{Blended, Kinked, Law, Straight};
 
 /// The law of one material as the step needs it, with the exact curve beside it.
 #[derive(Debug, Clone)]

@@ -1,7 +1,8 @@
 //! One material as water sees it.
 
+use crate::physics::curved::Curved;
 use crate::physics::material::Pores;
-use crate::physics::potential::{Curved, PotentialLaw};
+use crate::physics::potential::PotentialLaw;
 use crate::physics::thermal::Thermal;
 
 /// Temperature of a particle by its enthalpy, fast.

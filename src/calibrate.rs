@@ -49,7 +49,7 @@ pub struct Calibrated<'a> {
 /// No row of a fluid lies within what was asked for.
 #[derive(Debug, thiserror::Error)]
 #[error("no row of {0} is left")]
-struct NoRow(String);
+struct NoRowLeft(String);
 
 /// Solves for the fluid.
 ///
@@ -66,7 +66,7 @@ pub fn solve(request: &CalibrateRequest) -> Result<Calibrated<'_>, Failure> {
         let limit = |flag: &str, limit: Option<f64>| limit.map_or(String::new(), |limit| format!("{flag} {limit}"));
         let flags = [limit("--from-k", request.from), limit("--to-k", request.to)];
         let flags = flags.iter().filter(|flag| !flag.is_empty()).cloned().collect::<Vec<_>>().join(" ");
-        return Err(Failure::of(flags, NoRow(request.fluid.clone())));
+        return Err(Failure::of(flags, NoRowLeft(request.fluid.clone())));
     }
     let scales = fluid.material.as_ref().map(|material| Scales::new(constants, material, reference));
     let table = table::solve(&fluid, constants, reference, request.conduction, scales.as_ref());

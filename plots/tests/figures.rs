@@ -185,32 +185,8 @@ fn comparison() -> WorkFigure {
 fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn std::error::Error>> {
     let temporary = tempfile::tempdir()?;
     let folder = std::env::var_os("FRAZIL_FIGURES").map_or(temporary.path().to_path_buf(), Into::into);
-    let mut files = run_figures(
-        &line_run(),
-        &folder,
-        &FigureOptions {
-            name: None,
-            plan: Default::default(),
-            time_unit: TimeUnit::Hour,
-            freezing_point: 0.0,
-            axes: ("x", "y"),
-            pressures: (0.0, 0.0),
-            cut: 0.0,
-        },
-    )?;
-    files.extend(run_figures(
-        &ring_run(),
-        &folder,
-        &FigureOptions {
-            name: None,
-            plan: Default::default(),
-            time_unit: TimeUnit::Day,
-            freezing_point: -0.5,
-            axes: ("x", "y"),
-            pressures: (0.0, 0.0),
-            cut: 0.0,
-        },
-    )?);
+    let mut files = run_figures(&line_run(), &folder, &plain(TimeUnit::Hour))?;
+    files.extend(run_figures(&ring_run(), &folder, &FigureOptions { freezing_point: -0.5, ..plain(TimeUnit::Day) })?);
     let figure = comparison();
     files.extend(work_precision_panels(std::slice::from_ref(&figure)).write(&folder, "work_precision")?);
     let orders: Vec<OrderCurve> = figure
@@ -243,18 +219,23 @@ fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn s
     Ok(())
 }
 
-#[test]
-fn a_run_without_rows_has_no_figures() -> Result<(), Box<dyn std::error::Error>> {
-    let folder = tempfile::tempdir()?;
-    let options = FigureOptions {
+/// Options of a run of which nothing is known but its unit of time.
+fn plain(time_unit: TimeUnit) -> FigureOptions {
+    FigureOptions {
         name: None,
         plan: Default::default(),
-        time_unit: TimeUnit::Second,
+        time_unit,
         freezing_point: 0.0,
         axes: ("x", "y"),
         pressures: (0.0, 0.0),
         cut: 0.0,
-    };
+    }
+}
+
+#[test]
+fn a_run_without_rows_has_no_figures() -> Result<(), Box<dyn std::error::Error>> {
+    let folder = tempfile::tempdir()?;
+    let options = plain(TimeUnit::Second);
     assert!(run_figures(&empty("nothing", "pd"), folder.path(), &options)?.is_empty());
     Ok(())
 }
@@ -276,15 +257,7 @@ fn a_table_is_drawn_by_what_it_says_of_itself() {
         let mut run = empty("a slab", "pd");
         run.record.units = units.into();
         run.tables = vec![table.clone()];
-        let options = FigureOptions {
-            name: None,
-            plan: Default::default(),
-            time_unit: TimeUnit::Hour,
-            freezing_point: 0.0,
-            axes: ("x", "y"),
-            pressures: (0.0, 0.0),
-            cut: 0.0,
-        };
+        let options = plain(TimeUnit::Hour);
         let all = drawings(&run, &options);
         assert_eq!(all.iter().map(|(name, _)| name.as_str()).collect::<Vec<_>>(), ["isotherms"]);
         all[0].1.svg()
@@ -306,11 +279,8 @@ fn a_map_names_its_layout_and_shows_shaft_and_water() {
         let options = FigureOptions {
             name: plan.then(|| "26 pipes, dug late".into()),
             plan: if plan { marks } else { GroundPlan::default() },
-            time_unit: TimeUnit::Day,
             freezing_point: -0.5,
-            axes: ("x", "y"),
-            pressures: (0.0, 0.0),
-            cut: 0.0,
+            ..plain(TimeUnit::Day)
         };
         let maps = drawings(&ring_run(), &options).into_iter().find(|(name, _)| name.starts_with("map_"));
         maps.expect("a map").1.svg()
@@ -329,15 +299,7 @@ fn a_map_names_its_layout_and_shows_shaft_and_water() {
 /// Where the reference has a map, it stands beside that of the run, and the difference beside both.
 #[test]
 fn maps_stand_beside_those_of_the_reference() {
-    let options = FigureOptions {
-        name: None,
-        plan: Default::default(),
-        time_unit: TimeUnit::Day,
-        freezing_point: -0.5,
-        axes: ("x", "y"),
-        pressures: (0.0, 0.0),
-        cut: 0.0,
-    };
+    let options = FigureOptions { freezing_point: -0.5, ..plain(TimeUnit::Day) };
     let map = |run: &RunResult| {
         let maps = drawings(run, &options).into_iter().find(|(name, _)| name.starts_with("map_"));
         maps.map(|(_, canvas)| canvas)

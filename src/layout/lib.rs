@@ -133,7 +133,7 @@ pub fn layout(request: &LayoutRequest, parts: &Parts<'_>) -> Result<Verdict, Fai
 /// What refuses layouts: each cause once, with its layouts.
 #[derive(Debug, thiserror::Error)]
 #[error("{}", .0.join("\n"))]
-struct Unfit(Vec<String>);
+struct RefusedLayouts(Vec<String>);
 
 /// What each layout is compared with, once all of them have been held against what can be meant and what is sought of them can be
 /// tried.
@@ -149,7 +149,7 @@ fn references(study: &Study<'_>, method: &str, asked: &Overrides) -> Result<Vec<
     }
     if found.len() < study.layouts.len() {
         let told = refusals.told().map(|(reason, layouts)| format!("{layouts}: {reason}"));
-        return Err(Failure::request(Unfit(told.collect())));
+        return Err(Failure::request(RefusedLayouts(told.collect())));
     }
     if let Some(wanted) = &study.search {
         search::check(study, wanted, method)?;

@@ -94,20 +94,20 @@ impl Layout {
     ///
     /// # Errors
     /// With the first thing that cannot be meant.
-    pub fn fits(&self, shaft_radius: Option<f64>, method: &str) -> Result<(), Unfit> {
+    pub fn fits(&self, shaft_radius: Option<f64>, method: &str) -> Result<(), UnfitLayout> {
         in_time(&self.scene)?;
         let freezing = self.scene.materials[0].freezing_point;
         let mut places: Vec<DVec2> = Vec::new();
         for (number, ring) in self.scene.rings.iter().enumerate() {
             let (coldest, _) = ring.temperature.range();
             if coldest >= freezing {
-                return Err(Unfit::Warm { ring: number + 1, coldest, freezing });
+                return Err(UnfitLayout::Warm { ring: number + 1, coldest, freezing });
             }
             places.extend(ring.numbers().map(|k| ring.place(k)));
             let Some(shaft) = shaft_radius else { continue };
             if let Some(inside) = ring.numbers().find(|k| ring.place(*k).length() <= shaft + ring.pipe_radius) {
                 let (pipe, distance) = (PipeName { ring: number, pipe: inside }, ring.place(inside).length());
-                return Err(Unfit::InShaft { pipe, distance, shaft });
+                return Err(UnfitLayout::InShaft { pipe, distance, shaft });
             }
         }
         let spacing = self.scene.method(method).map_or(0.0, |settings| settings.numerics.spacing);
@@ -116,13 +116,13 @@ impl Layout {
         let chord = |ring: &PipeRing| 2.0 * ring.ring_radius * (std::f64::consts::PI / ring.count as f64).sin();
         let across = rings.map(chord).fold(0.0, f64::max);
         if across > 0.0 && FEWEST_ACROSS * spacing > across * (1.0 + 1e-9) {
-            return Err(Unfit::FewAcross { method, spacing, across });
+            return Err(UnfitLayout::FewAcross { method, spacing, across });
         }
         let places = &places[..];
         let others = |k: usize| places[..k].iter().map(move |place| place.distance(places[k]));
         let apart = (0..places.len()).flat_map(others).fold(f64::INFINITY, f64::min);
         if FEWEST_SPACINGS * spacing > apart {
-            return Err(Unfit::FewBetween { method, spacing, apart });
+            return Err(UnfitLayout::FewBetween { method, spacing, apart });
         }
         Ok(())
     }
@@ -130,7 +130,7 @@ impl Layout {
 
 /// What cannot be meant of a layout; lengths in m, temperatures on the scale of the scene.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Unfit {
+pub enum UnfitLayout {
     /// The shaft is dug before it can be, as far as the scene alone tells.
     #[error(transparent)]
     DugEarly(#[from] DugTooEarly),

@@ -91,7 +91,7 @@ pub fn celsius(row: &CalibratedRow) -> f64 {
 /// A temperature was asked for that the fluid has no row of.
 #[derive(Debug, thiserror::Error)]
 #[error("--temperatures-c {temperature}: {fluid} has no row of that temperature; there are {}", known.join(", "))]
-struct NoRow {
+struct NoSuchRow {
     temperature: f64,
     fluid: String,
     known: Vec<String>,
@@ -115,7 +115,7 @@ pub fn rows(request: &PropertiesRequest, table: &Calibration) -> Result<Vec<Cali
                 let Some(row) = table.rows.iter().find(near) else {
                     let known = table.rows.iter().map(|row| celsius(row).to_string()).collect();
                     let (temperature, fluid) = (*temperature, request.fluid.clone());
-                    return Err(Failure::request(NoRow { temperature, fluid, known }));
+                    return Err(Failure::request(NoSuchRow { temperature, fluid, known }));
                 };
                 rows.push(row.clone());
             }

@@ -52,7 +52,7 @@ pub struct EnsembleRequest<'a> {
 
 /// Why there is no ensemble.
 #[derive(Debug, thiserror::Error)]
-enum Unfit {
+enum NoEnsemble {
     #[error("--method {0}: the scene has no settings for it")]
     Unset(String),
     #[error(
@@ -74,7 +74,7 @@ enum Unfit {
 pub fn ensemble(request: &EnsembleRequest<'_>, interrupt: &AtomicBool) -> Result<Verdict, Failure> {
     let EnsembleRequest { scene, method, reference, count, out, .. } = *request;
     let Some(settings) = scene.method(method) else {
-        return Err(Failure::request(Unfit::Unset(method.to_owned())));
+        return Err(Failure::request(NoEnsemble::Unset(method.to_owned())));
     };
     chance(settings, count)?;
     let seeds = seeds(request.seed, count)?;
@@ -115,11 +115,12 @@ fn chance(settings: &MethodSettings, count: usize) -> Result<(), Failure> {
     if settings.discretisation.fluctuation > 0.0 || settings.numerics.arrangement != Arrangement::Lattice {
         return Ok(());
     }
-    Err(Failure::request(Unfit::Alike { count, method: settings.method }))
+    Err(Failure::request(NoEnsemble::Alike { count, method: settings.method }))
 }
 
 fn seeds(first: u64, count: usize) -> Result<Vec<u64>, Failure> {
-    let last = first.checked_add(count as u64 - 1).ok_or(Unfit::Beyond { first, count }).map_err(Failure::request)?;
+    let last =
+        first.checked_add(count as u64 - 1).ok_or(NoEnsemble::Beyond { first, count }).map_err(Failure::request)?;
     Ok((first..=last).collect())
 }
 
@@ -146,7 +147,7 @@ impl Study {
         let records: Vec<Record> = members.seeds.iter().filter_map(|seed| members.record_of(*seed)).collect();
         let worst = |a: f64, b: f64| if b.abs() > a.abs() { b } else { a };
         let first = records.first().filter(|_| records.len() == members.seeds.len());
-        let first = first.cloned().ok_or(Unfit::Changed).map_err(Failure::request)?;
+        let first = first.cloned().ok_or(NoEnsemble::Changed).map_err(Failure::request)?;
         let entries: Vec<Member> = records.iter().map(Member::of).collect();
         let (mut tables, mut runs) = (Vec::new(), Vec::new());
         for record in records.into_iter().filter(|record| record.outcome != Outcome::Diverged) {

@@ -148,7 +148,7 @@ fn sweep_avx512<L: Laws, S: Surroundings, T: Target>(
     band: &mut Band,
     target: &mut T,
     patches: &mut [[f64; 4]],
-    block: Block,
+    block: BlockSums,
 ) {
     rows(frame, band, target, patches, block);
 }
@@ -160,14 +160,14 @@ fn sweep_avx2<L: Laws, S: Surroundings, T: Target>(
     band: &mut Band,
     target: &mut T,
     patches: &mut [[f64; 4]],
-    block: Block,
+    block: BlockSums,
 ) {
     rows(frame, band, target, patches, block);
 }
 
 /// Rates of some particles of a row, into their slots. Only the reach and the processor's vectors are compiled into it: laws and targets
 /// have their potentials and slots ready before.
-type Block = unsafe fn(&Near<'_>, &mut [Sums], &mut [f64], Option<f64>);
+type BlockSums = unsafe fn(&Near<'_>, &mut [Sums], &mut [f64], Option<f64>);
 
 /// What lies around the particles of a block.
 struct Near<'a> {
@@ -187,7 +187,7 @@ struct Near<'a> {
 macro_rules! blocks {
     ($name:ident, $lanes:literal $(, $feature:literal)?) => {
         mod $name {
-            use super::{Block, Near, Sums};
+            use super::{BlockSums, Near, Sums};
 
             $(#[target_feature(enable = $feature)])?
             fn block<const ROWS: usize>(near: &Near<'_>, sums: &mut [Sums], slots: &mut [f64], step: Option<f64>) {
@@ -195,7 +195,7 @@ macro_rules! blocks {
             }
 
             /// Those of each reach; on a line there is none.
-            pub(super) const BY_REACH: [Block; super::WIDEST + 1] = [
+            pub(super) const BY_REACH: [BlockSums; super::WIDEST + 1] = [
                 block::<1>, block::<1>, block::<2>, block::<3>, block::<4>, block::<5>, block::<6>, block::<7>, block::<8>,
             ];
         }
@@ -232,7 +232,7 @@ fn rows<L: Laws, S: Surroundings, T: Target>(
     band: &mut Band,
     target: &mut T,
     patches: &mut [[f64; 4]],
-    block: Block,
+    block: BlockSums,
 ) {
     let Shape { reach, reach_rows, width } = frame.shape;
     let (first_row, end_row) = band.rows;

@@ -4,7 +4,7 @@ use frazil_record::RunResult;
 
 use super::observer::{End, Instants, Made, Observer, Schedule, View, room};
 
-struct Series<Row, Read, Leave> {
+struct Recorder<Row, Read, Leave> {
     instants: Instants,
     rows: Vec<Row>,
     /// What is held beside the rows at the end of a run (bytes).
@@ -23,11 +23,11 @@ pub(super) fn series<Row: 'static>(
     leave: impl FnOnce(Vec<Row>, &mut RunResult) + 'static,
 ) -> Made {
     let beside = beside + rows.capacity() * by_row;
-    Some(Box::new(Series { instants, rows, beside, read, leave }))
+    Some(Box::new(Recorder { instants, rows, beside, read, leave }))
 }
 
 impl<Row, Read: FnMut(&View<'_>, &mut Vec<Row>), Leave: FnOnce(Vec<Row>, &mut RunResult)> Observer
-    for Series<Row, Read, Leave>
+    for Recorder<Row, Read, Leave>
 {
     fn schedule(&self) -> Schedule {
         Schedule { instants: self.instants, ..Schedule::OUTPUTS }

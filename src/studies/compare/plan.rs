@@ -30,7 +30,7 @@ pub struct Configuration {
 
 /// What a comparison cannot be asked of a scene.
 #[derive(Debug, thiserror::Error)]
-enum Unfit {
+enum NoComparison {
     #[error("the scene has settings for no method")]
     NoMethod,
     #[error("{flag} {asked}: no method of scene `{scene}` takes it: {cause}")]
@@ -65,7 +65,7 @@ pub fn configurations(
     base: &Scene,
 ) -> Result<Vec<Configuration>, Failure> {
     let methods = methods(request, parts, base)?;
-    let first = base.methods.first().ok_or(Unfit::NoMethod).map_err(Failure::request)?.numerics.spacing;
+    let first = base.methods.first().ok_or(NoComparison::NoMethod).map_err(Failure::request)?.numerics.spacing;
     let mut all = Vec::new();
     for level in 0..request.levels.max(1) {
         for kind in &methods {
@@ -95,7 +95,7 @@ pub fn configurations(
 pub fn check(request: &CompareRequest, parts: &Parts<'_>, name: &str, base: &Scene) -> Result<(), Failure> {
     let methods = methods(request, parts, base)?;
     if methods.is_empty() {
-        return Err(Failure::of(name, Unfit::NoMethod));
+        return Err(Failure::of(name, NoComparison::NoMethod));
     }
     let own = |kind: &MethodKind| base.method(kind.name).or(base.methods.first()).map(|own| own.numerics.spacing);
     for setting in &request.settings {
@@ -112,7 +112,7 @@ pub fn check(request: &CompareRequest, parts: &Parts<'_>, name: &str, base: &Sce
                 "setting" => ("--settings", value.clone()),
                 _ => ("--also", format!("{key}={value}")),
             };
-            return Err(Failure::request(Unfit::Setting { flag, asked, scene: base.name.clone(), cause }));
+            return Err(Failure::request(NoComparison::Setting { flag, asked, scene: base.name.clone(), cause }));
         }
     }
     Ok(())

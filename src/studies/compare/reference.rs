@@ -168,7 +168,7 @@ impl Reference for LocalReference {
 
 /// Why fine local runs are no reference.
 #[derive(Debug, thiserror::Error)]
-enum NoReference {
+enum NoLocalReference {
     #[error("no local run ended well")]
     Failed,
     #[error("{} allow one local run only; give more time with --budget-s", duration(*.budget_s))]
@@ -237,10 +237,10 @@ fn local_reference(
     (name, base): (&str, &Scene),
     (finest, coarsest): (f64, f64),
     say: &dyn Fn(&str),
-) -> Result<LocalReference, NoReference> {
+) -> Result<LocalReference, NoLocalReference> {
     let mut runs = fine_runs(request, parts, runner, (name, base), finest, say)?;
-    let (spacing, fine) = runs.pop().ok_or(NoReference::Failed)?;
-    let (_, coarser) = runs.last().ok_or(NoReference::Single { budget_s: request.budget() })?;
+    let (spacing, fine) = runs.pop().ok_or(NoLocalReference::Failed)?;
+    let (_, coarser) = runs.last().ok_or(NoLocalReference::Single { budget_s: request.budget() })?;
     let mut truth = LocalReference::new(base, fine);
     let mut judged = base.clone();
     judge_alike(&mut judged, coarsest, &truth);
@@ -271,7 +271,11 @@ fn local_reference(
         }
     }
     let Some(first) = known.first() else {
-        return Err(if unknown.is_empty() { NoReference::Nothing } else { NoReference::Unconverged(unknown) });
+        return Err(if unknown.is_empty() {
+            NoLocalReference::Nothing
+        } else {
+            NoLocalReference::Unconverged(unknown)
+        });
     };
     let source = format!("finest of {} local runs, at {}", runs.len() + 1, length_words(base.units, spacing));
     truth.info = ReferenceInfo { errors: errors.clone(), ..ReferenceInfo::new("local", source, errors[first.name()]) };
@@ -287,9 +291,9 @@ fn fine_runs(
     (name, base): (&str, &Scene),
     finest: f64,
     say: &dyn Fn(&str),
-) -> Result<Vec<(f64, RunResult)>, NoReference> {
+) -> Result<Vec<(f64, RunResult)>, NoLocalReference> {
     if !parts.methods.iter().any(|kind| kind.name == "local") {
-        return Err(NoReference::NoMethod);
+        return Err(NoLocalReference::NoMethod);
     }
     let seconds = request.budget();
     let explicit = 2f64.powi(base.domain.dimension() as i32 + 2);

@@ -5,6 +5,7 @@ mod functions;
 pub mod line_sink;
 pub mod neumann;
 pub mod similarity;
+pub mod unsaturated;
 mod unsolved;
 
 use frazil_core::boundary::condition::Condition;

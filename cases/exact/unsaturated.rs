@@ -1,0 +1,34 @@
+//! Closed forms and similarity solutions for water in unsaturated soil and for what it carries, from numbers of the soil
+//! alone and independent of the engine's own laws.
+
+mod graded;
+pub mod philip;
+pub mod soil;
+
+/// Why a problem of unsaturated soil has no solution here.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Unsolvable {
+    /// A number is out of range.
+    #[error("{what} is {found}, it must be {allowed}")]
+    OutOfRange {
+        /// What it is.
+        what: &'static str,
+        /// What it was.
+        found: f64,
+        /// What it may be.
+        allowed: &'static str,
+    },
+    /// The fixed point of the absorption was not reached.
+    #[error("the iteration for absorption still changes by {change:.1e}, it must fall below {limit:.0e}")]
+    NotSettled {
+        /// Greatest relative change of the last round.
+        change: f64,
+        /// What it must fall below.
+        limit: f64,
+    },
+}
+
+/// That a number is as it must be.
+fn require(is_allowed: bool, what: &'static str, found: f64, allowed: &'static str) -> Result<(), Unsolvable> {
+    if is_allowed && found.is_finite() { Ok(()) } else { Err(Unsolvable::OutOfRange { what, found, allowed }) }
+}

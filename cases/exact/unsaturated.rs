@@ -4,6 +4,7 @@
 mod graded;
 pub mod philip;
 pub mod soil;
+pub mod srivastava_yeh;
 
 /// Why a problem of unsaturated soil has no solution here.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

@@ -2,6 +2,7 @@
 //! alone and independent of the engine's own laws.
 
 mod graded;
+pub mod ogata_banks;
 pub mod philip;
 pub mod soil;
 pub mod srivastava_yeh;

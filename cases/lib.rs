@@ -16,6 +16,7 @@ pub mod studies;
 pub mod table;
 pub mod tables;
 mod unfit;
+pub mod unsaturated;
 
 use frazil_core::boundary::condition::Condition;
 use frazil_scene::{ReferenceChoice, Scene};

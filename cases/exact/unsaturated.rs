@@ -34,3 +34,11 @@ pub enum Unsolvable {
 fn require(is_allowed: bool, what: &'static str, found: f64, allowed: &'static str) -> Result<(), Unsolvable> {
     if is_allowed && found.is_finite() { Ok(()) } else { Err(Unsolvable::OutOfRange { what, found, allowed }) }
 }
+
+/// That a soil can hold and conduct water.
+fn require_soil(residual: f64, saturated: f64, conductivity: f64) -> Result<(), Unsolvable> {
+    require(residual >= 0.0, "the residual water content", residual, "at least 0")?;
+    let is_content = saturated > residual && saturated <= 1.0;
+    require(is_content, "the saturated water content", saturated, "above the residual one and at most 1")?;
+    require(conductivity > 0.0, "the saturated conductivity", conductivity, "above 0 m/s")
+}

@@ -1,7 +1,7 @@
 //! Soils of the exact solutions: how much water they hold at a pressure head, and how well they conduct it.
 
 use super::graded::{Panel, Rule, panels};
-use super::{Unsolvable, require};
+use super::{Unsolvable, require, require_soil};
 
 /// How the effective saturation follows from the pressure head `h` (m).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,14 +75,7 @@ impl Soil {
             }
         }
         require(self.tortuosity >= 0.0, "the exponent of the tortuosity", self.tortuosity, "at least 0")?;
-        require(self.residual >= 0.0, "the residual water content", self.residual, "at least 0")?;
-        require(
-            self.saturated > self.residual && self.saturated <= 1.0,
-            "the saturated water content",
-            self.saturated,
-            "above the residual one and at most 1",
-        )?;
-        require(self.conductivity > 0.0, "the saturated conductivity", self.conductivity, "above 0 m/s")?;
+        require_soil(self.residual, self.saturated, self.conductivity)?;
         Ok(self)
     }
 

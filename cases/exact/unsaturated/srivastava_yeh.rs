@@ -8,7 +8,7 @@
 
 use std::f64::consts::PI;
 
-use super::{Unsolvable, require};
+use super::{Unsolvable, require, require_soil};
 use crate::exact::functions::erfcx;
 
 /// Estimated error of conductivity and flux over the change of flux. Image and series differ by 3e-14 where they meet.
@@ -57,10 +57,7 @@ impl GardnerColumn {
     /// If a number is out of its range: a flux must neither saturate the soil nor take more water than reaches the surface.
     pub fn new(soil: GardnerSoil, height: f64, bottom: f64, [before, after]: [f64; 2]) -> Result<Self, Unsolvable> {
         require(soil.alpha > 0.0, "alpha", soil.alpha, "above 0 /m")?;
-        require(soil.residual >= 0.0, "the residual water content", soil.residual, "at least 0")?;
-        let is_content = soil.saturated > soil.residual && soil.saturated <= 1.0;
-        require(is_content, "the saturated water content", soil.saturated, "above the residual one and at most 1")?;
-        require(soil.conductivity > 0.0, "the saturated conductivity", soil.conductivity, "above 0 m/s")?;
+        require_soil(soil.residual, soil.saturated, soil.conductivity)?;
         require(height > 0.0, "the height of the column", height, "above 0 m")?;
         require(bottom <= 0.0, "the head at the bottom", bottom, "at most 0 m")?;
         let (height, bottom) = (soil.alpha * height, (soil.alpha * bottom).exp());

@@ -220,12 +220,17 @@ impl Ghosts {
         }));
     }
 
+    /// Fills the values of ghosts, behind those of the particles, by their numbers and the values of their images.
+    pub fn fill(&self, values: &mut [f64], value: impl Fn(usize, f64) -> f64) {
+        let count = values.len() - self.len();
+        for ghost in 0..self.len() {
+            values[count + ghost] = value(ghost, self.image(ghost, values));
+        }
+    }
+
     /// Fills small changes of the potentials of ghosts, behind those of the particles.
     pub fn fill_changes(&self, changes: &mut [f64], slopes: &[f64]) {
-        let count = changes.len() - self.len();
-        for (ghost, slope) in slopes.iter().enumerate() {
-            changes[count + ghost] = slope * self.image(ghost, changes);
-        }
+        self.fill(changes, |ghost, image| slopes[ghost] * image);
     }
 
     /// Particles that the image of a ghost is made of, directly or through other ghosts.

@@ -8,7 +8,7 @@ use crate::space::wall::WallId;
 /// What of a pair's heat goes a way: in corners a ghost is the image of another one, and the heat to that passes the
 /// other's wall.
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Portion {
+pub(crate) enum Portion {
     All,
     /// As far as the ghost that the partner is an image of.
     UpTo(u32),
@@ -33,7 +33,7 @@ impl HeapSize for Crossing {
 
 impl Portion {
     /// The portions of a pair of particle `i` with a ghost, each with the patch that it passes.
-    pub(super) fn of(parts: &ListParts, i: usize, k: usize, ghost: usize) -> Vec<(Portion, u8)> {
+    pub(crate) fn of(parts: &ListParts, i: usize, k: usize, ghost: usize) -> Vec<(Portion, u8)> {
         let (count, ghosts, materials) = (parts.positions.len(), &parts.ghosts, &parts.materials);
         let Some(patch) = ghosts.pays[ghost] else { return Vec::new() };
         let corner = ghosts.original(ghost).filter(|_| ghosts.share(ghost) < 1.0).and_then(|image| {

@@ -123,7 +123,7 @@ impl<T: PairTerm> HeapSize for ListBalance<T> {
 }
 
 /// Greatest distance in the numbering of particles over which rows reach.
-fn bandwidth(parts: &ListParts) -> usize {
+pub(crate) fn bandwidth(parts: &ListParts) -> usize {
     let count = parts.positions.len();
     let farthest = |i: usize| {
         let partners = &parts.pairs.partners[parts.pairs.starts[i]..parts.pairs.starts[i + 1]];

@@ -63,15 +63,15 @@ pub struct ListParts {
 const TASK: usize = 2048;
 
 impl ListParts {
-    /// Fills rates in tasks, each from a first particle on, side by side where there is a pool and enough to do.
+    /// Fills rows in tasks, each from a first particle on, side by side where there is a pool and enough to do.
     #[inline(always)]
-    pub(super) fn in_tasks(&self, rate: &mut [f64], fill: impl Fn(usize, &mut [f64]) + Sync) {
-        let task = |(number, rates): (usize, &mut [f64])| fill(number * TASK, rates);
+    pub(crate) fn in_tasks<R: Send>(&self, rows: &mut [R], fill: impl Fn(usize, &mut [R]) + Sync) {
+        let task = |(number, rows): (usize, &mut [R])| fill(number * TASK, rows);
         match &self.pool {
-            Some(pool) if rate.len() > 2 * TASK => {
-                pool.install(|| rate.par_chunks_mut(TASK).enumerate().for_each(task));
+            Some(pool) if rows.len() > 2 * TASK => {
+                pool.install(|| rows.par_chunks_mut(TASK).enumerate().for_each(task));
             }
-            _ => rate.chunks_mut(TASK).enumerate().for_each(task),
+            _ => rows.chunks_mut(TASK).enumerate().for_each(task),
         }
     }
 

@@ -1,3 +1,4 @@
 //! What particles exchange beside heat.
 
 pub mod groundwater;
+pub mod solute;

@@ -90,6 +90,8 @@ pub enum Source {
     Ice,
     /// Motion of particles.
     Motion,
+    /// Decay of a solute.
+    Decay,
 }
 
 impl Source {
@@ -107,6 +109,7 @@ impl fmt::Display for Source {
             Source::RingOf(ring) => write!(f, "pipes_{}", ring + 1),
             Source::Ice => f.write_str("ice"),
             Source::Motion => f.write_str("motion"),
+            Source::Decay => f.write_str("decay"),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! What the rows of a list are made from, and the bound of their step.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -72,6 +73,29 @@ impl ListParts {
                 pool.install(|| rows.par_chunks_mut(TASK).enumerate().for_each(task));
             }
             _ => rows.chunks_mut(TASK).enumerate().for_each(task),
+        }
+    }
+
+    /// Fills values of entries row by row, in tasks as [`ListParts::in_tasks`] has them.
+    pub(crate) fn in_rows(&self, entries: &mut [f64], fill: impl Fn(usize, &mut [f64]) + Sync) {
+        let (starts, count) = (&self.pairs.starts, self.positions.len());
+        let (mut tasks, mut rest) = (Vec::with_capacity(count.div_ceil(TASK)), entries);
+        for first in (0..count).step_by(TASK) {
+            let rows = first..(first + TASK).min(count);
+            let (task, more) = rest.split_at_mut(starts[rows.end] - starts[first]);
+            tasks.push((rows, task));
+            rest = more;
+        }
+        let one = |(rows, mut task): (Range<usize>, &mut [f64])| {
+            for i in rows {
+                let (row, more) = task.split_at_mut(starts[i + 1] - starts[i]);
+                fill(i, row);
+                task = more;
+            }
+        };
+        match &self.pool {
+            Some(pool) if count > 2 * TASK => pool.install(|| tasks.into_par_iter().for_each(one)),
+            _ => tasks.into_iter().for_each(one),
         }
     }
 

@@ -131,8 +131,8 @@ impl Pairs {
     fn conduct(&mut self, list: &ListParts, images: &[Image]) {
         let (count, pairs) = (list.positions.len(), &list.pairs);
         let Pairs { factors, molecular, spreads, disperses, .. } = self;
-        for i in 0..count {
-            for k in pairs.starts[i]..pairs.starts[i + 1] {
+        list.in_rows(factors, |i, row| {
+            for (k, factor) in (pairs.starts[i]..).zip(row) {
                 let j = pairs.partners[k] as usize;
                 let (here, there) = if *disperses {
                     between(spreads, list, i, j, images)
@@ -140,75 +140,79 @@ impl Pairs {
                     let other = j.checked_sub(count).map_or(j, |ghost| images[ghost].original as usize);
                     (molecular[i], molecular[other])
                 };
-                let sum = here + there;
-                let mean = if sum > 0.0 { 2.0 * here * there / sum } else { 0.0 };
-                factors[k] = pairs.weights[k] * mean;
+                let mean = if here == there { here } else { 2.0 * here * there / (here + there) };
+                *factor = pairs.weights[k] * mean;
             }
-        }
+        });
     }
 
     /// Factors of all entries from their conductances and the water.
     fn mix(&mut self, list: &ListParts, walls: &mut Walls) {
         let Pairs { advection, flows, factors, back, gains, takes_back, against, .. } = self;
-        let (count, plain) = (list.positions.len(), advection.is_plain());
+        let (advection, weights, starts) = (*advection, &list.pairs.weights, &list.pairs.starts);
+        let flow = |k: usize| if weights[k] == 0.0 { 0.0 } else { flows[k] };
         back.copy_from_slice(factors);
         for (image, pair) in against.iter() {
             back[*pair] -= factors[*image];
         }
-        // Behind open walls water carries no mean, unless it carries nothing else.
-        let mut mouths = walls.mouths.iter_mut().peekable();
-        self.limits = false;
-        for i in 0..count {
-            let row = list.pairs.starts[i]..list.pairs.starts[i + 1];
-            gains[i] = 0.0;
-            let mut any = false;
-            for k in row {
-                let flow = if list.pairs.weights[k] == 0.0 { 0.0 } else { flows[k] };
-                gains[i] += flow;
-                let beside = advection.exchange(flow, back[k]);
-                back[k] = 0.0;
-                let mouth = mouths.next_if(|mouth| mouth.pair == k);
-                let kind = mouth.as_ref().map_or(Kind::Inner, |mouth| mouth.image.kind);
-                match kind {
-                    Kind::Odd if !plain => {}
-                    Kind::Open | Kind::Fitted => {}
-                    Kind::Inner | Kind::Layer | Kind::Odd => factors[k] += beside + 0.5 * flow,
-                }
-                if *advection == Advection::Limited {
-                    back[k] = match kind {
-                        Kind::Inner => beside,
-                        Kind::Odd => 0.5 * flow,
-                        Kind::Layer | Kind::Open | Kind::Fitted => 0.0,
-                    };
-                    any |= back[k] != 0.0;
-                }
-                if let Some(mouth) = mouth {
-                    mouth.flow = flow;
-                    mouth.exchange = entering(*advection, kind, flow, factors[k]);
-                }
+        list.in_rows(back, |i, row| {
+            for (k, back) in (starts[i]..).zip(row) {
+                *back = advection.exchange(flow(k), *back);
             }
-            takes_back[i] = any;
-            self.limits |= any;
+        });
+        for mouth in &mut walls.mouths {
+            let (k, kind) = (mouth.pair, mouth.image.kind);
+            (mouth.flow, mouth.conductance) = (flow(k), factors[k]);
+            mouth.exchange = entering(advection, kind, mouth.flow, mouth.conductance);
+        }
+        list.in_rows(factors, |i, row| {
+            for (k, factor) in (starts[i]..).zip(row) {
+                *factor += back[k] + 0.5 * flow(k);
+            }
+        });
+        // Behind open walls water carries no mean, unless it carries nothing else.
+        for Mouth { pair, image, flow, conductance, .. } in &walls.mouths {
+            let is_mean = image.kind == Kind::Layer || (image.kind == Kind::Odd && advection.is_plain());
+            if !is_mean {
+                factors[*pair] = *conductance;
+            }
+            back[*pair] = if image.kind == Kind::Odd { 0.5 * flow } else { 0.0 };
+        }
+        list.in_tasks(gains, |first, gains| {
+            for (i, gain) in (first..).zip(gains) {
+                *gain = (starts[i]..starts[i + 1]).map(flow).sum();
+            }
+        });
+        if advection == Advection::Limited {
+            list.in_tasks(takes_back, |first, takes_back| {
+                for (i, takes_back) in (first..).zip(takes_back) {
+                    *takes_back = back[starts[i]..starts[i + 1]].iter().any(|back| *back != 0.0);
+                }
+            });
+            self.limits = takes_back.contains(&true);
         }
     }
 
     /// Greatest sums of all particles, by the least that each holds for a concentration, and its rate of decay (1/s).
-    pub(super) fn sums(&self, list: &ListParts, walls: &Walls, holds: impl Fn(usize) -> (f64, f64)) -> Sums {
+    pub(super) fn sums(&self, list: &ListParts, walls: &Walls, holds: impl Fn(usize) -> (f64, f64) + Sync) -> Sums {
+        let starts = &list.pairs.starts;
+        let mut found = vec![(0.0, 0.0); self.gains.len()];
+        for mouth in &walls.mouths {
+            let mirrored = Walls::mirrored(mouth, self.factors[mouth.pair].abs());
+            found[mouth.particle as usize].0 += mouth.exchange + mirrored;
+        }
+        list.in_tasks(&mut found, |first, found| {
+            for (i, (rate, turning)) in (first..).zip(found) {
+                let (row, (least, decay)) = (starts[i]..starts[i + 1], holds(i));
+                let sum = *rate + self.factors[row.clone()].iter().map(|factor| factor.abs()).sum::<f64>();
+                // A step that dries a particle leaves it with less at its end.
+                *rate = (sum + (-self.gains[i]).max(0.0)) / least + decay;
+                *turning = 0.5 * self.flows[row].iter().map(|flow| flow.abs()).sum::<f64>() / least;
+            }
+        });
         let mut sums = Sums { greatest: (0.0, 0), turning: 0.0 };
-        let mut mouths = walls.mouths.iter().peekable();
-        for (i, gain) in self.gains.iter().enumerate() {
-            let row = list.pairs.starts[i]..list.pairs.starts[i + 1];
-            let mut sum: f64 = self.factors[row.clone()].iter().map(|factor| factor.abs()).sum();
-            while let Some(mouth) = mouths.next_if(|mouth| mouth.particle as usize == i) {
-                sum += mouth.exchange + Walls::mirrored(mouth, self.factors[mouth.pair].abs());
-            }
-            let (least, decay) = holds(i);
-            // A step that dries a particle leaves it with less at its end.
-            let rate = (sum + (-gain).max(0.0)) / least + decay;
-            if rate > sums.greatest.0 {
-                sums.greatest = (rate, i);
-            }
-            let turning = self.flows[row].iter().map(|flow| 0.5 * flow.abs()).sum::<f64>() / least;
+        for (i, (rate, turning)) in found.into_iter().enumerate() {
+            sums.greatest = if rate > sums.greatest.0 { (rate, i) } else { sums.greatest };
             sums.turning = sums.turning.max(turning);
         }
         sums

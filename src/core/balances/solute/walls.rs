@@ -23,6 +23,8 @@ pub(super) struct Mouth {
     /// Water that the particle gains (1/s by volume), and the exchange with the wall that comes with it (1/s).
     pub flow: f64,
     pub exchange: f64,
+    /// What diffusion exchanges through it (1/s).
+    pub conductance: f64,
 }
 
 /// What goes through a mouth.
@@ -60,7 +62,17 @@ impl Walls {
                 let Some(first) = portions.next() else { continue };
                 let (_, patch) = portions.next().unwrap_or(first);
                 let (particle, image, corner) = (i as u32, images[ghost], corner(first));
-                mouths.push(Mouth { particle, pair: k, partner, image, patch, corner, flow: 0.0, exchange: 0.0 });
+                mouths.push(Mouth {
+                    particle,
+                    pair: k,
+                    partner,
+                    image,
+                    patch,
+                    corner,
+                    flow: 0.0,
+                    exchange: 0.0,
+                    conductance: 0.0,
+                });
             }
         }
         let layers = list.boundary.patches.iter().map(|patch| patch.layers).collect();

@@ -7,7 +7,8 @@ const SLOW: f64 = 1e-3;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Advection {
     /// The mean of both ends, with as much exchange beside it as the range of the data needs and diffusion does not give, taken
-    /// back wherever concentrations stay within those around (Zalesak 1979).
+    /// back wherever concentrations stay within those around (Zalesak 1979). Where water outruns diffusion and pairs reach to nearest
+    /// neighbours only, each step of Euler in a step should be half of the bound: longer ones leave little room to take back.
     Limited,
     /// That of the steady profile between both ends (Scharfetter and Gummel 1969): keeps the range of the data, as exact as
     /// diffusion where that dominates, and smears fronts where it does not.

@@ -105,6 +105,7 @@ mod tests {
             law: FreezingLaw::Isothermal,
             mixing: Mixing::Arithmetic,
             pores: None,
+            soil: None,
         };
         let exact = Neumann::new(&material, -5.0, 1.0).expect("front");
         let table = ColumnTable::bundled().expect("table");

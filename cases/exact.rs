@@ -40,7 +40,7 @@ enum Solution {
     /// All latent heat at one temperature, or none.
     Neumann(Neumann),
     /// A freezing curve.
-    Similarity(Similarity),
+    Similarity(Box<Similarity>),
 }
 
 impl Solution {
@@ -88,7 +88,7 @@ impl HalfSpace {
         let initial = scene.initial_temperature;
         let solution = match material.law {
             FreezingLaw::None | FreezingLaw::Isothermal => Solution::Neumann(Neumann::new(material, wall, initial)?),
-            FreezingLaw::Curve(_) => Solution::Similarity(Similarity::new(material, wall, initial)?),
+            FreezingLaw::Curve(_) => Solution::Similarity(Box::new(Similarity::new(material, wall, initial)?)),
         };
         if !matches!(far, Some(Condition::Exact)) {
             let change = ((solution.temperature(length, scene.duration) - initial) / (initial - wall)).abs();

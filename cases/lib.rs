@@ -17,6 +17,7 @@ pub mod table;
 pub mod tables;
 mod unfit;
 pub mod unsaturated;
+pub mod wetting;
 
 use frazil_core::boundary::condition::Condition;
 use frazil_scene::{ReferenceChoice, Scene};
@@ -71,6 +72,9 @@ pub fn truth(scene: &Scene) -> Result<Truth, NoReference> {
 
 /// The closed form of a scene, or why it has none.
 fn exact_solution(scene: &Scene) -> Result<Box<dyn Reference>, Unsolved> {
+    if scene.of_water {
+        return wetting::exact_solution(scene);
+    }
     Ok(match scene.flow {
         Some(_) => Box::new(exact::OgataBanks::of_scene(scene)?),
         None => Box::new(exact::HalfSpace::of_scene(scene)?),

@@ -4,12 +4,17 @@ use frazil_scene::Scene;
 use frazil_simulation::reference::Reference;
 
 use crate::shaft::{SHAFT_CASES, ShaftTable};
-use crate::{Unfit, column, corner, seepage, shells};
+use crate::{Unfit, column, corner, seepage, shells, wetting};
 
 /// Names of all tables, as a scene file asks for them.
 pub fn names() -> impl Iterator<Item = &'static str> {
     let shafts = SHAFT_CASES.iter().map(|case| case.name);
-    [column::NAME].into_iter().chain(shafts).chain(shells::names()).chain([seepage::NAME, corner::NAME])
+    [column::NAME]
+        .into_iter()
+        .chain(shafts)
+        .chain(shells::names())
+        .chain([seepage::NAME, corner::NAME])
+        .chain(wetting::names())
 }
 
 /// The table of the given name.
@@ -29,6 +34,9 @@ pub fn by_name(name: &str, scene: &Scene) -> Result<Box<dyn Reference>, Unfit> {
     if name == column::NAME {
         about(column::differences(scene))?;
         return Ok(Box::new(column::ColumnTable::bundled()?));
+    }
+    if let Some(found) = wetting::by_name(name, scene) {
+        return found;
     }
     if let Some(found) = shells::by_name(name, scene) {
         return found;

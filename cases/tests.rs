@@ -46,6 +46,7 @@ fn soil(name: &str, density: f64, frozen: (f64, f64), unfrozen: (f64, f64), poin
         law: FreezingLaw::Isothermal,
         mixing: Mixing::Arithmetic,
         pores: None,
+        soil: None,
     }
 }
 

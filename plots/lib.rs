@@ -15,6 +15,8 @@ mod flow_map;
 pub mod ground_plan;
 pub mod layouts;
 pub mod map;
+pub mod moisture_map;
+mod moisture_profiles;
 pub mod page;
 pub mod properties;
 pub mod rings;

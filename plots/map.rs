@@ -42,20 +42,9 @@ pub(crate) struct Look {
 
 /// The map of a run and, where the reference has one, beside it the reference and the difference.
 pub(crate) fn temperature_map(field: &Field, plan: &GroundPlan, words: &Words) -> Canvas {
-    if field.temperature_ref_c.is_empty() {
+    let Some(Beside { reference, difference, range, most }) = Beside::of(field) else {
         return plain_map(field, plan, words, None);
-    }
-    // What only one of both knows is not compared.
-    let known = |pair: (&f64, &f64), value: f64| if (pair.0 + pair.1).is_finite() { value } else { f64::NAN };
-    let pairs = || field.temperature_c.iter().zip(&field.temperature_ref_c);
-    let range = extremes(field.temperature_c.iter().chain(&field.temperature_ref_c));
-    let reference =
-        Field { temperature_c: field.temperature_ref_c.clone(), frozen_fraction: Vec::new(), ..field.clone() };
-    let difference =
-        Field { temperature_c: pairs().map(|pair| known(pair, pair.0 - pair.1)).collect(), ..field.clone() };
-    let (low, high) = extremes(&difference.temperature_c);
-    // A difference of rounding is none.
-    let most = low.abs().max(high.abs()).max(1e-9 * (range.1 - range.0));
+    };
     let named = |name: &str| format!("{name}, {}", words.instant(field.time_s));
     let difference_look = Look {
         label: words.temperature_label.replace("temperature", "difference"),
@@ -67,6 +56,39 @@ pub(crate) fn temperature_map(field: &Field, plan: &GroundPlan, words: &Words) -
         draw_over(&reference, plan, words, &Look::temperatures(named("Reference"), words, Some(range))),
         draw_over(&difference, plan, words, &difference_look),
     ])
+}
+
+/// What a reference has beside a field.
+pub(crate) struct Beside {
+    /// The reference.
+    pub(crate) reference: Field,
+    /// What the field has more than it.
+    pub(crate) difference: Field,
+    /// Least and greatest value of both.
+    range: (f64, f64),
+    /// Greatest magnitude of the difference.
+    pub(crate) most: f64,
+}
+
+impl Beside {
+    /// Of a field whose reference is known.
+    pub(crate) fn of(field: &Field) -> Option<Beside> {
+        if field.temperature_ref_c.is_empty() {
+            return None;
+        }
+        // What only one of both knows is not compared.
+        let known = |pair: (&f64, &f64), value: f64| if (pair.0 + pair.1).is_finite() { value } else { f64::NAN };
+        let pairs = || field.temperature_c.iter().zip(&field.temperature_ref_c);
+        let range = extremes(field.temperature_c.iter().chain(&field.temperature_ref_c));
+        let reference =
+            Field { temperature_c: field.temperature_ref_c.clone(), frozen_fraction: Vec::new(), ..field.clone() };
+        let difference =
+            Field { temperature_c: pairs().map(|pair| known(pair, pair.0 - pair.1)).collect(), ..field.clone() };
+        let (low, high) = extremes(&difference.temperature_c);
+        // A difference of rounding is none.
+        let most = low.abs().max(high.abs()).max(1e-9 * (range.1 - range.0));
+        Some(Beside { reference, difference, range, most })
+    }
 }
 
 /// A map without a reference, as the frames of an animation are, with colours between these ends or those of the field.
@@ -81,29 +103,29 @@ impl Look {
     }
 }
 
-fn extremes<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
+/// Least and greatest of the values that are there.
+pub(crate) fn extremes<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
     let present = values.into_iter().filter(|value| value.is_finite());
     present.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
 }
 
 /// A map with what stands in its plan.
-fn draw_over(field: &Field, plan: &GroundPlan, words: &Words, look: &Look) -> Canvas {
+pub(crate) fn draw_over(field: &Field, plan: &GroundPlan, words: &Words, look: &Look) -> Canvas {
     let (mut canvas, frame) = draw_in(field, words, look);
     plan.draw(&mut canvas, &frame, field.time_s);
     plan.note(&mut canvas, &frame, field.time_s);
     canvas
 }
 
-/// A map, and the frame that it is in.
-pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Frame) {
-    let heading = &look.heading;
+/// A map without anything in it, with its heading and what it is a map of, and the frame that it is in.
+pub(crate) fn blank(field: &Field, words: &Words, heading: &str, kind: &str) -> (Canvas, Frame) {
     let (width, height) = (field.nx as f64 * field.spacing_m, field.ny as f64 * field.spacing_m);
     let side = (840.0 / width).min(700.0 / height);
     // Both directions have one scale, but for bodies so long that their labels would not fit beside them.
     let (frame_width, frame_height) = ((width * side).max(SHORTEST), (height * side).max(SHORTEST));
     let canvas_width = (frame_width + 250.0).max(620.0);
     let canvas_height = frame_height + 132.0 + NOTES;
-    let mut canvas = Canvas::new(canvas_width, canvas_height, &format!("{} map: {heading}", look.kind));
+    let mut canvas = Canvas::new(canvas_width, canvas_height, &format!("{kind} map: {heading}"));
     title(&mut canvas, heading);
     let (x0, y0) = (field.x0_m - 0.5 * field.spacing_m, field.y0_m - 0.5 * field.spacing_m);
     let unit = if words.length_unit.is_some() { "m" } else { "dimensionless" };
@@ -116,6 +138,12 @@ pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Fra
         y: Axis::between(format!("{} ({unit})", words.axes.1), y0, y0 + height),
     };
     frame.draw(&mut canvas);
+    (canvas, frame)
+}
+
+/// A map, and the frame that it is in.
+pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Frame) {
+    let (mut canvas, frame) = blank(field, words, &look.heading, look.kind);
     let grid = Grid::thinned(field);
     let (low, high) = look.range.unwrap_or_else(|| extremes(&field.temperature_c));
     if low.is_finite() {
@@ -185,12 +213,17 @@ impl Ramp {
         } else {
             (&WARM, (temperature - self.zero) / (self.high - self.zero).max(1e-12))
         };
-        let place = part.clamp(0.0, 1.0) * (ramp.len() - 1) as f64;
-        let index = (place as usize).min(ramp.len() - 2);
-        let (a, b, share) = (ramp[index], ramp[index + 1], place - index as f64);
-        let mix = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
-        Colour(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
+        along(ramp, part)
     }
+}
+
+/// The colour at a share of the way through colours.
+pub(crate) fn along(ramp: &[Colour], part: f64) -> Colour {
+    let place = part.clamp(0.0, 1.0) * (ramp.len() - 1) as f64;
+    let index = (place as usize).min(ramp.len() - 2);
+    let (a, b, share) = (ramp[index], ramp[index + 1], place - index as f64);
+    let mix = |a: u8, b: u8| (f64::from(a) + share * (f64::from(b) - f64::from(a))).round() as u8;
+    Colour(mix(a.0, b.0), mix(a.1, b.1), mix(a.2, b.2))
 }
 
 fn colour_bar(
@@ -239,13 +272,13 @@ fn front_note(canvas: &mut Canvas, frame: &Frame, frozen: bool, words: &Words) {
 }
 
 /// A regular grid of values, with a margin of one cell, and where the body is.
-struct Grid {
+pub(crate) struct Grid {
     nx: usize,
     ny: usize,
     x0: f64,
     y0: f64,
     spacing: f64,
-    values: Vec<f64>,
+    pub(crate) values: Vec<f64>,
     /// Frozen fractions; empty if the field has none.
     frozen: Vec<f64>,
     /// One inside the body and zero outside, smoothed; empty if the body fills the grid.
@@ -253,7 +286,7 @@ struct Grid {
 }
 
 impl Grid {
-    fn thinned(field: &Field) -> Grid {
+    pub(crate) fn thinned(field: &Field) -> Grid {
         let stride = field.nx.max(field.ny).div_ceil(GRID).max(1);
         let (nx, ny) = (field.nx.div_ceil(stride) + 2, field.ny.div_ceil(stride) + 2);
         // The margin repeats the cells beside it, so that bands and isotherms reach the walls.
@@ -293,7 +326,7 @@ impl Grid {
     /// Paints bands between levels, of which there is one fewer than colours. Every level is a set of rings that
     /// cross no others; from the largest to the smallest, each is filled with what lies just inside it. No ring needs
     /// a hole then.
-    fn paint_bands(&self, canvas: &mut Canvas, frame: &Frame, levels: &[f64], colours: &[Colour]) {
+    pub(crate) fn paint_bands(&self, canvas: &mut Canvas, frame: &Frame, levels: &[f64], colours: &[Colour]) {
         canvas.rectangle((frame.left, frame.top), (frame.right, frame.bottom), colours[0]);
         let mut rings: Vec<(f64, Vec<Spot>, Colour)> = Vec::new();
         for (k, level) in levels.iter().enumerate() {
@@ -338,7 +371,7 @@ impl Grid {
     }
 
     /// A line of equal value inside the frame; the frame itself is none.
-    fn draw_level(&self, canvas: &mut Canvas, frame: &Frame, values: &[f64], level: f64, stroke: Stroke) {
+    pub(crate) fn draw_level(&self, canvas: &mut Canvas, frame: &Frame, values: &[f64], level: f64, stroke: Stroke) {
         let edge = |(x, y): &Spot| {
             (x - frame.left).abs() < 1e-6
                 || (x - frame.right).abs() < 1e-6
@@ -363,7 +396,7 @@ impl Grid {
     }
 
     /// Covers what lies outside the body.
-    fn cover_outside(&self, canvas: &mut Canvas, frame: &Frame) {
+    pub(crate) fn cover_outside(&self, canvas: &mut Canvas, frame: &Frame) {
         let outside: Vec<f64> = self.body.iter().map(|share| 1.0 - share).collect();
         if !outside.is_empty() {
             for polygon in self.above(&outside, 0.5, frame) {

@@ -11,7 +11,7 @@ use crate::canvas::{Canvas, Colour, Stroke};
 use crate::sheet::{WIDTH, sheet};
 use crate::style::{INK, LABEL, REFERENCE, method_style, method_title, number};
 use crate::words::{DOTS, FigureOptions, Words, reference_entry, reference_stroke};
-use crate::{flow_map, map, rings, stream, table};
+use crate::{flow_map, map, moisture_map, moisture_profiles, rings, stream, table};
 
 /// Draws every figure that a run has rows for and returns the files.
 ///
@@ -34,7 +34,11 @@ pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Can
         all.extend(has_rows.then(|| (name.into(), draw())));
     };
     add("front", result.front.iter().any(|row| row.front_m > 0.0), &|| front(result, &words));
-    add("profiles", !result.profiles.is_empty(), &|| profiles(&result.profiles, &words));
+    let moist = options.unsaturated.as_ref();
+    add("profiles", !result.profiles.is_empty(), &|| match moist {
+        Some(_) => moisture_profiles::draw(&result.profiles, &words),
+        None => profiles(&result.profiles, &words),
+    });
     if let Some(water) = &result.water {
         add("ice", water.rows.iter().any(|row| row.ice_fraction > 0.0), &|| flow_map::ice(&water.rows, &words));
         let rows: Vec<ProfileRow> = water.cut.iter().map(|row| cut_row(row, options.cut)).collect();
@@ -49,7 +53,13 @@ pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Can
     all.extend(result.tables.iter().filter_map(|table| table::drawing(table, &words)));
     for field in &result.fields {
         let time = number(words.time(field.time_s), 4).replace([' ', '·'], "").replace('−', "-");
-        all.push((format!("map_{time}{}", words.time_symbol), map::temperature_map(field, &options.plan, &words)));
+        let map = match moist {
+            Some(outlines) => moisture_map::saturation_map(field, outlines, &words),
+            None => map::temperature_map(field, &options.plan, &words),
+        };
+        all.push((format!("map_{time}{}", words.time_symbol), map));
+        let carried = moist.and_then(|outlines| moisture_map::concentration_map(field, outlines, &words));
+        all.extend(carried.map(|canvas| (format!("concentration_{time}{}", words.time_symbol), canvas)));
         let mut points = result.water.iter().flat_map(|water| water.maps.chunk_by(|a, b| a.time_s == b.time_s));
         if let Some(points) = points.find(|points| points[0].time_s == field.time_s) {
             let drawn = flow_map::pressure_map(field, points, options, &words);
@@ -66,7 +76,11 @@ pub fn frame(
     options: &FigureOptions,
     range: (f64, f64),
 ) -> Canvas {
-    map::plain_map(field, &options.plan, &Words::new((heading, method, units), 0.0, options), Some(range))
+    let words = Words::new((heading, method, units), 0.0, options);
+    match &options.unsaturated {
+        Some(outlines) => moisture_map::plain_map(field, outlines, &words),
+        None => map::plain_map(field, &options.plan, &words, Some(range)),
+    }
 }
 
 fn front(result: &RunResult, words: &Words) -> Canvas {
@@ -81,13 +95,12 @@ fn front(result: &RunResult, words: &Words) -> Canvas {
     if let Some(row) = result.beside.first() {
         entries.push(Entry::line(row.solution.as_str(), beside));
     }
-    let names = (&*words.name("Front over time"), &*words.heading);
+    let names = (&*words.name(words.front.0), &*words.heading);
     let (mut canvas, top) = sheet(720.0, names, &entries, 6.0);
     let times = || result.front.iter().map(|row| words.time(row.time_s)).chain([0.0]);
     let heights = result.front.iter().flat_map(|row| [Some(row.front_m), row.front_ref_m]).flatten();
     let heights = heights.chain(result.beside.iter().map(|row| row.front_m));
-    let what = if words.axes.0 == "r" { "radius of the front" } else { "front" };
-    let y = Axis::linear(words.length_label(what), heights.map(|height| words.length(height)));
+    let y = Axis::linear(words.length_label(words.front.1), heights.map(|height| words.length(height)));
     let split = if referred { 445.0 } else { 720.0 };
     let below = referred.then(|| {
         let errors: Vec<f64> = result.front.iter().filter_map(relative_error).collect();
@@ -96,7 +109,7 @@ fn front(result: &RunResult, words: &Words) -> Canvas {
         // The first instants, when the front is thinner than a particle, would hide all others.
         let typical = sorted.get(sorted.len() * 9 / 10).map_or(0.01, |error| 1.3 * error.abs()).max(1e-6);
         let shown = errors.iter().map(|error| 100.0 * error.clamp(-typical, typical)).chain([0.0]);
-        let y = Axis::linear("error of the front (%)", shown);
+        let y = Axis::linear(words.front.2, shown);
         Frame::inside((0.0, split + 14.0), (WIDTH, 720.0), Axis::linear(words.time_label.as_str(), times()), y)
     });
     let label = if referred { String::new() } else { words.time_label.clone() };
@@ -136,6 +149,8 @@ fn cut_row(row: &CutRow, y: f64) -> ProfileRow {
         temperature_c: row.temperature_c,
         temperature_ref_c: row.temperature_ref_c,
         frozen_fraction: row.frozen_fraction,
+        concentration: None,
+        concentration_ref: None,
         y_m: Some(y),
         along_m: row.x_m,
         mean_over: None,
@@ -148,16 +163,54 @@ pub(crate) fn aged(colour: Colour, k: usize, count: usize) -> Colour {
     colour.tint(0.55 * (1.0 - age))
 }
 
-fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
+/// Rows of profiles by their planes.
+pub(crate) fn by_plane(profiles: &[ProfileRow]) -> BTreeMap<&str, Vec<&ProfileRow>> {
     let mut planes: BTreeMap<&str, Vec<&ProfileRow>> = BTreeMap::new();
     for row in profiles {
         planes.entry(row.plane.as_str()).or_default().push(row);
     }
-    let single = planes.len() == 1;
-    let height = if single { 640.0 } else { 110.0 + 400.0 * planes.len() as f64 };
+    planes
+}
+
+/// Instants of profiles, in order.
+pub(crate) fn instants(profiles: &[ProfileRow]) -> Vec<f64> {
     let mut instants: Vec<f64> = profiles.iter().map(|row| row.time_s).collect();
     instants.sort_by(f64::total_cmp);
     instants.dedup();
+    instants
+}
+
+/// The name of the axis along a profile, whose unit has a symbol.
+pub(crate) fn place_label(plane: &str, rows: &[&ProfileRow], words: &Words, symbol: &str) -> String {
+    match plane {
+        "main" => format!("distance from the centre, through a pipe ({symbol})"),
+        "interface" => format!("distance from the centre, between two pipes ({symbol})"),
+        "radius" => format!("r ({symbol})"),
+        _ => match plane.split_once('=') {
+            Some((axis, at)) => {
+                let along = match axis {
+                    "z" => "r",
+                    "r" => "z",
+                    "y" => "x",
+                    _ => "y",
+                };
+                let unit = if words.length_unit.is_some() { " m" } else { "" };
+                format!("{along} at {axis} = {at}{unit} ({symbol})")
+            }
+            None => match rows.first().and_then(|row| row.mean_over) {
+                Some(MeanOver::X) => format!("y, means over all x ({symbol})"),
+                Some(MeanOver::Y) => format!("x, means over all y ({symbol})"),
+                None => format!("x ({symbol})"),
+            },
+        },
+    }
+}
+
+fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
+    let planes = by_plane(profiles);
+    let single = planes.len() == 1;
+    let height = if single { 640.0 } else { 110.0 + 400.0 * planes.len() as f64 };
+    let instants = instants(profiles);
     let base = method_style(&words.method);
     let stroke_at = |k: usize| Stroke::whole(aged(base.colour, k, instants.len()), 2.4);
     let mut entries: Vec<Entry> =
@@ -172,37 +225,9 @@ fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
     let (mut canvas, mut top) = sheet(height, names, &entries, 10.0);
     const GAP: f64 = 0.9 * LABEL;
     let each = (height - top - GAP * (planes.len() - 1) as f64) / planes.len() as f64;
-    let reach = profiles.iter().map(|row| row.along_m.abs()).fold(0.0, f64::max);
-    let (scale, symbol) = if words.length_unit.is_none() {
-        (1.0, "dimensionless")
-    } else if reach < 0.2 {
-        (1e3, "mm")
-    } else {
-        (1.0, "m")
-    };
+    let (scale, symbol) = words.along(profiles);
     for (plane, rows) in planes {
-        let x_label = match plane {
-            "main" => format!("distance from the centre, through a pipe ({symbol})"),
-            "interface" => format!("distance from the centre, between two pipes ({symbol})"),
-            "radius" => format!("r ({symbol})"),
-            _ => match plane.split_once('=') {
-                Some((axis, at)) => {
-                    let along = match axis {
-                        "z" => "r",
-                        "r" => "z",
-                        "y" => "x",
-                        _ => "y",
-                    };
-                    let unit = if words.length_unit.is_some() { " m" } else { "" };
-                    format!("{along} at {axis} = {at}{unit} ({symbol})")
-                }
-                None => match rows.first().and_then(|row| row.mean_over) {
-                    Some(MeanOver::X) => format!("y, means over all x ({symbol})"),
-                    Some(MeanOver::Y) => format!("x, means over all y ({symbol})"),
-                    None => format!("x ({symbol})"),
-                },
-            },
-        };
+        let x_label = place_label(plane, &rows, words, symbol);
         let x = Axis::linear(x_label, rows.iter().map(|row| scale * row.along_m));
         let values = rows.iter().flat_map(|row| [Some(row.temperature_c), row.temperature_ref_c]).flatten();
         let y = Axis::linear(words.temperature_label.as_str(), values.chain([words.freezing_point]));

@@ -1,10 +1,11 @@
 //! What figures of a run say alike: titles, units, the entry of the reference.
 
-use frazil_record::{RunResult, TimeUnit};
+use frazil_record::{ProfileRow, RunResult, TimeUnit};
 
 use crate::axes::Entry;
 use crate::canvas::Stroke;
 use crate::ground_plan::GroundPlan;
+use crate::moisture_map::Outlines;
 use crate::style::{INK, REFERENCE, method_title, number};
 
 /// What figures of a run need beyond the run itself.
@@ -24,6 +25,8 @@ pub struct FigureOptions {
     pub cut: f64,
     /// What is drawn over maps.
     pub plan: GroundPlan,
+    /// What stands in the ground of unsaturated water; absent where the run is of heat.
+    pub unsaturated: Option<Outlines>,
 }
 
 /// How a run speaks of its units.
@@ -39,6 +42,8 @@ pub(crate) struct Words {
     pub(crate) axes: (&'static str, &'static str),
     pub(crate) length_unit: Option<(f64, &'static str)>,
     pub(crate) freezing_point: f64,
+    /// What the figure of the front is about, and what it and its error are called.
+    pub(crate) front: (&'static str, &'static str, &'static str),
 }
 
 impl Words {
@@ -64,6 +69,11 @@ impl Words {
             axes: options.axes,
             length_unit: si.then_some(if reach > 0.0 && reach < 0.2 { (1e3, "mm") } else { (1.0, "m") }),
             freezing_point: options.freezing_point,
+            front: match (&options.unsaturated, options.axes.0) {
+                (Some(_), _) => ("Wetted length over time", "wetted length", "error of the wetted length (%)"),
+                (None, "r") => ("Front over time", "radius of the front", "error of the front (%)"),
+                (None, _) => ("Front over time", "front", "error of the front (%)"),
+            },
         }
     }
 
@@ -82,6 +92,18 @@ impl Words {
 
     pub(crate) fn length(&self, metres: f64) -> f64 {
         metres * self.length_unit.map_or(1.0, |(scale, _)| scale)
+    }
+
+    /// What lengths along profiles are multiplied by on an axis, and the symbol of their unit.
+    pub(crate) fn along(&self, profiles: &[ProfileRow]) -> (f64, &'static str) {
+        let reach = profiles.iter().map(|row| row.along_m.abs()).fold(0.0, f64::max);
+        if self.length_unit.is_none() {
+            (1.0, "dimensionless")
+        } else if reach < 0.2 {
+            (1e3, "mm")
+        } else {
+            (1.0, "m")
+        }
     }
 
     pub(crate) fn length_label(&self, what: &str) -> String {

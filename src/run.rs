@@ -207,7 +207,11 @@ fn summary(scene: &Scene, result: &RunResult, folder: &Path) -> String {
     line("steps", format!("{} of {:.3e} s; {bound}", record.steps, record.step_s));
     let (setup, solve) = (clock(record.setup_wall_s), clock(record.solve_wall_s));
     line("time", format!("{solve}, and {setup} of preparation; threads {}", record.threads));
-    line("heat balance", format!("{:.1e} of the heat exchanged", record.energy_balance_rel));
+    let moved = if record.of_water { "water" } else { "heat" };
+    line(&format!("{moved} balance"), format!("{:.1e} of the {moved} exchanged", record.energy_balance_rel));
+    if let Some(balance) = record.solute_balance_rel {
+        line("solute balance", format!("{balance:.1e} of the solute exchanged"));
+    }
     for difference in &record.differences {
         line("difference", difference.clone());
     }

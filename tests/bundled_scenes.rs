@@ -11,7 +11,7 @@ fn every_bundled_scene_is_good_under_every_method() {
         let scene = scene.unwrap_or_else(|problems| unreachable!("{problems}"));
         let named: Vec<&str> = scene.methods.iter().map(|settings| settings.method).collect();
         // Particles of one volume are no shells, and noise moves no water.
-        let quiet = scene.domain.symmetry().is_some() || scene.flow.is_some();
+        let quiet = scene.domain.symmetry().is_some() || scene.flow.is_some() || scene.of_water;
         // Only particles that move can be driven.
         let driven = scene.stream.is_some();
         let can = |kind: &&&MethodKind| if kind.stochastic { !quiet } else { !driven };

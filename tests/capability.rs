@@ -9,7 +9,7 @@ use frazil_scene::capability::{EXCLUSIONS, Feature};
 use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};
 
-use crate::sketch::{Sketch, without_noise};
+use crate::sketch::{Sketch, soil, without_noise};
 
 const SHARP: &str = "law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 334000";
 const CURVE: &str = "law = \"linear\", temperature_c = 0, latent_heat_J_per_kg = 334000, width_K = 1";
@@ -49,9 +49,22 @@ fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
         Domain::Rectangle { .. } => sketch.wall("left", cold).wall("right", "temperature_c = 2"),
         _ => sketch.wall("outer", cold),
     };
-    let flows = has(Feature::Groundwater) || has(Feature::GradientAdvection);
+    let flows = has(Feature::Groundwater) || has(Feature::GradientAdvection) && !has(Feature::UnsaturatedWater);
     let plain = ground(law).replace(", permeability_m2 = 1.3e-10", "");
     sketch.materials = vec![("ground", if flows { ground(law) } else { plain })];
+    if has(Feature::UnsaturatedWater) {
+        // Water of a scene of water neither freezes nor flows through frozen ground.
+        if has(Feature::FreezingCurve) || has(Feature::GradientAdvection) {
+            return None;
+        }
+        (sketch.of_water, sketch.initial_c) = (true, -2.0);
+        sketch.materials = vec![("ground", soil())];
+        let wet = if has(Feature::NaiveOpenWalls) { "water_flux_m_per_s = 1e-7" } else { "saturation = 1" };
+        sketch = match domain {
+            Domain::Rectangle { .. } => sketch.wall("left", wet).wall("right", "head_m = -2"),
+            _ => sketch.wall("outer", wet),
+        };
+    }
     if has(Feature::FreezingCurve) && !has(Feature::NothingSharp) {
         // Two materials, of which one is sharp.
         let inside = if has(Feature::Shells) {
@@ -92,7 +105,7 @@ fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
         (Feature::Flags, "scheme = \"flags\""),
         (
             Feature::ApparentCapacity,
-            if has(Feature::NothingSharp) {
+            if has(Feature::NothingSharp) || has(Feature::UnsaturatedWater) {
                 "scheme = \"apparent-capacity\""
             } else {
                 "scheme = \"apparent-capacity\"\ninterval_K = 1"
@@ -103,6 +116,7 @@ fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
             if has(Feature::PairMeans) { "mushy = false" } else { "mean = \"harmonic\"\nmushy = false" },
         ),
         (Feature::Stages, "integrator = \"heun\""),
+        (Feature::ExplicitSteps, "integrator = \"euler\""),
         (Feature::Rkl2, "integrator = \"rkl2\""),
         (Feature::Implicit, "integrator = \"implicit\""),
         (Feature::GradientAdvection, "advection = \"central\""),
@@ -147,6 +161,7 @@ fn runs(sketch: &Sketch, features: &[Feature], kind: &'static MethodKind) -> Res
     };
     // Whole phases are known beside means alone, and a ring is the body of a shaft.
     let brought = |feature: &Feature| {
+        let water = features.contains(&Feature::UnsaturatedWater);
         let beside = [
             (Feature::OwnSteps, kind.stochastic),
             (Feature::LatticeWeights, kind.lattice_only),
@@ -154,7 +169,10 @@ fn runs(sketch: &Sketch, features: &[Feature], kind: &'static MethodKind) -> Res
             (Feature::Pipes, features.contains(&Feature::Excavation)),
             (Feature::PairMeans, features.contains(&Feature::WholePhases)),
             (Feature::Groundwater, features.contains(&Feature::GradientAdvection)),
-            (Feature::Stages, features.contains(&Feature::Rkl2) || features.contains(&Feature::Implicit)),
+            (Feature::ExplicitSteps, features.contains(&Feature::Stages)),
+            (Feature::NothingSharp, water),
+            (Feature::Implicit, water),
+            (Feature::Stages, water || features.contains(&Feature::Rkl2) || features.contains(&Feature::Implicit)),
             (Feature::Ring, features.contains(&Feature::Excavation) || features.contains(&Feature::Pipes)),
         ];
         features.contains(feature) || beside.contains(&(*feature, true))

@@ -45,5 +45,6 @@ mod sketch;
 mod stability;
 mod steps_by_error;
 mod turned;
+mod unsaturated;
 mod wall_models;
 mod walls;

@@ -16,6 +16,8 @@ use rand::{RngExt, rngs::StdRng};
 #[derive(Debug, Clone)]
 pub struct Sketch {
     pub domain: Domain,
+    /// Whether it is of unsaturated water; it then starts with a head (m) in place of a temperature.
+    pub of_water: bool,
     pub duration_s: f64,
     pub outputs: usize,
     /// Inline tables by name; the first fills the body.
@@ -58,6 +60,13 @@ pub fn sand(law: &str) -> String {
     )
 }
 
+/// Fine sand, for unsaturated water.
+pub fn soil() -> String {
+    "{ retention = { law = \"van-genuchten\", alpha_per_m = 2, n = 1.8 }, residual_water_content = 0.05, \
+     saturated_water_content = 0.4, conductivity_m_per_s = 1e-6 }"
+        .to_owned()
+}
+
 /// A material whose properties do not depend on temperature: diffusivity 1e-6 m2/s, conductivity 2 W/mK.
 pub fn steady_material() -> String {
     let phase = "{ conductivity_W_per_m_K = 2, heat_capacity_J_per_kg_K = 1000 }";
@@ -72,6 +81,7 @@ impl Sketch {
     pub fn new(domain: Domain, spacing_m: f64) -> Self {
         Sketch {
             domain,
+            of_water: false,
             duration_s: 3600.0,
             outputs: 1,
             materials: vec![("water", water("law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 334000"))],
@@ -105,6 +115,9 @@ impl Sketch {
     /// The scene file for a method.
     pub fn text(&self, method: &str) -> String {
         let mut text = "title = \"sketch\"\nsource = \"a test\"\n".to_owned();
+        if self.of_water {
+            text.push_str("balance = \"water\"\n");
+        }
         let mut put = |line: std::fmt::Arguments<'_>| text.write_fmt(line).expect("a string takes any text");
         let names: &[&str] = match self.domain {
             Domain::Line { length } => {
@@ -136,7 +149,8 @@ impl Sketch {
             }
         };
         put(format_args!("[time]\nduration_s = {}\noutputs = {}\n", self.duration_s, self.outputs));
-        put(format_args!("[initial]\ntemperature_c = {}\n[materials]\n", self.initial_c));
+        let start = if self.of_water { "head_m" } else { "temperature_c" };
+        put(format_args!("[initial]\n{start} = {}\n[materials]\n", self.initial_c));
         for (name, material) in &self.materials {
             put(format_args!("{name} = {material}\n"));
         }

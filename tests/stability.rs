@@ -177,3 +177,28 @@ fn the_page_has_the_scenes_own_values_and_states_its_tolerance_first() {
     let exact = body + page[body..].find("exact").expect("the word");
     assert!(tolerance < exact, "{tolerance} and {exact}");
 }
+
+/// A column that water wets: steps that follow a tolerance end well with the scene's own, in soils around its own.
+#[test]
+fn tolerances_of_unsaturated_water_are_swept() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let column = "title = \"Column\"\nsource = \"none\"\nbalance = \"water\"\n\
+                  domain.line.length_m = 0.1\ntime = { duration_days = 5, outputs = 10 }\n\
+                  initial.saturation = 0\nwalls = { left.saturation = 1, right.condition = \"symmetry\" }\n\
+                  reference.kind = \"none\"\nmethod.local.spacing_m = 0.005\n[materials.soil]\n\
+                  retention = { law = \"van-genuchten\", alpha_per_m = 1, n = 1.53 }\n\
+                  residual_water_content = 0.186\nsaturated_water_content = 0.363\nconductivity_m_per_s = 1e-9\n";
+    fs::write(folder.path().join("column.toml"), column).expect("written");
+    let axes = ["column.toml", "--axes", "saturation,n", "--values", "3", "--steps", "1,100", "--coarsen", "1"];
+    let output = stability(folder.path(), &axes);
+    assert_eq!(output.status.code(), Some(0), "{output:?}");
+    let rows = rows(&folder.path().join("out/stability/stability.csv"));
+    assert_eq!(rows.len(), 2 * 3 * 2);
+    for row in &rows {
+        assert_eq!(row["class"], "exact", "{row:?}");
+        assert!(number(row, "water_taken_up_rel").abs() < 0.1, "{row:?}");
+        assert!(row["command"].contains("--set method.local.tolerance="), "{row:?}");
+    }
+    let both = stability(folder.path(), &["column.toml", "stefan-water", "--axes", "own"]);
+    assert!(String::from_utf8_lossy(&both.stderr).contains("make a study of each"), "{both:?}");
+}

@@ -175,6 +175,7 @@ mod tests {
             law: FreezingLaw::Isothermal,
             mixing: Mixing::Arithmetic,
             pores: None,
+            soil: None,
         }
     }
 
@@ -246,6 +247,7 @@ mod tests {
             law: FreezingLaw::Isothermal,
             mixing: Mixing::Arithmetic,
             pores: None,
+            soil: None,
         };
         let solution = Neumann::new(&material, 0.190_602_422_788_870_63, 1.2).expect("front");
         assert!((solution.lambda().expect("front") - 0.5).abs() < LAST_DIGITS);

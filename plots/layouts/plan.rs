@@ -137,6 +137,7 @@ pub fn maps(layout: &LayoutView<'_>, freezing_c: f64) -> Vec<(String, Canvas)> {
             shaft: layout.shaft_radius_m.map(|radius| ShaftMark { radius, dug: layout.dug_s }),
             water: layout.water.clone(),
         },
+        unsaturated: None,
     };
     let mut words = Words::of(layout.result, &options);
     words.heading.clone_from(&layout.name);

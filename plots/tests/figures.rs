@@ -5,6 +5,7 @@
 use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint, work_precision_panels};
 use frazil_plots::convergence::{OrderCurve, convergence};
 use frazil_plots::ground_plan::{GroundPlan, ShaftMark, WaterMark};
+use frazil_plots::moisture_map::{CrackMark, Outlines};
 use frazil_plots::run::drawings;
 use frazil_plots::{FigureOptions, run_figures};
 use frazil_record::{
@@ -67,6 +68,8 @@ fn line_run() -> RunResult {
                 temperature_c: exact + 0.15 * (x * 300.0).sin(),
                 temperature_ref_c: Some(exact),
                 frozen_fraction: f64::from(u8::from(x < front)),
+                concentration: None,
+                concentration_ref: None,
                 plane: "line".into(),
                 y_m: None,
                 along_m: x,
@@ -131,6 +134,7 @@ fn ring_run() -> RunResult {
         // Soft over some tenths of a kelvin, as in ground that freezes in an interval.
         frozen_fraction: temperature_c.iter().map(|value| (-0.2 - value).clamp(0.0, 0.6) / 0.6).collect(),
         temperature_c,
+        concentration: Vec::new(),
         temperature_ref_c: Vec::new(),
     });
     run
@@ -224,6 +228,7 @@ fn plain(time_unit: TimeUnit) -> FigureOptions {
     FigureOptions {
         name: None,
         plan: Default::default(),
+        unsaturated: None,
         time_unit,
         freezing_point: 0.0,
         axes: ("x", "y"),
@@ -318,4 +323,62 @@ fn maps_stand_beside_those_of_the_reference() {
         field.temperature_ref_c = field.temperature_c.clone();
     }
     assert!(map(&run).is_some_and(|canvas| canvas.svg().len() > 2000));
+}
+
+/// A run of unsaturated water with a solute, on a plane with a crack.
+fn wet_run() -> RunResult {
+    let mut run = empty("Wetting", "pd");
+    let row = |x: f64| ProfileRow {
+        time_s: 86_400.0,
+        x_m: Some(x),
+        temperature_c: 1.0 - x,
+        temperature_ref_c: Some(0.9 - 0.9 * x),
+        frozen_fraction: x,
+        concentration: Some(0.5 - 0.5 * x),
+        concentration_ref: None,
+        plane: "line".into(),
+        y_m: None,
+        along_m: x,
+        mean_over: None,
+    };
+    run.profiles = (0..=10).map(|k| row(0.1 * f64::from(k))).collect();
+    run.front = [1.0, 2.0].map(|t| FrontRow { time_s: t * 86_400.0, front_m: 0.1 * t, front_ref_m: None }).into();
+    let cells = || (0..100).map(|k| f64::from(k % 10) / 9.0);
+    run.fields.push(Field {
+        time_s: 86_400.0,
+        nx: 10,
+        ny: 10,
+        x0_m: 0.05,
+        y0_m: 0.05,
+        spacing_m: 0.1,
+        temperature_c: cells().map(|x| 1.0 - x).collect(),
+        frozen_fraction: cells().collect(),
+        concentration: cells().map(|x| 0.8 - 0.8 * x).collect(),
+        temperature_ref_c: Vec::new(),
+    });
+    run
+}
+
+#[test]
+fn figures_of_water_speak_of_water() {
+    let crack = CrackMark { from: (0.2, 0.2), tips: vec![(86_400.0, (0.2, 0.6))] };
+    let closed = CrackMark { from: (0.8, 0.2), tips: Vec::new() };
+    let rim = vec![(0.6, 0.6), (0.8, 0.6), (0.7, 0.8), (0.6, 0.6)];
+    let outlines = |cracks: Vec<CrackMark>| Outlines { regions: vec![rim.clone()], cracks };
+    let options = |cracks| FigureOptions { unsaturated: Some(outlines(cracks)), ..plain(TimeUnit::Day) };
+    let all = drawings(&wet_run(), &options(vec![crack]));
+    let names: Vec<&str> = all.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["front", "profiles", "map_1d", "concentration_1d"]);
+    for (name, canvas) in &all {
+        let svg = canvas.svg();
+        assert!(!svg.contains("°C") && !svg.contains("freezing") && !svg.contains("frozen"), "{name}");
+    }
+    let svg = |k: usize| all[k].1.svg();
+    assert!(svg(0).contains("wetted length"));
+    assert!(svg(1).contains("effective saturation (1)") && svg(1).contains("concentration (1)"));
+    assert!(svg(2).contains("half saturated") && svg(3).contains("concentration (1)"));
+    // A crack is drawn once it is open.
+    let map = |cracks| drawings(&wet_run(), &options(cracks))[2].1.clone();
+    assert_eq!(map(vec![closed]), map(Vec::new()));
+    assert_ne!(map(Vec::new()), all[2].1);
 }

@@ -18,14 +18,14 @@ pub struct StabilityArguments {
     /// The methods; by default all that a scene has settings for.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     methods: Vec<String>,
-    /// Parameters of the maps: stefan, conductivity, capacity, reach, disorder, noise, rkl2 (stages); or own, the scene
-    /// as it is. By default all but the last that mean anything to a scene and a method.
+    /// Parameters of the maps: stefan, conductivity, capacity, reach, disorder, noise, rkl2 (stages), of unsaturated water
+    /// spacing, saturation, alpha, n; or own, the scene as it is. By default all but the last that mean anything to a scene and a method.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = axis)]
     axes: Vec<Axis>,
     /// Overrides a key of every scene; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     set: Vec<(String, String)>,
-    /// Runs these steps over the bound alone, and looks for no boundary.
+    /// Runs these steps over the bound alone, and looks for no boundary; of unsaturated water, these tolerances over the scene's.
     #[arg(long, value_name = "RATIOS", value_delimiter = ',', value_parser = positive)]
     steps: Vec<f64>,
     /// Number of steps of a map, from a quarter of the bound to four times it.

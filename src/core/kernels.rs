@@ -5,6 +5,7 @@ pub mod corner;
 pub mod crossing;
 pub mod enthalpy_rows;
 pub mod exterior;
+pub mod flows;
 pub mod irregular;
 pub mod lattice;
 pub mod lattice_parts;

@@ -25,6 +25,11 @@ pub enum Places {
 pub struct Particles {
     /// Enthalpy by volume (J/m3), relative to each particle's initial state.
     pub enthalpy: Vec<f64>,
+    /// What they hold of a solute by volume (relative to its concentration of reference), and its concentration in their water as it
+    /// was published last; empty where none is carried.
+    pub solute: Vec<f64>,
+    /// See [`Particles::solute`].
+    pub concentration: Vec<f64>,
     /// What it was at the start; empty if all particles started from their initial state.
     pub start: Arc<[f64]>,
     /// Where they stand.
@@ -97,8 +102,12 @@ impl Particles {
         self.materials.of(index).temperature(self.enthalpy[index])
     }
 
-    /// Temperature at the place of a particle: its own, or, where the front in its cell is known, that beside the front.
+    /// What is read off at the place of a particle: of water its effective saturation, of heat its temperature, or, where the
+    /// front in its cell is known, that beside the front.
     pub fn reading(&self, index: usize) -> f64 {
+        if self.materials.of(index).curve.moisture().is_some() {
+            return 1.0 - self.frozen_fraction(index);
+        }
         if !self.sub_cell || !self.materials.of(index).curve.is_sharp() {
             return self.temperature(index);
         }
@@ -144,6 +153,9 @@ impl Particles {
         for enthalpy in &self.enthalpy {
             hasher.update(&enthalpy.to_bits().to_le_bytes());
         }
+        for content in &self.solute {
+            hasher.update(&content.to_bits().to_le_bytes());
+        }
         for (i, velocity) in self.velocity.iter().enumerate() {
             let place = self.position(i);
             for number in [place.x, place.y, velocity.x, velocity.y] {
@@ -162,6 +174,8 @@ impl HeapSize for Particles {
             + self.materials.laws().map(|thermal| thermal.curve.heap_size() + thermal.law.heap_size()).sum::<usize>();
         self.enthalpy.heap_size()
             + self.velocity.heap_size()
+            + self.solute.heap_size()
+            + self.concentration.heap_size()
             + shared(&self.start)
             + self.lattice.heap_size()
             + self.materials.of_particle.heap_size()

@@ -11,6 +11,8 @@ pub mod laws;
 pub mod material;
 pub mod mixing;
 pub mod potential;
+pub mod retention;
 pub(crate) mod root;
+pub mod solute_material;
 pub mod sub_cell;
 pub mod thermal;

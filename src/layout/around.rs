@@ -153,6 +153,7 @@ mod tests {
             spacing_m: spacing,
             temperature_c: cells().map(|place| place.x + 2.0 * place.y).collect(),
             frozen_fraction: vec![0.0; n * n],
+            concentration: Vec::new(),
             temperature_ref_c: Vec::new(),
         };
         let map = Map { field: &field, sector: Sector::Quarter };

@@ -70,6 +70,18 @@ pub struct Errors {
     /// Greatest temperature error over the range of the scene's temperatures.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub temperature_max_rel: Option<f64>,
+    /// Rms of the error of the effective saturation at all profile points, of unsaturated water.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub saturation_rms: Option<f64>,
+    /// Mean magnitude of the same.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub saturation_mean_abs: Option<f64>,
+    /// Rms of the error of the concentration at all profile points, over the range of the scene's concentrations.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub concentration_rms_rel: Option<f64>,
+    /// Mean magnitude of the same.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub concentration_mean_abs_rel: Option<f64>,
     /// Rms over the window of the error of the front, over how far the reference's has come since the start.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub front_rms_rel: Option<f64>,
@@ -137,6 +149,9 @@ pub struct Record {
     pub method: String,
     /// All settings after defaults, by key.
     pub settings: BTreeMap<String, Value>,
+    /// Whether the run is of unsaturated water: what are temperatures of others are its effective saturations.
+    #[serde(skip_serializing_if = "std::ops::Not::not", default)]
+    pub of_water: bool,
     /// Units of the numbers: `si`, `dpd` or `dimensionless`.
     pub units: String,
     /// Number of particles.
@@ -186,6 +201,9 @@ pub struct Record {
     pub cause: Option<String>,
     /// (stored - in) / exchanged, the greatest over all outputs.
     pub energy_balance_rel: f64,
+    /// (taken up - in) / exchanged of a solute, the greatest over all outputs.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub solute_balance_rel: Option<f64>,
     /// How far temperatures left the range of the scene's data, over that range.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub bounds_violation_rel: Option<f64>,

@@ -75,12 +75,18 @@ pub struct ProfileRow {
     pub time_s: f64,
     /// Where the point is (m): x, or r of shells; absent of a mean over x.
     pub x_m: Option<f64>,
-    /// Temperature.
+    /// Temperature; of unsaturated water its effective saturation.
     pub temperature_c: f64,
     /// The reference's.
     pub temperature_ref_c: Option<f64>,
     /// Frozen fraction.
     pub frozen_fraction: f64,
+    /// Concentration of the solute, where water carries one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub concentration: Option<f64>,
+    /// The reference's.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub concentration_ref: Option<f64>,
     /// `line` along the freezing direction, in a ring `main` (through a pipe) or `interface` (between two), of radial bodies
     /// `radius`, of cuts as `z=0.4`, where it is.
     pub plane: String,
@@ -103,8 +109,11 @@ pub struct ProbeRow {
     pub x_m: f64,
     /// Position (m).
     pub y_m: f64,
-    /// Temperature.
+    /// Temperature; of unsaturated water its effective saturation.
     pub temperature_c: f64,
+    /// Concentration of the solute, where water carries one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub concentration: Option<f64>,
 }
 
 /// One row of `budget.csv`: the heat balance at an output, per metre (squared) of the missing dimensions.
@@ -154,6 +163,9 @@ pub struct Field {
     /// Frozen fractions in the same order: their level 1/2 is the front, where the temperature is flat.
     #[serde(with = "holes")]
     pub frozen_fraction: Vec<f64>,
+    /// Concentrations of a solute in the same order; empty where there is none.
+    #[serde(with = "holes", default)]
+    pub concentration: Vec<f64>,
     /// Temperatures of the reference in the same order; empty where it knows none.
     #[serde(with = "holes")]
     pub temperature_ref_c: Vec<f64>,

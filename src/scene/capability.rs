@@ -15,6 +15,10 @@ use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoi
 /// Something that a scene, the settings of a method or the method itself brings along.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Feature {
+    /// Unsaturated water instead of heat.
+    UnsaturatedWater,
+    /// What unsaturated water carries.
+    Solute,
     /// Water that flows.
     Groundwater,
     /// Segments that nothing crosses.
@@ -49,6 +53,8 @@ pub enum Feature {
     WholePhases,
     /// Steps of several stages.
     Stages,
+    /// Explicit steps.
+    ExplicitSteps,
     /// Super-time-stepping.
     Rkl2,
     /// Implicit steps.
@@ -98,18 +104,32 @@ const fn row(asked: Feature, beside: Feature, because: &'static str) -> Exclusio
 const OWN_NOISE: &str = "its noise is exchanged at explicit steps of its own";
 const NO_ENTHALPY: &str = "the scheme advances unknowns of its own by explicit steps";
 const LIMITED: &str = "what gradients mend is limited by what one explicit step may do";
+const AT_ONCE: &str = "pressure spreads through saturated ground at once";
 const BY_PAIRS: &str = "the sweep over a lattice knows no such rows";
 const WHOLE_LATTICE: &str = "the front in a cell is seen along the rows of a lattice";
 const FIXED_LAYERS: &str = "layers of particles stand for the wall, whatever cuts them off";
 
 /// All pairs that exclude each other.
-pub const EXCLUSIONS: [Exclusion; 47] = {
+pub const EXCLUSIONS: [Exclusion; 59] = {
     use Feature::{
-        ApparentCapacity, Cracks, Excavation, FittedWalls, Flags, FreezingCurve, GradientAdvection, Groundwater,
-        Implicit, InnerLayers, LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls, NothingSharp, OwnSteps,
-        PairMeans, Pipes, Ring, Rkl2, Shells, Stages, SubCellFronts, Surfaces, UnevenParticles, WholePhases,
+        ApparentCapacity, Cracks, Excavation, ExplicitSteps, FittedWalls, Flags, FreezingCurve, GradientAdvection,
+        Groundwater, Implicit, InnerLayers, LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls, NothingSharp,
+        OwnSteps, PairMeans, Pipes, Ring, Rkl2, Shells, Solute, Stages, SubCellFronts, Surfaces, UnevenParticles,
+        UnsaturatedWater, WholePhases,
     };
     [
+        row(Groundwater, UnsaturatedWater, "heat beside unsaturated water would have to freeze it in its pores"),
+        row(Pipes, UnsaturatedWater, "a pipe freezes ground, and heat beside unsaturated water is not computed"),
+        row(Excavation, UnsaturatedWater, "the face of a shaft exchanges heat"),
+        row(OwnSteps, UnsaturatedWater, "its noise is that of heat"),
+        row(Flags, UnsaturatedWater, "water has no latent heat"),
+        row(ApparentCapacity, UnsaturatedWater, "water has no latent heat"),
+        row(PairMeans, UnsaturatedWater, "a mean of conductivities freezes a front into dry ground"),
+        row(WholePhases, UnsaturatedWater, "water has no phases"),
+        row(ExplicitSteps, UnsaturatedWater, AT_ONCE),
+        row(Rkl2, UnsaturatedWater, AT_ONCE),
+        row(Solute, Shells, "walls touch shells, and water through touching walls is not told by pairs"),
+        row(Solute, Ring, "water through a curved wall is not told by pairs"),
         row(Groundwater, Shells, "water flows through a line, a rectangle or a ring"),
         row(OwnSteps, Groundwater, "its noise is balanced against conduction, and not against what water carries"),
         row(OwnSteps, Shells, "its particles are of one volume"),
@@ -173,7 +193,9 @@ pub fn exclusions(features: &[Feature]) -> impl Iterator<Item = &'static Exclusi
 }
 
 /// All features, in words as messages have them, and where each is asked for.
-const FEATURES: [(Feature, &str, Place); 26] = [
+const FEATURES: [(Feature, &str, Place); 29] = [
+    (Feature::UnsaturatedWater, "balance = \"water\"", Place::Scene("balance")),
+    (Feature::Solute, "a solute", Place::Scene("materials")),
     (Feature::Groundwater, "\"flow\"", Place::Scene("flow")),
     (Feature::Cracks, "\"cracks\"", Place::Scene("cracks")),
     (Feature::Excavation, "\"excavation\"", Place::Scene("excavation")),
@@ -191,6 +213,7 @@ const FEATURES: [(Feature, &str, Place); 26] = [
     (Feature::ApparentCapacity, "scheme = \"apparent-capacity\"", Place::Setting("scheme")),
     (Feature::WholePhases, "mushy other than true", Place::Setting("mushy")),
     (Feature::Stages, "integrator other than \"euler\"", Place::Setting("integrator")),
+    (Feature::ExplicitSteps, "integrator = \"euler\" or \"heun\"", Place::Setting("integrator")),
     (Feature::Rkl2, "integrator = \"rkl2\"", Place::Setting("integrator")),
     (Feature::Implicit, "integrator = \"implicit\"", Place::Setting("integrator")),
     (Feature::GradientAdvection, "advection = \"limited\" or \"central\"", Place::Setting("advection")),
@@ -250,6 +273,7 @@ pub(crate) fn of_settings(numerics: &Numerics, kind: &MethodKind, walls: &[Wall]
         (apparent, Feature::ApparentCapacity),
         (numerics.mushy != Mushy::Fraction, Feature::WholePhases),
         (stages, Feature::Stages),
+        (numerics.integrator.is_monotone(), Feature::ExplicitSteps),
         (rkl2, Feature::Rkl2),
         (matches!(numerics.integrator, IntegratorChoice::Implicit { .. }), Feature::Implicit),
         (numerics.flow.as_ref().is_some_and(mended), Feature::GradientAdvection),

@@ -11,6 +11,7 @@ pub mod read;
 pub mod region;
 mod scene;
 pub mod settings;
+mod solute;
 pub mod stream;
 mod units;
 
@@ -21,5 +22,6 @@ pub use read::{Change, Duration, Key, Noted, Problem, Problems, Range, Read, Sec
 pub use region::{Region, Shape};
 pub use scene::{Excavation, FreezingDirection, ReferenceChoice, Scene, Wall, WallPart, Watch};
 pub use settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice};
+pub use solute::{Solute, SoluteNumerics, SoluteWall};
 pub use stream::Stream;
 pub use units::Units;

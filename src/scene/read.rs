@@ -19,16 +19,18 @@ mod stream;
 mod tests;
 mod tree;
 mod watch;
+mod water;
 
 use frazil_core::physics::material::Material;
 use frazil_core::space::domain::Domain;
 
 use crate::capability::{self, Feature, Place};
 use crate::method::MethodKind;
-use crate::region::Region;
-use crate::scene::{Scene, Temperatures};
+use crate::region::{Region, Shape};
+use crate::scene::{Scene, Temperatures, Watch};
 use crate::units::Units;
 use problem::Log;
+use water::{Balance, Heads};
 
 pub use problem::{Noted, Problem, Problems, Read};
 pub use range::Range;
@@ -109,29 +111,46 @@ fn hash(text: &str, overrides: &[(String, String)]) -> String {
     format!("{:016x}", xxhash_rust::xxh3::xxh3_64(effective.as_bytes()))
 }
 
+/// Materials, the regions that they fill with those that nothing enters, and what the scene is of.
+type Filling = (Read<Vec<Material>>, (Vec<Region>, Vec<Shape>), Balance);
+
 /// The materials, and the regions that they fill.
-fn filling(root: &mut Section<'_>, body: Option<&Domain>) -> (Read<Vec<Material>>, Vec<Region>) {
+fn filling(root: &mut Section<'_>, body: Option<&Domain>, water: bool) -> Filling {
     let mut section = root.section("materials");
-    let found = section.as_mut().map(ground::materials).unwrap_or_default();
+    let found = section.as_mut().map(|section| ground::materials(section, water)).unwrap_or_default();
     let names: Vec<String> = found.iter().map(|(name, _)| name.clone()).collect();
+    let soils: Vec<Material> = found.iter().filter_map(|(_, material)| material.clone().ok()).collect();
+    let mut balance = if water { Balance::Water(Heads::new(&soils)) } else { Balance::Heat };
     let regions = match &mut section {
-        Ok(section) => regions::regions(root, section, body, &names),
+        Ok(section) => regions::regions(root, section, body, &names, &mut balance),
         Err(_) => {
             root.sections("regions").iter_mut().for_each(Section::abandon);
-            Vec::new()
+            (Vec::new(), Vec::new())
         }
     };
-    (found.into_iter().map(|(_, material)| material).collect(), regions)
+    (found.into_iter().map(|(_, material)| material).collect(), regions, balance)
+}
+
+/// What a scene has been found to have beside its sections.
+struct Asked {
+    of_water: bool,
+    /// Whether the water carries a solute.
+    carries: bool,
+    surfaces: bool,
+    /// Whether there are parts that nothing enters.
+    walled: bool,
 }
 
 /// What a scene has that does not go with everything.
-fn features(root: &Section<'_>, domain: Option<&Domain>, materials: &[Material], surfaces: bool) -> Vec<Feature> {
+fn features(root: &Section<'_>, domain: Option<&Domain>, materials: &[Material], asked: &Asked) -> Vec<Feature> {
     let own = [
+        (asked.of_water, Feature::UnsaturatedWater),
+        (asked.carries, Feature::Solute),
         (root.has("flow"), Feature::Groundwater),
-        (root.has("cracks"), Feature::Cracks),
+        (root.has("cracks") || asked.walled, Feature::Cracks),
         (root.has("excavation"), Feature::Excavation),
         (root.has("pipes"), Feature::Pipes),
-        (surfaces, Feature::Surfaces),
+        (asked.surfaces, Feature::Surfaces),
         (domain.is_some_and(|domain| domain.symmetry().is_some()), Feature::Shells),
         (matches!(domain, Some(Domain::Ring { .. })), Feature::Ring),
     ];
@@ -151,31 +170,67 @@ fn refuse(root: &mut Section<'_>, features: &[Feature]) -> Option<Noted> {
     noted
 }
 
+/// The temperature at the start, or the place of the head and the concentration of a solute.
+fn initial(root: &mut Section<'_>, balance: &Balance) -> (Read<f64>, Option<f64>) {
+    let mut concentration = None;
+    let temperature = root.section("initial").and_then(|mut section| match balance {
+        Balance::Heat => section.number(("temperature", "c"), range::temperatures(section.units().absolute_zero())),
+        Balance::Water(heads) => {
+            concentration = section.optional_number(water::CONCENTRATION, Range::NOT_NEGATIVE);
+            heads.state(&mut section)
+        }
+    });
+    (temperature, concentration)
+}
+
+/// Refuses what is observed of heat alone, in a scene of water.
+fn only_of_heat(root: &mut Section<'_>, watch: &Watch) {
+    let asked = [
+        (!watch.isotherms.is_empty(), "isotherms_c"),
+        (watch.phases.is_some(), "phases"),
+        (watch.corner_front, "corner_front"),
+    ];
+    for (_, key) in asked.into_iter().filter(|asked| asked.0) {
+        root.problem(
+            "watch",
+            format!("\"{key}\" has no effect, water of balance = \"water\" neither freezes nor has a temperature"),
+        );
+    }
+}
+
 fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static MethodKind]) -> Read<Scene> {
-    let all_units = [Units::Si, Units::Dpd, Units::Dimensionless].map(|units| (units.name(), units));
-    let units = root.choice_or("units", &all_units, Units::Si);
+    let units =
+        root.choice_or("units", &[Units::Si, Units::Dpd, Units::Dimensionless].map(|own| (own.name(), own)), Units::Si);
     root.set_units(units);
     let title = root.text("title");
     let source = root.text("source");
     let domain = body::domain(&mut root);
     let body = domain.as_ref().ok();
     let mut time = watch::time(&mut root);
-
-    let (materials, regions) = filling(&mut root, body);
+    let of_water = root.choice_or("balance", &[("heat", false), ("water", true)], false);
+    let (materials, (regions, impermeable), mut balance) = filling(&mut root, body, of_water);
     // The checks of combinations would speak of the wrong materials if some were missing.
     let known = materials.as_deref().unwrap_or_default();
-
-    let initial_temperature = root
-        .section("initial")
-        .and_then(|mut section| section.number(("temperature", "c"), range::temperatures(units.absolute_zero())));
+    let (initial_temperature, initial_concentration) = initial(&mut root, &balance);
     let mut wall_section = root.section("walls");
-    let (walls, wall_parts) = wall_section.as_mut().map(|section| body::walls(section, body)).unwrap_or_default();
+    let (walls, wall_parts) =
+        wall_section.as_mut().map(|section| body::walls(section, body, &mut balance)).unwrap_or_default();
     let rings = body::pipes(&mut root, body);
     let excavation = excavation::excavation(&mut root, body, &rings);
-    let cracks = cracks::cracks(&mut root, body);
+    let mut cracks = cracks::cracks(&mut root, body);
+    cracks.extend(impermeable.iter().flat_map(cracks::edges_of));
     let watch = watch::watch(&mut root, body, time.as_mut().map_err(|noted| *noted));
+    if let (true, Ok(watch)) = (of_water, &watch) {
+        only_of_heat(&mut root, watch);
+    }
     let surfaces = watch.as_ref().is_ok_and(|watch| !watch.surfaces.is_empty());
-    let features = features(&root, body, known, surfaces);
+    let solute = match balance {
+        Balance::Heat => Ok(None),
+        Balance::Water(heads) => heads.solute(&mut root, known, initial_concentration),
+    };
+    let carries = matches!(solute, Ok(Some(_)));
+    let asked = Asked { of_water, carries, surfaces, walled: !impermeable.is_empty() };
+    let features = features(&root, body, known, &asked);
     let refused = refuse(&mut root, &features);
     let flow = flow::flow(&mut root, body, known, refused);
     let stream = stream::stream(&mut root, body, &walls, time.as_ref().ok().map(|time| &time.duration));
@@ -198,17 +253,20 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         source: source?,
         units,
         time_unit: time.duration.unit,
+        of_water,
         domain: domain?,
         duration: time.duration.seconds,
         materials: materials?,
         regions,
         cracks,
+        impermeable,
         initial_temperature: initial_temperature?,
         walls,
         wall_parts,
         rings,
         excavation: excavation?,
         flow: flow?,
+        solute: solute?,
         stream: stream?,
         watch: watch?,
         reference,

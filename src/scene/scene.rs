@@ -13,6 +13,7 @@ use crate::TimeUnit;
 use crate::method::MethodSettings;
 use crate::pipe_ring::PipeRing;
 use crate::region::{Region, Shape};
+use crate::solute::Solute;
 use crate::stream::Stream;
 use crate::units::Units;
 
@@ -124,6 +125,9 @@ pub struct Scene {
     pub units: Units,
     /// Unit for times in figures and messages.
     pub time_unit: TimeUnit,
+    /// Whether it is of unsaturated water instead of heat: what is called temperature is then the place of the pressure head
+    /// on the scale of [`frazil_core::physics::retention::scale`].
+    pub of_water: bool,
     /// The body.
     pub domain: Domain,
     /// End of the run (s).
@@ -134,6 +138,8 @@ pub struct Scene {
     pub regions: Vec<Region>,
     /// Segments that no heat crosses.
     pub cracks: Vec<Crack>,
+    /// Parts of the body that nothing enters: their edges are cracks, the last of the above.
+    pub impermeable: Vec<Shape>,
     /// Temperature at the start, where regions say nothing else.
     pub initial_temperature: f64,
     /// The walls of the domain that are not mirror planes of a sector.
@@ -146,6 +152,8 @@ pub struct Scene {
     pub excavation: Option<Excavation>,
     /// Groundwater, where it flows.
     pub flow: Option<Flow>,
+    /// What the water carries, in a scene of unsaturated water.
+    pub solute: Option<Solute>,
     /// What drives the liquid itself, where it moves.
     pub stream: Option<Stream>,
     /// Observation.
@@ -201,17 +209,20 @@ impl Scene {
             source: String::new(),
             units: Units::Si,
             time_unit: TimeUnit::Second,
+            of_water: false,
             domain,
             duration,
             materials,
             regions: Vec::new(),
             cracks: Vec::new(),
+            impermeable: Vec::new(),
             initial_temperature: 0.0,
             walls: Vec::new(),
             wall_parts: Vec::new(),
             rings: Vec::new(),
             excavation: None,
             flow: None,
+            solute: None,
             stream: None,
             watch: Watch { outputs: 10, ..Watch::default() },
             reference: ReferenceChoice::Auto,

@@ -1,10 +1,14 @@
 //! Numerical settings of one method on one scene: how, never what.
 
 use frazil_core::balances::groundwater::numerics::{Advection, Conduction, FlowNumerics};
+use frazil_core::balances::solute::advection::Advection as SoluteAdvection;
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
+use frazil_core::solvers::transport::Coupling;
 use frazil_record::Value;
+
+use crate::solute::SoluteNumerics;
 
 /// Which of a method's two standard settings is the starting point; keys of the file override it one by one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -151,6 +155,8 @@ pub struct Numerics {
     pub conduction: Conduction,
     /// Flowing water, where the scene has it.
     pub flow: Option<FlowNumerics>,
+    /// What water carries, where the scene has a solute.
+    pub solute: Option<SoluteNumerics>,
 }
 
 impl Default for Numerics {
@@ -170,6 +176,7 @@ impl Default for Numerics {
             step: StepChoice::Fraction(0.9),
             conduction: Conduction::Plain,
             flow: None,
+            solute: None,
         }
     }
 }
@@ -218,6 +225,7 @@ impl Numerics {
         }
         self.put_steps(&mut values);
         self.put_flow(&mut values);
+        self.put_solute(&mut values);
         values
     }
 
@@ -240,6 +248,15 @@ impl Numerics {
             StepChoice::Fraction(fraction) => values.push(("step_fraction", Value::Number(fraction))),
             StepChoice::Fixed(step) => values.push(("step", Value::Number(step))),
         }
+    }
+
+    fn put_solute(&self, values: &mut Vec<(&'static str, Value)>) {
+        let Some(solute) = self.solute else { return };
+        values.extend([
+            ("advection", word(&SoluteAdvection::WORDS, &solute.advection)),
+            ("coupling", word(&Coupling::WORDS, &solute.coupling)),
+            ("solute_step_fraction", Value::Number(solute.fraction)),
+        ]);
     }
 
     fn put_flow(&self, values: &mut Vec<(&'static str, Value)>) {

@@ -20,7 +20,9 @@ pub fn blend(scene: &Scene, materials: &mut Materials, places: &[DVec2], spacing
     let mut law_of: Vec<u32> = Vec::new();
     for (i, place) in places.iter().enumerate() {
         let shares = shares(scene, &Cell::around(*place, spacing));
-        if shares.len() < 2 {
+        let curve = |material: usize| &materials.thermals[material].curve;
+        let alike = shares.iter().all(|(material, _)| curve(*material).stores_like(curve(shares[0].0)));
+        if shares.len() < 2 || alike {
             continue;
         }
         if law_of.is_empty() {

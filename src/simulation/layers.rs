@@ -29,6 +29,7 @@ pub fn unresolved(
     thermals: &[Thermal],
 ) -> Vec<String> {
     let mut told = Vec::new();
+    let moved = if scene.of_water { "water" } else { "heat" };
     for (number, region) in scene.regions.iter().enumerate() {
         let Some(material) = region.material else { continue };
         let (from, thickness) = across(&region.shape, lattice);
@@ -44,7 +45,7 @@ pub fn unresolved(
                 let error = CHANGING / (cells * cells);
                 if error > TOLD_CHANGING {
                     told.push(format!(
-                        "{layer}: heat through it is right at rest, and while it changes within about {:.0} %; two \
+                        "{layer}: {moved} through it is right at rest, and while it changes within about {:.0} %; two \
                          spacings make that 2 %",
                         100.0 * error
                     ));

@@ -193,6 +193,7 @@ pub fn run(
 impl Simulation<'_> {
     /// The time loop: from instant to instant on which steps land.
     fn march(&mut self, stops: Vec<f64>) -> Result<(), Stop> {
+        self.method.publish(&mut self.particles);
         self.observe(0.0, Moment::Start, None);
         for instant in stops {
             while self.clock.time < instant {

@@ -7,7 +7,7 @@ pub mod front;
 
 use std::collections::BTreeMap;
 
-use frazil_record::{BesideRow, Errors, FrontRow, FrozenRow, GapRow, RunResult, WallRow};
+use frazil_record::{BesideRow, Errors, FrontRow, FrozenRow, GapRow, ProfileRow, RunResult, WallRow};
 use frazil_scene::{FreezingDirection, Scene};
 
 use crate::reference::{Cut, Plane, Reference};
@@ -64,6 +64,21 @@ impl ProfilePlane {
         }
     }
 
+    /// The concentration that the reference has at a place along it (m).
+    fn concentration(
+        &self,
+        direction: Option<FreezingDirection>,
+        reference: &dyn Reference,
+        along: f64,
+        t: f64,
+    ) -> Option<f64> {
+        match self {
+            ProfilePlane::Line => reference.concentration(direction?.distance(along), t),
+            ProfilePlane::Cut(cut) => reference.cut_concentration(*cut, along, t),
+            ProfilePlane::Radius | ProfilePlane::Ring(_) => None,
+        }
+    }
+
     /// Whether a point of the profile counts.
     fn counts(&self, scene: &Scene, spacing: f64, x: f64) -> bool {
         match self {
@@ -101,8 +116,10 @@ pub fn attach(scene: &Scene, spacing: f64, result: &mut RunResult, reference: &d
     let direction = scene.freezing_direction();
     for row in &mut result.profiles {
         let plane = ProfilePlane::named(&row.plane);
-        row.temperature_ref_c =
-            plane.and_then(|plane| plane.temperature(direction, reference, row.along_m, row.time_s));
+        let at = (row.along_m, row.time_s);
+        row.temperature_ref_c = plane.as_ref().and_then(|plane| plane.temperature(direction, reference, at.0, at.1));
+        let concentration = plane.and_then(|plane| plane.concentration(direction, reference, at.0, at.1));
+        row.concentration_ref = concentration.filter(|_| row.concentration.is_some());
     }
     for row in &mut result.walls {
         row.thickness_main_mean_ref_m = reference.thickness(Plane::Main, row.time_s);
@@ -158,6 +175,7 @@ struct Deviation {
     count: usize,
     squares: f64,
     sum: f64,
+    magnitudes: f64,
     largest: f64,
     /// Greatest magnitude of the reference.
     scale: f64,
@@ -168,11 +186,12 @@ struct Deviation {
 impl Deviation {
     fn of(points: impl Iterator<Item = (f64, f64)>) -> Option<Deviation> {
         let range = (f64::INFINITY, f64::NEG_INFINITY);
-        let none = Deviation { count: 0, squares: 0.0, sum: 0.0, largest: 0.0, scale: 0.0, range };
+        let none = Deviation { count: 0, squares: 0.0, sum: 0.0, magnitudes: 0.0, largest: 0.0, scale: 0.0, range };
         let all = points.fold(none, |sum, (own, expected)| Deviation {
             count: sum.count + 1,
             squares: sum.squares + (own - expected).powi(2),
             sum: sum.sum + (own - expected),
+            magnitudes: sum.magnitudes + (own - expected).abs(),
             largest: sum.largest.max((own - expected).abs()),
             scale: sum.scale.max(expected.abs()),
             range: (sum.range.0.min(expected), sum.range.1.max(expected)),
@@ -187,10 +206,17 @@ impl Deviation {
     fn mean(&self) -> Option<f64> {
         finite(self.sum / self.count as f64)
     }
+
+    fn mean_abs(&self) -> Option<f64> {
+        finite(self.magnitudes / self.count as f64)
+    }
 }
 
 /// Errors of a run against a reference. `spacing` is the particle spacing of the run (m).
 pub fn errors(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn Reference) -> Errors {
+    if scene.of_water {
+        return errors_of_water(scene, spacing, result, reference);
+    }
     let found = Deviation::of(points(scene, spacing, result, reference));
     let (mut least, mut greatest) = scene.temperature_range();
     if let Some(found) = found.as_ref().filter(|_| scene.has_flux()) {
@@ -235,7 +261,45 @@ pub fn errors(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn R
             reference.thickness(Plane::Interface, t)
         }),
         events: closure_errors(&result.gaps, reference),
+        ..Errors::default()
     }
+}
+
+/// The same of unsaturated water and of what it carries.
+fn errors_of_water(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn Reference) -> Errors {
+    let saturations = Deviation::of(points(scene, spacing, result, reference));
+    let concentrations = Deviation::of(concentration_points(scene, spacing, result, reference).into_iter());
+    let (least, greatest) = scene.solute.as_ref().map_or((0.0, 0.0), |solute| solute.range());
+    let window = front::window(scene, spacing, &result.front, reference);
+    let rms = |found: &Option<Deviation>| found.as_ref().and_then(Deviation::rms);
+    let mean = |found: &Option<Deviation>| found.as_ref().and_then(Deviation::mean_abs);
+    Errors {
+        saturation_rms: rms(&saturations),
+        saturation_mean_abs: mean(&saturations),
+        concentration_rms_rel: over(rms(&concentrations), Some(greatest - least)),
+        concentration_mean_abs_rel: over(mean(&concentrations), Some(greatest - least)),
+        front_rms_rel: self::rms(window.iter().map(front::Judged::error)),
+        front_last_rel: front::last(scene, &result.front, reference),
+        front_constant_rel: front::constant(&window),
+        ..Errors::default()
+    }
+}
+
+/// Concentrations of a run and of the reference at all profile points that count. `spacing` is the particle spacing of the
+/// run (m).
+pub fn concentration_points(
+    scene: &Scene,
+    spacing: f64,
+    result: &RunResult,
+    reference: &dyn Reference,
+) -> Vec<(f64, f64)> {
+    let direction = scene.freezing_direction();
+    let point = |row: &ProfileRow| {
+        let plane = ProfilePlane::named(&row.plane)?;
+        let expected = plane.concentration(direction, reference, row.along_m, row.time_s)?;
+        plane.counts(scene, spacing, row.along_m).then_some((row.concentration?, expected))
+    };
+    result.profiles.iter().filter_map(point).collect()
 }
 
 fn positive(value: f64) -> Option<f64> {

@@ -155,6 +155,7 @@ mod tests {
                     law: FreezingLaw::Isothermal,
                     mixing: Mixing::Arithmetic,
                     pores: None,
+                    soil: None,
                 }],
             )
         }

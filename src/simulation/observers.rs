@@ -12,6 +12,7 @@ mod isotherms;
 mod joint;
 mod level_set;
 pub(crate) mod loops;
+mod moisture;
 pub(crate) mod observer;
 mod passage;
 mod phases;
@@ -37,7 +38,7 @@ use observer::{End, Maker, Observer, Setup, View};
 pub use fields::map;
 
 /// Makes each observer, where a scene needs it; and the table that says itself what is in it, if it leaves one.
-const OBSERVERS: [(Maker, Option<&str>); 15] = [
+const OBSERVERS: [(Maker, Option<&str>); 16] = [
     (monotonicity::of, None),
     (front::of, None),
     (frozen::of, None),
@@ -51,6 +52,7 @@ const OBSERVERS: [(Maker, Option<&str>); 15] = [
     (wall::of, None),
     (fields::of, None),
     (water::of, None),
+    (moisture::of, Some(moisture::TABLE)),
     (isotherms::of, Some(isotherms::TABLE)),
     (front_shape::of, Some(front_shape::TABLE)),
 ];

@@ -8,6 +8,7 @@ mod pipes;
 mod prepared;
 mod refusals;
 mod steps;
+mod transport;
 
 use std::sync::Arc;
 
@@ -171,15 +172,14 @@ pub(crate) fn build_for(
     let why_list = why_list(scene.flow.is_some());
     let (terms, spared, relaxed_by) = prepared.terms(scene, settings, why_list.is_some());
     let mut used = vec![prepared.words(numerics)];
-    used.extend(
-        as_enthalpies.iter().map(|_| "flags of latent heat as enthalpies, which they are in other words".into()),
-    );
+    let said = "flags of latent heat as enthalpies, which they are in other words";
+    used.extend(as_enthalpies.iter().map(|_| said.into()));
     let method: Box<dyn Solver> = match why_list {
         None => {
             used.push(format!("one fused sweep a step, {} neighbours a particle", prepared.stencil.neighbours()));
             let range = prepared.range(scene);
             let largest_slope = prepared.largest_slope();
-            let parts = prepared.lattice_parts(scene, settings, pool)?;
+            let parts = prepared.lattice_parts(scene, settings, pool.clone())?;
             used.extend(parts.irregular.as_deref().map(terms::irregular));
             solver(numerics, on_lattice(parts), range, largest_slope, prepared.count())
         }
@@ -188,9 +188,10 @@ pub(crate) fn build_for(
             let listed = Listed { scene, settings, own_step, conducts_on_lattice, seed };
             let swept = conducts_on_lattice && own_step.is_none() && scene.flow.is_some();
             used.extend(swept.then(|| "heat is conducted by a sweep over the lattice".into()));
-            listed.solver(&mut prepared, pool)?
+            listed.solver(&mut prepared, pool.clone())?
         }
     };
+    let method = transport::transport(scene, settings, &mut prepared, method, pool)?;
     let SolverReport { bound, pairs, gentle_step, .. } = method.report();
     let step = choose_step(numerics, &bound, scene)?;
     let (particles, differences) = prepared.into_particles(numerics);

@@ -46,7 +46,7 @@ pub trait Reference: Send + Sync {
     /// Kind, source and estimated error.
     fn describe(&self) -> ReferenceInfo;
     /// Temperature at a distance `x` (m) from the wall at which a plane front starts, at time `t` (s); of a radial body, at
-    /// radius `x`.
+    /// radius `x`. Of unsaturated water, here and below, the effective saturation.
     fn temperature(&self, _x: f64, _t: f64) -> Option<f64> {
         None
     }
@@ -58,11 +58,20 @@ pub trait Reference: Send + Sync {
     fn point_temperature(&self, _x: f64, _y: f64, _t: f64) -> Option<f64> {
         None
     }
+    /// Concentration of a solute at a distance `x` (m) from the wall at which a plane front starts, at time `t` (s).
+    fn concentration(&self, _x: f64, _t: f64) -> Option<f64> {
+        None
+    }
+    /// Concentration on a cut, at the place `x` (m) along it and time `t` (s).
+    fn cut_concentration(&self, _cut: Cut, _x: f64, _t: f64) -> Option<f64> {
+        None
+    }
     /// Temperature on a plane of a ring at radius `r` (m) and time `t` (s).
     fn plane_temperature(&self, _plane: Plane, _r: f64, _t: f64) -> Option<f64> {
         None
     }
-    /// Integral of the frozen fraction along the freezing direction (m) at time `t` (s). At 0 it is that of the start, from
+    /// Integral of the frozen fraction, or of the saturation of unsaturated water, along the freezing direction (m) at time `t`
+    /// (s). At 0 it is that of the start, from
     /// which on a front is judged; who does not know it starts unfrozen.
     fn front(&self, _t: f64) -> Option<f64> {
         None

@@ -1,6 +1,7 @@
 //! Runs that are refused before their first step.
 
 use frazil_core::balances::groundwater::error::GroundwaterError;
+use frazil_core::balances::solute::SoluteError;
 use frazil_core::boundary::patch::MOST_PATCHES;
 use frazil_core::boundary::pipe::PipeError;
 use frazil_core::boundary::shells::ShellError;
@@ -62,6 +63,9 @@ pub enum Refused {
     /// A shaft is dug before a wall can stand.
     #[error(transparent)]
     DugTooEarly(#[from] DugTooEarly),
+    /// A solute that the body has no place for.
+    #[error(transparent)]
+    Solute(#[from] SoluteError),
     /// Fronts inside particles where heat needs a list, and why it does.
     #[error("front = \"sub-cell\" needs a lattice without a neighbour list, but {0}")]
     FrontOnList(&'static str),

@@ -58,7 +58,7 @@ impl Parts<'_> {
 
     /// Numbers that every particle carries.
     fn columns(&self) -> String {
-        let mut names = vec!["enthalpy"];
+        let mut names = vec![if self.scene.of_water { "water content" } else { "enthalpy" }];
         if self.list {
             names.push("position");
             let means = matches!(self.numerics.exchange, Exchange::Mean(_));
@@ -110,7 +110,8 @@ impl Parts<'_> {
         }
         let walls = self.open_walls();
         if !walls.is_empty() {
-            used.push(format!("heat through {}, booked each step", walls.join(", ")));
+            let moved = if self.scene.of_water { "water" } else { "heat" };
+            used.push(format!("{moved} through {}, booked each step", walls.join(", ")));
         }
         if self.pipes > 0 {
             used.push(format!("{} pipes in the simulated part", self.pipes));
@@ -131,9 +132,10 @@ impl Parts<'_> {
             (true, "no motion: velocities, forces and cells sorted anew"),
             (self.pipes == 0, "no pipes"),
             (self.scene.cracks.is_empty(), "no cracks"),
-            (self.open_walls().is_empty(), "no heat through walls"),
+            (self.open_walls().is_empty() && !self.scene.of_water, "no heat through walls"),
+            (self.open_walls().is_empty() && self.scene.of_water, "no water through walls"),
             (self.scene.domain.dimension() == 1, "one dimension: no rows"),
-            (!self.freezes(), "no phase change"),
+            (!self.freezes() && !self.scene.of_water, "no phase change"),
             (straight, "no law: potential and enthalpy are in proportion"),
         ];
         said.into_iter().filter(|said| said.0).map(|said| said.1.to_string()).collect()

@@ -20,9 +20,11 @@ pub fn text(lines: &[Line]) -> String {
 }
 
 /// The errors that people ask for first: of what, and their names in records.
-pub const HEADLINES: [(&str, &str); 4] = [
+pub const HEADLINES: [(&str, &str); 6] = [
     ("front", "front_rms_rel"),
     ("temperature", "temperature_rms_rel"),
+    ("saturation", "saturation_rms"),
+    ("concentration", "concentration_rms_rel"),
     ("frozen volume", "frozen_volume_rms_rel"),
     ("closure", "events.closure_day"),
 ];
@@ -31,7 +33,7 @@ pub const HEADLINES: [(&str, &str); 4] = [
 pub fn answers(scene: &Scene, result: &RunResult) -> Vec<Line> {
     let say = Say { scene };
     let freezes = scene.materials.iter().any(|material| material.latent_heat > 0.0);
-    let mut lines = Vec::new();
+    let mut lines = if scene.of_water { say.moisture(result) } else { Vec::new() };
     let mut line = |title: &str, words: String| lines.push((title.to_owned(), words));
     if let Some(row) = result.front.last().filter(|_| freezes) {
         line("front", format!("{} after {}", say.front(row.front_m), say.time(row.time_s)));
@@ -138,6 +140,29 @@ impl Say<'_> {
         format!("closed after {}{reopened}; {end}", self.time(closure))
     }
 
+    /// How far unsaturated water has come, and how much the ground has taken up of it.
+    fn moisture(&self, result: &RunResult) -> Vec<Line> {
+        let mut lines = Vec::new();
+        let mut line = |title: &str, words: String| lines.push((title.to_owned(), words));
+        if let Some(row) = result.front.last() {
+            let of = match (self.scene.domain, self.scene.freezing_direction()) {
+                (Domain::Radial { .. }, _) => format!("up to a radius of {}", self.length(row.front_m)),
+                (_, Some(direction)) => format!("{} of {}", self.length(row.front_m), self.length(direction.length)),
+                _ => self.length(row.front_m),
+            };
+            line("wetted length", format!("{of} after {}", self.time(row.time_s)));
+        }
+        if let Some(row) = result.budget.last() {
+            let unit = match self.scene.domain {
+                Domain::Line { .. } => "m³ by square metre",
+                Domain::Axial { .. } | Domain::Radial { symmetry: Symmetry::Spherical, .. } => "m³",
+                _ => "m³ by metre",
+            };
+            line("water taken up", format!("{} after {}", self.with(row.stored_j, unit), self.time(row.time_s)));
+        }
+        lines
+    }
+
     fn water(&self, record: &WaterRecord, last: &WaterRow) -> Vec<Line> {
         let mut lines = Vec::new();
         let mut line = |title: &str, words: String| lines.push((title.to_owned(), words));
@@ -200,6 +225,18 @@ mod tests {
         let lines = errors(&found, Some(&water));
         assert_eq!(lines, [("front error".to_owned(), "0.672 %".to_owned()), ("thaw error".into(), "-1.000 %".into())]);
         assert!(text(&lines).lines().all(|line| line.starts_with("  ") && line.contains(" error ")));
+    }
+
+    #[test]
+    fn unsaturated_water_says_how_far_it_has_come() {
+        let mut scene = bundled::scene("stefan-water", &[]).expect("a scene");
+        scene.of_water = true;
+        let row = frazil_record::FrontRow { time_s: 7200.0, front_m: 0.25, front_ref_m: None };
+        let result = RunResult { front: vec![row], ..RunResult::default() };
+        assert_eq!(
+            text(&Say { scene: &scene }.moisture(&result)),
+            "  wetted length        0.25 m of 0.4 m after 2 h\n"
+        );
     }
 
     #[test]

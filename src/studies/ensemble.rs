@@ -105,7 +105,7 @@ pub fn ensemble(request: &EnsembleRequest<'_>, interrupt: &AtomicBool) -> Result
         complain(&format!("figures: {error}"));
     }
     if !request.quiet {
-        answer(&study.summary(out))?;
+        answer(&study.summary(scene, out))?;
     }
     Ok(Verdict::worst(study.record.members.iter().map(|member| member.outcome)))
 }
@@ -163,10 +163,15 @@ impl Study {
         if let Some(reference) = reference {
             measure::attach(members.scene, spacing, &mut mean, reference);
             // Mean places differ from the members'; the reference is known there, too.
-            if let Some(profiles) = means.get_mut("profiles.csv")
-                && let Some(column) = profiles.column("temperature_ref_c")
-            {
-                profiles.put(column, mean.profiles.iter().map(|row| row.temperature_ref_c));
+            if let Some(profiles) = means.get_mut("profiles.csv") {
+                for name in ["temperature_ref_c", "saturation_ref"] {
+                    if let Some(column) = profiles.column(name) {
+                        profiles.put(column, mean.profiles.iter().map(|row| row.temperature_ref_c));
+                    }
+                }
+                if let Some(column) = profiles.column("concentration_ref") {
+                    profiles.put(column, mean.profiles.iter().map(|row| row.concentration_ref));
+                }
             }
         }
         let errors: Vec<_> = runs.iter().map(|run| record::errors_of(&run.record)).collect();
@@ -211,7 +216,7 @@ impl Study {
         output::write_json(&folder.join(output::ENSEMBLE), &self.record)
     }
 
-    fn summary(&self, folder: &Path) -> String {
+    fn summary(&self, scene: &Scene, folder: &Path) -> String {
         let record = &self.record;
         let count = record.seeds.len();
         let ends = record.seeds.first().zip(record.seeds.last()).map(|(first, last)| format!("{first} to {last}"));
@@ -247,7 +252,11 @@ impl Study {
             let own = 100.0 * reference.error_estimate_rel;
             line("reference", format!("{}, {}; its own error about {own:.1e} %", reference.kind, reference.source));
         }
-        line("heat balance", format!("at worst {:.1e} of the heat exchanged", record.energy_balance_rel));
+        let moved = if scene.of_water { "water" } else { "heat" };
+        line(
+            &format!("{moved} balance"),
+            format!("at worst {:.1e} of the {moved} exchanged", record.energy_balance_rel),
+        );
         let (all, now) = (clock(record.cpu_s), clock(record.wall_s));
         line("time", format!("{all} of CPU in all, {now} now; threads {}", record.threads));
         for difference in &record.differences {

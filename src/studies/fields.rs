@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 use frazil_core::particles::Particles;
+use frazil_core::physics::retention::scale::head;
 use frazil_plots::frame;
 use frazil_scene::Scene;
 use frazil_simulation::observers;
@@ -91,7 +92,8 @@ impl<'a> Snapshots<'a> {
             let field = observers::map(self.scene, particles, time);
             let options = figure_options::of(self.scene, std::slice::from_ref(&field));
             let names = (self.scene.title.as_str(), self.method, self.scene.units.name());
-            let png = frame(&field, names, &options, self.scene.temperature_range()).png()?;
+            let range = if self.scene.of_water { (0.0, 1.0) } else { self.scene.temperature_range() };
+            let png = frame(&field, names, &options, range).png()?;
             let path = place(NAMES[2], format!("{number:05}.png"));
             std::fs::write(&path, png).map_err(|error| Failure::file(&path, "cannot be written", error))?;
         }
@@ -132,6 +134,36 @@ fn collection(times: &[f64], writer: &mut dyn std::io::Write) -> std::io::Result
     writeln!(writer, "  </Collection>\n</VTKFile>")
 }
 
+/// What is read off each particle, by its name.
+type Columns<'a> = Vec<(&'static str, Box<dyn Fn(usize) -> f64 + 'a>)>;
+
+fn of_heat(particles: &Particles) -> Columns<'_> {
+    let enthalpy = |i: usize| particles.enthalpy[i] + particles.materials.of(i).initial_enthalpy;
+    vec![
+        ("temperature_c", Box::new(|i| particles.temperature(i))),
+        ("frozen_fraction", Box::new(|i| particles.frozen_fraction(i))),
+        ("enthalpy_J_per_m3", Box::new(enthalpy)),
+    ]
+}
+
+/// Of unsaturated water; dry ground has no head.
+fn of_water<'a>(scene: &'a Scene, particles: &'a Particles) -> Columns<'a> {
+    let head = |i: usize| Some(head(particles.temperature(i))).filter(|head| head.is_finite()).unwrap_or(f64::NAN);
+    let content = |i: usize| {
+        let soil = scene.materials[particles.materials.index(i)].soil.as_ref();
+        soil.map_or(f64::NAN, |soil| soil.residual + (soil.saturated - soil.residual) * particles.reading(i))
+    };
+    let mut columns: Columns<'a> = vec![
+        ("saturation", Box::new(|i| particles.reading(i))),
+        ("head_m", Box::new(head)),
+        ("water_content", Box::new(content)),
+    ];
+    if !particles.concentration.is_empty() {
+        columns.push(("concentration", Box::new(|i| particles.concentration[i])));
+    }
+    columns
+}
+
 /// All particles as points with their state. Enthalpies count from the unfrozen freezing point, as in the theory.
 fn state(scene: &Scene, particles: &Particles) -> Vtk {
     let count = particles.len();
@@ -140,15 +172,10 @@ fn state(scene: &Scene, particles: &Particles) -> Vtk {
     let scalars = |name: &str, data: IOBuffer| Attribute::DataArray(DataArray::scalars(name, 1).with_data(data));
     let column =
         |name: &str, value: &dyn Fn(usize) -> f64| scalars(name, (0..count).map(value).collect::<Vec<f64>>().into());
-    let enthalpy = |i: usize| particles.enthalpy[i] + particles.materials.of(i).initial_enthalpy;
     let materials: Vec<i32> = (0..count).map(|i| particles.materials.index(i) as i32).collect();
-    let point = vec![
-        column("temperature_c", &|i| particles.temperature(i)),
-        column("frozen_fraction", &|i| particles.frozen_fraction(i)),
-        column("enthalpy_J_per_m3", &enthalpy),
-        column("volume", &|i| particles.volumes.of(i)),
-        scalars("material", materials.into()),
-    ];
+    let read = if scene.of_water { of_water(scene, particles) } else { of_heat(particles) };
+    let mut point: Vec<Attribute> = read.iter().map(|(name, value)| column(name, value)).collect();
+    point.extend([column("volume", &|i| particles.volumes.of(i)), scalars("material", materials.into())]);
     let vertices =
         VertexNumbers::XML { connectivity: (0..count as u64).collect(), offsets: (1..=count as u64).collect() };
     let cells = Cells { cell_verts: vertices, types: vec![CellType::Vertex; count] };

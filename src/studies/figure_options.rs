@@ -1,10 +1,14 @@
 //! What a scene asks of the figures of its runs, as plain data: figures know no scenes.
 
+use frazil_core::breakage::crack::Crack;
 use frazil_core::space::domain::Domain;
 use frazil_plots::FigureOptions;
 use frazil_plots::ground_plan::{GroundPlan, ShaftMark, WaterMark};
+use frazil_plots::moisture_map::{CrackMark, Outlines};
 use frazil_record::Field;
-use frazil_scene::Scene;
+use frazil_scene::region::Cell;
+use frazil_scene::{Scene, Shape};
+use glam::DVec2;
 
 /// What a scene asks of its figures, maps of these fields among them.
 pub fn of(scene: &Scene, maps: &[Field]) -> FigureOptions {
@@ -16,7 +20,48 @@ pub fn of(scene: &Scene, maps: &[Field]) -> FigureOptions {
         pressures: scene.flow.as_ref().map_or((0.0, 0.0), |flow| flow.pressures()),
         cut: scene.flow.as_ref().and_then(|flow| flow.cut).unwrap_or(0.0),
         plan: plan(scene, maps),
+        unsaturated: scene.of_water.then(|| outlines(scene, maps)),
     }
+}
+
+/// Cracks at the instants of maps, and parts of other soils.
+fn outlines(scene: &Scene, maps: &[Field]) -> Outlines {
+    const PIECES: usize = 120;
+    let regions = scene.regions.iter().filter(|region| region.material.is_some());
+    let rim = |shape: &Shape| -> Vec<DVec2> {
+        match shape {
+            Shape::Box(Cell { low, high }) => {
+                vec![*low, DVec2::new(high.x, low.y), *high, DVec2::new(low.x, high.y), *low]
+            }
+            Shape::Circle { centre, radius } => {
+                let angle = |k: usize| std::f64::consts::TAU * k as f64 / PIECES as f64;
+                (0..=PIECES).map(|k| *centre + *radius * DVec2::from_angle(angle(k))).collect()
+            }
+            Shape::Polygon(corners) => corners.iter().chain(corners.first()).copied().collect(),
+        }
+    };
+    let regions = regions.map(|region| rim(&region.shape).into_iter().map(DVec2::into).collect());
+    let crack = |crack: &Crack| {
+        let tip = |field: &Field| Some((field.time_s, tip(crack, field.time_s)?.into()));
+        CrackMark { from: crack.from.into(), tips: maps.iter().filter_map(tip).collect() }
+    };
+    Outlines { regions: regions.collect(), cracks: scene.cracks.iter().map(crack).collect() }
+}
+
+/// How far a crack has come at a time (s); nowhere before it opens.
+fn tip(crack: &Crack, time: f64) -> Option<DVec2> {
+    if crack.time_at(0.0) > time {
+        return None;
+    }
+    let (mut open, mut closed) = (0.0, crack.length());
+    if crack.time_at(closed) <= time {
+        return Some(crack.to);
+    }
+    for _ in 0..f64::MANTISSA_DIGITS {
+        let middle = 0.5 * (open + closed);
+        if crack.time_at(middle) <= time { open = middle } else { closed = middle }
+    }
+    Some(crack.from + open / crack.length() * (crack.to - crack.from))
 }
 
 /// Pipes, shaft and water; nothing where the body is no plan of a shaft.

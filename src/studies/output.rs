@@ -1,5 +1,7 @@
 //! Files, each whole or not at all.
 
+pub mod of_water;
+
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -35,6 +37,25 @@ pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), Failure> {
 /// Writes rows as CSV under the names of their fields.
 pub fn write_rows<R: Serialize>(path: &Path, rows: &[R]) -> Result<(), Failure> {
     write_whole(path, |writer| fill_rows(writer, rows))
+}
+
+/// Writes rows of two kinds as CSV, those of the one beside those of the other.
+pub fn write_beside<L: Serialize, R: Serialize>(path: &Path, left: &[L], right: &[R]) -> Result<(), Failure> {
+    write_whole(path, |writer| {
+        let cells = |fill: &dyn Fn(&mut dyn Write) -> io::Result<()>| -> io::Result<Vec<csv::StringRecord>> {
+            let mut text = Vec::new();
+            fill(&mut text)?;
+            let records = csv::ReaderBuilder::new().has_headers(false).from_reader(&text[..]).into_records();
+            records.collect::<Result<_, _>>().map_err(io::Error::other)
+        };
+        let left = cells(&|writer| fill_rows(writer, left))?;
+        let right = cells(&|writer| fill_rows(writer, right))?;
+        let mut csv = csv::Writer::from_writer(writer);
+        for (own, other) in left.iter().zip(&right) {
+            csv.write_record(own.iter().chain(other)).map_err(io::Error::other)?;
+        }
+        csv.flush()
+    })
 }
 
 fn fill_rows<R: Serialize>(writer: &mut dyn Write, rows: &[R]) -> io::Result<()> {
@@ -99,9 +120,16 @@ pub fn series(result: &RunResult) -> Vec<(&'static str, Option<Fill<'_>>)> {
         ("water.csv", water.and_then(|water| rows(&water.rows))),
         ("cut.csv", water.and_then(|water| rows(&water.cut))),
         ("flow.csv", water.and_then(|water| rows(&water.maps))),
-        ("budget.csv", budget(&result.budget_names, &result.budget)),
+        ("budget.csv", budget(&result.budget_names, &result.budget, ("stored_j", "j"))),
     ];
-    known.into_iter().chain(tables().map(of)).collect()
+    let mut all: Vec<_> = known.into_iter().chain(tables().map(of)).collect();
+    if result.record.of_water {
+        for (name, fill) in of_water::series(result) {
+            all.retain(|(other, _)| *other != name);
+            all.push((name, fill));
+        }
+    }
+    all
 }
 
 /// Writes the series of a run that have rows, and last its record: where that is, everything is. Files of an
@@ -179,14 +207,19 @@ fn fill_table(table: &Table) -> Option<Fill<'_>> {
     }))
 }
 
-fn budget<'a>(names: &'a [String], rows: &'a [BudgetRow]) -> Option<Fill<'a>> {
+/// A balance, by the name of what is stored and the unit of what comes in.
+fn budget<'a>(
+    names: &'a [String],
+    rows: &'a [BudgetRow],
+    (stored, unit): (&'static str, &'static str),
+) -> Option<Fill<'a>> {
     if rows.is_empty() {
         return None;
     }
     Some(Box::new(move |writer| {
         let mut csv = csv::Writer::from_writer(writer);
-        let patches = names.iter().map(|name| format!("in_{name}_j"));
-        let head = ["time_s".into(), "stored_j".into()].into_iter().chain(patches).chain(["balance_rel".into()]);
+        let patches = names.iter().map(|name| format!("in_{name}_{unit}"));
+        let head = ["time_s".into(), stored.into()].into_iter().chain(patches).chain(["balance_rel".into()]);
         csv.write_record(head).map_err(io::Error::other)?;
         for row in rows {
             let numbers = [row.time_s, row.stored_j].into_iter().chain(row.in_j.iter().copied());
@@ -215,6 +248,8 @@ mod tests {
             temperature_c: -2.0,
             temperature_ref_c: Some(-2.5),
             frozen_fraction: 1.0,
+            concentration: None,
+            concentration_ref: None,
             plane: "line".into(),
             y_m: None,
             along_m: 0.5,
@@ -227,7 +262,7 @@ mod tests {
         );
         let budget = [BudgetRow { time_s: 1.0, stored_j: -3.0, in_j: vec![-4.0, 1.0], balance_rel: 0.0 }];
         let names = ["left".to_owned(), "right".to_owned()];
-        let fill = super::budget(&names, &budget).expect("rows");
+        let fill = super::budget(&names, &budget, ("stored_j", "j")).expect("rows");
         write_whole(&folder.path().join("budget.csv"), fill).expect("written");
         assert_eq!(read("budget.csv"), "time_s,stored_j,in_left_j,in_right_j,balance_rel\n1.0,-3.0,-4.0,1.0,0.0\n");
     }

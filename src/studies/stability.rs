@@ -21,6 +21,7 @@ mod request;
 pub mod search;
 pub mod super_steps;
 pub mod tables;
+pub mod tolerances;
 
 pub use request::StabilityRequest;
 
@@ -29,18 +30,30 @@ pub use request::StabilityRequest;
 #[error("none of the axes means anything to these scenes and methods")]
 struct NoAxis;
 
+/// Scenes that do not go into one study.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "scenes of unsaturated water and of heat were asked for: their steps break in other ways, make a study of each"
+)]
+struct Apart;
+
 /// Maps.
 ///
 /// # Errors
 ///
 /// If a scene, method or axis is none, a run is refused, or a file cannot be written.
 pub fn stability(request: &StabilityRequest, parts: &Parts<'_>) -> Result<Verdict, Failure> {
-    let mut jobs = Vec::new();
+    let (mut jobs, mut of_water) = (Vec::new(), Vec::new());
     // Every scene is read and every column laid out before the first run, so that a misspelt name costs no time.
     for name in &request.scenes {
         let scene = (parts.scene_at)(name, &request.overrides)?;
+        of_water.push(scene.of_water);
         jobs.extend(plan::jobs(request, parts, name, &scene)?);
     }
+    let of_water = match of_water.contains(&true) {
+        true if of_water.contains(&false) => return Err(Failure::request(Apart)),
+        of_water => of_water,
+    };
     if jobs.is_empty() {
         return Err(Failure::request(NoAxis));
     }
@@ -48,6 +61,9 @@ pub fn stability(request: &StabilityRequest, parts: &Parts<'_>) -> Result<Verdic
     let folder = Folder::make(&path)?;
     let machine = Machine::now();
     let campaign = Campaign::open(&path, Shard::WHOLE, request.threads, parts.interrupt)?;
+    if of_water {
+        return tolerances(request, parts, &jobs, (folder.path(), &machine, &campaign));
+    }
     let columns = execute::columns(request, parts, jobs, &campaign)?;
     if campaign.is_interrupted() {
         complain("interrupted: the same command goes on from here");
@@ -59,6 +75,25 @@ pub fn stability(request: &StabilityRequest, parts: &Parts<'_>) -> Result<Verdic
         complain(&format!("written: {}", path.join("report.html").display()));
     }
     Ok(verdict(&columns))
+}
+
+/// The same of unsaturated water, whose steps follow a tolerance.
+fn tolerances(
+    request: &StabilityRequest,
+    parts: &Parts<'_>,
+    jobs: &[plan::Job],
+    (folder, machine, campaign): (&Path, &Machine, &Campaign<'_>),
+) -> Result<Verdict, Failure> {
+    let cells = tolerances::cells(request, parts, jobs, campaign)?;
+    if campaign.is_interrupted() {
+        complain("interrupted: the same command goes on from here");
+        return Ok(Verdict::Broken);
+    }
+    tolerances::write(request, parts, machine, folder, &cells)?;
+    if !request.quiet {
+        complain(&format!("written: {}", folder.join("report.html").display()));
+    }
+    Ok(if tolerances::is_good(&cells) { Verdict::Done } else { Verdict::CheckFailed })
 }
 
 /// A map is a measurement, whatever it shows; but a step within the bound that is not exact refutes the bound.

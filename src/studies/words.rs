@@ -1,5 +1,7 @@
 //! A scene in words, as pages say it.
 
+mod of_water;
+
 use frazil_core::boundary::condition::Condition;
 use frazil_core::breakage::crack::{Crack, Growth};
 use frazil_core::physics::material::{Material, Phase};
@@ -17,7 +19,7 @@ pub fn length_words(units: Units, value: f64) -> String {
 
 /// What a scene says, for a page.
 pub fn parameters(scene: &Scene) -> Vec<Fact> {
-    let words = Words { si: scene.units == Units::Si };
+    let words = Words { si: scene.units == Units::Si, scene };
     let duration = match words.si {
         true => format!("{} {}", number(scene.duration / scene.time_unit.seconds(), 4), scene.time_unit.symbol()),
         false => number(scene.duration, 4),
@@ -25,11 +27,14 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
     let mut facts = vec![
         Fact::new("Body", words.body(scene.domain)),
         Fact::new("Duration", duration),
-        Fact::new("Temperature at the start", words.with(scene.initial_temperature, "°C")),
+        Fact::new(
+            if scene.of_water { "Start" } else { "Temperature at the start" },
+            words.state(scene.initial_temperature),
+        ),
     ];
     facts.extend(scene.regions.iter().enumerate().map(|(number, region)| {
         let material = region.material.map(|index| format!(", of {}", scene.materials[index].name));
-        let start = region.temperature.map(|temperature| format!(", starts at {}", words.with(temperature, "°C")));
+        let start = region.temperature.map(|start| format!(", starts at {}", words.state(start)));
         let all = [Some(words.shape(&region.shape)), material, start].into_iter().flatten().collect::<String>();
         Fact::new(format!("Region {number}"), all)
     }));
@@ -37,6 +42,7 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
     facts.extend(cracks.map(|(number, crack)| Fact::new(format!("Crack {number}"), words.crack(crack))));
     let walls = scene.walls.iter();
     facts.extend(walls.map(|wall| Fact::new(format!("Wall {}", wall.wall), words.condition(&wall.condition))));
+    facts.extend(of_water::solute(&words));
     facts.extend(scene.excavation.iter().map(|shaft| {
         let days = words.with(shaft.start / scene.time_unit.seconds(), scene.time_unit.symbol());
         let (radius, face) = (words.with(shaft.radius, "m"), words.condition(&shaft.condition));
@@ -49,13 +55,19 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
 }
 
 /// Parts of a scene in words, with units where it has any.
-struct Words {
+struct Words<'a> {
     si: bool,
+    scene: &'a Scene,
 }
 
-impl Words {
+impl Words<'_> {
     fn with(&self, value: f64, unit: &str) -> String {
         if self.si && !unit.is_empty() { format!("{} {unit}", number(value, 4)) } else { number(value, 4) }
+    }
+
+    /// What a body or a wall has: a temperature, or a head of water.
+    fn state(&self, value: f64) -> String {
+        if self.scene.of_water { of_water::state(self, value) } else { self.with(value, "°C") }
     }
 
     fn point(&self, place: DVec2) -> String {
@@ -114,7 +126,12 @@ impl Words {
 
     fn condition(&self, condition: &Condition) -> String {
         match condition {
+            Condition::Symmetry if self.scene.of_water => "mirror plane, no water crosses".into(),
+            Condition::Flux(value) if self.scene.of_water => {
+                format!("water flux into the body: {}", self.series(value, "m/s"))
+            }
             Condition::Symmetry => "mirror plane, no heat crosses".into(),
+            Condition::Temperature(Series::Constant(value)) => self.state(*value),
             Condition::Temperature(value) => self.series(value, "°C"),
             Condition::Flux(value) => format!("heat flux into the body: {}", self.series(value, "W/m²")),
             Condition::Film { kind, strength, ambient } => {
@@ -132,6 +149,9 @@ impl Words {
     }
 
     fn material(&self, material: &Material) -> String {
+        if let Some(soil) = &material.soil {
+            return of_water::soil(self, soil);
+        }
         let phase = |phase: Phase| {
             let (conductivity, capacity) = (phase.conductivity, phase.heat_capacity);
             format!("{}, {}", self.with(conductivity, "W/(m K)"), self.with(capacity, "J/(kg K)"))

@@ -57,6 +57,7 @@ pub(crate) fn water(law: FreezingLaw) -> Material {
         law,
         mixing: Mixing::Geometric,
         pores: None,
+        soil: None,
     }
 }
 
@@ -77,6 +78,7 @@ fn cases() -> Vec<(Material, f64, f64)> {
         law: Linear { width: 1.0 }.into(),
         mixing: Mixing::Arithmetic,
         pores: None,
+        soil: None,
     };
     let residual = Weibull { width: 0.8, residual: 0.2 }.into();
     vec![

@@ -156,6 +156,8 @@ fn ring(name: &str, count: usize, missing: &[usize], inner: bool) -> Made {
             temperature_c: temperature(-25.0),
             temperature_ref_c: None,
             frozen_fraction: 0.0,
+            concentration: None,
+            concentration_ref: None,
             plane: "main".into(),
             y_m: None,
             along_m: x,
@@ -189,6 +191,7 @@ fn field(pipes: &[PipeView]) -> Field {
         spacing_m: spacing,
         frozen_fraction: temperature_c.iter().map(|value| (-0.2 - value).clamp(0.0, 0.6) / 0.6).collect(),
         temperature_c,
+        concentration: Vec::new(),
         temperature_ref_c: Vec::new(),
     }
 }

@@ -14,7 +14,7 @@ pub mod advection;
 mod dispersion;
 mod image;
 mod limit;
-pub mod material;
+
 mod pairs;
 #[cfg(test)]
 mod tests;
@@ -23,14 +23,15 @@ mod walls;
 use crate::balances::solute::advection::Advection;
 use crate::balances::solute::image::Image;
 use crate::balances::solute::limit::Row;
-use crate::balances::solute::material::SoluteMaterial;
 use crate::balances::solute::pairs::{Pairs, Sums};
 use crate::balances::solute::walls::Walls;
 use crate::kernels::list_parts::ListParts;
 use crate::ledger::Source;
 use crate::memory::{HeapSize, total};
+use crate::physics::solute_material::SoluteMaterial;
 use crate::series::Series;
 use crate::solvers::balance::BalanceFacts;
+use crate::solvers::passenger::{Interval, Passenger};
 use crate::solvers::sharp::just_before;
 use crate::solvers::step::{Bound, Clock};
 use crate::space::wall::PatchId;
@@ -71,23 +72,10 @@ pub enum SoluteError {
     Closed(PatchId),
 }
 
-/// What water does in an interval of time.
-#[derive(Debug, Clone, Copy)]
-pub struct Interval<'a> {
-    /// When it begins (s).
-    pub start: f64,
-    /// Its length (s).
-    pub step: f64,
-    /// Water that the particle of each entry of the list of pairs gains along it, by the particle's volume (1/s).
-    pub flows: &'a [f64],
-    /// Water contents of all particles at its start and at its end.
-    pub contents: (&'a [f64], &'a [f64]),
-}
-
 /// The balance of a solute. Its contents stand where others have enthalpies, and concentrations where those have
 /// potentials; walls take and give it by volume, like the contents.
 ///
-/// Water is given interval by interval, by [`Solute::take`]; steps lie within one, and the bound of the step is that of the
+/// Water is given interval by interval ([`Passenger`]); steps lie within one, and the bound of the step is that of the
 /// interval. Solvers that keep rates from one step to the next are to be told of a new one by their clock, as when walls turn.
 pub struct Solute {
     list: ListParts,
@@ -163,15 +151,6 @@ impl Solute {
         Ok(solute)
     }
 
-    /// Takes the water of an interval.
-    pub fn take(&mut self, interval: &Interval<'_>) {
-        (self.start, self.step) = (interval.start, interval.step);
-        self.pairs.flows.copy_from_slice(interval.flows);
-        self.contents[0].copy_from_slice(interval.contents.0);
-        self.contents[1].copy_from_slice(interval.contents.1);
-        self.follow();
-    }
-
     /// Concentration of a particle that holds so much of the solute, at a time (s) within the interval.
     pub fn concentration(&self, particle: usize, content: f64, time: f64) -> f64 {
         concentration(content, self.holding(particle, self.share(time)))
@@ -235,6 +214,20 @@ impl Solute {
 #[inline]
 fn concentration(content: f64, holds: f64) -> f64 {
     if holds > 0.0 { content / holds } else { 0.0 }
+}
+
+impl Passenger for Solute {
+    fn take(&mut self, interval: &Interval<'_>) {
+        (self.start, self.step) = (interval.start, interval.step);
+        self.pairs.flows.copy_from_slice(interval.flows);
+        self.contents[0].copy_from_slice(interval.contents.0);
+        self.contents[1].copy_from_slice(interval.contents.1);
+        self.follow();
+    }
+
+    fn potentials(&self, contents: &[f64], potentials: &mut [f64]) {
+        self.concentrations(contents, self.start + self.step, potentials);
+    }
 }
 
 impl HeapSize for Solute {

@@ -130,7 +130,7 @@ impl Chain {
             |of: &dyn Fn(&Piece) -> f64| 1.0 / pieces.iter().map(|piece| piece.share / of(piece)).sum::<f64>();
         let conductivity =
             (through(&|piece| curve(piece).least_conductive()), through(&|piece| curve(piece).most_conductive()));
-        let alike = pieces.iter().all(|piece| curve(piece).least_conductive() == curve(piece).most_conductive());
+        let alike = pieces.iter().all(|piece| curve(piece).scaled_from(curve(&pieces[0])).is_some());
         let ends = pieces.first().zip(pieces.last()).filter(|_| alike);
         let by = |piece: &Piece| conductivity.0 / curve(piece).least_conductive();
         let straight = ends.map(|(near, far)| (by(near), by(far)));

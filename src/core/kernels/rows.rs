@@ -79,19 +79,8 @@ impl<T: PairTerm> ListRows<T> {
         patches: &mut [f64],
     ) {
         self.term.begin(clock);
-        self.parts.cuts.bring_to(clock.time, &mut self.parts.pairs.weights);
+        self.bring_to(scheme, enthalpy, clock.time);
         let parts = &self.parts;
-        scheme.read(&parts.materials, enthalpy, &mut self.fields);
-        for (faces, thermal) in self.faces.iter_mut().zip(parts.materials.thermals.iter()) {
-            parts.boundary.update_faces(faces, clock.time, &thermal.curve, thermal.initial_potential);
-        }
-        if !self.fields.potential.is_empty() {
-            parts.ghosts.fill_potentials(&mut self.fields.potential, &self.faces, &parts.materials, &parts.chains);
-        }
-        if !self.fields.temperature.is_empty() {
-            let (temperature, conductivity) = (&mut self.fields.temperature, &mut self.fields.conductivity);
-            parts.ghosts.fill_temperatures(temperature, conductivity, &self.faces, &parts.materials);
-        }
         patches.fill(0.0);
         // The one place where exchange and materials become types.
         match (parts.exchange, parts.materials.mixed()) {
@@ -125,6 +114,23 @@ impl<T: PairTerm> ListRows<T> {
                 rate[*index as usize] -= taken * weight / parts.volumes.of(*index as usize);
             }
             patches[walls + sink.ring] -= taken;
+        }
+    }
+
+    /// Brings pairs, walls and fields to a state and a time (s).
+    pub(super) fn bring_to(&mut self, scheme: &dyn SchemeState, enthalpy: &[f64], time: f64) {
+        self.parts.cuts.bring_to(time, &mut self.parts.pairs.weights);
+        let parts = &self.parts;
+        scheme.read(&parts.materials, enthalpy, &mut self.fields);
+        for (faces, thermal) in self.faces.iter_mut().zip(parts.materials.thermals.iter()) {
+            parts.boundary.update_faces(faces, time, &thermal.curve, thermal.initial_potential);
+        }
+        if !self.fields.potential.is_empty() {
+            parts.ghosts.fill_potentials(&mut self.fields.potential, &self.faces, &parts.materials, &parts.chains);
+        }
+        if !self.fields.temperature.is_empty() {
+            let (temperature, conductivity) = (&mut self.fields.temperature, &mut self.fields.conductivity);
+            parts.ghosts.fill_temperatures(temperature, conductivity, &self.faces, &parts.materials);
         }
     }
 
@@ -287,18 +293,32 @@ impl<T: PairTerm> ListRows<T> {
         weight * conducted + self.term.add(&view)
     }
 
-    /// Heat (W) through each surface, towards greater coordinates, at the last state.
-    pub fn across(&self, heat: &mut [f64]) {
-        let conducted = |i: usize, j: usize, k: usize| match (self.parts.exchange, self.parts.materials.mixed()) {
+    /// What a pair conducts, whatever the exchange.
+    fn conducted(&self, i: usize, j: usize, k: usize) -> f64 {
+        match (self.parts.exchange, self.parts.materials.mixed()) {
             (Exchange::Potential, false) => self.potential_difference(i, j),
             (Exchange::Potential, true) => self.across_materials(i, j, k),
             (Exchange::Mean(Mean::Harmonic), _) => self.by_mean(i, j, |a, b| 2.0 * a * b / (a + b)),
             (Exchange::Mean(Mean::Arithmetic), _) => self.by_mean(i, j, |a, b| 0.5 * (a + b)),
             (Exchange::Mean(Mean::Geometric), _) => self.by_mean(i, j, |a, b| (a * b).sqrt()),
-        };
+        }
+    }
+
+    /// Adds a share of what each entry of the rows gives its particle (W/m3) at the last state.
+    pub(super) fn add_flows(&self, share: f64, flows: &mut [f64]) {
+        let pairs = &self.parts.pairs;
+        for i in 0..self.parts.positions.len() {
+            for k in pairs.starts[i]..pairs.starts[i + 1] {
+                flows[k] += share * pairs.weights[k] * self.conducted(i, pairs.partners[k] as usize, k);
+            }
+        }
+    }
+
+    /// Heat (W) through each surface, towards greater coordinates, at the last state.
+    pub fn across(&self, heat: &mut [f64]) {
         let pairs = &self.parts.pairs;
         let of_pair = |(Crossing { particle, pair, portion }, volume): &(Crossing, f64)| {
-            let to = |j: u32| conducted(*particle as usize, j as usize, *pair);
+            let to = |j: u32| self.conducted(*particle as usize, j as usize, *pair);
             let all = pairs.partners[*pair];
             let conducted = match *portion {
                 Portion::All => to(all),

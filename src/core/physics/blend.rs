@@ -5,6 +5,7 @@
 //! lies between it and others is known exactly ([`crate::boundary::interface`]).
 
 use crate::physics::curve::Curve;
+use crate::physics::retention::scale::DRY;
 use crate::physics::root::solve_increasing;
 
 /// Materials in shares of one volume, all at one temperature.
@@ -79,6 +80,9 @@ impl Blend {
         let point = self.parts[0].1.freezing_point();
         let away = (enthalpy - self.enthalpy(point)) / least;
         let (mut low, mut high) = (point + away.min(0.0), point + away.max(0.0));
+        if self.parts.iter().any(|(_, curve)| curve.moisture().is_some()) {
+            low = low.max(DRY);
+        }
         for (point, bottom, top) in &self.plateaus {
             if enthalpy > *top {
                 low = low.max(*point);

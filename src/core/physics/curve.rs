@@ -9,6 +9,7 @@ use crate::physics::freezing_curve::linear::Linear;
 use crate::physics::freezing_curve::shape::UnfrozenFraction;
 use crate::physics::integral::Integral;
 use crate::physics::material::{FreezingLaw, Material, Mixing};
+use crate::physics::retention::moisture::Moisture;
 use crate::physics::root::solve_increasing;
 
 /// Intervals of the table of a smooth law. Hermite interpolation over this many leaves less than 1e-7 of the
@@ -30,6 +31,8 @@ pub struct Curve {
     pub(super) blend: Option<Arc<Blend>>,
     /// Potential below the freezing point, where it has no closed form.
     pub(super) mixed_potential: Option<Integral>,
+    /// The relations of water, of ground that is given for water and not for heat.
+    pub(super) moisture: Option<Arc<Moisture>>,
 }
 
 /// Least steps of temperature over which a geometric mean of conductivities is integrated. Cubic interpolation between
@@ -47,6 +50,9 @@ fn steps_each(all: usize, count: usize) -> usize {
 impl Curve {
     /// The relations of a material.
     pub fn new(material: &Material) -> Self {
+        if let Some(soil) = &material.soil {
+            return Curve::of_water(Moisture::new(soil.clone()));
+        }
         let curve = Curve {
             law: material.law.clone(),
             mixing: material.mixing,
@@ -58,8 +64,33 @@ impl Curve {
             latent_heat: material.volumetric_latent_heat(),
             blend: None,
             mixed_potential: None,
+            moisture: None,
         };
         curve.with_mixed_potential()
+    }
+
+    /// The relations of water in unsaturated ground: what is said of temperatures holds of places on the scale of heads
+    /// ([`crate::physics::retention::scale`]), of enthalpies of contents, of the unfrozen fraction of the saturation.
+    fn of_water(moisture: Moisture) -> Self {
+        let (conductivity, storage) = (moisture.soil().conductivity, moisture.soil().storage);
+        Curve {
+            law: FreezingLaw::None,
+            mixing: Mixing::Arithmetic,
+            freezing_point: 0.0,
+            frozen_conductivity: conductivity,
+            unfrozen_conductivity: conductivity,
+            frozen_capacity: storage,
+            unfrozen_capacity: storage,
+            latent_heat: moisture.drainable(),
+            blend: None,
+            mixed_potential: None,
+            moisture: Some(Arc::new(moisture)),
+        }
+    }
+
+    /// The relations of water, where it is water that flows.
+    pub fn moisture(&self) -> Option<&Moisture> {
+        self.moisture.as_deref()
     }
 
     /// Fills the table of the potential, if its law needs one.
@@ -141,7 +172,7 @@ impl Curve {
 
     /// Whether potential and enthalpy are piecewise linear in each other.
     pub fn is_kinked(&self) -> bool {
-        !matches!(self.law, FreezingLaw::Curve(_))
+        !matches!(self.law, FreezingLaw::Curve(_)) && self.moisture.is_none()
     }
 
     /// Distance below the freezing point (K, negative) at which nothing more freezes.
@@ -154,6 +185,9 @@ impl Curve {
 
     /// Unfrozen fraction at a temperature; at the freezing point itself, one.
     pub fn unfrozen_fraction(&self, temperature: f64) -> f64 {
+        if let Some(moisture) = &self.moisture {
+            return moisture.saturation(temperature);
+        }
         let below = temperature - self.freezing_point;
         if below >= 0.0 {
             return 1.0;
@@ -169,6 +203,9 @@ impl Curve {
     pub fn enthalpy(&self, temperature: f64) -> f64 {
         if let Some(blend) = &self.blend {
             return blend.enthalpy(temperature);
+        }
+        if let Some(moisture) = &self.moisture {
+            return moisture.content(temperature);
         }
         let below = temperature - self.freezing_point;
         if below >= 0.0 {
@@ -199,6 +236,9 @@ impl Curve {
         if let Some(blend) = &self.blend {
             return blend.apparent_capacity(temperature);
         }
+        if let Some(moisture) = &self.moisture {
+            return moisture.capacity(temperature);
+        }
         let below = temperature - self.freezing_point;
         if below >= 0.0 {
             return self.unfrozen_capacity;
@@ -214,6 +254,9 @@ impl Curve {
     pub fn temperature(&self, enthalpy: f64) -> f64 {
         if let Some(blend) = &self.blend {
             return blend.temperature(enthalpy);
+        }
+        if let Some(moisture) = &self.moisture {
+            return moisture.place_of_content(enthalpy);
         }
         if enthalpy >= 0.0 {
             return self.freezing_point + enthalpy / self.unfrozen_capacity;
@@ -244,7 +287,7 @@ impl Curve {
             return blend.frozen_fraction(enthalpy);
         }
         match &self.law {
-            FreezingLaw::None => 0.0,
+            FreezingLaw::None if self.moisture.is_none() => 0.0,
             FreezingLaw::Isothermal => (-enthalpy / self.latent_heat).clamp(0.0, 1.0),
             _ => 1.0 - self.unfrozen_fraction(self.temperature(enthalpy)),
         }
@@ -257,6 +300,9 @@ impl Curve {
 
     /// Conductivity (W/mK) at a temperature.
     pub fn conductivity(&self, temperature: f64) -> f64 {
+        if let Some(moisture) = &self.moisture {
+            return moisture.conductivity(temperature);
+        }
         if temperature >= self.freezing_point {
             return self.unfrozen_conductivity;
         }
@@ -268,6 +314,9 @@ impl Curve {
 
     /// Conduction potential (W/m) at a temperature: the integral of the conductivity from the freezing point.
     pub fn potential(&self, temperature: f64) -> f64 {
+        if let Some(moisture) = &self.moisture {
+            return moisture.potential(temperature);
+        }
         let below = temperature - self.freezing_point;
         if below >= 0.0 {
             return self.unfrozen_conductivity * below;
@@ -284,6 +333,9 @@ impl Curve {
 
     /// Temperature at a conduction potential (W/m): the inverse of [`Curve::potential`].
     pub fn temperature_of_potential(&self, potential: f64) -> f64 {
+        if let Some(moisture) = &self.moisture {
+            return moisture.place_of_potential(potential);
+        }
         if potential >= 0.0 {
             return self.freezing_point + potential / self.unfrozen_conductivity;
         }
@@ -350,12 +402,35 @@ impl Curve {
 
     /// The conductivity (W/mK) at all temperatures between two, if it is one.
     pub fn conductivity_between(&self, low: f64, high: f64) -> Option<f64> {
+        if self.moisture.is_some() {
+            return (low >= 0.0).then_some(self.unfrozen_conductivity);
+        }
         if self.frozen_conductivity == self.unfrozen_conductivity || low >= self.freezing_point {
             Some(self.unfrozen_conductivity)
         } else if high <= self.freezing_point + self.coldest_change() {
             Some(self.coldest_conductivity())
         } else {
             None
+        }
+    }
+
+    /// How many times better than another material this one conducts at all temperatures, if that is one number.
+    pub fn scaled_from(&self, other: &Curve) -> Option<f64> {
+        match (&self.moisture, &other.moisture) {
+            (Some(own), Some(other)) => own.scaled_from(other),
+            (None, None) => {
+                let constant = |curve: &Curve| curve.least_conductive() == curve.most_conductive();
+                (constant(self) && constant(other)).then(|| self.most_conductive() / other.most_conductive())
+            }
+            _ => None,
+        }
+    }
+
+    /// Whether another material stores the same at all temperatures.
+    pub fn stores_like(&self, other: &Curve) -> bool {
+        match (&self.moisture, &other.moisture) {
+            (Some(own), Some(other)) => own.holds_like(other),
+            _ => false,
         }
     }
 
@@ -394,6 +469,6 @@ impl HeapSize for Curve {
             FreezingLaw::None | FreezingLaw::Isothermal => 0,
             FreezingLaw::Curve(curve) => curve.heap_size(),
         };
-        law + self.mixed_potential.heap_size()
+        law + self.mixed_potential.heap_size() + self.moisture.as_ref().map_or(0, |moisture| moisture.heap_size())
     }
 }

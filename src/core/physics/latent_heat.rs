@@ -379,6 +379,7 @@ mod tests {
             law,
             mixing: Mixing::Arithmetic,
             pores: None,
+            soil: None,
         });
         Materials::new(vec![Thermal::new(curve, initial)].into(), Vec::new())
     }

@@ -77,6 +77,7 @@ impl Laws for Runs {
                 Law::Straight(law) => PotentialLaw::fill(law, from, into),
                 Law::Kinked(law) => PotentialLaw::fill(law, from, into),
                 Law::Curved(law) => PotentialLaw::fill(law, from, into),
+                Law::Tabulated(law) => PotentialLaw::fill(law, from, into),
                 Law::Blended(law) => {
                     for (potential, enthalpy) in into.iter_mut().zip(from) {
                         *potential = law.potential(*enthalpy);

@@ -2,6 +2,7 @@
 
 pub use crate::physics::freezing_curve::FreezingLaw;
 pub use crate::physics::mixing::Mixing;
+pub use crate::physics::retention::moisture::Soil;
 
 /// One phase of a material.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,6 +50,9 @@ pub struct Material {
     pub mixing: Mixing,
     /// Its pores, where the scene gives it as solid, water and ice.
     pub pores: Option<Pores>,
+    /// What unsaturated water finds in it, where it is given for water and not for heat; all of the above but the name then
+    /// stands idle.
+    pub soil: Option<Soil>,
 }
 
 impl Material {

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use crate::memory::HeapSize;
 use crate::physics::curve::Curve;
 use crate::physics::curved::Curved;
+use crate::physics::retention::tabulated::Tabulated;
 
 /// The function of the inner loop: enthalpy to potential, both counted from the initial state.
 pub trait PotentialLaw: Clone + Send + Sync + 'static {
@@ -122,8 +123,10 @@ pub enum Law {
     Straight(Straight),
     /// Piecewise linear.
     Kinked(Kinked),
-    /// Tabulated.
+    /// Along a freezing curve.
     Curved(Curved),
+    /// Of unsaturated water.
+    Tabulated(Tabulated),
     /// Of several materials.
     Blended(Blended),
 }
@@ -135,6 +138,7 @@ impl Law {
             Law::Straight(law) => law.potential(enthalpy),
             Law::Kinked(law) => law.potential(enthalpy),
             Law::Curved(law) => law.potential(enthalpy),
+            Law::Tabulated(law) => law.potential(enthalpy),
             Law::Blended(law) => law.potential(enthalpy),
         }
     }
@@ -145,6 +149,7 @@ impl Law {
             Law::Straight(law) => law.slope(enthalpy),
             Law::Kinked(law) => law.slope(enthalpy),
             Law::Curved(law) => law.slope(enthalpy),
+            Law::Tabulated(law) => law.slope(enthalpy),
             Law::Blended(law) => law.slope(enthalpy),
         }
     }
@@ -155,6 +160,7 @@ impl HeapSize for Law {
         match self {
             Law::Straight(_) | Law::Kinked(_) => 0,
             Law::Curved(law) => law.heap_size(),
+            Law::Tabulated(law) => law.heap_size(),
             Law::Blended(_) => size_of::<Curve>(),
         }
     }
@@ -184,6 +190,7 @@ mod tests {
             law,
             mixing,
             pores: None,
+            soil: None,
         })
     }
 

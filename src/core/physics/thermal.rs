@@ -6,6 +6,7 @@ use crate::physics::blend::Blend;
 use crate::physics::curve::Curve;
 use crate::physics::curved::Curved;
 use crate::physics::potential::{Blended, Kinked, Law, Straight};
+use crate::physics::retention::tabulated::Tabulated;
 
 /// The law of one material as the step needs it, with the exact curve beside it.
 #[derive(Debug, Clone)]
@@ -51,6 +52,9 @@ impl Thermal {
                 (curve.frozen_conductivity / curve.frozen_capacity)
                     .max(curve.unfrozen_conductivity / curve.unfrozen_capacity),
             )
+        } else if let Some(moisture) = curve.moisture() {
+            let law = Tabulated::new(moisture, initial_enthalpy);
+            (Law::Tabulated(law), curve.most_conductive() / curve.least_capacity())
         } else {
             let law = Curved::new(&curve, initial_enthalpy);
             (Law::Curved(law), curve.largest_diffusivity())

@@ -3,6 +3,7 @@
 use crate::ledger::Source;
 use crate::memory::HeapSize;
 use crate::particles::Particles;
+use crate::solvers::passenger::Passenger;
 use crate::solvers::solver::Water;
 use crate::solvers::step::{Bound, Clock, StepError};
 
@@ -102,6 +103,10 @@ pub trait Balance: HeapSize + Send {
     }
     /// The same, to be solved.
     fn companion_mut(&mut self) -> Option<&mut dyn Companion> {
+        None
+    }
+    /// The same as what rides on another balance, if it does.
+    fn passenger_mut(&mut self) -> Option<&mut dyn Passenger> {
         None
     }
 }

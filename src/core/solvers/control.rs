@@ -92,6 +92,9 @@ pub fn taken_up(state: &[f64], start: &[f64], by_state: f64) -> f64 {
 /// taken for an error.
 const LEAST_SCALE: f64 = 1e-4;
 
+/// Part of the water between dry and saturated that is little beside any.
+const FLOOR: f64 = 1e-3;
+
 /// The range of enthalpies that the data of a scene span, where nothing can drive particles beyond it.
 #[derive(Debug, Clone)]
 pub struct EnthalpyRange {
@@ -101,6 +104,8 @@ pub struct EnthalpyRange {
     exempt: Vec<u32>,
     /// Whether fluxes can drive particles out of the range.
     open: bool,
+    /// See [`EnthalpyRange::floor`].
+    floor: f64,
 }
 
 /// Enthalpies of one material, less the initial one (J/m3).
@@ -115,7 +120,12 @@ struct MaterialRange {
 
 impl EnthalpyRange {
     /// The range between two temperatures.
-    pub fn new(materials: &Materials, temperatures: (f64, f64), exempt: Vec<u32>, open: bool) -> Self {
+    pub fn new(
+        materials: &Materials,
+        temperatures: (f64, f64),
+        exempt: Vec<u32>,
+        (open, count): (bool, usize),
+    ) -> Self {
         let width = temperatures.1 - temperatures.0;
         let by_material = materials
             .laws()
@@ -123,7 +133,12 @@ impl EnthalpyRange {
                 let low = thermal.curve.least_enthalpy(temperatures.0) - thermal.initial_enthalpy;
                 let high = thermal.enthalpy(temperatures.1);
                 let sensible = thermal.curve.least_capacity() * if width > 0.0 { width } else { 1.0 };
-                MaterialRange { low, high, scale: sensible.max(LEAST_SCALE * (high - low)) }
+                // What pressure stores is little beside the water that ground gives off as it dries.
+                let scale = match thermal.curve.moisture() {
+                    Some(moisture) => moisture.drainable(),
+                    None => sensible.max(LEAST_SCALE * (high - low)),
+                };
+                MaterialRange { low, high, scale }
             })
             .collect();
         // Where the data are one temperature, nothing moves, or only fluxes move it.
@@ -132,7 +147,9 @@ impl EnthalpyRange {
             true => materials.of_particle.iter().map(|material| u32::from(*material)).collect(),
             false => materials.law_of.clone(),
         };
-        EnthalpyRange { by_material, of_particle, exempt, open }
+        let water = |i: usize| materials.of(i).curve.moisture().map_or(0.0, |moisture| moisture.drainable());
+        let floor = FLOOR * (0..count).map(water).sum::<f64>();
+        EnthalpyRange { by_material, of_particle, exempt, open, floor }
     }
 
     #[inline(always)]
@@ -144,6 +161,12 @@ impl EnthalpyRange {
     #[inline(always)]
     pub fn scale(&self, particle: usize) -> f64 {
         self.of(particle).scale
+    }
+
+    /// Sum over particles of what errors of a step need not be small beside: ground that stays saturated takes up next to no
+    /// water, however much flows through it.
+    pub fn floor(&self) -> f64 {
+        self.floor
     }
 
     /// How far, over its scale, the worst particle has left its range.

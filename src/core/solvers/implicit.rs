@@ -9,7 +9,7 @@ use crate::solvers::balance::{Balance, BalanceFacts};
 use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
 use crate::solvers::newton::{Newton, NotConverged, RESIDUAL, Stage};
 use crate::solvers::sharp::just_before;
-use crate::solvers::solver::{Solver, SolverReport};
+use crate::solvers::solver::{KeptStage, Solver, SolverReport};
 use crate::solvers::step::{Clock, StepError};
 
 /// The diagonal of the scheme, 1 - 1/sqrt 2: L-stable and of second order (Alexander 1977).
@@ -64,6 +64,8 @@ pub struct Implicit {
     limited: u64,
     /// Whether the rates are not those of the present state.
     stale: bool,
+    /// States of both stages and of the step of Euler beside them; empty where nobody asks.
+    kept: Vec<KeptStage>,
 }
 
 impl Implicit {
@@ -105,6 +107,7 @@ impl Implicit {
             rejected: 0,
             limited: 0,
             stale: false,
+            kept: Vec::new(),
         }
     }
 
@@ -112,16 +115,18 @@ impl Implicit {
     fn stages(&mut self, start: &[f64], clock: &Clock) -> Result<(), NotConverged> {
         let Clock { time, step, .. } = *clock;
         let weight = DIAGONAL * step;
-        let Implicit { balance, newton, range, stage, known, next, rates: [first, second], patches, .. } = self;
+        let Implicit { balance, newton, range, stage, known, next, rates: [first, second], patches, kept, .. } = self;
         let [first_patches, second_patches, _] = patches;
         extrapolate(stage, start, &self.rate, weight);
         let system = Stage { known: start, weight, clock: Clock { time: time + weight, ..*clock }, range };
         newton.solve(balance.as_mut(), &system, stage, first, first_patches)?;
+        keep_state(kept, 0, stage, time + weight);
         extrapolate(known, start, first, (1.0 - DIAGONAL) * step);
         extrapolate(stage, start, first, step);
         let clock = Clock { time: just_before(time, step), ..*clock };
         let system = Stage { known, weight, clock, range };
         newton.solve(balance.as_mut(), &system, stage, second, second_patches)?;
+        keep_state(kept, 1, stage, clock.time);
         extrapolate(next, known, second, weight);
         Ok(())
     }
@@ -133,11 +138,12 @@ impl Implicit {
             return Ok(1.0);
         }
         self.euler_rate.resize(start.len(), 0.0);
-        let Implicit { balance, newton, range, stage, next, euler_rate, patches, .. } = self;
+        let Implicit { balance, newton, range, stage, next, euler_rate, patches, kept, .. } = self;
         stage.copy_from_slice(start);
         let clock = Clock { time: just_before(time, step), ..*clock };
         let system = Stage { known: start, weight: step, clock, range };
         newton.solve(balance.as_mut(), &system, stage, euler_rate, &mut patches[2])?;
+        keep_state(kept, 2, stage, clock.time);
         extrapolate(stage, start, euler_rate, step);
         let share = range.share(stage, next, SLACK);
         for (next, euler) in next.iter_mut().zip(stage.iter()) {
@@ -147,7 +153,8 @@ impl Implicit {
     }
 
     /// Makes a step of explicit Euler, short enough to keep the range, where Newton's iteration finds none; its length (s).
-    fn step_by_euler(&mut self, state: &mut [f64], step: f64) -> f64 {
+    fn step_by_euler(&mut self, state: &mut [f64], clock: &Clock, step: f64) -> f64 {
+        keep_state(&mut self.kept, 2, state, clock.time);
         self.euler_rate.clone_from(&self.rate);
         self.patches[2].clone_from(&self.end_patches);
         extrapolate(&mut self.next, state, &self.euler_rate, step);
@@ -176,6 +183,8 @@ impl Implicit {
                 *rate = euler + share * (*rate - euler);
             }
         }
+        let shares = [share * (1.0 - DIAGONAL), share * DIAGONAL, 1.0 - share];
+        self.kept.iter_mut().zip(shares).for_each(|(kept, share)| kept.share = share);
         self.previous.copy_from_slice(state);
         state.copy_from_slice(&self.next);
         self.last_step = step;
@@ -194,6 +203,15 @@ impl Implicit {
             sums.1 += volume(i) * self.next[i].abs();
         }
         sums
+    }
+}
+
+/// Keeps a state, if any are kept.
+fn keep_state(kept: &mut [KeptStage], number: usize, state: &[f64], time: f64) {
+    if let Some(kept) = kept.get_mut(number) {
+        kept.state.clear();
+        kept.state.extend_from_slice(state);
+        kept.time = time;
     }
 }
 
@@ -240,11 +258,11 @@ impl Solver for Implicit {
                         true => self.error(step, share, |_| 1.0),
                         false => self.error(step, share, |i| volumes.share(i)),
                     };
-                    let size = taken_up(&self.next, &particles.start, size);
+                    let size = taken_up(&self.next, &particles.start, size).max(self.range.floor());
                     (self.control.judge(step, error, size), share)
                 }
                 Err(NotConverged) if self.control.is_least(step) => {
-                    return Ok(self.step_by_euler(state, step.min(self.balance.step_bound())));
+                    return Ok(self.step_by_euler(state, clock, step.min(self.balance.step_bound())));
                 }
                 Err(NotConverged) => (self.control.again(step, 0.25), 1.0),
             };
@@ -274,6 +292,14 @@ impl Solver for Implicit {
         let rates = (&self.previous_rate[..], &self.rate[..]);
         Hermite::at(share).fill(enthalpy, states, rates, self.last_step);
         self.ledger.between(share, self.last_step, &self.heat, &self.start_patches, &self.end_patches)
+    }
+
+    fn keep_stages(&mut self) {
+        self.kept = vec![KeptStage::default(); 3];
+    }
+
+    fn stages(&self) -> &[KeptStage] {
+        &self.kept
     }
 
     fn balance(&self) -> Option<&dyn Balance> {

@@ -26,6 +26,17 @@ pub struct SolverReport {
     pub work: Work,
 }
 
+/// A state that a step was made of.
+#[derive(Debug, Clone, Default)]
+pub struct KeptStage {
+    /// Share of its rates in the step.
+    pub share: f64,
+    /// When its rates were taken (s).
+    pub time: f64,
+    /// The contents.
+    pub state: Vec<f64>,
+}
+
 /// Makes steps: of a balance, or of its own. One indirect call a step.
 pub trait Solver: HeapSize + Send {
     /// What it is, and what it has done.
@@ -44,6 +55,16 @@ pub trait Solver: HeapSize + Send {
     /// Enthalpies at `share` (0 to 1) of the last step, and the ledger there, where states within it are known.
     fn between(&self, _particles: &Particles, _share: f64, _enthalpy: &mut [f64]) -> Ledger {
         self.ledger().clone()
+    }
+    /// Keeps the states that steps are made of from now on, where it can.
+    fn keep_stages(&mut self) {}
+    /// The states that the last step was made of, where they are kept: its change is the mean of their rates by their shares.
+    fn stages(&self) -> &[KeptStage] {
+        &[]
+    }
+    /// What rides on its balance.
+    fn passenger(&self) -> Option<&dyn Solver> {
+        None
     }
     /// The balance that it advances, if it is one that others could advance.
     fn balance(&self) -> Option<&dyn Balance> {

@@ -8,6 +8,7 @@ use super::problem::Read;
 use super::range::{Range, all_of, one_of, plain, temperatures};
 use super::section::{Key, Names, Section};
 use super::shells;
+use super::water::Balance;
 use crate::pipe_ring::PipeRing;
 use crate::region::Region;
 use crate::scene::{ReferenceChoice, Wall, WallPart};
@@ -72,7 +73,11 @@ pub(super) fn wall_names(domain: &Domain) -> String {
     all_of(walls_of(domain).iter().map(|wall| wall.name()))
 }
 
-pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> (Vec<Wall>, Vec<WallPart>) {
+pub(super) fn walls(
+    section: &mut Section<'_>,
+    domain: Option<&Domain>,
+    balance: &mut Balance,
+) -> (Vec<Wall>, Vec<WallPart>) {
     let (mut walls, mut parts) = (Vec::new(), Vec::new());
     let mut given = Vec::new();
     for (name, mut wall) in section.named_sections() {
@@ -91,13 +96,19 @@ pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> (Vec<
                 wall.abandon();
                 continue;
             };
-            parts.extend(shells::parts(&mut wall, known, domain));
-            if let Ok(condition) = condition(&mut wall) {
+            let own = condition_of(&mut wall, balance);
+            match balance {
+                Balance::Heat => parts.extend(shells::parts(&mut wall, known, domain)),
+                Balance::Water(heads) => {
+                    heads.solute_wall(&mut wall, known, domain, own != Ok(Condition::Symmetry));
+                }
+            }
+            if let Ok(condition) = own {
                 walls.push(Wall { wall: known, condition });
             }
         } else {
             // Its problems are recorded.
-            let _ = condition(&mut wall);
+            let _ = condition_of(&mut wall, balance);
             wall.sections("parts").iter_mut().for_each(Section::abandon);
         }
         given.push(name);
@@ -112,6 +123,15 @@ pub(super) fn walls(section: &mut Section<'_>, domain: Option<&Domain>) -> (Vec<
     (walls, parts)
 }
 
+/// What happens at a wall.
+fn condition_of(wall: &mut Section<'_>, balance: &Balance) -> Read<Condition> {
+    match balance {
+        Balance::Heat => condition(wall),
+        Balance::Water(heads) => heads.condition(wall),
+    }
+}
+
+/// What happens to heat at a wall.
 pub(super) fn condition(wall: &mut Section<'_>) -> Read<Condition> {
     const TEMPERATURE: (&str, &str) = ("temperature", "c");
     const FLUX: (&str, &str) = ("flux", "W_per_m2");

@@ -7,6 +7,7 @@ use super::section::Section;
 use super::{read_root, tree};
 use crate::method::MethodKind;
 use frazil_core::physics::freezing_curve::{CURVES, CurveKind};
+use frazil_core::physics::retention::{RETENTIONS, RetentionKind};
 
 /// Bodies, with a wall of each.
 const BODIES: [(&str, &str); 5] = [
@@ -54,6 +55,16 @@ const APART: [&str; 2] = [
     "[flow]\nrelative_permeability = { law = \"power\" }\nwalls.WALL = {}\nwalls.right = {}\n",
 ];
 
+/// Sections of a scene of unsaturated water.
+const WATER: &str = r#"
+balance = "water"
+[initial]
+[walls.WALL]
+[walls.right]
+saturation = 1
+[[regions]]
+"#;
+
 /// Words of a method beside which it has keys of its own.
 const NUMERICS: &str = "layout = \"jittered\"\nscheme = \"apparent-capacity\"\nintegrator = \"rkl2\"\nmotion = true\n";
 
@@ -83,14 +94,26 @@ fn asked_for(kinds: &[&'static MethodKind]) -> Vec<KeyOf> {
     for (body, wall) in BODIES {
         for apart in APART {
             let text = format!("domain.{body}\n{SECTIONS}{curves}{apart}{methods}").replace("WALL", wall);
-            let Ok(entries) = tree::parse(&text) else { continue };
-            let log = Log::collecting();
-            // Its problems are those of an empty file.
-            let _ = read_root(Section::root(&entries, &log), "", String::new(), kinds);
-            found.extend(log.into_asked());
+            found.extend(asked_of(&text, kinds));
         }
+    }
+    let soil =
+        |kind: &RetentionKind| format!("[materials.{0}]\nsolute = {{}}\nretention = {{ law = \"{0}\" }}\n", kind.word);
+    let soils: String = RETENTIONS.iter().map(soil).collect();
+    for (body, wall) in BODIES {
+        let text = format!("domain.{body}\n{WATER}{soils}").replace("WALL", wall);
+        found.extend(asked_of(&text, kinds));
     }
     found.sort();
     found.dedup();
     found
+}
+
+/// The keys that the reader asks a text for.
+fn asked_of(text: &str, kinds: &[&'static MethodKind]) -> Vec<KeyOf> {
+    let Ok(entries) = tree::parse(text) else { return Vec::new() };
+    let log = Log::collecting();
+    // Its problems are those of an empty file.
+    let _ = read_root(Section::root(&entries, &log), "", String::new(), kinds);
+    log.into_asked()
 }

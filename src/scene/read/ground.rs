@@ -1,9 +1,10 @@
 //! Materials.
 
 use super::porous::{self, is_porous};
-use super::problem::Read;
+use super::problem::{Noted, Read};
 use super::range::{Range, one_of, plain, temperatures};
 use super::section::{Key, Section};
+use super::water::soil;
 use crate::units::Units;
 use frazil_core::physics::freezing_curve::shape::{Given, Parameter, Quantity, Refusal};
 use frazil_core::physics::freezing_curve::{CURVES, CurveKind, FreezingCurve, FreezingLaw};
@@ -33,12 +34,12 @@ pub(super) fn latent_heats(root: &mut Section<'_>, materials: &[Material], tempe
 }
 
 /// Reads all materials; one that has a problem keeps its place, for its name.
-pub(super) fn materials(section: &mut Section<'_>) -> Vec<(String, Read<Material>)> {
+pub(super) fn materials(section: &mut Section<'_>, water: bool) -> Vec<(String, Read<Material>)> {
     let found: Vec<_> = section
         .named_sections()
         .into_iter()
         .map(|(name, mut table)| {
-            let material = material(&name, &mut table);
+            let material = if water { soil(&name, &mut table) } else { material(&name, &mut table) };
             (name, material)
         })
         .collect();
@@ -66,6 +67,7 @@ fn material(name: &str, section: &mut Section<'_>) -> Read<Material> {
             law: freezing.law,
             mixing: freezing.mixing,
             pores: Some(porous.pores),
+            soil: None,
         });
     }
     section.refuse(
@@ -100,6 +102,7 @@ fn material(name: &str, section: &mut Section<'_>) -> Read<Material> {
         law: freezing.law,
         mixing: freezing.mixing,
         pores: groundwater.transpose()?,
+        soil: None,
     })
 }
 
@@ -179,18 +182,25 @@ fn curve(section: &mut Section<'_>, kind: &CurveKind, point: Read<f64>) -> Read<
             format!("found \"{}\" beside units = \"{units}\", needs units = \"si\" for its constants", kind.word);
         section.problem("law", message);
     }
-    let values: Vec<Read<Vec<f64>>> =
-        kind.parameters.iter().map(|parameter| values(section, parameter, point)).collect();
+    let given = parameters(section, kind.parameters, point)?;
+    (kind.make)(&given).map_err(|refusal| refused(section, kind.parameters, refusal))
+}
+
+/// The values of the keys of a curve.
+pub(super) fn parameters(section: &mut Section<'_>, keys: &[Parameter], point: Read<f64>) -> Read<Given> {
+    let values: Vec<Read<Vec<f64>>> = keys.iter().map(|parameter| values(section, parameter, point)).collect();
     let values = values.into_iter().collect::<Read<Vec<_>>>()?;
-    let absolute_zero = section.units().absolute_zero();
-    let given = Given { freezing_point: point?, absolute_zero, values };
-    (kind.make)(&given).map_err(|Refusal { parameter, value, message }| {
-        let key = kind.parameters[parameter].key();
-        match value {
-            Some(index) => section.item_problem(key, index, message),
-            None => section.problem(key, message),
-        }
-    })
+    Ok(Given { freezing_point: point?, absolute_zero: section.units().absolute_zero(), values })
+}
+
+/// Records why values are refused.
+pub(super) fn refused(section: &mut Section<'_>, keys: &[Parameter], refusal: Refusal) -> Noted {
+    let Refusal { parameter, value, message } = refusal;
+    let key = keys[parameter].key();
+    match value {
+        Some(index) => section.item_problem(key, index, message),
+        None => section.problem(key, message),
+    }
 }
 
 /// The values of a key of a curve; one, if it is no list.
@@ -216,5 +226,6 @@ fn values(section: &mut Section<'_>, parameter: &Parameter, point: Read<f64>) ->
         }
         Quantity::Temperatures => section.numbers(key, temperatures(coldest)),
         Quantity::Fractions => section.numbers(key, Range::FRACTION),
+        Quantity::Numbers { range: (low, high), .. } => section.numbers(key, Range::of(low, high)),
     }
 }

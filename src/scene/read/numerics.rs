@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::range::{Range, all_of};
 use super::section::Section;
 use super::spacing;
+use super::water;
 use crate::capability::{self, Feature, Place};
 use crate::method::{MethodKind, MethodSettings};
 use crate::scene::Wall;
@@ -76,9 +77,11 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     numerics.front = section.choice_or("front", &Front::WORDS, numerics.front);
     numerics.walls = section.choice_or("wall_model", &WallModel::WORDS, numerics.walls);
     numerics.search = section.choice_or("search", &SearchChoice::WORDS, numerics.search);
-    numerics.integrator = integrator(section, numerics.integrator, setup.features.contains(&Feature::Groundwater));
+    numerics.integrator = integrator(section, numerics.integrator, setup.features);
     let monotone = numerics.integrator.is_monotone();
-    numerics.flow = flow(section, setup.features.contains(&Feature::Groundwater), setting, monotone);
+    let carries = setup.features.contains(&Feature::Solute);
+    numerics.solute = carries.then(|| water::numerics(section, setting));
+    numerics.flow = flow(section, (setup.features.contains(&Feature::Groundwater), carries), setting, monotone);
     numerics.conduction = conduction(section, &numerics, setup.domain);
     numerics.step = step(section, numerics.step, numerics.integrator.tolerance().is_some());
     combinations(section, &numerics, setup, kind);
@@ -148,13 +151,19 @@ fn latent_heat_scheme(section: &mut Section<'_>, preset: LatentHeatScheme, mater
     ApparentCapacity { interval }
 }
 
-fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, flows: bool) -> IntegratorChoice {
+fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, features: &[Feature]) -> IntegratorChoice {
     use IntegratorChoice::{ControlledRkl2, Euler, Heun, Implicit, Rkl2};
     let controlled = ControlledRkl2 { tolerance: RKL2_TOLERANCE };
+    let water = features.contains(&Feature::UnsaturatedWater);
     let implicit = Implicit { tolerance: IMPLICIT_TOLERANCE };
     let words = [("euler", Euler), ("heun", Heun), ("rkl2", controlled), ("implicit", implicit)];
-    // What water carries asks for steps of second order.
-    let usual = if flows && preset == Euler { Heun } else { preset };
+    let usual = match preset {
+        // Pressure spreads through saturated ground at once.
+        Euler if water => implicit,
+        // What water carries asks for steps of second order.
+        Euler if features.contains(&Feature::Groundwater) => Heun,
+        _ => preset,
+    };
     let found = section.choice_or("integrator", &words, usual);
     let in_stages = matches!(found, Rkl2 { .. } | ControlledRkl2 { .. });
     if !in_stages {
@@ -176,10 +185,22 @@ fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, flows: bool) 
     if in_stages { ControlledRkl2 { tolerance } } else { Implicit { tolerance } }
 }
 
-fn flow(section: &mut Section<'_>, flows: bool, setting: Setting, monotone: bool) -> Option<FlowNumerics> {
+fn flow(
+    section: &mut Section<'_>,
+    (flows, carries): (bool, bool),
+    setting: Setting,
+    monotone: bool,
+) -> Option<FlowNumerics> {
     if !flows {
         for key in ["advection", "conduction", "permeability_mean", "pressure_change"] {
-            section.refuse(key, "the scene has no section \"flow\"");
+            if key != "advection" || !carries {
+                section.refuse(key, "the scene has no section \"flow\"");
+            }
+        }
+        for key in ["coupling", "solute_step_fraction"] {
+            if !carries {
+                section.refuse(key, "the scene has no solute");
+            }
         }
         for unit in ["s", "h", "days"] {
             section.refuse(("pressure_interval", unit), "the scene has no section \"flow\"");

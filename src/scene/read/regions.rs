@@ -4,7 +4,8 @@ use glam::DVec2;
 
 use super::problem::Read;
 use super::range::{Range, one_of, plain, temperatures};
-use super::section::Section;
+use super::section::{Key, Section};
+use super::water::{Balance, CONCENTRATION};
 use crate::region::{Cell, Region, Shape, area, edges};
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_core::space::segment::{meet, side};
@@ -12,6 +13,7 @@ use frazil_core::space::segment::{meet, side};
 /// Corners that a polygon may have: each edge is compared with each other.
 const MOST_CORNERS: usize = 1000;
 
+const TEMPERATURE: (&str, &str) = ("temperature", "c");
 const X_MIN: (&str, &str) = ("x_min", "m");
 const X_MAX: (&str, &str) = ("x_max", "m");
 const Y_MIN: (&str, &str) = ("y_min", "m");
@@ -23,13 +25,28 @@ pub(super) fn regions(
     materials_section: &mut Section<'_>,
     domain: Option<&Domain>,
     names: &[String],
-) -> Vec<Region> {
+    balance: &mut Balance,
+) -> (Vec<Region>, Vec<Shape>) {
     let mut used = vec![false; names.len()];
     if let Some(first) = used.first_mut() {
         *first = true;
     }
-    let mut regions = Vec::new();
+    let (mut regions, mut impermeable) = (Vec::new(), Vec::new());
     for mut section in root.sections("regions") {
+        if section.flag_or("impermeable", false) {
+            for key in [Key::from("material"), TEMPERATURE.into()] {
+                section.refuse(key, "nothing enters the region");
+            }
+            let Some(domain) = domain else {
+                section.abandon();
+                continue;
+            };
+            if domain.dimension() == 1 || domain.symmetry().is_some() {
+                section.problem("impermeable", "needs a plane");
+            }
+            impermeable.extend(shape(&mut section, domain));
+            continue;
+        }
         let named = section.optional_text("material");
         let material = named.as_ref().and_then(|name| {
             let index = names.iter().position(|known| known == name);
@@ -42,10 +59,21 @@ pub(super) fn regions(
         if let Some(index) = material {
             used[index] = true;
         }
-        let coldest = section.units().absolute_zero();
-        let temperature = section.optional_number(("temperature", "c"), temperatures(coldest));
-        if !section.has("material") && !section.has(("temperature", "c")) {
-            section.section_problem("must have a \"material\", a temperature at its start, or both");
+        let (temperature, starts, what) = match balance {
+            Balance::Heat => {
+                let coldest = section.units().absolute_zero();
+                let temperature = section.optional_number(TEMPERATURE, temperatures(coldest));
+                (temperature, section.has(TEMPERATURE), "a temperature")
+            }
+            Balance::Water(heads) => {
+                let starts = section.has(("head", "m")) || section.has("saturation");
+                let state = heads.optional_state(&mut section);
+                heads.solute_region(&mut section);
+                (state, starts || section.has(CONCENTRATION), "a head, a saturation or a concentration")
+            }
+        };
+        if !section.has("material") && !starts {
+            section.section_problem(format!("must have a \"material\", {what} at its start, or both"));
         }
         let Some(domain) = domain else {
             section.abandon();
@@ -60,7 +88,7 @@ pub(super) fn regions(
     for (name, _) in names.iter().zip(&used).filter(|(_, used)| !**used) {
         materials_section.note(name, "is used nowhere: the first material fills the body, regions name the others");
     }
-    regions
+    (regions, impermeable)
 }
 
 fn shape(section: &mut Section<'_>, domain: &Domain) -> Read<Shape> {

@@ -42,7 +42,7 @@ fn radii(section: &mut Section<'_>) -> Read<(f64, f64)> {
 }
 
 /// Extent of a wall along itself (m), if it has any.
-fn along(domain: &Domain, wall: WallId) -> Option<(f64, f64)> {
+pub(super) fn along(domain: &Domain, wall: WallId) -> Option<(f64, f64)> {
     let Cell { low, high } = extent(domain);
     let along = if wall.is_across_y() { (low.x, high.x) } else { (low.y, high.y) };
     matches!(domain, Domain::Axial { .. } | Domain::Rectangle { .. }).then_some(along)

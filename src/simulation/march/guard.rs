@@ -2,6 +2,7 @@
 
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::particles::Particles;
+use frazil_core::physics::retention::scale::{DRY, head};
 use frazil_core::solvers::step::{Bound, Clock};
 use frazil_scene::Scene;
 use glam::DVec2;
@@ -12,6 +13,16 @@ pub enum Fault {
     /// Its enthalpy is no number.
     #[error("is not finite")]
     NotFinite,
+    /// Its head of unsaturated water is far from all data.
+    #[error("has a pressure head far out of the range of the data: {}, and those are {} to {}", words(*.found), words(*.low), words(*.high))]
+    HeadOutOfRange {
+        /// Its place on the scale of heads.
+        found: f64,
+        /// The least of the data.
+        low: f64,
+        /// The greatest of them.
+        high: f64,
+    },
     /// Its temperature is far from all data.
     #[error("has the temperature {temperature}, ten times out of the range {low} to {high}")]
     OutOfRange {
@@ -22,6 +33,16 @@ pub enum Fault {
         /// The greatest of them.
         high: f64,
     },
+}
+
+/// A pressure head in words, by its place on the scale of heads.
+fn words(place: f64) -> String {
+    match place {
+        place if place < DRY => "drier than dry".into(),
+        place if place == DRY => "dry".into(),
+        // No sign before a zero.
+        place => format!("{} m", head(place) + 0.0),
+    }
 }
 
 /// A particle that cannot be, and the step that made it.
@@ -47,6 +68,8 @@ impl Absurd {
 /// Watches over the range of temperatures.
 pub struct Guard {
     range: (f64, f64),
+    /// Whether they are places of heads of unsaturated water.
+    of_water: bool,
     /// Whether fluxes may drive temperatures beyond any data.
     open: bool,
     seen: (f64, f64),
@@ -65,7 +88,8 @@ impl Guard {
         inside_pipes.sort_unstable();
         inside_pipes.dedup();
         let range = scene.temperature_range();
-        Guard { range, open: scene.has_flux(), seen: (f64::INFINITY, f64::NEG_INFINITY), inside_pipes }
+        let seen = (f64::INFINITY, f64::NEG_INFINITY);
+        Guard { range, of_water: scene.of_water, open: scene.has_flux(), seen, inside_pipes }
     }
 
     /// Takes note of the extremes, and refuses what cannot be.
@@ -110,12 +134,19 @@ impl Guard {
         if !self.open && width > 0.0 {
             for (temperature, index) in [(low, extremes[0].1), (high, extremes[1].1)] {
                 if temperature < self.range.0 - 10.0 * width || temperature > self.range.1 + 10.0 * width {
-                    let fault = Fault::OutOfRange { temperature, low: self.range.0, high: self.range.1 };
-                    return Err(Absurd::new(particles, index, clock, bound, fault));
+                    return Err(Absurd::new(particles, index, clock, bound, self.out_of_range(temperature)));
                 }
             }
         }
         Ok(())
+    }
+
+    fn out_of_range(&self, found: f64) -> Fault {
+        let (low, high) = self.range;
+        match self.of_water {
+            true => Fault::HeadOutOfRange { found, low, high },
+            false => Fault::OutOfRange { temperature: found, low, high },
+        }
     }
 
     /// How far temperatures left the range of the data, over that range.
@@ -124,5 +155,19 @@ impl Guard {
         let seen = self.seen.0 <= self.seen.1;
         (!self.open && width > 0.0 && seen)
             .then(|| (self.range.0 - self.seen.0).max(self.seen.1 - self.range.1).max(0.0) / width)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heads_out_of_range_are_said_in_metres() {
+        let fault = Fault::HeadOutOfRange { found: -2e4, low: DRY, high: -0.0 };
+        assert_eq!(
+            fault.to_string(),
+            "has a pressure head far out of the range of the data: drier than dry, and those are dry to 0 m"
+        );
     }
 }

@@ -38,7 +38,8 @@ impl Simulation<'_> {
             None => {
                 let noise = noise(self.scene, self.settings, &self.particles);
                 let scheme = self.settings.numerics.latent_heat_scheme;
-                judge(scheme, balance, record.bounds_violation_rel, record.setback_rel, noise)
+                let of_water = self.scene.of_water;
+                judge(of_water, scheme, balance, record.bounds_violation_rel, record.setback_rel, noise)
             }
         };
         if let Some(reference) = reference {
@@ -82,6 +83,7 @@ impl Simulation<'_> {
             spared: summary.spared,
             differences: summary.differences,
             remarks: scene.remarks.clone(),
+            of_water: scene.of_water,
             state_hash: self.particles.state_hash(),
             ..Record::default()
         }

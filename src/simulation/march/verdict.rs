@@ -37,7 +37,10 @@ pub const SETBACK_TOLERANCE: f64 = 0.01;
 
 /// How a run that came to its end is to be called. Balances that rounding explains lie below 1e-10; a lost latent
 /// heat shows as more than a thousandth.
+///
+/// `of_water` tells unsaturated water from heat.
 pub(super) fn judge(
+    of_water: bool,
     latent_heat_scheme: LatentHeatScheme,
     balance: f64,
     violation: Option<f64>,
@@ -45,7 +48,8 @@ pub(super) fn judge(
     noise: f64,
 ) -> (Outcome, Option<String>) {
     if balance.abs() > BALANCE_TOLERANCE {
-        let cause = format!("the heat balance misses {:.3e} of the heat exchanged", balance);
+        let moved = if of_water { "water" } else { "heat" };
+        let cause = format!("the {moved} balance misses {balance:.3e} of the {moved} exchanged");
         return match latent_heat_scheme {
             LatentHeatScheme::ApparentCapacity { .. } => {
                 (Outcome::PhaseSkipped, Some(format!("{cause}: particles stepped over the freezing interval")))
@@ -54,7 +58,8 @@ pub(super) fn judge(
         };
     }
     if let Some(violation) = violation.filter(|violation| *violation > RANGE_TOLERANCE + noise) {
-        let mut cause = format!("temperatures left the range of the data by {:.2} % of it", 100.0 * violation);
+        let what = if of_water { "pressure heads, on a logarithmic scale," } else { "temperatures" };
+        let mut cause = format!("{what} left the range of the data by {:.2} % of it", 100.0 * violation);
         if noise > 0.0 {
             cause.push_str(&format!(
                 ": noise may do so by {:.2} %, eight standard deviations of one particle or half of the range; particles \
@@ -73,4 +78,21 @@ pub(super) fn judge(
         return (Outcome::Oscillating, Some(cause));
     }
     (Outcome::Ok, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn causes_speak_of_what_was_lost_or_left() {
+        let cause = |of_water, balance, violation| {
+            judge(of_water, LatentHeatScheme::Enthalpy, balance, violation, None, 0.0).1.expect("a cause")
+        };
+        assert_eq!(cause(false, 0.01, None), "the heat balance misses 1.000e-2 of the heat exchanged");
+        assert_eq!(cause(true, 0.01, None), "the water balance misses 1.000e-2 of the water exchanged");
+        let left = "left the range of the data by 20.00 % of it";
+        assert_eq!(cause(false, 0.0, Some(0.2)), format!("temperatures {left}"));
+        assert_eq!(cause(true, 0.0, Some(0.2)), format!("pressure heads, on a logarithmic scale, {left}"));
+    }
 }

@@ -69,6 +69,7 @@ fn scene(domain: Domain, duration: f64) -> Scene {
                 law: FreezingLaw::Isothermal,
                 mixing: Mixing::Arithmetic,
                 pores: None,
+                soil: None,
             }],
         )
     }
@@ -103,6 +104,8 @@ fn profile(plane: &str, along_m: f64, temperature_c: f64) -> ProfileRow {
         temperature_c,
         temperature_ref_c: None,
         frozen_fraction: 0.0,
+        concentration: None,
+        concentration_ref: None,
         plane,
         y_m: None,
         along_m,

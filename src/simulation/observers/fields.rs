@@ -86,6 +86,27 @@ fn field(particles: &Particles, time_s: f64, radius: f64) -> Field {
         spacing_m: spacing,
         temperature_c: sums.iter().map(|sum| mean(sum.0, sum.1)).collect(),
         frozen_fraction: sums.iter().map(|sum| mean(sum.2, sum.3)).collect(),
+        concentration: concentrations(particles, &sums, (least, spacing, nx)),
         temperature_ref_c: Vec::new(),
     }
+}
+
+/// Concentrations on the same grid; empty where there is no solute.
+fn concentrations(
+    particles: &Particles,
+    sums: &[(f64, usize, f64, usize)],
+    (least, spacing, nx): (DVec2, f64, usize),
+) -> Vec<f64> {
+    if particles.concentration.is_empty() {
+        return Vec::new();
+    }
+    let mut found = vec![0.0; sums.len()];
+    particles.visit(|i, place| {
+        let cell = ((place - least) / spacing).floor();
+        let inside = cell.min_element() >= 0.0 && (cell.x as usize) < nx;
+        if let Some(sum) = found.get_mut(cell.y as usize * nx + cell.x as usize).filter(|_| inside) {
+            *sum += particles.concentration[i];
+        }
+    });
+    found.iter().zip(sums).map(|(sum, (.., count))| if *count > 0 { sum / *count as f64 } else { f64::NAN }).collect()
 }

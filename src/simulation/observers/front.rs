@@ -36,6 +36,8 @@ struct Front {
     way: Way,
     start: Option<f64>,
     rows: Vec<FrontRow>,
+    /// Volume of the body (m^d), where the front is how far water would fill it.
+    wets: Option<f64>,
 }
 
 pub(super) fn of(setup: &Setup<'_>) -> Made {
@@ -43,7 +45,8 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
     let way = scene.freezing_direction().map(Way::Plane);
     let way = way.or_else(|| RadialFront::of(scene).map(Way::Radial));
     let way = way.or_else(|| Corners::of(scene, setup.particles.lattice.spacing).map(Way::Corners))?;
-    Some(Box::new(Front { way, start: None, rows: Vec::with_capacity(setup.outputs()) }))
+    let wets = scene.of_water.then(|| setup.particles.integral(|_| 1.0));
+    Some(Box::new(Front { way, start: None, rows: Vec::with_capacity(setup.outputs()), wets }))
 }
 
 impl Observer for Front {
@@ -52,7 +55,8 @@ impl Observer for Front {
     }
 
     fn observe(&mut self, view: &View<'_>) {
-        let front_m = self.way.front(view.particles, view.frozen());
+        let filled = self.wets.map_or(view.frozen(), |volume| volume - view.frozen());
+        let front_m = self.way.front(view.particles, filled);
         match view.moment {
             Moment::Start => self.start = Some(front_m),
             _ => self.rows.push(FrontRow { time_s: view.time, front_m, front_ref_m: None }),

@@ -15,6 +15,7 @@ struct FrozenVolume {
 pub(super) fn of(setup: &Setup<'_>) -> Made {
     let scene = setup.scene;
     let kept = scene.domain.symmetry().is_some() || scene.freezing_direction().is_none() && scene.rings.is_empty();
+    let kept = kept && !scene.of_water;
     let rows = Vec::with_capacity(if kept { setup.outputs() } else { 0 });
     Some(Box::new(FrozenVolume { images: setup.images(), kept, start: 0.0, rows }))
 }

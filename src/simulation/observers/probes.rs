@@ -26,8 +26,11 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
             let sampler = Sampler::free(particles);
             for (place, sample) in probes.iter().filter(|(place, _)| !particles.is_dug(place.length())) {
                 let moved = particles.move_about().then(|| sampler.sample(*place));
-                let temperature_c = moved.as_ref().unwrap_or(sample).of(|i| particles.reading(i));
-                rows.push(ProbeRow { time_s: view.time, x_m: place.x, y_m: place.y, temperature_c });
+                let sample = moved.as_ref().unwrap_or(sample);
+                let temperature_c = sample.of(|i| particles.reading(i));
+                let carries = !particles.concentration.is_empty();
+                let concentration = carries.then(|| sample.of(|i| particles.concentration[i]));
+                rows.push(ProbeRow { time_s: view.time, x_m: place.x, y_m: place.y, temperature_c, concentration });
             }
         },
         |rows, result| result.probes = rows,

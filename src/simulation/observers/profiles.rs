@@ -87,6 +87,7 @@ impl Line {
         let moved = particles.move_about().then(|| Sampler::free(particles).samples(&self.places));
         let samples = moved.as_ref().unwrap_or(&self.samples);
         let points = self.along.iter().zip(&self.places).zip(samples);
+        let carries = !particles.concentration.is_empty();
         // Points on the face of a shaft are there, however their distance is rounded.
         let there = points.filter(|((_, place), _)| !particles.is_dug(place.length() * (1.0 + 1e-12)));
         rows.extend(there.map(|((along, place), sample)| ProfileRow {
@@ -95,6 +96,8 @@ impl Line {
             temperature_c: sample.of(|i| particles.reading(i)),
             temperature_ref_c: None,
             frozen_fraction: sample.of(|i| particles.frozen_fraction(i)),
+            concentration: carries.then(|| sample.of(|i| particles.concentration[i])),
+            concentration_ref: None,
             plane: self.plane.clone(),
             y_m: (dimension > 1).then_some(place.y),
             along_m: *along,
@@ -140,16 +143,19 @@ pub(super) fn layers(
     let (spacing, corner) = (particles.lattice.spacing, particles.lattice.corner);
     let first = if direction.along_y { corner.y } else { corner.x };
     let count = (direction.length / spacing).round() as usize;
-    let mut sums = vec![(0.0, 0.0, 0.0, 0usize); count];
+    let carries = !particles.concentration.is_empty();
+    let mut sums = vec![(0.0, 0.0, 0.0, 0usize, 0.0); count];
     particles.visit(|i, place| {
         let along = if direction.along_y { place.y } else { place.x };
         let layer = (((along - first) / spacing) as usize).min(count - 1);
         let sum = &mut sums[layer];
-        *sum = (sum.0 + along, sum.1 + particles.reading(i), sum.2 + particles.frozen_fraction(i), sum.3 + 1);
+        let concentration = particles.concentration.get(i).copied().unwrap_or(0.0);
+        let read = (particles.reading(i), particles.frozen_fraction(i));
+        *sum = (sum.0 + along, sum.1 + read.0, sum.2 + read.1, sum.3 + 1, sum.4 + concentration);
     });
     let plane = (dimension > 1).then_some(if direction.along_y { MeanOver::X } else { MeanOver::Y });
     let direction = *direction;
-    let row = move |(along, temperature, fraction, number): (f64, f64, f64, usize)| {
+    let row = move |(along, temperature, fraction, number, concentration): (f64, f64, f64, usize, f64)| {
         let number = number as f64;
         let along_m = along / number;
         ProfileRow {
@@ -158,6 +164,8 @@ pub(super) fn layers(
             temperature_c: temperature / number,
             temperature_ref_c: None,
             frozen_fraction: fraction / number,
+            concentration: carries.then_some(concentration / number),
+            concentration_ref: None,
             plane: "line".into(),
             y_m: direction.along_y.then_some(along_m),
             along_m,

@@ -26,6 +26,8 @@ pub(super) fn plan(scene: &Scene, settings: &MethodSettings, set: ParticleSet) -
     let step = choose_step(numerics, &bound, scene)?;
     let count = enthalpy.len();
     let mut particles = Particles {
+        solute: Vec::new(),
+        concentration: Vec::new(),
         start: if scene.has_regional_starts() { enthalpy.as_slice().into() } else { Arc::new([]) },
         enthalpy,
         places: Places::Cloud(vec![DVec2::ZERO; count].into()),

@@ -48,6 +48,8 @@ pub(super) struct Prepared {
     pub(super) start: Arc<[f64]>,
     pub(super) stencil: Stencil,
     pub(super) sinks: Vec<Sink>,
+    /// What particles hold of a solute at the start; empty where there is none.
+    pub(super) solute: Vec<f64>,
     /// Whether shells take the papers' shape factors and mirrors, in their own setting.
     pub(super) printed: bool,
     /// Whether pairs reach farther than the body is wide.
@@ -104,6 +106,7 @@ impl Prepared {
             start,
             stencil,
             sinks,
+            solute: Vec::new(),
             printed,
             narrow,
             differences,
@@ -121,6 +124,11 @@ impl Prepared {
             Some(cloud) => cloud.clone(),
             None => self.lattice.positions().into(),
         }
+    }
+
+    /// Where a particle stands (m).
+    pub(super) fn place(&self, particle: usize) -> DVec2 {
+        self.cloud.as_ref().map_or_else(|| self.lattice.position(particle), |cloud| cloud[particle])
     }
 
     /// Enthalpies of all particles at the start (J/m3).
@@ -197,6 +205,8 @@ impl Prepared {
     pub(super) fn into_particles(self, numerics: &Numerics) -> (Particles, Vec<String>) {
         let particles = Particles {
             enthalpy: self.enthalpies(),
+            concentration: vec![0.0; self.solute.len()],
+            solute: self.solute,
             start: self.start,
             places: self.cloud.map_or(Places::Lattice, Places::Cloud),
             velocity: Vec::new(),
@@ -215,7 +225,7 @@ impl Prepared {
         let mut exempt: Vec<u32> = sampled.collect();
         exempt.sort_unstable();
         exempt.dedup();
-        EnthalpyRange::new(&self.materials, scene.temperature_range(), exempt, scene.has_flux())
+        EnthalpyRange::new(&self.materials, scene.temperature_range(), exempt, (scene.has_flux(), self.count()))
     }
 }
 

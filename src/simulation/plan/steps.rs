@@ -36,6 +36,7 @@ pub(super) fn on_lattice(parts: LatticeParts) -> Box<dyn Balance> {
         Law::Straight(law) => Box::new(LatticeBalance::new(parts, law)),
         Law::Kinked(law) => Box::new(LatticeBalance::new(parts, law)),
         Law::Curved(law) => Box::new(LatticeBalance::new(parts, law)),
+        Law::Tabulated(law) => Box::new(LatticeBalance::new(parts, law)),
         Law::Blended(_) => unreachable!("cells of one material"),
     }
 }

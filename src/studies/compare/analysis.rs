@@ -89,7 +89,7 @@ pub struct Study {
     pub clock: Clock,
     /// Share of the points whose wall time was well above their CPU time.
     pub disturbed: f64,
-    /// The comparison by the headline measure, then that by temperature.
+    /// The comparison by the headline measure, then those by what is read at the points of profiles.
     pub comparisons: Vec<Comparison>,
 }
 
@@ -100,13 +100,10 @@ impl Study {
         let has = |headline: &Headline| {
             runs.measured.iter().filter_map(Measured::errors).any(|errors| headline.of(errors).is_some())
         };
-        let mut headlines: Vec<Headline> = Headline::ALL.into_iter().filter(has).take(1).collect();
-        if has(&Headline::Temperature) && headlines != [Headline::Temperature] {
-            headlines.push(Headline::Temperature);
-        }
-        let comparisons = headlines
-            .into_iter()
-            .map(|headline| {
+        let known = Headline::ALL.into_iter().filter(has).enumerate();
+        let comparisons = known
+            .filter(|(place, headline)| *place == 0 || headline.is_of_profiles())
+            .map(|(_, headline)| {
                 let curves = group(&runs.measured)
                     .iter()
                     .flat_map(|same| Curve::of(same, headline, clock, runs.reference_error(headline)))

@@ -224,7 +224,6 @@ fn without_luck(points: &[Point]) -> Vec<Option<f64>> {
 }
 
 fn point(one: &Measured, headline: Headline, clock: Clock, kind: Kind) -> Point {
-    let second = if headline == Headline::Temperature { Headline::Front } else { Headline::Temperature };
     let times = |timing: &Timing| match clock {
         Clock::Wall => timing.wall(),
         Clock::Cpu => timing.cpu(),
@@ -234,7 +233,7 @@ fn point(one: &Measured, headline: Headline, clock: Clock, kind: Kind) -> Point 
         level: one.level,
         spacing: one.spacing,
         signed: usable.and_then(|result| headline.signed(&result.record.errors)),
-        second: usable.and_then(|result| second.of(&result.record.errors)).map(f64::abs),
+        second: usable.and_then(|result| headline.second_of(&result.record.errors)).map(f64::abs),
         error_interval: None,
         chance: Chance::Fixed,
         costs: one.timings.iter().map(times).collect(),
@@ -261,14 +260,15 @@ fn point(one: &Measured, headline: Headline, clock: Clock, kind: Kind) -> Point 
                 };
                 point.signed = mean.map(|mean| mean.mean);
                 point.error_interval = mean.and_then(|mean| mean.interval).map(positive);
-                let seconds: Vec<f64> = ensemble.runs.iter().filter_map(|run| Some(second.of(run)?.abs())).collect();
+                let seconds: Vec<f64> =
+                    ensemble.runs.iter().filter_map(|run| Some(headline.second_of(run)?.abs())).collect();
                 point.second = statistics::mean(&seconds).map(|mean| mean.mean);
                 point.chance = Chance::Runs(errors);
             }
             Kind::MeanOf(_) => {
                 let points = ensemble.points_of(headline);
                 point.signed = headline.signed(&ensemble.mean);
-                point.second = second.of(&ensemble.mean).map(f64::abs);
+                point.second = headline.second_of(&ensemble.mean).map(f64::abs);
                 point.error_interval = jackknife(points);
                 point.chance = Chance::Mean(points.to_vec());
                 // The mean costs all its runs; their CPU time counts, as they may run side by side.

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use frazil_plots::style::{duration, percent};
-use frazil_record::{Field, Outcome, ReferenceInfo, RunResult};
+use frazil_record::{Field, Outcome, ProfileRow, ReferenceInfo, RunResult};
 use frazil_scene::{ReferenceChoice, Scene, Setting};
 use frazil_simulation::march::{Options, Refused, outputs};
 use frazil_simulation::measure;
@@ -39,28 +39,16 @@ pub struct LocalReference {
     info: ReferenceInfo,
     run: RunResult,
     profiles: Vec<Profile>,
+    concentrations: Vec<Profile>,
 }
 
 impl LocalReference {
     /// Takes a run of a scene as a reference of everything that it has.
     pub fn new(scene: &Scene, run: RunResult) -> LocalReference {
-        let mut profiles: Vec<Profile> = Vec::new();
-        let direction = scene.freezing_direction();
-        for row in &run.profiles {
-            // Plane fronts are known by the distance from the wall at which they start.
-            let start = direction.filter(|_| row.plane == "line");
-            let along = start.map_or(row.along_m, |direction| direction.distance(row.along_m));
-            let point = (along, row.temperature_c);
-            match profiles.iter_mut().find(|(time, plane, _)| *time == row.time_s && *plane == row.plane) {
-                Some((.., points)) => points.push(point),
-                None => profiles.push((row.time_s, row.plane.clone(), vec![point])),
-            }
-        }
-        for (.., points) in &mut profiles {
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        }
+        let profiles = profiles(scene, &run, |row| Some(row.temperature_c));
+        let concentrations = self::profiles(scene, &run, |row| row.concentration);
         let info = ReferenceInfo::new("local", "", 0.0);
-        LocalReference { unknown: Vec::new(), known: Headline::ALL.to_vec(), info, run, profiles }
+        LocalReference { unknown: Vec::new(), known: Headline::ALL.to_vec(), info, run, profiles, concentrations }
     }
 
     fn knows(&self, headline: Headline) -> bool {
@@ -68,12 +56,42 @@ impl LocalReference {
     }
 
     fn profile(&self, plane: &str, x: f64, t: f64) -> Option<f64> {
-        if !self.knows(Headline::Temperature) {
-            return None;
-        }
-        let same = |(time, own, _): &&Profile| own == plane && (time - t).abs() <= SAME_INSTANT * t.abs().max(1.0);
-        between(self.profiles.iter().find(same).map(|(.., points)| points.as_slice())?, x)
+        let read = if self.run.record.of_water { Headline::Saturation } else { Headline::Temperature };
+        if self.knows(read) { on_plane(&self.profiles, plane, x, t) } else { None }
     }
+}
+
+/// Profiles of a value of their rows.
+fn profiles(scene: &Scene, run: &RunResult, value: impl Fn(&ProfileRow) -> Option<f64>) -> Vec<Profile> {
+    let mut profiles: Vec<Profile> = Vec::new();
+    let direction = scene.freezing_direction();
+    for (row, value) in run.profiles.iter().filter_map(|row| Some((row, value(row)?))) {
+        // Plane fronts are known by the distance from the wall at which they start.
+        let start = direction.filter(|_| row.plane == "line");
+        let point = (start.map_or(row.along_m, |direction| direction.distance(row.along_m)), value);
+        match profiles.iter_mut().find(|(time, plane, _)| *time == row.time_s && *plane == row.plane) {
+            Some((.., points)) => points.push(point),
+            None => profiles.push((row.time_s, row.plane.clone(), vec![point])),
+        }
+    }
+    for (.., points) in &mut profiles {
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+    }
+    profiles
+}
+
+fn is_instant(time: f64, t: f64) -> bool {
+    (time - t).abs() <= SAME_INSTANT * t.abs().max(1.0)
+}
+
+fn on_plane(profiles: &[Profile], plane: &str, x: f64, t: f64) -> Option<f64> {
+    let same = |(time, own, _): &&Profile| own == plane && is_instant(*time, t);
+    between(profiles.iter().find(same).map(|(.., points)| points.as_slice())?, x)
+}
+
+fn on_cut(profiles: &[Profile], cut: Cut, x: f64, t: f64) -> Option<f64> {
+    let same = |(time, own, _): &&Profile| Cut::named(own) == Some(cut) && is_instant(*time, t);
+    between(profiles.iter().find(same).map(|(.., points)| points.as_slice())?, x)
 }
 
 /// Value between rows, linear; absent outside them.
@@ -110,14 +128,21 @@ impl Reference for LocalReference {
     }
 
     fn cut_temperature(&self, cut: Cut, x: f64, t: f64) -> Option<f64> {
-        let same = |(time, own, _): &&Profile| {
-            Cut::named(own) == Some(cut) && (time - t).abs() <= SAME_INSTANT * t.abs().max(1.0)
-        };
-        between(self.profiles.iter().find(same).map(|(.., points)| points.as_slice())?, x)
+        on_cut(&self.profiles, cut, x, t)
+    }
+
+    fn concentration(&self, x: f64, t: f64) -> Option<f64> {
+        let known = self.knows(Headline::Concentration);
+        on_plane(&self.concentrations, "line", x, t).filter(|_| known)
+    }
+
+    fn cut_concentration(&self, cut: Cut, x: f64, t: f64) -> Option<f64> {
+        let known = self.knows(Headline::Concentration);
+        on_cut(&self.concentrations, cut, x, t).filter(|_| known)
     }
 
     fn point_temperature(&self, x: f64, y: f64, t: f64) -> Option<f64> {
-        let same = |field: &&Field| (field.time_s - t).abs() <= SAME_INSTANT * t.abs().max(1.0);
+        let same = |field: &&Field| is_instant(field.time_s, t);
         bilinear(self.run.fields.iter().find(same)?, x, y)
     }
 

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use frazil_core::statistics;
+use frazil_record::Errors;
 use serde::Serialize;
 
 use super::analysis::{Comparison, Reached, Study};
@@ -10,7 +11,7 @@ use super::execute::SceneRuns;
 use super::measured::{Measured, Timing};
 use crate::ensemble::runs::Headline;
 use crate::failure::Failure;
-use crate::output::write_rows;
+use crate::output::{write_beside, write_rows};
 
 /// A configuration in `comparison.csv`.
 #[derive(Debug, Clone, Serialize)]
@@ -79,7 +80,7 @@ impl Row {
         let median = |value: &dyn Fn(&Timing) -> f64| statistics::median(&times(value));
         let least = |value: &dyn Fn(&Timing) -> f64| times(value).into_iter().reduce(f64::min);
         let interval = statistics::median_interval(&times(&Timing::wall));
-        let over_runs = |value: fn(&frazil_record::Errors) -> Option<f64>| {
+        let over_runs = |value: fn(&Errors) -> Option<f64>| {
             let runs: Option<Vec<f64>> = one.ensemble.as_ref()?.runs.iter().map(value).collect();
             statistics::mean(&runs?).map(|mean| mean.mean)
         };
@@ -208,8 +209,45 @@ struct ConvergenceRow {
 /// Where it cannot be written.
 pub fn write_comparison(folder: &Path, finished: &[Study], current: Option<&SceneRuns>) -> Result<(), Failure> {
     let all = finished.iter().map(|study| &study.runs).chain(current);
-    let rows: Vec<Row> = all.flat_map(|runs| runs.measured.iter().map(|one| Row::of(runs, one))).collect();
-    write_rows(&folder.join("comparison.csv"), &rows)
+    let all: Vec<(&SceneRuns, &Measured)> =
+        all.flat_map(|runs| runs.measured.iter().map(move |one| (runs, one))).collect();
+    let rows: Vec<Row> = all.iter().map(|(runs, one)| Row::of(runs, one)).collect();
+    let path = folder.join("comparison.csv");
+    if all.iter().any(|(runs, _)| runs.scene.of_water) {
+        let of_water: Vec<_> = all.iter().map(|(runs, one)| ErrorsOfWater::of(runs, one)).collect();
+        write_beside(&path, &rows, &of_water)
+    } else {
+        write_rows(&path, &rows)
+    }
+}
+
+/// What `comparison.csv` has of scenes of unsaturated water beside what it has of all.
+#[derive(Debug, Clone, Serialize)]
+struct ErrorsOfWater {
+    saturation_rms: Option<f64>,
+    saturation_mean_abs: Option<f64>,
+    concentration_rms_rel: Option<f64>,
+    concentration_mean_abs_rel: Option<f64>,
+    solute_balance_rel: Option<f64>,
+    reference_error_saturation_rel: Option<f64>,
+    reference_error_concentration_rel: Option<f64>,
+}
+
+impl ErrorsOfWater {
+    fn of(runs: &SceneRuns, one: &Measured) -> ErrorsOfWater {
+        let errors = one.errors();
+        let of = |measure: fn(&Errors) -> Option<f64>| errors.and_then(measure);
+        let reference = |headline| runs.reference_error(headline).filter(|_| runs.scene.of_water);
+        ErrorsOfWater {
+            saturation_rms: of(|errors| errors.saturation_rms),
+            saturation_mean_abs: of(|errors| errors.saturation_mean_abs),
+            concentration_rms_rel: of(|errors| errors.concentration_rms_rel),
+            concentration_mean_abs_rel: of(|errors| errors.concentration_mean_abs_rel),
+            solute_balance_rel: one.result.as_ref().and_then(|result| result.record.solute_balance_rel),
+            reference_error_saturation_rel: reference(Headline::Saturation),
+            reference_error_concentration_rel: reference(Headline::Concentration),
+        }
+    }
 }
 
 /// Writes every table of the finished scenes.

@@ -69,6 +69,8 @@ fn made_up(
                 temperature_c: truth + 3.0 * (wrong + noise),
                 temperature_ref_c: None,
                 frozen_fraction: 0.0,
+                concentration: None,
+                concentration_ref: None,
                 plane: "line".into(),
                 y_m: None,
                 along_m: x_m,

@@ -46,18 +46,21 @@ const SAME: f64 = 1e-9;
 pub enum Measure {
     /// Of all temperatures of profiles, over the range of the scene's temperatures: their mean has a sign.
     Temperature,
+    /// Of all effective saturations of profiles, of unsaturated water.
+    Saturation,
     /// Of the front: at the end it has a sign.
     Front,
 }
 
 impl Measure {
     /// Both.
-    pub const ALL: [Measure; 2] = [Measure::Temperature, Measure::Front];
+    pub const ALL: [Measure; 3] = [Measure::Temperature, Measure::Saturation, Measure::Front];
 
     /// The word used in files.
     pub fn name(self) -> &'static str {
         match self {
             Measure::Temperature => "temperature",
+            Measure::Saturation => "saturation",
             Measure::Front => "front",
         }
     }
@@ -66,6 +69,7 @@ impl Measure {
     pub fn signed(self, run: &Run) -> Option<f64> {
         match self {
             Measure::Temperature => run.temperature,
+            Measure::Saturation => run.saturation,
             Measure::Front => run.result.as_ref()?.record.errors.front_last_rel,
         }
     }
@@ -75,6 +79,7 @@ impl Measure {
         let errors = &run.result.as_ref()?.record.errors;
         match self {
             Measure::Temperature => errors.temperature_rms_rel,
+            Measure::Saturation => errors.saturation_rms,
             Measure::Front => errors.front_rms_rel,
         }
     }
@@ -95,6 +100,8 @@ pub struct Run {
     pub result: Option<RunResult>,
     /// Mean error of temperatures over their range.
     pub temperature: Option<f64>,
+    /// Mean error of effective saturations.
+    pub saturation: Option<f64>,
     /// Why there is nothing, or nothing good.
     pub note: Option<String>,
 }
@@ -299,6 +306,7 @@ fn planned(request: &CompareRequest, vary: &Vary, scene: &Scene, methods: &[&'st
                     ratio,
                     result: None,
                     temperature: None,
+                    saturation: None,
                     note: None,
                 });
             }
@@ -403,7 +411,8 @@ impl Work<'_> {
         match self.one(run, limit) {
             Ok(result) => {
                 let outcome = result.record.outcome;
-                run.temperature = mean_error(self.scene, &result).filter(|_| outcome == Outcome::Ok);
+                let error = mean_error(self.scene, &result).filter(|_| outcome == Outcome::Ok);
+                (run.temperature, run.saturation) = if self.scene.of_water { (None, error) } else { (error, None) };
                 run.result = Some(result).filter(|_| outcome == Outcome::Ok);
                 run.note = (outcome != Outcome::Ok).then(|| outcome.name().to_owned());
                 true
@@ -432,9 +441,10 @@ impl Work<'_> {
     }
 }
 
-/// Mean over all profile points of the error of temperature, over the range of the scene's temperatures.
+/// Mean over all profile points of the error of temperature, over the range of the scene's temperatures; or of that of the
+/// effective saturation.
 fn mean_error(scene: &Scene, result: &RunResult) -> Option<f64> {
-    let (low, high) = scene.temperature_range();
+    let (low, high) = if scene.of_water { (0.0, 1.0) } else { scene.temperature_range() };
     let errors: Vec<f64> =
         result.profiles.iter().filter_map(|row| Some(row.temperature_c - row.temperature_ref_c?)).collect();
     (!errors.is_empty() && high > low).then(|| errors.iter().sum::<f64>() / errors.len() as f64 / (high - low))
@@ -446,7 +456,16 @@ mod tests {
 
     fn run(spacing: f64, ratio: f64, error: f64) -> Run {
         let level = 0;
-        Run { method: "pd", level, spacing, ratio, result: None, temperature: Some(error), note: None }
+        Run {
+            method: "pd",
+            level,
+            spacing,
+            ratio,
+            result: None,
+            temperature: Some(error),
+            saturation: None,
+            note: None,
+        }
     }
 
     #[test]

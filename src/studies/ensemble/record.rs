@@ -117,7 +117,7 @@ pub struct EnsembleRecord {
     pub members: Vec<Member>,
     /// Errors by measure, as in the record of a run; those of events by `events.` and their name.
     pub errors: BTreeMap<String, Measure>,
-    /// Bias and variance apart, relative as the errors: of `front` and `temperature`. Absent for a single member.
+    /// Bias and variance apart, relative as the errors: of `front` and what is read along profiles. Absent for a single member.
     pub curves: BTreeMap<String, Split>,
     /// The reference.
     #[serde(skip_serializing_if = "Option::is_none", default)]
@@ -216,7 +216,8 @@ pub fn splits(runs: &EnsembleRuns) -> BTreeMap<String, Split> {
         };
         Some((headline.name().to_owned(), split))
     };
-    [Headline::Front, Headline::Temperature].into_iter().filter_map(split).collect()
+    let series = Headline::ALL.into_iter().filter(|own| *own == Headline::Front || own.is_of_profiles());
+    series.filter_map(split).collect()
 }
 
 #[cfg(test)]

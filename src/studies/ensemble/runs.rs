@@ -15,6 +15,7 @@ use serde::de::DeserializeOwned;
 
 use super::table::{NoMean, Table, mean};
 use crate::output;
+use crate::output::of_water::SaturationRow;
 
 /// Series of a run, by the names of their files.
 pub type Tables = BTreeMap<String, Table>;
@@ -68,11 +69,15 @@ pub fn means(runs: &[Tables], spacing: Option<f64>) -> Result<Tables, BadSeries>
 /// Where a series has other cells than runs leave.
 pub fn result(record: Record, tables: &Tables) -> Result<RunResult, BadSeries> {
     let cut = typed(tables, "cut.csv")?;
+    let profiles = match record.of_water {
+        true => typed::<SaturationRow>(tables, "profiles.csv")?.into_iter().map(Into::into).collect(),
+        false => typed(tables, "profiles.csv")?,
+    };
     let water = (!cut.is_empty()).then(|| WaterSeries { cut, ..WaterSeries::default() });
     Ok(RunResult {
         front: typed(tables, "front.csv")?,
         frozen: typed(tables, "frozen.csv")?,
-        profiles: typed(tables, "profiles.csv")?,
+        profiles,
         walls: typed(tables, "wall.csv")?,
         gaps: typed(tables, "gaps.csv")?,
         water,
@@ -96,11 +101,37 @@ pub enum Headline {
     Volume,
     /// Temperature at all profile points.
     Temperature,
+    /// Effective saturation of unsaturated water at all profile points.
+    Saturation,
+    /// Concentration of what it carries at all profile points.
+    Concentration,
 }
 
 impl Headline {
     /// In the order of preference.
-    pub const ALL: [Headline; 4] = [Headline::Front, Headline::Closure, Headline::Volume, Headline::Temperature];
+    pub const ALL: [Headline; 6] = [
+        Headline::Front,
+        Headline::Closure,
+        Headline::Volume,
+        Headline::Temperature,
+        Headline::Saturation,
+        Headline::Concentration,
+    ];
+
+    /// Whether it is taken at all profile points.
+    pub fn is_of_profiles(self) -> bool {
+        matches!(self, Headline::Temperature | Headline::Saturation | Headline::Concentration)
+    }
+
+    /// Another norm of errors, which one that is low by luck does not share.
+    pub fn second_of(self, errors: &Errors) -> Option<f64> {
+        let others: &[Headline] = match self {
+            Headline::Temperature | Headline::Saturation => &[Headline::Front],
+            Headline::Concentration => &[Headline::Saturation],
+            Headline::Front | Headline::Closure | Headline::Volume => &[Headline::Temperature, Headline::Saturation],
+        };
+        others.iter().find_map(|other| other.of(errors))
+    }
 
     /// The error, signed where it has a sign.
     pub fn of(self, errors: &Errors) -> Option<f64> {
@@ -109,6 +140,8 @@ impl Headline {
             Headline::Closure => errors.events.get("closure_day").copied(),
             Headline::Volume => errors.frozen_volume_rms_rel,
             Headline::Temperature => errors.temperature_rms_rel,
+            Headline::Saturation => errors.saturation_rms,
+            Headline::Concentration => errors.concentration_rms_rel,
         }
     }
 
@@ -128,6 +161,8 @@ impl Headline {
             Headline::Closure => "error of the time of closure",
             Headline::Volume => "rms error of the frozen volume",
             Headline::Temperature => "rms error of the temperature, over its range",
+            Headline::Saturation => "rms error of the effective saturation",
+            Headline::Concentration => "rms error of the concentration, over its range",
         }
     }
 
@@ -138,6 +173,8 @@ impl Headline {
             Headline::Closure => "closure",
             Headline::Volume => "volume",
             Headline::Temperature => "temperature",
+            Headline::Saturation => "saturation",
+            Headline::Concentration => "concentration",
         }
     }
 
@@ -149,9 +186,18 @@ impl Headline {
                 let window = measure::front::window(scene, spacing, &result.front, reference);
                 window.iter().map(measure::front::Judged::error).collect()
             }
-            Headline::Temperature => {
-                let (least, greatest) = scene.temperature_range();
-                let points = measure::profile_points(scene, spacing, result, reference);
+            Headline::Temperature | Headline::Saturation | Headline::Concentration => {
+                // Saturations run from none to one; points of what a scene is not of say nothing.
+                let (least, greatest) = match (self, &scene.solute) {
+                    (Headline::Saturation, _) if scene.of_water => (0.0, 1.0),
+                    (Headline::Temperature, _) if !scene.of_water => scene.temperature_range(),
+                    (Headline::Concentration, Some(solute)) => solute.range(),
+                    _ => return Vec::new(),
+                };
+                let points = match self {
+                    Headline::Concentration => measure::concentration_points(scene, spacing, result, reference),
+                    _ => measure::profile_points(scene, spacing, result, reference),
+                };
                 points.into_iter().map(|(own, expected)| (own - expected) / (greatest - least)).collect()
             }
             Headline::Closure | Headline::Volume => self.of(&result.record.errors).into_iter().collect(),

@@ -1,6 +1,8 @@
 //! The parameters along which a map is drawn, as overrides of a scene.
 
 use frazil_core::physics::material::Material;
+use frazil_core::physics::retention::Retention;
+use frazil_core::space::domain::Domain;
 use frazil_record::Value;
 use frazil_scene::method::MethodSettings;
 use frazil_scene::method::{MethodKind, Stepper};
@@ -27,6 +29,14 @@ pub enum Axis {
     Noise,
     /// Stages of RKL2.
     Stages,
+    /// Particle spacing, of unsaturated water.
+    Spacing,
+    /// Effective saturation at its start.
+    Saturation,
+    /// Inverse of the suction of air entry.
+    Alpha,
+    /// Exponent of the retention curve.
+    Exponent,
 }
 
 /// One column of a map.
@@ -46,12 +56,16 @@ const REACH: f64 = 2.0;
 const NOISE: f64 = 10.0;
 /// Largest jitter that the reader takes.
 const DISORDER: f64 = 0.5;
+/// Particle spacings begin at the scene's own times two to this power, and are halved from there.
+const COARSEST: i32 = 3;
+/// Largest exponent of a retention curve that the reader takes.
+const MOST_EXPONENT: f64 = 20.0;
 /// Stages of RKL2 that are tried.
 const STAGES: std::ops::RangeInclusive<usize> = 3..=40;
 
 impl Axis {
     /// All but the scene as it is, by the words of `--axes`.
-    pub const WORDS: [(&'static str, Axis); 8] = [
+    pub const WORDS: [(&'static str, Axis); 12] = [
         ("stefan", Axis::Stefan),
         ("conductivity", Axis::Conductivity),
         ("capacity", Axis::Capacity),
@@ -59,6 +73,10 @@ impl Axis {
         ("disorder", Axis::Disorder),
         ("noise", Axis::Noise),
         ("rkl2", Axis::Stages),
+        ("spacing", Axis::Spacing),
+        ("saturation", Axis::Saturation),
+        ("alpha", Axis::Alpha),
+        ("n", Axis::Exponent),
         ("own", Axis::Own),
     ];
 
@@ -83,6 +101,10 @@ impl Axis {
             Axis::Disorder => "largest shift of particles over spacing",
             Axis::Noise => "fluctuation of a particle's absolute temperature",
             Axis::Stages => "stages of RKL2",
+            Axis::Spacing => "particle spacing (m)",
+            Axis::Saturation => "effective saturation at the start",
+            Axis::Alpha => "alpha of the retention curve (1/m)",
+            Axis::Exponent => "n of the retention curve",
         }
     }
 
@@ -143,7 +165,8 @@ impl Axis {
                 .filter_map(|shift| disordered(settings, shift))
                 .collect(),
             Axis::Noise => noise_levels(settings, count),
-            Axis::Stages if kind.stochastic || scene.flow.is_some() => Vec::new(),
+            Axis::Stages if kind.stochastic || scene.flow.is_some() || scene.of_water => Vec::new(),
+            Axis::Spacing | Axis::Saturation | Axis::Alpha | Axis::Exponent => self.of_water(scene, settings, count),
             Axis::Stages => STAGES
                 .map(|stages| Column {
                     value: Some(stages as f64),
@@ -160,11 +183,91 @@ impl Axis {
         columns
     }
 
+    /// Columns of a scene of unsaturated water; none of another.
+    fn of_water(self, scene: &Scene, settings: &MethodSettings, count: usize) -> Vec<Column> {
+        if !scene.of_water {
+            return Vec::new();
+        }
+        let scaled = |span: f64, own: Option<f64>, at: &dyn Fn(f64) -> (f64, Vec<Override>)| -> Vec<Column> {
+            let column = |factor: f64| {
+                let (value, overrides) = at(factor);
+                match factor {
+                    1.0 => Column { value: own, overrides: Vec::new() },
+                    _ => Column { value: Some(value), overrides },
+                }
+            };
+            own.map_or_else(Vec::new, |_| factors(span, count).into_iter().map(column).collect())
+        };
+        // What the curves of soils have of a parameter, by their names.
+        let curves = |of: fn(&Retention) -> Option<f64>| -> Vec<(&str, f64)> {
+            let own = |material: &Material| of(&material.soil.as_ref()?.retention);
+            scene.materials.iter().filter_map(|material| Some((material.name.as_str(), own(material)?))).collect()
+        };
+        let changed = |curves: &[(&str, f64)], key: &str, at: &dyn Fn(f64) -> f64| -> (f64, Vec<Override>) {
+            let change = |(name, own): &(&str, f64)| (format!("materials.{name}.retention.{key}"), written(at(*own)));
+            (curves.first().map_or(0.0, |(_, own)| at(*own)), curves.iter().map(change).collect())
+        };
+        let carried =
+            scene.solute.as_ref().map_or_else(String::new, |solute| format!(", concentration = {}", solute.initial));
+        match self {
+            Axis::Spacing => {
+                let own = settings.numerics.spacing;
+                let key = key(scene.units, "spacing", "m");
+                (0..count as i32)
+                    .map(|halvings| own * 2f64.powi(COARSEST - halvings))
+                    .filter(|spacing| divides(scene.domain, *spacing))
+                    .map(|spacing| Column {
+                        value: Some(spacing),
+                        overrides: vec![method_key(settings, &key, spacing)],
+                    })
+                    .collect()
+            }
+            Axis::Saturation => (0..count)
+                .map(|k| rounded(k as f64 / count as f64))
+                .map(|start| Column {
+                    value: Some(start),
+                    // In place of a head, if the scene starts from one.
+                    overrides: vec![("initial".into(), format!("{{ saturation = {start}{carried} }}"))],
+                })
+                .collect(),
+            Axis::Alpha => {
+                let own = curves(|curve| match curve {
+                    Retention::VanGenuchten(curve) => Some(curve.alpha),
+                    Retention::Gardner(curve) => Some(curve.alpha),
+                    Retention::BrooksCorey(_) | Retention::Table(_) => None,
+                });
+                let key = key(scene.units, "alpha", "per_m");
+                scaled(PHYSICS, own.first().map(|own| own.1), &|factor| changed(&own, &key, &|own| own * factor))
+            }
+            _ => {
+                let own = curves(|curve| match curve {
+                    Retention::VanGenuchten(curve) => Some(curve.exponent),
+                    Retention::BrooksCorey(_) | Retention::Gardner(_) | Retention::Table(_) => None,
+                });
+                // The curve is that of n - 1: at 1 it would be flat.
+                let at = |own: f64, factor: f64| (1.0 + (own - 1.0) * factor).min(MOST_EXPONENT);
+                scaled(PHYSICS, own.first().map(|own| own.1), &|factor| changed(&own, "n", &|own| at(own, factor)))
+            }
+        }
+    }
+
     /// Away from its own axis noise is switched off: it does not change the operator, whose stability the maps show.
     fn without_noise(self, settings: &MethodSettings) -> Option<Override> {
         let noisy = settings.discretisation.fluctuation > 0.0;
         (noisy && self != Axis::Noise && self != Axis::Own && has_knob(settings, "noise"))
             .then(|| (format!("method.{}.noise", settings.method), "false".into()))
+    }
+}
+
+/// Whether a spacing (m) divides a body into whole parts.
+fn divides(domain: Domain, spacing: f64) -> bool {
+    let whole = |length: f64| ((length / spacing).round() * spacing / length - 1.0).abs() < 1e-9;
+    match domain {
+        Domain::Line { length } => whole(length),
+        Domain::Rectangle { width, height } => whole(width) && whole(height),
+        Domain::Radial { inner, outer, .. } => whole(outer - inner),
+        Domain::Axial { inner, outer, height } => whole(outer - inner) && whole(height),
+        Domain::Ring { .. } => true,
     }
 }
 
@@ -296,6 +399,10 @@ mod tests {
                             },
                             Axis::Noise => Some(settings.discretisation.fluctuation),
                             Axis::Stages => column.value,
+                            Axis::Spacing | Axis::Saturation | Axis::Alpha | Axis::Exponent => {
+                                assert!(scene.of_water);
+                                column.value
+                            }
                         };
                         let near = match (found, column.value) {
                             // Four digits are written.

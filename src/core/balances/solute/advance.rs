@@ -9,6 +9,7 @@ use crate::kernels::enthalpy_rows::bandwidth;
 use crate::kernels::list_parts::ListParts;
 use crate::ledger::Sum;
 use crate::solvers::balance::{Balance, BalanceFacts, Rates, Tangent, TangentShape, Update};
+use crate::solvers::passenger::Passenger;
 use crate::solvers::step::Clock;
 
 /// Entries of a row that are summed side by side, so that none waits for the last.
@@ -60,6 +61,10 @@ impl Balance for Solute {
 
     fn tangent(&mut self) -> &mut dyn Tangent {
         self
+    }
+
+    fn passenger_mut(&mut self) -> Option<&mut dyn Passenger> {
+        Some(self)
     }
 }
 

@@ -13,8 +13,8 @@
 use glam::DVec2;
 
 use crate::balances::solute::image::Image;
-use crate::balances::solute::material::SoluteMaterial;
 use crate::kernels::list_parts::ListParts;
+use crate::physics::solute_material::SoluteMaterial;
 
 /// Powers of the squared cosine between a pair and the flow that are tried in turn.
 const POWERS: [i32; 6] = [1, 2, 4, 8, 16, 32];

@@ -15,10 +15,10 @@ use glam::DVec2;
 use crate::balances::solute::advection::Advection;
 use crate::balances::solute::dispersion::{Spread, arm, between, spreads, velocities};
 use crate::balances::solute::image::{Image, Kind};
-use crate::balances::solute::material::SoluteMaterial;
 use crate::balances::solute::walls::{Mouth, Walls};
 use crate::kernels::list_parts::ListParts;
 use crate::memory::{HeapSize, total};
+use crate::physics::solute_material::SoluteMaterial;
 
 /// Pairs for one flow of water.
 #[derive(Debug, Clone)]

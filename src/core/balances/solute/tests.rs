@@ -9,8 +9,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::balances::solute::advection::Advection;
-use crate::balances::solute::material::{SoluteMaterial, Tortuosity};
-use crate::balances::solute::{Interval, Solute, SoluteParts};
+use crate::balances::solute::{Solute, SoluteParts};
 use crate::bonds::exchange::Exchange;
 use crate::bonds::pair_list::PairList;
 use crate::bonds::stencil::Stencil;
@@ -25,7 +24,9 @@ use crate::neighbours::tree::Tree;
 use crate::neighbours::{NeighbourSearch, Period};
 use crate::particles::{Particles, Places};
 use crate::physics::latent_heat::Materials;
+use crate::physics::solute_material::{SoluteMaterial, Tortuosity};
 use crate::series::Series;
+use crate::solvers::passenger::{Interval, Passenger};
 use crate::solvers::solver::Solver;
 use crate::solvers::step::Clock;
 use crate::space::domain::Domain;
@@ -168,6 +169,8 @@ impl Body {
     /// Particles with these contents.
     fn particles(&self, contents: Vec<f64>) -> Particles {
         Particles {
+            solute: Vec::new(),
+            concentration: Vec::new(),
             enthalpy: contents,
             start: Arc::new([]),
             places: Places::Cloud(self.list.positions.clone()),

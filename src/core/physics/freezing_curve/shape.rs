@@ -75,6 +75,13 @@ pub enum Quantity {
     Temperatures,
     /// A list of numbers from 0 to 1.
     Fractions,
+    /// A list of numbers.
+    Numbers {
+        /// Its unit as keys write it; empty for pure numbers.
+        unit: &'static str,
+        /// Least and greatest.
+        range: (Bound<f64>, Bound<f64>),
+    },
 }
 
 impl Parameter {
@@ -92,7 +99,7 @@ impl Parameter {
     pub fn key(&self) -> (&'static str, &'static str) {
         let unit = match self.quantity {
             Quantity::Interval => "K",
-            Quantity::Number { unit, .. } => unit,
+            Quantity::Number { unit, .. } | Quantity::Numbers { unit, .. } => unit,
             Quantity::Temperatures => "c",
             Quantity::Fractions => "",
         };

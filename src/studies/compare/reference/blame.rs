@@ -19,7 +19,9 @@ pub fn outputs(headline: Headline, scene: &Scene, spacing: f64, run: &RunResult,
             let window = measure::front::window(scene, spacing, &run.front, truth);
             front(scene, &window.iter().map(|row| (row.time, row.error())).collect())
         }
-        Headline::Temperature => profiles(scene, &by_instant(scene, spacing, run, truth)),
+        Headline::Temperature | Headline::Saturation | Headline::Concentration => {
+            profiles(scene, &by_instant(headline, scene, spacing, run, truth))
+        }
         Headline::Volume | Headline::Closure => FINER.into(),
     }
 }
@@ -88,8 +90,8 @@ fn profiles(scene: &Scene, errors: &Errors) -> String {
     }
 }
 
-/// Rms error of the temperature of each profile, over its range.
-fn by_instant(scene: &Scene, spacing: f64, run: &RunResult, truth: &dyn Reference) -> Errors {
+/// Rms error of each profile.
+fn by_instant(headline: Headline, scene: &Scene, spacing: f64, run: &RunResult, truth: &dyn Reference) -> Errors {
     let mut times: Vec<f64> = run.profiles.iter().map(|row| row.time_s).collect();
     times.dedup();
     times.sort_by(f64::total_cmp);
@@ -97,7 +99,7 @@ fn by_instant(scene: &Scene, spacing: f64, run: &RunResult, truth: &dyn Referenc
     let error = |time: f64| {
         let mut one = RunResult::bare(run.record.clone());
         one.profiles = run.profiles.iter().filter(|row| row.time_s == time).cloned().collect();
-        Some((time, measure::errors(scene, spacing, &one, truth).temperature_rms_rel?))
+        Some((time, headline.of(&measure::errors(scene, spacing, &one, truth))?))
     };
     times.into_iter().filter_map(error).collect()
 }

@@ -240,16 +240,22 @@ pub(super) fn gates(study: &Study) -> Block {
             record.outcome.name().replace('_', " "),
         ])
     });
-    let heads =
-        ["method", "spacing", "heat not accounted for", "beyond the data's range", "repeats to the bit", "outcome"];
+    let (title, accounts, missing, values) = match study.runs.scene.of_water {
+        true => ("Balance and bounds", "Water", "water not accounted for", "pressure heads, on a logarithmic scale,"),
+        false => ("Energy and bounds", "Heat", "heat not accounted for", "temperatures"),
+    };
+    let heads = ["method", "spacing", missing, "beyond the data's range", "repeats to the bit", "outcome"];
     let table = Table {
-        caption: "Heat balance: (stored − in) over exchanged, the greatest over all outputs. Bounds: how far temperatures leave the range of the scene's data, over that range.".into(),
+        caption: format!(
+            "{accounts} balance: (stored − in) over exchanged, the greatest over all outputs. Bounds: how far {values} leave \
+             the range of the scene's data, over that range."
+        ),
         heads: heads.map(Into::into).into(),
         rows: rows.collect(),
         words: 1,
         csv: Some("comparison.csv".into()),
     };
-    alone("Energy and bounds", table)
+    alone(title, table)
 }
 
 /// What was left out for lack of time, apart from what failed.

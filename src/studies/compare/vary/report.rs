@@ -18,12 +18,16 @@ use crate::words;
 pub fn write(request: &CompareRequest, machine: &Machine, folder: &Path, grids: &[Grid]) -> Result<(), Failure> {
     let mut page = Page {
         title: "Convergence in two parameters".into(),
-        lead: vec![
+        lead: vec![if grids.iter().any(|grid| grid.scene.of_water) {
+            "Errors keep their signs: filled marks are too wet, too warm, or a front too far; hollow ones too dry, too cold, or \
+             not far enough. Where a line changes from one to the other, its magnitude passes through zero and says nothing \
+             of convergence."
+        } else {
             "Errors keep their signs: filled marks are too warm, or a front too far; hollow ones too cold, or not far \
              enough. Where a line changes from one to the other, its magnitude passes through zero and says nothing of \
              convergence."
-                .into(),
-        ],
+        }
+        .into()],
         command: request.command_line.clone(),
         machine: machine.facts(Fact::new("Threads of a run", request.threads.to_string())),
         ..Page::default()

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::{Grid, Measure, Run};
 use crate::failure::Failure;
-use crate::output::write_rows;
+use crate::output::{write_beside, write_rows};
 
 #[derive(Serialize)]
 struct Row<'a> {
@@ -49,5 +49,23 @@ impl<'a> Row<'a> {
 /// Writes `vary.csv`.
 pub fn write(folder: &Path, grids: &[Grid]) -> Result<(), Failure> {
     let rows: Vec<Row<'_>> = grids.iter().flat_map(|grid| grid.runs.iter().map(|run| Row::of(grid, run))).collect();
-    write_rows(&folder.join("vary.csv"), &rows)
+    let path = folder.join("vary.csv");
+    if !grids.iter().any(|grid| grid.scene.of_water) {
+        return write_rows(&path, &rows);
+    }
+    let of_water: Vec<OfWater> = grids.iter().flat_map(|grid| &grid.runs).map(OfWater::of).collect();
+    write_beside(&path, &rows, &of_water)
+}
+
+/// What there is of scenes of unsaturated water beside what there is of all.
+#[derive(Serialize)]
+struct OfWater {
+    saturation_signed: Option<f64>,
+    saturation_rms: Option<f64>,
+}
+
+impl OfWater {
+    fn of(run: &Run) -> Self {
+        OfWater { saturation_signed: Measure::Saturation.signed(run), saturation_rms: Measure::Saturation.rms(run) }
+    }
 }

@@ -123,6 +123,7 @@ fn unit() -> Thermal {
         law: FreezingLaw::None,
         mixing: Mixing::Arithmetic,
         pores: None,
+        soil: None,
     };
     Thermal::new(Curve::new(&material), 0.0)
 }
@@ -141,7 +142,7 @@ fn long_steps_agree_with_short_ones() {
             Box::new(solute)
         };
         let range =
-            || EnthalpyRange::new(&Materials::new(Arc::new([unit()]), Vec::new()), (0.0, 1.0), Vec::new(), false);
+            || EnthalpyRange::new(&Materials::new(Arc::new([unit()]), Vec::new()), (0.0, 1.0), Vec::new(), (false, 0));
         let mut long: [Box<dyn Solver>; 2] = [
             Box::new(Rkl2::controlled(solute(), 20, 1e-5, range(), body.len())),
             Box::new(Implicit::new(solute(), 1e-5, range(), 1.0, body.len())),

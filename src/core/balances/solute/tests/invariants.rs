@@ -3,6 +3,7 @@
 use super::*;
 use crate::solvers::balance::{Balance, Update};
 use crate::solvers::heun::Heun;
+use crate::solvers::passenger::{Interval, Passenger};
 use crate::space::symmetry::Symmetry;
 
 /// A plate with an inflow on the left, a part of it of another concentration, an outflow on the right without one, and a pond

@@ -1,0 +1,92 @@
+//! A solute beside unsaturated water: pairs along which it goes, and what advances both.
+
+use std::sync::Arc;
+
+use frazil_core::balances::solute::{Solute, SoluteParts};
+use frazil_core::boundary::patch::{Boundary, Patch};
+use frazil_core::kernels::flows::PairFlows;
+use frazil_core::physics::latent_heat::{Materials, scheme};
+use frazil_core::series::Series;
+use frazil_core::solvers::heun::Heun;
+use frazil_core::solvers::solver::Solver;
+use frazil_core::solvers::transport::Transport;
+use frazil_core::space::wall::PatchId;
+use frazil_scene::Scene;
+use frazil_scene::method::MethodSettings;
+use frazil_scene::region::Cell;
+use glam::DVec2;
+use rayon::ThreadPool;
+
+use crate::plan::bonds::list;
+use crate::plan::prepared::Prepared;
+use crate::refused::Refused;
+
+/// What particles hold of a solute at the start, and what advances it beside water.
+pub(super) fn transport(
+    scene: &Scene,
+    settings: &MethodSettings,
+    prepared: &mut Prepared,
+    water: Box<dyn Solver>,
+    pool: Option<Arc<ThreadPool>>,
+) -> Result<Box<dyn Solver>, Refused> {
+    let Some((solute, own)) = scene.solute.as_ref().zip(settings.numerics.solute) else { return Ok(water) };
+    let (boundary, walls) = walls(scene, solute, &prepared.boundary);
+    let swept = std::mem::replace(&mut prepared.boundary, boundary);
+    let made = list(scene, settings, prepared, pool);
+    prepared.boundary = swept;
+    let (parts, _) = made?;
+    let count = prepared.count();
+    let numerics = &settings.numerics;
+    let choice = scheme(numerics.latent_heat_scheme, numerics.mushy, &prepared.materials, &prepared.start, count);
+    let flows = PairFlows::new(parts.clone(), choice);
+    let saturated = saturated(&prepared.materials, count);
+    let contents: Vec<f64> = saturated.iter().zip(prepared.enthalpies()).map(|(full, held)| full + held).collect();
+    let parts = SoluteParts { list: parts, materials: solute.materials.clone(), walls, advection: own.advection };
+    let balance = Solute::new(parts, &contents)?;
+    prepared.solute = (0..count)
+        .map(|i| balance.content(i, starts(scene, solute, prepared.place(i), prepared.lattice.spacing), 0.0))
+        .collect();
+    let solver = Box::new(Heun::new(Box::new(balance), own.fraction, count));
+    Ok(Box::new(Transport::new(water, solver, flows, saturated, (own.coupling, own.fraction))))
+}
+
+/// The concentration with which a particle starts.
+fn starts(scene: &Scene, solute: &frazil_scene::Solute, place: DVec2, spacing: f64) -> f64 {
+    let mut concentration = solute.initial;
+    for (region, own) in scene.regions.iter().zip(&solute.regions) {
+        if let Some(own) = own {
+            let share = region.shape.share_of(&Cell::around(place, spacing));
+            concentration += share * (own - concentration);
+        }
+    }
+    concentration
+}
+
+/// Water contents from which the contents of particles count.
+fn saturated(materials: &Materials, count: usize) -> Vec<f64> {
+    let of = |i: usize| {
+        let thermal = materials.of(i);
+        let saturated = thermal.curve.moisture().map_or(0.0, |moisture| moisture.soil().saturated);
+        saturated + thermal.initial_enthalpy
+    };
+    (0..count).map(of).collect()
+}
+
+/// The walls of a body with those parts that have a concentration of their own, and the concentration of each.
+fn walls(scene: &Scene, solute: &frazil_scene::Solute, own: &Boundary) -> (Boundary, Vec<Option<Series>>) {
+    let mut boundary = own.clone();
+    let whole = |patch: &Patch| {
+        let of = |wall: &&frazil_scene::SoluteWall| wall.part.is_none() && PatchId::Whole(wall.wall) == patch.id;
+        solute.walls.iter().rev().find(of).map(|wall| wall.concentration.clone())
+    };
+    let mut walls: Vec<Option<Series>> = own.patches.iter().map(whole).collect();
+    let first = scene.wall_parts.len();
+    for (number, wall) in solute.walls.iter().enumerate() {
+        let (Some((from, to)), Some(patch)) = (wall.part, own.whole(wall.wall)) else { continue };
+        boundary.parts.push((wall.wall, from, to, boundary.patches.len()));
+        let id = PatchId::Part(wall.wall, first + number);
+        boundary.patches.push(Patch { id, ..own.patches[patch].clone() });
+        walls.push(Some(wall.concentration.clone()));
+    }
+    (boundary, walls)
+}

@@ -1,0 +1,160 @@
+//! Unsaturated water and what it carries, beside closed forms and independent tables.
+
+use frazil::registry::methods;
+use frazil_record::{Errors, Outcome, Record, RunResult};
+use frazil_simulation::march::{self, Options};
+use std::sync::Arc;
+
+use crate::sketch::{bundled, even};
+
+/// The whole run of a bundled scene with some keys set, beside its reference.
+fn run(name: &str, method: &str, changes: &[(&str, &str)]) -> RunResult {
+    let scene = bundled(name, changes);
+    let truth = frazil_cases::truth(&scene).expect("a reference");
+    assert_eq!(truth.instead, None, "{name}");
+    let reference = truth.reference.map(Arc::from);
+    march::run(&scene, method, reference.as_ref(), &Options::default()).expect("a run")
+}
+
+/// Both balances close, and the run is as it should be.
+fn closes(record: &Record) {
+    assert_eq!(record.outcome, Outcome::Ok, "{} {}: {:?}", record.scene, record.method, record.cause);
+    assert!(
+        record.energy_balance_rel.abs() < 1e-9,
+        "{} {}: {:e}",
+        record.scene,
+        record.method,
+        record.energy_balance_rel
+    );
+    let solute = record.solute_balance_rel.expect("a solute");
+    assert!(solute.abs() < 1e-9, "{} {}: {solute:e}", record.scene, record.method);
+}
+
+fn least_and_greatest(result: &RunResult) -> (f64, f64) {
+    let all = result.profiles.iter().filter_map(|row| row.concentration);
+    all.fold((f64::INFINITY, f64::NEG_INFINITY), |range, one| (range.0.min(one), range.1.max(one)))
+}
+
+/// Bounds: 0.5 % and 1 % of the concentration at the wall, at the paper's spacings (Yan et al. 2020, section 4.1).
+#[test]
+fn a_tracer_follows_the_closed_form_and_stays_within_the_data() {
+    for (name, bound) in [("column-tracer", 5e-3), ("column-tracer-pe1000", 1e-2)] {
+        for kind in even() {
+            let result = run(name, kind.name, &[]);
+            closes(&result.record);
+            let error = result.record.errors.concentration_rms_rel.expect("an error");
+            let (least, greatest) = least_and_greatest(&result);
+            eprintln!("{name} {}: rms {error:.2e}, {least:e}, {:e} above 1", kind.name, greatest - 1.0);
+            assert!(error <= bound, "{name} {}: {error}", kind.name);
+            assert!(least >= -1e-9 && greatest <= 1.0 + 1e-9, "{name} {}: {least} {greatest}", kind.name);
+        }
+    }
+}
+
+/// Where a profile falls through a level (m), linear between two places.
+fn falls(result: &RunResult, time: f64, level: f64, read: fn(&frazil_record::ProfileRow) -> f64) -> f64 {
+    let rows: Vec<(f64, f64)> =
+        result.profiles.iter().filter(|row| row.time_s == time).map(|row| (row.along_m, read(row))).collect();
+    let pair = rows.windows(2).find(|pair| pair[0].1 >= level && pair[1].1 < level).expect("a front");
+    pair[0].0 + (pair[1].0 - pair[0].0) * (pair[0].1 - level) / (pair[0].1 - pair[1].1)
+}
+
+/// Fronts of the saturation one half, of the concentrations one half and one tenth (cm) on days 5, 10 and 15, and the water that has
+/// come in (cm), of 1600 cells of an independent finite-volume code: bounds 0.02 cm, and 0.5 % of the water.
+#[test]
+fn a_column_that_is_wetted_from_one_end_meets_the_independent_solution() {
+    let known = [
+        (5.0, [3.6136, 1.9197, 3.7869], 0.59132),
+        (10.0, [5.1104, 2.7148, 5.3555], 0.83625),
+        (15.0, [6.2589, 3.3250, 6.5624], 1.02420),
+    ];
+    for kind in even() {
+        let result = run("wetting-column", kind.name, &[]);
+        closes(&result.record);
+        for (day, fronts, water) in known {
+            let time = day * 86_400.0;
+            let saturation = falls(&result, time, 0.5, |row| row.temperature_c);
+            let concentration = |level| falls(&result, time, level, |row| row.concentration.unwrap_or(0.0));
+            let own = [saturation, concentration(0.5), concentration(0.1)];
+            for (own, front) in own.iter().zip(fronts) {
+                assert!((100.0 * own - front).abs() < 0.02, "{} day {day}: {own} {front}", kind.name);
+            }
+            let wetted = result.front.iter().find(|row| (row.time_s - time).abs() < 1.0).expect("an output");
+            let error = 100.0 * 0.177 * wetted.front_m / water - 1.0;
+            assert!(error.abs() < 5e-3, "{} day {day}: {error}", kind.name);
+            eprintln!("{} day {day}: fronts {own:?}, water {error:.1e}", kind.name);
+        }
+    }
+}
+
+/// What is beyond the bound of a mean error.
+fn within(errors: &Errors, bound: f64, what: &str) {
+    let [saturation, concentration] =
+        [errors.saturation_mean_abs, errors.concentration_mean_abs_rel].map(|error| error.expect("an error"));
+    eprintln!("{what}: saturation {saturation:.2e}, concentration {concentration:.2e}");
+    assert!(saturation <= bound && concentration <= bound, "{what}: {saturation} {concentration}");
+}
+
+#[test]
+fn a_column_that_is_wetted_from_both_ends_fills_up() {
+    for kind in even() {
+        let result = run("wetting-column-two-sided", kind.name, &[]);
+        closes(&result.record);
+        within(&result.record.errors, 3e-3, kind.name);
+    }
+}
+
+/// Means over all cuts and instants of the table.
+#[test]
+fn a_zone_of_solute_soaks_into_a_square() {
+    for kind in even() {
+        let result = run("wetting-plane", kind.name, &[]);
+        closes(&result.record);
+        within(&result.record.errors, 3e-3, kind.name);
+        let water = result.record.errors.front_last_rel.expect("water");
+        assert!(water.abs() < 3e-3, "{}: {water}", kind.name);
+    }
+}
+
+/// Nothing passes a crack, and what is behind discs that let nothing in stays as it was.
+#[test]
+fn cracks_and_discs_that_let_nothing_through_are_passed_by() {
+    for kind in even() {
+        let spacing = format!("method.{}.spacing_m", kind.name);
+        for name in ["cracks-fixed", "cracks-growing"] {
+            let result = run(name, kind.name, &[(&spacing, "0.002")]);
+            closes(&result.record);
+            // Four times the bound of a spacing a quarter as long: of first order, as tips and wetting fronts are.
+            within(&result.record.errors, 2.4e-2, &format!("{name} {}", kind.name));
+        }
+    }
+}
+
+#[test]
+fn nothing_enters_discs_that_let_nothing_in() {
+    for kind in even() {
+        let spacing = format!("method.{}.spacing_m", kind.name);
+        let scene = bundled("inclusions-impermeable", &[(&spacing, "0.002"), ("time.duration_days", "10")]);
+        let see = |particles: &frazil_core::particles::Particles, _: f64| {
+            let inside = |i: &usize| scene.impermeable.iter().any(|shape| shape.contains(particles.position(*i)));
+            let mut count = 0;
+            for i in (0..particles.len()).filter(inside) {
+                count += 1;
+                assert_eq!((particles.enthalpy[i], particles.solute[i]), (0.0, 0.0), "{} at {i}", kind.name);
+            }
+            assert!(count > 100, "{count}");
+        };
+        let options = Options { each_output: Some(&see), ..Options::default() };
+        let result = march::run(&scene, kind.name, None, &options).expect("a run");
+        closes(&result.record);
+        assert!(result.front.is_empty() && result.record.outcome == Outcome::Ok);
+    }
+}
+
+#[test]
+fn methods_with_noise_of_their_own_refuse_water() {
+    let scene = bundled("wetting-column", &[]);
+    for kind in methods().iter().filter(|kind| kind.stochastic) {
+        assert!(scene.method(kind.name).is_none());
+    }
+}

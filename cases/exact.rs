@@ -139,7 +139,7 @@ fn direction(scene: &Scene) -> Result<(WallId, Option<&Condition>, f64), Unsolve
         None | Some(Condition::Symmetry) => true,
         Some(Condition::Temperature(series)) => series.constant() == Some(initial),
         Some(Condition::Exact) => true,
-        Some(Condition::Flux(_) | Condition::Film { .. }) => false,
+        Some(Condition::Flux(_) | Condition::Film { .. } | Condition::FreeDrainage) => false,
     };
     let mut driving = pairs
         .iter()

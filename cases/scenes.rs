@@ -54,6 +54,8 @@ pub fn all() -> &'static [BundledScene] {
         "wetting-column",
         "wetting-column-two-sided",
         "wetting-plane",
+        "absorption-column",
+        "infiltration-column",
         "cracks-fixed",
         "cracks-growing",
         "inclusions-permeable",

@@ -1,10 +1,12 @@
-//! Scenes of unsaturated water beside what is known of them: tables, absorption into a half space, a solute in steady flow.
+//! Scenes of unsaturated water beside what is known of them: tables, absorption into a half space, infiltration under gravity, a
+//! solute in steady flow.
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::breakage::crack::{Crack, Growth};
 use frazil_core::physics::retention::Retention;
 use frazil_core::physics::retention::moisture::{Moisture, Soil};
 use frazil_core::physics::retention::scale::{DRY, head};
+use frazil_core::physics::retention::shape::RetentionCurve;
 use frazil_core::physics::solute_material::Tortuosity;
 use frazil_core::space::domain::Domain;
 use frazil_core::space::wall::WallId;
@@ -16,6 +18,7 @@ use crate::exact::Unsolved;
 use crate::exact::unsaturated::ogata_banks::SoluteFront;
 use crate::exact::unsaturated::philip::Absorption;
 use crate::exact::unsaturated::soil as exact;
+use crate::exact::unsaturated::srivastava_yeh::{GardnerColumn, GardnerSoil};
 use crate::table::{compare, interpolate_square, wall_temperature};
 use crate::unsaturated::amounts::amounts;
 use crate::unsaturated::inclusions::inclusions;
@@ -259,6 +262,9 @@ pub fn exact_solution(scene: &Scene) -> Result<Box<dyn Reference>, Unsolved> {
     if !scene.regions.is_empty() || !scene.cracks.is_empty() {
         return Err(Unsolved::Body("a line whose parts differ"));
     }
+    if let Some(towards) = scene.gravity {
+        return Ok(Box::new(Infiltration::new(scene, soil, length, towards)?));
+    }
     match (scene.wall(WallId::Left), wall_temperature(scene, WallId::Right)) {
         (Some(Condition::Flux(flux)), Some(far)) if far >= 0.0 && scene.initial_temperature >= 0.0 => {
             let flux = flux.constant().filter(|flux| *flux > 0.0).ok_or(Unsolved::NothingDrives)?;
@@ -317,6 +323,50 @@ impl Reference for Wetting {
 
     fn front(&self, t: f64) -> Option<f64> {
         Some(self.initial * self.length + self.absorption.infiltrated(t) / self.drainable)
+    }
+}
+
+/// Water that soaks down through a soil of exponentials.
+struct Infiltration {
+    column: GardnerColumn,
+    /// The height of the wall at x = 0 (m), and how heights follow x.
+    from: f64,
+    upwards: f64,
+}
+
+impl Infiltration {
+    fn new(scene: &Scene, soil: &Soil, length: f64, towards: WallId) -> Result<Self, Unsolved> {
+        let Retention::Gardner(curve) = &soil.retention else {
+            return Err(Unsolved::Body("a soil that is not Gardner's, where water falls"));
+        };
+        let above = towards.opposite().ok_or(Unsolved::NotALine)?;
+        let Some(Condition::Flux(flux)) = scene.wall(above) else { return Err(Unsolved::WallChanges(above)) };
+        let after = flux.constant().ok_or(Unsolved::WallChanges(above))?;
+        let bottom = wall_temperature(scene, towards).ok_or(Unsolved::WallChanges(towards))?;
+        if bottom != scene.initial_temperature || bottom > 0.0 {
+            return Err(Unsolved::Body("a column that starts with another head than it has below"));
+        }
+        let own = GardnerSoil {
+            alpha: curve.alpha,
+            residual: soil.residual,
+            saturated: soil.saturated,
+            conductivity: soil.conductivity,
+        };
+        // An even head lets water through by its weight alone.
+        let before = soil.conductivity * curve.relative_conductivity(-head(bottom));
+        let column = GardnerColumn::new(own, length, head(bottom), [before, after]);
+        let (from, upwards) = if towards.is_at_end() { (length, -1.0) } else { (0.0, 1.0) };
+        Ok(Infiltration { column: column.map_err(|_| Unsolved::NothingDrives)?, from, upwards })
+    }
+}
+
+impl Reference for Infiltration {
+    fn describe(&self) -> ReferenceInfo {
+        ReferenceInfo::new("exact", "infiltration into a soil of exponentials (Srivastava and Yeh 1991)", 1e-12)
+    }
+
+    fn temperature(&self, x: f64, t: f64) -> Option<f64> {
+        Some(self.column.saturation(self.from + self.upwards * x, t))
     }
 }
 

@@ -28,6 +28,7 @@ fn ground(law: &str) -> String {
 /// A scene that has all of some features, if a body can.
 fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
     let has = |feature| features.contains(&feature);
+    let water = has(Feature::UnsaturatedWater) || has(Feature::Gravity);
     let ring = has(Feature::Ring) || has(Feature::Excavation) || has(Feature::Pipes);
     // A body is of one kind.
     if (ring || has(Feature::Cracks)) && has(Feature::Shells) || ring && has(Feature::Surfaces) {
@@ -49,10 +50,14 @@ fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
         Domain::Rectangle { .. } => sketch.wall("left", cold).wall("right", "temperature_c = 2"),
         _ => sketch.wall("outer", cold),
     };
-    let flows = has(Feature::Groundwater) || has(Feature::GradientAdvection) && !has(Feature::UnsaturatedWater);
+    let flows = has(Feature::Groundwater) || has(Feature::GradientAdvection) && !water;
     let plain = ground(law).replace(", permeability_m2 = 1.3e-10", "");
     sketch.materials = vec![("ground", if flows { ground(law) } else { plain })];
-    if has(Feature::UnsaturatedWater) {
+    if has(Feature::Gravity) {
+        let towards = if matches!(domain, Domain::Rectangle { .. }) { "bottom" } else { "outer" };
+        sketch.gravity = format!("towards = \"{towards}\"");
+    }
+    if water {
         // Water of a scene of water neither freezes nor flows through frozen ground.
         if has(Feature::FreezingCurve) || has(Feature::GradientAdvection) {
             return None;
@@ -105,7 +110,7 @@ fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
         (Feature::Flags, "scheme = \"flags\""),
         (
             Feature::ApparentCapacity,
-            if has(Feature::NothingSharp) || has(Feature::UnsaturatedWater) {
+            if has(Feature::NothingSharp) || water {
                 "scheme = \"apparent-capacity\""
             } else {
                 "scheme = \"apparent-capacity\"\ninterval_K = 1"
@@ -161,7 +166,8 @@ fn runs(sketch: &Sketch, features: &[Feature], kind: &'static MethodKind) -> Res
     };
     // Whole phases are known beside means alone, and a ring is the body of a shaft.
     let brought = |feature: &Feature| {
-        let water = features.contains(&Feature::UnsaturatedWater);
+        let falls = features.contains(&Feature::Gravity);
+        let water = falls || features.contains(&Feature::UnsaturatedWater);
         let beside = [
             (Feature::OwnSteps, kind.stochastic),
             (Feature::LatticeWeights, kind.lattice_only),
@@ -170,6 +176,7 @@ fn runs(sketch: &Sketch, features: &[Feature], kind: &'static MethodKind) -> Res
             (Feature::PairMeans, features.contains(&Feature::WholePhases)),
             (Feature::Groundwater, features.contains(&Feature::GradientAdvection)),
             (Feature::ExplicitSteps, features.contains(&Feature::Stages)),
+            (Feature::UnsaturatedWater, falls),
             (Feature::NothingSharp, water),
             (Feature::Implicit, water),
             (Feature::Stages, water || features.contains(&Feature::Rkl2) || features.contains(&Feature::Implicit)),

@@ -3,6 +3,7 @@
 mod architecture;
 mod asked;
 mod bad_scenes;
+mod bond_rules;
 mod brine;
 mod broken_scenes;
 mod bundled_scenes;
@@ -20,6 +21,7 @@ mod fields;
 mod forecasts;
 mod freezing_curves;
 mod fuzzed;
+mod gravity;
 mod groundwater;
 mod interfaces;
 mod invariants;

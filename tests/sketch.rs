@@ -35,6 +35,8 @@ pub struct Sketch {
     pub excavation: String,
     /// Lines of the section `flow`; no water flows if empty.
     pub flow: String,
+    /// Lines of the section `gravity`; water does not fall if empty.
+    pub gravity: String,
     /// Lines of the section `watch`.
     pub watch: String,
     pub spacing_m: f64,
@@ -92,6 +94,7 @@ impl Sketch {
             pipes: Vec::new(),
             excavation: String::new(),
             flow: String::new(),
+            gravity: String::new(),
             watch: String::new(),
             spacing_m,
             numerics: String::new(),
@@ -169,6 +172,9 @@ impl Sketch {
         }
         if !self.excavation.is_empty() {
             put(format_args!("[excavation]\n{}\n", self.excavation));
+        }
+        if !self.gravity.is_empty() {
+            put(format_args!("[gravity]\n{}\n", self.gravity));
         }
         if !self.flow.is_empty() {
             put(format_args!("[flow]\n{}\n", self.flow));

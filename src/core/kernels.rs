@@ -6,6 +6,7 @@ pub mod crossing;
 pub mod enthalpy_rows;
 pub mod exterior;
 pub mod flows;
+mod gravity;
 pub mod irregular;
 pub mod lattice;
 pub mod lattice_parts;

@@ -17,6 +17,8 @@ use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoi
 pub enum Feature {
     /// Unsaturated water instead of heat.
     UnsaturatedWater,
+    /// Gravity that pulls unsaturated water.
+    Gravity,
     /// What unsaturated water carries.
     Solute,
     /// Water that flows.
@@ -110,12 +112,12 @@ const WHOLE_LATTICE: &str = "the front in a cell is seen along the rows of a lat
 const FIXED_LAYERS: &str = "layers of particles stand for the wall, whatever cuts them off";
 
 /// All pairs that exclude each other.
-pub const EXCLUSIONS: [Exclusion; 59] = {
+pub const EXCLUSIONS: [Exclusion; 63] = {
     use Feature::{
         ApparentCapacity, Cracks, Excavation, ExplicitSteps, FittedWalls, Flags, FreezingCurve, GradientAdvection,
-        Groundwater, Implicit, InnerLayers, LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls, NothingSharp,
-        OwnSteps, PairMeans, Pipes, Ring, Rkl2, Shells, Solute, Stages, SubCellFronts, Surfaces, UnevenParticles,
-        UnsaturatedWater, WholePhases,
+        Gravity, Groundwater, Implicit, InnerLayers, LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls,
+        NothingSharp, OwnSteps, PairMeans, Pipes, Ring, Rkl2, Shells, Solute, Stages, SubCellFronts, Surfaces,
+        UnevenParticles, UnsaturatedWater, WholePhases,
     };
     [
         row(Groundwater, UnsaturatedWater, "heat beside unsaturated water would have to freeze it in its pores"),
@@ -124,10 +126,14 @@ pub const EXCLUSIONS: [Exclusion; 59] = {
         row(OwnSteps, UnsaturatedWater, "its noise is that of heat"),
         row(Flags, UnsaturatedWater, "water has no latent heat"),
         row(ApparentCapacity, UnsaturatedWater, "water has no latent heat"),
-        row(PairMeans, UnsaturatedWater, "a mean of conductivities freezes a front into dry ground"),
         row(WholePhases, UnsaturatedWater, "water has no phases"),
         row(ExplicitSteps, UnsaturatedWater, AT_ONCE),
         row(Rkl2, UnsaturatedWater, AT_ONCE),
+        row(Gravity, Shells, "shells lie around an axis, and gravity pulls one way"),
+        row(Gravity, Ring, "water through a curved wall is not told by pairs"),
+        row(PairMeans, Gravity, "a mean of conductivities is taken along with heads alone"),
+        row(InnerLayers, Gravity, "a wall of particles stands at no height of its own"),
+        row(LatticeSearch, Gravity, BY_PAIRS),
         row(Solute, Shells, "walls touch shells, and water through touching walls is not told by pairs"),
         row(Solute, Ring, "water through a curved wall is not told by pairs"),
         row(Groundwater, Shells, "water flows through a line, a rectangle or a ring"),
@@ -193,8 +199,9 @@ pub fn exclusions(features: &[Feature]) -> impl Iterator<Item = &'static Exclusi
 }
 
 /// All features, in words as messages have them, and where each is asked for.
-const FEATURES: [(Feature, &str, Place); 29] = [
+const FEATURES: [(Feature, &str, Place); 30] = [
     (Feature::UnsaturatedWater, "balance = \"water\"", Place::Scene("balance")),
+    (Feature::Gravity, "\"gravity\"", Place::Scene("gravity")),
     (Feature::Solute, "a solute", Place::Scene("materials")),
     (Feature::Groundwater, "\"flow\"", Place::Scene("flow")),
     (Feature::Cracks, "\"cracks\"", Place::Scene("cracks")),

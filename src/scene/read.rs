@@ -5,6 +5,7 @@ mod cracks;
 mod every_key;
 mod excavation;
 mod flow;
+mod gravity;
 mod ground;
 mod numerics;
 mod porous;
@@ -146,6 +147,7 @@ fn features(root: &Section<'_>, domain: Option<&Domain>, materials: &[Material],
     let own = [
         (asked.of_water, Feature::UnsaturatedWater),
         (asked.carries, Feature::Solute),
+        (root.has("gravity"), Feature::Gravity),
         (root.has("flow"), Feature::Groundwater),
         (root.has("cracks") || asked.walled, Feature::Cracks),
         (root.has("excavation"), Feature::Excavation),
@@ -168,6 +170,14 @@ fn refuse(root: &mut Section<'_>, features: &[Feature]) -> Option<Noted> {
         }
     }
     noted
+}
+
+/// The units of a scene, which its sections are read in from now on.
+fn units(root: &mut Section<'_>) -> Units {
+    let all = [Units::Si, Units::Dpd, Units::Dimensionless].map(|units| (units.name(), units));
+    let units = root.choice_or("units", &all, Units::Si);
+    root.set_units(units);
+    units
 }
 
 /// The temperature at the start, or the place of the head and the concentration of a solute.
@@ -199,9 +209,7 @@ fn only_of_heat(root: &mut Section<'_>, watch: &Watch) {
 }
 
 fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static MethodKind]) -> Read<Scene> {
-    let units =
-        root.choice_or("units", &[Units::Si, Units::Dpd, Units::Dimensionless].map(|own| (own.name(), own)), Units::Si);
-    root.set_units(units);
+    let units = units(&mut root);
     let title = root.text("title");
     let source = root.text("source");
     let domain = body::domain(&mut root);
@@ -229,8 +237,9 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         Balance::Water(heads) => heads.solute(&mut root, known, initial_concentration),
     };
     let carries = matches!(solute, Ok(Some(_)));
-    let asked = Asked { of_water, carries, surfaces, walled: !impermeable.is_empty() };
-    let features = features(&root, body, known, &asked);
+    let walled = !impermeable.is_empty();
+    let features = features(&root, body, known, &Asked { of_water, carries, surfaces, walled });
+    let gravity = gravity::gravity(&mut root, &domain, (of_water, known), &walls);
     let refused = refuse(&mut root, &features);
     let flow = flow::flow(&mut root, body, known, refused);
     let stream = stream::stream(&mut root, body, &walls, time.as_ref().ok().map(|time| &time.duration));
@@ -266,6 +275,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         rings,
         excavation: excavation?,
         flow: flow?,
+        gravity: gravity?,
         solute: solute?,
         stream: stream?,
         watch: watch?,

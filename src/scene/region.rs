@@ -52,7 +52,19 @@ impl Cell {
     }
 }
 
+/// Segments that stand for the edge of a circle which nothing crosses.
+pub(crate) const EDGES: usize = 64;
+
 impl Shape {
+    /// Segments of its edge, those that stand for it of a circle.
+    pub(crate) fn edge_count(&self) -> usize {
+        match self {
+            Shape::Box(_) => 4,
+            Shape::Circle { .. } => EDGES,
+            Shape::Polygon(corners) => corners.len(),
+        }
+    }
+
     /// Whether a point lies in the shape. Of two boxes that share an edge, a point on it belongs to the right or upper one.
     pub fn contains(&self, point: DVec2) -> bool {
         match self {

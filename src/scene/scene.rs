@@ -152,6 +152,8 @@ pub struct Scene {
     pub excavation: Option<Excavation>,
     /// Groundwater, where it flows.
     pub flow: Option<Flow>,
+    /// The wall that gravity pulls unsaturated water towards, where it does.
+    pub gravity: Option<WallId>,
     /// What the water carries, in a scene of unsaturated water.
     pub solute: Option<Solute>,
     /// What drives the liquid itself, where it moves.
@@ -222,6 +224,7 @@ impl Scene {
             rings: Vec::new(),
             excavation: None,
             flow: None,
+            gravity: None,
             solute: None,
             stream: None,
             watch: Watch { outputs: 10, ..Watch::default() },
@@ -230,6 +233,12 @@ impl Scene {
             hash: String::new(),
             remarks: Vec::new(),
         }
+    }
+
+    /// The cracks that the scene names, without the edges of parts that nothing enters.
+    pub fn named_cracks(&self) -> &[Crack] {
+        let edges: usize = self.impermeable.iter().map(Shape::edge_count).sum();
+        &self.cracks[..self.cracks.len().saturating_sub(edges)]
     }
 
     /// What happens at all walls and parts of them, and at the face of the shaft.
@@ -287,6 +296,7 @@ impl Scene {
         let driven = |stream: &Stream| stream.pump.is_some() || stream.reset.is_some();
         ends.into_iter().all(|wall| self.is_closed(wall))
             && self.flow.as_ref().is_none_or(dry)
+            && !self.gravity.is_some_and(|towards| ends.contains(&towards))
             && self.regions.iter().all(reaches)
             && self.cracks.is_empty()
             && self.wall_parts.is_empty()
@@ -306,9 +316,9 @@ impl Scene {
         }
     }
 
-    /// Whether a flux condition can drive temperatures beyond [`Scene::temperature_range`].
+    /// Whether a flux condition, or the weight of water, can drive temperatures beyond [`Scene::temperature_range`].
     pub fn has_flux(&self) -> bool {
-        self.conditions().any(|condition| matches!(condition, Condition::Flux(_)))
+        self.gravity.is_some() || self.conditions().any(|condition| matches!(condition, Condition::Flux(_)))
     }
 
     /// Whether a wall or a part of one has a flux or a film.

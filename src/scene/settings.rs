@@ -181,6 +181,9 @@ impl Default for Numerics {
     }
 }
 
+/// The word of a file for [`Exchange::Upstream`].
+pub(crate) const UPSTREAM: &str = "upstream";
+
 /// The word of a file that stands for a choice.
 pub(crate) fn word<T: PartialEq>(words: &[(&str, T)], choice: &T) -> Value {
     Value::Text(words.iter().find(|(_, own)| own == choice).map_or("", |(word, _)| word).to_owned())
@@ -211,13 +214,17 @@ impl Numerics {
         }
         match self.exchange {
             Exchange::Potential => values.push(("exchange", text("potential"))),
-            Exchange::Mean(mean) => {
+            Exchange::Mean(_) | Exchange::Upstream => {
                 let mushy = match self.mushy {
                     Mushy::Fraction => Value::Flag(true),
                     Mushy::LastPhase => Value::Flag(false),
                     Mushy::Mean => text("mean"),
                 };
-                values.extend([("mean", word(&Mean::WORDS, &mean)), ("mushy", mushy)]);
+                let mean = match self.exchange {
+                    Exchange::Mean(mean) => word(&Mean::WORDS, &mean),
+                    _ => text(UPSTREAM),
+                };
+                values.extend([("mean", mean), ("mushy", mushy)]);
             }
         }
         if self.front == Front::SubCell {

@@ -51,6 +51,8 @@ pub fn unresolved(
                     ));
                 }
             }
+            // Which end is upstream changes with the flow.
+            Exchange::Upstream => {}
             Exchange::Mean(mean) => {
                 let ground = (conductivity(around), conductivity(material));
                 let error = heat_through(&stencil.collapsed(), lattice.spacing, ground, (from, cells), mean);

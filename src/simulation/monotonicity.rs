@@ -64,7 +64,8 @@ impl MonotonicityCheck {
         };
         let open = scene.has_flux();
         let rings: Vec<_> = scene.rings.iter().map(|ring| if open { None } else { side(&ring.temperature) }).collect();
-        let frozen = if low == high || scene.flow.is_some() { None } else { direction(scene) };
+        let frozen =
+            if low == high || scene.flow.is_some() || scene.gravity.is_some() { None } else { direction(scene) };
         let watches = frozen.is_some() || rings.iter().any(Option::is_some);
         MonotonicityCheck { frozen, grain, rings, watches, furthest: None, strongest: 0.0, setback: 0.0 }
     }
@@ -120,7 +121,7 @@ fn direction(scene: &Scene) -> Option<f64> {
             Condition::Symmetry => true,
             Condition::Temperature(series) => pulls(series, *sign),
             Condition::Film { strength, ambient, .. } => !strength.changes() && pulls(ambient, *sign),
-            Condition::Flux(_) | Condition::Exact => false,
+            Condition::Flux(_) | Condition::FreeDrainage | Condition::Exact => false,
         };
         scene.conditions().all(wall)
             // A pipe that rests does not pull.

@@ -109,6 +109,7 @@ fn obstacle(scene: &Scene, settings: &MethodSettings) -> Option<String> {
     let fitted = numerics.walls == WallModel::MovingLeastSquares && !matches!(scene.domain, Domain::Ring { .. });
     let reasons = [
         (scene.flow.is_some(), "water flows"),
+        (scene.gravity.is_some(), "water falls"),
         (numerics.arrangement != Arrangement::Lattice, "particles stand unevenly"),
         (fitted, "fits of wall_model = \"moving-least-squares\" know no mirror planes"),
         (numerics.walls == WallModel::InnerLayers, "inner layers hold particles of the body itself"),

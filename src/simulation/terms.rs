@@ -61,7 +61,7 @@ impl Parts<'_> {
         let mut names = vec![if self.scene.of_water { "water content" } else { "enthalpy" }];
         if self.list {
             names.push("position");
-            let means = matches!(self.numerics.exchange, Exchange::Mean(_));
+            let means = self.numerics.exchange != Exchange::Potential;
             if !means || self.pipes > 0 {
                 names.push("potential");
             }

@@ -38,10 +38,13 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
         let all = [Some(words.shape(&region.shape)), material, start].into_iter().flatten().collect::<String>();
         Fact::new(format!("Region {number}"), all)
     }));
-    let cracks = scene.cracks.iter().enumerate();
+    let tight = scene.impermeable.iter().enumerate();
+    facts.extend(tight.map(|(number, shape)| Fact::new(format!("Impermeable part {number}"), words.shape(shape))));
+    let cracks = scene.named_cracks().iter().enumerate();
     facts.extend(cracks.map(|(number, crack)| Fact::new(format!("Crack {number}"), words.crack(crack))));
     let walls = scene.walls.iter();
     facts.extend(walls.map(|wall| Fact::new(format!("Wall {}", wall.wall), words.condition(&wall.condition))));
+    facts.extend(scene.gravity.map(|wall| Fact::new("Gravity", format!("towards the wall {wall}"))));
     facts.extend(of_water::solute(&words));
     facts.extend(scene.excavation.iter().map(|shaft| {
         let days = words.with(shaft.start / scene.time_unit.seconds(), scene.time_unit.symbol());
@@ -138,6 +141,7 @@ impl Words<'_> {
                 let (name, unit) = kind.words();
                 format!("{name} {} to {}", self.series(strength, unit), self.series(ambient, "°C"))
             }
+            Condition::FreeDrainage => "water drains freely".into(),
             Condition::Exact => "temperature of the exact solution".into(),
         }
     }

@@ -96,6 +96,8 @@ impl Matter for SceneMatter {
             Exchange::Mean(Mean::Harmonic) => 2.0 * one * other / (one + other),
             Exchange::Mean(Mean::Arithmetic) => 0.5 * (one + other),
             Exchange::Mean(Mean::Geometric) => (one * other).sqrt(),
+            Exchange::Upstream if warm > cold => one,
+            Exchange::Upstream => other,
         }
     }
 

@@ -52,6 +52,7 @@ pub fn refuse(scene: &Scene) -> Result<(), MotionError> {
             Condition::Symmetry | Condition::Temperature(_) => continue,
             Condition::Flux(_) => "a flux",
             Condition::Film { .. } => "a film",
+            Condition::FreeDrainage => "free drainage",
             Condition::Exact => "an exact solution",
         };
         return Err(MotionError::Wall { wall, kind });

@@ -7,6 +7,8 @@ pub enum Exchange {
     Potential,
     /// A mean of the two conductivities times the difference of temperature.
     Mean(Mean),
+    /// The conductivity of the end from which it flows, times the difference of temperature.
+    Upstream,
 }
 
 /// A mean of two conductivities.

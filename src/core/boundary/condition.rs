@@ -21,6 +21,8 @@ pub enum Condition {
         /// Temperature of the surroundings.
         ambient: Series,
     },
+    /// Unsaturated water leaves as fast as its weight alone drives it.
+    FreeDrainage,
     /// The wall has the temperature of the scene's exact solution at its position: a finite stand-in for an
     /// infinite body.
     Exact,
@@ -31,7 +33,7 @@ impl Condition {
     pub fn temperature(&self) -> Option<&Series> {
         match self {
             Condition::Temperature(series) | Condition::Film { ambient: series, .. } => Some(series),
-            Condition::Symmetry | Condition::Flux(_) | Condition::Exact => None,
+            Condition::Symmetry | Condition::Flux(_) | Condition::FreeDrainage | Condition::Exact => None,
         }
     }
 
@@ -39,7 +41,7 @@ impl Condition {
     pub fn series(&self) -> impl Iterator<Item = &Series> {
         let other = match self {
             Condition::Flux(series) | Condition::Film { strength: series, .. } => Some(series),
-            Condition::Symmetry | Condition::Temperature(_) | Condition::Exact => None,
+            Condition::Symmetry | Condition::Temperature(_) | Condition::FreeDrainage | Condition::Exact => None,
         };
         self.temperature().into_iter().chain(other)
     }

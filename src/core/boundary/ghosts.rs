@@ -221,7 +221,7 @@ impl Ghosts {
     }
 
     /// Fills the values of ghosts, behind those of the particles, by their numbers and the values of their images.
-    pub fn fill(&self, values: &mut [f64], value: impl Fn(usize, f64) -> f64) {
+    pub fn fill(&self, values: &mut [f64], mut value: impl FnMut(usize, f64) -> f64) {
         let count = values.len() - self.len();
         for ghost in 0..self.len() {
             values[count + ghost] = value(ghost, self.image(ghost, values));
@@ -268,10 +268,13 @@ impl Ghosts {
                     _ => (image, carried),
                 },
                 Some(Face::Odd { temperature, .. }) => {
-                    let ghost = 2.0 * temperature - image;
-                    (ghost, curve.conductivity(ghost))
+                    let ghost = 2.0 * curve.driver(temperature) - image;
+                    (ghost, curve.driven_conductivity(ghost))
                 }
-                Some(Face::Held { temperature, .. }) => (temperature, curve.conductivity(temperature)),
+                Some(Face::Held { temperature, .. }) => {
+                    let driver = curve.driver(temperature);
+                    (driver, curve.driven_conductivity(driver))
+                }
                 Some(Face::Flux(flux)) => (image + 2.0 * self.depth[ghost] * flux / carried, carried),
                 Some(Face::Film { film, through }) => {
                     let coefficient = film.coefficient_before(image, carried, through * self.depth[ghost]);

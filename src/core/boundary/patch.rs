@@ -126,11 +126,11 @@ impl Face {
 
     /// The same where a particle of this temperature conducts by its own conductivity (W/mK).
     #[inline]
-    pub fn flux_by_temperature(&self, inside: f64, conductivity: f64, depth: f64) -> f64 {
+    pub fn flux_by_temperature(&self, inside: f64, conductivity: f64, depth: f64, curve: &Curve) -> f64 {
         match *self {
             Face::Even => 0.0,
             Face::Odd { temperature, .. } | Face::Held { temperature, .. } => {
-                conductivity * (temperature - inside) / depth
+                conductivity * (curve.driver(temperature) - inside) / depth
             }
             Face::Flux(flux) => flux,
             Face::Film { ref film, .. } => {
@@ -169,7 +169,8 @@ impl Patch {
             if self.layers { Face::Held { wall, temperature } } else { Face::Odd { wall, temperature } }
         };
         match &self.condition {
-            Condition::Symmetry => Face::Even,
+            // Heads are even there, and heights are not.
+            Condition::Symmetry | Condition::FreeDrainage => Face::Even,
             Condition::Temperature(series) => at(series.at(time)),
             Condition::Flux(series) => Face::Flux(series.at(time)),
             Condition::Film { kind, strength, ambient } => {

@@ -94,11 +94,11 @@ impl<T: PairTerm> Tangent for ListBalance<T> {
         let parts = &self.rows.parts;
         let curved = parts.rims.iter().any(|rim| self.rows.faces[0][rim.patch].holds() > 0.0);
         let (even, linear) = (parts.volumes.is_even(), !parts.materials.mixed() && parts.boundary.is_linear());
-        let means = matches!(parts.exchange, Exchange::Mean(_));
+        let (means, falls) = (parts.exchange != Exchange::Potential, parts.up.is_some());
         let scheduled = parts.sinks.iter().any(|sink| sink.schedule.is_some() || sink.film.is_some());
         TangentShape {
-            is_symmetric: even && parts.ghosts.all_mirrored() && linear && !curved,
-            is_constant: linear && !means && !scheduled && parts.cuts.is_empty(),
+            is_symmetric: even && parts.ghosts.all_mirrored() && linear && !curved && !falls,
+            is_constant: linear && !means && !falls && !scheduled && parts.cuts.is_empty(),
             bandwidth: bandwidth(parts),
         }
     }

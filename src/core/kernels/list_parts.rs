@@ -52,6 +52,8 @@ pub struct ListParts {
     pub rings: usize,
     /// Surfaces through which heat is counted.
     pub surfaces: Vec<Surface>,
+    /// Upwards, where gravity moves what pairs exchange.
+    pub up: Option<DVec2>,
     /// How pairs exchange heat.
     pub exchange: Exchange,
     /// Threads, if more than one.
@@ -113,7 +115,7 @@ pub(super) fn steepest(parts: &ListParts, particle: usize) -> f64 {
     let thermal = parts.materials.of(particle);
     match parts.exchange {
         Exchange::Potential => thermal.largest_slope,
-        Exchange::Mean(_) => {
+        Exchange::Mean(_) | Exchange::Upstream => {
             let most =
                 parts.materials.thermals.iter().map(|thermal| thermal.curve.most_conductive()).fold(0.0, f64::max);
             most / thermal.curve.least_capacity()

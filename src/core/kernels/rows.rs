@@ -8,6 +8,7 @@ use crate::boundary::interface::Way;
 use crate::boundary::patch::{Face, MOST_PATCHES};
 use crate::boundary::shells::Touch;
 use crate::kernels::crossing::{Crossing, Portion, pairs_across};
+use crate::kernels::gravity::Gravity;
 use crate::kernels::list_parts::{ListParts, bound};
 use crate::kernels::term::{PairTerm, PairView};
 use crate::ledger::Sum;
@@ -24,6 +25,7 @@ pub struct ListRows<T> {
     pub(super) parts: ListParts,
     pub(super) term: T,
     pub(super) fields: Fields,
+    pub(super) gravity: Option<Gravity>,
     pub(super) faces: Vec<Vec<Face>>,
     pub(super) sink_heat: Vec<f64>,
     /// Pairs across open patches, and the patches.
@@ -37,7 +39,7 @@ impl<T: PairTerm> ListRows<T> {
     /// An operator on the given parts with a term.
     pub fn new(parts: ListParts, term: T) -> Self {
         let total = parts.positions.len() + parts.ghosts.len();
-        let means = matches!(parts.exchange, Exchange::Mean(_));
+        let means = parts.exchange != Exchange::Potential;
         let temperatures = means || T::ACTIVE;
         let fields = Fields {
             // Pipes take heat by potential under every exchange.
@@ -66,7 +68,8 @@ impl<T: PairTerm> ListRows<T> {
         let across = parts.surfaces.iter().map(|surface| pairs_across(&parts, surface)).collect();
         let bound = parts.bound.clone().unwrap_or_else(|| bound(&parts, &faces[0]));
         let sink_heat = vec![0.0; parts.sinks.len()];
-        ListRows { parts, term, fields, faces, sink_heat, crossings, across, bound }
+        let gravity = Gravity::of(&parts);
+        ListRows { parts, term, fields, gravity, faces, sink_heat, crossings, across, bound }
     }
 
     /// Rates from the state of a scheme. `clock` feeds the term.
@@ -84,7 +87,13 @@ impl<T: PairTerm> ListRows<T> {
         patches.fill(0.0);
         // The one place where exchange and materials become types.
         match (parts.exchange, parts.materials.mixed()) {
-            (Exchange::Potential, false) => self.exchange(&|o, i, j, _| o.potential_difference(i, j), rate, patches),
+            (Exchange::Potential, false) => match &self.gravity {
+                None => self.exchange(&|o, i, j, _| o.potential_difference(i, j), rate, patches),
+                Some(gravity) => {
+                    let both = |o: &Self, i, j, _| o.potential_difference(i, j) + gravity.brings(i, j);
+                    self.exchange(&both, rate, patches);
+                }
+            },
             (Exchange::Potential, true) => self.exchange(&|o, i, j, k| o.across_materials(i, j, k), rate, patches),
             (Exchange::Mean(Mean::Harmonic), _) => {
                 self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| 2.0 * a * b / (a + b)), rate, patches);
@@ -95,6 +104,7 @@ impl<T: PairTerm> ListRows<T> {
             (Exchange::Mean(Mean::Geometric), _) => {
                 self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| (a * b).sqrt()), rate, patches);
             }
+            (Exchange::Upstream, _) => self.exchange(&|o, i, j, _| o.by_upstream(i, j), rate, patches),
         }
         self.contact(clock.time, rate, patches);
         self.touch(rate, patches);
@@ -128,6 +138,9 @@ impl<T: PairTerm> ListRows<T> {
         if !self.fields.potential.is_empty() {
             parts.ghosts.fill_potentials(&mut self.fields.potential, &self.faces, &parts.materials, &parts.chains);
         }
+        if let Some(gravity) = &mut self.gravity {
+            gravity.bring_to(parts, enthalpy, &self.fields.potential, &self.faces);
+        }
         if !self.fields.temperature.is_empty() {
             let (temperature, conductivity) = (&mut self.fields.temperature, &mut self.fields.conductivity);
             parts.ghosts.fill_temperatures(temperature, conductivity, &self.faces, &parts.materials);
@@ -144,9 +157,9 @@ impl<T: PairTerm> ListRows<T> {
                 let way = self.parts.chains.of_touch(number, &materials.thermals);
                 self.through_wall(way, particle, patch, touch.depth)
             }
-            Exchange::Mean(_) => {
+            Exchange::Mean(_) | Exchange::Upstream => {
                 let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
-                face.flux_by_temperature(temperature, conductivity, touch.depth)
+                face.flux_by_temperature(temperature, conductivity, touch.depth, &materials.of(particle).curve)
             }
         };
         touch.area * flux
@@ -190,13 +203,14 @@ impl<T: PairTerm> ListRows<T> {
             };
             let by_temperature = |particle: usize, depth: f64| {
                 let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
-                self.faces[0][*patch].flux_by_temperature(temperature, conductivity, depth)
+                let curve = &materials.of(particle).curve;
+                self.faces[0][*patch].flux_by_temperature(temperature, conductivity, depth, curve)
             };
             let mut sum = Sum::default();
             for contact in &contacts.contacts {
                 let gain = match self.parts.exchange {
                     Exchange::Potential => contacts.gain(contact, by_potential),
-                    Exchange::Mean(_) => contacts.gain(contact, by_temperature),
+                    Exchange::Mean(_) | Exchange::Upstream => contacts.gain(contact, by_temperature),
                 };
                 rate[contact.particle as usize] += gain;
                 sum.add(gain);
@@ -296,11 +310,14 @@ impl<T: PairTerm> ListRows<T> {
     /// What a pair conducts, whatever the exchange.
     fn conducted(&self, i: usize, j: usize, k: usize) -> f64 {
         match (self.parts.exchange, self.parts.materials.mixed()) {
-            (Exchange::Potential, false) => self.potential_difference(i, j),
+            (Exchange::Potential, false) => {
+                self.potential_difference(i, j) + self.gravity.as_ref().map_or(0.0, |gravity| gravity.brings(i, j))
+            }
             (Exchange::Potential, true) => self.across_materials(i, j, k),
             (Exchange::Mean(Mean::Harmonic), _) => self.by_mean(i, j, |a, b| 2.0 * a * b / (a + b)),
             (Exchange::Mean(Mean::Arithmetic), _) => self.by_mean(i, j, |a, b| 0.5 * (a + b)),
             (Exchange::Mean(Mean::Geometric), _) => self.by_mean(i, j, |a, b| (a * b).sqrt()),
+            (Exchange::Upstream, _) => self.by_upstream(i, j),
         }
     }
 
@@ -357,6 +374,12 @@ impl<T: PairTerm> ListRows<T> {
         mean(self.fields.conductivity[i], self.fields.conductivity[j]) * difference
     }
 
+    #[inline(always)]
+    fn by_upstream(&self, i: usize, j: usize) -> f64 {
+        let difference = self.fields.temperature[j] - self.fields.temperature[i];
+        self.fields.conductivity[if difference > 0.0 { j } else { i }] * difference
+    }
+
     /// What lies between the ends of a pair, if that is of several materials.
     #[inline(always)]
     pub(super) fn way(&self, pair: usize) -> Option<Way<'_>> {
@@ -390,6 +413,7 @@ impl<T: PairTerm> HeapSize for ListRows<T> {
             + parts.cuts.heap_size()
             + parts.ghosts.heap_size()
             + fields
+            + self.gravity.as_ref().map_or(0, HeapSize::heap_size)
             + self.crossings.heap_size()
             + self.across.iter().map(HeapSize::heap_size).sum::<usize>()
             + parts.rims.iter().map(|rim| rim.contacts.heap_size()).sum::<usize>()

@@ -4,6 +4,7 @@ use crate::bonds::exchange::Exchange;
 use crate::boundary::curved_wall::Rim;
 use crate::boundary::interface::Way;
 use crate::kernels::enthalpy_rows::Linearised;
+use crate::kernels::gravity::Shares;
 use crate::kernels::rows::ListRows;
 use crate::kernels::term::PairTerm;
 use crate::physics::latent_heat::SchemeState;
@@ -21,9 +22,13 @@ impl<T: PairTerm> ListRows<T> {
         }
     }
 
-    /// How the flux that [`ListRows::across_materials`] gives follows the potentials of both sides: it falls by the
+    /// How the flux that [`ListRows::across_materials`] gives, or gravity beside it, follows the potentials of both sides: it falls by the
     /// first share of the change of `i` and rises by the second share of the change of `j`.
     fn shares(&self, i: usize, j: usize, k: usize) -> (f64, f64) {
+        if let Some(gravity) = &self.gravity {
+            let Shares { own, other } = gravity.shares(i, j);
+            return (1.0 + own, 1.0 + other);
+        }
         let potential = &self.fields.potential;
         match self.way(k) {
             None => (1.0, 1.0),
@@ -50,7 +55,7 @@ impl<T: PairTerm> ListRows<T> {
         for (faces, thermal) in self.faces.iter_mut().zip(parts.materials.thermals.iter()) {
             parts.boundary.update_faces(faces, time, &thermal.curve, thermal.initial_potential);
         }
-        if matches!(parts.exchange, Exchange::Mean(_)) {
+        if parts.exchange != Exchange::Potential {
             return self.linearise_means(scheme, enthalpy, time, slopes, tangent);
         }
         self.fields.potential.resize(total, 0.0);
@@ -77,7 +82,11 @@ impl<T: PairTerm> ListRows<T> {
             let way = parts.chains.of_touch(number, &parts.materials.thermals);
             touch.area * self.through_wall_slope(way, touch.particle as usize, touch.patch as usize, touch.depth)
         }));
-        if parts.materials.mixed() {
+        if let Some(gravity) = &mut self.gravity {
+            gravity.bring_to(parts, enthalpy, &self.fields.potential, &self.faces);
+            gravity.linearise(parts, enthalpy, slopes);
+        }
+        if parts.materials.mixed() || self.gravity.is_some() {
             let pairs = &parts.pairs;
             tangent.shares.clear();
             for i in 0..enthalpy.len() {

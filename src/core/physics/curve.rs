@@ -10,6 +10,7 @@ use crate::physics::freezing_curve::shape::UnfrozenFraction;
 use crate::physics::integral::Integral;
 use crate::physics::material::{FreezingLaw, Material, Mixing};
 use crate::physics::retention::moisture::Moisture;
+use crate::physics::retention::scale::{head, place};
 use crate::physics::root::solve_increasing;
 
 /// Intervals of the table of a smooth law. Hermite interpolation over this many leaves less than 1e-7 of the
@@ -38,6 +39,9 @@ pub struct Curve {
 /// Least steps of temperature over which a geometric mean of conductivities is integrated. Cubic interpolation between
 /// them is exact to rounding: the step is a thousandth of the width of a curve of one piece.
 const POTENTIAL_STEPS: usize = 8192;
+
+/// Part of a head over which its conductivity is differentiated: errors and rounding of a slope are both far below it.
+const DRIVEN_STEP: f64 = 1e-5;
 
 /// Temperatures below the freezing point, at least, at which a curve is searched for its largest diffusivity.
 const DIFFUSIVITY_SAMPLES: usize = 4096;
@@ -310,6 +314,28 @@ impl Curve {
             FreezingLaw::None | FreezingLaw::Isothermal => self.frozen_conductivity,
             _ => self.mixed_conductivity(self.unfrozen_fraction(temperature)),
         }
+    }
+
+    /// What a mean of conductivities is multiplied by a difference of: the temperature, and of water the pressure head (m).
+    pub fn driver(&self, temperature: f64) -> f64 {
+        if self.moisture.is_some() { head(temperature) } else { temperature }
+    }
+
+    /// Conductivity (W/mK) at what drives it; of water the hydraulic one (m/s).
+    pub fn driven_conductivity(&self, driver: f64) -> f64 {
+        match &self.moisture {
+            Some(moisture) => moisture.hydraulic_conductivity(place(driver)),
+            None => self.conductivity(driver),
+        }
+    }
+
+    /// How the hydraulic conductivity follows the head (1/s); zero of heat, whose conductivities change little beside.
+    pub fn driven_slope(&self, driver: f64) -> f64 {
+        if self.moisture.is_none() || driver >= 0.0 {
+            return 0.0;
+        }
+        let step = DRIVEN_STEP * driver.abs();
+        (self.driven_conductivity(driver + step) - self.driven_conductivity(driver - step)) / (2.0 * step)
     }
 
     /// Conduction potential (W/m) at a temperature: the integral of the conductivity from the freezing point.

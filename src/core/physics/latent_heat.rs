@@ -37,9 +37,9 @@ pub enum Mushy {
 pub struct Fields {
     /// Conduction potential, relative to each material's initial state (W/m).
     pub potential: Vec<f64>,
-    /// Temperature.
+    /// Temperature; of water the pressure head (m).
     pub temperature: Vec<f64>,
-    /// Conductivity (W/mK).
+    /// Conductivity (W/mK); of water the hydraulic one (m/s).
     pub conductivity: Vec<f64>,
 }
 
@@ -162,12 +162,16 @@ impl SchemeState for Enthalpy {
         for (i, (potential, h)) in fields.potential.iter_mut().zip(enthalpy).enumerate() {
             *potential = materials.of(i).law.potential(*h);
         }
+        let water = |i: usize| materials.of(i).conducting();
         for (i, (temperature, h)) in fields.temperature.iter_mut().zip(enthalpy).enumerate() {
-            *temperature = materials.of(i).temperature(*h);
+            *temperature = water(i).map_or_else(|| materials.of(i).temperature(*h), |water| water.head(*h));
         }
         for (i, (conductivity, h)) in fields.conductivity.iter_mut().zip(enthalpy).enumerate() {
             let thermal = materials.of(i);
-            *conductivity = thermal.curve.mixed_conductivity(1.0 - thermal.frozen_fraction(*h));
+            *conductivity = match water(i) {
+                Some(water) => water.at(*h),
+                None => thermal.curve.mixed_conductivity(1.0 - thermal.frozen_fraction(*h)),
+            };
         }
     }
 

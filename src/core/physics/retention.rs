@@ -6,6 +6,7 @@
 //! dries, and the conduction potential is the integral of the hydraulic conductivity (Kirchhoff).
 
 pub mod brooks_corey;
+pub mod conducting;
 pub mod gardner;
 pub mod moisture;
 pub mod scale;

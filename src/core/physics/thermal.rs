@@ -1,11 +1,12 @@
 //! A material in the enthalpies and potentials of a run, both relative to its initial state.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::physics::blend::Blend;
 use crate::physics::curve::Curve;
 use crate::physics::curved::Curved;
 use crate::physics::potential::{Blended, Kinked, Law, Straight};
+use crate::physics::retention::conducting::Conducting;
 use crate::physics::retention::tabulated::Tabulated;
 
 /// The law of one material as the step needs it, with the exact curve beside it.
@@ -19,6 +20,8 @@ pub struct Thermal {
     pub initial_enthalpy: f64,
     /// Initial potential (W/m), the zero of the potentials that pairs exchange.
     pub initial_potential: f64,
+    /// Head and hydraulic conductivity of water, once they are asked for.
+    conducting: OnceLock<Arc<Conducting>>,
     /// The inner loop's function.
     pub law: Law,
     /// Largest slope dU/dH (m2/s) of the inner loop's function.
@@ -59,7 +62,14 @@ impl Thermal {
             let law = Curved::new(&curve, initial_enthalpy);
             (Law::Curved(law), curve.largest_diffusivity())
         };
-        Thermal { curve, initial_temperature, initial_enthalpy, initial_potential, law, largest_slope }
+        let conducting = OnceLock::new();
+        Thermal { curve, initial_temperature, initial_enthalpy, initial_potential, conducting, law, largest_slope }
+    }
+
+    /// Head and hydraulic conductivity by content, of water.
+    pub fn conducting(&self) -> Option<&Arc<Conducting>> {
+        let moisture = self.curve.moisture()?;
+        Some(self.conducting.get_or_init(|| Arc::new(Conducting::new(moisture, self.initial_enthalpy))))
     }
 
     /// The law of a particle that conducts as one material and stores the heat of several.
@@ -72,6 +82,7 @@ impl Thermal {
             initial_temperature: own.initial_temperature,
             initial_enthalpy: initial.0,
             initial_potential: initial.1,
+            conducting: OnceLock::new(),
             law: Law::Blended(Blended { curve: Arc::new(curve.clone()), initial }),
             largest_slope,
             curve,

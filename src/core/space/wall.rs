@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use glam::DVec2;
+
 /// A wall of a body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum WallId {
@@ -55,6 +57,12 @@ impl WallId {
     /// Whether it lies towards greater coordinates.
     pub fn is_at_end(self) -> bool {
         self.side() % 2 == 1
+    }
+
+    /// The direction out of a box through it.
+    pub fn outwards(self) -> DVec2 {
+        let along = if self.is_across_y() { DVec2::Y } else { DVec2::X };
+        if self.is_at_end() { along } else { -along }
     }
 
     /// The wall of a box that faces it; none of a round one.

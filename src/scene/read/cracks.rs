@@ -5,7 +5,7 @@ use glam::DVec2;
 use super::problem::Read;
 use super::range::{Range, plain};
 use super::section::Section;
-use crate::region::Shape;
+use crate::region::{EDGES, Shape};
 use frazil_core::breakage::crack::{Crack, Growth};
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
@@ -105,10 +105,7 @@ fn wall_before(domain: &Domain, point: DVec2) -> Option<&'static str> {
     }
 }
 
-/// Segments that stand for the edge of a circle; the polygon encloses as much.
-const EDGES: usize = 64;
-
-/// The edge of a shape as cracks that are there from the start.
+/// The edge of a shape as cracks that are there from the start; the polygon that stands for a circle encloses as much.
 pub(super) fn edges_of(shape: &Shape) -> Vec<Crack> {
     let corners: Vec<DVec2> = match shape {
         Shape::Box(cell) => {

@@ -59,6 +59,7 @@ const APART: [&str; 2] = [
 const WATER: &str = r#"
 balance = "water"
 [initial]
+[gravity]
 [walls.WALL]
 [walls.right]
 saturation = 1

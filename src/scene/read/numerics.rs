@@ -9,12 +9,13 @@ use super::water;
 use crate::capability::{self, Feature, Place};
 use crate::method::{MethodKind, MethodSettings};
 use crate::scene::Wall;
-use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice};
+use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice, UPSTREAM};
 use frazil_core::balances::groundwater::numerics::{Advection, Conduction, FlowNumerics};
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
 use frazil_core::physics::material::Material;
+use frazil_core::physics::retention::scale::DRY;
 use frazil_core::space::domain::Domain;
 
 /// Error of one step where a scene does not say, by integrator: heat in the wrong place over the heat held (see
@@ -65,7 +66,11 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     // Where the spacing is wrong, the method still reads its own keys.
     numerics.spacing = found.unwrap_or(1.0);
     numerics.arrangement = layout(section, numerics.arrangement);
-    numerics.exchange = exchange(section, numerics.exchange);
+    let water = setup.features.contains(&Feature::UnsaturatedWater);
+    if water && setting == Setting::Paper {
+        numerics = water::printed(numerics);
+    }
+    numerics.exchange = exchange(section, numerics.exchange, water);
     numerics.latent_heat_scheme = latent_heat_scheme(section, numerics.latent_heat_scheme, setup.materials);
     let flags = [Mushy::Fraction, Mushy::LastPhase];
     if let Some(mushy) = section.optional_flag_or_word("mushy", flags, ("mean", Mushy::Mean)) {
@@ -75,7 +80,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
         numerics.mushy = mushy;
     }
     numerics.front = section.choice_or("front", &Front::WORDS, numerics.front);
-    numerics.walls = section.choice_or("wall_model", &WallModel::WORDS, numerics.walls);
+    numerics.walls = wall_model(section, &numerics, water);
     numerics.search = section.choice_or("search", &SearchChoice::WORDS, numerics.search);
     numerics.integrator = integrator(section, numerics.integrator, setup.features);
     let monotone = numerics.integrator.is_monotone();
@@ -119,13 +124,37 @@ fn layout(section: &mut Section<'_>, preset: Arrangement) -> Arrangement {
     fraction.map_or(Arrangement::Lattice, |fraction| Arrangement::Jittered { fraction })
 }
 
-fn exchange(section: &mut Section<'_>, preset: Exchange) -> Exchange {
+fn exchange(section: &mut Section<'_>, preset: Exchange, water: bool) -> Exchange {
     let potential = section.optional_choice("exchange", &[("potential", Exchange::Potential)]);
-    let mean = section.optional_choice("mean", &Mean::WORDS);
+    let mut words = Mean::WORDS.map(|(word, mean)| (word, Exchange::Mean(mean))).to_vec();
+    words.extend(water.then_some((UPSTREAM, Exchange::Upstream)));
+    let mean = section.optional_choice("mean", &words);
     if section.has("exchange") && section.has("mean") {
         section.problem("mean", "found beside \"exchange\", must be only one of them");
     }
-    potential.or(mean.map(Exchange::Mean)).unwrap_or(preset)
+    let found = potential.or(mean).unwrap_or(preset);
+    if water && found != Exchange::Potential && section.temperatures().is_some_and(|(driest, _)| driest <= DRY) {
+        section.problem(
+            "mean",
+            "dry ground has no head whose differences a mean could be multiplied by: it needs a \
+            saturation above 0, or exchange = \"potential\"",
+        );
+    }
+    found
+}
+
+/// Beside a mean of hydraulic conductivities walls are layers: a head that is mirrored at a wall is as far above that of the wall
+/// as the ground before it is below, and ground so wet would conduct a thousand times too well.
+fn wall_model(section: &mut Section<'_>, numerics: &Numerics, water: bool) -> WallModel {
+    let layers = water && numerics.exchange != Exchange::Potential;
+    let usual = if layers { WallModel::Naive } else { numerics.walls };
+    let found = section.choice_or("wall_model", &WallModel::WORDS, usual);
+    if layers && found != WallModel::Naive {
+        let word = WallModel::WORDS.iter().find(|(_, model)| *model == found).map_or("", |(word, _)| word);
+        let message = format!("found \"{word}\", must be \"naive\" beside a mean of hydraulic conductivities");
+        section.problem("wall_model", message);
+    }
+    found
 }
 
 fn latent_heat_scheme(section: &mut Section<'_>, preset: LatentHeatScheme, materials: &[Material]) -> LatentHeatScheme {

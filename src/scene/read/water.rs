@@ -5,7 +5,9 @@ use super::problem::Read;
 use super::range::{Range, plain};
 use super::section::{Key, Section};
 use frazil_core::balances::solute::advection::Advection;
+use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::boundary::condition::Condition;
+use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
 use frazil_core::physics::retention::moisture::{Moisture, Soil};
 use frazil_core::physics::retention::scale::{DRIEST, place};
@@ -18,7 +20,7 @@ use frazil_core::space::wall::WallId;
 
 use super::problem::Noted;
 use super::shells::along;
-use crate::settings::Setting;
+use crate::settings::{Numerics, Setting};
 use crate::solute::{Solute, SoluteNumerics, SoluteWall};
 
 const HEAD: (&str, &str) = ("head", "m");
@@ -125,7 +127,10 @@ impl Heads {
                 self.each(wall, &saturations, Self::of_saturation).map(Condition::Temperature)
             }
             2 => wall.series(FLUX, Range::ANY).map(Condition::Flux),
-            _ => wall.choice("condition", &[("symmetry", Condition::Symmetry)]),
+            _ => {
+                let words = [("symmetry", Condition::Symmetry), ("free-drainage", Condition::FreeDrainage)];
+                wall.choice("condition", &words)
+            }
         }
     }
 
@@ -291,6 +296,12 @@ fn solute_material(section: &mut Section<'_>, saturated: f64) -> Read<SoluteMate
 
 /// Steps of a solute over their bound, where a scene does not say.
 const FRACTION: f64 = 0.9;
+
+/// Settings of a method as the paper of unsaturated water prints them: a bond conducts by the arithmetic mean of its ends, and
+/// walls are layers of one value.
+pub(super) fn printed(numerics: Numerics) -> Numerics {
+    Numerics { exchange: Exchange::Mean(Mean::Arithmetic), walls: WallModel::Naive, ..numerics }
+}
 
 /// How a solute is computed.
 pub(super) fn numerics(section: &mut Section<'_>, setting: Setting) -> SoluteNumerics {

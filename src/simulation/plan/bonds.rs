@@ -121,6 +121,7 @@ fn parts(
         surfaces: scene.watch.surfaces.clone(),
         sinks: Vec::new(),
         rings: 0,
+        up: scene.gravity.map(|towards| -towards.outwards()),
         exchange: numerics.exchange,
         pool,
         bound: None,

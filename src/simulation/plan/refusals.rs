@@ -70,6 +70,7 @@ pub(super) fn why_list(
         ),
         (scene.domain.symmetry().is_some(), "particles are shells"),
         (flows, "water flows along the pairs"),
+        (scene.gravity.is_some(), "gravity pulls water along the pairs"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
         (numerics.walls == WallModel::InnerLayers, "the outermost particles are the walls"),
         (numerics.walls == WallModel::Naive && scene.brings_heat(), "naive layers at a flux or film follow particles"),

@@ -98,6 +98,7 @@ impl Body {
             sinks: Vec::new(),
             rings: 0,
             surfaces: Vec::new(),
+            up: None,
             exchange: Exchange::Potential,
             pool: None,
             bound: None,

@@ -150,6 +150,17 @@ impl Moisture {
         self.soil.conductivity * self.relative_conductivity(place)
     }
 
+    /// Hydraulic conductivity (m/s) at a place.
+    pub fn hydraulic_conductivity(&self, place: f64) -> f64 {
+        if place >= 0.0 {
+            self.soil.conductivity
+        } else if place < self.end {
+            0.0
+        } else {
+            self.soil.conductivity * self.soil.retention.relative_conductivity(suction(place))
+        }
+    }
+
     /// What a particle holds.
     pub fn content(&self, place: f64) -> f64 {
         if place >= 0.0 {

@@ -24,7 +24,7 @@ pub struct Tabulated {
 
 /// Nodes of one table.
 #[derive(Debug, Clone)]
-struct Nodes {
+pub(super) struct Nodes {
     /// Leading bits of the distance of the first node.
     base: u64,
     /// That distance; below it the law is straight.
@@ -42,25 +42,51 @@ const REST: u32 = 52 - OCTAVE_BITS;
 /// The first node, over the drainable water: there it is lost in the rounding of contents.
 const LEAST: f64 = 1e-17;
 
+/// Leading bits of the first node, and distances of all of them up to one.
+pub(super) fn places(scale: f64, most: f64) -> (u64, Vec<f64>) {
+    let base = (LEAST * scale).to_bits() >> REST;
+    let last = (most.to_bits() >> REST) + 2;
+    (base, (base..last).map(|bits| f64::from_bits(bits << REST)).collect())
+}
+
 impl Nodes {
     /// The nodes up to a distance, by potential less that of the end and slope at each.
     fn new(scale: f64, most: f64, of: impl Fn(f64) -> (f64, f64)) -> Self {
-        let base = (LEAST * scale).to_bits() >> REST;
-        let count = (most.to_bits() >> REST) + 2 - base;
-        let at = |k: u64| f64::from_bits((base + k) << REST);
-        let mut nodes: Vec<(f64, f64)> = Vec::with_capacity(count as usize);
-        for k in 0..count {
-            let (potential, slope) = of(at(k));
+        let (base, places) = places(scale, most);
+        let mut nodes: Vec<(f64, f64)> = Vec::with_capacity(places.len());
+        for place in &places {
+            let (potential, slope) = of(*place);
             // Rounding must not turn it back.
             let risen = nodes
                 .last()
                 .map_or(potential, |last| if slope < 0.0 { potential.min(last.0) } else { potential.max(last.0) });
             nodes.push((risen, slope));
         }
+        Nodes::monotone(base, &places, nodes)
+    }
+
+    /// The same by values alone, which rise or fall all the way: slopes are those of parabolas through three nodes.
+    pub(super) fn by_values(scale: f64, most: f64, values: &[f64]) -> Self {
+        let (base, places) = places(scale, most);
+        let rise = |k: usize| (values[k + 1] - values[k]) / (places[k + 1] - places[k]);
+        let slope = |k: usize| match k {
+            0 => rise(0),
+            _ if k + 1 == values.len() => rise(k - 1),
+            _ => {
+                let (before, after) = (places[k] - places[k - 1], places[k + 1] - places[k]);
+                (rise(k - 1) * after + rise(k) * before) / (before + after)
+            }
+        };
+        let nodes = (0..values.len()).map(|k| (values[k], slope(k))).collect();
+        Nodes::monotone(base, &places, nodes)
+    }
+
+    /// Nodes whose slopes keep every piece monotone.
+    fn monotone(base: u64, places: &[f64], mut nodes: Vec<(f64, f64)>) -> Self {
         // Slopes at most three times a neighbour's rise over the way keep every piece monotone (Fritsch and Carlson 1980).
         for k in 0..nodes.len() {
             let rise = |k: usize| {
-                let way = at(k as u64 + 1) - at(k as u64);
+                let way = places[k + 1] - places[k];
                 ((nodes[k + 1].0 - nodes[k].0) / way).abs()
             };
             let least = match k {
@@ -70,12 +96,12 @@ impl Nodes {
             };
             nodes[k].1 = nodes[k].1.clamp(-3.0 * least, 3.0 * least);
         }
-        Nodes { base, least: at(0), nodes: nodes.into() }
+        Nodes { base, least: places[0], nodes: nodes.into() }
     }
 
     /// Potential less that of the end, at a distance from it.
     #[inline(always)]
-    fn at(&self, distance: f64) -> f64 {
+    pub(super) fn at(&self, distance: f64) -> f64 {
         if distance < self.least {
             return self.nodes[0].0 * (distance / self.least);
         }
@@ -87,7 +113,7 @@ impl Nodes {
 
     /// Slope of the potential over the distance.
     #[inline(always)]
-    fn slope(&self, distance: f64) -> f64 {
+    pub(super) fn slope(&self, distance: f64) -> f64 {
         if distance < self.least {
             return self.nodes[0].0 / self.least;
         }
@@ -170,9 +196,15 @@ impl PotentialLaw for Tabulated {
     }
 }
 
+impl HeapSize for Nodes {
+    fn heap_size(&self) -> usize {
+        shared(&self.nodes)
+    }
+}
+
 impl HeapSize for Tabulated {
     fn heap_size(&self) -> usize {
-        shared(&self.wet.nodes) + shared(&self.moist.nodes)
+        self.wet.heap_size() + self.moist.heap_size()
     }
 }
 

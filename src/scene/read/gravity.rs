@@ -1,0 +1,40 @@
+//! Where gravity pulls unsaturated water.
+
+use super::body::{wall_named, wall_names};
+use super::problem::{Noted, Read};
+use super::section::Section;
+use crate::scene::Wall;
+use frazil_core::boundary::condition::Condition;
+use frazil_core::physics::material::Material;
+use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::WallId;
+
+/// The wall that gravity pulls towards, where the scene has gravity.
+pub(super) fn gravity(
+    root: &mut Section<'_>,
+    domain: &Read<Domain>,
+    (of_water, materials): (bool, &[Material]),
+    walls: &[Wall],
+) -> Result<Option<WallId>, Noted> {
+    let towards: Option<Read<WallId>> = root.optional_section("gravity").map(|mut section| {
+        let name = section.text("towards")?;
+        let domain = domain.as_ref().map_err(|noted| *noted)?;
+        let message = || format!("found \"{name}\", must be a wall of the body: {}", wall_names(domain));
+        wall_named(domain, &name).ok_or_else(|| section.problem("towards", message()))
+    });
+    if towards.is_some() && !of_water {
+        return Err(root.problem("gravity", "only a scene with balance = \"water\" has gravity of its own"));
+    }
+    if towards.is_some() && materials.len() > 1 {
+        let message = format!("found {} materials, water that falls has one soil", materials.len());
+        return Err(root.problem("gravity", message));
+    }
+    let towards = towards.transpose()?;
+    let mut drains = walls.iter().filter(|wall| wall.condition == Condition::FreeDrainage);
+    if let Some(wall) = drains.find(|wall| towards != Some(wall.wall)) {
+        let wall = wall.wall;
+        let message = format!("the wall \"{wall}\" drains freely, which only the wall does that gravity pulls towards");
+        return Err(root.problem("walls", message));
+    }
+    Ok(towards)
+}

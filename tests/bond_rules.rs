@@ -15,7 +15,8 @@ const SOIL: &str = "{ retention = { law = \"van-genuchten\", alpha_per_m = 1, n 
 
 /// A column that is wetted from one end for 15 days, at bonds of three spacings of 0.05 cm.
 fn column(rule: &str, head_m: f64) -> Sketch {
-    let mut sketch = Sketch::new(Domain::Line { length: 0.1 }, 5e-4).wall("left", "saturation = 1").with(rule);
+    let mut sketch = Sketch::new(Domain::Line { length: 0.1 }, 5e-4).wall("left", "saturation = 1");
+    sketch = sketch.with(rule).with("tolerance = 1e-5");
     (sketch.of_water, sketch.initial_c, sketch.duration_s) = (true, head_m, 15.0 * 86_400.0);
     sketch.materials = vec![("soil", SOIL.into())];
     sketch
@@ -31,12 +32,12 @@ fn head_at(saturation: f64) -> f64 {
 
 /// Water taken up against exchange by the potential, with the same layers of one value at the wall. Independent finite
 /// differences on the same bonds gave +1.2 to +1.4 % under arithmetic means, +4.7 to +5.0 % upstream and -99.6 % under harmonic
-/// means. Under geometric means they gave -2.2 and -6.0 %, by steps that pass over the first wetting: here steps a hundred times
-/// as exact change the figure by a twentieth of it.
+/// means. Under geometric means they gave -2.2 and -6.0 %, by steps that pass over the first wetting: here a tolerance ten times
+/// as tight changes the figures by less than 0.2 %.
 #[test]
 fn bonds_by_means_take_up_what_independent_bonds_do() {
     let kind = methods().iter().find(|kind| kind.name == "pd").expect("the method");
-    for (saturation, geometric) in [(0.01, -3.8), (0.001, -11.0)] {
+    for (saturation, geometric) in [(0.01, -4.0), (0.001, -11.5)] {
         let start = head_at(saturation);
         let taken = |rule: &str| {
             let result = column(rule, start).run(kind);

@@ -278,6 +278,23 @@ fn forbidden(sources: &[Source], may: &[&str]) -> Vec<String> {
     wrong
 }
 
+/// Files that no module declares, so that no compiler ever sees them.
+fn orphans(sources: &[Source]) -> Vec<String> {
+    let declared: BTreeSet<Vec<String>> = sources
+        .iter()
+        .flat_map(|source| {
+            let child = |item: &syn::Item| match item {
+                syn::Item::Mod(item) if item.content.is_none() => Some(item.ident.to_string()),
+                _ => None,
+            };
+            let names: Vec<String> = source.syntax.items.iter().filter_map(child).collect();
+            names.into_iter().map(|name| source.module.iter().cloned().chain([name]).collect())
+        })
+        .collect();
+    let orphan = |source: &&Source| !source.module.is_empty() && !declared.contains(&source.module);
+    sources.iter().filter(orphan).map(|source| source.path.display().to_string()).collect()
+}
+
 #[test]
 fn packages_know_only_those_below() {
     for (name, folder, may) in PACKAGES {
@@ -311,6 +328,13 @@ fn circles_files_and_functions_stay_small() {
 }
 
 #[test]
+fn every_file_is_a_module() {
+    let folders = PACKAGES.iter().map(|package| package.1).chain(["src"]);
+    let found: Vec<String> = folders.flat_map(|folder| orphans(&sources(&root().join(folder)))).collect();
+    assert!(found.is_empty(), "no module declares:\n{}", found.join("\n"));
+}
+
+#[test]
 fn what_is_planted_is_found() {
     let source = |name: &str, text: &str| Source::new(PathBuf::from(name), vec![name.to_owned()], text);
     let ring = |count: usize| -> Vec<Source> {
@@ -335,4 +359,7 @@ fn what_is_planted_is_found() {
     let upwards = [source("a", "fn f() -> frazil_scene::Scene { todo() }")];
     assert_eq!(forbidden(&upwards, &["frazil_core"]).len(), 1);
     assert!(forbidden(&upwards, &["frazil_scene"]).is_empty());
+    let root = |text: &str| Source::new(PathBuf::from("lib"), Vec::new(), text);
+    assert!(orphans(&[root("mod a;"), source("a", "")]).is_empty());
+    assert_eq!(orphans(&[root("mod a;"), source("a", ""), source("b", "")]), ["b"]);
 }

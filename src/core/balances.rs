@@ -1,4 +1,5 @@
 //! What particles exchange beside heat.
 
 pub mod groundwater;
+mod row;
 pub mod solute;

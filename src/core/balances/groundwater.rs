@@ -39,7 +39,6 @@ pub mod ground;
 pub mod network;
 pub mod numerics;
 pub mod pressure;
-pub mod row;
 pub mod surfaces;
 pub mod tasks;
 pub mod velocity;

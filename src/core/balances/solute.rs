@@ -20,9 +20,9 @@ mod pairs;
 mod tests;
 mod walls;
 
+use crate::balances::row::Row;
 use crate::balances::solute::advection::Advection;
 use crate::balances::solute::image::Image;
-use crate::balances::solute::limit::Row;
 use crate::balances::solute::pairs::{Pairs, Sums};
 use crate::balances::solute::walls::Walls;
 use crate::kernels::list_parts::ListParts;

@@ -23,9 +23,9 @@ use rayon::ThreadPool;
 use crate::balances::groundwater::network::{NONE, Network};
 use crate::balances::groundwater::numerics::Advection;
 use crate::balances::groundwater::pressure::Pressure;
-use crate::balances::groundwater::row::Row;
 use crate::balances::groundwater::tasks::{each, tasks, when};
 use crate::balances::groundwater::velocity::velocities;
+use crate::balances::row::Row;
 use crate::memory::{HeapSize, total};
 
 /// Heat that water carries along a path over what the path conducts, from which the bend of profiles counts.

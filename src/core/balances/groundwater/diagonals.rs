@@ -7,7 +7,7 @@
 
 use std::array::from_fn;
 
-use crate::balances::groundwater::row::Row;
+use crate::balances::row::Row;
 
 /// Particles that are handled together.
 pub const LANES: usize = 16;

@@ -1,6 +1,7 @@
 //! The rates of a solute, and the same for small changes.
 
-use crate::balances::solute::limit::{Held, Row};
+use crate::balances::row::Row;
+use crate::balances::solute::limit::Held;
 use crate::balances::solute::pairs::Pairs;
 use crate::balances::solute::walls::Walls;
 use crate::balances::solute::{Solute, concentration};
@@ -173,7 +174,7 @@ impl Solute {
         for i in (0..content.len()).filter(|i| self.pairs.takes_back[*i]) {
             let holds = [self.holds[i], self.holds[i] + step * self.pairs.gains[i]];
             let held = Held { content: content[i], holds, decays: step * self.material(i).decay };
-            limits[i] = self.rows[i].shares(&held, step);
+            limits[i] = held.shares(&self.rows[i], step);
             if limits[i].0 < 1.0 || limits[i].1 < 1.0 {
                 limited[i] = true;
                 for j in &partners[starts[i]..starts[i + 1]] {

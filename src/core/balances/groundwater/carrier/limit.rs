@@ -4,8 +4,8 @@
 use crate::balances::groundwater::carrier::{Carrier, State};
 use crate::balances::groundwater::diagonals::{Carried, Diagonals, Fields};
 use crate::balances::groundwater::network::Network;
-use crate::balances::groundwater::row::Row;
 use crate::balances::groundwater::tasks::{each, tasks, when};
+use crate::balances::row::Row;
 
 impl Carrier {
     /// What each particle gains with the whole exchange, and what lies around it.
@@ -18,8 +18,7 @@ impl Carrier {
         self.rows = rows;
         for (i, temperature) in state.beside {
             let wall = (state.enthalpy_at)(*i as usize, *temperature);
-            let row = &mut self.rows[*i as usize];
-            (row.least, row.most) = (row.least.min(wall), row.most.max(wall));
+            self.rows[*i as usize].see(wall);
         }
     }
 
@@ -49,31 +48,24 @@ impl Carrier {
     fn gather_paths(&self, network: &Network, state: &State<'_>, rows: &mut [Row]) {
         each(state.pool, rows, |i, row| {
             let (own, enthalpy) = (state.temperature[i], state.enthalpy[i]);
-            *row = Row { least: enthalpy, most: enthalpy, ..Row::default() };
+            *row = Row::around(enthalpy);
             let mut warmest = (own, i);
             let mut coldest = (own, i);
             for (j, slot, later) in network.paths(i) {
                 let rise = state.temperature[j] - own;
                 row.gain += self.factor(slot, later) * rise;
                 let exchange = if self.exchanges { self.exchange[slot] } else { 0.0 };
-                let back = self.bend(network, i, j, slot) - exchange * rise;
-                if back > 0.0 {
-                    row.up += back;
-                } else {
-                    row.down += back;
-                }
-                let other = state.enthalpy[j];
+                row.add(self.bend(network, i, j, slot) - exchange * rise);
                 if !state.mixed {
-                    row.least = if other < row.least { other } else { row.least };
-                    row.most = if other > row.most { other } else { row.most };
+                    row.see(state.enthalpy[j]);
                 } else {
                     warmest = if state.temperature[j] > warmest.0 { (state.temperature[j], j) } else { warmest };
                     coldest = if state.temperature[j] < coldest.0 { (state.temperature[j], j) } else { coldest };
                 }
             }
             if state.mixed {
-                row.most = row.most.max((state.enthalpy_at)(i, warmest.0));
-                row.least = row.least.min((state.enthalpy_at)(i, coldest.0));
+                row.see((state.enthalpy_at)(i, warmest.0));
+                row.see((state.enthalpy_at)(i, coldest.0));
             }
         });
     }
@@ -82,19 +74,13 @@ impl Carrier {
     pub(super) fn limit(&mut self, network: &Network, state: &State<'_>, rate: &[f64]) {
         self.marked.fill(false);
         let nearest_only = network.diagonals.is_some() && !state.mixed;
-        let share = |room: f64, wanted: f64| if wanted > room { (room / wanted).max(0.0) } else { 1.0 };
         for i in 0..network.len() {
             let mut row = self.rows[i];
             let low = state.enthalpy[i] + state.step * (rate[i] + row.gain);
-            let shares = |row: &Row| {
-                (share(row.most - low, state.step * row.up), share(low - row.least, -state.step * row.down))
-            };
+            let shares = |row: &Row| row.shares(row.most - low, low - row.least, state.step);
             let (mut up, mut down) = shares(&row);
             if nearest_only && (up < 1.0 || down < 1.0) {
-                for (j, ..) in network.paths(i) {
-                    let other = state.enthalpy[j];
-                    (row.least, row.most) = (row.least.min(other), row.most.max(other));
-                }
+                network.paths(i).for_each(|(j, ..)| row.see(state.enthalpy[j]));
                 (up, down) = shares(&row);
             }
             self.limits[i] = (up, down);

@@ -4,7 +4,7 @@
 use frazil_core::boundary::condition::Condition;
 use frazil_core::breakage::crack::{Crack, Growth};
 use frazil_core::physics::retention::Retention;
-use frazil_core::physics::retention::moisture::{Moisture, Soil};
+use frazil_core::physics::retention::moisture::Soil;
 use frazil_core::physics::retention::scale::{DRY, head};
 use frazil_core::physics::retention::shape::RetentionCurve;
 use frazil_core::physics::solute_material::Tortuosity;
@@ -173,8 +173,8 @@ fn soil_differences(found: &mut Vec<String>, scene: &Scene) {
 }
 
 fn solute_differences(found: &mut Vec<String>, case: Case, scene: &Scene) {
-    let Some(solute) = &scene.solute else { return };
-    let material = solute.materials[0];
+    let soil = scene.materials.first().and_then(|material| material.soil.as_ref());
+    let Some((solute, material)) = scene.solute.as_ref().zip(soil.and_then(|soil| soil.solute)) else { return };
     compare(found, "the diffusion (m2/s)", Some(material.diffusion), 9e-11);
     let plain = material.tortuosity == Tortuosity::None
         && material.longitudinal_dispersivity == 0.0
@@ -292,16 +292,15 @@ impl Wetting {
             return Err(Unsolved::Body("a line of which both ends are open"));
         }
         let wall = wall_temperature(scene, WallId::Left).ok_or(Unsolved::WallChanges(WallId::Left))?;
-        let moisture = Moisture::new(soil.clone());
         let retention = match &soil.retention {
             Retention::VanGenuchten(curve) => exact::Retention::VanGenuchten { alpha: curve.alpha, n: curve.exponent },
             _ => return Err(Unsolved::Body("a soil that is not van Genuchten's")),
         };
         let made = exact::Soil::new(retention, soil.residual, soil.saturated, soil.conductivity);
-        let initial = moisture.saturation(scene.initial_temperature);
+        let initial = soil.saturation(scene.initial_temperature);
         let absorption = made.and_then(|made| match wall >= 0.0 {
             true => Absorption::under_head(made, initial, head(wall)),
-            false => Absorption::new(made, initial, moisture.saturation(wall)),
+            false => Absorption::new(made, initial, soil.saturation(wall)),
         });
         let absorption = absorption.map_err(|_| Unsolved::NothingDrives)?;
         let change = absorption.saturation(length, scene.duration) - initial;

@@ -27,7 +27,7 @@ fn head_at(saturation: f64) -> f64 {
     let kind = methods().iter().find(|kind| kind.name == "pd").expect("the method");
     let scene = column("", -1.0).scene(kind);
     let curve = Curve::new(&scene.materials[0]);
-    head(curve.moisture().expect("a soil").place_of(saturation))
+    head(curve.moisture().expect("a soil").soil().place_of(saturation))
 }
 
 /// Water taken up against exchange by the potential, with the same layers of one value at the wall. Independent finite

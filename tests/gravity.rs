@@ -146,7 +146,7 @@ fn rain_drains_freely_by_its_weight_alone() {
         let curve = Curve::new(&scene.materials[0]);
         let moisture = curve.moisture().expect("a soil");
         for (_, saturation) in profile(&result) {
-            let flux = moisture.hydraulic_conductivity(moisture.place_of(saturation));
+            let flux = moisture.hydraulic_conductivity(moisture.soil().place_of(saturation));
             assert!((flux / 3e-7 - 1.0).abs() < 1e-5, "{}: {flux}", kind.name);
         }
     }

@@ -1,7 +1,6 @@
 //! A solute of a scene of unsaturated water.
 
 use frazil_core::balances::solute::advection::Advection;
-use frazil_core::physics::solute_material::SoluteMaterial;
 use frazil_core::series::Series;
 use frazil_core::solvers::transport::Coupling;
 use frazil_core::space::wall::WallId;
@@ -13,8 +12,6 @@ pub struct Solute {
     pub initial: f64,
     /// Concentrations at the start of regions that have one of their own, in the order of the regions.
     pub regions: Vec<Option<f64>>,
-    /// What each material does to it.
-    pub materials: Vec<SoluteMaterial>,
     /// Walls and parts of walls of given concentration; later ones win.
     pub walls: Vec<SoluteWall>,
 }

@@ -92,6 +92,11 @@ impl Curve {
         }
     }
 
+    /// The relations of another material, where they follow from those of this one: of soils that differ in conductivity alone.
+    pub fn shared(&self, material: &Material) -> Option<Self> {
+        Some(Curve::of_water(self.moisture()?.shared(material.soil.as_ref()?)?))
+    }
+
     /// The relations of water, where it is water that flows.
     pub fn moisture(&self) -> Option<&Moisture> {
         self.moisture.as_deref()
@@ -443,7 +448,7 @@ impl Curve {
     /// How many times better than another material this one conducts at all temperatures, if that is one number.
     pub fn scaled_from(&self, other: &Curve) -> Option<f64> {
         match (&self.moisture, &other.moisture) {
-            (Some(own), Some(other)) => own.scaled_from(other),
+            (Some(own), Some(other)) => own.soil().scaled_from(other.soil()),
             (None, None) => {
                 let constant = |curve: &Curve| curve.least_conductive() == curve.most_conductive();
                 (constant(self) && constant(other)).then(|| self.most_conductive() / other.most_conductive())
@@ -455,7 +460,7 @@ impl Curve {
     /// Whether another material stores the same at all temperatures.
     pub fn stores_like(&self, other: &Curve) -> bool {
         match (&self.moisture, &other.moisture) {
-            (Some(own), Some(other)) => own.holds_like(other),
+            (Some(own), Some(other)) => own.soil().holds_like(other.soil()),
             _ => false,
         }
     }

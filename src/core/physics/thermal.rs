@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 use crate::physics::blend::Blend;
 use crate::physics::curve::Curve;
 use crate::physics::curved::Curved;
+use crate::physics::material::Material;
 use crate::physics::potential::{Blended, Kinked, Law, Straight};
 use crate::physics::retention::conducting::Conducting;
 use crate::physics::retention::tabulated::Tabulated;
@@ -64,6 +65,22 @@ impl Thermal {
         };
         let conducting = OnceLock::new();
         Thermal { curve, initial_temperature, initial_enthalpy, initial_potential, conducting, law, largest_slope }
+    }
+
+    /// Another material that starts at the same temperature, where its law follows from this one's: of soils that differ in
+    /// conductivity alone.
+    pub fn shared(&self, material: &Material) -> Option<Self> {
+        let Law::Tabulated(law) = &self.law else { return None };
+        let curve = self.curve.shared(material)?;
+        Some(Thermal {
+            initial_temperature: self.initial_temperature,
+            initial_enthalpy: self.initial_enthalpy,
+            initial_potential: curve.potential(self.initial_temperature),
+            conducting: OnceLock::new(),
+            law: Law::Tabulated(law.shared(curve.most_conductive())),
+            largest_slope: curve.most_conductive() / curve.least_capacity(),
+            curve,
+        })
     }
 
     /// Head and hydraulic conductivity by content, of water.

@@ -9,7 +9,7 @@ use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::boundary::condition::Condition;
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
-use frazil_core::physics::retention::moisture::{Moisture, Soil};
+use frazil_core::physics::retention::moisture::Soil;
 use frazil_core::physics::retention::scale::{DRIEST, place};
 use frazil_core::physics::retention::{RETENTIONS, Retention};
 use frazil_core::physics::solute_material::{SoluteMaterial, Tortuosity};
@@ -42,7 +42,7 @@ pub(super) enum Balance {
 /// What saturations are as heads, and which heads there are.
 pub(super) struct Heads {
     /// The soils of the scene, as far as they could be read.
-    soils: Vec<(String, Moisture)>,
+    soils: Vec<(String, Soil)>,
     /// Walls of given concentration, as far as they have been read.
     walls: Vec<SoluteWall>,
     /// Concentrations at the start of regions.
@@ -52,14 +52,14 @@ pub(super) struct Heads {
 impl Heads {
     /// The heads of soils.
     pub(super) fn new(materials: &[Material]) -> Self {
-        let soil = |material: &Material| Some((material.name.clone(), Moisture::new(material.soil.clone()?)));
+        let soil = |material: &Material| Some((material.name.clone(), material.soil.clone()?));
         Heads { soils: materials.iter().filter_map(soil).collect(), walls: Vec::new(), regions: Vec::new() }
     }
 
     /// The place of a head (m), if all soils have it.
     fn of_head(&self, section: &mut Section<'_>, head: f64) -> Read<f64> {
-        let driest = |(name, soil): &(String, Moisture)| {
-            let Retention::Table(table) = &soil.soil().retention else { return None };
+        let driest = |(name, soil): &(String, Soil)| {
+            let Retention::Table(table) = &soil.retention else { return None };
             Some((name.clone(), -table.driest())).filter(|(_, driest)| head < *driest)
         };
         if let Some((name, driest)) = self.soils.iter().find_map(driest) {
@@ -76,8 +76,8 @@ impl Heads {
     /// The place of a saturation, which all soils must have at one head.
     fn of_saturation(&self, section: &mut Section<'_>, saturation: f64) -> Read<f64> {
         let Some(((_, first), others)) = self.soils.split_first() else { return Ok(0.0) };
-        let alike = |other: &&(String, Moisture)| other.1.scaled_from(first).is_none();
-        if let (Some((name, _)), true) = (others.iter().find(alike), saturation > 0.0 && saturation < 1.0) {
+        let differs = |other: &&(String, Soil)| !other.1.curves_like(first);
+        if let (Some((name, _)), true) = (others.iter().find(differs), saturation > 0.0 && saturation < 1.0) {
             let message = format!(
                 "found {}, which \"{name}\" has at another head than \"{}\": give the head, head_m",
                 plain(saturation),
@@ -196,8 +196,7 @@ impl Heads {
                 format!("the table \"solute\" of \"{name}\" has no effect, no concentration is given at the start or at a wall"),
             )),
             (Some(_), None, true) => {
-                let materials = with.iter().filter_map(|(_, soil)| soil.solute).collect();
-                Ok(Some(Solute { initial: initial.unwrap_or(0.0), regions: self.regions, materials, walls: self.walls }))
+                Ok(Some(Solute { initial: initial.unwrap_or(0.0), regions: self.regions, walls: self.walls }))
             }
             (None, ..) => Ok(None),
         }

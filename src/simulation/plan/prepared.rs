@@ -239,7 +239,12 @@ fn materials(scene: &Scene, numerics: &Numerics, lattice: &Lattice, cloud: Optio
         };
         Thermal::new(curve, scene.initial_temperature)
     };
-    let thermals: Arc<[Thermal]> = scene.materials.iter().map(thermal).collect();
+    let mut thermals: Vec<Thermal> = Vec::new();
+    for material in &scene.materials {
+        let shared = thermals.iter().find_map(|known| known.shared(material));
+        thermals.push(shared.unwrap_or_else(|| thermal(material)));
+    }
+    let thermals: Arc<[Thermal]> = thermals.into();
     if !scene.has_regional_materials() {
         return Materials::new(thermals, Vec::new());
     }

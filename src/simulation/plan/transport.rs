@@ -41,7 +41,8 @@ pub(super) fn transport(
     let flows = PairFlows::new(parts.clone(), choice);
     let saturated = saturated(&prepared.materials, count);
     let contents: Vec<f64> = saturated.iter().zip(prepared.enthalpies()).map(|(full, held)| full + held).collect();
-    let parts = SoluteParts { list: parts, materials: solute.materials.clone(), walls, advection: own.advection };
+    let materials = scene.materials.iter().filter_map(|material| material.soil.as_ref()?.solute).collect();
+    let parts = SoluteParts { list: parts, materials, walls, advection: own.advection };
     let balance = Solute::new(parts, &contents)?;
     prepared.solute = (0..count)
         .map(|i| balance.content(i, starts(scene, solute, prepared.place(i), prepared.lattice.spacing), 0.0))

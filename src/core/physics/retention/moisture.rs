@@ -25,6 +25,41 @@ pub struct Soil {
     pub solute: Option<SoluteMaterial>,
 }
 
+impl Soil {
+    /// Effective saturation at a place.
+    pub fn saturation(&self, place: f64) -> f64 {
+        if place >= 0.0 {
+            1.0
+        } else if place <= DRY {
+            0.0
+        } else {
+            self.retention.saturation(suction(place))
+        }
+    }
+
+    /// The place at which ground has an effective saturation, 0 to 1.
+    pub fn place_of(&self, saturation: f64) -> f64 {
+        let suction = self.retention.suction(1.0 - saturation);
+        if saturation <= 0.0 || suction > DRIEST { DRY } else { place(-suction) }
+    }
+
+    /// Whether another soil has the same saturation and relative conductivity at all heads.
+    pub fn curves_like(&self, other: &Soil) -> bool {
+        self.retention == other.retention
+    }
+
+    /// Whether another soil holds the same at all heads.
+    pub fn holds_like(&self, other: &Soil) -> bool {
+        let held = |soil: &Soil| (soil.residual, soil.saturated, soil.storage);
+        self.curves_like(other) && held(self) == held(other)
+    }
+
+    /// How many times better than another soil of the same curve this one conducts at all heads; none where their curves differ.
+    pub fn scaled_from(&self, other: &Soil) -> Option<f64> {
+        self.curves_like(other).then(|| self.conductivity / other.conductivity)
+    }
+}
+
 /// Relations of one soil, by the place of the pressure head ([`crate::physics::retention::scale`]), for which potentials count
 /// from the head zero.
 ///
@@ -46,8 +81,9 @@ pub struct Moisture {
 /// a cusp at saturation.
 const FIRST_PIECE: f64 = 1e-12;
 
-/// Steps of a piece, which is half as long as the next.
-const STEPS: usize = 256;
+/// Steps of a piece, which is half as long as the next: the conductivity is about a power there, whose integral Simpson's rule
+/// then has to 1e-11 of itself.
+const STEPS: usize = 128;
 
 /// Relative conductivity below which nothing flows, whatever drives it.
 const STANDS: f64 = 1e-60;
@@ -77,6 +113,11 @@ impl Moisture {
         Moisture { depth: relative.at(end), soil, end, relative }
     }
 
+    /// The relations of a soil that holds the same as this one, at whatever conductivity: by the same tables.
+    pub fn shared(&self, soil: &Soil) -> Option<Self> {
+        soil.holds_like(&self.soil).then(|| Moisture { soil: soil.clone(), ..self.clone() })
+    }
+
     /// The soil.
     pub fn soil(&self) -> &Soil {
         &self.soil
@@ -89,19 +130,7 @@ impl Moisture {
 
     /// Effective saturation at a place.
     pub fn saturation(&self, place: f64) -> f64 {
-        if place >= 0.0 {
-            1.0
-        } else if place < self.end {
-            0.0
-        } else {
-            self.soil.retention.saturation(suction(place))
-        }
-    }
-
-    /// The place at which ground has an effective saturation, 0 to 1.
-    pub fn place_of(&self, saturation: f64) -> f64 {
-        let suction = self.soil.retention.suction(1.0 - saturation);
-        if saturation <= 0.0 || suction > DRIEST { DRY } else { place(-suction) }
+        if place < self.end { 0.0 } else { self.soil.saturation(place) }
     }
 
     /// Integral of the conductivity from saturation (m2/s).
@@ -194,9 +223,15 @@ impl Moisture {
         if content <= self.content(self.end) {
             return self.end;
         }
-        // What pressure stores below saturation is little beside what has drained.
-        let guess = place(-self.soil.retention.suction((-content / self.drainable()).min(1.0))).clamp(self.end, 0.0);
-        solve_increasing_from(|place| (self.content(place) - content, self.capacity(place)), guess, self.end, 0.0)
+        // Either what has drained or, near saturation, what pressure stores is little beside the other.
+        let drained = place(-self.soil.retention.suction((-content / self.drainable()).min(1.0)));
+        let guess = drained.max(content / self.soil.storage).clamp(self.end, 0.0);
+        let residual = |place: f64| {
+            let left = self.content(place) - content;
+            // Below that, steps of the root are those of rounding.
+            (if left.abs() <= f64::EPSILON * content.abs() { 0.0 } else { left }, self.capacity(place))
+        };
+        solve_increasing_from(residual, guess, self.end, 0.0)
     }
 
     /// Content of dry ground.
@@ -217,19 +252,6 @@ impl Moisture {
     /// Slope of the potential over the content (m2/s) at a place: the diffusivity.
     pub fn diffusivity(&self, place: f64) -> f64 {
         self.conductivity(place) / self.capacity(place)
-    }
-
-    /// Whether another soil holds the same at all heads.
-    pub fn holds_like(&self, other: &Moisture) -> bool {
-        let held = |soil: &Soil| (soil.residual, soil.saturated, soil.storage);
-        self.soil.retention == other.soil.retention && held(&self.soil) == held(&other.soil)
-    }
-
-    /// How many times better than another soil of the same curve and water contents this one conducts at all heads; none where
-    /// their curves differ.
-    pub fn scaled_from(&self, other: &Moisture) -> Option<f64> {
-        let alike = self.soil.retention == other.soil.retention;
-        alike.then(|| self.soil.conductivity / other.soil.conductivity)
     }
 }
 
@@ -296,7 +318,7 @@ mod tests {
     fn saturations_come_back_from_their_places() {
         for soil in soils() {
             for saturation in [0.0, 1e-4, 1e-2, 0.1, 0.5, 0.9, 0.999, 1.0] {
-                let back = soil.saturation(soil.place_of(saturation));
+                let back = soil.saturation(soil.soil.place_of(saturation));
                 assert!((back - saturation).abs() < 1e-12, "{:?} {saturation}: {back}", soil.soil);
             }
         }
@@ -332,7 +354,7 @@ mod tests {
     #[test]
     fn dry_ground_holds_the_residual_content_and_conducts_nothing() {
         for soil in soils() {
-            assert_eq!(soil.place_of(0.0), DRY);
+            assert_eq!(soil.soil.place_of(0.0), DRY);
             assert_eq!(soil.saturation(DRY), 0.0);
             let held = soil.content(DRY) - soil.soil.storage * soil.depth;
             assert!((held + soil.drainable()).abs() < 1e-15);

@@ -11,9 +11,12 @@ use crate::physics::retention::moisture::Moisture;
 /// and flat at the other, which such nodes follow equally well at all sizes.
 #[derive(Debug, Clone)]
 pub struct Tabulated {
-    /// Initial content and potential.
+    /// Hydraulic conductivity (m/s) of saturated ground, which potentials are multiples of: tables are those of all soils that
+    /// differ in it alone.
+    conductivity: f64,
+    /// Initial content and, over the conductivity as all that follows, potential.
     initial: (f64, f64),
-    /// Slope above saturation (m2/s).
+    /// Slope above saturation (m).
     saturated_slope: f64,
     /// Content and potential of dry ground.
     dry: (f64, f64),
@@ -137,12 +140,13 @@ impl Nodes {
 impl Tabulated {
     /// The law of a soil that starts with a content.
     pub fn new(soil: &Moisture, initial_content: f64) -> Self {
-        let dry = (soil.driest_content(), soil.driest_potential());
+        let conductivity = soil.soil().conductivity;
+        let dry = (soil.driest_content(), soil.driest_potential() / conductivity);
         let scale = soil.drainable();
         let middle = 0.5 * dry.0;
         let at = |content: f64| {
-            let place = soil.place_of_content(content);
-            (soil.potential(place.max(soil.end())), soil.diffusivity(place.max(soil.end())))
+            let place = soil.place_of_content(content).max(soil.end());
+            (soil.potential(place) / conductivity, soil.diffusivity(place) / conductivity)
         };
         let wet = Nodes::new(scale, -middle, |distance| {
             let (potential, slope) = at(-distance);
@@ -152,13 +156,20 @@ impl Tabulated {
             let (potential, slope) = at(dry.0 + distance);
             (potential - dry.1, slope)
         });
-        let saturated_slope = soil.soil().conductivity / soil.soil().storage;
-        let mut law = Tabulated { initial: (initial_content, 0.0), saturated_slope, dry, middle, wet, moist };
+        let saturated_slope = 1.0 / soil.soil().storage;
+        let mut law =
+            Tabulated { conductivity, initial: (initial_content, 0.0), saturated_slope, dry, middle, wet, moist };
         // What the table itself gives, so that a body at rest holds exact zeros.
-        law.initial.1 = law.potential(0.0);
+        law.initial.1 = law.look_up(0.0);
         law
     }
 
+    /// The law of a soil that starts with the same content and differs in its conductivity (m/s) alone.
+    pub fn shared(&self, conductivity: f64) -> Self {
+        Tabulated { conductivity, ..self.clone() }
+    }
+
+    /// Potential over the conductivity.
     #[inline(always)]
     fn look_up(&self, content: f64) -> f64 {
         let absolute = content + self.initial.0;
@@ -178,13 +189,13 @@ impl Tabulated {
 impl PotentialLaw for Tabulated {
     #[inline(always)]
     fn potential(&self, content: f64) -> f64 {
-        self.look_up(content)
+        self.conductivity * self.look_up(content)
     }
 
     #[inline]
     fn slope(&self, content: f64) -> f64 {
         let absolute = content + self.initial.0;
-        if absolute >= 0.0 {
+        let slope = if absolute >= 0.0 {
             self.saturated_slope
         } else if absolute > self.middle {
             (-self.wet.slope(-absolute)).max(0.0)
@@ -192,7 +203,8 @@ impl PotentialLaw for Tabulated {
             self.moist.slope(absolute - self.dry.0).max(0.0)
         } else {
             0.0
-        }
+        };
+        self.conductivity * slope
     }
 }
 

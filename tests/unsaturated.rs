@@ -87,6 +87,23 @@ fn a_column_that_is_wetted_from_one_end_meets_the_independent_solution() {
     }
 }
 
+/// Water that makes the steps of its solute, many times as many, leaves the same concentrations: within a tenth of the bound of
+/// their error.
+#[test]
+fn a_solute_does_not_mind_whose_steps_it_shares() {
+    for kind in even() {
+        let key = format!("method.{}.coupling", kind.name);
+        let [alone, shared] = ["sequential", "full"].map(|word| run("wetting-column", kind.name, &[(&key, word)]));
+        closes(&shared.record);
+        assert!(shared.record.steps > 5 * alone.record.steps, "{}", kind.name);
+        let pairs = alone.profiles.iter().zip(&shared.profiles);
+        let apart = pairs.filter_map(|(one, other)| Some((one.concentration? - other.concentration?).abs()));
+        let most = apart.fold(0.0, f64::max);
+        eprintln!("{}: at most {most:.1e} apart", kind.name);
+        assert!(most > 0.0 && most < 3e-4, "{}: {most}", kind.name);
+    }
+}
+
 /// What is beyond the bound of a mean error.
 fn within(errors: &Errors, bound: f64, what: &str) {
     let [saturation, concentration] =

@@ -32,11 +32,9 @@ impl Row {
     /// Takes note of what taking exchange back would bring.
     #[inline]
     pub fn add(&mut self, back: f64) {
-        if back > 0.0 {
-            self.up += back;
-        } else {
-            self.down += back;
-        }
+        // Without a branch, whose way nothing foretells.
+        self.up += if back > 0.0 { back } else { 0.0 };
+        self.down += if back < 0.0 { back } else { 0.0 };
     }
 
     /// Shares of what would be added and taken in a step (s) that fit into the room above and below.

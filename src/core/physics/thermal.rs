@@ -117,7 +117,10 @@ impl Thermal {
 
     /// Frozen fraction of a particle from the enthalpy that it carries.
     pub fn frozen_fraction(&self, enthalpy: f64) -> f64 {
-        self.curve.frozen_fraction(enthalpy + self.initial_enthalpy)
+        match &self.law {
+            Law::Tabulated(law) => law.deficit(enthalpy),
+            _ => self.curve.frozen_fraction(enthalpy + self.initial_enthalpy),
+        }
     }
 
     /// Enthalpy that a particle carries at a temperature.

@@ -144,12 +144,12 @@ impl Solute {
                 *row = Row::around(own);
                 row.gain = gain(list, pairs, concentrations, i);
                 if pairs.takes_back[i] {
-                    for k in list.pairs.starts[i]..list.pairs.starts[i + 1] {
-                        let other = concentrations[self.seen(list.pairs.partners[k] as usize)];
-                        if pairs.factors[k] != 0.0 {
-                            row.see(other);
-                        }
-                        row.add(pairs.back[k] * (own - other));
+                    let entries = list.pairs.starts[i]..list.pairs.starts[i + 1];
+                    let factors = pairs.factors[entries.clone()].iter().zip(&pairs.back[entries.clone()]);
+                    for (partner, (factor, back)) in list.pairs.partners[entries].iter().zip(factors) {
+                        let other = concentrations[self.seen(*partner as usize)];
+                        row.see(if *factor == 0.0 { own } else { other });
+                        row.add(back * (own - other));
                     }
                 }
             }

@@ -169,6 +169,20 @@ impl Tabulated {
         Tabulated { conductivity, ..self.clone() }
     }
 
+    /// What has drained at a content, over all that can: without a root, since what pressure stores follows from the potential.
+    pub fn deficit(&self, content: f64) -> f64 {
+        let absolute = content + self.initial.0;
+        if absolute >= 0.0 {
+            return 0.0;
+        }
+        if absolute <= self.dry.0 {
+            return 1.0;
+        }
+        let stored = (self.look_up(content) + self.initial.1) / self.saturated_slope;
+        let drainable = self.dry.1 / self.saturated_slope - self.dry.0;
+        ((stored - absolute) / drainable).clamp(0.0, 1.0)
+    }
+
     /// Potential over the conductivity.
     #[inline(always)]
     fn look_up(&self, content: f64) -> f64 {
@@ -249,6 +263,10 @@ mod tests {
                 assert!((own - exact).abs() < 2e-8 * depth, "{alpha} {exponent} {saturation}: {own} {exact}");
                 assert!(own >= last, "{alpha} {exponent} {saturation}");
                 assert!(law.slope(content) >= 0.0);
+                let drained = 1.0 - soil.saturation(soil.place_of_content(content));
+                // What the potential is off by, as far as pressure stores.
+                let allowed = 2e-8 * depth / 1e-5 * 1e-6 / 0.35 + 1e-14;
+                assert!((law.deficit(content) - drained).abs() < allowed, "{alpha} {exponent} {saturation}");
                 last = own;
             }
         }

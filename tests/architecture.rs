@@ -291,7 +291,8 @@ fn orphans(sources: &[Source]) -> Vec<String> {
             names.into_iter().map(|name| source.module.iter().cloned().chain([name]).collect())
         })
         .collect();
-    let orphan = |source: &&Source| !source.module.is_empty() && !declared.contains(&source.module);
+    let root = |source: &Source| source.module.is_empty() || source.module == ["build"];
+    let orphan = |source: &&Source| !root(source) && !declared.contains(&source.module);
     sources.iter().filter(orphan).map(|source| source.path.display().to_string()).collect()
 }
 

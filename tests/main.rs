@@ -44,6 +44,7 @@ mod resumed;
 mod seepage;
 mod shells;
 mod sketch;
+mod soils;
 mod stability;
 mod steps_by_error;
 mod turned;

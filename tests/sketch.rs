@@ -152,8 +152,13 @@ impl Sketch {
             }
         };
         put(format_args!("[time]\nduration_s = {}\noutputs = {}\n", self.duration_s, self.outputs));
-        let start = if self.of_water { "head_m" } else { "temperature_c" };
-        put(format_args!("[initial]\n{start} = {}\n[materials]\n", self.initial_c));
+        let start = match self.of_water {
+            // No head of any size is that of dry ground.
+            true if self.initial_c.is_infinite() => "saturation = 0".into(),
+            true => format!("head_m = {}", self.initial_c),
+            false => format!("temperature_c = {}", self.initial_c),
+        };
+        put(format_args!("[initial]\n{start}\n[materials]\n"));
         for (name, material) in &self.materials {
             put(format_args!("{name} = {material}\n"));
         }

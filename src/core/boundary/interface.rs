@@ -11,6 +11,7 @@
 
 use crate::boundary::patch::Face;
 use crate::memory::HeapSize;
+use crate::physics::curve::Curve;
 use crate::physics::film::Film;
 use crate::physics::root::solve_increasing;
 use crate::physics::thermal::Thermal;
@@ -190,23 +191,48 @@ impl<'a> Way<'a> {
         for piece in self.pieces {
             match self.thermal(piece).curve.conductivity_between(low, high) {
                 Some(conductivity) => resistance += piece.share / conductivity,
-                None => return self.solved(near, far, to - from),
+                None if self.pieces.len() == 2 => return self.met(near, far, low, high),
+                None => return self.solved(near, far, from, to),
             }
         }
         (to - from) / resistance
     }
 
-    /// The same where a piece changes its phase between the two temperatures, which lie this far apart.
-    fn solved(&self, near: f64, far: f64, difference: f64) -> f64 {
-        let (least, most) = self.chain.conductivity;
-        let (a, b) = (difference * least, difference * most);
+    /// The same through two pieces of which one changes its conductivity between these temperatures: by the temperature at which
+    /// they meet, for which no potential has to be turned into a temperature.
+    fn met(&self, near: f64, far: f64, low: f64, high: f64) -> f64 {
+        let [first, second] = [0, 1].map(|k| (self.pieces[k].share, &self.thermal(&self.pieces[k]).curve));
+        let missing = |temperature: f64| {
+            let (before, behind) = (first.1.potential(temperature) - near, far - second.1.potential(temperature));
+            let slope = second.0 * first.1.conductivity(temperature) + first.0 * second.1.conductivity(temperature);
+            (second.0 * before - first.0 * behind, slope)
+        };
+        let interface = solve_increasing(missing, low, high);
+        // Errors of the temperature show least in the piece that resists more.
+        let resists = |(share, curve): (f64, &Curve)| share / curve.conductivity(interface);
+        if resists(first) > resists(second) {
+            (first.1.potential(interface) - near) / first.0
+        } else {
+            (far - second.1.potential(interface)) / second.0
+        }
+    }
+
+    /// The same through more pieces.
+    fn solved(&self, near: f64, far: f64, from: f64, to: f64) -> f64 {
+        // No piece conducts more than the whole difference would drive through it.
+        let drives = |piece: &Piece| {
+            let curve = &self.thermal(piece).curve;
+            (curve.potential(to) - curve.potential(from)) / piece.share
+        };
+        let least = |best: f64, own: f64| if own.abs() < best.abs() { own } else { best };
+        let greatest = self.pieces.iter().map(drives).fold(f64::INFINITY, least);
         // Rounding of the ends must not leave the root outside.
-        let slack = 1e-12 * a.abs().max(b.abs());
+        let (a, b) = (-1e-12 * greatest, (1.0 + 1e-12) * greatest);
         let missing = |conducted: f64| {
             let marched = self.march(near, conducted, false);
             (marched.potential - far, marched.by_conducted)
         };
-        solve_increasing(missing, a.min(b) - slack, a.max(b) + slack)
+        solve_increasing(missing, a.min(b), a.max(b))
     }
 
     /// Potential at one end from that at the other (both from the freezing points) and what is conducted to it; from the

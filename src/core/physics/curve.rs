@@ -75,7 +75,7 @@ impl Curve {
 
     /// The relations of water in unsaturated ground: what is said of temperatures holds of places on the scale of heads
     /// ([`crate::physics::retention::scale`]), of enthalpies of contents, of the unfrozen fraction of the saturation.
-    fn of_water(moisture: Moisture) -> Self {
+    pub(super) fn of_water(moisture: Moisture) -> Self {
         let (conductivity, storage) = (moisture.soil().conductivity, moisture.soil().storage);
         Curve {
             law: FreezingLaw::None,
@@ -90,11 +90,6 @@ impl Curve {
             mixed_potential: None,
             moisture: Some(Arc::new(moisture)),
         }
-    }
-
-    /// The relations of another material, where they follow from those of this one: of soils that differ in conductivity alone.
-    pub fn shared(&self, material: &Material) -> Option<Self> {
-        Some(Curve::of_water(self.moisture()?.shared(material.soil.as_ref()?)?))
     }
 
     /// The relations of water, where it is water that flows.

@@ -71,7 +71,7 @@ impl Thermal {
     /// conductivity alone.
     pub fn shared(&self, material: &Material) -> Option<Self> {
         let Law::Tabulated(law) = &self.law else { return None };
-        let curve = self.curve.shared(material)?;
+        let curve = Curve::of_water(self.curve.moisture()?.shared(material.soil.as_ref()?)?);
         Some(Thermal {
             initial_temperature: self.initial_temperature,
             initial_enthalpy: self.initial_enthalpy,

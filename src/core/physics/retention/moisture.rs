@@ -157,11 +157,7 @@ impl Moisture {
         if relative <= self.depth {
             return self.end + (relative - self.depth) / TRACE;
         }
-        solve_increasing(
-            |place| (self.relative_potential(place) - relative, self.relative_conductivity(place)),
-            self.end,
-            0.0,
-        )
+        solve_increasing(|place| (self.relative_potential(place) - relative, self.steepness(place)), self.end, 0.0)
     }
 
     fn relative_conductivity(&self, place: f64) -> f64 {
@@ -174,9 +170,20 @@ impl Moisture {
         }
     }
 
+    /// How the relative potential follows the place, by its table.
+    fn steepness(&self, place: f64) -> f64 {
+        if place >= 0.0 {
+            1.0
+        } else if place < self.end {
+            TRACE
+        } else {
+            self.relative.slope(place).max(TRACE)
+        }
+    }
+
     /// How the potential follows the place (m/s): the hydraulic conductivity times how far the scale stretches suctions there.
     pub fn conductivity(&self, place: f64) -> f64 {
-        self.soil.conductivity * self.relative_conductivity(place)
+        self.soil.conductivity * self.steepness(place)
     }
 
     /// Hydraulic conductivity (m/s) at a place.
@@ -251,7 +258,7 @@ impl Moisture {
 
     /// Slope of the potential over the content (m2/s) at a place: the diffusivity.
     pub fn diffusivity(&self, place: f64) -> f64 {
-        self.conductivity(place) / self.capacity(place)
+        self.soil.conductivity * self.relative_conductivity(place) / self.capacity(place)
     }
 }
 

@@ -103,7 +103,7 @@ impl Pairs {
         self.cut(list, images, walls);
     }
 
-    /// Follows the weights of the list alone: what cracks cut carries nothing.
+    /// Follows the weights of the list alone: along what cracks cut nothing diffuses.
     pub(super) fn cut(&mut self, list: &ListParts, images: &[Image], walls: &mut Walls) {
         self.conduct(list, images);
         self.mix(list, walls);
@@ -149,8 +149,9 @@ impl Pairs {
     /// Factors of all entries from their conductances and the water.
     fn mix(&mut self, list: &ListParts, walls: &mut Walls) {
         let Pairs { advection, flows, factors, back, gains, takes_back, against, .. } = self;
-        let (advection, weights, starts) = (*advection, &list.pairs.weights, &list.pairs.starts);
-        let flow = |k: usize| if weights[k] == 0.0 { 0.0 } else { flows[k] };
+        let (advection, starts) = (*advection, &list.pairs.starts);
+        // Of a pair that is cut within the interval, too: contents know of the water that went before.
+        let flow = |k: usize| flows[k];
         back.copy_from_slice(factors);
         for (image, pair) in against.iter() {
             back[*pair] -= factors[*image];

@@ -3,6 +3,7 @@
 pub mod amounts;
 pub mod inclusions;
 pub mod profiles;
+pub mod slits;
 
 /// A day (s).
 const DAY: f64 = 86_400.0;

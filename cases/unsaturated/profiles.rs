@@ -1,5 +1,6 @@
 //! Saturation and concentration along cuts.
 
+use super::slits::{Slit, slits};
 use super::{CENTIMETRE, Case, DAY};
 use crate::BadTable;
 use crate::table::NumberTable;
@@ -58,6 +59,8 @@ struct Profile {
     /// Places along the cut (m), which increase.
     along: Vec<f64>,
     samples: Vec<Sample>,
+    /// Places along the cut (m) at which cracks cross it.
+    parted: Vec<f64>,
 }
 
 /// The profiles of a problem.
@@ -73,7 +76,7 @@ impl Profiles {
     ///
     /// If it cannot be read.
     pub fn of_case(case: Case) -> Result<Self, BadTable> {
-        Profiles::read(match case {
+        let text = match case {
             Case::OneSided => include_str!("../tables/unsaturated-one-sided.csv"),
             Case::TwoSided => include_str!("../tables/unsaturated-two-sided.csv"),
             Case::ZoneSource => include_str!("../tables/unsaturated-zone-source.csv"),
@@ -81,7 +84,12 @@ impl Profiles {
             Case::GrowingCracks => include_str!("../tables/unsaturated-growing-cracks.csv"),
             Case::ImpermeableInclusions => include_str!("../tables/unsaturated-impermeable-inclusions.csv"),
             Case::PermeableInclusions => include_str!("../tables/unsaturated-permeable-inclusions.csv"),
-        })
+        };
+        let mut table = Profiles::read(text)?;
+        for profile in &mut table.profiles {
+            profile.part(slits(case));
+        }
+        Ok(table)
     }
 
     /// Reads rows of cuts, each of which goes on as long as neither the time changes nor both coordinates do.
@@ -112,6 +120,7 @@ impl Profiles {
                 cut,
                 along: along.iter().map(|place| place * CENTIMETRE).collect(),
                 samples: (start..end).map(sample).collect(),
+                parted: Vec::new(),
             });
             start = end;
         }
@@ -142,18 +151,25 @@ impl Profiles {
     }
 
     /// What lies at a place (m) along a cut at a time (s), between two rows by their straight line. None at times and cuts that the
-    /// table has not, beyond its outermost rows and where it leaves rows out. A crack across the cut is smeared over the
-    /// distance of rows.
+    /// table has not, beyond its outermost rows and where it leaves rows out. Beside a crack across the cut by the line of the next two
+    /// rows on the same side.
     pub fn at(&self, cut: Cut, along: f64, t: f64) -> Option<Sample> {
-        let Profile { along: places, samples, .. } = self.profile(cut, t)?;
+        let Profile { along: places, samples, parted, .. } = self.profile(cut, t)?;
         let after = places.partition_point(|&place| place <= along);
         let before = samples.get(after.checked_sub(1)?)?;
-        let Some(next) = samples.get(after) else {
+        if after == samples.len() {
             return (places[after - 1] == along).then_some(*before);
+        }
+        let crack = parted.iter().find(|crack| (places[after - 1]..places[after]).contains(*crack));
+        let first = match crack {
+            Some(crack) if along < *crack => after.checked_sub(2)?,
+            Some(_) => after,
+            None => after - 1,
         };
-        let width = places[after] - places[after - 1];
+        let (before, next) = (&samples[first], samples.get(first + 1)?);
+        let width = places[first + 1] - places[first];
         let least = places.windows(2).map(|pair| pair[1] - pair[0]).fold(width, f64::min);
-        let share = (along - places[after - 1]) / width;
+        let share = (along - places[first]) / width;
         if width > GAP * least && share > 0.0 {
             return None;
         }
@@ -178,6 +194,17 @@ impl Profiles {
 
     fn profile(&self, cut: Cut, t: f64) -> Option<&Profile> {
         self.profiles.iter().find(|profile| is_same(profile.time, t) && profile.cut.is_same(cut))
+    }
+}
+
+impl Profile {
+    /// Takes note of cracks that cross the cut.
+    fn part(&mut self, slits: &[Slit]) {
+        let crosses = |slit: &&Slit| match self.cut {
+            Cut::AlongX { y } => (slit.ends(self.time).0..=slit.ends(self.time).1).contains(&y),
+            Cut::AlongY { .. } => false,
+        };
+        self.parted = slits.iter().filter(crosses).map(|slit| slit.x).collect();
     }
 }
 

@@ -82,6 +82,8 @@ fn the_crack_throws_a_shadow() {
     let (table, cut) = (profiles(Case::Cracks), Cut::AlongX { y: 0.02 });
     let saturation = |x: f64| table.saturation(cut, x, 20.0 * DAY).expect("a saturation");
     assert!((saturation(0.0095) - 0.901).abs() < 2e-3 && (saturation(0.0105) - 0.616).abs() < 2e-2);
+    // Up to the crack by its own side.
+    assert!((saturation(0.0099) - 0.901).abs() < 2e-3 && (saturation(0.0101) - 0.616).abs() < 2e-2);
 }
 
 #[test]

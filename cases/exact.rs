@@ -77,6 +77,7 @@ impl HalfSpace {
             (!scene.rings.is_empty(), "a scene with freeze pipes"),
             (scene.has_regional_starts(), "a scene whose regions start at temperatures of their own"),
             (!scene.cracks.is_empty(), "a scene with cracks"),
+            (!scene.impermeable.is_empty(), "a scene with impermeable parts"),
             (!scene.is_uniform(), "a scene with several materials"),
         ];
         if let Some((_, body)) = unsolved.iter().find(|(found, _)| *found) {

@@ -91,6 +91,7 @@ pub(crate) fn shaft_differences(
     let is_any = |of: fn(&PipeRing) -> bool| scene.rings.iter().any(of);
     let found = [
         (!scene.cracks.is_empty(), "there are no cracks there"),
+        (!scene.impermeable.is_empty(), "no part is impermeable there"),
         (scene.excavation.is_some(), "no shaft is dug there"),
         (is_any(|ring| ring.schedule.is_some()), "the pipes always work there"),
         (is_any(|ring| ring.film.is_some()), "the pipes' walls have the temperature given there"),

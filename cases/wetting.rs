@@ -23,6 +23,7 @@ use crate::table::{compare, interpolate_square, wall_temperature};
 use crate::unsaturated::amounts::amounts;
 use crate::unsaturated::inclusions::inclusions;
 use crate::unsaturated::profiles::{Cut as Line, Profiles};
+use crate::unsaturated::slits::{Slit, slits};
 use crate::unsaturated::{self, Case};
 use crate::{BadTable, Unfit};
 
@@ -78,15 +79,10 @@ impl WettingTable {
         Ok(WettingTable { case, profiles: Profiles::of_case(case)?, filled })
     }
 
-    /// Where the lower left corner of the body is in the table (m).
-    fn corner(&self) -> f64 {
-        if matches!(self.case, Case::Cracks | Case::GrowingCracks) { -0.5 * SIDE } else { 0.0 }
-    }
-
     fn line(&self, cut: Cut) -> Line {
         match cut {
-            Cut::Across(y) => Line::AlongX { y: y + self.corner() },
-            Cut::Up(x) => Line::AlongY { x: x + self.corner() },
+            Cut::Across(y) => Line::AlongX { y: y + corner(self.case) },
+            Cut::Up(x) => Line::AlongY { x: x + corner(self.case) },
         }
     }
 
@@ -111,7 +107,7 @@ impl Reference for WettingTable {
     }
 
     fn cut_temperature(&self, cut: Cut, x: f64, t: f64) -> Option<f64> {
-        self.profiles.saturation(self.line(cut), x + self.corner(), t)
+        self.profiles.saturation(self.line(cut), x + corner(self.case), t)
     }
 
     fn concentration(&self, x: f64, t: f64) -> Option<f64> {
@@ -119,13 +115,18 @@ impl Reference for WettingTable {
     }
 
     fn cut_concentration(&self, cut: Cut, x: f64, t: f64) -> Option<f64> {
-        self.profiles.concentration(self.line(cut), x + self.corner(), t)
+        self.profiles.concentration(self.line(cut), x + corner(self.case), t)
     }
 
     fn front(&self, t: f64) -> Option<f64> {
         let (times, filled) = &self.filled;
         if times.len() > 1 { interpolate_square(times, filled, t) } else { None }
     }
+}
+
+/// Where the lower left corner of the body is in a table (m).
+fn corner(case: Case) -> f64 {
+    if matches!(case, Case::Cracks | Case::GrowingCracks) { -0.5 * SIDE } else { 0.0 }
 }
 
 /// What about a scene is not as in a table.
@@ -194,9 +195,6 @@ fn solute_differences(found: &mut Vec<String>, case: Case, scene: &Scene) {
     }
 }
 
-/// Two places (m).
-type Segment = ((f64, f64), (f64, f64));
-
 /// Whether two places (m) are the same.
 fn near(own: (f64, f64), other: (f64, f64)) -> bool {
     (own.0 - other.0).hypot(own.1 - other.1) < 1e-9
@@ -204,24 +202,15 @@ fn near(own: (f64, f64), other: (f64, f64)) -> bool {
 
 /// Whether the cracks of a scene are those of a table.
 fn has_cracks(case: Case, scene: &Scene) -> bool {
-    let wanted: &[Segment] = match case {
-        Case::Cracks => &[((0.03, 0.015), (0.03, 0.035)), ((0.06, 0.065), (0.06, 0.085))],
-        Case::GrowingCracks => &[((0.03, 0.015), (0.03, 0.075)), ((0.06, 0.085), (0.06, 0.025))],
-        _ => &[],
-    };
-    if case == Case::ImpermeableInclusions {
-        return true;
-    }
-    let grows = |growth: &Growth| match (case, growth) {
-        (Case::Cracks, Growth::Whole { start }) => *start == 0.0,
-        // 0.3 cm a day.
-        (Case::GrowingCracks, Growth::Steady { start, speed }) => {
-            *start == 0.0 && (speed * 86_400.0 / 0.003 - 1.0).abs() < 1e-3
-        }
+    let wanted = slits(case);
+    let grows = |growth: &Growth, slit: &Slit| match (growth, slit.speed) {
+        (Growth::Whole { start }, None) => *start == 0.0,
+        (Growth::Steady { start, speed }, Some(wanted)) => *start == 0.0 && (speed / wanted - 1.0).abs() < 1e-3,
         _ => false,
     };
-    let same = |(crack, (from, to)): (&Crack, &Segment)| {
-        near(crack.from.into(), *from) && near(crack.to.into(), *to) && grows(&crack.growth)
+    let same = |(crack, slit): (&Crack, &Slit)| {
+        let place = |y: f64| (slit.x - corner(case), y - corner(case));
+        near(crack.from.into(), place(slit.from)) && near(crack.to.into(), place(slit.to)) && grows(&crack.growth, slit)
     };
     scene.cracks.len() == wanted.len() && scene.cracks.iter().zip(wanted).all(same)
 }
@@ -229,7 +218,7 @@ fn has_cracks(case: Case, scene: &Scene) -> bool {
 /// Whether the inclusions of a scene are those of a table.
 fn has_inclusions(case: Case, scene: &Scene) -> bool {
     if !matches!(case, Case::ImpermeableInclusions | Case::PermeableInclusions) {
-        return scene.regions.is_empty();
+        return scene.regions.is_empty() && scene.impermeable.is_empty();
     }
     let Ok(wanted) = inclusions() else { return false };
     if case == Case::ImpermeableInclusions {
@@ -247,7 +236,8 @@ fn has_inclusions(case: Case, scene: &Scene) -> bool {
         let factor = region.material.map_or(1.0, |material| soil(material) / soil(0));
         there && (factor - wanted.factor).abs() < 1e-6
     };
-    scene.regions.len() == wanted.len() && scene.regions.iter().zip(&wanted).all(same)
+    let parts = &scene.regions;
+    scene.impermeable.is_empty() && parts.len() == wanted.len() && parts.iter().zip(&wanted).all(same)
 }
 
 /// The closed form of a scene of unsaturated water.

@@ -113,16 +113,19 @@ fn nothing_crosses_a_whole_crack() {
 fn a_crack_is_not_felt_before_it_opens() {
     for kind in methods() {
         for numerics in ["search = \"tree\"", "mean = \"harmonic\""] {
+            // Pairs that are left beside a crack may ask for shorter steps, and a bound holds from the start.
+            let step = 0.5 * restless(kind, numerics, &[]).plan(kind).step;
             let state = |cracks: &[&str]| {
                 let mut plan = restless(kind, numerics, cracks).plan(kind);
-                let step = plan.step;
+                assert!(plan.step >= step, "{} {numerics}: {} {step}", kind.name, plan.step);
+                plan.step = step;
                 advance(&mut plan, 20);
-                (plan.particles.state_hash(), step)
+                plan.particles.state_hash()
             };
-            let (whole, step) = state(&[]);
+            let whole = state(&[]);
             let opens = |steps: f64| format!("from_m = [0.2, 0.1]\nto_m = [0.5, 0.6]\nstart_s = {}", steps * step);
-            assert_eq!(state(&[&opens(19.5)]), (whole.clone(), step), "{} {numerics}", kind.name);
-            assert_ne!(state(&[&opens(18.5)]), (whole, step), "{} {numerics}", kind.name);
+            assert_eq!(state(&[&opens(19.5)]), whole, "{} {numerics}", kind.name);
+            assert_ne!(state(&[&opens(18.5)]), whole, "{} {numerics}", kind.name);
         }
     }
 }
@@ -168,6 +171,34 @@ fn threads_do_not_matter_to_cracks() {
         };
         let one = state(1);
         assert!([2, 3].into_iter().all(|threads| state(threads) == one), "{}", kind.name);
+    }
+}
+
+/// A plate whose sides are closed parts, at no place of the lattice, conducts along them as what is open of it: exactly, as the energy
+/// of a linear potential is.
+#[test]
+fn a_plate_conducts_along_closed_parts_as_what_is_open_of_it() {
+    let (width, height) = (0.2, 0.1);
+    for kind in methods().iter().filter(|kind| !kind.stochastic) {
+        for (low, high) in [(0.0137, 0.0871), (0.02, 0.075), (0.0349, 0.0651)] {
+            let mut sketch = Sketch::new(Domain::Rectangle { width, height }, 0.005)
+                .with("integrator = \"implicit\"")
+                .wall("left", "temperature_c = 0")
+                .wall("right", "temperature_c = 10");
+            let across = format!("impermeable = true\nx_min_m = 0\nx_max_m = {width}");
+            let part = |from: f64, to: f64| format!("{across}\ny_min_m = {from}\ny_max_m = {to}");
+            sketch.regions = vec![part(0.0, low), part(high, height)];
+            sketch.materials[0].1 = steady_material();
+            sketch.initial_c = 5.0;
+            sketch.outputs = 20;
+            sketch.duration_s = 20.0 * (width / PI).powi(2) / 1e-6;
+            let result = sketch.run(kind);
+            let rows = &result.budget[result.budget.len() - 2..];
+            let right = result.budget_names.iter().position(|patch| patch == "right").expect("a wall");
+            let heat = (rows[1].in_j[right] - rows[0].in_j[right]) / (rows[1].time_s - rows[0].time_s);
+            let exact = 2.0 * 10.0 / width * (high - low);
+            assert!((heat / exact - 1.0).abs() < 1e-6, "{} {low} {high}: {heat} {exact}", kind.name);
+        }
     }
 }
 
@@ -222,8 +253,8 @@ fn steady_heat_past_a_slit_comes_to_that_of_its_closed_form() {
             top
         });
         // Ways past a tip are cut within a reach of it: errors are of first order in the spacing. Measured at 0.01 and
-        // 0.005 m: local -1.6 % and -0.8 %, pd -3.7 % and -2.0 %, sph -3.0 % and -1.6 %, edpd -3.9 % and -2.1 %.
-        assert!(fine < 0.0 && fine > -0.022, "{}: {fine}", kind.name);
+        // 0.005 m: local -1.6 % and -0.8 %, pd -3.2 % and -1.6 %, sph -2.6 % and -1.3 %, edpd -3.3 % and -1.7 %.
+        assert!(fine < 0.0 && fine > -0.018, "{}: {fine}", kind.name);
         assert!(coarse / fine > 1.75, "{}: {coarse} {fine}", kind.name);
     }
 }

@@ -133,16 +133,129 @@ fn a_zone_of_solute_soaks_into_a_square() {
     }
 }
 
-/// Nothing passes a crack, and what is behind discs that let nothing in stays as it was.
+/// Behind a crack from wall to wall there is neither water nor solute, to the last bit.
 #[test]
-fn cracks_and_discs_that_let_nothing_through_are_passed_by() {
+fn nothing_passes_a_crack() {
     for kind in even() {
         let spacing = format!("method.{}.spacing_m", kind.name);
+        let whole = [("cracks.1.from_m", "[0.03, 0]"), ("cracks.1.to_m", "[0.03, 0.1]"), ("time.duration_days", "10")];
+        let scene = bundled("cracks-fixed", &[&whole[..], &[(&spacing, "0.002")]].concat());
+        let see = |particles: &frazil_core::particles::Particles, time: f64| {
+            let (mut wet, mut dry) = (0, 0);
+            for i in 0..particles.len() {
+                let held = (particles.enthalpy[i], particles.solute[i]);
+                if particles.position(i).x > 0.03 {
+                    assert_eq!(held, (0.0, 0.0), "{} at {i}, {time} s", kind.name);
+                    dry += 1;
+                } else {
+                    wet += usize::from(held.0 > 0.0 && held.1 > 0.0);
+                }
+            }
+            assert!(dry == 1750 && (time < 4.3e5 || wet == 750), "{dry} {wet}");
+        };
+        let options = Options { each_output: Some(&see), ..Options::default() };
+        assert_eq!(march::run(&scene, kind.name, None, &options).expect("a run").record.outcome, Outcome::Ok);
+    }
+}
+
+/// Distance (m) from cracks within which errors are those of their jumps.
+const BESIDE: f64 = 1.5e-3;
+
+/// Where the cracks of a scene lie at a time (s), all along y: x and both ends (m).
+fn slits(name: &str, time: f64) -> [(f64, f64, f64); 2] {
+    let tip = (0.003 * time / 86_400.0).min(0.06);
+    match name {
+        "cracks-fixed" => [(0.03, 0.015, 0.035), (0.06, 0.065, 0.085)],
+        _ => [(0.03, 0.015, 0.015 + tip), (0.06, 0.085 - tip, 0.085)],
+    }
+}
+
+/// Mean absolute errors of saturation and concentration along all cuts away from cracks, and the greatest relative error of a jump
+/// of either across a crack.
+fn errors_at_cracks(name: &str, result: &RunResult) -> ([f64; 2], f64) {
+    type Read = fn(&frazil_record::ProfileRow) -> Option<(f64, f64)>;
+    let saturation: Read = |row| Some((row.temperature_c, row.temperature_ref_c?));
+    let concentration: Read = |row| Some((row.concentration?, row.concentration_ref?));
+    let mut greatest: f64 = 0.0;
+    let away = [saturation, concentration].map(|read| {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for row in &result.profiles {
+            let Some((own, known)) = read(row) else { continue };
+            let (x, y) = (row.x_m.expect("a place"), row.y_m.expect("a place"));
+            let from = |(at, low, high): (f64, f64, f64)| (x - at).hypot(y - y.clamp(low, high));
+            if slits(name, row.time_s).into_iter().map(from).all(|distance| distance >= BESIDE) {
+                (sum, count) = (sum + (own - known).abs(), count + 1.0);
+            }
+        }
+        for rows in result.profiles.windows(2).filter(|rows| rows[0].plane == rows[1].plane) {
+            let (Some(left), Some(right)) = (read(&rows[0]), read(&rows[1])) else { continue };
+            let (x, y) = (rows.iter().map(|row| row.x_m.expect("x")), rows[0].y_m.expect("y"));
+            let [from, to] = [x.clone().fold(1.0, f64::min), x.fold(0.0, f64::max)];
+            let across = |(at, low, high): (f64, f64, f64)| from < at && at < to && low < y && y < high;
+            let known = left.1 - right.1;
+            if slits(name, rows[0].time_s).into_iter().any(across) && known.abs() > LEAST_JUMP {
+                greatest = greatest.max(((left.0 - right.0) / known - 1.0).abs());
+            }
+        }
+        sum / count
+    });
+    (away, greatest)
+}
+
+/// Jumps that are less than this are differences of the table's own errors.
+const LEAST_JUMP: f64 = 0.02;
+
+/// Runs both scenes of cracks at a spacing (m) against bounds of the errors away from cracks and of the jumps.
+fn pass_cracks(spacing: &str, mean: f64, jump: f64) {
+    for kind in even() {
+        let key = format!("method.{}.spacing_m", kind.name);
         for name in ["cracks-fixed", "cracks-growing"] {
-            let result = run(name, kind.name, &[(&spacing, "0.002")]);
+            let result = run(name, kind.name, &[(&key, spacing)]);
             closes(&result.record);
-            // Four times the bound of a spacing a quarter as long: of first order, as tips and wetting fronts are.
-            within(&result.record.errors, 2.4e-2, &format!("{name} {}", kind.name));
+            let ([saturation, concentration], jumps) = errors_at_cracks(name, &result);
+            let what = format!("{name} {} {spacing} m", kind.name);
+            eprintln!("{what}: saturation {saturation:.2e}, concentration {concentration:.2e}, jumps {jumps:.2e}");
+            assert!(saturation <= mean && concentration <= mean, "{what}: {saturation} {concentration}");
+            assert!(jumps <= jump, "{what}: {jumps}");
+        }
+    }
+}
+
+/// Twice the bounds of half the spacing: of first order, as tips are.
+#[test]
+fn cracks_are_passed_by() {
+    pass_cracks("0.001", 1.2e-2, 0.1);
+}
+
+/// Minutes: `cargo test --release --test frazil cracks_are_passed_by_closely -- --ignored --nocapture`.
+#[test]
+#[ignore = "minutes"]
+fn cracks_are_passed_by_closely() {
+    pass_cracks("0.0005", 6e-3, 0.05);
+}
+
+/// Means over all cuts and instants of the tables.
+#[test]
+fn discs_are_passed_by() {
+    for name in ["inclusions-impermeable", "inclusions-permeable"] {
+        for kind in even() {
+            let key = format!("method.{}.spacing_m", kind.name);
+            let result = run(name, kind.name, &[(&key, "0.002")]);
+            closes(&result.record);
+            within(&result.record.errors, 1e-2, &format!("{name} {}", kind.name));
+        }
+    }
+}
+
+/// Minutes: `cargo test --release --test frazil discs_are_passed_by_closely -- --ignored --nocapture`.
+#[test]
+#[ignore = "minutes"]
+fn discs_are_passed_by_closely() {
+    for name in ["inclusions-impermeable", "inclusions-permeable"] {
+        for kind in even() {
+            let result = run(name, kind.name, &[]);
+            closes(&result.record);
+            within(&result.record.errors, 5e-3, &format!("{name} {}", kind.name));
         }
     }
 }

@@ -1,4 +1,6 @@
 //! What cuts bonds.
 
 pub mod crack;
+pub mod cuts;
 pub mod excavation;
+mod strength;

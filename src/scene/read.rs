@@ -225,8 +225,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         wall_section.as_mut().map(|section| body::walls(section, body, &mut balance)).unwrap_or_default();
     let rings = body::pipes(&mut root, body);
     let excavation = excavation::excavation(&mut root, body, &rings);
-    let mut cracks = cracks::cracks(&mut root, body);
-    cracks.extend(impermeable.iter().flat_map(cracks::edges_of));
+    let cracks = cracks::cracks(&mut root, body);
     let watch = watch::watch(&mut root, body, time.as_mut().map_err(|noted| *noted));
     if let (true, Ok(watch)) = (of_water, &watch) {
         only_of_heat(&mut root, watch);

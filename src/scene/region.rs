@@ -52,19 +52,7 @@ impl Cell {
     }
 }
 
-/// Segments that stand for the edge of a circle which nothing crosses.
-pub(crate) const EDGES: usize = 64;
-
 impl Shape {
-    /// Segments of its edge, those that stand for it of a circle.
-    pub(crate) fn edge_count(&self) -> usize {
-        match self {
-            Shape::Box(_) => 4,
-            Shape::Circle { .. } => EDGES,
-            Shape::Polygon(corners) => corners.len(),
-        }
-    }
-
     /// Whether a point lies in the shape. Of two boxes that share an edge, a point on it belongs to the right or upper one.
     pub fn contains(&self, point: DVec2) -> bool {
         match self {
@@ -134,6 +122,22 @@ impl Shape {
                 }
             }
         }
+    }
+
+    /// Whether the straight way between two points (m) leads through the shape, or ends in it.
+    pub fn stands_between(&self, from: DVec2, to: DVec2) -> bool {
+        let extent = self.extent();
+        if from.min(to).cmpgt(extent.high).any() || from.max(to).cmplt(extent.low).any() {
+            return false;
+        }
+        if self.contains(from) || self.contains(to) {
+            return true;
+        }
+        let mut places = vec![0.0, 1.0];
+        self.crossings(from, to, |place| places.extend((place > 0.0 && place < 1.0).then_some(place)));
+        places.sort_unstable_by(f64::total_cmp);
+        let inside = |place: f64| self.contains(from + place * (to - from));
+        places.windows(2).any(|ends| ends[1] - ends[0] > ON_EDGE && inside(0.5 * (ends[0] + ends[1])))
     }
 
     /// Share of a cell that the shape covers, to rounding.

@@ -8,6 +8,7 @@ use frazil_core::physics::material::Material;
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Surface};
 use frazil_core::space::wall::WallId;
+use glam::DVec2;
 
 use crate::TimeUnit;
 use crate::method::MethodSettings;
@@ -138,7 +139,7 @@ pub struct Scene {
     pub regions: Vec<Region>,
     /// Segments that no heat crosses.
     pub cracks: Vec<Crack>,
-    /// Parts of the body that nothing enters: their edges are cracks, the last of the above.
+    /// Parts of the body that nothing enters.
     pub impermeable: Vec<Shape>,
     /// Temperature at the start, where regions say nothing else.
     pub initial_temperature: f64,
@@ -235,10 +236,19 @@ impl Scene {
         }
     }
 
-    /// The cracks that the scene names, without the edges of parts that nothing enters.
-    pub fn named_cracks(&self) -> &[Crack] {
-        let edges: usize = self.impermeable.iter().map(Shape::edge_count).sum();
-        &self.cracks[..self.cracks.len().saturating_sub(edges)]
+    /// Whether anything inside the body stops what moves through it: cracks, or parts that nothing enters.
+    pub fn has_barriers(&self) -> bool {
+        !self.cracks.is_empty() || !self.impermeable.is_empty()
+    }
+
+    /// Whether a part that nothing enters lies on the straight way between two points (m).
+    pub fn is_blocked(&self, from: DVec2, to: DVec2) -> bool {
+        self.impermeable.iter().any(|shape| shape.stands_between(from, to))
+    }
+
+    /// Whether a point (m) lies in a part that nothing enters.
+    pub fn is_impermeable_at(&self, point: DVec2) -> bool {
+        self.impermeable.iter().any(|shape| shape.contains(point))
     }
 
     /// What happens at all walls and parts of them, and at the face of the shaft.
@@ -298,7 +308,7 @@ impl Scene {
             && self.flow.as_ref().is_none_or(dry)
             && !self.gravity.is_some_and(|towards| ends.contains(&towards))
             && self.regions.iter().all(reaches)
-            && self.cracks.is_empty()
+            && !self.has_barriers()
             && self.wall_parts.is_empty()
             && !self.stream.as_ref().is_some_and(driven)
     }

@@ -8,6 +8,7 @@ pub mod march;
 pub mod measure;
 mod monotonicity;
 pub mod observers;
+mod open_volumes;
 pub mod plan;
 pub mod predict;
 pub mod reduce;

@@ -98,8 +98,8 @@ impl MonotonicityCheck {
 
 /// Which way the frozen volume goes, if all data pull one way from the uniform start and never let go.
 fn direction(scene: &Scene) -> Option<f64> {
-    // What a crack parts goes its own way, and what is dug out is frozen no more.
-    if scene.has_regional_starts() || !scene.cracks.is_empty() || scene.excavation.is_some() {
+    // What a barrier parts goes its own way, and what is dug out is frozen no more.
+    if scene.has_regional_starts() || scene.has_barriers() || scene.excavation.is_some() {
         return None;
     }
     let start = scene.initial_temperature;

@@ -73,7 +73,7 @@ pub enum Refused {
     #[error("search = \"lattice\" needs a body at least as wide as pairs reach: set \"auto\"")]
     NarrowLattice,
     /// Cracks in a body that is too narrow for them.
-    #[error("cracks need a body at least as wide as pairs reach")]
+    #[error("cracks and impermeable parts need a body at least as wide as pairs reach")]
     NarrowCracks,
     /// A crack comes too near to the curved wall.
     #[error(
@@ -95,6 +95,34 @@ pub enum Refused {
         .centre.y
     )]
     CrackInPipe {
+        /// Its number.
+        number: usize,
+        /// Where the pipe stands (m).
+        centre: DVec2,
+        /// How far its particles reach in each direction (m).
+        half: f64,
+    },
+    /// An impermeable part comes too near to the curved wall.
+    #[error(
+        "impermeable part {number} comes within {distance:.6} m of the curved wall, as the box around it has it, must stay \
+         away from it by the reach of pairs, {reach:.6} m"
+    )]
+    ImpermeableAtWall {
+        /// Its number.
+        number: usize,
+        /// How near the box around it comes (m).
+        distance: f64,
+        /// How far pairs reach (m).
+        reach: f64,
+    },
+    /// An impermeable part covers what stands for a pipe.
+    #[error(
+        "impermeable part {number} covers particles that stand for the pipe at ({:.4}, {:.4}) m, must stay {half:.6} m away \
+         from it",
+        .centre.x,
+        .centre.y
+    )]
+    ImpermeableInPipe {
         /// Its number.
         number: usize,
         /// Where the pipe stands (m).

@@ -105,6 +105,9 @@ impl Parts<'_> {
         if !self.scene.cracks.is_empty() {
             used.push(format!("{} cracks, which cut pairs", self.scene.cracks.len()));
         }
+        if !self.scene.impermeable.is_empty() {
+            used.push(format!("{} impermeable parts, which cut pairs and cells", self.scene.impermeable.len()));
+        }
         if self.scene.excavation.is_some() {
             used.push("a shaft, at whose face pairs are cut".to_string());
         }
@@ -131,7 +134,7 @@ impl Parts<'_> {
             (self.has_shared_steps(), "no random numbers"),
             (true, "no motion: velocities, forces and cells sorted anew"),
             (self.pipes == 0, "no pipes"),
-            (self.scene.cracks.is_empty(), "no cracks"),
+            (!self.scene.has_barriers(), "no cracks"),
             (self.open_walls().is_empty() && !self.scene.of_water, "no heat through walls"),
             (self.open_walls().is_empty() && self.scene.of_water, "no water through walls"),
             (self.scene.domain.dimension() == 1, "one dimension: no rows"),

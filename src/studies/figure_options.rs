@@ -24,7 +24,7 @@ pub fn of(scene: &Scene, maps: &[Field]) -> FigureOptions {
     }
 }
 
-/// Cracks at the instants of maps, and parts of other soils.
+/// Cracks at the instants of maps, parts of other soils and those that nothing enters.
 fn outlines(scene: &Scene, maps: &[Field]) -> Outlines {
     const PIECES: usize = 120;
     let regions = scene.regions.iter().filter(|region| region.material.is_some());
@@ -40,7 +40,8 @@ fn outlines(scene: &Scene, maps: &[Field]) -> Outlines {
             Shape::Polygon(corners) => corners.iter().chain(corners.first()).copied().collect(),
         }
     };
-    let regions = regions.map(|region| rim(&region.shape).into_iter().map(DVec2::into).collect());
+    let shapes = regions.map(|region| &region.shape).chain(&scene.impermeable);
+    let regions = shapes.map(|shape| rim(shape).into_iter().map(DVec2::into).collect());
     let crack = |crack: &Crack| {
         let tip = |field: &Field| Some((field.time_s, tip(crack, field.time_s)?.into()));
         CrackMark { from: crack.from.into(), tips: maps.iter().filter_map(tip).collect() }

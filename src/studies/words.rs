@@ -40,7 +40,7 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
     }));
     let tight = scene.impermeable.iter().enumerate();
     facts.extend(tight.map(|(number, shape)| Fact::new(format!("Impermeable part {number}"), words.shape(shape))));
-    let cracks = scene.named_cracks().iter().enumerate();
+    let cracks = scene.cracks.iter().enumerate();
     facts.extend(cracks.map(|(number, crack)| Fact::new(format!("Crack {number}"), words.crack(crack))));
     let walls = scene.walls.iter();
     facts.extend(walls.map(|wall| Fact::new(format!("Wall {}", wall.wall), words.condition(&wall.condition))));

@@ -39,6 +39,7 @@ pub fn refuse(scene: &Scene) -> Result<(), MotionError> {
     let problems = [
         (scene.materials.len() > 1, "more than one material"),
         (!scene.cracks.is_empty(), "cracks"),
+        (!scene.impermeable.is_empty(), "impermeable parts"),
         (!scene.rings.is_empty(), "freeze pipes"),
         (scene.flow.is_some(), "groundwater"),
         (!scene.watch.surfaces.is_empty(), "heat through surfaces"),

@@ -1,11 +1,9 @@
-//! Cracks that no heat crosses: which pairs they cut, and when.
+//! Cracks and closed parts that nothing crosses: which ways between two places they cut, and when.
 
 use glam::DVec2;
 
-use crate::bonds::pair_list::PairList;
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::{Boundary, Side};
-use crate::memory::HeapSize;
 use crate::space::lattice::Lattice;
 use crate::space::segment::{Segment, offset};
 
@@ -101,16 +99,28 @@ impl Barrier<'_> {
     }
 }
 
-/// Cracks with their images behind the straight walls of a body.
+/// Mirrors of x and of y that take a body to its image: twice the place of a wall.
+type Mirrors = (Option<f64>, Option<f64>);
+
+/// Cracks and closed parts with their images behind the straight walls of a body.
 pub struct Barriers<'a> {
     all: Vec<Barrier<'a>>,
+    /// Whether closed parts lie on the way between two places.
+    blocked: &'a dyn Fn(DVec2, DVec2) -> bool,
+    /// The body itself and its images.
+    images: Vec<Mirrors>,
     /// What mirrors x and y: twice the place of each wall, left and right, bottom and top.
     mirrors: [[f64; 2]; 2],
 }
 
 impl<'a> Barriers<'a> {
-    /// The cracks of a scene on a lattice.
-    pub fn new(cracks: &'a [Crack], lattice: &Lattice, boundary: &Boundary) -> Self {
+    /// The cracks of a scene on a lattice, and closed parts, of which `blocked` tells whether they lie on the way between two places.
+    pub fn new(
+        cracks: &'a [Crack],
+        blocked: &'a dyn Fn(DVec2, DVec2) -> bool,
+        lattice: &Lattice,
+        boundary: &Boundary,
+    ) -> Self {
         let low = 2.0 * lattice.corner;
         let high = low + 2.0 * lattice.spacing * DVec2::new(lattice.columns as f64, lattice.rows as f64);
         let mirrors = [[low.x, high.x], [low.y, high.y]];
@@ -118,27 +128,56 @@ impl<'a> Barriers<'a> {
             let walls = (0..2).filter(move |end| boundary.sides[2 * axis + end] != Side::Curved);
             [None].into_iter().chain(walls.map(move |end| Some(mirrors[axis][end])))
         };
+        let images: Vec<Mirrors> = of(0).flat_map(|x| of(1).map(move |y| (x, y))).collect();
         let slack = ON_IT * lattice.spacing;
-        let mut all = Vec::new();
-        for crack in cracks {
-            for x in of(0) {
-                for y in of(1) {
-                    let image = |point: DVec2| mirrored(point, (x, y));
-                    let turned = x.is_some() != y.is_some();
-                    all.push(Barrier { segment: (image(crack.from), image(crack.to)), turned, slack, crack });
-                }
-            }
-        }
-        Barriers { all, mirrors }
+        let seen = |crack: &'a Crack, (x, y): Mirrors| Barrier {
+            segment: (mirrored(crack.from, (x, y)), mirrored(crack.to, (x, y))),
+            turned: x.is_some() != y.is_some(),
+            slack,
+            crack,
+        };
+        let all = cracks.iter().flat_map(|crack| images.iter().map(move |image| seen(crack, *image))).collect();
+        Barriers { all, blocked, images, mirrors }
     }
 
-    /// When the way between two places is cut; never is infinite.
-    fn between(&self, p: DVec2, q: DVec2) -> f64 {
+    /// The same without images, for places inside the body.
+    pub fn inside(cracks: &'a [Crack], blocked: &'a dyn Fn(DVec2, DVec2) -> bool, spacing: f64) -> Self {
+        let barrier = |crack: &'a Crack| Barrier {
+            segment: (crack.from, crack.to),
+            turned: false,
+            slack: ON_IT * spacing,
+            crack,
+        };
+        let mirrors = [[0.0; 2]; 2];
+        Barriers { all: cracks.iter().map(barrier).collect(), blocked, images: vec![(None, None)], mirrors }
+    }
+
+    /// When the way between two places is cut: never is infinite, and closed parts are there from the start.
+    pub fn between(&self, p: DVec2, q: DVec2) -> f64 {
+        if self.images.iter().any(|image| (self.blocked)(mirrored(p, *image), mirrored(q, *image))) {
+            return 0.0;
+        }
         self.all.iter().filter_map(|barrier| barrier.cuts(p, q)).fold(f64::INFINITY, f64::min)
     }
 
+    /// When the way from a particle of those at `positions` to a partner, which may be a ghost, is cut.
+    ///
+    /// Both directions of a pair are judged by the same segment, so that they are cut together to the last bit. A pair with
+    /// the image of a particle behind a wall that lets heat through is cut with the pair itself at the latest: such images
+    /// can act against their particle, which the pair itself outweighs.
+    pub(super) fn of_pair(&self, positions: &[DVec2], ghosts: &Ghosts, i: usize, partner: usize) -> f64 {
+        let Some(ghost) = partner.checked_sub(positions.len()) else {
+            return self.between(positions[i.min(partner)], positions[i.max(partner)]);
+        };
+        let model = ghosts.model[ghost] as usize;
+        let mirrors = self.mirrors_of(positions[model], ghosts.position[ghost]);
+        let (first, second) = (positions[i.min(model)], positions[i.max(model)]);
+        let own = self.between(first, mirrored(second, mirrors));
+        if ghosts.pays[ghost].is_some() { own.min(self.between(first, second)) } else { own }
+    }
+
     /// The mirrors that take a particle to a ghost of it.
-    fn mirrors_of(&self, particle: DVec2, ghost: DVec2) -> (Option<f64>, Option<f64>) {
+    fn mirrors_of(&self, particle: DVec2, ghost: DVec2) -> Mirrors {
         let of = |axis: usize, own: f64, image: f64| {
             let nearest = |wall: &&f64| (*wall - (own + image)).abs();
             let walls = self.mirrors[axis].iter();
@@ -148,97 +187,8 @@ impl<'a> Barriers<'a> {
     }
 }
 
-fn mirrored(point: DVec2, (x, y): (Option<f64>, Option<f64>)) -> DVec2 {
+fn mirrored(point: DVec2, (x, y): Mirrors) -> DVec2 {
     DVec2::new(x.map_or(point.x, |x| x - point.x), y.map_or(point.y, |y| y - point.y))
-}
-
-/// Pairs that cracks or shafts cut while a run goes on.
-#[derive(Debug, Clone, Default)]
-pub struct Cuts {
-    /// When (s), which place in the list, and its weight before; in order of time.
-    events: Vec<(f64, usize, f64)>,
-    done: usize,
-}
-
-impl HeapSize for Cuts {
-    fn heap_size(&self) -> usize {
-        self.events.capacity() * size_of::<(f64, usize, f64)>()
-    }
-}
-
-impl Cuts {
-    /// Takes pairs that are cut at the start out of a list, and notes when the others will be.
-    ///
-    /// Both directions of a pair are judged by the same segment, so that they are cut together to the last bit. A pair with
-    /// the image of a particle behind a wall that lets heat through is cut with the pair itself at the latest: such images
-    /// can act against their particle, which the pair itself outweighs.
-    pub fn new(pairs: &mut PairList, positions: &[DVec2], ghosts: &Ghosts, barriers: &Barriers<'_>) -> Self {
-        let count = positions.len();
-        let time = |i: usize, partner: u32| {
-            let j = partner as usize;
-            let Some(ghost) = j.checked_sub(count) else {
-                return barriers.between(positions[i.min(j)], positions[i.max(j)]);
-            };
-            let model = ghosts.model[ghost] as usize;
-            let mirrors = barriers.mirrors_of(positions[model], ghosts.position[ghost]);
-            let (first, second) = (positions[i.min(model)], positions[i.max(model)]);
-            let own = barriers.between(first, mirrored(second, mirrors));
-            if ghosts.pays[ghost].is_some() { own.min(barriers.between(first, second)) } else { own }
-        };
-        let (mut kept, mut events) = (PairList { starts: vec![0], ..PairList::default() }, Vec::new());
-        for i in 0..count {
-            for k in pairs.starts[i]..pairs.starts[i + 1] {
-                let (partner, weight) = (pairs.partners[k], pairs.weights[k]);
-                let time = time(i, partner);
-                if time <= 0.0 {
-                    continue;
-                }
-                if time < f64::INFINITY {
-                    events.push((time, kept.partners.len(), weight));
-                }
-                kept.partners.push(partner);
-                kept.weights.push(weight);
-            }
-            kept.starts.push(kept.partners.len());
-        }
-        kept.partners.shrink_to_fit();
-        kept.weights.shrink_to_fit();
-        *pairs = kept;
-        let mut cuts = Cuts::default();
-        cuts.add(events);
-        cuts
-    }
-
-    /// Adds cuts by time (s), place in the list, and weight before. A pair is cut once, by whatever comes first.
-    pub fn add(&mut self, events: Vec<(f64, usize, f64)>) {
-        self.events.extend(events);
-        self.events.sort_by(|a, b| a.1.cmp(&b.1).then(a.0.total_cmp(&b.0)));
-        self.events.dedup_by_key(|event| event.1);
-        self.events.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        self.events.shrink_to_fit();
-    }
-
-    /// Whether no pair is cut after the start.
-    pub fn is_empty(&self) -> bool {
-        self.events.is_empty()
-    }
-
-    /// Cuts what is cut by a time (s), or heals what was cut in a step that is made again; whether anything changes.
-    #[inline]
-    pub fn bring_to(&mut self, time: f64, weights: &mut [f64]) -> bool {
-        let before = self.done;
-        while let Some((_, place, _)) = self.events.get(self.done).filter(|event| event.0 <= time) {
-            weights[*place] = 0.0;
-            self.done += 1;
-        }
-        while let Some((_, place, weight)) =
-            self.done.checked_sub(1).map(|k| self.events[k]).filter(|event| event.0 > time)
-        {
-            weights[place] = weight;
-            self.done -= 1;
-        }
-        self.done != before
-    }
 }
 
 #[cfg(test)]
@@ -289,19 +239,5 @@ mod tests {
         for (x, time) in [(0.25, 0.0), (0.5, 0.0), (1.0, 8.0), (1.5, 9.0), (1.75, f64::INFINITY)] {
             assert_eq!(cut(&table, false, (x, -1.0), (x, 1.0)), Some(time), "{x}");
         }
-    }
-
-    #[test]
-    fn cuts_go_with_time_in_either_direction() {
-        let mut cuts = Cuts { events: vec![(1.0, 2, 5.0), (2.0, 0, 7.0)], done: 0 };
-        let mut weights = [7.0, 6.0, 5.0];
-        for (time, expected) in [(0.5, [7.0, 6.0, 5.0]), (1.0, [7.0, 6.0, 0.0]), (9.0, [0.0, 6.0, 0.0])] {
-            cuts.bring_to(time, &mut weights);
-            assert_eq!(weights, expected);
-        }
-        cuts.bring_to(1.5, &mut weights);
-        assert_eq!(weights, [7.0, 6.0, 0.0]);
-        cuts.bring_to(0.0, &mut weights);
-        assert_eq!(weights, [7.0, 6.0, 5.0]);
     }
 }

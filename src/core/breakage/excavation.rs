@@ -7,7 +7,7 @@ use crate::bonds::pair_list::PairList;
 use crate::boundary::curved_wall::{Contacts, Neighbourhood, Rim};
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::Dug;
-use crate::breakage::crack::Cuts;
+use crate::breakage::cuts::Cuts;
 use crate::physics::latent_heat::Materials;
 
 /// The contacts of the ground around the face, from when pairs across it are cut on.
@@ -47,6 +47,6 @@ pub fn face(
             contacts.add(i as u32, &near, sum);
         }
     }
-    cuts.add(events);
+    cuts.add(&events);
     Rim { patch: dug.patch, from: dug.start, contacts }
 }

@@ -117,7 +117,7 @@ impl IrregularRows {
     /// Whether small changes act by a symmetric matrix.
     pub(super) fn is_symmetric(&self) -> bool {
         let parts = &self.list.parts;
-        !parts.materials.mixed() && parts.boundary.is_linear() && parts.rims.is_empty()
+        parts.volumes.is_even() && !parts.materials.mixed() && parts.boundary.is_linear() && parts.rims.is_empty()
     }
 
     /// Whether small changes act alike at all states and times.

@@ -15,7 +15,7 @@ use crate::boundary::interface::{Chains, Way};
 use crate::boundary::patch::{Boundary, Face};
 use crate::boundary::pipe::Sink;
 use crate::boundary::shells::Touch;
-use crate::breakage::crack::Cuts;
+use crate::breakage::cuts::Cuts;
 use crate::physics::latent_heat::Materials;
 use crate::solvers::step::Bound;
 use crate::space::domain::Surface;
@@ -157,6 +157,9 @@ pub(super) fn row_sums(parts: &ListParts, faces: &[Face]) -> Vec<f64> {
             own + mirrored.max(0.0)
         })
         .collect();
+    for (particle, growth) in parts.cuts.growing() {
+        sums[*particle as usize] *= growth;
+    }
     let from_wall = |way: Option<Way<'_>>| way.map_or(1.0, |way| way.greatest_shares().1);
     for (number, rim) in parts.rims.iter().enumerate() {
         for contact in &rim.contacts.contacts {

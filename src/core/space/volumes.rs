@@ -11,7 +11,7 @@ use crate::space::lattice::Lattice;
 pub struct Volumes {
     /// What shares are of (m^d).
     unit: f64,
-    /// By column of the lattice; empty where all particles are alike.
+    /// By column of the lattice, or by particle; empty where all particles are alike.
     shares: Arc<[f64]>,
 }
 
@@ -34,6 +34,19 @@ impl Volumes {
             volume * height
         };
         Volumes { unit: 1.0, shares: (0..lattice.columns).map(shell).collect() }
+    }
+
+    /// By particle, in shares of a volume (m^d).
+    pub fn by_share(volume: f64, shares: Vec<f64>) -> Self {
+        Volumes { unit: volume, shares: shares.into() }
+    }
+
+    /// Those of some particles.
+    pub fn of_some(&self, particles: &[u32]) -> Self {
+        if self.shares.is_empty() {
+            return self.clone();
+        }
+        Volumes { unit: self.unit, shares: particles.iter().map(|particle| self.share(*particle as usize)).collect() }
     }
 
     /// Whether all are alike.

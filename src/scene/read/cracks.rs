@@ -5,7 +5,6 @@ use glam::DVec2;
 use super::problem::Read;
 use super::range::{Range, plain};
 use super::section::Section;
-use crate::region::{EDGES, Shape};
 use frazil_core::breakage::crack::{Crack, Growth};
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
@@ -103,22 +102,4 @@ fn wall_before(domain: &Domain, point: DVec2) -> Option<&'static str> {
             if mirrored { Some("a mirror plane") } else { (point.length() > outer_radius).then_some("the outer wall") }
         }
     }
-}
-
-/// The edge of a shape as cracks that are there from the start; the polygon that stands for a circle encloses as much.
-pub(super) fn edges_of(shape: &Shape) -> Vec<Crack> {
-    let corners: Vec<DVec2> = match shape {
-        Shape::Box(cell) => {
-            let (low, high) = (cell.low, cell.high);
-            vec![low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)]
-        }
-        Shape::Circle { centre, radius } => {
-            let angle = std::f64::consts::TAU / EDGES as f64;
-            let even = radius * (angle / angle.sin()).sqrt();
-            (0..EDGES).map(|k| *centre + even * DVec2::from_angle((k as f64 + 0.5) * angle)).collect()
-        }
-        Shape::Polygon(corners) => corners.clone(),
-    };
-    let edges = corners.iter().copied().zip(corners.iter().copied().cycle().skip(1));
-    edges.map(|(from, to)| Crack { from, to, growth: Growth::Whole { start: 0.0 } }).collect()
 }

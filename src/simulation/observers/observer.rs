@@ -179,7 +179,7 @@ impl<'a> Setup<'a> {
     }
 
     pub(super) fn sampler(&self) -> Sampler<'a> {
-        Sampler::new(self.scene, self.particles)
+        Sampler::new(self.scene, self.particles, 0.0)
     }
 }
 

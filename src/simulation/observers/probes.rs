@@ -22,11 +22,10 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
         (0, probes.heap_size()),
         move |view, rows| {
             let particles = view.particles;
-            // Samples are of particles that stay where they are.
-            let sampler = Sampler::free(particles);
+            let sampler = Sampler::anew(view.scene, particles, view.time);
             for (place, sample) in probes.iter().filter(|(place, _)| !particles.is_dug(place.length())) {
-                let moved = particles.move_about().then(|| sampler.sample(*place));
-                let sample = moved.as_ref().unwrap_or(sample);
+                let anew = sampler.as_ref().map(|sampler| sampler.sample(*place));
+                let sample = anew.as_ref().unwrap_or(sample);
                 let temperature_c = sample.of(|i| particles.reading(i));
                 let carries = !particles.concentration.is_empty();
                 let concentration = carries.then(|| sample.of(|i| particles.concentration[i]));

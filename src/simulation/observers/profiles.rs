@@ -33,12 +33,12 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
         Vec::with_capacity(points * setup.profiles()),
         ("line".len(), held),
         move |view, rows| {
-            let (particles, dimension) = (view.particles, view.scene.domain.dimension());
+            let particles = view.particles;
             if let Some(direction) = &direction {
-                rows.extend(layers(particles, direction, length, view.time, dimension));
+                rows.extend(layers(particles, direction, length, view.time, view.scene.domain.dimension()));
             }
             for line in &lines {
-                line.read(dimension, particles, view.time, rows);
+                line.read(view.scene, particles, view.time, rows);
             }
         },
         |rows, result| result.profiles = rows,
@@ -82,10 +82,9 @@ impl Line {
     }
 
     /// Adds temperatures and frozen fractions along the line; of ground that is there.
-    fn read(&self, dimension: usize, particles: &Particles, time: f64, rows: &mut Vec<ProfileRow>) {
-        // Samples are of particles that stay where they are.
-        let moved = particles.move_about().then(|| Sampler::free(particles).samples(&self.places));
-        let samples = moved.as_ref().unwrap_or(&self.samples);
+    fn read(&self, scene: &Scene, particles: &Particles, time: f64, rows: &mut Vec<ProfileRow>) {
+        let anew = Sampler::anew(scene, particles, time).map(|sampler| sampler.samples(&self.places));
+        let samples = anew.as_ref().unwrap_or(&self.samples);
         let points = self.along.iter().zip(&self.places).zip(samples);
         let carries = !particles.concentration.is_empty();
         // Points on the face of a shaft are there, however their distance is rounded.
@@ -99,7 +98,7 @@ impl Line {
             concentration: carries.then(|| sample.of(|i| particles.concentration[i])),
             concentration_ref: None,
             plane: self.plane.clone(),
-            y_m: (dimension > 1).then_some(place.y),
+            y_m: (scene.domain.dimension() > 1).then_some(place.y),
             along_m: *along,
             mean_over: None,
         }));

@@ -1,6 +1,7 @@
 //! Points of a body as weighted sums over its particles.
 
 use frazil_core::boundary::patch::moving_least_squares;
+use frazil_core::breakage::crack::Barriers;
 use frazil_core::memory::HeapSize;
 use frazil_core::neighbours::tree::Tree;
 use frazil_core::neighbours::{NeighbourSearch, Period};
@@ -26,25 +27,41 @@ impl HeapSize for Sample {
     }
 }
 
-/// Turns points into samples: bilinear on a lattice, moving least squares elsewhere.
+/// Cells in each direction among which a point looks for a particle on its side of a barrier.
+const FARTHEST: i64 = 4;
+
+/// Turns points into samples: bilinear on a lattice, moving least squares elsewhere; of particles that no barrier parts from the
+/// point, and within closed parts of the particles there.
 pub(super) struct Sampler<'a> {
     pub(super) lattice: &'a Lattice,
     mirrors: (bool, bool),
     cloud: Option<&'a [DVec2]>,
+    /// The scene whose barriers stand, at a time (s).
+    parted: Option<(&'a Scene, f64)>,
 }
 
 impl<'a> Sampler<'a> {
-    pub(super) fn new(scene: &Scene, particles: &'a Particles) -> Self {
+    /// Of the particles of a scene as its cracks are at a time (s).
+    pub(super) fn new(scene: &'a Scene, particles: &'a Particles, time: f64) -> Self {
         let mirrors = match scene.domain {
             Domain::Ring { sector, .. } => (sector == Sector::Quarter, sector != Sector::Whole),
             _ => (false, false),
         };
-        Sampler { lattice: &particles.lattice, mirrors, cloud: particles.cloud() }
+        let parted = scene.has_barriers().then_some((scene, time));
+        Sampler { lattice: &particles.lattice, mirrors, cloud: particles.cloud(), parted }
     }
 
     /// Of particles that move about, where they stand now.
     pub(super) fn free(particles: &'a Particles) -> Self {
-        Sampler { lattice: &particles.lattice, mirrors: (false, false), cloud: particles.cloud() }
+        Sampler { lattice: &particles.lattice, mirrors: (false, false), cloud: particles.cloud(), parted: None }
+    }
+
+    /// What samples are to be taken from at a time (s), where those of the start no longer hold: particles move, or cracks open.
+    pub(super) fn anew(scene: &'a Scene, particles: &'a Particles, time: f64) -> Option<Self> {
+        if particles.move_about() {
+            return Some(Sampler::free(particles));
+        }
+        (!scene.cracks.is_empty()).then(|| Sampler::new(scene, particles, time))
     }
 
     pub(super) fn sample(&self, place: DVec2) -> Sample {
@@ -55,8 +72,49 @@ impl<'a> Sampler<'a> {
     pub(super) fn samples(&self, places: &[DVec2]) -> Vec<Sample> {
         match self.cloud {
             Some(positions) => self.fitted(positions, places),
-            None => places.iter().map(|place| self.bilinear(*place)).collect(),
+            None => places.iter().map(|place| self.on_lattice(*place)).collect(),
         }
+    }
+
+    /// Of these places of particles, which lie on the side of a point.
+    fn beside(&self, point: DVec2, places: &[DVec2]) -> Vec<bool> {
+        let Some((scene, time)) = self.parted else { return vec![true; places.len()] };
+        if scene.is_impermeable_at(point) {
+            return places.iter().map(|place| scene.is_impermeable_at(*place)).collect();
+        }
+        let blocked = |from, to| scene.is_blocked(from, to);
+        let barriers = Barriers::inside(&scene.cracks, &blocked, self.lattice.spacing);
+        places.iter().map(|place| barriers.between(point, *place) > time).collect()
+    }
+
+    /// Bilinear among the particles on the side of a point, or the nearest one there.
+    fn on_lattice(&self, place: DVec2) -> Sample {
+        let whole = self.bilinear(place);
+        let places: Vec<DVec2> = whole.0.iter().map(|entry| self.lattice.position(entry.0 as usize)).collect();
+        let beside = self.beside(place, &places);
+        if !beside.contains(&false) {
+            return whole;
+        }
+        let own: Vec<(u32, f64)> =
+            whole.0.iter().zip(&beside).filter(|(_, beside)| **beside).map(|(entry, _)| *entry).collect();
+        let sum: f64 = own.iter().map(|entry| entry.1).sum();
+        if sum > 0.0 {
+            return Sample(own.into_iter().map(|(index, weight)| (index, weight / sum)).collect());
+        }
+        self.nearest(place).map_or(whole, |nearest| Sample(vec![(nearest, 1.0)]))
+    }
+
+    /// The nearest particle on the side of a point.
+    fn nearest(&self, place: DVec2) -> Option<u32> {
+        let base = self.lattice.to_cells(place).round();
+        let near = (-FARTHEST..=FARTHEST).flat_map(|dy| (-FARTHEST..=FARTHEST).map(move |dx| (dx, dy)));
+        let cells = near.filter_map(|(dx, dy)| self.lattice.index(base.x as i64 + dx, base.y as i64 + dy));
+        let indices: Vec<usize> = cells.collect();
+        let places: Vec<DVec2> = indices.iter().map(|index| self.lattice.position(*index)).collect();
+        let beside = self.beside(place, &places).into_iter();
+        let distances = indices.iter().zip(&places).map(|(index, other)| (*index as u32, (*other - place).length()));
+        let own = distances.zip(beside).filter(|(_, beside)| *beside).map(|(entry, _)| entry);
+        own.min_by(|a, b| a.1.total_cmp(&b.1)).map(|entry| entry.0)
     }
 
     /// The four cells around a point, folded at mirror planes and clamped at walls.
@@ -95,11 +153,16 @@ impl<'a> Sampler<'a> {
             let list = Tree.neighbours(&points, count, range, Period::NONE);
             let mut few = Vec::new();
             for (row, k) in open.iter().enumerate() {
-                let near: Vec<u32> = list.of(row).iter().filter_map(|j| j.checked_sub(count as u32)).collect();
-                if near.len() <= self.lattice.dimension + 1 && near.len() < positions.len() {
+                let all: Vec<u32> = list.of(row).iter().filter_map(|j| j.checked_sub(count as u32)).collect();
+                let around: Vec<DVec2> = all.iter().map(|j| positions[*j as usize]).collect();
+                let beside = self.beside(places[*k], &around);
+                let near: Vec<u32> = all.iter().zip(&beside).filter(|(_, beside)| **beside).map(|(j, _)| *j).collect();
+                if near.len() <= self.lattice.dimension + 1 && all.len() < positions.len() {
                     few.push(*k);
                     continue;
                 }
+                // Nothing may stand on the side of a point in a small closed part.
+                let near = if near.is_empty() { all } else { near };
                 let around: Vec<DVec2> = near.iter().map(|j| positions[*j as usize]).collect();
                 let weights = moving_least_squares(places[*k], &around, 0.6 * range, self.lattice.dimension);
                 found[*k] = Sample(near.into_iter().zip(weights).collect());

@@ -12,7 +12,8 @@ use frazil_core::boundary::ghosts::Ghosts;
 use frazil_core::boundary::interface::Chains;
 use frazil_core::boundary::shells::{Bonds, naive_shells, shells};
 use frazil_core::boundary::wall_layers::{Body, WallModel, inner, level};
-use frazil_core::breakage::crack::{Barriers, Cuts};
+use frazil_core::breakage::crack::Barriers;
+use frazil_core::breakage::cuts::Cuts;
 use frazil_core::breakage::excavation;
 use frazil_core::kernels::corner::strengthen;
 use frazil_core::kernels::irregular::IrregularRows;
@@ -24,6 +25,7 @@ use frazil_core::neighbours::{NeighbourSearch, Period};
 use frazil_core::physics::latent_heat::Materials;
 use frazil_core::space::domain::Surface;
 use frazil_core::space::symmetry::Symmetry;
+use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
 use frazil_scene::settings::SearchChoice;
@@ -39,6 +41,7 @@ use crate::refused::Refused;
 struct Members {
     positions: Arc<[DVec2]>,
     materials: Materials,
+    volumes: Volumes,
     rows: usize,
     /// Whether weights are those of the stencil, for rows beside a sweep.
     by_stencil: bool,
@@ -51,8 +54,8 @@ pub(super) fn list(
     prepared: &mut Prepared,
     pool: Option<Arc<ThreadPool>>,
 ) -> Result<(ListParts, Vec<WayOut>), Refused> {
-    let (positions, materials) = (prepared.positions(), prepared.materials.clone());
-    let members = Members { rows: positions.len(), positions, materials, by_stencil: false };
+    let (positions, materials, volumes) = (prepared.positions(), prepared.materials.clone(), prepared.volumes.clone());
+    let members = Members { rows: positions.len(), positions, materials, volumes, by_stencil: false };
     let (parts, ways_out) = parts(scene, settings, prepared, &members, pool)?;
     let (sinks, rings) = (std::mem::take(&mut prepared.sinks), scene.rings.len());
     Ok((ListParts { sinks, rings, bound: settings.bound.clone(), ..parts }, ways_out))
@@ -70,7 +73,8 @@ pub(super) fn rows(
     let Selection { particles, rows, .. } = selection;
     let positions = particles.iter().map(|particle| prepared.lattice.position(*particle as usize)).collect();
     let materials = prepared.materials.of_some(&particles);
-    let members = Members { positions, materials, rows, by_stencil: true };
+    let volumes = prepared.volumes.of_some(&particles);
+    let members = Members { positions, materials, volumes, rows, by_stencil: true };
     let (parts, _) = parts(scene, settings, prepared, &members, pool)?;
     Ok(Box::new(IrregularRows::new(particles, rows, ListParts { surfaces: surfaces.to_vec(), ..parts })))
 }
@@ -87,14 +91,15 @@ fn parts(
     let (bonds, cut) = bonds(scene, settings, prepared, members)?;
     let Bonds { mut pairs, mut ghosts, touches } = bonds;
     let (boundary, lattice) = (&prepared.boundary, &prepared.lattice);
-    let Members { positions, materials, .. } = members;
+    let Members { positions, materials, volumes, .. } = members;
     let (contacts, ways_out) = cut;
     let outer = boundary.curved.map(|(patch, _)| Rim { patch, from: 0.0, contacts });
     let mut rims: Vec<Rim> = outer.into_iter().collect();
     let mut cuts = Cuts::default();
-    if !scene.cracks.is_empty() {
-        let barriers = Barriers::new(&scene.cracks, lattice, boundary);
-        cuts = Cuts::new(&mut pairs, positions, &ghosts, &barriers);
+    if scene.has_barriers() {
+        let blocked = |from, to| scene.is_blocked(from, to);
+        let barriers = Barriers::new(&scene.cracks, &blocked, lattice, boundary);
+        cuts = Cuts::new(&mut pairs, volumes, positions, &ghosts, &barriers);
     }
     if let Some(dug) = &boundary.dug {
         rims.push(excavation::face(&pairs, positions, &ghosts, materials, dug, &mut cuts));
@@ -109,7 +114,7 @@ fn parts(
     let parts = ListParts {
         chains,
         positions: positions.clone(),
-        volumes: prepared.volumes.clone(),
+        volumes: volumes.clone(),
         spacing: lattice.spacing,
         materials: materials.clone(),
         pairs,
@@ -136,8 +141,8 @@ fn bonds(
     prepared: &Prepared,
     members: &Members,
 ) -> Result<(Bonds, (Contacts, Vec<WayOut>)), Refused> {
-    let Prepared { lattice, boundary, volumes, stencil, printed, .. } = prepared;
-    let Members { positions, materials, .. } = members;
+    let Prepared { lattice, boundary, stencil, printed, .. } = prepared;
+    let Members { positions, materials, volumes, .. } = members;
     let walls = settings.numerics.walls;
     let (shelled, naive) = (scene.domain.symmetry().is_some() && !printed, walls == WallModel::Naive);
     let (mut bonds, cut) = if shelled {

@@ -5,7 +5,8 @@ use frazil_core::boundary::patch::{Boundary, Side};
 use frazil_core::breakage::crack::Crack;
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::segment::distance;
-use frazil_scene::Scene;
+use frazil_scene::region::Cell;
+use frazil_scene::{Scene, Shape};
 use glam::DVec2;
 
 use crate::interface::Ground;
@@ -51,11 +52,16 @@ pub(super) fn select(scene: &Scene, prepared: &Prepared) -> Option<Selection> {
         let ground = Ground::new(scene, lattice, boundary);
         reach.mark_interfaces(&ground, &mut cut);
     }
-    let near_crack = |place: DVec2, crack: &Crack| distance((crack.from, crack.to), place) <= reach.length;
+    // What is left of the pairs of a particle that a barrier cuts is stronger, in the rows of its neighbours too.
+    let twice = 2.0 * reach.length;
+    let near_crack = |place: DVec2, crack: &Crack| distance((crack.from, crack.to), place) <= twice;
+    let near_shape = |place: DVec2, shape: &Shape| shape.share_of(&Cell::around(place, 2.0 * twice)) > 0.0;
     let near_face = |place: DVec2| boundary.dug.is_some_and(|dug| (place.length() - dug.radius).abs() <= reach.length);
-    if !scene.cracks.is_empty() || boundary.dug.is_some() {
+    if scene.has_barriers() || boundary.dug.is_some() {
         for (mark, place) in cut.iter_mut().zip(lattice.positions()) {
-            *mark |= near_face(place) || scene.cracks.iter().any(|crack| near_crack(place, crack));
+            *mark |= near_face(place)
+                || scene.cracks.iter().any(|crack| near_crack(place, crack))
+                || scene.impermeable.iter().any(|shape| near_shape(place, shape));
         }
     }
     if !cut.contains(&true) {

@@ -18,7 +18,7 @@ use frazil_core::space::domain::{Domain, Sector, Surface};
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;
-use frazil_scene::method::MethodSettings;
+use frazil_scene::method::{MethodSettings, Stepper};
 use frazil_scene::settings::{Arrangement, Front, Numerics};
 use glam::DVec2;
 use rand::SeedableRng;
@@ -26,6 +26,7 @@ use rand_distr::{Distribution, Uniform};
 use rayon::ThreadPool;
 
 use crate::cut_cells::blend;
+use crate::open_volumes::open_volumes;
 use crate::plan::bonds;
 use crate::plan::irregular;
 use crate::plan::pipes::{Pipes, pipes};
@@ -76,8 +77,13 @@ impl Prepared {
         if boundary.patches.len() > MOST_PATCHES {
             return Err(Refused::TooManyPatches(boundary.patches.len()));
         }
-        let volumes = Volumes::new(&scene.domain, &lattice, printed);
         let cloud = place(scene, numerics, &lattice, seed)?;
+        // Noise and the paths of water are of pairs whose ends are alike.
+        let alike = matches!(discretisation.stepper, Stepper::Own(_)) || scene.flow.is_some();
+        let volumes = match scene.impermeable.is_empty() || alike {
+            true => Volumes::new(&scene.domain, &lattice, printed),
+            false => open_volumes(scene, &lattice, cloud.as_deref()),
+        };
         let materials = materials(scene, numerics, &lattice, cloud.as_deref());
         let start = start::enthalpies(scene, &materials, &lattice, cloud.as_deref());
         // Particles that store what is in their cells fill regions exactly.

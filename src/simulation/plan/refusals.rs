@@ -12,6 +12,7 @@ use frazil_core::space::lattice::Lattice;
 use frazil_core::space::segment::meet;
 use frazil_scene::Scene;
 use frazil_scene::method::{Discretisation, MethodSettings, Stepper};
+use frazil_scene::region::Cell;
 use frazil_scene::settings::{Arrangement, Front, Numerics, SearchChoice};
 use glam::DVec2;
 
@@ -124,9 +125,10 @@ fn cracks_in_place(
     reach: f64,
     narrow: bool,
 ) -> Result<(), Refused> {
-    if narrow && !scene.cracks.is_empty() {
+    if narrow && scene.has_barriers() {
         return Err(Refused::NarrowCracks);
     }
+    impermeable_in_place(scene, boundary, sinks, reach)?;
     for (number, crack) in scene.cracks.iter().enumerate() {
         let farthest = crack.from.length().max(crack.to.length());
         if let Some((_, radius)) = boundary.curved.filter(|(_, radius)| farthest > radius - reach) {
@@ -140,6 +142,23 @@ fn cracks_in_place(
             let inside = (crack.from - centre).abs().max_element() <= half;
             if inside || (0..4).any(|k| meet((crack.from, crack.to), edge(k))) {
                 return Err(Refused::CrackInPipe { number, centre, half });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Refuses impermeable parts at a curved wall and in pipes, as cracks are.
+fn impermeable_in_place(scene: &Scene, boundary: &Boundary, sinks: &[Sink], reach: f64) -> Result<(), Refused> {
+    for (number, shape) in scene.impermeable.iter().enumerate() {
+        let Cell { low, high } = shape.extent();
+        let farthest = low.abs().max(high.abs()).length();
+        if let Some((_, radius)) = boundary.curved.filter(|(_, radius)| farthest > radius - reach) {
+            return Err(Refused::ImpermeableAtWall { number, distance: radius - farthest, reach });
+        }
+        for Extent { centre, half_width: half, .. } in sinks.iter().map(|sink| sink.extent) {
+            if shape.share_of(&Cell::around(centre, 2.0 * half)) > 0.0 {
+                return Err(Refused::ImpermeableInPipe { number, centre, half });
             }
         }
     }

@@ -53,8 +53,8 @@ impl Fold {
         });
         let closed = |along_y: bool| WallId::ends(along_y).into_iter().all(|wall| scene.is_closed(wall));
         let mut found = Vec::new();
-        // Where cracks are, ways differ that look alike.
-        if !scene.cracks.is_empty() {
+        // Where barriers are, ways differ that look alike.
+        if scene.has_barriers() {
             return found;
         }
         match scene.domain {

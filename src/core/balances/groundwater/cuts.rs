@@ -12,7 +12,7 @@ use crate::balances::groundwater::numerics::Conduction;
 use crate::bonds::pair_list::PairList;
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::{Boundary, Face};
-use crate::breakage::crack::Cuts;
+use crate::breakage::cuts::Cuts;
 use crate::memory::{HeapSize, total};
 
 /// What paths are made of, as long as pairs are cut while a run goes on.

@@ -18,7 +18,7 @@ use crate::boundary::condition::Condition;
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::interface::Chains;
 use crate::boundary::patch::{Boundary, Patch, Side};
-use crate::breakage::crack::Cuts;
+use crate::breakage::cuts::Cuts;
 use crate::kernels::list_parts::ListParts;
 use crate::neighbours::tree::Tree;
 use crate::neighbours::{NeighbourSearch, Period};

@@ -55,8 +55,8 @@ fn a_crack_passes_nothing() {
     let crack = Crack { from: DVec2::new(0.5, -1.0), to: DVec2::new(0.5, 1.0), growth };
     let Body { list, lattice } = &mut body;
     let cracks = [crack];
-    let barriers = Barriers::new(&cracks, lattice, &list.boundary);
-    list.cuts = Cuts::new(&mut list.pairs, &list.positions, &list.ghosts, &barriers);
+    let barriers = Barriers::new(&cracks, &|_, _| false, lattice, &list.boundary);
+    list.cuts = Cuts::new(&mut list.pairs, &list.volumes, &list.positions, &list.ghosts, &barriers);
     let full = vec![1.0; body.len()];
     for advection in ALL {
         let mut solute = body.solute(plain(0.01), &[Some(1.0), Some(0.0), None, None], advection, &full);
@@ -79,8 +79,8 @@ fn a_crack_that_opens_cuts_diffusion_and_leaves_what_water_has_carried() {
     let growth = Growth::Whole { start: 1.0 };
     let cracks = [Crack { from: DVec2::new(0.5, -1.0), to: DVec2::new(0.5, 1.0), growth }];
     let Body { list, lattice } = &mut body;
-    let barriers = Barriers::new(&cracks, lattice, &list.boundary);
-    list.cuts = Cuts::new(&mut list.pairs, &list.positions, &list.ghosts, &barriers);
+    let barriers = Barriers::new(&cracks, &|_, _| false, lattice, &list.boundary);
+    list.cuts = Cuts::new(&mut list.pairs, &list.volumes, &list.positions, &list.ghosts, &barriers);
     let full = vec![1.0; body.len()];
     let mut solute = body.solute(plain(0.01), &[Some(1.0), None, None, None], Advection::Limited, &full);
     let mut rates = |flows: &[f64], state: &[f64], time: f64| {

@@ -10,13 +10,14 @@ use frazil_scene::method::MethodKind;
 
 use crate::sketch::{Sketch, advance, sand, steady_material, water, without_noise};
 
-const SHAPES: [&str; 3] = [
+const SHAPES: [&str; 4] = [
     "x_min_m = 0.13\nx_max_m = 0.52\ny_min_m = 0.08\ny_max_m = 0.33",
     "circle = { x_m = 0.44, y_m = 0.31, radius_m = 0.234 }",
     "polygon = { points_m = [[0.11, 0.07], [0.83, 0.21], [0.4, 0.55], [0.37, 0.24]] }",
+    "ellipse = { x_m = 0.44, y_m = 0.33, half_axes_m = [0.3, 0.12], angle_deg = 25 }",
 ];
 /// Their areas; the polygon by the shoelace formula.
-const AREAS: [f64; 3] = [0.39 * 0.25, PI * 0.234 * 0.234, 0.114_75];
+const AREAS: [f64; 4] = [0.39 * 0.25, PI * 0.234 * 0.234, 0.114_75, PI * 0.3 * 0.12];
 const BODY: Domain = Domain::Rectangle { width: 0.9, height: 0.7 };
 const WEIBULL: &str = "law = \"weibull\", width_K = 0.5, latent_heat_J_per_kg = 50000, temperature_c = 0";
 
@@ -64,7 +65,7 @@ fn particles_hold_the_heat_of_the_shape() {
 fn heat_is_conserved_and_stays_in_the_range() {
     for kind in methods() {
         for numerics in numerics(kind) {
-            for (shape, law) in SHAPES.iter().zip(["isothermal", "weibull", "two"]) {
+            for (shape, law) in SHAPES.iter().zip(["isothermal", "weibull", "two", "two"]) {
                 let mut sketch = sketch(kind, shape, numerics).wall("left", "temperature_c = -4");
                 if law == "weibull" && !numerics.contains("flags") {
                     sketch.materials[0].1 = water(WEIBULL);
@@ -121,6 +122,7 @@ fn a_mirrored_region_gives_the_mirrored_state() {
         "x_min_m = 0.38\nx_max_m = 0.77\ny_min_m = 0.08\ny_max_m = 0.33",
         "circle = { x_m = 0.46, y_m = 0.31, radius_m = 0.234 }",
         "polygon = { points_m = [[0.79, 0.07], [0.07, 0.21], [0.5, 0.55], [0.53, 0.24]] }",
+        "ellipse = { x_m = 0.46, y_m = 0.33, half_axes_m = [0.12, 0.3], angle_deg = 65 }",
     ];
     for kind in methods() {
         for numerics in ["", "search = \"tree\""] {
@@ -137,6 +139,25 @@ fn a_mirrored_region_gives_the_mirrored_state() {
                 }
             }
         }
+    }
+}
+
+/// Nothing enters an ellipse that is impermeable, whose edge encloses as much as it does.
+#[test]
+fn an_impermeable_ellipse_stays_as_it_starts() {
+    for kind in methods() {
+        let mut sketch = Sketch::new(BODY, 0.02).with(without_noise(kind)).wall("left", "temperature_c = -9");
+        sketch.regions = vec![format!("impermeable = true\n{}", SHAPES[3])];
+        (sketch.duration_s, sketch.outputs) = (5e4, 1);
+        let scene = sketch.scene(kind);
+        let twice: f64 = scene.cracks.iter().map(|edge| edge.from.perp_dot(edge.to)).sum();
+        assert!((0.5 * twice - AREAS[3]).abs() < 1e-12 && scene.named_cracks().is_empty());
+        let mut plan = sketch.plan(kind);
+        advance(&mut plan, 200);
+        let inside = |i: &usize| scene.impermeable[0].contains(plan.particles.position(*i));
+        let (within, outside): (Vec<usize>, Vec<usize>) = (0..plan.particles.len()).partition(inside);
+        assert!(within.len() > 200 && within.iter().all(|i| plan.particles.enthalpy[*i] == 0.0), "{}", kind.name);
+        assert!(outside.iter().any(|i| plan.particles.enthalpy[*i] != 0.0), "{}", kind.name);
     }
 }
 

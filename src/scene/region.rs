@@ -1,4 +1,8 @@
-//! Parts of the body with a material or a start of their own: boxes, circles and polygons.
+//! Parts of the body with a material or a start of their own: boxes, circles, ellipses and polygons.
+
+mod ellipse;
+
+pub use ellipse::Ellipse;
 
 use glam::DVec2;
 
@@ -31,6 +35,8 @@ pub enum Shape {
         /// Radius (m).
         radius: f64,
     },
+    /// An ellipse.
+    Ellipse(Ellipse),
     /// A polygon that does not cross itself, by its corners (m) in either sense.
     Polygon(Vec<DVec2>),
 }
@@ -65,6 +71,7 @@ impl Shape {
                 inside(point.x, low.x, high.x) && inside(point.y, low.y, high.y)
             }
             Shape::Circle { centre, radius } => (point - *centre).length() <= radius * (1.0 + ON_EDGE),
+            Shape::Ellipse(ellipse) => ellipse.contains(point),
             Shape::Polygon(corners) => {
                 let crosses = |(a, b): &(DVec2, DVec2)| {
                     (a.y > point.y) != (b.y > point.y) && point.x < a.x + (point.y - a.y) / (b.y - a.y) * (b.x - a.x)
@@ -81,6 +88,7 @@ impl Shape {
             Shape::Circle { centre, radius } => {
                 Cell { low: *centre - DVec2::splat(*radius), high: *centre + DVec2::splat(*radius) }
             }
+            Shape::Ellipse(ellipse) => ellipse.extent(),
             Shape::Polygon(corners) => Cell {
                 low: corners.iter().copied().fold(DVec2::INFINITY, DVec2::min),
                 high: corners.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max),
@@ -102,15 +110,8 @@ impl Shape {
                     }
                 }
             }
-            Shape::Circle { centre, radius } => {
-                let (square, from) = (way.length_squared(), from - *centre);
-                let (half, root) = (from.dot(way), from.perp_dot(way));
-                let inside = radius * radius * square - root * root;
-                if square > 0.0 && inside > 0.0 {
-                    show((-half - inside.sqrt()) / square);
-                    show((-half + inside.sqrt()) / square);
-                }
-            }
+            Shape::Circle { centre, radius } => crossings_of_circle(*radius, from - *centre, way, show),
+            Shape::Ellipse(ellipse) => ellipse.crossings(from, to, show),
             Shape::Polygon(corners) => {
                 for (a, b) in edges(corners) {
                     let edge = b - a;
@@ -156,6 +157,7 @@ impl Shape {
                 let (low, high) = (cell.low - *centre, cell.high - *centre);
                 circle_in_box(*radius, low, high) / size.element_product()
             }
+            Shape::Ellipse(ellipse) => ellipse.share_of(cell),
             Shape::Polygon(corners) => {
                 let corners = corners.iter().map(|corner| (*corner - middle) / size).collect();
                 area(&clipped(corners)).abs()
@@ -169,6 +171,17 @@ impl Shape {
         } else {
             share
         }
+    }
+}
+
+/// Shows where a line from a place on crosses a circle around the origin, in parts of its way.
+fn crossings_of_circle(radius: f64, from: DVec2, way: DVec2, mut show: impl FnMut(f64)) {
+    let square = way.length_squared();
+    let (half, root) = (from.dot(way), from.perp_dot(way));
+    let inside = radius * radius * square - root * root;
+    if square > 0.0 && inside > 0.0 {
+        show((-half - inside.sqrt()) / square);
+        show((-half + inside.sqrt()) / square);
     }
 }
 
@@ -271,7 +284,7 @@ impl Scene {
     }
 
     /// What a cell is made of, by material and temperature at the start, where that is told. Exact unless the edge of a
-    /// circle or polygon and another edge cut the same cell. In bodies of shells, shares that boxes cut are those of volume.
+    /// circle, ellipse or polygon and another edge cut the same cell. In bodies of shells, shares that boxes cut are those of volume.
     pub fn parts_of(&self, cell: &Cell) -> Vec<Part> {
         let shares: Vec<f64> = self.regions.iter().map(|region| region.shape.share_of(cell)).collect();
         let cutting: Vec<usize> = (0..shares.len()).filter(|k| shares[*k] > 0.0 && shares[*k] < 1.0).collect();
@@ -369,8 +382,51 @@ mod tests {
             let star = Shape::Polygon((0..2 * n).map(corner).collect());
             let exact = n as f64 * 0.4 * r * r * (PI / n as f64).sin();
             prop_assert!((covered(&star, spacing) - exact).abs() < 1e-5, "{} {exact}", covered(&star, spacing));
+            let half_axes = DVec2::new(r, 0.3 * r);
+            let ellipse = Shape::Ellipse(Ellipse { centre, half_axes, angle: x });
+            prop_assert!((covered(&ellipse, spacing) - 0.3 * PI * r * r).abs() < 1e-5);
             let cell = Cell { low: centre - DVec2::splat(r), high: centre + DVec2::new(r, 0.3 * r) };
             prop_assert!((covered(&Shape::Box(cell), spacing) - 2.6 * r * r).abs() < 1e-5);
+        }
+
+        /// An ellipse of equal half axes is a circle, whichever way it is turned: in what it covers, holds and is crossed at.
+        #[test]
+        fn an_ellipse_of_equal_half_axes_is_a_circle(x in -2.0..2.0f64, y in -2.0..2.0f64, radius in 0.01..3.0f64,
+                                                     angle in -7.0..7.0f64, size in 0.01..2.0f64) {
+            let centre = DVec2::new(x, y);
+            let circle = Shape::Circle { centre, radius };
+            let ellipse = Shape::Ellipse(Ellipse { centre, half_axes: DVec2::splat(radius), angle });
+            let place = DVec2::new(0.3, -0.2);
+            let cell = Cell::around(place, size);
+            prop_assert!((ellipse.share_of(&cell) - circle.share_of(&cell)).abs() < 1e-9);
+            prop_assert_eq!(ellipse.contains(place), circle.contains(place));
+            let crossed = |shape: &Shape| {
+                let mut places = Vec::new();
+                shape.crossings(place, centre + DVec2::X, |at| places.push(at));
+                places
+            };
+            let (found, wanted) = (crossed(&ellipse), crossed(&circle));
+            prop_assert_eq!(found.len(), wanted.len());
+            prop_assert!(found.iter().zip(&wanted).all(|(a, b)| (a - b).abs() < 1e-6 * (1.0 + b.abs())));
+        }
+
+        /// What lies in an ellipse, and how large it is, does not depend on how it is written, and its box touches it.
+        #[test]
+        fn an_ellipse_is_the_same_turned_by_a_quarter(a in 0.05..2.0f64, b in 0.05..2.0f64, angle in -3.0..3.0f64,
+                                                      x in -2.0..2.0f64, size in 0.01..2.0f64) {
+            let centre = DVec2::new(0.1, 0.2);
+            let ellipse = Ellipse { centre, half_axes: DVec2::new(a, b), angle };
+            let other = Ellipse { half_axes: DVec2::new(b, a), angle: angle + 0.5 * PI, ..ellipse };
+            let (own, other) = (Shape::Ellipse(ellipse), Shape::Ellipse(other));
+            let cell = Cell::around(DVec2::new(x, 0.3), size);
+            prop_assert!((own.share_of(&cell) - other.share_of(&cell)).abs() < 1e-9);
+            let Cell { low, high } = own.extent();
+            let within = own.share_of(&own.extent()) * (high - low).element_product();
+            prop_assert!((within - PI * a * b).abs() < 1e-9);
+            let top = Cell { low: DVec2::new(low.x, high.y - 1e-3 * b.min(a)), high };
+            prop_assert!(own.share_of(&top) > 0.0);
+            let edge = ellipse.as_large(200);
+            prop_assert!((area(&edge) - PI * a * b).abs() < 1e-9);
         }
 
         /// A box is the same as the polygon of its corners.

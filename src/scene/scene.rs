@@ -301,7 +301,7 @@ impl Scene {
         let reaches = |region: &Region| match &region.shape {
             Shape::Box(cell) if y => cell.low.y <= 0.0 && cell.high.y >= height,
             Shape::Box(cell) => cell.low.x <= 0.0 && cell.high.x >= width,
-            Shape::Circle { .. } | Shape::Polygon(_) => false,
+            Shape::Circle { .. } | Shape::Ellipse(_) | Shape::Polygon(_) => false,
         };
         let driven = |stream: &Stream| stream.pump.is_some() || stream.reset.is_some();
         ends.into_iter().all(|wall| self.is_closed(wall))

@@ -83,6 +83,7 @@ fn across(shape: &Shape, lattice: &Lattice) -> (f64, f64) {
             ((start / lattice.spacing).fract(), size)
         }
         Shape::Circle { radius, .. } => (0.0, 2.0 * radius),
+        Shape::Ellipse(ellipse) => (0.0, 2.0 * ellipse.half_axes.min_element()),
         Shape::Polygon(corners) => {
             let edges = (0..corners.len()).map(|k| corners[(k + 1) % corners.len()] - corners[k]);
             let width = |edge: glam::DVec2| {

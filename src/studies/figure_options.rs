@@ -28,6 +28,7 @@ pub fn of(scene: &Scene, maps: &[Field]) -> FigureOptions {
 fn outlines(scene: &Scene, maps: &[Field]) -> Outlines {
     const PIECES: usize = 120;
     let regions = scene.regions.iter().filter(|region| region.material.is_some());
+    let closed = |corners: &[DVec2]| corners.iter().chain(corners.first()).copied().collect();
     let rim = |shape: &Shape| -> Vec<DVec2> {
         match shape {
             Shape::Box(Cell { low, high }) => {
@@ -37,7 +38,8 @@ fn outlines(scene: &Scene, maps: &[Field]) -> Outlines {
                 let angle = |k: usize| std::f64::consts::TAU * k as f64 / PIECES as f64;
                 (0..=PIECES).map(|k| *centre + *radius * DVec2::from_angle(angle(k))).collect()
             }
-            Shape::Polygon(corners) => corners.iter().chain(corners.first()).copied().collect(),
+            Shape::Ellipse(ellipse) => closed(&ellipse.as_large(PIECES)),
+            Shape::Polygon(corners) => closed(corners),
         }
     };
     let shapes = regions.map(|region| &region.shape).chain(&scene.impermeable);

@@ -9,6 +9,7 @@ use frazil_core::series::Series;
 use frazil_core::space::domain::Domain;
 use frazil_plots::page::Fact;
 use frazil_plots::style::{length, number};
+use frazil_scene::region::Ellipse;
 use frazil_scene::{PipeRing, Scene, Shape, Units};
 use glam::DVec2;
 
@@ -110,6 +111,13 @@ impl Words<'_> {
             Shape::Box(cell) => format!("from {} to {}", number(cell.low.x, 4), self.with(cell.high.x, "m")),
             Shape::Circle { centre, radius } => {
                 format!("circle of radius {} around {}", self.with(*radius, "m"), self.point(*centre))
+            }
+            Shape::Ellipse(Ellipse { centre, half_axes, angle }) => {
+                let (first, second) = (number(half_axes.x, 4), self.with(half_axes.y, "m"));
+                let (turned, centre) = (number(angle.to_degrees(), 4), self.point(*centre));
+                format!(
+                    "ellipse of half axes {first} and {second}, the first at {turned}° to the x axis, around {centre}"
+                )
             }
             Shape::Polygon(corners) => format!("polygon of {} corners", corners.len()),
         }

@@ -37,6 +37,8 @@ parts = [{}, { coefficient_W_per_m2_K = 1 }]
 [[regions]]
 circle = {}
 [[regions]]
+ellipse = {}
+[[regions]]
 polygon = {}
 [[pipes]]
 count = 1

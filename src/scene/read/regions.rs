@@ -6,9 +6,15 @@ use super::problem::Read;
 use super::range::{Range, one_of, plain, temperatures};
 use super::section::{Key, Section};
 use super::water::{Balance, CONCENTRATION};
-use crate::region::{Cell, Region, Shape, area, edges};
+use crate::region::{Cell, Ellipse, Region, Shape, area, edges};
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_core::space::segment::{meet, side};
+
+/// Shapes that a section of their own describes.
+const SHAPES: [&str; 3] = ["circle", "ellipse", "polygon"];
+
+/// Edges of the polygon around an ellipse by which it is told whether it lies outside a ring.
+const AROUND: usize = 720;
 
 /// Corners that a polygon may have: each edge is compared with each other.
 const MOST_CORNERS: usize = 1000;
@@ -92,20 +98,23 @@ pub(super) fn regions(
 }
 
 fn shape(section: &mut Section<'_>, domain: &Domain) -> Read<Shape> {
-    let (circle, polygon) = (section.has("circle"), section.has("polygon"));
     if domain.dimension() == 1 {
-        for key in ["circle", "polygon"] {
+        for key in SHAPES {
             section.refuse(key, "a line has no y");
         }
-    } else if circle || polygon {
-        let own = if circle { "circle" } else { "polygon" };
+    } else if let Some(own) = SHAPES.into_iter().find(|key| section.has(*key)) {
+        let is = format!("the region is {} {own}", if own == "ellipse" { "an" } else { "a" });
         for key in [X_MIN, X_MAX, Y_MIN, Y_MAX] {
-            section.refuse(key, &format!("the region is a {own}"));
+            section.refuse(key, &is);
         }
-        if circle && polygon {
-            section.refuse("polygon", "the region is a circle");
+        for other in SHAPES.into_iter().filter(|other| *other != own) {
+            section.refuse(other, &is);
         }
-        let shape = if circle { round(section)? } else { cornered(section)? };
+        let shape = match own {
+            "circle" => round(section)?,
+            "ellipse" => oval(section)?,
+            _ => cornered(section)?,
+        };
         if is_outside(&shape, domain) {
             return Err(section.problem(own, "lies outside the domain"));
         }
@@ -129,6 +138,19 @@ fn round(section: &mut Section<'_>) -> Read<Shape> {
     let (x, y) = (circle.number(("x", "m"), Range::ANY), circle.number(("y", "m"), Range::ANY));
     let radius = circle.positive(("radius", "m"));
     Ok(Shape::Circle { centre: DVec2::new(x?, y?), radius: radius? })
+}
+
+fn oval(section: &mut Section<'_>) -> Read<Shape> {
+    const HALF_AXES: (&str, &str) = ("half_axes", "m");
+    let mut ellipse = section.section("ellipse")?;
+    let (x, y) = (ellipse.number(("x", "m"), Range::ANY), ellipse.number(("y", "m"), Range::ANY));
+    let half_axes = ellipse.numbers(HALF_AXES, Range::POSITIVE);
+    let angle = ellipse.number_or(("angle", "deg"), 0.0, Range::between(-360.0, 360.0)).to_radians();
+    let half_axes = half_axes?;
+    let [a, b] = half_axes[..] else {
+        return Err(ellipse.problem(HALF_AXES, format!("found {} half axes, must be 2", half_axes.len())));
+    };
+    Ok(Shape::Ellipse(Ellipse { centre: DVec2::new(x?, y?), half_axes: DVec2::new(a, b), angle }))
 }
 
 fn cornered(section: &mut Section<'_>) -> Read<Shape> {
@@ -188,16 +210,22 @@ pub(super) fn extent(domain: &Domain) -> Cell {
 
 /// Whether no part of a shape lies in the body.
 fn is_outside(shape: &Shape, domain: &Domain) -> bool {
+    let nearest = |corners: &[DVec2]| {
+        let nearest = |(a, b): (DVec2, DVec2)| {
+            let along = (-a).dot(b - a) / (b - a).length_squared();
+            (a + along.clamp(0.0, 1.0) * (b - a)).length()
+        };
+        edges(corners).map(nearest).fold(f64::INFINITY, f64::min)
+    };
     let beyond = match (domain, shape) {
         (Domain::Ring { outer_radius, .. }, Shape::Circle { centre, radius }) => {
             centre.length() - radius >= *outer_radius
         }
+        (Domain::Ring { outer_radius, .. }, Shape::Ellipse(ellipse)) => {
+            !shape.contains(DVec2::ZERO) && nearest(&ellipse.around(AROUND)) >= *outer_radius
+        }
         (Domain::Ring { outer_radius, .. }, Shape::Polygon(corners)) => {
-            let nearest = |(a, b): (DVec2, DVec2)| {
-                let along = (-a).dot(b - a) / (b - a).length_squared();
-                (a + along.clamp(0.0, 1.0) * (b - a)).length()
-            };
-            !shape.contains(DVec2::ZERO) && edges(corners).map(nearest).fold(f64::INFINITY, f64::min) >= *outer_radius
+            !shape.contains(DVec2::ZERO) && nearest(corners) >= *outer_radius
         }
         _ => false,
     };

@@ -72,6 +72,9 @@ pub fn truth(scene: &Scene) -> Result<Truth, NoReference> {
 
 /// The closed form of a scene, or why it has none.
 fn exact_solution(scene: &Scene) -> Result<Box<dyn Reference>, Unsolved> {
+    if !scene.random.is_even() {
+        return Err(Unsolved::Body("a scene whose ground varies at random"));
+    }
     if scene.of_water {
         return wetting::exact_solution(scene);
     }

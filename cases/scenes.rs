@@ -60,6 +60,8 @@ pub fn all() -> &'static [BundledScene] {
         "cracks-growing",
         "inclusions-permeable",
         "inclusions-impermeable",
+        "random-soil-wetting",
+        "random-freezing-strip",
         "thawing-inclusion",
         "frozen-crack",
         "interfrost-th2-0",

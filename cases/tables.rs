@@ -24,6 +24,9 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// If there is none, or it is not about the physics of the scene.
 pub fn by_name(name: &str, scene: &Scene) -> Result<Box<dyn Reference>, Unfit> {
     let about = |differences: Vec<String>| Unfit::unless_same(name, differences);
+    if !scene.random.is_even() && names().any(|known| known == name) {
+        return Err(Unfit::another(name, vec!["the ground does not vary at random there".to_owned()]));
+    }
     if name == seepage::NAME {
         about(seepage::differences(scene))?;
         return Ok(Box::new(seepage::Inclusion::of_law(scene.materials[0].mixing)?));

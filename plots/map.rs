@@ -103,6 +103,13 @@ impl Look {
     }
 }
 
+/// The map of a property that varies at random, by its logarithm over what the materials have.
+pub(crate) fn ground_map(name: &str, field: &Field, words: &Words) -> Canvas {
+    let label = format!("ln of the {name} over its material's (1)");
+    let look = Look { heading: words.heading.clone(), kind: "Ground", label, range: None, zero: 0.0 };
+    draw_over(field, &GroundPlan::default(), words, &look)
+}
+
 /// Least and greatest of the values that are there.
 pub(crate) fn extremes<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f64) {
     let present = values.into_iter().filter(|value| value.is_finite());

@@ -51,6 +51,8 @@ pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Can
     add("stream", !result.stream.is_empty(), &|| stream::stream(result, &words));
     add("sections", !result.sections.is_empty(), &|| stream::sections(&result.sections, &words));
     all.extend(result.tables.iter().filter_map(|table| table::drawing(table, &words)));
+    let ground = options.ground.iter();
+    all.extend(ground.map(|(name, field)| (format!("random_{name}"), map::ground_map(name, field, &words))));
     for field in &result.fields {
         let time = number(words.time(field.time_s), 4).replace([' ', '·'], "").replace('−', "-");
         let map = match moist {

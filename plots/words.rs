@@ -1,6 +1,6 @@
 //! What figures of a run say alike: titles, units, the entry of the reference.
 
-use frazil_record::{ProfileRow, RunResult, TimeUnit};
+use frazil_record::{Field, ProfileRow, RunResult, TimeUnit};
 
 use crate::axes::Entry;
 use crate::canvas::Stroke;
@@ -27,6 +27,8 @@ pub struct FigureOptions {
     pub plan: GroundPlan,
     /// What stands in the ground of unsaturated water; absent where the run is of heat.
     pub unsaturated: Option<Outlines>,
+    /// Logarithms of what varies at random in the ground, over what its materials have, each with its name.
+    pub ground: Vec<(&'static str, Field)>,
 }
 
 /// How a run speaks of its units.

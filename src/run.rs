@@ -95,7 +95,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     };
     let also = || snapshots.map_or(Ok(()), |snapshots| snapshots.finish(folder.path()));
     output::write_run_and(folder.path(), &result, also)?;
-    let options = figure_options::of(&scene, &result.fields);
+    let options = figure_options::of_run(&scene, &result.fields);
     if let Err(error) = run_figures(&result, folder.path(), &options) {
         // The numbers are safe: a figure that cannot be drawn does not undo them.
         complain(&format!("figures: {error}"));

@@ -90,6 +90,9 @@ fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
             "walls.left = { pressure_Pa = 20 }\nwalls.right = { pressure_Pa = 0 }"
         };
     }
+    if has(Feature::RandomConductivity) {
+        sketch.random = "conductivity = { log_deviation = 0.5, correlation_length_m = 0.3 }".into();
+    }
     if has(Feature::Cracks) {
         sketch.cracks = vec!["from_m = [0.5, 0.3]\nto_m = [0.9, 0.5]".into()];
     }

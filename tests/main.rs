@@ -36,6 +36,7 @@ mod printed;
 mod profiles;
 mod properties;
 mod radiation;
+mod random_ground;
 mod reductions;
 mod references;
 mod regions;

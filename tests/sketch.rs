@@ -35,6 +35,8 @@ pub struct Sketch {
     pub excavation: String,
     /// Lines of the section `flow`; no water flows if empty.
     pub flow: String,
+    /// Lines of the section `random`; the ground is even if empty.
+    pub random: String,
     /// Lines of the section `gravity`; water does not fall if empty.
     pub gravity: String,
     /// Lines of the section `watch`.
@@ -94,6 +96,7 @@ impl Sketch {
             pipes: Vec::new(),
             excavation: String::new(),
             flow: String::new(),
+            random: String::new(),
             gravity: String::new(),
             watch: String::new(),
             spacing_m,
@@ -177,6 +180,9 @@ impl Sketch {
         }
         if !self.excavation.is_empty() {
             put(format_args!("[excavation]\n{}\n", self.excavation));
+        }
+        if !self.random.is_empty() {
+            put(format_args!("[random]\n{}\n", self.random));
         }
         if !self.gravity.is_empty() {
             put(format_args!("[gravity]\n{}\n", self.gravity));

@@ -138,6 +138,7 @@ pub fn maps(layout: &LayoutView<'_>, freezing_c: f64) -> Vec<(String, Canvas)> {
             water: layout.water.clone(),
         },
         unsaturated: None,
+        ground: Vec::new(),
     };
     let mut words = Words::of(layout.result, &options);
     words.heading.clone_from(&layout.name);

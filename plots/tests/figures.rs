@@ -229,6 +229,7 @@ fn plain(time_unit: TimeUnit) -> FigureOptions {
         name: None,
         plan: Default::default(),
         unsaturated: None,
+        ground: Vec::new(),
         time_unit,
         freezing_point: 0.0,
         axes: ("x", "y"),

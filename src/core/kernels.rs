@@ -18,3 +18,4 @@ mod rows_tangent;
 pub mod sweep;
 pub mod target;
 pub mod term;
+mod varied;

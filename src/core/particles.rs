@@ -30,6 +30,8 @@ pub struct Particles {
     pub solute: Vec<f64>,
     /// See [`Particles::solute`].
     pub concentration: Vec<f64>,
+    /// How much better the ground of each conducts than its material; empty where all conducts as its material.
+    pub factors: Arc<[f64]>,
     /// What it was at the start; empty if all particles started from their initial state.
     pub start: Arc<[f64]>,
     /// Where they stand.
@@ -95,6 +97,16 @@ impl Particles {
     pub fn integral(&self, value: impl Fn(usize) -> f64) -> f64 {
         let sum: Sum = (0..self.len()).map(|i| value(i) * self.volumes.share(i)).collect();
         sum.value() * self.volumes.unit()
+    }
+
+    /// How much better the ground of some particles conducts than their material: the geometric mean, as places conduct in series and
+    /// side by side.
+    pub fn mean_factor(&self, particles: &[u32]) -> f64 {
+        if self.factors.is_empty() {
+            return 1.0;
+        }
+        let sum: f64 = particles.iter().map(|index| self.factors[*index as usize].ln()).sum();
+        (sum / particles.len() as f64).exp()
     }
 
     /// Temperature of a particle.
@@ -177,6 +189,7 @@ impl HeapSize for Particles {
             + self.solute.heap_size()
             + self.concentration.heap_size()
             + shared(&self.start)
+            + shared(&self.factors)
             + self.lattice.heap_size()
             + self.materials.of_particle.heap_size()
             + self.materials.law_of.heap_size()

@@ -2,6 +2,7 @@
 
 pub mod domain;
 pub mod lattice;
+pub mod random_field;
 pub mod segment;
 pub mod symmetry;
 pub mod volumes;

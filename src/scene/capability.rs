@@ -23,6 +23,8 @@ pub enum Feature {
     Solute,
     /// Water that flows.
     Groundwater,
+    /// A conductivity that varies at random in place.
+    RandomConductivity,
     /// Segments that nothing crosses.
     Cracks,
     /// A shaft that is dug.
@@ -112,12 +114,12 @@ const WHOLE_LATTICE: &str = "the front in a cell is seen along the rows of a lat
 const FIXED_LAYERS: &str = "layers of particles stand for the wall, whatever cuts them off";
 
 /// All pairs that exclude each other.
-pub const EXCLUSIONS: [Exclusion; 63] = {
+pub const EXCLUSIONS: [Exclusion; 66] = {
     use Feature::{
         ApparentCapacity, Cracks, Excavation, ExplicitSteps, FittedWalls, Flags, FreezingCurve, GradientAdvection,
         Gravity, Groundwater, Implicit, InnerLayers, LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls,
-        NothingSharp, OwnSteps, PairMeans, Pipes, Ring, Rkl2, Shells, Solute, Stages, SubCellFronts, Surfaces,
-        UnevenParticles, UnsaturatedWater, WholePhases,
+        NothingSharp, OwnSteps, PairMeans, Pipes, RandomConductivity, Ring, Rkl2, Shells, Solute, Stages,
+        SubCellFronts, Surfaces, UnevenParticles, UnsaturatedWater, WholePhases,
     };
     [
         row(Groundwater, UnsaturatedWater, "heat beside unsaturated water would have to freeze it in its pores"),
@@ -137,6 +139,7 @@ pub const EXCLUSIONS: [Exclusion; 63] = {
         row(Solute, Shells, "walls touch shells, and water through touching walls is not told by pairs"),
         row(Solute, Ring, "water through a curved wall is not told by pairs"),
         row(Groundwater, Shells, "water flows through a line, a rectangle or a ring"),
+        row(RandomConductivity, Shells, "a shell is even all around"),
         row(OwnSteps, Groundwater, "its noise is balanced against conduction, and not against what water carries"),
         row(OwnSteps, Shells, "its particles are of one volume"),
         row(OwnSteps, Surfaces, "its random heat is not counted through surfaces"),
@@ -153,6 +156,7 @@ pub const EXCLUSIONS: [Exclusion; 63] = {
         row(UnevenParticles, LatticeWeights, "it has weights for the nearest neighbours on a lattice alone"),
         row(SubCellFronts, OwnSteps, OWN_NOISE),
         row(SubCellFronts, Shells, WHOLE_LATTICE),
+        row(SubCellFronts, RandomConductivity, "the front in a cell lies in ground that conducts evenly"),
         row(SubCellFronts, UnevenParticles, WHOLE_LATTICE),
         row(SubCellFronts, ListSearch, WHOLE_LATTICE),
         row(SubCellFronts, PairMeans, "a front has a potential, and no conductivity of its own"),
@@ -178,6 +182,7 @@ pub const EXCLUSIONS: [Exclusion; 63] = {
         row(LatticeSearch, Shells, BY_PAIRS),
         row(LatticeSearch, UnevenParticles, BY_PAIRS),
         row(LatticeSearch, PairMeans, BY_PAIRS),
+        row(LatticeSearch, RandomConductivity, BY_PAIRS),
         row(LatticeSearch, ApparentCapacity, BY_PAIRS),
         row(LatticeSearch, WholePhases, BY_PAIRS),
         row(LatticeSearch, FittedWalls, BY_PAIRS),
@@ -199,11 +204,12 @@ pub fn exclusions(features: &[Feature]) -> impl Iterator<Item = &'static Exclusi
 }
 
 /// All features, in words as messages have them, and where each is asked for.
-const FEATURES: [(Feature, &str, Place); 30] = [
+const FEATURES: [(Feature, &str, Place); 31] = [
     (Feature::UnsaturatedWater, "balance = \"water\"", Place::Scene("balance")),
     (Feature::Gravity, "\"gravity\"", Place::Scene("gravity")),
     (Feature::Solute, "a solute", Place::Scene("materials")),
     (Feature::Groundwater, "\"flow\"", Place::Scene("flow")),
+    (Feature::RandomConductivity, "\"random.conductivity\"", Place::Scene("random")),
     (Feature::Cracks, "\"cracks\"", Place::Scene("cracks")),
     (Feature::Excavation, "\"excavation\"", Place::Scene("excavation")),
     (Feature::Pipes, "\"pipes\"", Place::Scene("pipes")),

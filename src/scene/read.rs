@@ -10,6 +10,7 @@ mod ground;
 mod numerics;
 mod porous;
 mod problem;
+mod random;
 mod range;
 mod regions;
 mod section;
@@ -140,6 +141,8 @@ struct Asked {
     surfaces: bool,
     /// Whether there are parts that nothing enters.
     walled: bool,
+    /// Whether the conductivity varies at random in place.
+    varies: bool,
 }
 
 /// What a scene has that does not go with everything.
@@ -150,6 +153,7 @@ fn features(root: &Section<'_>, domain: Option<&Domain>, materials: &[Material],
         (root.has("gravity"), Feature::Gravity),
         (root.has("flow"), Feature::Groundwater),
         (root.has("cracks") || asked.walled, Feature::Cracks),
+        (asked.varies, Feature::RandomConductivity),
         (root.has("excavation"), Feature::Excavation),
         (root.has("pipes"), Feature::Pipes),
         (asked.surfaces, Feature::Surfaces),
@@ -210,8 +214,7 @@ fn only_of_heat(root: &mut Section<'_>, watch: &Watch) {
 
 fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static MethodKind]) -> Read<Scene> {
     let units = units(&mut root);
-    let title = root.text("title");
-    let source = root.text("source");
+    let (title, source) = (root.text("title"), root.text("source"));
     let domain = body::domain(&mut root);
     let body = domain.as_ref().ok();
     let mut time = watch::time(&mut root);
@@ -236,8 +239,9 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         Balance::Water(heads) => heads.solute(&mut root, known, initial_concentration),
     };
     let carries = matches!(solute, Ok(Some(_)));
-    let walled = !impermeable.is_empty();
-    let features = features(&root, body, known, &Asked { of_water, carries, surfaces, walled });
+    let random = random::random(&mut root, body);
+    let (walled, varies) = (!impermeable.is_empty(), random.conductivity.is_some());
+    let features = features(&root, body, known, &Asked { of_water, carries, surfaces, walled, varies });
     let gravity = gravity::gravity(&mut root, &domain, (of_water, known), &walls);
     let refused = refuse(&mut root, &features);
     let flow = flow::flow(&mut root, body, known, refused);
@@ -276,6 +280,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         flow: flow?,
         gravity: gravity?,
         solute: solute?,
+        random,
         stream: stream?,
         watch: watch?,
         reference,

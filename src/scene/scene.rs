@@ -13,6 +13,7 @@ use glam::DVec2;
 use crate::TimeUnit;
 use crate::method::MethodSettings;
 use crate::pipe_ring::PipeRing;
+use crate::random::RandomGround;
 use crate::region::{Region, Shape};
 use crate::solute::Solute;
 use crate::stream::Stream;
@@ -157,6 +158,8 @@ pub struct Scene {
     pub gravity: Option<WallId>,
     /// What the water carries, in a scene of unsaturated water.
     pub solute: Option<Solute>,
+    /// Which properties of the ground vary at random in place.
+    pub random: RandomGround,
     /// What drives the liquid itself, where it moves.
     pub stream: Option<Stream>,
     /// Observation.
@@ -227,6 +230,7 @@ impl Scene {
             flow: None,
             gravity: None,
             solute: None,
+            random: RandomGround::default(),
             stream: None,
             watch: Watch { outputs: 10, ..Watch::default() },
             reference: ReferenceChoice::Auto,
@@ -290,7 +294,8 @@ impl Scene {
     }
 
     /// Whether nothing in a rectangle varies along y, or along x: no heat and no water crosses its walls there, regions
-    /// reach from one to the other, and there are neither cracks nor parts of walls nor parts of the body that are driven.
+    /// reach from one to the other, and there are neither ground that varies nor cracks nor parts of walls nor parts of the body that
+    /// are driven.
     fn is_even_along(&self, y: bool) -> bool {
         let Domain::Rectangle { width, height } = self.domain else { return false };
         let ends = WallId::ends(y);
@@ -309,6 +314,7 @@ impl Scene {
             && !self.gravity.is_some_and(|towards| ends.contains(&towards))
             && self.regions.iter().all(reaches)
             && !self.has_barriers()
+            && self.random.is_even()
             && self.wall_parts.is_empty()
             && !self.stream.as_ref().is_some_and(driven)
     }

@@ -6,6 +6,7 @@ mod listed;
 mod moving;
 mod pipes;
 mod prepared;
+mod random;
 mod refusals;
 mod steps;
 mod transport;
@@ -161,8 +162,8 @@ pub(crate) fn build_for(
         Stepper::Shared => None,
     };
     refusals::unsupported(scene)?;
-    let mut prepared = Prepared::new(scene, settings, reference, seed)?;
     let pool = pool(threads)?;
+    let mut prepared = Prepared::new(scene, settings, reference, seed, pool.as_ref())?;
     refusals::out_of_place(scene, numerics, &prepared)?;
     let pipe_extents = prepared.sinks.iter().map(|sink| sink.extent).collect();
     let why_list = |flows| why_list(scene, numerics, discretisation, &prepared.stencil, prepared.narrow, flows);

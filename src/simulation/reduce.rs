@@ -110,6 +110,7 @@ fn obstacle(scene: &Scene, settings: &MethodSettings) -> Option<String> {
     let reasons = [
         (scene.flow.is_some(), "water flows"),
         (scene.gravity.is_some(), "water falls"),
+        (!scene.random.is_even(), "the ground varies at random"),
         (numerics.arrangement != Arrangement::Lattice, "particles stand unevenly"),
         (fitted, "fits of wall_model = \"moving-least-squares\" know no mirror planes"),
         (numerics.walls == WallModel::InnerLayers, "inner layers hold particles of the body itself"),

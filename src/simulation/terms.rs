@@ -102,6 +102,9 @@ impl Parts<'_> {
         if self.materials.mixed() {
             used.push(format!("{} materials, whose interfaces are solved for", self.scene.materials.len()));
         }
+        used.extend(self.scene.random.variations().map(|(name, varied)| {
+            format!("a {name} that varies at random, its logarithm by {}", varied.log_deviation)
+        }));
         if !self.scene.cracks.is_empty() {
             used.push(format!("{} cracks, which cut pairs", self.scene.cracks.len()));
         }

@@ -173,7 +173,10 @@ fn state(scene: &Scene, particles: &Particles) -> Vtk {
     let column =
         |name: &str, value: &dyn Fn(usize) -> f64| scalars(name, (0..count).map(value).collect::<Vec<f64>>().into());
     let materials: Vec<i32> = (0..count).map(|i| particles.materials.index(i) as i32).collect();
-    let read = if scene.of_water { of_water(scene, particles) } else { of_heat(particles) };
+    let mut read = if scene.of_water { of_water(scene, particles) } else { of_heat(particles) };
+    if !particles.factors.is_empty() {
+        read.push(("conductivity_factor", Box::new(|i| particles.factors[i])));
+    }
     let mut point: Vec<Attribute> = read.iter().map(|(name, value)| column(name, value)).collect();
     point.extend([column("volume", &|i| particles.volumes.of(i)), scalars("material", materials.into())]);
     let vertices =

@@ -2,6 +2,7 @@
 
 use frazil_core::breakage::crack::Crack;
 use frazil_core::space::domain::Domain;
+use frazil_core::space::random_field::RandomField;
 use frazil_plots::FigureOptions;
 use frazil_plots::ground_plan::{GroundPlan, ShaftMark, WaterMark};
 use frazil_plots::moisture_map::{CrackMark, Outlines};
@@ -21,7 +22,30 @@ pub fn of(scene: &Scene, maps: &[Field]) -> FigureOptions {
         cut: scene.flow.as_ref().and_then(|flow| flow.cut).unwrap_or(0.0),
         plan: plan(scene, maps),
         unsaturated: scene.of_water.then(|| outlines(scene, maps)),
+        ground: Vec::new(),
     }
+}
+
+/// The same for all figures of a run, of its ground where that varies at random among them.
+pub fn of_run(scene: &Scene, maps: &[Field]) -> FigureOptions {
+    FigureOptions { ground: ground(scene, maps), ..of(scene, maps) }
+}
+
+/// Logarithms of what varies at random, where the first map has values.
+fn ground(scene: &Scene, maps: &[Field]) -> Vec<(&'static str, Field)> {
+    let Some(map) = maps.first() else { return Vec::new() };
+    let of = |(name, variation)| {
+        let field = RandomField::new(variation);
+        let place = |k: usize| {
+            let (column, row) = (k % map.nx, k / map.nx);
+            DVec2::new(map.x0_m + column as f64 * map.spacing_m, map.y0_m + row as f64 * map.spacing_m)
+        };
+        let value = |(k, seen): (usize, &f64)| if seen.is_finite() { field.at(place(k)).ln() } else { f64::NAN };
+        let temperature_c = map.temperature_c.iter().enumerate().map(value).collect();
+        let (frozen_fraction, concentration, temperature_ref_c) = Default::default();
+        (name, Field { temperature_c, frozen_fraction, concentration, temperature_ref_c, ..map.clone() })
+    };
+    scene.random.variations().map(of).collect()
 }
 
 /// Cracks at the instants of maps, parts of other soils and those that nothing enters.

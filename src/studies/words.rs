@@ -43,6 +43,12 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
     facts.extend(tight.map(|(number, shape)| Fact::new(format!("Impermeable part {number}"), words.shape(shape))));
     let cracks = scene.cracks.iter().enumerate();
     facts.extend(cracks.map(|(number, crack)| Fact::new(format!("Crack {number}"), words.crack(crack))));
+    facts.extend(scene.random.variations().map(|(name, varied)| {
+        let (along_x, along_y) = (number(varied.lengths.x, 4), words.with(varied.lengths.y, "m"));
+        let (deviation, seed) = (number(varied.log_deviation, 4), varied.seed);
+        let all = format!("its logarithm by {deviation}, correlated over {along_x} and {along_y}, seed {seed}");
+        Fact::new(format!("Random {name}"), all)
+    }));
     let walls = scene.walls.iter();
     facts.extend(walls.map(|wall| Fact::new(format!("Wall {}", wall.wall), words.condition(&wall.condition))));
     facts.extend(scene.gravity.map(|wall| Fact::new("Gravity", format!("towards the wall {wall}"))));

@@ -22,7 +22,7 @@ use crate::balances::groundwater::pressure::Pressure;
 use crate::balances::groundwater::velocity::velocities;
 use crate::boundary::patch::Face;
 use crate::ledger::Sum;
-use crate::memory::HeapSize;
+use crate::memory::{HeapSize, shared};
 use crate::particles::Particles;
 use crate::physics::latent_heat::Materials;
 use crate::solvers::solver::Water;
@@ -81,6 +81,8 @@ struct Groundwater {
     pool: Option<Arc<ThreadPool>>,
     temperature: Vec<f64>,
     permeability: Vec<f64>,
+    /// How much better water passes the ground of each particle than its material; empty where it passes all as its material.
+    passes: Arc<[f64]>,
     solved: Vec<f64>,
     conductivity: Vec<f64>,
     walls: Vec<f64>,
@@ -170,6 +172,9 @@ impl Groundwater {
         let began = Instant::now();
         for i in 0..self.conductivity.len() {
             self.conductivity[i] = self.aquifer(i).open * self.permeability[i];
+        }
+        for (conductivity, factor) in self.conductivity.iter_mut().zip(self.passes.iter()) {
+            *conductivity *= factor;
         }
         for wall in 0..self.walls.len() {
             self.walls[wall] = self.wall_pressure(wall, time);
@@ -279,6 +284,6 @@ impl HeapSize for Groundwater {
             Warmth::Table { table, .. } => table.heap_size(),
         });
         let cuts = self.cuts.as_ref().map_or(0, |cuts| cuts.heap_size());
-        columns + parts + tables.sum::<usize>() + cuts + self.materials.of_particle.heap_size()
+        columns + parts + tables.sum::<usize>() + cuts + shared(&self.passes) + self.materials.of_particle.heap_size()
     }
 }

@@ -18,6 +18,7 @@ use glam::DVec2;
 
 use crate::memory::HeapSize;
 use crate::space::lattice::Lattice;
+use crate::space::random_field::between;
 
 /// What a curved wall may add to the row sum of a particle, over that of a whole neighbourhood. Beyond it deeper
 /// neighbours serve. The step is then 8/9 of that deep inside. On a quenched disc errors were within a factor of two of
@@ -130,6 +131,18 @@ impl Contacts {
             self.views.push(View { particle, area, depth });
         }
         self.contacts.push(Contact { particle, cut: near.cut, stiffness, views: (first, self.views.len() as u32) });
+    }
+
+    /// Takes ground that conducts by a factor of each particle: neighbours serve by what lies between them and the particle, which
+    /// their own pull on it outweighs as in even ground.
+    pub fn vary(&mut self, factors: &[f64]) {
+        for contact in &mut self.contacts {
+            let own = factors[contact.particle as usize];
+            contact.stiffness *= own;
+            for view in &mut self.views[contact.views.0 as usize..contact.views.1 as usize] {
+                view.depth /= between(own, factors[view.particle as usize]);
+            }
+        }
     }
 
     /// Particles whose profiles tell the flux through the wall.

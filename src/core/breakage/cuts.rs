@@ -54,7 +54,6 @@ impl Cuts {
         let strengths = Strengths::new(pairs, &times, volumes, |i, j| arm(positions, ghosts, i, j));
         let (mut kept, mut cuts) = (PairList { starts: vec![0], ..PairList::default() }, Cuts::default());
         for i in 0..count {
-            let first = cuts.changes.len();
             for k in pairs.starts[i]..pairs.starts[i + 1] {
                 if times[k] <= 0.0 {
                     continue;
@@ -73,16 +72,27 @@ impl Cuts {
                     }
                 }
             }
-            let start: f64 = kept.weights[kept.starts[i]..].iter().sum();
-            let growth = greatest(start, &mut cuts.changes[first..]) / start;
-            cuts.growing.extend((growth > 1.0).then_some((i as u32, growth)));
             kept.starts.push(kept.partners.len());
         }
         kept.partners.shrink_to_fit();
         kept.weights.shrink_to_fit();
         *pairs = kept;
         cuts.sort();
+        cuts.growing = growing(pairs, &cuts.changes);
         cuts
+    }
+
+    /// Multiplies the weights of a list by what its pairs conduct better, now and later.
+    pub(crate) fn scale(&mut self, pairs: &mut PairList, factors: &[f64]) {
+        pairs.weights.iter_mut().zip(factors).for_each(|(weight, factor)| *weight *= factor);
+        if self.changes.is_empty() {
+            return;
+        }
+        for change in &mut self.changes {
+            change.before *= factors[change.place];
+            change.after *= factors[change.place];
+        }
+        self.growing = growing(pairs, &self.changes);
     }
 
     /// Adds pairs that are cut, by time (s), place in the list, and weight before. A pair is cut once, by whatever comes first.
@@ -130,9 +140,22 @@ impl Cuts {
     }
 }
 
-/// The greatest that a sum of weights becomes by changes, which are put in order of time.
-fn greatest(start: f64, changes: &mut [Change]) -> f64 {
-    changes.sort_by(|a, b| a.time.total_cmp(&b.time));
+/// Rows whose sums grow beyond those at the start, and by what at most; changes are in order of time.
+fn growing(pairs: &PairList, changes: &[Change]) -> Vec<(u32, f64)> {
+    let row = |change: &Change| pairs.starts.partition_point(|start| *start <= change.place) - 1;
+    let mut by_row: Vec<(usize, Change)> = changes.iter().map(|change| (row(change), *change)).collect();
+    by_row.sort_by_key(|(row, _)| *row);
+    let rows = by_row.chunk_by(|a, b| a.0 == b.0).map(|own| {
+        let row = own[0].0;
+        let start: f64 = pairs.weights[pairs.starts[row]..pairs.starts[row + 1]].iter().sum();
+        let own: Vec<Change> = own.iter().map(|(_, change)| *change).collect();
+        (row as u32, greatest(start, &own) / start)
+    });
+    rows.filter(|(_, growth)| *growth > 1.0).collect()
+}
+
+/// The greatest that a sum of weights becomes by changes in order of time.
+fn greatest(start: f64, changes: &[Change]) -> f64 {
     let at_once = changes.chunk_by(|a, b| a.time == b.time);
     let sums = at_once.scan(start, |sum, changes| {
         *sum += changes.iter().map(|change| change.after - change.before).sum::<f64>();
@@ -172,7 +195,6 @@ mod tests {
         let expected =
             [change(1.0, 0, 5.0, 6.0), change(1.0, 1, 4.0, 0.0), change(1.5, 0, 6.0, 0.0), change(1.5, 2, 3.0, 0.0)];
         assert_eq!(cuts.changes, expected);
-        let mut sooner = expected;
-        assert_eq!(greatest(5.0, &mut sooner[..1]), 6.0);
+        assert_eq!(greatest(5.0, &expected[..1]), 6.0);
     }
 }

@@ -32,6 +32,9 @@ pub struct ListParts {
     pub spacing: f64,
     /// Materials.
     pub materials: Materials,
+    /// How much better the ground of each particle conducts than its material; empty where all conducts as its material. Pairs and
+    /// walls are those of even ground until rows are made of them.
+    pub factors: Arc<[f64]>,
     /// Pairs.
     pub pairs: PairList,
     /// Those of several materials.

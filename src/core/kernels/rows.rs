@@ -38,6 +38,7 @@ pub struct ListRows<T> {
 impl<T: PairTerm> ListRows<T> {
     /// An operator on the given parts with a term.
     pub fn new(parts: ListParts, term: T) -> Self {
+        let parts = parts.varied();
         let total = parts.positions.len() + parts.ghosts.len();
         let means = parts.exchange != Exchange::Potential;
         let temperatures = means || T::ACTIVE;

@@ -45,6 +45,8 @@ count = 1
 ring_radius_m = 0.1
 pipe_radius_m = 0.1
 temperature_c = 0
+[random.conductivity]
+[random.permeability]
 [watch]
 [stream]
 [reference]

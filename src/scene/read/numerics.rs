@@ -87,7 +87,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     let carries = setup.features.contains(&Feature::Solute);
     numerics.solute = carries.then(|| water::numerics(section, setting));
     numerics.flow = flow(section, (setup.features.contains(&Feature::Groundwater), carries), setting, monotone);
-    numerics.conduction = conduction(section, &numerics, setup.domain);
+    numerics.conduction = conduction(section, &numerics, setup);
     numerics.step = step(section, numerics.step, numerics.integrator.tolerance().is_some());
     combinations(section, &numerics, setup, kind);
 
@@ -250,15 +250,18 @@ fn flow(
     Some(FlowNumerics { advection, mean, pressure_change, pressure_interval })
 }
 
-fn conduction(section: &mut Section<'_>, numerics: &Numerics, domain: Option<&Domain>) -> Conduction {
+fn conduction(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_>) -> Conduction {
     let Some(flow) = numerics.flow else { return Conduction::Plain };
-    // The correction is limited together with the heat that water carries; it knows neither pipes nor curved walls.
+    // The correction is limited together with the heat that water carries; it knows neither pipes nor curved walls, and the fourth
+    // derivative that it takes out is that of even ground.
     let reason = if flow.advection != Advection::Limited {
         Some("advection = \"limited\"")
     } else if numerics.arrangement != Arrangement::Lattice {
         Some("layout = \"lattice\"")
+    } else if setup.features.contains(&Feature::RandomConductivity) {
+        Some("ground without \"random.conductivity\"")
     } else {
-        matches!(domain, Some(Domain::Ring { .. })).then_some("a line or a rectangle")
+        matches!(setup.domain, Some(Domain::Ring { .. })).then_some("a line or a rectangle")
     };
     let preset = if reason.is_some() { Conduction::Plain } else { numerics.conduction };
     let found = section.choice_or("conduction", &Conduction::WORDS, preset);

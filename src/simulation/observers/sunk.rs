@@ -45,7 +45,8 @@ pub(super) fn frozen_in<'a>(
             let cools = rate < 0.0 && sunk.near.iter().all(|i| particles.frozen_fraction(*i as usize) >= 1.0);
             let pipe = ring.temperature.at(time);
             let share: f64 = sunk.pipes.iter().map(|pipe| pipe.share).sum();
-            let conductivity = particles.materials.of(first).curve.conductivity(pipe);
+            let factor = particles.mean_factor(&sunk.near);
+            let conductivity = factor * particles.materials.of(first).curve.conductivity(pipe);
             // Behind a film the wall is warmer than the brine.
             let film = ring.film.map_or(0.0, |film| 1.0 / (film * TAU * ring.pipe_radius));
             let pipe = pipe - rate / share * film;

@@ -117,6 +117,7 @@ fn parts(
         volumes: volumes.clone(),
         spacing: lattice.spacing,
         materials: materials.clone(),
+        factors: prepared.factors.clone(),
         pairs,
         cuts,
         ghosts,

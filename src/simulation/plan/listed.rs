@@ -43,7 +43,7 @@ impl Listed<'_> {
         let flow = scene.flow.as_ref().zip(numerics.flow).filter(|_| self.own_step.is_none());
         let on_lattice = self.conducts_on_lattice && flow.is_some();
         let lattice = on_lattice.then(|| prepared.lattice_parts(scene, self.settings, pool.clone())).transpose()?;
-        let (list, ways_out) = list(scene, self.settings, prepared, pool)?;
+        let (list, ways_out) = list(scene, self.settings, prepared, pool.clone())?;
         if let Some(step) = self.own_step {
             return Ok(step(self.assembly(prepared, list)));
         }
@@ -58,6 +58,7 @@ impl Listed<'_> {
                     flow,
                     numerics: own,
                     conduction: numerics.conduction,
+                    passes: prepared.of_places(scene.random.permeability.as_ref(), pool.as_ref()),
                 };
                 Box::new(AdvectedHeat::new(parts, &prepared.enthalpies())?)
             }

@@ -28,6 +28,7 @@ pub(super) fn plan(scene: &Scene, settings: &MethodSettings, set: ParticleSet) -
     let mut particles = Particles {
         solute: Vec::new(),
         concentration: Vec::new(),
+        factors: Arc::new([]),
         start: if scene.has_regional_starts() { enthalpy.as_slice().into() } else { Arc::new([]) },
         enthalpy,
         places: Places::Cloud(vec![DVec2::ZERO; count].into()),

@@ -16,6 +16,7 @@ use frazil_core::physics::thermal::Thermal;
 use frazil_core::solvers::control::EnthalpyRange;
 use frazil_core::space::domain::{Domain, Sector, Surface};
 use frazil_core::space::lattice::Lattice;
+use frazil_core::space::random_field::{RandomField, Variation};
 use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;
 use frazil_scene::method::{MethodSettings, Stepper};
@@ -30,6 +31,7 @@ use crate::open_volumes::open_volumes;
 use crate::plan::bonds;
 use crate::plan::irregular;
 use crate::plan::pipes::{Pipes, pipes};
+use crate::plan::random;
 use crate::plan::refusals::blends;
 use crate::reference::Reference;
 use crate::refused::Refused;
@@ -49,6 +51,8 @@ pub(super) struct Prepared {
     pub(super) start: Arc<[f64]>,
     pub(super) stencil: Stencil,
     pub(super) sinks: Vec<Sink>,
+    /// How much better the ground of each particle conducts than its material; empty where all conducts as its material.
+    pub(super) factors: Arc<[f64]>,
     /// What particles hold of a solute at the start; empty where there is none.
     pub(super) solute: Vec<f64>,
     /// Whether shells take the papers' shape factors and mirrors, in their own setting.
@@ -66,6 +70,7 @@ impl Prepared {
         settings: &MethodSettings,
         reference: Option<&Arc<dyn Reference>>,
         seed: u64,
+        pool: Option<&Arc<ThreadPool>>,
     ) -> Result<Self, Refused> {
         let MethodSettings { numerics, discretisation, .. } = settings;
         let lattice = Arc::new(Lattice::new(&scene.domain, numerics.spacing));
@@ -102,8 +107,9 @@ impl Prepared {
         differences.extend(acting);
         let count = cloud.as_ref().map_or(lattice.len(), |cloud| cloud.len());
         let start = start::without_displaced(start, &sinks, &materials, &volumes, count);
+        differences.extend(random::unresolved(scene, lattice.spacing));
         let narrow = stencil.reach > lattice.columns || (lattice.dimension == 2 && stencil.reach > lattice.rows);
-        Ok(Prepared {
+        let mut prepared = Prepared {
             lattice,
             cloud,
             boundary,
@@ -112,11 +118,19 @@ impl Prepared {
             start,
             stencil,
             sinks,
+            factors: Arc::new([]),
             solute: Vec::new(),
             printed,
             narrow,
             differences,
-        })
+        };
+        prepared.factors = prepared.of_places(scene.random.conductivity.as_ref(), pool);
+        Ok(prepared)
+    }
+
+    /// What varies at random, at the places of all particles; nothing where nothing varies.
+    pub(super) fn of_places(&self, variation: Option<&Variation>, pool: Option<&Arc<ThreadPool>>) -> Arc<[f64]> {
+        variation.map_or_else(Arc::default, |varied| RandomField::new(varied).at_all(&self.positions(), pool))
     }
 
     /// Number of particles.
@@ -212,6 +226,7 @@ impl Prepared {
         let particles = Particles {
             enthalpy: self.enthalpies(),
             concentration: vec![0.0; self.solute.len()],
+            factors: self.factors,
             solute: self.solute,
             start: self.start,
             places: self.cloud.map_or(Places::Lattice, Places::Cloud),

@@ -70,6 +70,7 @@ pub(super) fn why_list(
             "the latent-heat scheme keeps its own columns",
         ),
         (scene.domain.symmetry().is_some(), "particles are shells"),
+        (scene.random.conductivity.is_some(), "the conductivity varies from place to place"),
         (flows, "water flows along the pairs"),
         (scene.gravity.is_some(), "gravity pulls water along the pairs"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),

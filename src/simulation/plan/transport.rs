@@ -5,6 +5,7 @@ use std::sync::Arc;
 use frazil_core::balances::solute::{Solute, SoluteParts};
 use frazil_core::boundary::patch::{Boundary, Patch};
 use frazil_core::kernels::flows::PairFlows;
+use frazil_core::kernels::list_parts::ListParts;
 use frazil_core::physics::latent_heat::{Materials, scheme};
 use frazil_core::series::Series;
 use frazil_core::solvers::heun::Heun;
@@ -42,6 +43,8 @@ pub(super) fn transport(
     let saturated = saturated(&prepared.materials, count);
     let contents: Vec<f64> = saturated.iter().zip(prepared.enthalpies()).map(|(full, held)| full + held).collect();
     let materials = scene.materials.iter().filter_map(|material| material.soil.as_ref()?.solute).collect();
+    // A solute diffuses through ground that varies as through its materials; the water that carries it knows better.
+    let parts = ListParts { factors: Arc::new([]), ..parts };
     let parts = SoluteParts { list: parts, materials, walls, advection: own.advection };
     let balance = Solute::new(parts, &contents)?;
     prepared.solute = (0..count)

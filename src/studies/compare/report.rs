@@ -133,7 +133,7 @@ fn finest_runs(folder: &Path, study: &Study) -> Result<Vec<Block>, Failure> {
         let own = folder.join(&key);
         make_folder(&own)?;
         write_run(&own, result)?;
-        let all = drawings(result, &figure_options::of(scene, &result.fields));
+        let all = drawings(result, &figure_options::of_run(scene, &result.fields));
         let last_map = all.iter().rposition(|(file, _)| file.starts_with("map_"));
         let mut block = Block { heading: format!("{} at {}", one.label(), one.spacing_words()), ..Block::default() };
         for (k, (file, canvas)) in all.iter().enumerate() {

@@ -1,5 +1,7 @@
 //! Water through assembled particles, neighbours and walls.
 
+use std::sync::Arc;
+
 use glam::DVec2;
 
 use super::{Groundwater, WaterLedger};
@@ -46,6 +48,8 @@ pub struct FlowParts<'a> {
     pub numerics: FlowNumerics,
     /// Conduction beside it.
     pub conduction: Conduction,
+    /// How much better water passes the ground of each particle than its material; empty where it passes all as its material.
+    pub passes: Arc<[f64]>,
 }
 
 impl AdvectedHeat {
@@ -55,12 +59,13 @@ impl AdvectedHeat {
     /// # Errors
     /// Materials without pores, walls that water cannot pass, pressures that are not found.
     pub fn new(parts: FlowParts<'_>, enthalpy: &[f64]) -> Result<Self, GroundwaterError> {
-        let FlowParts { list, ways_out, lattice, ground, domain, flow, numerics, conduction } = parts;
+        let FlowParts { list, ways_out, lattice, ground, domain, flow, numerics, conduction, passes } = parts;
         let bend = (conduction == Conduction::Corrected)
             .then(|| Bend::new(&list.positions, &list.ghosts.position, &list.pairs, list.spacing));
         let (materials, boundary, positions) = (list.materials.clone(), list.boundary.clone(), list.positions.clone());
         let (pairs, surfaces) = (list.pair_count(), list.surfaces.clone());
-        let water = Groundwater::new(&list, ways_out, ground, domain, flow, numerics, conduction)?;
+        let water =
+            Groundwater { passes, ..Groundwater::new(&list, ways_out, ground, domain, flow, numerics, conduction)? };
         let mut conduction = lattice.unwrap_or_else(|| {
             let scheme = scheme(LatentHeatScheme::Enthalpy, Mushy::Fraction, &materials, enthalpy, enthalpy.len());
             Box::new(ListBalance::new(list, Off, scheme))
@@ -102,7 +107,7 @@ impl Groundwater {
         numerics: FlowNumerics,
         conduction: Conduction,
     ) -> Result<Self, GroundwaterError> {
-        let ListParts { positions, pairs, ghosts, boundary, materials, .. } = list;
+        let ListParts { positions, pairs, ghosts, boundary, materials, factors, .. } = list;
         let first = &materials.thermals[0];
         let faces: Vec<Face> = boundary.first_faces(&first.curve, first.initial_potential);
         let mut cuts = (!list.cuts.is_empty()).then(|| CutPaths {
@@ -116,12 +121,24 @@ impl Groundwater {
             flow: flow.clone(),
             ways_out: ways_out.clone(),
             conduction,
+            factors: factors.clone(),
         });
         let network = match &mut cuts {
             Some(cuts) => cuts.start()?,
             None => {
                 let (ways_out, faces) = (&ways_out[..], &faces[..]);
-                Network::new(&NetworkParts { positions, pairs, ways_out, ghosts, boundary, faces, flow, conduction })?
+                let factors = &factors[..];
+                Network::new(&NetworkParts {
+                    positions,
+                    pairs,
+                    ways_out,
+                    ghosts,
+                    boundary,
+                    faces,
+                    flow,
+                    conduction,
+                    factors,
+                })?
             }
         };
         let count = network.len();
@@ -144,6 +161,7 @@ impl Groundwater {
             pool: list.pool.clone(),
             temperature: vec![0.0; count],
             permeability: vec![1.0; count],
+            passes: Arc::new([]),
             solved: Vec::new(),
             conductivity: vec![0.0; count],
             walls: vec![0.0; flow.walls.len()],

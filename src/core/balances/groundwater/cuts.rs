@@ -13,7 +13,7 @@ use crate::bonds::pair_list::PairList;
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::{Boundary, Face};
 use crate::breakage::cuts::Cuts;
-use crate::memory::{HeapSize, total};
+use crate::memory::{HeapSize, shared, total};
 
 /// What paths are made of, as long as pairs are cut while a run goes on.
 pub(super) struct CutPaths {
@@ -26,6 +26,7 @@ pub(super) struct CutPaths {
     pub(super) faces: Vec<Face>,
     pub(super) flow: Flow,
     pub(super) conduction: Conduction,
+    pub(super) factors: Arc<[f64]>,
     /// Whether each particle has a way to a wall of given pressure.
     pub(super) open: Vec<bool>,
 }
@@ -55,6 +56,7 @@ impl CutPaths {
             faces: &self.faces,
             flow: &self.flow,
             conduction: self.conduction,
+            factors: &self.factors,
         })?;
         self.open = network.reached();
         Ok(network)
@@ -70,6 +72,6 @@ impl HeapSize for CutPaths {
     fn heap_size(&self) -> usize {
         let pairs = total(&[&self.pairs.starts, &self.pairs.partners, &self.pairs.weights]);
         let ways_out = self.ways_out.capacity() * size_of::<WayOut>();
-        pairs + ways_out + total(&[&self.cuts, &self.ghosts, &self.open])
+        pairs + ways_out + shared(&self.factors) + total(&[&self.cuts, &self.ghosts, &self.open])
     }
 }

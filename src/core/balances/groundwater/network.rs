@@ -15,6 +15,7 @@ use crate::bonds::pair_list::PairList;
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::{Boundary, Face};
 use crate::memory::{HeapSize, total};
+use crate::space::random_field::between;
 use crate::space::wall::PatchId;
 
 /// Walls that a body can have.
@@ -134,6 +135,8 @@ pub struct NetworkParts<'a> {
     pub flow: &'a Flow,
     /// Conduction beside it.
     pub conduction: Conduction,
+    /// How much better the ground of each particle conducts heat than its material; empty where all conducts as its material.
+    pub factors: &'a [f64],
 }
 
 /// Walls as ghosts mirror them.
@@ -150,7 +153,7 @@ impl Network {
     /// # Errors
     /// Walls for water that the body has not, ghosts that mirror several particles, pairs in one direction only.
     pub fn new(parts: &NetworkParts<'_>) -> Result<Self, GroundwaterError> {
-        let NetworkParts { positions, pairs, ways_out, ghosts, boundary, faces, flow, conduction } = *parts;
+        let NetworkParts { positions, pairs, ways_out, ghosts, boundary, faces, flow, conduction, factors } = *parts;
         let mirrors = Mirrors { ghosts, boundary, faces, flow };
         let mut network = Network { starts: vec![0], patches: mirrors.patches()?, ..Network::default() };
         let (mut row, mut weights) = (Vec::new(), EndWeights::default());
@@ -169,6 +172,11 @@ impl Network {
             *arm *= 0.5 * network.weights[*slot as usize];
         }
         network.heat_weights = network.by_slot(&weights.heat);
+        if !factors.is_empty() {
+            let mut varied = std::mem::take(&mut network.heat_weights);
+            network.each_path(|i, j, slot| varied[slot] *= between(factors[i], factors[j]));
+            network.heat_weights = varied;
+        }
         if conduction == Conduction::Corrected {
             network.even_weights = network.by_slot(&weights.even);
         }

@@ -88,6 +88,7 @@ impl Body {
             positions: positions.into(),
             spacing: lattice.spacing,
             materials: Materials::new(Arc::new([]), Vec::new()),
+            factors: Arc::new([]),
             pairs,
             chains: Chains::default(),
             cuts: Cuts::default(),
@@ -170,6 +171,7 @@ impl Body {
     /// Particles with these contents.
     fn particles(&self, contents: Vec<f64>) -> Particles {
         Particles {
+            factors: [].into(),
             solute: Vec::new(),
             concentration: Vec::new(),
             enthalpy: contents,

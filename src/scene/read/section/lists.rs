@@ -7,6 +7,7 @@ use super::{Asked, Key, Section, Spot};
 use crate::TimeUnit;
 use crate::units::Units;
 use frazil_core::series::{Schedule, Series};
+use glam::DVec2;
 
 /// A time as it was given.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,6 +88,22 @@ impl<'a> Section<'a> {
             match numbers[..] {
                 [x, y] => Ok((x, y)),
                 _ => Err(section.note(&entry.key, format!("found {} coordinates, must be 2", numbers.len()))),
+            }
+        })
+    }
+
+    /// A required length, or one along each axis of a plane.
+    pub fn along_axes(&mut self, key: impl Into<Key>, dimension: usize) -> Read<DVec2> {
+        self.required(key.into(), "a length, or in a plane one along each axis, as [0.2, 0.1]", |section, entry| {
+            let Node::List(items) = &entry.node else {
+                return section.check_number(entry, Range::POSITIVE).map(DVec2::splat);
+            };
+            match section.check_items(&entry.key, 1, items, Range::POSITIVE)?[..] {
+                [x, y] if dimension == 2 => Ok(DVec2::new(x, y)),
+                _ if dimension == 2 => {
+                    Err(section.note(&entry.key, format!("found {} lengths, must be 2", items.len())))
+                }
+                _ => Err(section.wrong(&entry.key, &entry.node, "a number on a line")),
             }
         })
     }

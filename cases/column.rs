@@ -80,6 +80,9 @@ pub fn differences(scene: &Scene) -> Vec<String> {
     number("the initial temperature", Some(scene.initial_temperature), 1.0);
     if let Some((near, far, _)) = cold {
         let is_side = |wall: WallId| wall != near && wall != far;
+        if !scene.wall_parts.is_empty() {
+            differences.push("no wall is in parts there".into());
+        }
         if scene.walls.iter().any(|wall| is_side(wall.wall) && wall.condition != Condition::Symmetry) {
             differences.push("the sides are insulated there".into());
         }

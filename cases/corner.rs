@@ -51,6 +51,9 @@ impl Corner {
         if scene.materials.len() != 1 || !scene.is_uniform() {
             differences.push("the body is not of one material at one temperature".into());
         }
+        if !scene.wall_parts.is_empty() {
+            differences.push("walls are in parts".into());
+        }
         let material = &scene.materials[0];
         let same = material.frozen == material.unfrozen;
         if !same {

@@ -135,6 +135,9 @@ fn direction(scene: &Scene) -> Result<(WallId, Option<&Condition>, f64), Unsolve
         Domain::Ring { .. } => return Err(Unsolved::Body("a ring")),
         Domain::Radial { .. } | Domain::Axial { .. } => return Err(Unsolved::Body("a body of shells")),
     };
+    if !scene.wall_parts.is_empty() {
+        return Err(Unsolved::Body("a body whose walls are in parts"));
+    }
     let initial = scene.initial_temperature;
     let is_still = |wall: WallId| match scene.wall(wall) {
         None | Some(Condition::Symmetry) => true,

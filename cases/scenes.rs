@@ -54,6 +54,7 @@ pub fn all() -> &'static [BundledScene] {
         "wetting-column",
         "wetting-column-two-sided",
         "wetting-plane",
+        "wetting-plane-closed",
         "absorption-column",
         "infiltration-column",
         "cracks-fixed",

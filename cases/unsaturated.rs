@@ -20,6 +20,8 @@ pub enum Case {
     TwoSided,
     /// A square, wetted from its left side, with solute from the middle of that side.
     ZoneSource,
+    /// A square that is wetted, with solute, through the middle of its left side alone.
+    ZoneClosed,
     /// A square with two cracks that let nothing pass.
     Cracks,
     /// A square with two such cracks that grow.
@@ -32,10 +34,11 @@ pub enum Case {
 
 impl Case {
     /// All of them.
-    pub const ALL: [Case; 7] = [
+    pub const ALL: [Case; 8] = [
         Case::OneSided,
         Case::TwoSided,
         Case::ZoneSource,
+        Case::ZoneClosed,
         Case::Cracks,
         Case::GrowingCracks,
         Case::ImpermeableInclusions,
@@ -48,6 +51,7 @@ impl Case {
             Case::OneSided => "one-sided",
             Case::TwoSided => "two-sided",
             Case::ZoneSource => "zone-source",
+            Case::ZoneClosed => "zone-closed",
             Case::Cracks => "cracks",
             Case::GrowingCracks => "growing-cracks",
             Case::ImpermeableInclusions => "impermeable-inclusions",

@@ -70,6 +70,14 @@ fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
             _ => sketch.wall("outer", wet),
         };
     }
+    if has(Feature::WallParts) {
+        if !matches!(domain, Domain::Rectangle { .. }) {
+            return None;
+        }
+        let own = sketch.walls.iter().find(|wall| wall.0 == "left").map(|wall| wall.1.clone()).unwrap_or_default();
+        let part = "parts = [{ from_m = 0.2, to_m = 0.45, condition = \"symmetry\" }]";
+        sketch = sketch.wall("left", format!("{own}\n{part}"));
+    }
     if has(Feature::FreezingCurve) && !has(Feature::NothingSharp) {
         // Two materials, of which one is sharp.
         let inside = if has(Feature::Shells) {

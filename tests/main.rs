@@ -51,4 +51,5 @@ mod steps_by_error;
 mod turned;
 mod unsaturated;
 mod wall_models;
+mod wall_parts;
 mod walls;

@@ -133,6 +133,16 @@ fn a_zone_of_solute_soaks_into_a_square() {
     }
 }
 
+/// The same through a part of the side alone, which is closed elsewhere: means over all cuts and instants of the table.
+#[test]
+fn water_and_solute_soak_into_a_square_through_a_part_of_a_side() {
+    for kind in even() {
+        let result = run("wetting-plane-closed", kind.name, &[]);
+        closes(&result.record);
+        within(&result.record.errors, 3e-3, kind.name);
+    }
+}
+
 /// Behind a crack from wall to wall there is neither water nor solute, to the last bit.
 #[test]
 fn nothing_passes_a_crack() {

@@ -80,6 +80,7 @@ impl Profiles {
             Case::OneSided => include_str!("../tables/unsaturated-one-sided.csv"),
             Case::TwoSided => include_str!("../tables/unsaturated-two-sided.csv"),
             Case::ZoneSource => include_str!("../tables/unsaturated-zone-source.csv"),
+            Case::ZoneClosed => include_str!("../tables/unsaturated-zone-closed.csv"),
             Case::Cracks => include_str!("../tables/unsaturated-cracks.csv"),
             Case::GrowingCracks => include_str!("../tables/unsaturated-growing-cracks.csv"),
             Case::ImpermeableInclusions => include_str!("../tables/unsaturated-impermeable-inclusions.csv"),

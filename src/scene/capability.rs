@@ -9,7 +9,6 @@ use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
 use frazil_core::physics::material::Material;
 
 use crate::method::MethodKind;
-use crate::scene::Wall;
 use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice};
 
 /// Something that a scene, the settings of a method or the method itself brings along.
@@ -37,6 +36,8 @@ pub enum Feature {
     Shells,
     /// The plan of a ring.
     Ring,
+    /// Walls whose parts have conditions of their own.
+    WallParts,
     /// A material that freezes over an interval.
     FreezingCurve,
     /// No material that freezes at one temperature.
@@ -114,12 +115,12 @@ const WHOLE_LATTICE: &str = "the front in a cell is seen along the rows of a lat
 const FIXED_LAYERS: &str = "layers of particles stand for the wall, whatever cuts them off";
 
 /// All pairs that exclude each other.
-pub const EXCLUSIONS: [Exclusion; 66] = {
+pub const EXCLUSIONS: [Exclusion; 69] = {
     use Feature::{
         ApparentCapacity, Cracks, Excavation, ExplicitSteps, FittedWalls, Flags, FreezingCurve, GradientAdvection,
         Gravity, Groundwater, Implicit, InnerLayers, LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls,
         NothingSharp, OwnSteps, PairMeans, Pipes, RandomConductivity, Ring, Rkl2, Shells, Solute, Stages,
-        SubCellFronts, Surfaces, UnevenParticles, UnsaturatedWater, WholePhases,
+        SubCellFronts, Surfaces, UnevenParticles, UnsaturatedWater, WallParts, WholePhases,
     };
     [
         row(Groundwater, UnsaturatedWater, "heat beside unsaturated water would have to freeze it in its pores"),
@@ -140,6 +141,7 @@ pub const EXCLUSIONS: [Exclusion; 66] = {
         row(Solute, Ring, "water through a curved wall is not told by pairs"),
         row(Groundwater, Shells, "water flows through a line, a rectangle or a ring"),
         row(RandomConductivity, Shells, "a shell is even all around"),
+        row(Groundwater, WallParts, "what water brings through a wall has one temperature"),
         row(OwnSteps, Groundwater, "its noise is balanced against conduction, and not against what water carries"),
         row(OwnSteps, Shells, "its particles are of one volume"),
         row(OwnSteps, Surfaces, "its random heat is not counted through surfaces"),
@@ -157,6 +159,7 @@ pub const EXCLUSIONS: [Exclusion; 66] = {
         row(SubCellFronts, OwnSteps, OWN_NOISE),
         row(SubCellFronts, Shells, WHOLE_LATTICE),
         row(SubCellFronts, RandomConductivity, "the front in a cell lies in ground that conducts evenly"),
+        row(SubCellFronts, WallParts, WHOLE_LATTICE),
         row(SubCellFronts, UnevenParticles, WHOLE_LATTICE),
         row(SubCellFronts, ListSearch, WHOLE_LATTICE),
         row(SubCellFronts, PairMeans, "a front has a potential, and no conductivity of its own"),
@@ -180,6 +183,7 @@ pub const EXCLUSIONS: [Exclusion; 66] = {
         row(NaiveOpenWalls, OwnSteps, "its noise crosses mirrored walls alone"),
         row(LatticeSearch, OwnSteps, BY_PAIRS),
         row(LatticeSearch, Shells, BY_PAIRS),
+        row(LatticeSearch, WallParts, BY_PAIRS),
         row(LatticeSearch, UnevenParticles, BY_PAIRS),
         row(LatticeSearch, PairMeans, BY_PAIRS),
         row(LatticeSearch, RandomConductivity, BY_PAIRS),
@@ -204,7 +208,7 @@ pub fn exclusions(features: &[Feature]) -> impl Iterator<Item = &'static Exclusi
 }
 
 /// All features, in words as messages have them, and where each is asked for.
-const FEATURES: [(Feature, &str, Place); 31] = [
+const FEATURES: [(Feature, &str, Place); 32] = [
     (Feature::UnsaturatedWater, "balance = \"water\"", Place::Scene("balance")),
     (Feature::Gravity, "\"gravity\"", Place::Scene("gravity")),
     (Feature::Solute, "a solute", Place::Scene("materials")),
@@ -216,6 +220,7 @@ const FEATURES: [(Feature, &str, Place); 31] = [
     (Feature::Surfaces, "\"watch.surfaces\"", Place::Scene("watch")),
     (Feature::Shells, "a body of shells", Place::Scene("domain")),
     (Feature::Ring, "the domain \"ring\"", Place::Scene("domain")),
+    (Feature::WallParts, "a wall in parts", Place::Scene("walls")),
     (Feature::FreezingCurve, "a material that freezes over an interval", Place::Scene("materials")),
     (Feature::NothingSharp, "materials of which none freezes at one temperature", Place::Scene("materials")),
     (Feature::OwnSteps, "a method that makes its own steps", Place::Method),
@@ -265,11 +270,11 @@ pub(crate) fn of_materials(materials: &[Material]) -> impl Iterator<Item = Featu
     features.into_iter().filter(|feature| feature.0).map(|feature| feature.1)
 }
 
-/// What a method and its settings bring along, at these walls.
-pub(crate) fn of_settings(numerics: &Numerics, kind: &MethodKind, walls: &[Wall]) -> impl Iterator<Item = Feature> {
+/// What a method and its settings bring along, at walls that bring heat or not.
+pub(crate) fn of_settings(numerics: &Numerics, kind: &MethodKind, brings_heat: bool) -> impl Iterator<Item = Feature> {
     let rkl2 = matches!(numerics.integrator, IntegratorChoice::Rkl2 { .. } | IntegratorChoice::ControlledRkl2 { .. });
     let apparent = matches!(numerics.latent_heat_scheme, LatentHeatScheme::ApparentCapacity { .. });
-    let naive = numerics.walls == WallModel::Naive && walls.iter().any(|wall| wall.condition.brings_heat());
+    let naive = numerics.walls == WallModel::Naive && brings_heat;
     let stages = match numerics.integrator {
         IntegratorChoice::Euler => false,
         // What water carries asks for them.

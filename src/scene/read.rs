@@ -23,6 +23,7 @@ mod tree;
 mod watch;
 mod water;
 
+use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::material::Material;
 use frazil_core::space::domain::Domain;
 
@@ -143,6 +144,8 @@ struct Asked {
     walled: bool,
     /// Whether the conductivity varies at random in place.
     varies: bool,
+    /// Whether walls have parts.
+    in_parts: bool,
 }
 
 /// What a scene has that does not go with everything.
@@ -159,6 +162,7 @@ fn features(root: &Section<'_>, domain: Option<&Domain>, materials: &[Material],
         (asked.surfaces, Feature::Surfaces),
         (domain.is_some_and(|domain| domain.symmetry().is_some()), Feature::Shells),
         (matches!(domain, Some(Domain::Ring { .. })), Feature::Ring),
+        (asked.in_parts, Feature::WallParts),
     ];
     let own = own.into_iter().filter(|feature| feature.0).map(|feature| feature.1);
     own.chain(capability::of_materials(materials)).collect()
@@ -240,9 +244,9 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     };
     let carries = matches!(solute, Ok(Some(_)));
     let random = random::random(&mut root, body);
-    let (walled, varies) = (!impermeable.is_empty(), random.conductivity.is_some());
-    let features = features(&root, body, known, &Asked { of_water, carries, surfaces, walled, varies });
-    let gravity = gravity::gravity(&mut root, &domain, (of_water, known), &walls);
+    let (walled, varies, in_parts) = (!impermeable.is_empty(), random.conductivity.is_some(), !wall_parts.is_empty());
+    let features = features(&root, body, known, &Asked { of_water, carries, surfaces, walled, varies, in_parts });
+    let gravity = gravity::gravity(&mut root, &domain, (of_water, known), (&walls, &wall_parts));
     let refused = refuse(&mut root, &features);
     let flow = flow::flow(&mut root, body, known, refused);
     let stream = stream::stream(&mut root, body, &walls, time.as_ref().ok().map(|time| &time.duration));
@@ -251,11 +255,12 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         body::exact_walls(section, domain, &walls, (known, &regions), &reference);
     }
     drop(wall_section);
-    let setup = numerics::Setup { domain: body, materials: known, walls: &walls, features: &features };
-    let data = Temperatures { regions: &regions, rings: &rings, stream: stream.as_ref().ok().and_then(Option::as_ref) };
     let parts = wall_parts.iter().map(|part| &part.condition);
-    let conditions = walls.iter().map(|wall| &wall.condition).chain(parts);
-    let conditions = conditions.chain(excavation.iter().flatten().map(|shaft| &shaft.condition));
+    let own = || walls.iter().map(|wall| &wall.condition).chain(parts.clone());
+    let brings_heat = own().any(Condition::brings_heat);
+    let setup = numerics::Setup { domain: body, materials: known, brings_heat, features: &features };
+    let data = Temperatures { regions: &regions, rings: &rings, stream: stream.as_ref().ok().and_then(Option::as_ref) };
+    let conditions = own().chain(excavation.iter().flatten().map(|shaft| &shaft.condition));
     root.set_temperatures(initial_temperature.ok().map(|initial| data.range(initial, conditions)));
     let methods = numerics::methods(&mut root, &setup, kinds);
     let time = time?;

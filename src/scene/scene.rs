@@ -28,7 +28,7 @@ pub struct Wall {
     pub condition: Condition,
 }
 
-/// A part of a wall of a plane around an axis that has a condition of its own.
+/// A part of a wall that has a condition of its own.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WallPart {
     /// The wall.
@@ -294,8 +294,8 @@ impl Scene {
     }
 
     /// Whether nothing in a rectangle varies along y, or along x: no heat and no water crosses its walls there, regions
-    /// reach from one to the other, and there are neither ground that varies nor cracks nor parts of walls nor parts of the body that
-    /// are driven.
+    /// reach from one to the other, and there are neither ground that varies nor cracks nor parts of walls with other conditions nor
+    /// parts of the body that are driven.
     fn is_even_along(&self, y: bool) -> bool {
         let Domain::Rectangle { width, height } = self.domain else { return false };
         let ends = WallId::ends(y);
@@ -315,7 +315,7 @@ impl Scene {
             && self.regions.iter().all(reaches)
             && !self.has_barriers()
             && self.random.is_even()
-            && self.wall_parts.is_empty()
+            && self.wall_parts.iter().all(|part| self.wall(part.wall) == Some(&part.condition))
             && !self.stream.as_ref().is_some_and(driven)
     }
 
@@ -372,9 +372,18 @@ impl Scene {
         self.walls.iter().find(|other| other.wall == wall).map(|wall| &wall.condition)
     }
 
-    /// Whether no heat crosses a wall, or the domain has no such wall.
+    /// The condition at a place (m) along a wall: that of the last of its parts there, or else of the wall.
+    pub fn wall_at(&self, wall: WallId, along: f64) -> Option<&Condition> {
+        let is_there = |part: &&WallPart| part.wall == wall && along >= part.from && along < part.to;
+        let part = self.wall_parts.iter().rev().find(is_there);
+        part.map(|part| &part.condition).or_else(|| self.wall(wall))
+    }
+
+    /// Whether no heat crosses a wall and its parts, or the domain has no such wall.
     pub fn is_closed(&self, wall: WallId) -> bool {
+        let mut parts = self.wall_parts.iter().filter(|part| part.wall == wall);
         self.wall(wall).is_none_or(|condition| *condition == Condition::Symmetry)
+            && parts.all(|part| part.condition == Condition::Symmetry)
     }
 
     /// The settings of a method, if the scene has them.

@@ -3,7 +3,7 @@
 use frazil_core::balances::solute::advection::Advection;
 use frazil_core::series::Series;
 use frazil_core::solvers::transport::Coupling;
-use frazil_core::space::wall::WallId;
+use frazil_core::space::wall::PatchId;
 
 /// A solute that the water carries; concentrations are relative to one of reference.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,17 +12,15 @@ pub struct Solute {
     pub initial: f64,
     /// Concentrations at the start of regions that have one of their own, in the order of the regions.
     pub regions: Vec<Option<f64>>,
-    /// Walls and parts of walls of given concentration; later ones win.
+    /// Walls and parts of walls of given concentration.
     pub walls: Vec<SoluteWall>,
 }
 
 /// A wall of given concentration, or a part of one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SoluteWall {
-    /// The wall.
-    pub wall: WallId,
-    /// Where along it the part begins and ends (m); all of it if absent.
-    pub part: Option<(f64, f64)>,
+    /// The wall, or its part by the number among those of the scene.
+    pub patch: PatchId,
     /// The concentration.
     pub concentration: Series,
 }

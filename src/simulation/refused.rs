@@ -57,9 +57,6 @@ pub enum Refused {
     /// A stream of particles at rest.
     #[error("a driven liquid needs particles that move: method.edpd.motion = true")]
     StillStream,
-    /// Parts of walls of particles at rest.
-    #[error("parts of the walls of a rectangle need particles that move (method.edpd.motion = true) or an axis")]
-    StillParts,
     /// A shaft is dug before a wall can stand.
     #[error(transparent)]
     DugTooEarly(#[from] DugTooEarly),

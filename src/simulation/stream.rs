@@ -59,12 +59,9 @@ fn carried(scene: &Scene, greatest: f64) -> Option<impl Fn(f64, f64) -> Option<f
     if !constant || !liquid || greatest <= 0.0 || begin >= width {
         return None;
     }
-    let wall = |wall: WallId, x: f64| {
-        let part = scene.wall_parts.iter().rev().find(|part| part.wall == wall && x >= part.from && x < part.to);
-        match part.map(|part| &part.condition).or_else(|| scene.wall(wall)) {
-            Some(Condition::Temperature(series)) => Some(series.at(0.0)),
-            _ => None,
-        }
+    let wall = |wall: WallId, x: f64| match scene.wall_at(wall, x) {
+        Some(Condition::Temperature(series)) => Some(series.at(0.0)),
+        _ => None,
     };
     let diffusivity = material.unfrozen.conductivity / material.unfrozen_capacity();
     let cell = height / CELLS as f64;

@@ -7,6 +7,7 @@ use frazil_core::breakage::crack::{Crack, Growth};
 use frazil_core::physics::material::{Material, Phase};
 use frazil_core::series::Series;
 use frazil_core::space::domain::Domain;
+use frazil_core::space::wall::PatchId;
 use frazil_plots::page::Fact;
 use frazil_plots::style::{length, number};
 use frazil_scene::region::Ellipse;
@@ -51,6 +52,10 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
     }));
     let walls = scene.walls.iter();
     facts.extend(walls.map(|wall| Fact::new(format!("Wall {}", wall.wall), words.condition(&wall.condition))));
+    facts.extend(scene.wall_parts.iter().enumerate().map(|(number, part)| {
+        let patch = PatchId::Part(part.wall, number);
+        Fact::new(words.patch(patch), words.condition(&part.condition))
+    }));
     facts.extend(scene.gravity.map(|wall| Fact::new("Gravity", format!("towards the wall {wall}"))));
     facts.extend(of_water::solute(&words));
     facts.extend(scene.excavation.iter().map(|shaft| {
@@ -78,6 +83,18 @@ impl Words<'_> {
     /// What a body or a wall has: a temperature, or a head of water.
     fn state(&self, value: f64) -> String {
         if self.scene.of_water { of_water::state(self, value) } else { self.with(value, "°C") }
+    }
+
+    /// A wall or a part of one.
+    fn patch(&self, patch: PatchId) -> String {
+        match patch {
+            PatchId::Part(wall, k) => match self.scene.wall_parts.get(k) {
+                Some(part) => format!("Wall {wall} from {} to {}", number(part.from, 4), self.with(part.to, "m")),
+                None => format!("Wall {wall}"),
+            },
+            PatchId::Whole(wall) => format!("Wall {wall}"),
+            PatchId::Face => "Shaft".into(),
+        }
     }
 
     fn point(&self, place: DVec2) -> String {

@@ -1,6 +1,7 @@
 //! Ghost particles around a cloud: mirrors of particles at straight walls, or moving least squares.
 
 mod build;
+pub mod passing;
 
 use glam::DVec2;
 
@@ -8,6 +9,7 @@ use crate::boundary::interface::Chains;
 use crate::boundary::patch::Face;
 use crate::memory::{HeapSize, total};
 use crate::physics::latent_heat::Materials;
+use crate::space::lattice::Lattice;
 
 /// Ghosts, numbered after the particles; each depends only on particles and earlier ghosts.
 #[derive(Debug, Clone, Default)]
@@ -32,6 +34,18 @@ pub struct Ghosts {
     share: Vec<f64>,
     starts: Vec<u32>,
     images: Vec<(u32, f64)>,
+}
+
+/// By what the number that tells images of one particle apart grows with each mirror, the last one in its remainder.
+const SIDES: u32 = 5;
+
+/// A side of the box around a body: its number, the normal out of the body and how far along it the side lies (m).
+type BoxSide = (usize, DVec2, f64);
+
+/// Left, right, bottom, top.
+fn box_sides(lattice: &Lattice) -> [BoxSide; 4] {
+    let (corner, far) = (lattice.corner, lattice.far());
+    [(0, DVec2::NEG_X, -corner.x), (1, DVec2::X, far.x), (2, DVec2::NEG_Y, -corner.y), (3, DVec2::Y, far.y)]
 }
 
 /// What a ghost becomes in a layer of one value.
@@ -120,6 +134,11 @@ impl Ghosts {
             [(original, 1.0)] => Some(*original),
             _ => None,
         }
+    }
+
+    /// The side that a ghost of one mirror stands behind: left, right, bottom, top.
+    fn side(&self, ghost: usize) -> Option<usize> {
+        (self.stream[ghost] % SIDES).checked_sub(1).map(|side| side as usize)
     }
 
     /// Share of the ghost's pairs that counts: ghosts of two mirrors that stand in one place count half each.

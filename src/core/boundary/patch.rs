@@ -17,6 +17,12 @@ use crate::space::wall::{PatchId, WallId};
 /// Walls and parts of walls that a body may have.
 pub const MOST_PATCHES: usize = 24;
 
+/// Share of a spacing that rounding may make of none.
+const ROUNDING: f64 = 1e-9;
+
+/// A stretch of a wall: from where to where along it (m), and its patch.
+pub type Stretch = (f64, f64, usize);
+
 /// Temperature of a wall at a time (s), where it is known.
 pub type WallTemperature = Arc<dyn Fn(f64) -> Option<f64> + Send + Sync>;
 
@@ -245,6 +251,12 @@ impl Boundary {
         self.patches.iter().position(|patch| patch.id == PatchId::Whole(wall))
     }
 
+    /// Whether heat may cross a wall, given by the patch of the whole wall, and all of its parts.
+    pub fn is_open(&self, whole: usize) -> bool {
+        let wall = self.patches[whole].id.wall();
+        self.patches.iter().filter(|patch| patch.id.wall() == wall).all(Patch::lets_heat_through)
+    }
+
     /// Whether walls are in parts.
     pub fn has_parts(&self) -> bool {
         !self.parts.is_empty()
@@ -259,8 +271,34 @@ impl Boundary {
         part.map_or(patch, |part| part.3)
     }
 
+    /// The patches of a wall, given by that of the whole wall, within a distance (m) of a place (m) along it and between its
+    /// ends. The papers' layers have that of the place alone.
+    pub fn patches_near(&self, whole: usize, along: f64, distance: f64, (low, high): (f64, f64)) -> Vec<usize> {
+        if self.parts_between(whole, (low, high)).is_empty() {
+            return vec![self.patch_at(whole, along)];
+        }
+        let wall = self.patches[whole].id.wall();
+        let (from, to) = ((along - distance).max(low), (along + distance).min(high));
+        let near = wall.map_or_else(Vec::new, |wall| self.stretches(wall, from, to));
+        let mut near: Vec<usize> = near.iter().map(|stretch| stretch.2).collect();
+        near.sort_unstable();
+        near.dedup();
+        near
+    }
+
+    /// The stretches between the ends (m) of a wall whose parts pairs pass, given by the patch of the whole wall; empty where it
+    /// is in one, and at the papers' layers.
+    pub fn parts_between(&self, whole: usize, (low, high): (f64, f64)) -> Vec<Stretch> {
+        match self.patches[whole].id {
+            PatchId::Whole(wall) if !self.books_all && self.parts.iter().any(|part| part.0 == wall) => {
+                self.stretches(wall, low, high)
+            }
+            _ => Vec::new(),
+        }
+    }
+
     /// The stretches of a wall from one place (m) along it to another, each with its patch.
-    pub fn stretches(&self, wall: WallId, low: f64, high: f64) -> Vec<(f64, f64, usize)> {
+    pub fn stretches(&self, wall: WallId, low: f64, high: f64) -> Vec<Stretch> {
         let Some(whole) = self.whole(wall) else { return Vec::new() };
         let mut places = vec![low, high];
         let ends = self.parts.iter().filter(|part| part.0 == wall).flat_map(|part| [part.1, part.2]);
@@ -294,6 +332,27 @@ impl Boundary {
         for (face, patch) in faces.iter_mut().zip(&self.patches).filter(|(_, patch)| patch.changes) {
             *face = patch.face(time, curve, initial_potential);
         }
+    }
+}
+
+/// The part of a stretch of a wall, as long as `width` (m) and around a place (m), that lies in a patch. Outermost patches go on
+/// beyond the ends of the wall.
+pub fn share_of(stretches: &[Stretch], patch: usize, at: f64, width: f64) -> f64 {
+    let last = stretches.len().saturating_sub(1);
+    let overlap = |(number, (low, high, _)): (usize, &Stretch)| {
+        let low = if number == 0 { f64::NEG_INFINITY } else { *low };
+        let high = if number == last { f64::INFINITY } else { *high };
+        (high.min(at + 0.5 * width) - low.max(at - 0.5 * width)).max(0.0)
+    };
+    let own: f64 = stretches.iter().enumerate().filter(|(_, stretch)| stretch.2 == patch).map(overlap).sum();
+    let share = own / width;
+    // Ends at the edges of cells cut none.
+    if share < ROUNDING {
+        0.0
+    } else if share > 1.0 - ROUNDING {
+        1.0
+    } else {
+        share
     }
 }
 

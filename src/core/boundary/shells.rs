@@ -24,7 +24,7 @@ use crate::bonds::pair_list::PairList;
 use crate::bonds::stencil::Stencil;
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::Boundary;
-use crate::boundary::wall_ends::WallEnd;
+use crate::boundary::wall_ends::{WallEnd, lengthened};
 use crate::space::domain::Domain;
 use crate::space::lattice::Lattice;
 use crate::space::symmetry::Symmetry;
@@ -303,6 +303,10 @@ fn touches(
     let (columns, rows, spacing) = (lattice.columns, lattice.rows, lattice.spacing);
     let plane = lattice.dimension == 2;
     let end = if plane && boundary.has_parts() { Some(WallEnd::new(stencil, spacing)) } else { None };
+    let stretches = |wall: WallId, (first, last): (f64, f64)| match &end {
+        Some(end) => lengthened(boundary, wall, (first, last), spacing, |beyond| end.cover(beyond)),
+        None => boundary.stretches(wall, first, last),
+    };
     let (inner, outer) = domain.radii();
     let mut found = Vec::new();
     let mut touch = |particle: usize, patch: usize, depth: f64, area: f64, wall: WallId| {
@@ -315,7 +319,7 @@ fn touches(
     let top = if plane { rows as f64 * spacing } else { 1.0 };
     for (wall, column, radius) in [(WallId::Inner, 0, inner), (WallId::Outer, columns - 1, outer)] {
         let depth = symmetry.depth(radius, edge(lattice, column) + 0.5 * spacing);
-        let stretches = stretches(boundary, wall, (0.0, top), spacing, end.as_ref());
+        let stretches = stretches(wall, (0.0, top));
         for row in 0..rows {
             let low = row as f64 * spacing;
             let high = if plane { low + spacing } else { 1.0 };
@@ -325,41 +329,12 @@ fn touches(
         }
     }
     for (wall, row) in [(WallId::Bottom, 0), (WallId::Top, rows - 1)] {
-        let stretches = stretches(boundary, wall, (inner, outer), spacing, end.as_ref());
+        let stretches = stretches(wall, (inner, outer));
         for column in 0..columns {
             for (patch, from, to) in covering(&stretches, edge(lattice, column), edge(lattice, column + 1)) {
                 touch(row * columns + column, patch, 0.5 * spacing, symmetry.volume(from, to), wall);
             }
         }
-    }
-    found
-}
-
-/// The stretches of a wall, with held ones made longer where they end beside closed ones ([`crate::boundary::wall_ends`]).
-fn stretches(
-    boundary: &Boundary,
-    wall: WallId,
-    (first, last): (f64, f64),
-    spacing: f64,
-    end: Option<&WallEnd>,
-) -> Vec<(f64, f64, usize)> {
-    let mut found = boundary.stretches(wall, first, last);
-    let Some(end) = end else { return found };
-    for k in 1..found.len() {
-        let (before, after) = (&boundary.patches[found[k - 1].2], &boundary.patches[found[k].2]);
-        let place = (found[k].0 - first) / spacing;
-        // An edge that is met to rounding is met.
-        let whole = if (place - place.round()).abs() < 1e-9 { place.round() } else { place };
-        let longer = if before.is_held() && after.is_closed() {
-            whole.floor() + end.cover(whole - whole.floor())
-        } else if before.is_closed() && after.is_held() {
-            whole.ceil() - end.cover(whole.ceil() - whole)
-        } else {
-            continue;
-        };
-        let place = (first + longer * spacing).clamp(found[k - 1].0, found[k].1);
-        found[k - 1].1 = place;
-        found[k].0 = place;
     }
     found
 }

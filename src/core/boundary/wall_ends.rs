@@ -5,10 +5,13 @@
 //! peridynamics at ratio 3), and errors fall only with the first power of the spacing. So the part is made longer by
 //! what the lattice makes it shorter. How much is found on a half plane of the same lattice: outside of a window the
 //! exact root stands, and the difference inside, which decays as the inverse root, tells the place at which the part
-//! seems to end. It is a ratio of linear functions of what the first particle beyond the end is given.
+//! seems to end. Where walls touch particles it is a ratio of linear functions of what the first particle beyond the end is
+//! given; where ghosts are mirrored, the place up to which the part acts is looked for.
 
 use crate::bonds::stencil::Stencil;
+use crate::boundary::patch::{Boundary, Stretch};
 use crate::solvers::band::Band;
+use crate::space::wall::WallId;
 
 /// Where the end of a part seems to be, by the conductance given to the particle that it cuts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +33,7 @@ impl WallEnd {
     /// The end of a held part under a stencil of a plane.
     pub fn new(stencil: &Stencil, spacing: f64) -> Self {
         let window = Window::new(stencil, spacing);
-        let [short, half, whole] = TRIALS.map(|conductance| window.short(conductance));
+        let [short, half, whole] = TRIALS.map(|conductance| window.short(Acts::Touching(conductance)));
         // short = (a + b k) / (1 + c k) through the three trials.
         let [_, first, second] = TRIALS;
         let determinant = first * (-second * whole) + second * first * half;
@@ -47,6 +50,66 @@ impl WallEnd {
         let first = share(beyond);
         if (0.0..=1.0).contains(&first) { first } else { 1.0 + share(beyond - 1.0).clamp(0.0, 1.0) }
     }
+}
+
+/// Agreement of the end that a part seems to have with its own (spacings), and in how many tries.
+const AGREED: f64 = 1e-6;
+const TRIES: usize = 12;
+
+/// How far (in spacings) beyond the edge of the last particle that it covers whole a part must act, under a stencil of a plane with
+/// mirrored ghosts, to seem to end a share (0 to 1) of a spacing beyond that edge.
+pub fn mirrored_end(stencil: &Stencil, spacing: f64, beyond: f64) -> f64 {
+    let window = Window::mirrored(stencil, spacing);
+    let missing = |end: f64| window.short(Acts::UpTo(end)) + beyond;
+    let (mut before, mut end) = (beyond, beyond + 0.5);
+    let (mut missed, mut misses) = (missing(before), missing(end));
+    for _ in 0..TRIES {
+        if misses.abs() < AGREED || misses == missed {
+            break;
+        }
+        let next = end - misses * (end - before) / (misses - missed);
+        (before, missed) = (end, misses);
+        (end, misses) = (next, missing(next));
+    }
+    end
+}
+
+/// The stretches of a wall between two places (m), with held ones made longer where they end beside closed ones: up to `cover`
+/// spacings from the edge of the last cell that they cover whole, by the share of a spacing from that edge to their own end.
+pub fn lengthened(
+    boundary: &Boundary,
+    wall: WallId,
+    (first, last): (f64, f64),
+    spacing: f64,
+    cover: impl Fn(f64) -> f64,
+) -> Vec<Stretch> {
+    let mut found = boundary.stretches(wall, first, last);
+    for k in 1..found.len() {
+        let (before, after) = (&boundary.patches[found[k - 1].2], &boundary.patches[found[k].2]);
+        let place = (found[k].0 - first) / spacing;
+        // An edge that is met to rounding is met.
+        let whole = if (place - place.round()).abs() < 1e-9 { place.round() } else { place };
+        let longer = if before.is_held() && after.is_closed() {
+            whole.floor() + cover(whole - whole.floor())
+        } else if before.is_closed() && after.is_held() {
+            whole.ceil() - cover(whole.ceil() - whole)
+        } else {
+            continue;
+        };
+        let place = (first + longer * spacing).clamp(found[k - 1].0, found[k].1);
+        found[k - 1].1 = place;
+        found[k].0 = place;
+    }
+    found
+}
+
+/// How the wall of a window acts on its particles.
+#[derive(Clone, Copy)]
+enum Acts {
+    /// On the outermost ones, with a conductance of its own on the first beyond the end.
+    Touching(f64),
+    /// Through mirrored ghosts, up to a place beyond the end.
+    UpTo(f64),
 }
 
 /// A half plane around the end of a part: held to the right of the middle, closed to the left.
@@ -66,7 +129,8 @@ fn root(x: f64, y: f64) -> f64 {
 }
 
 impl Window {
-    fn new(stencil: &Stencil, spacing: f64) -> Self {
+    /// Particles at a wall that mirrors them.
+    fn mirrored(stencil: &Stencil, spacing: f64) -> Self {
         let reach = stencil.reach as i64;
         let rows = DEPTH.max(REACHES * stencil.reach);
         let strength = |a: i64, b: i64| {
@@ -78,6 +142,13 @@ impl Window {
             .map(|(a, b)| (a, b, strength(a, b)))
             .filter(|(a, b, weight)| *weight > 0.0 || a.abs() + b.abs() == 1)
             .collect();
+        Window { columns: 2 * rows, rows, weights, along: Vec::new(), down: Vec::new() }
+    }
+
+    /// Particles that a wall touches.
+    fn new(stencil: &Stencil, spacing: f64) -> Self {
+        let plain = Window::mirrored(stencil, spacing);
+        let (reach, weights) = (stencil.reach as i64, &plain.weights);
         // Every face carries exactly the flux of a linear profile, as in the body itself.
         let along = (0..reach).map(|row| {
             let there = weights.iter().filter(|(_, b, _)| row + b >= 0);
@@ -88,15 +159,21 @@ impl Window {
             1.0 - there.map(|(_, b, weight)| weight * (b * face.min(*b)) as f64).sum::<f64>()
         });
         let (along, down) = (along.collect(), down.collect());
-        Window { columns: 2 * rows, rows, weights, along, down }
+        Window { along, down, ..plain }
     }
 
     fn place(&self, column: i64, row: i64) -> (f64, f64) {
         (column as f64 + 0.5 - self.rows as f64, row as f64 + 0.5)
     }
 
-    /// How far before the middle the part seems to end, with a conductance given to the first particle beyond it.
-    fn short(&self, conductance: f64) -> f64 {
+    /// The share of a pair with an image that passes the part where it acts up to a place (spacings) beyond the middle.
+    fn passing(&self, column: i64, row: i64, (along, image): (i64, i64), end: f64) -> f64 {
+        let ((x, y), (other, depth)) = (self.place(column, row), self.place(column + along, image));
+        ((depth * x + y * other) / (y + depth) + 0.5 + end).clamp(0.0, 1.0)
+    }
+
+    /// How far before the middle the part seems to end.
+    fn short(&self, acts: Acts) -> f64 {
         let (columns, rows) = (self.columns as i64, self.rows as i64);
         let number = |column: i64, row: i64| (column * rows + row) as usize;
         let reach = self.weights.iter().map(|(a, b, _)| a.abs().max(b.abs())).max().unwrap_or(1);
@@ -107,9 +184,12 @@ impl Window {
             for row in 0..rows {
                 let own = number(column, row);
                 for (a, b, weight) in &self.weights {
-                    let (other, depth) = (column + a, row + b);
+                    let (other, mut depth) = (column + a, row + b);
+                    let mut follows = 1.0;
                     if depth < 0 {
-                        continue;
+                        let Acts::UpTo(end) = acts else { continue };
+                        depth = -1 - depth;
+                        follows -= 2.0 * self.passing(column, row, (*a, depth), end);
                     }
                     let added = match (a.abs(), b.abs()) {
                         (1, 0) => self.along.get(row as usize),
@@ -119,13 +199,13 @@ impl Window {
                     let strength = weight + added.copied().unwrap_or(0.0);
                     matrix.row_mut(own)[half] += strength;
                     if (0..columns).contains(&other) && depth < rows {
-                        matrix.row_mut(own)[half + number(other, depth) - own] -= strength;
+                        matrix.row_mut(own)[half + number(other, depth) - own] -= follows * strength;
                     } else {
                         let (x, y) = self.place(other, depth);
-                        potential[own] += strength * root(x, y);
+                        potential[own] += follows * strength * root(x, y);
                     }
                 }
-                if row == 0 && column + 1 >= rows {
+                if let (Acts::Touching(conductance), true) = (acts, row == 0 && column + 1 >= rows) {
                     matrix.row_mut(own)[half] += if column >= rows { 2.0 } else { conductance };
                 }
             }
@@ -192,6 +272,20 @@ mod tests {
             let end = found(weight);
             assert!((end.short - short).abs() < 0.006, "{end:?}, {short}");
             assert!((end.cover(0.0) - cover).abs() < 0.012, "{}, {cover}", end.cover(0.0));
+        }
+    }
+
+    /// The same with mirrored ghosts, by an independent dense solve on windows as wide, to its digits.
+    #[test]
+    fn mirrors_act_as_far_beyond_ends_as_is_known() {
+        for (weight, short, end) in [(&Nearest as &dyn PairWeight, 0.351, 0.19), (&Horizon(3.0), 0.459, 0.43)] {
+            let stencil = Stencil::new(weight, Normalisation::DiscreteMoment, 1.0, 2);
+            let plain = Window::mirrored(&stencil, 1.0).short(Acts::UpTo(0.0));
+            assert!((plain - short).abs() < 1e-3, "{plain}, {short}");
+            let found = mirrored_end(&stencil, 1.0, 0.0);
+            assert!((found - end).abs() < 0.015, "{found}, {end}");
+            let farther = mirrored_end(&stencil, 1.0, 0.5);
+            assert!(farther > found && farther < found + 1.0, "{found}, {farther}");
         }
     }
 

@@ -19,7 +19,7 @@ use glam::DVec2;
 
 use crate::bonds::pair_list::PairList;
 use crate::boundary::ghosts::{Ghosts, Levelled};
-use crate::boundary::patch::Boundary;
+use crate::boundary::patch::{Boundary, share_of};
 use crate::boundary::shells::Touch;
 use crate::physics::latent_heat::Materials;
 use crate::space::lattice::Lattice;
@@ -102,6 +102,19 @@ impl Body<'_> {
         }
     }
 
+    /// The part of the wall beside a column or row that lies in a patch. Shells stand in one patch each.
+    fn share(&self, patch: usize, along: usize) -> f64 {
+        let wall = self.boundary.patches[patch].id.wall();
+        let Some(whole) = wall.and_then(|wall| self.boundary.whole(wall)).filter(|_| self.symmetry.is_none()) else {
+            return 1.0;
+        };
+        let Lattice { corner, spacing, .. } = *self.lattice;
+        let (far, axis) = (self.lattice.far(), usize::from(self.side(patch) < 2));
+        let stretches = self.boundary.parts_between(whole, (corner[axis], far[axis]));
+        let middle = corner[axis] + (along as f64 + 0.5) * spacing;
+        if stretches.is_empty() { 1.0 } else { share_of(&stretches, patch, middle, spacing) }
+    }
+
     /// Depth (m) of a particle behind a side, as a plane wall would have it.
     fn depth(&self, side: usize, particle: usize) -> f64 {
         let (far, place) = (self.lattice.far(), self.positions[particle]);
@@ -167,7 +180,8 @@ pub fn level(ghosts: &mut Ghosts, pairs: &PairList, body: &Body<'_>, closed: boo
             false => vec![(model, 1.0)],
         };
         // Half of the distance over which a difference of potentials drives the flux through all pairs at once.
-        let depth = if sum > 0.0 { 0.5 * body.area(side, along) / sum } else { 0.0 };
+        let area = body.area(side, along) * body.share(patch as usize, along);
+        let depth = if sum > 0.0 { 0.5 * area / sum } else { 0.0 };
         for ghost in &members[1..] {
             let images = vec![((count + first) as u32, 1.0)];
             levelled[*ghost] = Some(Levelled { patch: None, pays: patch, images, depth: 0.0, model });

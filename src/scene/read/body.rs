@@ -17,7 +17,7 @@ use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::film::FILMS;
 use frazil_core::physics::material::Material;
 use frazil_core::space::domain::{Domain, Sector};
-use frazil_core::space::wall::WallId;
+use frazil_core::space::wall::{PatchId, WallId};
 
 /// Pipes of one ring, and rings, that a scene may have; their distances are checked pair by pair.
 const MOST_PIPES: usize = 1000;
@@ -97,12 +97,14 @@ pub(super) fn walls(
                 continue;
             };
             let own = condition_of(&mut wall, balance);
-            match balance {
-                Balance::Heat => parts.extend(shells::parts(&mut wall, known, domain)),
+            let numbered = (known, parts.len());
+            parts.extend(match balance {
+                Balance::Heat => shells::parts(&mut wall, numbered, domain, |part, _| condition_of_part(part)),
                 Balance::Water(heads) => {
-                    heads.solute_wall(&mut wall, known, domain, own != Ok(Condition::Symmetry));
+                    heads.concentration(&mut wall, PatchId::Whole(known), &own);
+                    shells::parts(&mut wall, numbered, domain, |part, patch| heads.part(part, patch, &own))
                 }
-            }
+            });
             if let Ok(condition) = own {
                 walls.push(Wall { wall: known, condition });
             }
@@ -129,6 +131,15 @@ fn condition_of(wall: &mut Section<'_>, balance: &Balance) -> Read<Condition> {
         Balance::Heat => condition(wall),
         Balance::Water(heads) => heads.condition(wall),
     }
+}
+
+/// What happens to heat at a part of a wall.
+fn condition_of_part(part: &mut Section<'_>) -> Read<Condition> {
+    let own = condition(part)?;
+    if own == Condition::Exact {
+        part.problem("condition", "found \"exact\", but a part of a wall has no exact solution");
+    }
+    Ok(own)
 }
 
 /// What happens to heat at a wall.

@@ -3,7 +3,7 @@
 use super::body::{wall_named, wall_names};
 use super::problem::{Noted, Read};
 use super::section::Section;
-use crate::scene::Wall;
+use crate::scene::{Wall, WallPart};
 use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::material::Material;
 use frazil_core::space::domain::Domain;
@@ -14,7 +14,7 @@ pub(super) fn gravity(
     root: &mut Section<'_>,
     domain: &Read<Domain>,
     (of_water, materials): (bool, &[Material]),
-    walls: &[Wall],
+    (walls, parts): (&[Wall], &[WallPart]),
 ) -> Result<Option<WallId>, Noted> {
     let towards: Option<Read<WallId>> = root.optional_section("gravity").map(|mut section| {
         let name = section.text("towards")?;
@@ -30,9 +30,10 @@ pub(super) fn gravity(
         return Err(root.problem("gravity", message));
     }
     let towards = towards.transpose()?;
-    let mut drains = walls.iter().filter(|wall| wall.condition == Condition::FreeDrainage);
-    if let Some(wall) = drains.find(|wall| towards != Some(wall.wall)) {
-        let wall = wall.wall;
+    let walls = walls.iter().map(|wall| (wall.wall, &wall.condition));
+    let all = walls.chain(parts.iter().map(|part| (part.wall, &part.condition)));
+    let mut drains = all.filter(|(_, condition)| **condition == Condition::FreeDrainage);
+    if let Some((wall, _)) = drains.find(|(wall, _)| towards != Some(*wall)) {
         let message = format!("the wall \"{wall}\" drains freely, which only the wall does that gravity pulls towards");
         return Err(root.problem("walls", message));
     }

@@ -8,7 +8,6 @@ use super::spacing;
 use super::water;
 use crate::capability::{self, Feature, Place};
 use crate::method::{MethodKind, MethodSettings};
-use crate::scene::Wall;
 use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice, UPSTREAM};
 use frazil_core::balances::groundwater::numerics::{Advection, Conduction, FlowNumerics};
 use frazil_core::bonds::exchange::{Exchange, Mean};
@@ -33,7 +32,8 @@ const INTERVAL: (&str, &str) = ("interval", "K");
 pub(super) struct Setup<'a> {
     pub(super) domain: Option<&'a Domain>,
     pub(super) materials: &'a [Material],
-    pub(super) walls: &'a [Wall],
+    /// Whether heat comes in by a flux or a film.
+    pub(super) brings_heat: bool,
     /// What it has that not all settings go with.
     pub(super) features: &'a [Feature],
 }
@@ -288,7 +288,7 @@ fn step(section: &mut Section<'_>, preset: StepChoice, by_error: bool) -> StepCh
 /// Settings that exclude each other, or what the scene has.
 fn combinations(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind) {
     let mut features = setup.features.to_vec();
-    features.extend(capability::of_settings(numerics, kind, setup.walls));
+    features.extend(capability::of_settings(numerics, kind, setup.brings_heat));
     for row in capability::exclusions(&features) {
         match row.asked.place() {
             // Said once, of the scene.

@@ -1,6 +1,5 @@
 //! Bodies of axial and spherical symmetry, and walls in parts.
 
-use super::body::condition;
 use super::problem::Read;
 use super::range::{Range, plain};
 use super::regions::extent;
@@ -10,7 +9,7 @@ use crate::scene::WallPart;
 use frazil_core::boundary::condition::Condition;
 use frazil_core::space::domain::{Domain, Surface};
 use frazil_core::space::symmetry::Symmetry;
-use frazil_core::space::wall::WallId;
+use frazil_core::space::wall::{PatchId, WallId};
 
 const INNER: (&str, &str) = ("inner_radius", "m");
 const OUTER: (&str, &str) = ("outer_radius", "m");
@@ -48,8 +47,13 @@ pub(super) fn along(domain: &Domain, wall: WallId) -> Option<(f64, f64)> {
     matches!(domain, Domain::Axial { .. } | Domain::Rectangle { .. }).then_some(along)
 }
 
-/// Reads the parts of a wall that have conditions of their own.
-pub(super) fn parts(section: &mut Section<'_>, wall: WallId, domain: &Domain) -> Vec<WallPart> {
+/// Reads the parts of a wall that have conditions of their own, which `condition` reads. They are numbered from `first_number` on.
+pub(super) fn parts(
+    section: &mut Section<'_>,
+    (wall, first_number): (WallId, usize),
+    domain: &Domain,
+    mut condition: impl FnMut(&mut Section<'_>, PatchId) -> Read<Condition>,
+) -> Vec<WallPart> {
     const FROM: (&str, &str) = ("from", "m");
     const TO: (&str, &str) = ("to", "m");
     let mut found = Vec::new();
@@ -60,10 +64,7 @@ pub(super) fn parts(section: &mut Section<'_>, wall: WallId, domain: &Domain) ->
             continue;
         };
         let (from, to) = (part.number(FROM, Range::ANY), part.number(TO, Range::ANY));
-        let own = condition(&mut part);
-        if own == Ok(Condition::Exact) {
-            part.problem("condition", "found \"exact\", but a part of a wall has no exact solution");
-        }
+        let own = condition(&mut part, PatchId::Part(wall, first_number + found.len()));
         let (Ok(from), Ok(to)) = (from, to) else { continue };
         let mut inside = true;
         for (key, place) in [(FROM, from), (TO, to)] {

@@ -95,8 +95,7 @@ fn a_scene_is_read_in_seconds_and_metres() {
     assert_eq!((scene.duration, scene.time_unit), (36000.0, TimeUnit::Hour));
     assert_eq!(scene.watch.profiles, [18000.0, 36000.0]);
     assert_eq!(scene.watch.probes, [(0.1, 0.0), (0.2, 0.0)]);
-    let Some(frazil_core::boundary::condition::Condition::Temperature(Series::Table(rows))) = scene.wall(WallId::Left)
-    else {
+    let Some(Condition::Temperature(Series::Table(rows))) = scene.wall(WallId::Left) else {
         unreachable!("the left wall is a table");
     };
     assert_eq!(rows, &[(0.0, 8.0), (3600.0, -20.0)]);
@@ -244,7 +243,7 @@ fn tables_and_work_may_repeat() {
     let wall = "walls.left.temperature_c";
     let scene = read(GOOD, &[(wall, "{ times_h = [0, 12], values = [8, -20], period_days = 1 }")]);
     let scene = scene.expect("the scene is good");
-    let Some(frazil_core::boundary::condition::Condition::Temperature(series)) = scene.wall(WallId::Left) else {
+    let Some(Condition::Temperature(series)) = scene.wall(WallId::Left) else {
         unreachable!("the left wall has a temperature");
     };
     assert_eq!(series, &Series::Repeated { rows: vec![(0.0, 8.0), (43_200.0, -20.0)], period: 86_400.0 });

@@ -15,11 +15,9 @@ use frazil_core::physics::retention::{RETENTIONS, Retention};
 use frazil_core::physics::solute_material::{SoluteMaterial, Tortuosity};
 use frazil_core::series::Series;
 use frazil_core::solvers::transport::Coupling;
-use frazil_core::space::domain::Domain;
-use frazil_core::space::wall::WallId;
+use frazil_core::space::wall::PatchId;
 
 use super::problem::Noted;
-use super::shells::along;
 use crate::settings::{Numerics, Setting};
 use crate::solute::{Solute, SoluteNumerics, SoluteWall};
 
@@ -114,10 +112,14 @@ impl Heads {
         self.state(section).ok()
     }
 
+    /// Keys that tell what happens to water at a wall.
+    fn conditions() -> [Key; 4] {
+        [HEAD.into(), SATURATION.into(), FLUX.into(), "condition".into()]
+    }
+
     /// What happens to water at a wall.
     pub(super) fn condition(&self, wall: &mut Section<'_>) -> Read<Condition> {
-        let keys = [HEAD.into(), SATURATION.into(), FLUX.into(), Key::from("condition")];
-        match wall.only_one(&keys)? {
+        match wall.only_one(&Self::conditions())? {
             0 => {
                 let heads = wall.series(HEAD, Range::at_least(-DRIEST))?;
                 self.each(wall, &heads, Self::of_head).map(Condition::Temperature)
@@ -134,36 +136,35 @@ impl Heads {
         }
     }
 
-    /// What of a wall is said of a solute: its concentration, and those of its parts.
-    pub(super) fn solute_wall(&mut self, section: &mut Section<'_>, wall: WallId, domain: &Domain, open: bool) {
-        const FROM: (&str, &str) = ("from", "m");
-        const TO: (&str, &str) = ("to", "m");
-        let mut found = Vec::new();
+    /// What happens to water at a part of a wall, and what is said there of a solute: what the wall has, where the part says
+    /// nothing of its own.
+    pub(super) fn part(
+        &mut self,
+        section: &mut Section<'_>,
+        patch: PatchId,
+        whole: &Read<Condition>,
+    ) -> Read<Condition> {
+        let says_condition = Self::conditions().iter().any(|key| section.has(*key));
+        let solute_alone = section.has(CONCENTRATION) && !says_condition;
+        let own = if solute_alone { whole.clone() } else { self.condition(section) };
+        self.concentration(section, patch, &own);
+        own
+    }
+
+    /// What of a wall or a part of one is said of a solute: its concentration.
+    pub(super) fn concentration(&mut self, section: &mut Section<'_>, patch: PatchId, condition: &Read<Condition>) {
+        let is_open = *condition != Ok(Condition::Symmetry);
         if section.has(CONCENTRATION) {
-            if !open {
+            if !is_open {
                 section.problem(CONCENTRATION, "no water crosses the wall, so no solute does");
             }
-            let concentration = section.series(CONCENTRATION, Range::NOT_NEGATIVE);
-            found.extend(concentration.map(|concentration| SoluteWall { wall, part: None, concentration }));
+            let own = section.series(CONCENTRATION, Range::NOT_NEGATIVE);
+            self.walls.extend(own.map(|concentration| SoluteWall { patch, concentration }));
+        } else if let (PatchId::Part(wall, _), true) = (patch, is_open) {
+            let whole = self.walls.iter().find(|other| other.patch == PatchId::Whole(wall));
+            let own = whole.map(|whole| SoluteWall { patch, concentration: whole.concentration.clone() });
+            self.walls.extend(own);
         }
-        for mut part in section.sections("parts") {
-            let Some((first, last)) = along(domain, wall).filter(|_| open) else {
-                part.section_problem("only walls of a rectangle that water crosses have parts");
-                part.abandon();
-                continue;
-            };
-            let inside = Range::between(first, last);
-            let (from, to) = (part.number(FROM, inside), part.number(TO, inside));
-            let concentration = part.series(CONCENTRATION, Range::NOT_NEGATIVE);
-            let (Ok(from), Ok(to)) = (from, to) else { continue };
-            if from >= to {
-                let message = format!("found {}, must be less than the end of the part, {}", plain(from), plain(to));
-                part.problem(FROM, message);
-                continue;
-            }
-            found.extend(concentration.map(|concentration| SoluteWall { wall, part: Some((from, to)), concentration }));
-        }
-        self.walls.extend(found);
     }
 
     /// The concentration at the start of a region, if it has one of its own.

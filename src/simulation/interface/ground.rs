@@ -43,8 +43,8 @@ impl<'a> Ground<'a> {
         let beyond = boundary.sides.map(|side| match side {
             Side::Curved => Beyond::Nothing,
             Side::Mirror => Beyond::Mirrored,
-            Side::Wall(patch) if boundary.patches[patch].lets_heat_through() => Beyond::Continued,
-            // Parts of a closed wall may be open: what lies behind is told by the wall as a whole.
+            // What lies behind is told by the wall as a whole: closed parts are mirrors, and what they reflect must be.
+            Side::Wall(patch) if boundary.is_open(patch) => Beyond::Continued,
             Side::Wall(_) => Beyond::Mirrored,
         });
         Ground { scene, low, high, spacing: lattice.spacing, beyond, symmetry: scene.domain.symmetry() }

@@ -50,8 +50,7 @@ impl Boundary {
             ends.sort_by(f64::total_cmp);
             for pair in ends.windows(2).filter(|pair| pair[0] < pair[1]) {
                 let middle = origin + 0.5 * (pair[0] + pair[1]);
-                let part = own().rfind(|part| (part.from..part.to).contains(&middle)).map(|part| &part.condition);
-                if let Some(series) = part.or_else(|| scene.wall(wall)).and_then(temperature) {
+                if let Some(series) = scene.wall_at(wall, middle).and_then(temperature) {
                     parts.push((Shape::Segment(from + pair[0] * way, from + pair[1] * way), series));
                 }
             }

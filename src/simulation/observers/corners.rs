@@ -30,11 +30,15 @@ impl Corners {
             return None;
         }
         let freezing = scene.materials[0].freezing_point;
-        let cold = |wall: WallId| matches!(scene.wall(wall), Some(Condition::Temperature(series)) if series.at(scene.duration) < freezing);
+        let cold = |wall: WallId, corner: f64| {
+            let length = if wall.is_across_y() { width } else { height };
+            let along = corner.min(length - 0.5 * spacing);
+            matches!(scene.wall_at(wall, along), Some(Condition::Temperature(series)) if series.at(scene.duration) < freezing)
+        };
         let mut corners = Vec::new();
         for (side, x, right) in [(WallId::Left, 0.0, 1.0), (WallId::Right, width, -1.0)] {
             for (end, y, up) in [(WallId::Bottom, 0.0, 1.0), (WallId::Top, height, -1.0)] {
-                if cold(side) && cold(end) {
+                if cold(side, y) && cold(end, x) {
                     corners.push((DVec2::new(x, y), DVec2::new(right, up)));
                 }
             }

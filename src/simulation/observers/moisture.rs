@@ -1,7 +1,8 @@
 //! Unsaturated water and its solute: what the body holds, and what of the solute came in through each wall.
 
+use frazil_core::boundary::condition::Condition;
 use frazil_core::ledger::{Ledger, Source, Sum};
-use frazil_core::space::wall::PatchId;
+use frazil_core::space::wall::{PatchId, WallId};
 use frazil_record::{Column, Role, RunResult, Table, Unit};
 
 use super::observer::{End, Made, Moment, Observer, Schedule, Setup, View, larger_magnitude};
@@ -37,8 +38,8 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
         let column = |name: String, doc: String, unit, role| Column { name, doc, unit, role };
         table.columns.push(column("solute_taken_up_m3".into(), "solute taken up".into(), amount, Role::Sum));
         let sources = solute.ledger().sources();
-        let open =
-            |source: &Source| !matches!(source, Source::Patch(PatchId::Whole(wall)) if setup.scene.is_closed(*wall));
+        let closed = |wall: WallId| setup.scene.wall(wall) == Some(&Condition::Symmetry);
+        let open = |source: &Source| !matches!(source, Source::Patch(PatchId::Whole(wall)) if closed(*wall));
         told = (0..sources.len()).filter(|number| open(&sources[*number])).collect();
         for source in told.iter().map(|number| sources[*number]) {
             let (name, doc) = (format!("solute_in_{source}_m3"), format!("solute in through {source}"));

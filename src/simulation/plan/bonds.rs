@@ -9,8 +9,10 @@ use frazil_core::bonds::stencil::SHELL_TOLERANCE;
 use frazil_core::bonds::weight::Normalisation;
 use frazil_core::boundary::curved_wall::{Contacts, Neighbourhood, Rim, cells_behind};
 use frazil_core::boundary::ghosts::Ghosts;
+use frazil_core::boundary::ghosts::passing::Passing;
 use frazil_core::boundary::interface::Chains;
 use frazil_core::boundary::shells::{Bonds, naive_shells, shells};
+use frazil_core::boundary::wall_ends::mirrored_end;
 use frazil_core::boundary::wall_layers::{Body, WallModel, inner, level};
 use frazil_core::breakage::crack::Barriers;
 use frazil_core::breakage::cuts::Cuts;
@@ -211,11 +213,14 @@ fn pairs(
     };
     let mut weights: Vec<f64> = Vec::with_capacity(list.partners.len());
     let mut scale = vec![1.0; points.len()];
+    let mirrors = numerics.walls == WallModel::Mirror;
+    let cover = |beyond: f64| if mirrors { mirrored_end(stencil, lattice.spacing, beyond) } else { beyond };
+    let passing = Passing::new(ghosts, count, lattice, boundary, cover);
     for i in 0..rows {
         let mut moment: f64 = behind(i).map(|(way, _, pair)| pair * way.length_squared()).sum();
         for j in list.of(i) {
             let distance = distance(i, *j);
-            let share = (*j as usize).checked_sub(count).map_or(1.0, |ghost| ghosts.share(ghost));
+            let share = (*j as usize).checked_sub(count).map_or(1.0, |ghost| passing.share(points[i], ghost));
             let pair = if *by_stencil {
                 share * at(points[*j as usize] - points[i])
             } else if distance > 0.0 {

@@ -71,6 +71,7 @@ pub(super) fn why_list(
         ),
         (scene.domain.symmetry().is_some(), "particles are shells"),
         (scene.random.conductivity.is_some(), "the conductivity varies from place to place"),
+        (!scene.wall_parts.is_empty(), "walls are in parts"),
         (flows, "water flows along the pairs"),
         (scene.gravity.is_some(), "gravity pulls water along the pairs"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
@@ -91,9 +92,6 @@ pub(super) fn why_list(
 pub(super) fn unsupported(scene: &Scene) -> Result<(), Refused> {
     if scene.stream.is_some() {
         return Err(Refused::StillStream);
-    }
-    if !scene.wall_parts.is_empty() && scene.domain.symmetry().is_none() {
-        return Err(Refused::StillParts);
     }
     Ok(in_time(scene)?)
 }

@@ -3,15 +3,13 @@
 use std::sync::Arc;
 
 use frazil_core::balances::solute::{Solute, SoluteParts};
-use frazil_core::boundary::patch::{Boundary, Patch};
+use frazil_core::boundary::patch::Patch;
 use frazil_core::kernels::flows::PairFlows;
 use frazil_core::kernels::list_parts::ListParts;
 use frazil_core::physics::latent_heat::{Materials, scheme};
-use frazil_core::series::Series;
 use frazil_core::solvers::heun::Heun;
 use frazil_core::solvers::solver::Solver;
 use frazil_core::solvers::transport::Transport;
-use frazil_core::space::wall::PatchId;
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
 use frazil_scene::region::Cell;
@@ -31,11 +29,12 @@ pub(super) fn transport(
     pool: Option<Arc<ThreadPool>>,
 ) -> Result<Box<dyn Solver>, Refused> {
     let Some((solute, own)) = scene.solute.as_ref().zip(settings.numerics.solute) else { return Ok(water) };
-    let (boundary, walls) = walls(scene, solute, &prepared.boundary);
-    let swept = std::mem::replace(&mut prepared.boundary, boundary);
-    let made = list(scene, settings, prepared, pool);
-    prepared.boundary = swept;
-    let (parts, _) = made?;
+    let (parts, _) = list(scene, settings, prepared, pool)?;
+    let of = |patch: &Patch| {
+        let own = solute.walls.iter().find(|wall| wall.patch == patch.id);
+        own.map(|wall| wall.concentration.clone())
+    };
+    let walls = parts.boundary.patches.iter().map(of).collect();
     let count = prepared.count();
     let numerics = &settings.numerics;
     let choice = scheme(numerics.latent_heat_scheme, numerics.mushy, &prepared.materials, &prepared.start, count);
@@ -74,23 +73,4 @@ fn saturated(materials: &Materials, count: usize) -> Vec<f64> {
         saturated + thermal.initial_enthalpy
     };
     (0..count).map(of).collect()
-}
-
-/// The walls of a body with those parts that have a concentration of their own, and the concentration of each.
-fn walls(scene: &Scene, solute: &frazil_scene::Solute, own: &Boundary) -> (Boundary, Vec<Option<Series>>) {
-    let mut boundary = own.clone();
-    let whole = |patch: &Patch| {
-        let of = |wall: &&frazil_scene::SoluteWall| wall.part.is_none() && PatchId::Whole(wall.wall) == patch.id;
-        solute.walls.iter().rev().find(of).map(|wall| wall.concentration.clone())
-    };
-    let mut walls: Vec<Option<Series>> = own.patches.iter().map(whole).collect();
-    let first = scene.wall_parts.len();
-    for (number, wall) in solute.walls.iter().enumerate() {
-        let (Some((from, to)), Some(patch)) = (wall.part, own.whole(wall.wall)) else { continue };
-        boundary.parts.push((wall.wall, from, to, boundary.patches.len()));
-        let id = PatchId::Part(wall.wall, first + number);
-        boundary.patches.push(Patch { id, ..own.patches[patch].clone() });
-        walls.push(Some(wall.concentration.clone()));
-    }
-    (boundary, walls)
 }

@@ -73,12 +73,8 @@ pub(super) fn solute(words: &Words<'_>) -> Vec<Fact> {
     let region = |(k, own): (usize, &Option<f64>)| own.map(|own| format!("; {} in region {k}", number(own, 4)));
     let regions: String = solute.regions.iter().enumerate().filter_map(region).collect();
     let wall = |wall: &SoluteWall| {
-        let part = wall.part.map(|(from, to)| format!(" from {} to {}", number(from, 4), words.with(to, "m")));
-        let concentration = words.series(&wall.concentration, "");
-        Fact::new(
-            format!("Concentration at wall {}", wall.wall),
-            format!("{concentration}{}", part.unwrap_or_default()),
-        )
+        let name = format!("{}: concentration", words.patch(wall.patch));
+        Fact::new(name, words.series(&wall.concentration, ""))
     };
     let start = Fact::new("Concentration at the start", format!("{}{regions}", number(solute.initial, 4)));
     [start].into_iter().chain(solute.walls.iter().map(wall)).collect()
@@ -111,7 +107,7 @@ mod tests {
             "Wall right: water flux into the body: 1 · 10⁻⁹ m/s",
             "Material soil: van Genuchten, alpha 1 1/m, n 2, connectivity 0.5; water content 0.1 to 0.4",
             "solute: diffusion 9 · 10⁻¹¹ m²/s",
-            "Concentration at wall left: 1",
+            "Wall left: concentration: 1",
         ] {
             assert!(said.contains(words), "{words} in\n{said}");
         }

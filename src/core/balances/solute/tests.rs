@@ -16,6 +16,7 @@ use crate::bonds::stencil::Stencil;
 use crate::bonds::weight::{Normalisation, PairWeight};
 use crate::boundary::condition::Condition;
 use crate::boundary::ghosts::Ghosts;
+use crate::boundary::ghosts::passing::Passing;
 use crate::boundary::interface::Chains;
 use crate::boundary::patch::{Boundary, Patch, Side};
 use crate::breakage::cuts::Cuts;
@@ -82,7 +83,7 @@ impl Body {
         let reach_m = reach as f64 * lattice.spacing;
         let positions = lattice.positions();
         let ghosts = Ghosts::new(&positions, &lattice, &boundary, reach_m, false);
-        let pairs = pairs(&positions, &ghosts, &lattice, reach_m);
+        let pairs = pairs(&positions, &ghosts, &lattice, &boundary, reach_m);
         let list = ListParts {
             volumes: Volumes::new(&domain, &lattice, false),
             positions: positions.into(),
@@ -188,15 +189,16 @@ impl Body {
 }
 
 /// Pairs with weights by the offsets of a lattice.
-fn pairs(positions: &[DVec2], ghosts: &Ghosts, lattice: &Lattice, reach: f64) -> PairList {
+fn pairs(positions: &[DVec2], ghosts: &Ghosts, lattice: &Lattice, boundary: &Boundary, reach: f64) -> PairList {
     let stencil = Stencil::new(&Constant(reach), Normalisation::DiscreteMoment, lattice.spacing, lattice.dimension);
     let points = [positions, &ghosts.position].concat();
     let near = Tree.neighbours(&points, positions.len(), reach * (1.0 + 1e-6), Period::NONE);
+    let passing = Passing::new(ghosts, positions.len(), lattice, boundary, |beyond| beyond);
     let mut pairs = PairList { starts: vec![0], ..PairList::default() };
     for i in 0..positions.len() {
         for j in near.of(i) {
             let cells = ((points[*j as usize] - points[i]) / lattice.spacing).round().abs();
-            let share = (*j as usize).checked_sub(positions.len()).map_or(1.0, |ghost| ghosts.share(ghost));
+            let share = (*j as usize).checked_sub(positions.len()).map_or(1.0, |ghost| passing.share(points[i], ghost));
             pairs.partners.push(*j);
             pairs.weights.push(share * stencil.at(cells.x as usize, cells.y as usize));
         }

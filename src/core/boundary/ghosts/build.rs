@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use crate::boundary::ghosts::Ghosts;
+use crate::boundary::ghosts::{BoxSide, Ghosts, SIDES, box_sides};
 use crate::boundary::patch::{Boundary, Side, moving_least_squares};
 use crate::neighbours::tree::Tree;
 use crate::neighbours::{NeighbourSearch, Period};
@@ -16,8 +16,8 @@ const FIT_SCALE: f64 = 1.2;
 /// Relative difference of squared distances that rounding may make.
 const SAME_DISTANCE: f64 = 1e-9;
 
-/// A side of the box around a body: its number, the normal out of the body and how far along it the side lies (m).
-type BoxSide = (usize, DVec2, f64);
+/// How much farther than its own ends a part of a wall may act, and half the stretch over which a pair passes it (spacings).
+const LONGER: f64 = 3.0;
 
 /// Straight walls left and right, or at the bottom and the top.
 #[derive(Clone, Copy)]
@@ -77,10 +77,10 @@ impl Ghosts {
 
 impl Builder<'_> {
     fn sides(&self, walls: Walls) -> [BoxSide; 2] {
-        let (corner, far) = (self.lattice.corner, self.lattice.far());
+        let [left, right, bottom, top] = box_sides(self.lattice);
         match walls {
-            Walls::Columns => [(0, DVec2::NEG_X, -corner.x), (1, DVec2::X, far.x)],
-            Walls::Rows => [(2, DVec2::NEG_Y, -corner.y), (3, DVec2::Y, far.y)],
+            Walls::Columns => [left, right],
+            Walls::Rows => [bottom, top],
         }
     }
 
@@ -107,9 +107,12 @@ impl Builder<'_> {
                     if depth < 0.0 || depth > self.reach {
                         continue;
                     }
-                    if let Some(number) = self.add(index, place + 2.0 * depth * side.1, depth, side.0, all) {
-                        next.push(number);
-                        next_from.push(side.0);
+                    for patch in self.patches(index, side.0) {
+                        if let Some(number) = self.add(index, place + 2.0 * depth * side.1, depth, (side.0, patch), all)
+                        {
+                            next.push(number);
+                            next_from.push(side.0);
+                        }
                     }
                 }
             }
@@ -117,20 +120,32 @@ impl Builder<'_> {
         }
     }
 
-    /// Adds the image of a particle or ghost at a side, and gives its number.
-    fn add(&mut self, image: u32, place: DVec2, depth: f64, side: usize, all: bool) -> Option<u32> {
+    /// The patches of a side that pairs with the image of a particle or ghost may pass: one, but where a wall is in parts.
+    fn patches(&self, image: u32, side: usize) -> Vec<Option<u8>> {
+        let Side::Wall(whole) = self.boundary.sides[side] else { return vec![None] };
+        let model = (image as usize).checked_sub(self.points.len()).map_or(image, |ghost| self.ghosts.model[ghost]);
+        // A part of a wall goes on behind the other wall of a corner.
+        let (place, low, high) = (self.points[model as usize], self.lattice.corner, self.lattice.far());
+        let (along, ends) = if side < 2 { (place.y, (low.y, high.y)) } else { (place.x, (low.x, high.x)) };
+        let near = self.boundary.patches_near(whole, along, self.reach + LONGER * self.lattice.spacing, ends);
+        near.into_iter().map(|patch| Some(patch as u8)).collect()
+    }
+
+    /// Adds the image of a particle or ghost at a patch of a side, and gives its number.
+    fn add(
+        &mut self,
+        image: u32,
+        place: DVec2,
+        depth: f64,
+        (side, patch): (usize, Option<u8>),
+        all: bool,
+    ) -> Option<u32> {
         let (count, boundary, ghosts) = (self.points.len(), self.boundary, &mut self.ghosts);
         let number = (count + ghosts.len()) as u32;
         let parent = (image as usize).checked_sub(count);
         let (model, identity, stream, pays) = match parent {
             Some(k) => (ghosts.model[k], ghosts.identity[k], ghosts.stream[k], ghosts.pays[k]),
             None => (image, image, 0, None),
-        };
-        // A part of a wall goes on behind the other wall of a corner.
-        let along = self.points[model as usize];
-        let patch = match boundary.sides[side] {
-            Side::Wall(patch) => Some(boundary.patch_at(patch, if side < 2 { along.y } else { along.x }) as u8),
-            Side::Mirror | Side::Curved => None,
         };
         let open = patch.filter(|patch| boundary.books_all || boundary.patches[*patch as usize].lets_heat_through());
         let mut mirrors = parent.map_or(Mirrors::default(), |k| self.mirrors[k]);
@@ -146,7 +161,7 @@ impl Builder<'_> {
         ghosts.depth.push(depth);
         ghosts.model.push(model);
         ghosts.identity.push(if open.is_some() { number } else { identity });
-        ghosts.stream.push(stream * 5 + side as u32 + 1);
+        ghosts.stream.push(stream * SIDES + side as u32 + 1);
         ghosts.images.push((image, 1.0));
         ghosts.starts.push(ghosts.images.len() as u32);
         Some(number)
@@ -193,7 +208,7 @@ impl Builder<'_> {
         let (columns, rows) = (lattice.columns as i64, lattice.rows as i64);
         let margin = if corners { layers } else { 0 };
         for (side, normal, offset) in sides {
-            let Side::Wall(patch) = self.boundary.sides[side] else { continue };
+            let Side::Wall(whole) = self.boundary.sides[side] else { continue };
             let (along, across) = if side < 2 { (rows, columns) } else { (columns, rows) };
             let outside = |layer: i64| if side % 2 == 0 { -1 - layer } else { across + layer };
             let cells = (-margin..along + margin).flat_map(|at| (0..layers).map(move |layer| (at, outside(layer))));
@@ -204,12 +219,12 @@ impl Builder<'_> {
                     (place, place - 2.0 * depth * normal, depth)
                 })
                 .collect();
-            self.fit(&targets, patch);
+            self.fit(&targets, side, whole);
         }
     }
 
-    /// Adds ghosts at `targets` (place, image, depth) with images fitted to nearby particles.
-    fn fit(&mut self, targets: &[(DVec2, DVec2, f64)], patch: usize) {
+    /// Adds ghosts at `targets` (place, image, depth) behind a side, with images fitted to nearby particles.
+    fn fit(&mut self, targets: &[(DVec2, DVec2, f64)], side: usize, whole: usize) {
         let across = [self.sides(Walls::Columns), self.sides(Walls::Rows)];
         let (points, lattice, ghosts) = (self.points, self.lattice, &mut self.ghosts);
         let range = FIT_RANGE * lattice.spacing;
@@ -224,6 +239,8 @@ impl Builder<'_> {
             let neighbours: Vec<DVec2> = found.iter().map(|j| points[*j]).collect();
             let weights = moving_least_squares(*image, &neighbours, FIT_SCALE * lattice.spacing, lattice.dimension);
             let number = (points.len() + ghosts.len()) as u32;
+            let along = if side < 2 { place.y } else { place.x };
+            let patch = self.boundary.patch_at(whole, along);
             ghosts.images.extend(found.iter().zip(weights).map(|(j, weight)| (*j as u32, weight)));
             ghosts.position.push(*place);
             ghosts.patch.push(Some(patch as u8));

@@ -143,7 +143,7 @@ fn direction(scene: &Scene) -> Result<(WallId, Option<&Condition>, f64), Unsolve
         None | Some(Condition::Symmetry) => true,
         Some(Condition::Temperature(series)) => series.constant() == Some(initial),
         Some(Condition::Exact) => true,
-        Some(Condition::Flux(_) | Condition::Film { .. } | Condition::FreeDrainage) => false,
+        Some(Condition::Flux(_) | Condition::Film { .. } | Condition::Runoff { .. } | Condition::FreeDrainage) => false,
     };
     let mut driving = pairs
         .iter()

@@ -57,6 +57,8 @@ pub fn all() -> &'static [BundledScene] {
         "wetting-plane-closed",
         "absorption-column",
         "infiltration-column",
+        "rain-on-dry-ground",
+        "hillslope",
         "cracks-fixed",
         "cracks-growing",
         "inclusions-permeable",

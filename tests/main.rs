@@ -42,6 +42,7 @@ mod references;
 mod regions;
 mod reproducibility;
 mod resumed;
+mod runoff;
 mod seepage;
 mod shells;
 mod sketch;

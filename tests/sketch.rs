@@ -71,6 +71,13 @@ pub fn soil() -> String {
         .to_owned()
 }
 
+/// The same with a solute that only diffuses in it.
+pub fn soil_with_solute() -> String {
+    let soil = soil();
+    let body = soil.strip_suffix(" }").expect("an inline table");
+    format!("{body}, solute = {{ diffusion_m2_per_s = 1e-9 }} }}")
+}
+
 /// A material whose properties do not depend on temperature: diffusivity 1e-6 m2/s, conductivity 2 W/mK.
 pub fn steady_material() -> String {
     let phase = "{ conductivity_W_per_m_K = 2, heat_capacity_J_per_kg_K = 1000 }";

@@ -7,6 +7,7 @@ pub mod green;
 pub mod interface;
 pub mod patch;
 pub mod pipe;
+pub mod runoff;
 pub mod shells;
 pub mod wall_ends;
 pub mod wall_layers;

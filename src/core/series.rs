@@ -70,6 +70,18 @@ impl Series {
         }
     }
 
+    /// Integral over time from 0 to `t` (s).
+    pub fn integral(&self, t: f64) -> f64 {
+        let (mut sum, mut start) = (0.0, 0.0);
+        while start < t {
+            let end = self.next_bend(start).map_or(t, |bend| bend.min(t));
+            // Straight from one bend to the next, and free of the jumps there.
+            sum += self.at(0.5 * (start + end)) * (end - start);
+            start = end;
+        }
+        sum
+    }
+
     /// The value, if it is the same at all times.
     pub fn constant(&self) -> Option<f64> {
         let (least, greatest) = self.range();
@@ -143,6 +155,15 @@ impl Schedule {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn integrals_end_anywhere_between_bends() {
+        let table = Series::Table(vec![(1.0, 2.0), (3.0, 6.0)]);
+        assert_eq!([0.0, 1.0, 2.0, 3.0, 5.0].map(|t| table.integral(t)), [0.0, 2.0, 5.0, 10.0, 22.0]);
+        let jump = Series::Repeated { rows: vec![(0.0, 0.0), (4.0, 8.0)], period: 4.0 };
+        assert_eq!([4.0, 6.0, 8.0].map(|t| jump.integral(t)), [16.0, 20.0, 32.0]);
+        assert_eq!(Series::Constant(3.0).integral(2.0), 6.0);
+    }
 
     #[test]
     fn a_repeated_table_is_linear_across_its_ends() {

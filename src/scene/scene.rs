@@ -7,7 +7,7 @@ use frazil_core::breakage::crack::{Crack, Growth};
 use frazil_core::physics::material::Material;
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Surface};
-use frazil_core::space::wall::WallId;
+use frazil_core::space::wall::{PatchId, WallId};
 use glam::DVec2;
 
 use crate::TimeUnit;
@@ -377,6 +377,24 @@ impl Scene {
         let is_there = |part: &&WallPart| part.wall == wall && along >= part.from && along < part.to;
         let part = self.wall_parts.iter().rev().find(is_there);
         part.map(|part| &part.condition).or_else(|| self.wall(wall))
+    }
+
+    /// Area of a wall of a line or a rectangle without its parts, or of a part without those that win over it (m2 across a line,
+    /// m by depth of a plane).
+    pub fn area_of(&self, patch: PatchId) -> Option<f64> {
+        let (Domain::Line { .. } | Domain::Rectangle { .. }) = self.domain else { return None };
+        let wall = patch.wall()?;
+        let Domain::Rectangle { width, height } = self.domain else { return Some(1.0) };
+        let length = if wall.is_across_y() { width } else { height };
+        let parts = || self.wall_parts.iter().enumerate().filter(|(_, part)| part.wall == wall);
+        let mut ends: Vec<f64> = parts().flat_map(|(_, part)| [part.from, part.to]).chain([0.0, length]).collect();
+        ends.sort_by(f64::total_cmp);
+        let owner = |middle: f64| {
+            let part = parts().rfind(|(_, part)| (part.from..part.to).contains(&middle));
+            part.map_or(PatchId::Whole(wall), |(number, _)| PatchId::Part(wall, number))
+        };
+        let own = ends.windows(2).filter(|ends| owner(0.5 * (ends[0] + ends[1])) == patch);
+        Some(own.map(|ends| ends[1] - ends[0]).sum())
     }
 
     /// Whether no heat crosses a wall and its parts, or the domain has no such wall.

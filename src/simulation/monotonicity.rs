@@ -121,7 +121,7 @@ fn direction(scene: &Scene) -> Option<f64> {
             Condition::Symmetry => true,
             Condition::Temperature(series) => pulls(series, *sign),
             Condition::Film { strength, ambient, .. } => !strength.changes() && pulls(ambient, *sign),
-            Condition::Flux(_) | Condition::FreeDrainage | Condition::Exact => false,
+            Condition::Flux(_) | Condition::Runoff { .. } | Condition::FreeDrainage | Condition::Exact => false,
         };
         scene.conditions().all(wall)
             // A pipe that rests does not pull.

@@ -29,6 +29,10 @@ pub fn boundary(
     let parts = scene.wall_parts.iter().enumerate();
     let parts = parts.map(|(k, part)| (PatchId::Part(part.wall, k), &part.condition));
     let face = scene.excavation.iter().map(|shaft| (PatchId::Face, &shaft.condition));
+    let falls = |id: PatchId| {
+        let pulls = scene.gravity.zip(id.wall());
+        pulls.map_or(0.0, |(towards, wall)| -towards.outwards().dot(wall.outwards()))
+    };
     let patches: Vec<Patch> = whole
         .chain(parts)
         .chain(face)
@@ -40,6 +44,7 @@ pub fn boundary(
                 condition: condition.clone(),
                 layers: matches!(model, WallModel::Naive | WallModel::InnerLayers),
                 changes: *condition == Condition::Exact || condition.series().any(Series::changes),
+                falls: falls(id),
                 exact: exact
                     .clone()
                     .filter(|_| *condition == Condition::Exact)

@@ -172,6 +172,7 @@ impl Words<'_> {
                 let (name, unit) = kind.words();
                 format!("{name} {} to {}", self.series(strength, unit), self.series(ambient, "°C"))
             }
+            Condition::Runoff { rain, ponding } => of_water::runoff(self, rain, ponding),
             Condition::FreeDrainage => "water drains freely".into(),
             Condition::Exact => "temperature of the exact solution".into(),
         }

@@ -54,6 +54,7 @@ pub fn refuse(scene: &Scene) -> Result<(), MotionError> {
             Condition::Symmetry | Condition::Temperature(_) => continue,
             Condition::Flux(_) => "a flux",
             Condition::Film { .. } => "a film",
+            Condition::Runoff { .. } => "rain",
             Condition::FreeDrainage => "free drainage",
             Condition::Exact => "an exact solution",
         };

@@ -205,7 +205,7 @@ impl Groundwater {
     fn wall_temperature(&self, wall: usize) -> Option<f64> {
         match self.faces[self.network.patches[wall]] {
             Face::Odd { temperature, .. } | Face::Held { temperature, .. } => Some(temperature),
-            Face::Even | Face::Flux(_) | Face::Film { .. } => None,
+            Face::Even | Face::Flux(_) | Face::Film { .. } | Face::Runoff(_) => None,
         }
     }
 

@@ -42,10 +42,19 @@ pub struct SoluteParts {
     pub list: ListParts,
     /// What each material does to the solute, in the order of the list's.
     pub materials: Vec<SoluteMaterial>,
-    /// Concentration of each patch of the list; none where no solute crosses but what water takes along.
-    pub walls: Vec<Option<Series>>,
+    /// What enters through each patch of the list; none where no solute crosses but what water takes out.
+    pub walls: Vec<Option<Entering>>,
     /// Which concentration water carries.
     pub advection: Advection,
+}
+
+/// A solute beyond a wall.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entering {
+    /// Its concentration.
+    pub concentration: Series,
+    /// Whether it diffuses through the wall too, and not only comes with water.
+    pub diffuses: bool,
 }
 
 /// Why parts make no solute.
@@ -105,22 +114,22 @@ pub struct Solute {
 impl Solute {
     /// A solute in water that stands still, with these water contents.
     pub fn new(parts: SoluteParts, contents: &[f64]) -> Result<Self, SoluteError> {
-        let SoluteParts { list, materials, walls: series, advection } = parts;
+        let SoluteParts { list, materials, walls: entering, advection } = parts;
         let (count, patches) = (list.positions.len(), &list.boundary.patches);
-        if series.len() != patches.len() {
-            return Err(SoluteError::Walls { found: series.len(), allowed: patches.len() });
+        if entering.len() != patches.len() {
+            return Err(SoluteError::Walls { found: entering.len(), allowed: patches.len() });
         }
         let last = (0..count).map(|i| list.materials.index(i)).max().unwrap_or(0);
         if last >= materials.len() {
             return Err(SoluteError::Materials { found: last, allowed: materials.len() });
         }
         let is_closed = |patch: usize| !(list.boundary.books_all || patches[patch].lets_heat_through());
-        if let Some(closed) = (0..patches.len()).find(|patch| series[*patch].is_some() && is_closed(*patch)) {
+        if let Some(closed) = (0..patches.len()).find(|patch| entering[*patch].is_some() && is_closed(*patch)) {
             return Err(SoluteError::Closed(patches[closed].id));
         }
-        let held: Vec<bool> = series.iter().map(Option::is_some).collect();
+        let held: Vec<bool> = entering.iter().map(|own| own.as_ref().is_some_and(|own| own.diffuses)).collect();
         let images = Image::all(&list, &held);
-        let walls = Walls::new(&list, series, &images);
+        let walls = Walls::new(&list, entering, held, &images);
         let pairs = Pairs::new(&list, &materials, advection, &walls.mouths, &images);
         let decays = materials.iter().any(|material| material.decay > 0.0);
         let sources = patches.iter().map(|patch| Source::Patch(patch.id));

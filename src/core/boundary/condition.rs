@@ -21,6 +21,14 @@ pub enum Condition {
         /// Temperature of the surroundings.
         ambient: Series,
     },
+    /// Unsaturated water enters as fast as it rains, while the head at the wall is below the greatest; what the ground does not
+    /// take then runs off, and without rain water only leaves.
+    Runoff {
+        /// Rain (m/s).
+        rain: Series,
+        /// The greatest head, as a place on the scale of heads.
+        ponding: Series,
+    },
     /// Unsaturated water leaves as fast as its weight alone drives it.
     FreeDrainage,
     /// The wall has the temperature of the scene's exact solution at its position: a finite stand-in for an
@@ -32,7 +40,9 @@ impl Condition {
     /// The temperature that the wall has, or its surroundings have, where the scene says one.
     pub fn temperature(&self) -> Option<&Series> {
         match self {
-            Condition::Temperature(series) | Condition::Film { ambient: series, .. } => Some(series),
+            Condition::Temperature(series)
+            | Condition::Film { ambient: series, .. }
+            | Condition::Runoff { ponding: series, .. } => Some(series),
             Condition::Symmetry | Condition::Flux(_) | Condition::FreeDrainage | Condition::Exact => None,
         }
     }
@@ -40,14 +50,16 @@ impl Condition {
     /// All numbers of it that the scene says.
     pub fn series(&self) -> impl Iterator<Item = &Series> {
         let other = match self {
-            Condition::Flux(series) | Condition::Film { strength: series, .. } => Some(series),
+            Condition::Flux(series)
+            | Condition::Film { strength: series, .. }
+            | Condition::Runoff { rain: series, .. } => Some(series),
             Condition::Symmetry | Condition::Temperature(_) | Condition::FreeDrainage | Condition::Exact => None,
         };
         self.temperature().into_iter().chain(other)
     }
 
-    /// Whether heat comes in by a flux, given or by a film.
+    /// Whether heat comes in by a flux, given or by one that follows the wall.
     pub fn brings_heat(&self) -> bool {
-        matches!(self, Condition::Flux(_) | Condition::Film { .. })
+        matches!(self, Condition::Flux(_) | Condition::Film { .. } | Condition::Runoff { .. })
     }
 }

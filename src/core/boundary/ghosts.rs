@@ -235,6 +235,12 @@ impl Ghosts {
                     let share = film.coefficient_before(image, carried, through * depth) * depth / carried;
                     1.0 - 2.0 * share / (1.0 + through * share)
                 }
+                Some(Face::Runoff(runoff)) => {
+                    let (image, depth) = (self.image(ghost, temperatures), runoff.through * self.depth[ghost]);
+                    let carried = conductivities[self.model[ghost] as usize];
+                    let full = runoff.is_full(image, carried, depth, &materials.thermals[material].curve);
+                    if full { 1.0 - 2.0 / runoff.through } else { 1.0 }
+                }
             }
         }));
     }
@@ -299,6 +305,11 @@ impl Ghosts {
                     let coefficient = film.coefficient_before(image, carried, through * self.depth[ghost]);
                     let share = coefficient * self.depth[ghost] / carried;
                     (image + 2.0 * share / (1.0 + through * share) * (film.ambient - image), carried)
+                }
+                Some(Face::Runoff(runoff)) => {
+                    let depth = self.depth[ghost];
+                    let flux = runoff.flux_by_head(image, carried, runoff.through * depth, curve);
+                    (image + 2.0 * depth * flux / carried, carried)
                 }
             };
             temperatures[count + ghost] = temperature;

@@ -10,6 +10,7 @@
 //! Walls are seen through pieces as well: behind a wall that heat passes, the material at the wall goes on.
 
 use crate::boundary::patch::Face;
+use crate::boundary::runoff::Runoff;
 use crate::memory::HeapSize;
 use crate::physics::curve::Curve;
 use crate::physics::film::Film;
@@ -300,6 +301,16 @@ impl<'a> Way<'a> {
                 let flux = self.film_flux(depth, beyond, film);
                 (self.march(beyond, flux * depth, true).potential - near, flux)
             }
+            Face::Runoff(ref runoff) => self.wall(&self.face_of(runoff, depth, far), depth, far),
+        }
+    }
+
+    /// What a wall with rain is before a chain: one of the flux of the rain, or of the greatest head. One soil alone falls.
+    fn face_of(&self, runoff: &Runoff, depth: f64, far: f64) -> Face {
+        if runoff.rain * depth < -self.conducted(runoff.wall, far) {
+            Face::Flux(runoff.rain)
+        } else {
+            Face::Odd { wall: runoff.wall, temperature: runoff.place }
         }
     }
 
@@ -345,6 +356,7 @@ impl<'a> Way<'a> {
                 let slope = -marched.by_start / (by_flux + curve.conductivity(wall) / film.steepness(wall));
                 (marched.by_start + by_flux * slope, slope)
             }
+            Face::Runoff(ref runoff) => self.wall_slopes(&self.face_of(runoff, depth, far), depth, far),
         }
     }
 }

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::boundary::condition::Condition;
+use crate::boundary::runoff::Runoff;
 use crate::physics::curve::Curve;
 use crate::physics::film::Film;
 use crate::physics::thermal::Thermal;
@@ -37,6 +38,8 @@ pub struct Patch {
     pub layers: bool,
     /// Whether the condition changes in time.
     pub changes: bool,
+    /// How much of gravity pulls into the body here: 1 at its top, -1 below it.
+    pub falls: f64,
     /// The exact solution, for walls that follow it.
     pub exact: Option<WallTemperature>,
 }
@@ -70,6 +73,8 @@ pub enum Face {
         /// of one value.
         through: f64,
     },
+    /// Ghosts carry the slope of what of the rain enters, or of what a greatest head lets in or out.
+    Runoff(Runoff),
 }
 
 impl Face {
@@ -84,6 +89,9 @@ impl Face {
             Face::Film { ref film, through } => {
                 image + 2.0 * depth * curve.film_flux(image + initial_potential, through * depth, film)
             }
+            Face::Runoff(ref runoff) => {
+                image + 2.0 * depth * runoff.flux(image, runoff.through * depth, curve, initial_potential)
+            }
         }
     }
 
@@ -93,7 +101,7 @@ impl Face {
             Face::Even | Face::Flux(_) => Face::Even,
             Face::Odd { .. } => Face::Odd { wall: 0.0, temperature: 0.0 },
             Face::Held { .. } => Face::Held { wall: 0.0, temperature: 0.0 },
-            Face::Film { .. } => *self,
+            Face::Film { .. } | Face::Runoff(_) => *self,
         }
     }
 
@@ -105,6 +113,9 @@ impl Face {
             Face::Held { .. } => 0.0,
             Face::Film { ref film, through } => {
                 1.0 + 2.0 * depth * curve.film_slope(image + initial_potential, through * depth, film)
+            }
+            Face::Runoff(ref runoff) => {
+                1.0 + 2.0 * depth * runoff.slope(image, runoff.through * depth, curve, initial_potential)
             }
         }
     }
@@ -118,6 +129,7 @@ impl Face {
             Face::Odd { wall, .. } | Face::Held { wall, .. } => (wall - potential) / depth,
             Face::Flux(flux) => flux,
             Face::Film { ref film, .. } => thermal.curve.film_flux(potential + thermal.initial_potential, depth, film),
+            Face::Runoff(ref runoff) => runoff.flux(potential, depth, &thermal.curve, thermal.initial_potential),
         }
     }
 
@@ -127,6 +139,7 @@ impl Face {
             Face::Even | Face::Flux(_) => 0.0,
             Face::Odd { .. } | Face::Held { .. } => -1.0 / depth,
             Face::Film { ref film, .. } => thermal.curve.film_slope(potential + thermal.initial_potential, depth, film),
+            Face::Runoff(ref runoff) => runoff.slope(potential, depth, &thermal.curve, thermal.initial_potential),
         }
     }
 
@@ -143,6 +156,7 @@ impl Face {
                 let coefficient = film.coefficient_before(inside, conductivity, depth);
                 coefficient / (1.0 + coefficient * depth / conductivity) * (film.ambient - inside)
             }
+            Face::Runoff(ref runoff) => runoff.flux_by_head(inside, conductivity, depth, curve),
         }
     }
 
@@ -150,8 +164,13 @@ impl Face {
     pub fn holds(&self) -> f64 {
         match self {
             Face::Even | Face::Flux(_) => 0.0,
-            Face::Odd { .. } | Face::Held { .. } | Face::Film { .. } => 1.0,
+            Face::Odd { .. } | Face::Held { .. } | Face::Film { .. } | Face::Runoff(_) => 1.0,
         }
+    }
+
+    /// Whether ghosts follow their images in a way of their own at each state.
+    pub fn bends(&self) -> bool {
+        matches!(self, Face::Film { .. } | Face::Runoff(_))
     }
 
     /// How strongly a ghost falls when its image rises: what a ghost adds to its own image's row sum.
@@ -162,7 +181,8 @@ impl Face {
             Face::Held { .. } => 0.0,
             // Behind a layer the flux never reverses a rise of its images.
             Face::Film { through, .. } if *through > 1.0 => 0.0,
-            Face::Odd { .. } | Face::Film { .. } => 1.0,
+            Face::Runoff(runoff) if runoff.through > 1.0 => 0.0,
+            Face::Odd { .. } | Face::Film { .. } | Face::Runoff(_) => 1.0,
         }
     }
 }
@@ -174,6 +194,7 @@ impl Patch {
             let wall = curve.potential(temperature) - initial_potential;
             if self.layers { Face::Held { wall, temperature } } else { Face::Odd { wall, temperature } }
         };
+        let through = if self.layers { 2.0 } else { 1.0 };
         match &self.condition {
             // Heads are even there, and heights are not.
             Condition::Symmetry | Condition::FreeDrainage => Face::Even,
@@ -181,7 +202,12 @@ impl Patch {
             Condition::Flux(series) => Face::Flux(series.at(time)),
             Condition::Film { kind, strength, ambient } => {
                 let film = Film { kind: *kind, strength: strength.at(time), ambient: ambient.at(time) };
-                Face::Film { film, through: if self.layers { 2.0 } else { 1.0 } }
+                Face::Film { film, through }
+            }
+            Condition::Runoff { rain, ponding } => {
+                let place = ponding.at(time);
+                let wall = curve.potential(place) - initial_potential;
+                Face::Runoff(Runoff { rain: rain.at(time), wall, place, through, falls: self.falls })
             }
             Condition::Exact => match self.exact.as_ref().and_then(|exact| exact(time)) {
                 Some(temperature) => at(temperature),
@@ -311,7 +337,10 @@ impl Boundary {
 
     /// Whether ghosts follow their images in the same way at all states and times.
     pub fn is_linear(&self) -> bool {
-        !self.patches.iter().any(|patch| matches!(patch.condition, Condition::Film { .. } | Condition::Exact))
+        let follows = |patch: &Patch| {
+            matches!(patch.condition, Condition::Film { .. } | Condition::Runoff { .. } | Condition::Exact)
+        };
+        !self.patches.iter().any(follows)
     }
 
     /// Takes the walls as they are from now on, whatever the time.

@@ -88,7 +88,7 @@ impl<L: Laws> Around<L> {
     /// A ghost of a straight wall, `layer` rows behind it at the padded `place` along it.
     #[inline(always)]
     pub(super) fn ghost(&self, side: usize, face: &Face, image: f64, place: usize, layer: usize) -> f64 {
-        if let (Some(slopes), Face::Film { .. }) = (&self.slopes, face) {
+        if let Some(slopes) = self.slopes.as_ref().filter(|_| face.bends()) {
             return slopes.by_side[side][place * self.shape.reach + layer] * image;
         }
         let depth = (layer as f64 + 0.5) * self.lattice.spacing;

@@ -90,7 +90,7 @@ impl Gravity {
                     let moisture = thermal.curve.moisture();
                     Some((moisture.map_or(0.0, |moisture| moisture.hydraulic_conductivity(*temperature)), *wall))
                 }
-                Face::Even | Face::Flux(_) | Face::Film { .. } => None,
+                Face::Even | Face::Flux(_) | Face::Film { .. } | Face::Runoff(_) => None,
             })
             .collect();
         let at_wall = |ghost: usize| parts.ghosts.patch[ghost].and_then(|patch| held[patch as usize]);

@@ -398,7 +398,7 @@ impl<L: Laws> Tangent for LatticeBalance<L> {
         let Around { lattice, shape, exterior, faces, .. } = &self.around;
         let irregular = self.irregular.as_deref();
         // Particles see a curved wall through others, and behind a film deeper ghosts follow less.
-        let film = (0..4).any(|side| matches!(self.around.face(side), Face::Film { .. }));
+        let film = (0..4).any(|side| self.around.face(side).bends());
         let curved = self.boundary.curved.is_some_and(|(patch, _)| faces[patch].holds() > 0.0);
         let symmetric = irregular.is_none_or(IrregularRows::is_symmetric);
         let scheduled = self.sinks.iter().any(|sink| sink.schedule.is_some() || sink.film.is_some());

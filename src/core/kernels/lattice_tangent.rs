@@ -90,7 +90,7 @@ impl<L: Laws> LatticeBalance<L> {
         let mut row_buffer = vec![0.0; width];
         for side in 0..4 {
             let face = around.face(side);
-            if !matches!(face, Face::Film { .. }) {
+            if !face.bends() {
                 continue;
             }
             let thermal = around.thermal_at(side);

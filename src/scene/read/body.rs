@@ -156,6 +156,9 @@ pub(super) fn condition(wall: &mut Section<'_>) -> Read<Condition> {
         let words = one_of(words.iter().map(String::as_str));
         wall.refuse(AMBIENT, &format!("only a wall with {words} has surroundings"));
     }
+    for rain in super::water::RAINS {
+        wall.refuse(rain, "rain falls on the ground of balance = \"water\" alone");
+    }
     let allowed = temperatures(wall.units().absolute_zero());
     match (found?, film) {
         (_, Some(kind)) => {

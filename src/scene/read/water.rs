@@ -25,6 +25,15 @@ const HEAD: (&str, &str) = ("head", "m");
 const SATURATION: &str = "saturation";
 pub(super) const CONCENTRATION: &str = "concentration";
 const FLUX: (&str, &str) = ("water_flux", "m_per_s");
+const RAIN: (&str, &str) = ("rain", "m_per_s");
+const RAIN_BY_DAY: (&str, &str) = ("rain", "mm_per_day");
+const PONDING: (&str, &str) = ("ponding", "m");
+
+/// All keys of rain.
+pub(super) const RAINS: [(&str, &str); 2] = [RAIN, RAIN_BY_DAY];
+
+/// A millimetre a day (m/s).
+const MILLIMETRE_A_DAY: f64 = 1e-3 / 86_400.0;
 
 /// Specific storage (1/m) where a scene does not say: a little more than that of the water in the pores.
 const STORAGE: f64 = 1e-6;
@@ -113,13 +122,17 @@ impl Heads {
     }
 
     /// Keys that tell what happens to water at a wall.
-    fn conditions() -> [Key; 4] {
-        [HEAD.into(), SATURATION.into(), FLUX.into(), "condition".into()]
+    fn conditions() -> [Key; 6] {
+        [HEAD.into(), SATURATION.into(), FLUX.into(), RAIN.into(), RAIN_BY_DAY.into(), "condition".into()]
     }
 
     /// What happens to water at a wall.
     pub(super) fn condition(&self, wall: &mut Section<'_>) -> Read<Condition> {
-        match wall.only_one(&Self::conditions())? {
+        let found = wall.only_one(&Self::conditions());
+        if !matches!(found, Ok(3 | 4)) {
+            wall.refuse(PONDING, "water stands on walls with rain alone");
+        }
+        match found? {
             0 => {
                 let heads = wall.series(HEAD, Range::at_least(-DRIEST))?;
                 self.each(wall, &heads, Self::of_head).map(Condition::Temperature)
@@ -129,11 +142,25 @@ impl Heads {
                 self.each(wall, &saturations, Self::of_saturation).map(Condition::Temperature)
             }
             2 => wall.series(FLUX, Range::ANY).map(Condition::Flux),
+            3 => Self::runoff(wall, RAIN, 1.0),
+            4 => Self::runoff(wall, RAIN_BY_DAY, MILLIMETRE_A_DAY),
             _ => {
-                let words = [("symmetry", Condition::Symmetry), ("free-drainage", Condition::FreeDrainage)];
+                let seepage = Condition::Runoff { rain: Series::Constant(0.0), ponding: Series::Constant(0.0) };
+                let words = [
+                    ("symmetry", Condition::Symmetry),
+                    ("free-drainage", Condition::FreeDrainage),
+                    ("seepage", seepage),
+                ];
                 wall.choice("condition", &words)
             }
         }
+    }
+
+    /// Rain, in a unit (m/s), and how deep water stands at most.
+    fn runoff(wall: &mut Section<'_>, key: (&'static str, &'static str), unit: f64) -> Read<Condition> {
+        let rain = wall.series(key, Range::NOT_NEGATIVE);
+        let ponding = wall.number_or(PONDING, 0.0, Range::NOT_NEGATIVE);
+        Ok(Condition::Runoff { rain: rain?.scaled(unit), ponding: Series::Constant(ponding) })
     }
 
     /// What happens to water at a part of a wall, and what is said there of a solute: what the wall has, where the part says
@@ -153,14 +180,20 @@ impl Heads {
 
     /// What of a wall or a part of one is said of a solute: its concentration.
     pub(super) fn concentration(&mut self, section: &mut Section<'_>, patch: PatchId, condition: &Read<Condition>) {
-        let is_open = *condition != Ok(Condition::Symmetry);
+        let nothing_enters = match condition {
+            Ok(Condition::Symmetry) => Some("no water crosses the wall, so no solute does"),
+            Ok(Condition::Runoff { rain, .. }) if rain.constant() == Some(0.0) => {
+                Some("no water enters where it seeps out, so no solute does")
+            }
+            _ => None,
+        };
         if section.has(CONCENTRATION) {
-            if !is_open {
-                section.problem(CONCENTRATION, "no water crosses the wall, so no solute does");
+            if let Some(why) = nothing_enters {
+                section.problem(CONCENTRATION, why);
             }
             let own = section.series(CONCENTRATION, Range::NOT_NEGATIVE);
             self.walls.extend(own.map(|concentration| SoluteWall { patch, concentration }));
-        } else if let (PatchId::Part(wall, _), true) = (patch, is_open) {
+        } else if let (PatchId::Part(wall, _), None) = (patch, nothing_enters) {
             let whole = self.walls.iter().find(|other| other.patch == PatchId::Whole(wall));
             let own = whole.map(|whole| SoluteWall { patch, concentration: whole.concentration.clone() });
             self.walls.extend(own);

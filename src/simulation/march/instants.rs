@@ -33,8 +33,8 @@ pub fn stops(scene: &Scene, outputs: &[f64], dense: bool) -> Vec<f64> {
 }
 
 /// The next instant after `time` at which steps land for what walls and pipes do: they are switched between steps, and
-/// long steps do not pass over a bend of their series.
+/// long steps, as those of unsaturated water always are, do not pass over a bend of their series.
 pub fn next_turn(scene: &Scene, time: f64, dense: bool) -> f64 {
-    let bend = if dense { scene.next_bend(time) } else { None };
+    let bend = if dense || scene.of_water { scene.next_bend(time) } else { None };
     scene.next_switch(time).into_iter().chain(bend).fold(f64::INFINITY, f64::min)
 }

@@ -105,7 +105,11 @@ fn sides(
 fn temperature(condition: &Condition) -> Option<Series> {
     match condition {
         Condition::Temperature(series) | Condition::Film { ambient: series, .. } => Some(series.clone()),
-        Condition::Symmetry | Condition::Flux(_) | Condition::FreeDrainage | Condition::Exact => None,
+        Condition::Symmetry
+        | Condition::Flux(_)
+        | Condition::Runoff { .. }
+        | Condition::FreeDrainage
+        | Condition::Exact => None,
     }
 }
 

@@ -1,9 +1,11 @@
-//! Unsaturated water and its solute: what the body holds, and what of the solute came in through each wall.
+//! Unsaturated water and its solute: what the body holds, what of the solute came in through each wall, and what ran off.
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::ledger::{Ledger, Source, Sum};
+use frazil_core::series::Series;
 use frazil_core::space::wall::{PatchId, WallId};
 use frazil_record::{Column, Role, RunResult, Table, Unit};
+use frazil_scene::Scene;
 
 use super::observer::{End, Made, Moment, Observer, Schedule, Setup, View, larger_magnitude};
 
@@ -19,6 +21,29 @@ struct Moisture {
     carries: bool,
     /// What solute comes in through that the table tells of, by the number in the ledger.
     told: Vec<usize>,
+    rained: Vec<Rained>,
+}
+
+/// A wall or a part of one with rain, or at which water seeps out.
+struct Rained {
+    /// Its number in the ledger.
+    number: usize,
+    rain: Series,
+    /// Its area (m2 across a line, m by depth of a plane).
+    area: f64,
+}
+
+/// Walls of which what does not enter runs off.
+fn rained(scene: &Scene, sources: &[Source]) -> Vec<(PatchId, Rained)> {
+    let whole = scene.walls.iter().map(|wall| (PatchId::Whole(wall.wall), &wall.condition));
+    let parts = scene.wall_parts.iter().enumerate();
+    let all = whole.chain(parts.map(|(k, part)| (PatchId::Part(part.wall, k), &part.condition)));
+    let of = |(patch, condition): (PatchId, &Condition)| {
+        let Condition::Runoff { rain, .. } = condition else { return None };
+        let number = sources.iter().position(|source| *source == Source::Patch(patch))?;
+        Some((patch, Rained { number, rain: rain.clone(), area: scene.area_of(patch)? }))
+    };
+    all.filter_map(of).collect()
 }
 
 pub(super) fn of(setup: &Setup<'_>) -> Made {
@@ -52,7 +77,17 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
             Role::Value,
         ));
     }
-    Some(Box::new(Moisture { table, start: 0.0, missing: 0.0, carries, told }))
+    let mut ran = Vec::new();
+    for (patch, own) in rained(setup.scene, setup.method.ledger().sources()) {
+        table.columns.push(Column {
+            name: format!("ran_off_{patch}_m3"),
+            doc: format!("water run off at {patch}"),
+            unit: amount,
+            role: Role::Sum,
+        });
+        ran.push(own);
+    }
+    Some(Box::new(Moisture { table, start: 0.0, missing: 0.0, carries, told, rained: ran }))
 }
 
 /// What all particles hold of the solute.
@@ -92,6 +127,8 @@ impl Observer for Moisture {
         if let Some(passenger) = view.method.passenger() {
             row.extend(self.solute(view, passenger.ledger()));
         }
+        let came = view.ledger.heat();
+        row.extend(self.rained.iter().map(|own| own.area * own.rain.integral(view.time) - came[own.number]));
         self.table.rows.push(row.into_iter().map(Some).collect());
     }
 

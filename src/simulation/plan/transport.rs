@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use frazil_core::balances::solute::{Solute, SoluteParts};
+use frazil_core::balances::solute::{Entering, Solute, SoluteParts};
+use frazil_core::boundary::condition::Condition;
 use frazil_core::boundary::patch::Patch;
 use frazil_core::kernels::flows::PairFlows;
 use frazil_core::kernels::list_parts::ListParts;
@@ -32,7 +33,9 @@ pub(super) fn transport(
     let (parts, _) = list(scene, settings, prepared, pool)?;
     let of = |patch: &Patch| {
         let own = solute.walls.iter().find(|wall| wall.patch == patch.id);
-        own.map(|wall| wall.concentration.clone())
+        // Rain brings what is dissolved in it, and nothing diffuses up into the air.
+        let diffuses = !matches!(patch.condition, Condition::Runoff { .. });
+        own.map(|wall| Entering { concentration: wall.concentration.clone(), diffuses })
     };
     let walls = parts.boundary.patches.iter().map(of).collect();
     let count = prepared.count();

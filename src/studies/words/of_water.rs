@@ -5,6 +5,7 @@ use frazil_core::physics::retention::moisture::Soil;
 use frazil_core::physics::retention::scale::{DRY, head, suction};
 use frazil_core::physics::retention::shape::RetentionCurve;
 use frazil_core::physics::solute_material::{SoluteMaterial, Tortuosity};
+use frazil_core::series::Series;
 use frazil_plots::page::Fact;
 use frazil_plots::style::number;
 use frazil_scene::SoluteWall;
@@ -22,6 +23,18 @@ pub(super) fn state(words: &Words<'_>, place: f64) -> String {
         words.scene.materials.iter().filter_map(|m| m.soil.as_ref()).map(|soil| number(saturation(soil), 4)).collect();
     all.dedup();
     format!("head {head}, saturation {}", all.join(" or "))
+}
+
+/// Rain, or a face at which water seeps out.
+pub(super) fn runoff(words: &Words<'_>, rain: &Series, ponding: &Series) -> String {
+    if rain.constant() == Some(0.0) {
+        return "water seeps out where the ground is saturated".into();
+    }
+    let stands = match ponding.constant() {
+        Some(0.0) => "none stands".to_owned(),
+        _ => format!("stands {} at most", words.series(ponding, "m")),
+    };
+    format!("rain {}, of which {stands} on the ground and the rest runs off", words.series(rain, "m/s"))
 }
 
 /// A soil.

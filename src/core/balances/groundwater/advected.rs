@@ -58,7 +58,7 @@ impl AdvectedHeat {
         let held = |patch: u8| match water.faces[patch as usize] {
             Face::Odd { temperature, .. } | Face::Held { temperature, .. } => Some(temperature),
             Face::Film { film, .. } => Some(film.ambient),
-            Face::Even | Face::Flux(_) => None,
+            Face::Even | Face::Flux(_) | Face::Runoff(_) => None,
         };
         let of_walls: [Option<f64>; MOST_WALLS] =
             std::array::from_fn(|wall| if wall < water.walls.len() { water.wall_temperature(wall) } else { None });

@@ -158,7 +158,7 @@ impl Solute {
             let row = &mut rows[mouth.particle as usize];
             let wall = walls.brought(mouth);
             row.gain += mouth.exchange * (wall - concentrations[mouth.particle as usize]);
-            if mouth.flow > 0.0 || walls.values[mouth.patch as usize].is_some() {
+            if mouth.flow > 0.0 || walls.held[mouth.patch as usize] {
                 row.see(wall);
             }
         }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use crate::balances::solute::advection::Advection;
-use crate::balances::solute::{Solute, SoluteParts};
+use crate::balances::solute::{Entering, Solute, SoluteParts};
 use crate::bonds::exchange::Exchange;
 use crate::bonds::pair_list::PairList;
 use crate::bonds::stencil::Stencil;
@@ -69,7 +69,7 @@ impl Body {
         let walls = [WallId::Left, WallId::Right, WallId::Bottom, WallId::Top];
         let patch = |id: PatchId, open: bool| {
             let condition = if open { Condition::Temperature(Series::Constant(0.0)) } else { Condition::Symmetry };
-            Patch { id, condition, layers: false, changes: false, exact: None }
+            Patch { id, condition, layers: false, changes: false, falls: 0.0, exact: None }
         };
         let mut patches: Vec<Patch> =
             walls.iter().zip(open).map(|(wall, open)| patch(PatchId::Whole(*wall), open)).collect();
@@ -164,7 +164,7 @@ impl Body {
         advection: Advection,
         contents: &[f64],
     ) -> Solute {
-        let walls = walls.iter().map(|wall| wall.map(Series::Constant)).collect();
+        let walls = walls.iter().map(|wall| wall.map(held)).collect();
         let parts = SoluteParts { list: self.list.clone(), materials: vec![material], walls, advection };
         Solute::new(parts, contents).expect("parts that fit")
     }
@@ -205,6 +205,11 @@ fn pairs(positions: &[DVec2], ghosts: &Ghosts, lattice: &Lattice, boundary: &Bou
         pairs.starts.push(pairs.partners.len());
     }
     pairs
+}
+
+/// The solute of a wall that holds a concentration.
+fn held(concentration: f64) -> Entering {
+    Entering { concentration: Series::Constant(concentration), diffuses: true }
 }
 
 /// A solute that only diffuses.

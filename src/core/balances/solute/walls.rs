@@ -1,5 +1,6 @@
 //! Walls as a solute meets them.
 
+use crate::balances::solute::Entering;
 use crate::balances::solute::image::{Image, Kind};
 use crate::boundary::ghosts::Ghosts;
 use crate::kernels::crossing::Portion;
@@ -39,6 +40,8 @@ pub(super) struct Passing {
 #[derive(Debug, Clone)]
 pub(super) struct Walls {
     series: Vec<Option<Series>>,
+    /// Whether walls hold their concentrations, by patch.
+    pub held: Vec<bool>,
     layers: Vec<bool>,
     /// Concentrations now, by patch.
     pub values: Vec<Option<f64>>,
@@ -47,7 +50,8 @@ pub(super) struct Walls {
 
 impl Walls {
     /// The walls of a list with their concentrations, and what its ghosts are.
-    pub(super) fn new(list: &ListParts, series: Vec<Option<Series>>, images: &[Image]) -> Self {
+    pub(super) fn new(list: &ListParts, entering: Vec<Option<Entering>>, held: Vec<bool>, images: &[Image]) -> Self {
+        let series: Vec<Option<Series>> = entering.into_iter().map(|own| own.map(|own| own.concentration)).collect();
         let (count, pairs) = (list.positions.len(), &list.pairs);
         let mut mouths = Vec::new();
         for i in 0..count {
@@ -77,7 +81,7 @@ impl Walls {
         }
         let layers = list.boundary.patches.iter().map(|patch| patch.layers).collect();
         let values = series.iter().map(|series| series.as_ref().map(|series| series.at(0.0))).collect();
-        Walls { series, layers, values, mouths }
+        Walls { series, held, layers, values, mouths }
     }
 
     /// Brings the walls to a time (s).
@@ -107,7 +111,7 @@ impl Walls {
 
     /// The concentration of the wall that a ghost stands behind, and whether the ghost holds it.
     fn of(&self, ghosts: &Ghosts, ghost: usize) -> Option<(f64, bool)> {
-        let patch = ghosts.patch[ghost]? as usize;
+        let patch = ghosts.patch[ghost].filter(|patch| self.held[*patch as usize])? as usize;
         Some((self.values[patch]?, self.layers[patch]))
     }
 
@@ -147,6 +151,6 @@ impl HeapSize for Walls {
     fn heap_size(&self) -> usize {
         let series = self.series.capacity() * size_of::<Option<Series>>();
         let values = self.values.capacity() * size_of::<Option<f64>>();
-        series + values + self.mouths.capacity() * size_of::<Mouth>() + self.layers.heap_size()
+        series + values + self.mouths.capacity() * size_of::<Mouth>() + self.layers.heap_size() + self.held.heap_size()
     }
 }

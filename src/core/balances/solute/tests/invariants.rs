@@ -170,7 +170,7 @@ fn a_material_without_diffusion_passes_nothing() {
     let is_tight = |place: &DVec2| place.x > 0.5 && place.x < 0.7;
     body.list.materials.of_particle = body.list.positions.iter().map(|place| u8::from(is_tight(place))).collect();
     let full = vec![1.0; body.len()];
-    let walls = WALLS.map(|wall| wall.map(Series::Constant)).to_vec();
+    let walls = WALLS.map(|wall| wall.map(held)).to_vec();
     let materials = vec![plain(0.01), plain(0.0)];
     let list = body.list.clone();
     let solute = Solute::new(SoluteParts { list, materials, walls, advection: Advection::Limited }, &full);
@@ -198,7 +198,7 @@ fn layers_keep_the_range_on_any_number_of_threads() {
     let run = |threads: usize| {
         let mut list = body.list.clone();
         list.pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok().map(Arc::new);
-        let walls = [Some(0.0), None, None, None, Some(1.0)].map(|wall| wall.map(Series::Constant)).to_vec();
+        let walls = [Some(0.0), None, None, None, Some(1.0)].map(|wall| wall.map(held)).to_vec();
         let parts = SoluteParts { list, materials: vec![plain(0.01)], walls, advection: Advection::Limited };
         let mut solute = Solute::new(parts, &full).expect("parts that fit");
         steady(&mut solute, &flows, &full);
@@ -223,7 +223,7 @@ fn parts_that_do_not_fit_are_named() {
     let parts = |walls: usize, materials: Vec<SoluteMaterial>| SoluteParts {
         list: body.list.clone(),
         materials,
-        walls: vec![Some(Series::Constant(1.0)); walls],
+        walls: vec![Some(held(1.0)); walls],
         advection: Advection::Limited,
     };
     let full = vec![1.0; body.len()];

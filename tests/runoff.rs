@@ -134,8 +134,9 @@ fn water_seeps_out_when_it_has_come_through() {
         let result = sketch.run(kind);
         kept(&result, kind.name);
         let left = through(&result, "right");
-        assert!(left[0].abs() < 1e-20, "{}: {}", kind.name, left[0]);
-        assert!(left.iter().all(|left| *left < 1e-20), "{}: {left:?}", kind.name);
+        // Rounding of a rain of none where mirrors let water through.
+        assert!(left[0].abs() < 1e-15, "{}: {}", kind.name, left[0]);
+        assert!(left.iter().all(|left| *left < 1e-15), "{}: {left:?}", kind.name);
         let steady = FULL * 0.3 / 0.5;
         for wall in [rate(&sketch, &through(&result, "left")), -rate(&sketch, &left)] {
             assert!((wall / steady - 1.0).abs() < 1e-6, "{}: {wall} {steady}", kind.name);

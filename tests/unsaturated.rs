@@ -155,10 +155,10 @@ fn nothing_passes_a_crack() {
             for i in 0..particles.len() {
                 let held = (particles.enthalpy[i], particles.solute[i]);
                 if particles.position(i).x > 0.03 {
-                    assert_eq!(held, (0.0, 0.0), "{} at {i}, {time} s", kind.name);
+                    assert_eq!(held, (particles.start[i], 0.0), "{} at {i}, {time} s", kind.name);
                     dry += 1;
                 } else {
-                    wet += usize::from(held.0 > 0.0 && held.1 > 0.0);
+                    wet += usize::from(held.0 > particles.start[i] && held.1 > 0.0);
                 }
             }
             assert!(dry == 1750 && (time < 4.3e5 || wet == 750), "{dry} {wet}");
@@ -280,7 +280,12 @@ fn nothing_enters_discs_that_let_nothing_in() {
             let mut count = 0;
             for i in (0..particles.len()).filter(inside) {
                 count += 1;
-                assert_eq!((particles.enthalpy[i], particles.solute[i]), (0.0, 0.0), "{} at {i}", kind.name);
+                assert_eq!(
+                    (particles.enthalpy[i], particles.solute[i]),
+                    (particles.start[i], 0.0),
+                    "{} at {i}",
+                    kind.name
+                );
             }
             assert!(count > 100, "{count}");
         };

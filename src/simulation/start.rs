@@ -13,26 +13,25 @@ use glam::DVec2;
 /// Part of a region's volume by which its particles may differ from it without a word.
 const TOLD: f64 = 0.01;
 
-/// Enthalpies (J/m3, relative to the initial state of the scene) with which particles start; empty if no region has a
-/// temperature of its own. A particle that the edge of a region cuts starts with the heat of its parts, so that no heat is
+/// Enthalpies (J/m3) with which particles start; empty if all are zero. A particle that the edge of a region cuts starts with the heat of its parts, so that no heat is
 /// lost or made wherever edges fall. Off the lattice, particles are taken as squares around their positions.
 pub fn enthalpies(scene: &Scene, materials: &Materials, lattice: &Lattice, cloud: Option<&[DVec2]>) -> Arc<[f64]> {
-    if !scene.has_regional_starts() {
+    let (initial, zero) = (scene.initial_temperature, materials.thermals[0].zero_temperature);
+    if !scene.has_regional_starts() && initial == zero {
         return Arc::new([]);
     }
     let enthalpy = |(i, place): (usize, DVec2)| {
         if !materials.law_of.is_empty() {
-            let part =
-                |part: Part| match part.temperature.filter(|temperature| *temperature != scene.initial_temperature) {
-                    None => 0.0,
-                    Some(temperature) => part.share * materials.thermals[part.material].enthalpy(temperature),
-                };
+            let part = |part: Part| match part.temperature.unwrap_or(initial) {
+                temperature if temperature == zero => 0.0,
+                temperature => part.share * materials.thermals[part.material].enthalpy(temperature),
+            };
             return scene.parts_of(&Cell::around(place, lattice.spacing)).into_iter().map(part).sum();
         }
         let parts = scene.starts_in(&Cell::around(place, lattice.spacing));
         let carried = |temperature: f64| {
             // Exactly at rest where nothing else is said.
-            if temperature == scene.initial_temperature { 0.0 } else { materials.of(i).enthalpy(temperature) }
+            if temperature == zero { 0.0 } else { materials.of(i).enthalpy(temperature) }
         };
         parts.into_iter().map(|(temperature, share)| share * carried(temperature)).sum::<f64>()
     };

@@ -138,7 +138,7 @@ fn collection(times: &[f64], writer: &mut dyn std::io::Write) -> std::io::Result
 type Columns<'a> = Vec<(&'static str, Box<dyn Fn(usize) -> f64 + 'a>)>;
 
 fn of_heat(particles: &Particles) -> Columns<'_> {
-    let enthalpy = |i: usize| particles.enthalpy[i] + particles.materials.of(i).initial_enthalpy;
+    let enthalpy = |i: usize| particles.enthalpy[i] + particles.materials.of(i).zero_enthalpy;
     vec![
         ("temperature_c", Box::new(|i| particles.temperature(i))),
         ("frozen_fraction", Box::new(|i| particles.frozen_fraction(i))),

@@ -120,7 +120,7 @@ impl Matter for SceneMatter {
     }
 
     fn at_level(&self, level: f64) -> (f64, SeenState) {
-        let potential = level * self.conductivity * self.degree + self.thermal.initial_potential;
+        let potential = level * self.conductivity * self.degree + self.thermal.zero_potential;
         let found = (self.thermal.curve.temperature_of_potential(potential) - self.zero) / self.degree;
         let temperature = found.clamp(self.range.0, self.range.1);
         let on_scale = temperature * self.degree + self.zero;

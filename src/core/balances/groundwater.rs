@@ -117,7 +117,7 @@ impl Groundwater {
         let (law, least) = (self.flow.relative_permeability, self.flow.least_relative_permeability);
         for i in 0..enthalpy.len() {
             let aquifer = &self.aquifers[self.materials.index(i)];
-            self.permeability[i] = if enthalpy[i] + aquifer.thermal.initial_enthalpy >= 0.0 {
+            self.permeability[i] = if enthalpy[i] + aquifer.thermal.zero_enthalpy >= 0.0 {
                 1.0
             } else {
                 law.at(aquifer.unfrozen(enthalpy[i], self.temperature[i]), aquifer.pores.porosity).max(least)

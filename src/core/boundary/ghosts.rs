@@ -175,7 +175,7 @@ impl Ghosts {
                     let material = self.material(ghost, materials);
                     let (thermal, face) = (&materials.thermals[material], &faces[material][patch as usize]);
                     match chains.of_ghost(ghost, &materials.thermals) {
-                        None => face.ghost(image, depth, &thermal.curve, thermal.initial_potential),
+                        None => face.ghost(image, depth, &thermal.curve, thermal.zero_potential),
                         Some(way) => {
                             let (wall, flux) = way.wall(face, depth, image);
                             wall + depth * flux
@@ -203,7 +203,7 @@ impl Ghosts {
                 let material = self.material(ghost, materials);
                 let (thermal, face) = (&materials.thermals[material], &faces[material][patch as usize]);
                 match chains.of_ghost(ghost, &materials.thermals) {
-                    None => face.ghost_slope(image, depth, &thermal.curve, thermal.initial_potential),
+                    None => face.ghost_slope(image, depth, &thermal.curve, thermal.zero_potential),
                     Some(way) => {
                         let (wall, flux) = way.wall_slopes(face, depth, image);
                         wall + depth * flux

@@ -158,7 +158,7 @@ impl<'a> Way<'a> {
     /// Potentials of both ends from the freezing points of their materials (W/m).
     fn absolute(&self, near: f64, far: f64) -> (f64, f64) {
         let last = self.pieces[self.pieces.len() - 1];
-        (near + self.thermal(&self.pieces[0]).initial_potential, far + self.thermal(&last).initial_potential)
+        (near + self.thermal(&self.pieces[0]).zero_potential, far + self.thermal(&last).zero_potential)
     }
 
     /// Temperatures of both ends, from potentials that count from the freezing points.

@@ -80,17 +80,17 @@ pub enum Face {
 impl Face {
     /// Potential of a ghost whose image holds `image`, `depth` (m) behind the wall.
     #[inline(always)]
-    pub fn ghost(&self, image: f64, depth: f64, curve: &Curve, initial_potential: f64) -> f64 {
+    pub fn ghost(&self, image: f64, depth: f64, curve: &Curve, zero_potential: f64) -> f64 {
         match *self {
             Face::Even => image,
             Face::Odd { wall, .. } => 2.0 * wall - image,
             Face::Held { wall, .. } => wall,
             Face::Flux(flux) => image + 2.0 * depth * flux,
             Face::Film { ref film, through } => {
-                image + 2.0 * depth * curve.film_flux(image + initial_potential, through * depth, film)
+                image + 2.0 * depth * curve.film_flux(image + zero_potential, through * depth, film)
             }
             Face::Runoff(ref runoff) => {
-                image + 2.0 * depth * runoff.flux(image, runoff.through * depth, curve, initial_potential)
+                image + 2.0 * depth * runoff.flux(image, runoff.through * depth, curve, zero_potential)
             }
         }
     }
@@ -106,16 +106,16 @@ impl Face {
     }
 
     /// Change of a ghost with its image, at the same place.
-    pub fn ghost_slope(&self, image: f64, depth: f64, curve: &Curve, initial_potential: f64) -> f64 {
+    pub fn ghost_slope(&self, image: f64, depth: f64, curve: &Curve, zero_potential: f64) -> f64 {
         match *self {
             Face::Even | Face::Flux(_) => 1.0,
             Face::Odd { .. } => -1.0,
             Face::Held { .. } => 0.0,
             Face::Film { ref film, through } => {
-                1.0 + 2.0 * depth * curve.film_slope(image + initial_potential, through * depth, film)
+                1.0 + 2.0 * depth * curve.film_slope(image + zero_potential, through * depth, film)
             }
             Face::Runoff(ref runoff) => {
-                1.0 + 2.0 * depth * runoff.slope(image, runoff.through * depth, curve, initial_potential)
+                1.0 + 2.0 * depth * runoff.slope(image, runoff.through * depth, curve, zero_potential)
             }
         }
     }
@@ -128,8 +128,8 @@ impl Face {
             Face::Even => 0.0,
             Face::Odd { wall, .. } | Face::Held { wall, .. } => (wall - potential) / depth,
             Face::Flux(flux) => flux,
-            Face::Film { ref film, .. } => thermal.curve.film_flux(potential + thermal.initial_potential, depth, film),
-            Face::Runoff(ref runoff) => runoff.flux(potential, depth, &thermal.curve, thermal.initial_potential),
+            Face::Film { ref film, .. } => thermal.curve.film_flux(potential + thermal.zero_potential, depth, film),
+            Face::Runoff(ref runoff) => runoff.flux(potential, depth, &thermal.curve, thermal.zero_potential),
         }
     }
 
@@ -138,8 +138,8 @@ impl Face {
         match *self {
             Face::Even | Face::Flux(_) => 0.0,
             Face::Odd { .. } | Face::Held { .. } => -1.0 / depth,
-            Face::Film { ref film, .. } => thermal.curve.film_slope(potential + thermal.initial_potential, depth, film),
-            Face::Runoff(ref runoff) => runoff.slope(potential, depth, &thermal.curve, thermal.initial_potential),
+            Face::Film { ref film, .. } => thermal.curve.film_slope(potential + thermal.zero_potential, depth, film),
+            Face::Runoff(ref runoff) => runoff.slope(potential, depth, &thermal.curve, thermal.zero_potential),
         }
     }
 
@@ -189,9 +189,9 @@ impl Face {
 
 impl Patch {
     /// The wall at a time, in potentials of the given material curve.
-    pub fn face(&self, time: f64, curve: &Curve, initial_potential: f64) -> Face {
+    pub fn face(&self, time: f64, curve: &Curve, zero_potential: f64) -> Face {
         let at = |temperature: f64| {
-            let wall = curve.potential(temperature) - initial_potential;
+            let wall = curve.potential(temperature) - zero_potential;
             if self.layers { Face::Held { wall, temperature } } else { Face::Odd { wall, temperature } }
         };
         let through = if self.layers { 2.0 } else { 1.0 };
@@ -206,7 +206,7 @@ impl Patch {
             }
             Condition::Runoff { rain, ponding } => {
                 let place = ponding.at(time);
-                let wall = curve.potential(place) - initial_potential;
+                let wall = curve.potential(place) - zero_potential;
                 Face::Runoff(Runoff { rain: rain.at(time), wall, place, through, falls: self.falls })
             }
             Condition::Exact => match self.exact.as_ref().and_then(|exact| exact(time)) {
@@ -351,15 +351,15 @@ impl Boundary {
     }
 
     /// All walls at time zero.
-    pub fn first_faces(&self, curve: &Curve, initial_potential: f64) -> Vec<Face> {
-        self.patches.iter().map(|patch| patch.face(0.0, curve, initial_potential)).collect()
+    pub fn first_faces(&self, curve: &Curve, zero_potential: f64) -> Vec<Face> {
+        self.patches.iter().map(|patch| patch.face(0.0, curve, zero_potential)).collect()
     }
 
     /// Brings the walls that change to a later time.
     #[inline]
-    pub fn update_faces(&self, faces: &mut [Face], time: f64, curve: &Curve, initial_potential: f64) {
+    pub fn update_faces(&self, faces: &mut [Face], time: f64, curve: &Curve, zero_potential: f64) {
         for (face, patch) in faces.iter_mut().zip(&self.patches).filter(|(_, patch)| patch.changes) {
-            *face = patch.face(time, curve, initial_potential);
+            *face = patch.face(time, curve, zero_potential);
         }
     }
 }

@@ -314,7 +314,7 @@ impl Sink {
     pub fn heat(&self, sampled: f64, own: f64, time: f64, thermal: &Thermal) -> f64 {
         let Some(PipeFilm { coefficient, perimeter }) = self.film else { return (sampled - own) / self.resistance };
         let film = Film::convection(coefficient, self.temperature.at(time));
-        let inside = sampled + thermal.initial_potential;
+        let inside = sampled + thermal.zero_potential;
         -perimeter * thermal.curve.film_flux(inside, perimeter * self.resistance, &film)
     }
 
@@ -322,7 +322,7 @@ impl Sink {
     pub fn resistance_to_changes(&self, sampled: f64, time: f64, thermal: &Thermal) -> f64 {
         let Some(PipeFilm { coefficient, perimeter }) = self.film else { return self.resistance };
         let film = Film::convection(coefficient, self.temperature.at(time));
-        let inside = sampled + thermal.initial_potential;
+        let inside = sampled + thermal.zero_potential;
         -1.0 / (perimeter * thermal.curve.film_slope(inside, perimeter * self.resistance, &film))
     }
 

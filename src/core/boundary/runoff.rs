@@ -33,13 +33,13 @@ struct Full {
 
 impl Runoff {
     /// Flux into the body (m/s) before a particle of this potential (relative, m2/s) at a depth (m).
-    pub fn flux(&self, potential: f64, depth: f64, curve: &Curve, initial_potential: f64) -> f64 {
-        self.rain.min(self.full(potential, depth, curve, initial_potential).conducted / depth)
+    pub fn flux(&self, potential: f64, depth: f64, curve: &Curve, zero_potential: f64) -> f64 {
+        self.rain.min(self.full(potential, depth, curve, zero_potential).conducted / depth)
     }
 
     /// How the flux follows the potential (1/m).
-    pub fn slope(&self, potential: f64, depth: f64, curve: &Curve, initial_potential: f64) -> f64 {
-        let Full { conducted, slope } = self.full(potential, depth, curve, initial_potential);
+    pub fn slope(&self, potential: f64, depth: f64, curve: &Curve, zero_potential: f64) -> f64 {
+        let Full { conducted, slope } = self.full(potential, depth, curve, zero_potential);
         if self.rain * depth < conducted { 0.0 } else { slope / depth }
     }
 
@@ -55,10 +55,10 @@ impl Runoff {
 
     /// The upper end hands down water as along a pair, with a mean of the conductivities of both ends as far as their potentials
     /// even out what that leaves.
-    fn full(&self, potential: f64, depth: f64, curve: &Curve, initial_potential: f64) -> Full {
+    fn full(&self, potential: f64, depth: f64, curve: &Curve, zero_potential: f64) -> Full {
         let plain = Full { conducted: self.wall - potential, slope: -1.0 };
         let Some(moisture) = curve.moisture().filter(|_| self.falls != 0.0) else { return plain };
-        let place = moisture.place_of_potential(potential + initial_potential);
+        let place = moisture.place_of_potential(potential + zero_potential);
         let (own, wall) = (moisture.hydraulic_conductivity(place), moisture.hydraulic_conductivity(self.place));
         let height = self.falls.abs() * depth;
         let above = self.falls > 0.0;

@@ -68,7 +68,7 @@ impl<L: Laws> Around<L> {
     pub(super) fn update_faces(&mut self, boundary: &Boundary, time: f64, all: bool) {
         for (patch, wall) in boundary.patches.iter().enumerate().filter(|(_, wall)| all || wall.changes) {
             let thermal = &self.materials.thermals[self.material_at[patch] as usize];
-            self.faces[patch] = wall.face(time, &thermal.curve, thermal.initial_potential);
+            self.faces[patch] = wall.face(time, &thermal.curve, thermal.zero_potential);
         }
     }
 
@@ -93,7 +93,7 @@ impl<L: Laws> Around<L> {
         }
         let depth = (layer as f64 + 0.5) * self.lattice.spacing;
         let thermal = self.thermal_at(side);
-        face.ghost(image, depth, &thermal.curve, thermal.initial_potential)
+        face.ghost(image, depth, &thermal.curve, thermal.zero_potential)
     }
 
     /// The material at a side.

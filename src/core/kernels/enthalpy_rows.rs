@@ -99,6 +99,7 @@ impl<T: PairTerm> Tangent for ListBalance<T> {
         TangentShape {
             is_symmetric: even && parts.ghosts.all_mirrored() && linear && !curved && !falls,
             is_constant: linear && !means && !falls && !scheduled && parts.cuts.is_empty(),
+            is_steep: falls,
             bandwidth: bandwidth(parts),
         }
     }
@@ -113,6 +114,12 @@ impl<T: PairTerm> Tangent for ListBalance<T> {
 
     fn steepest(&mut self) -> Vec<f64> {
         (0..self.rows.parts.positions.len()).map(|i| steepest(&self.rows.parts, i)).collect()
+    }
+
+    fn take(&self, state: &mut [f64], changes: &[f64], weight: f64, row_sum: f64) {
+        let parts = &self.rows.parts;
+        let falls = if parts.up.is_some() { weight / parts.spacing } else { 0.0 };
+        parts.materials.take(state, changes, weight * row_sum, falls);
     }
 }
 

@@ -408,6 +408,7 @@ impl<L: Laws> Tangent for LatticeBalance<L> {
         TangentShape {
             is_symmetric: symmetric && !curved && (shape.reach == 1 || !film) && self.front.is_none(),
             is_constant: constant && !scheduled && self.front.is_none(),
+            is_steep: false,
             bandwidth: if far { lattice.len() } else { by_pairs.min(lattice.len()) },
         }
     }
@@ -433,6 +434,10 @@ impl<L: Laws> Tangent for LatticeBalance<L> {
 
     fn steepest(&mut self) -> Vec<f64> {
         (0..self.around.lattice.len()).map(|i| self.around.materials.of(i).largest_slope).collect()
+    }
+
+    fn take(&self, state: &mut [f64], changes: &[f64], weight: f64, row_sum: f64) {
+        self.around.materials.take(state, changes, weight * row_sum, 0.0);
     }
 }
 

@@ -95,7 +95,7 @@ impl<L: Laws> LatticeBalance<L> {
             }
             let thermal = around.thermal_at(side);
             let slope = |face: &Face, image: f64, depth: f64| {
-                face.ghost_slope(image, depth, &thermal.curve, thermal.initial_potential)
+                face.ghost_slope(image, depth, &thermal.curve, thermal.zero_potential)
             };
             let depth = |layer: usize| (layer as f64 + 0.5) * around.lattice.spacing;
             let table = &mut slopes.by_side[side];

@@ -52,7 +52,7 @@ impl<T: PairTerm> ListRows<T> {
             .materials
             .thermals
             .iter()
-            .map(|thermal| parts.boundary.first_faces(&thermal.curve, thermal.initial_potential))
+            .map(|thermal| parts.boundary.first_faces(&thermal.curve, thermal.zero_potential))
             .collect();
         let count = parts.positions.len();
         let mut crossings = Vec::new();
@@ -134,7 +134,7 @@ impl<T: PairTerm> ListRows<T> {
         let parts = &self.parts;
         scheme.read(&parts.materials, enthalpy, &mut self.fields);
         for (faces, thermal) in self.faces.iter_mut().zip(parts.materials.thermals.iter()) {
-            parts.boundary.update_faces(faces, time, &thermal.curve, thermal.initial_potential);
+            parts.boundary.update_faces(faces, time, &thermal.curve, thermal.zero_potential);
         }
         if !self.fields.potential.is_empty() {
             parts.ghosts.fill_potentials(&mut self.fields.potential, &self.faces, &parts.materials, &parts.chains);

@@ -53,7 +53,7 @@ impl<T: PairTerm> ListRows<T> {
         self.parts.cuts.bring_to(time, &mut self.parts.pairs.weights);
         let parts = &self.parts;
         for (faces, thermal) in self.faces.iter_mut().zip(parts.materials.thermals.iter()) {
-            parts.boundary.update_faces(faces, time, &thermal.curve, thermal.initial_potential);
+            parts.boundary.update_faces(faces, time, &thermal.curve, thermal.zero_potential);
         }
         if parts.exchange != Exchange::Potential {
             return self.linearise_means(scheme, enthalpy, time, slopes, tangent);

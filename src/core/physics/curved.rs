@@ -118,8 +118,8 @@ impl HeapSize for Curved {
 
 impl Curved {
     /// Conduction potential.
-    pub(super) fn new(curve: &Curve, initial_enthalpy: f64) -> Self {
-        Self::integral(curve, initial_enthalpy, |temperature| curve.conductivity(temperature))
+    pub(super) fn new(curve: &Curve, zero_enthalpy: f64) -> Self {
+        Self::integral(curve, zero_enthalpy, |temperature| curve.conductivity(temperature))
     }
 
     /// Temperature above the freezing point, by the same tables.
@@ -128,7 +128,7 @@ impl Curved {
     }
 
     /// The integral of a function of the temperature from the freezing point.
-    fn integral(curve: &Curve, initial_enthalpy: f64, of: impl Fn(f64) -> f64) -> Self {
+    fn integral(curve: &Curve, zero_enthalpy: f64, of: impl Fn(f64) -> f64) -> Self {
         let coldest_temperature = curve.freezing_point + curve.coldest_change();
         let coldest_enthalpy = curve.enthalpy(coldest_temperature);
         let interval = (-0.5 * coldest_enthalpy).sqrt() / TABLE_INTERVALS as f64;
@@ -140,7 +140,7 @@ impl Curved {
             node.0 += shift;
         }
         let mut law = Curved {
-            initial: (initial_enthalpy, 0.0),
+            initial: (zero_enthalpy, 0.0),
             unfrozen_slope: of(curve.freezing_point + 1.0) / curve.unfrozen_capacity,
             frozen_slope: of(coldest_temperature - 1.0) / curve.coldest_capacity(),
             coldest: (coldest_enthalpy, cold[0].0),

@@ -3,6 +3,8 @@
 use std::sync::Arc;
 
 use crate::memory::HeapSize;
+use crate::physics::potential::{Law, PotentialLaw};
+use crate::physics::retention::answer::answer;
 use crate::physics::thermal::Thermal;
 
 /// How latent heat is taken up.
@@ -60,6 +62,27 @@ impl Materials {
     /// Laws of materials, and the material of each particle.
     pub fn new(thermals: Arc<[Thermal]>, of_particle: Vec<u8>) -> Self {
         Materials { thermals, of_particle, blends: Arc::new([]), law_of: Vec::new() }
+    }
+
+    /// Takes changes that a linearised system wants into a state. Contents of water follow as what holds them back does: their
+    /// potential, times `stiffness` (s/m2), and where gravity pulls their conductivity, times `falls` (s/m).
+    pub(crate) fn take(&self, state: &mut [f64], changes: &[f64], stiffness: f64, falls: f64) {
+        if self.thermals[0].curve.moisture().is_none() {
+            return state.iter_mut().zip(changes).for_each(|(state, change)| *state += change);
+        }
+        for (i, (state, change)) in state.iter_mut().zip(changes).enumerate() {
+            let thermal = self.of(i);
+            *state = match (&thermal.law, thermal.conducting().filter(|_| falls > 0.0)) {
+                (Law::Tabulated(law), None) => {
+                    answer(*state, *change, |at| (stiffness * law.potential(at), stiffness * law.slope(at)))
+                }
+                (Law::Tabulated(law), Some(conducting)) => answer(*state, *change, |at| {
+                    let held = stiffness * law.potential(at) + falls * conducting.at(at);
+                    (held, stiffness * law.slope(at) + falls * conducting.slope(at))
+                }),
+                _ => *state + change,
+            };
+        }
     }
 
     /// The laws of some of the particles.
@@ -321,7 +344,7 @@ impl SchemeState for Flags {
             let curve = &thermal.curve;
             let offset = self.temperature[i] - curve.freezing_point();
             let sensible = offset * if offset < 0.0 { curve.frozen_capacity() } else { curve.unfrozen_capacity() };
-            *h = sensible - self.released[i] - thermal.initial_enthalpy;
+            *h = sensible - self.released[i] - thermal.zero_enthalpy;
         }
     }
 }

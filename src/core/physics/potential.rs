@@ -94,7 +94,7 @@ impl PotentialLaw for Straight {
 pub struct Blended {
     pub(super) curve: Arc<Curve>,
     /// Initial enthalpy and potential.
-    pub(super) initial: (f64, f64),
+    pub(super) zero: (f64, f64),
 }
 
 impl Blended {
@@ -103,11 +103,11 @@ impl Blended {
         if enthalpy == 0.0 {
             return 0.0;
         }
-        self.curve.potential(self.curve.temperature(enthalpy + self.initial.0)) - self.initial.1
+        self.curve.potential(self.curve.temperature(enthalpy + self.zero.0)) - self.zero.1
     }
 
     fn slope(&self, enthalpy: f64) -> f64 {
-        let absolute = enthalpy + self.initial.0;
+        let absolute = enthalpy + self.zero.0;
         if self.curve.blend.as_ref().is_some_and(|blend| blend.stands_still(absolute)) {
             return 0.0;
         }
@@ -274,8 +274,8 @@ mod tests {
                 let (mut worst, mut at): (f64, f64) = (0.0, 0.0);
                 for k in 0..20_000 {
                     let enthalpy = -4.2e8 + 4.7e8 * k as f64 / 20_000.0;
-                    let exact = curve.potential(curve.temperature(enthalpy)) - thermal.initial_potential;
-                    let error = (thermal.law.potential(enthalpy - thermal.initial_enthalpy) - exact).abs();
+                    let exact = curve.potential(curve.temperature(enthalpy)) - thermal.zero_potential;
+                    let error = (thermal.law.potential(enthalpy - thermal.zero_enthalpy) - exact).abs();
                     if error > worst {
                         worst = error;
                         at = enthalpy;
@@ -316,7 +316,7 @@ mod tests {
                 let mut last = f64::NEG_INFINITY;
                 for temperature in temperatures() {
                     let enthalpy = curve.enthalpy(temperature);
-                    let potential = thermal.law.potential(enthalpy - thermal.initial_enthalpy);
+                    let potential = thermal.law.potential(enthalpy - thermal.zero_enthalpy);
                     assert!(potential >= last, "{alpha} {n} at {temperature}: {potential} {last}");
                     last = potential;
                     let back = curve.enthalpy(curve.temperature(enthalpy));

@@ -5,6 +5,7 @@
 //! neighbours, the water content is what it holds, the water between residual and saturated content is what it gives off as it
 //! dries, and the conduction potential is the integral of the hydraulic conductivity (Kirchhoff).
 
+pub mod answer;
 pub mod brooks_corey;
 pub mod conducting;
 pub mod gardner;

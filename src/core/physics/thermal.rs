@@ -1,4 +1,4 @@
-//! A material in the enthalpies and potentials of a run, both relative to its initial state.
+//! A material in the enthalpies and potentials of a run, both relative to those of one temperature.
 
 use std::sync::{Arc, OnceLock};
 
@@ -15,12 +15,13 @@ use crate::physics::retention::tabulated::Tabulated;
 pub struct Thermal {
     /// Exact relations.
     pub curve: Curve,
-    /// Initial temperature.
-    pub initial_temperature: f64,
-    /// Initial enthalpy (J/m3), the zero of the enthalpies that particles carry.
-    pub initial_enthalpy: f64,
-    /// Initial potential (W/m), the zero of the potentials that pairs exchange.
-    pub initial_potential: f64,
+    /// Temperature of zero enthalpy: that at which the body starts, or saturation, where heads are in place of temperatures. The
+    /// distance of a content from saturation then has all its digits, which decide on conductivity there.
+    pub zero_temperature: f64,
+    /// Enthalpy (J/m3) at that temperature, the zero of the enthalpies that particles carry.
+    pub zero_enthalpy: f64,
+    /// Potential (W/m) at which the body starts, the zero of the potentials that pairs exchange.
+    pub zero_potential: f64,
     /// Head and hydraulic conductivity of water, once they are asked for.
     conducting: OnceLock<Arc<Conducting>>,
     /// The inner loop's function.
@@ -30,13 +31,14 @@ pub struct Thermal {
 }
 
 impl Thermal {
-    /// Prepares a material that starts at `initial_temperature`.
+    /// Prepares a material of a body that starts at a temperature, from which enthalpies count; those of water count from saturation.
     pub fn new(curve: Curve, initial_temperature: f64) -> Self {
-        let initial_enthalpy = curve.enthalpy(initial_temperature);
-        let initial_potential = curve.potential(initial_temperature);
+        let zero_temperature = if curve.moisture().is_some() { 0.0 } else { initial_temperature };
+        let zero_enthalpy = curve.enthalpy(zero_temperature);
+        let zero_potential = curve.potential(initial_temperature);
         let (law, largest_slope) = if curve.is_kinked() {
-            let frozen_below = -curve.latent_heat - initial_enthalpy;
-            let unfrozen_above = -initial_enthalpy;
+            let frozen_below = -curve.latent_heat - zero_enthalpy;
+            let unfrozen_above = -zero_enthalpy;
             let law = Kinked {
                 frozen_slope: curve.frozen_conductivity / curve.frozen_capacity,
                 unfrozen_slope: curve.unfrozen_conductivity / curve.unfrozen_capacity,
@@ -57,25 +59,25 @@ impl Thermal {
                     .max(curve.unfrozen_conductivity / curve.unfrozen_capacity),
             )
         } else if let Some(moisture) = curve.moisture() {
-            let law = Tabulated::new(moisture, initial_enthalpy);
+            let law = Tabulated::new(moisture, curve.enthalpy(initial_temperature));
             (Law::Tabulated(law), curve.most_conductive() / curve.least_capacity())
         } else {
-            let law = Curved::new(&curve, initial_enthalpy);
+            let law = Curved::new(&curve, zero_enthalpy);
             (Law::Curved(law), curve.largest_diffusivity())
         };
         let conducting = OnceLock::new();
-        Thermal { curve, initial_temperature, initial_enthalpy, initial_potential, conducting, law, largest_slope }
+        Thermal { curve, zero_temperature, zero_enthalpy, zero_potential, conducting, law, largest_slope }
     }
 
     /// Another material that starts at the same temperature, where its law follows from this one's: of soils that differ in
     /// conductivity alone.
-    pub fn shared(&self, material: &Material) -> Option<Self> {
+    pub fn shared(&self, material: &Material, initial_temperature: f64) -> Option<Self> {
         let Law::Tabulated(law) = &self.law else { return None };
         let curve = Curve::of_water(self.curve.moisture()?.shared(material.soil.as_ref()?)?);
         Some(Thermal {
-            initial_temperature: self.initial_temperature,
-            initial_enthalpy: self.initial_enthalpy,
-            initial_potential: curve.potential(self.initial_temperature),
+            zero_temperature: self.zero_temperature,
+            zero_enthalpy: self.zero_enthalpy,
+            zero_potential: curve.potential(initial_temperature),
             conducting: OnceLock::new(),
             law: Law::Tabulated(law.shared(curve.most_conductive())),
             largest_slope: curve.most_conductive() / curve.least_capacity(),
@@ -86,21 +88,21 @@ impl Thermal {
     /// Head and hydraulic conductivity by content, of water.
     pub fn conducting(&self) -> Option<&Arc<Conducting>> {
         let moisture = self.curve.moisture()?;
-        Some(self.conducting.get_or_init(|| Arc::new(Conducting::new(moisture, self.initial_enthalpy))))
+        Some(self.conducting.get_or_init(|| Arc::new(Conducting::new(moisture))))
     }
 
     /// The law of a particle that conducts as one material and stores the heat of several.
     pub fn blended(own: &Thermal, blend: Arc<Blend>) -> Self {
         let curve = Curve { blend: Some(blend), ..own.curve.clone() };
-        let initial = (curve.enthalpy(own.initial_temperature), own.initial_potential);
+        let zero = (curve.enthalpy(own.zero_temperature), own.zero_potential);
         // Latent heat only adds to what it stores.
         let largest_slope = curve.most_conductive() / curve.least_capacity();
         Thermal {
-            initial_temperature: own.initial_temperature,
-            initial_enthalpy: initial.0,
-            initial_potential: initial.1,
+            zero_temperature: own.zero_temperature,
+            zero_enthalpy: zero.0,
+            zero_potential: zero.1,
             conducting: OnceLock::new(),
-            law: Law::Blended(Blended { curve: Arc::new(curve.clone()), initial }),
+            law: Law::Blended(Blended { curve: Arc::new(curve.clone()), zero }),
             largest_slope,
             curve,
         }
@@ -108,28 +110,24 @@ impl Thermal {
 
     /// Temperature of a particle from the enthalpy that it carries.
     pub fn temperature(&self, enthalpy: f64) -> f64 {
-        if enthalpy == 0.0 {
-            self.initial_temperature
-        } else {
-            self.curve.temperature(enthalpy + self.initial_enthalpy)
-        }
+        if enthalpy == 0.0 { self.zero_temperature } else { self.curve.temperature(enthalpy + self.zero_enthalpy) }
     }
 
     /// Frozen fraction of a particle from the enthalpy that it carries.
     pub fn frozen_fraction(&self, enthalpy: f64) -> f64 {
         match &self.law {
             Law::Tabulated(law) => law.deficit(enthalpy),
-            _ => self.curve.frozen_fraction(enthalpy + self.initial_enthalpy),
+            _ => self.curve.frozen_fraction(enthalpy + self.zero_enthalpy),
         }
     }
 
     /// Enthalpy that a particle carries at a temperature.
     pub fn enthalpy(&self, temperature: f64) -> f64 {
-        self.curve.enthalpy(temperature) - self.initial_enthalpy
+        self.curve.enthalpy(temperature) - self.zero_enthalpy
     }
 
-    /// Potential, less the initial one, at a temperature.
+    /// Potential, less that of zero enthalpy, at a temperature.
     pub fn potential_at(&self, temperature: f64) -> f64 {
-        self.curve.potential(temperature) - self.initial_potential
+        self.curve.potential(temperature) - self.zero_potential
     }
 }

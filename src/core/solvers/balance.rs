@@ -118,6 +118,9 @@ pub struct TangentShape {
     pub is_symmetric: bool,
     /// Whether it is the same for all states and times.
     pub is_constant: bool,
+    /// Whether the exchange follows contents otherwise than by their potentials, so steeply in places that a whole step may lead
+    /// away from the solution.
+    pub is_steep: bool,
     /// Greatest distance in the numbering of particles over which it reaches.
     pub bandwidth: usize,
 }
@@ -133,6 +136,12 @@ pub trait Tangent {
     fn act(&mut self, potentials: &[f64], rate: &mut [f64]);
     /// The largest slope dU/dH (m2/s) with which each particle can answer.
     fn steepest(&mut self) -> Vec<f64>;
+    /// Takes changes of contents that the linearised system wants into a state; `weight` (s) is that of the rates in the system, and
+    /// `row_sum` (1/m2) the largest of the exchange.
+    fn take(&self, state: &mut [f64], changes: &[f64], weight: f64, row_sum: f64) {
+        let _ = (weight, row_sum);
+        state.iter_mut().zip(changes).for_each(|(state, change)| *state += change);
+    }
 }
 
 /// A balance without a content of its own: it follows the state of another at once, is solved between its steps, and is

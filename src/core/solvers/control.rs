@@ -130,7 +130,7 @@ impl EnthalpyRange {
         let by_material = materials
             .laws()
             .map(|thermal| {
-                let low = thermal.curve.least_enthalpy(temperatures.0) - thermal.initial_enthalpy;
+                let low = thermal.curve.least_enthalpy(temperatures.0) - thermal.zero_enthalpy;
                 let high = thermal.enthalpy(temperatures.1);
                 let sensible = thermal.curve.least_capacity() * if width > 0.0 { width } else { 1.0 };
                 // What pressure stores is little beside the water that ground gives off as it dries.

@@ -24,6 +24,10 @@ const ROUNDING: f64 = 1e-7;
 /// Newton iterations before the path is followed instead.
 const MOST_ITERATIONS: u32 = 40;
 
+/// Iterations with whole steps where the exchange is steep, and least part of a step that is tried afterwards.
+const WHOLE_STEPS: u32 = 3;
+const LEAST_PART: f64 = 1e-3;
+
 /// Shortest stretch of a path, over all of it.
 const LEAST_STRETCH: f64 = 1e-5;
 
@@ -44,6 +48,8 @@ pub struct Newton {
     right: Vec<f64>,
     diagonal: Vec<f64>,
     linear: Linear,
+    /// State before the last step, where steps may be shortened; empty elsewhere.
+    before: Vec<f64>,
     /// Largest row sum of the exchange (1/m2), for the preconditioner.
     row_sum: f64,
     /// Number of solves by their number of iterations.
@@ -93,7 +99,7 @@ impl Newton {
     pub fn new(balance: &mut dyn Balance, count: usize, largest_slope: f64) -> Self {
         let column = || vec![0.0; count];
         let row_sum = 1.0 / (balance.step_bound() * largest_slope);
-        let TangentShape { bandwidth: half, is_symmetric, is_constant } = balance.tangent().shape();
+        let TangentShape { bandwidth: half, is_symmetric, is_constant, is_steep } = balance.tangent().shape();
         let linear = if half <= WIDEST_BAND {
             Linear::Direct {
                 exchange: Band::new(count, half),
@@ -114,6 +120,7 @@ impl Newton {
             right: column(),
             diagonal: column(),
             linear,
+            before: if is_steep { column() } else { Vec::new() },
             row_sum,
             histogram: [0; MOST_ITERATIONS as usize + 1],
             solves: 0,
@@ -199,9 +206,10 @@ impl Newton {
         rate: &mut [f64],
         patches: &mut [f64],
     ) -> Result<(), NotConverged> {
-        let mut last = f64::INFINITY;
+        let (mut last, mut part) = (f64::INFINITY, 1.0);
         let (mut best, mut stalled) = (f64::INFINITY, 0);
-        for _ in 0..MOST_ITERATIONS {
+        let mut iteration = 0;
+        while iteration < MOST_ITERATIONS {
             balance.rates(state, &stage.clock, rate, patches);
             self.evaluations += 1;
             let mut worst: f64 = 0.0;
@@ -217,6 +225,15 @@ impl Newton {
             if !worst.is_finite() {
                 return Err(NotConverged);
             }
+            let shortens = !self.before.is_empty() && iteration > WHOLE_STEPS;
+            if shortens && worst > last && part > LEAST_PART {
+                part *= 0.5;
+                self.change.iter_mut().for_each(|change| *change *= 0.5);
+                state.copy_from_slice(&self.before);
+                balance.tangent().take(state, &self.change, stage.weight, self.row_sum);
+                continue;
+            }
+            (part, iteration) = (1.0, iteration + 1);
             stalled = if worst > 0.5 * best { stalled + 1 } else { 0 };
             best = best.min(worst);
             if stalled == MOST_STALLED && worst <= ROUNDING {
@@ -229,9 +246,10 @@ impl Newton {
             tangent.linearise(state, stage.clock.time, &mut self.slopes);
             self.iterations += 1;
             self.step(tangent, stage.weight, relative);
-            for (state, change) in state.iter_mut().zip(&self.change) {
-                *state += change;
+            if !self.before.is_empty() {
+                self.before.copy_from_slice(state);
             }
+            balance.tangent().take(state, &self.change, stage.weight, self.row_sum);
         }
         Err(NotConverged)
     }
@@ -304,7 +322,7 @@ impl HeapSize for Newton {
             Linear::Direct { exchange, system, .. } => exchange.heap_size() + system.heap_size(),
             Linear::Iterative(krylov) => krylov.heap_size(),
         };
-        columns.into_iter().map(HeapSize::heap_size).sum::<usize>() + linear
+        columns.into_iter().map(HeapSize::heap_size).sum::<usize>() + self.before.heap_size() + linear
     }
 }
 

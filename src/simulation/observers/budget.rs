@@ -19,6 +19,17 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
     )
 }
 
+/// Exchange, over what particles started with, below which rounding of what they hold hides what is missing.
+const LEAST_EXCHANGE: f64 = 1e-6;
+
+/// What all particles started with (J), each by its magnitude.
+fn started_j(particles: &Particles) -> f64 {
+    match &particles.start[..] {
+        [] => 0.0,
+        start => particles.integral(|i| start[i].abs()),
+    }
+}
+
 /// The heat balance at a time.
 fn balance(particles: &Particles, ledger: &Ledger, time: f64) -> BudgetRow {
     let (stored_j, moved_j) = taken_up(particles);
@@ -26,7 +37,7 @@ fn balance(particles: &Particles, ledger: &Ledger, time: f64) -> BudgetRow {
     let total: Sum = in_j.iter().copied().collect();
     let exchanged = in_j.iter().map(|heat| heat.abs()).sum::<f64>().max(stored_j.abs());
     // Where particles start from different temperatures, they exchange heat even if nothing comes in.
-    let exchanged = exchanged.max(0.5 * moved_j);
+    let exchanged = exchanged.max(0.5 * moved_j).max(LEAST_EXCHANGE * started_j(particles));
     let balance_rel = if exchanged > 0.0 { (stored_j - total.value()) / exchanged } else { 0.0 };
     BudgetRow { time_s: time, stored_j, in_j, balance_rel }
 }

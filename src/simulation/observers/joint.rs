@@ -82,7 +82,7 @@ impl Joint {
             true => self.openness(|sample| {
                 sample.of(|i| {
                     let thermal = particles.materials.of(i);
-                    (particles.enthalpy[i] + thermal.initial_enthalpy) / thermal.curve.latent_heat() + 1.0
+                    (particles.enthalpy[i] + thermal.zero_enthalpy) / thermal.curve.latent_heat() + 1.0
                 })
             }),
             false => self.openness(|sample| 0.5 - sample.of(|i| particles.frozen_fraction(i))),

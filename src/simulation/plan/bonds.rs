@@ -159,7 +159,7 @@ fn bonds(
             Some(symmetry) => print_shapes(&mut pairs, symmetry, positions, &ghosts)?,
             None => {
                 let first = &materials.thermals[0];
-                let faces = boundary.first_faces(&first.curve, first.initial_potential);
+                let faces = boundary.first_faces(&first.curve, first.zero_potential);
                 strengthen(&mut pairs, &ghosts, positions.len(), &faces);
             }
         }

@@ -262,7 +262,7 @@ fn materials(scene: &Scene, numerics: &Numerics, lattice: &Lattice, cloud: Optio
     };
     let mut thermals: Vec<Thermal> = Vec::new();
     for material in &scene.materials {
-        let shared = thermals.iter().find_map(|known| known.shared(material));
+        let shared = thermals.iter().find_map(|known| known.shared(material, scene.initial_temperature));
         thermals.push(shared.unwrap_or_else(|| thermal(material)));
     }
     let thermals: Arc<[Thermal]> = thermals.into();

@@ -73,7 +73,7 @@ fn saturated(materials: &Materials, count: usize) -> Vec<f64> {
     let of = |i: usize| {
         let thermal = materials.of(i);
         let saturated = thermal.curve.moisture().map_or(0.0, |moisture| moisture.soil().saturated);
-        saturated + thermal.initial_enthalpy
+        saturated + thermal.zero_enthalpy
     };
     (0..count).map(of).collect()
 }

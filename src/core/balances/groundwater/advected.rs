@@ -54,7 +54,7 @@ impl AdvectedHeat {
     fn bring_walls_to(&mut self, time: f64) {
         let water = &mut self.water;
         let first = &water.materials.thermals[0];
-        self.boundary.update_faces(&mut water.faces, time, &first.curve, first.initial_potential);
+        self.boundary.update_faces(&mut water.faces, time, &first.curve, first.zero_potential);
         let held = |patch: u8| match water.faces[patch as usize] {
             Face::Odd { temperature, .. } | Face::Held { temperature, .. } => Some(temperature),
             Face::Film { film, .. } => Some(film.ambient),
@@ -200,7 +200,7 @@ impl Tangent for AdvectedHeat {
         let network = &self.water.network;
         let farthest = |i: usize| network.paths(i).map(|(j, ..)| i.abs_diff(j)).max().unwrap_or(0);
         let bandwidth = (0..network.len()).map(farthest).max().unwrap_or(0).max(own.bandwidth);
-        TangentShape { is_symmetric: false, is_constant: false, bandwidth }
+        TangentShape { is_symmetric: false, is_constant: false, is_steep: false, bandwidth }
     }
 
     fn linearise(&mut self, enthalpy: &[f64], time: f64, slopes: &mut [f64]) {

@@ -11,7 +11,7 @@ pub(super) enum Warmth {
     /// Straight pieces.
     Exact(Thermal),
     /// A table of the temperature above the freezing point, by the enthalpy from there.
-    Table { table: Curved, freezing_point: f64, initial_enthalpy: f64 },
+    Table { table: Curved, freezing_point: f64, zero_enthalpy: f64 },
 }
 
 impl Warmth {
@@ -19,16 +19,16 @@ impl Warmth {
         if thermal.curve.is_kinked() {
             return Warmth::Exact(thermal.clone());
         }
-        let (freezing_point, initial_enthalpy) = (thermal.curve.freezing_point(), thermal.initial_enthalpy);
-        Warmth::Table { table: Curved::of_temperature(&thermal.curve), freezing_point, initial_enthalpy }
+        let (freezing_point, zero_enthalpy) = (thermal.curve.freezing_point(), thermal.zero_enthalpy);
+        Warmth::Table { table: Curved::of_temperature(&thermal.curve), freezing_point, zero_enthalpy }
     }
 
     #[inline]
     pub(super) fn at(&self, enthalpy: f64) -> f64 {
         match self {
-            Warmth::Exact(thermal) => thermal.curve.temperature(enthalpy + thermal.initial_enthalpy),
-            Warmth::Table { table, freezing_point, initial_enthalpy } => {
-                freezing_point + table.potential(enthalpy + initial_enthalpy)
+            Warmth::Exact(thermal) => thermal.curve.temperature(enthalpy + thermal.zero_enthalpy),
+            Warmth::Table { table, freezing_point, zero_enthalpy } => {
+                freezing_point + table.potential(enthalpy + zero_enthalpy)
             }
         }
     }

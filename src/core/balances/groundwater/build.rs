@@ -109,7 +109,7 @@ impl Groundwater {
     ) -> Result<Self, GroundwaterError> {
         let ListParts { positions, pairs, ghosts, boundary, materials, factors, .. } = list;
         let first = &materials.thermals[0];
-        let faces: Vec<Face> = boundary.first_faces(&first.curve, first.initial_potential);
+        let faces: Vec<Face> = boundary.first_faces(&first.curve, first.zero_potential);
         let mut cuts = (!list.cuts.is_empty()).then(|| CutPaths {
             open: Vec::new(),
             positions: positions.clone(),

@@ -72,7 +72,7 @@ impl Balance for Solute {
 /// Exchange that may be taken back stays: what is limited has no linearisation of its own.
 impl Tangent for Solute {
     fn shape(&mut self) -> TangentShape {
-        TangentShape { is_symmetric: false, is_constant: false, bandwidth: bandwidth(&self.list) }
+        TangentShape { is_symmetric: false, is_constant: false, is_steep: false, bandwidth: bandwidth(&self.list) }
     }
 
     fn linearise(&mut self, content: &[f64], time: f64, slopes: &mut [f64]) {

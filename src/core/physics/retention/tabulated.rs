@@ -14,11 +14,11 @@ pub struct Tabulated {
     /// Hydraulic conductivity (m/s) of saturated ground, which potentials are multiples of: tables are those of all soils that
     /// differ in it alone.
     conductivity: f64,
-    /// Initial content and, over the conductivity as all that follows, potential.
-    initial: (f64, f64),
+    /// Potential that counts as none, over the conductivity as all that follows.
+    zero: f64,
     /// Slope above saturation (m).
     saturated_slope: f64,
-    /// Content and potential of dry ground.
+    /// Content, less that of saturation, and potential of dry ground.
     dry: (f64, f64),
     middle: f64,
     wet: Nodes,
@@ -102,6 +102,14 @@ impl Nodes {
         Nodes { base, least: places[0], nodes: nodes.into() }
     }
 
+    /// The same without nodes before a distance: the law is straight up to the next.
+    pub(super) fn straight_below(self, distance: f64) -> Self {
+        let dropped = ((distance.to_bits() >> REST) + 1).saturating_sub(self.base);
+        let first = dropped.min(self.nodes.len() as u64 - 2);
+        let base = self.base + first;
+        Nodes { base, least: f64::from_bits(base << REST), nodes: self.nodes[first as usize..].into() }
+    }
+
     /// Potential less that of the end, at a distance from it.
     #[inline(always)]
     pub(super) fn at(&self, distance: f64) -> f64 {
@@ -138,7 +146,7 @@ impl Nodes {
 }
 
 impl Tabulated {
-    /// The law of a soil that starts with a content.
+    /// The law of a soil whose potentials count from that of a content.
     pub fn new(soil: &Moisture, initial_content: f64) -> Self {
         let conductivity = soil.soil().conductivity;
         let dry = (soil.driest_content(), soil.driest_potential() / conductivity);
@@ -157,46 +165,43 @@ impl Tabulated {
             (potential - dry.1, slope)
         });
         let saturated_slope = 1.0 / soil.soil().storage;
-        let mut law =
-            Tabulated { conductivity, initial: (initial_content, 0.0), saturated_slope, dry, middle, wet, moist };
-        // What the table itself gives, so that a body at rest holds exact zeros.
-        law.initial.1 = law.look_up(0.0);
+        let mut law = Tabulated { conductivity, zero: 0.0, saturated_slope, dry, middle, wet, moist };
+        // What the table itself gives, so that bodies at rest exchange nothing to the last bit.
+        law.zero = law.look_up(initial_content);
         law
     }
 
-    /// The law of a soil that starts with the same content and differs in its conductivity (m/s) alone.
+    /// The law of a soil that differs in its conductivity (m/s) alone.
     pub fn shared(&self, conductivity: f64) -> Self {
         Tabulated { conductivity, ..self.clone() }
     }
 
     /// What has drained at a content, over all that can: without a root, since what pressure stores follows from the potential.
     pub fn deficit(&self, content: f64) -> f64 {
-        let absolute = content + self.initial.0;
-        if absolute >= 0.0 {
+        if content >= 0.0 {
             return 0.0;
         }
-        if absolute <= self.dry.0 {
+        if content <= self.dry.0 {
             return 1.0;
         }
-        let stored = (self.look_up(content) + self.initial.1) / self.saturated_slope;
+        let stored = (self.look_up(content) + self.zero) / self.saturated_slope;
         let drainable = self.dry.1 / self.saturated_slope - self.dry.0;
-        ((stored - absolute) / drainable).clamp(0.0, 1.0)
+        ((stored - content) / drainable).clamp(0.0, 1.0)
     }
 
     /// Potential over the conductivity.
     #[inline(always)]
     fn look_up(&self, content: f64) -> f64 {
-        let absolute = content + self.initial.0;
-        let potential = if absolute >= 0.0 {
-            self.saturated_slope * absolute
-        } else if absolute > self.middle {
-            self.wet.at(-absolute)
-        } else if absolute > self.dry.0 {
-            self.dry.1 + self.moist.at(absolute - self.dry.0)
+        let potential = if content >= 0.0 {
+            self.saturated_slope * content
+        } else if content > self.middle {
+            self.wet.at(-content)
+        } else if content > self.dry.0 {
+            self.dry.1 + self.moist.at(content - self.dry.0)
         } else {
             self.dry.1
         };
-        potential - self.initial.1
+        potential - self.zero
     }
 }
 
@@ -208,13 +213,12 @@ impl PotentialLaw for Tabulated {
 
     #[inline]
     fn slope(&self, content: f64) -> f64 {
-        let absolute = content + self.initial.0;
-        let slope = if absolute >= 0.0 {
+        let slope = if content >= 0.0 {
             self.saturated_slope
-        } else if absolute > self.middle {
-            (-self.wet.slope(-absolute)).max(0.0)
-        } else if absolute > self.dry.0 {
-            self.moist.slope(absolute - self.dry.0).max(0.0)
+        } else if content > self.middle {
+            (-self.wet.slope(-content)).max(0.0)
+        } else if content > self.dry.0 {
+            self.moist.slope(content - self.dry.0).max(0.0)
         } else {
             0.0
         };
@@ -283,9 +287,12 @@ mod tests {
             storage: 1e-6,
             solute: None,
         });
-        let law = Tabulated::new(&soil, soil.driest_content());
-        assert_eq!((law.potential(0.0), law.slope(0.0)), (0.0, 0.0));
-        assert_eq!(law.potential(-1e-17), 0.0);
-        assert!((law.potential(-soil.driest_content()) + soil.driest_potential()).abs() < 1e-24);
+        let dry = soil.driest_content();
+        let law = Tabulated::new(&soil, dry);
+        assert_eq!((law.potential(dry), law.slope(dry)), (0.0, 0.0));
+        assert!((law.potential(0.0) + soil.driest_potential()).abs() < 1e-24);
+        for beside in [dry.next_down(), dry.next_up(), dry - 1e-3] {
+            assert_eq!(law.potential(beside), 0.0);
+        }
     }
 }

@@ -23,14 +23,16 @@ struct Paper {
     /// Whether lines are drawn piece by piece with discs at the joints: the bitmap backend turns a thick line into
     /// one polygon, which overlaps itself in narrow bends and is notched there.
     pieces: bool,
+    /// Whether letters come from the built-in font, rather than from those of the reader's machine.
+    built_in: bool,
 }
 
 /// The height of a line of Noto Sans is 1.362 times its size. The bitmap backend scales by the former and puts the
 /// base line half of it below the point.
-const BITMAP: Paper = Paper { scale: 4.0, font: 1.362, base: 0.5 * 1.362, pieces: true };
+const BITMAP: Paper = Paper { scale: 4.0, font: 1.362, base: 0.5 * 1.362, pieces: true, built_in: true };
 
 /// The SVG backend divides sizes by 1.24 and moves texts that hang from their point by 0.76 of their size.
-const SVG: Paper = Paper { scale: 10.0, font: 1.24, base: 0.76, pieces: false };
+const SVG: Paper = Paper { scale: 10.0, font: 1.24, base: 0.76, pieces: false, built_in: false };
 
 impl Canvas {
     /// The drawing as SVG.
@@ -99,12 +101,17 @@ pub fn text_width(text: &str, size: f64, bold: bool) -> f64 {
         return fallback;
     }
     let font = font(LARGE * BITMAP.font, bold);
-    font.font.box_size(text).map_or(fallback, |(width, _)| f64::from(width) * size / LARGE)
+    font.font.box_size(&in_built_in_font(text)).map_or(fallback, |(width, _)| f64::from(width) * size / LARGE)
 }
 
 fn font(size: f64, bold: bool) -> TextStyle<'static> {
     let weight = if bold { FontStyle::Bold } else { FontStyle::Normal };
     (style::FONT, size, weight).into_text_style(&(1, 1))
+}
+
+/// A text in letters that the built-in font has: it lacks the raised minus sign, which a macron resembles.
+fn in_built_in_font(text: &str) -> String {
+    text.replace('⁻', "ˉ")
 }
 
 impl Paper {
@@ -214,7 +221,8 @@ impl Paper {
         if text.upward {
             style = style.transform(FontTransform::Rotate270);
         }
-        backend.draw_text(&text.text, &style, self.spot(at)).map_err(failed)
+        let letters = if self.built_in { in_built_in_font(&text.text) } else { text.text.clone() };
+        backend.draw_text(&letters, &style, self.spot(at)).map_err(failed)
     }
 }
 

@@ -10,18 +10,20 @@ use crate::style::{INK, LABEL, Marker, method_style, method_title, percent};
 /// A cell of a map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MapCell {
-    /// Step over the bound.
+    /// Where the cell stands on the upward axis.
     pub ratio: f64,
     /// How the run ended.
     pub class: Outcome,
+    /// Number of its steps, where that is shown.
+    pub steps: Option<u64>,
 }
 
-/// One parameter value: the cells along the step, and what is known of their boundaries, in steps over the bound.
+/// One parameter value: the cells from below, and what is known of their boundaries, in steps over the bound.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MapColumn {
     /// The value, as it stands on the axis.
     pub name: String,
-    /// Cells from short to long steps.
+    /// Cells from short steps or small tolerances on.
     pub cells: Vec<MapCell>,
     /// Linear stability limit.
     pub sharp: Option<f64>,
@@ -42,6 +44,39 @@ pub struct MapPanel {
     pub columns: Vec<MapColumn>,
 }
 
+/// What the upward axis of a map measures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Upward {
+    /// Steps of heat, over the bound by row sums.
+    Step,
+    /// Tolerances of implicit steps of water, over the scene's own.
+    Tolerance,
+}
+
+impl Upward {
+    fn label(self) -> &'static str {
+        match self {
+            Upward::Step => "step over bound",
+            Upward::Tolerance => "tolerance over the scene's own",
+        }
+    }
+
+    fn ticks(self) -> &'static [f64] {
+        match self {
+            Upward::Step => &[0.25, 0.5, 1.0, 2.0, 4.0],
+            Upward::Tolerance => &[0.01, 0.1, 1.0, 10.0, 100.0, 1000.0],
+        }
+    }
+
+    /// What is exchanged and balanced, and what must stay within its range.
+    fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Upward::Step => ("the data's range", "heat"),
+            Upward::Tolerance => ("the heads' range, by their logarithm", "water"),
+        }
+    }
+}
+
 /// Maps of several methods along the same axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StabilityFigure {
@@ -49,11 +84,13 @@ pub struct StabilityFigure {
     pub title: String,
     /// Name of the parameter.
     pub axis: String,
-    /// Ends of the upward axis, in steps over the bound.
+    /// What is upward.
+    pub upward: Upward,
+    /// Ends of the upward axis.
     pub range: (f64, f64),
-    /// How far temperatures may leave the range of the data, over that range.
+    /// How far temperatures or heads may leave the range of the data, over that range.
     pub range_tolerance: f64,
-    /// How far the heat balance may be open, over the heat exchanged.
+    /// How far the balance may be open, over the heat or water exchanged.
     pub balance_tolerance: f64,
     /// Panels.
     pub panels: Vec<MapPanel>,
@@ -149,16 +186,22 @@ pub fn stability(figure: &StabilityFigure) -> Canvas {
 
 fn entries(figure: &StabilityFigure) -> Vec<Entry> {
     let columns = || figure.panels.iter().flat_map(|panel| &panel.columns);
+    let (data, exchanged) = figure.upward.words();
     let tolerance = format!(
-        "tolerance: {} of the data's range, {} of the heat exchanged",
+        "within tolerance: {} of {data}, {} of the {exchanged} exchanged",
         percent(figure.range_tolerance, 2),
         percent(figure.balance_tolerance, 2)
     );
-    let mut entries = vec![
-        Entry::note(tolerance),
-        Entry::line("bound by row sums (Gershgorin)", BOUND),
-        Entry::line("linear stability limit (sharp)", SHARP),
-    ];
+    let mut entries = vec![Entry::note(tolerance)];
+    entries.extend(match figure.upward {
+        Upward::Step => vec![
+            Entry::line("bound by row sums (Gershgorin)", BOUND),
+            Entry::line("linear stability limit (sharp)", SHARP),
+        ],
+        Upward::Tolerance => {
+            vec![Entry::line("the scene's own tolerance", BOUND), Entry::note("numbers: steps; blank: refused")]
+        }
+    });
     if columns().any(|column| column.first_loss.is_some()) {
         entries.push(Entry::mark("measured: first step beyond tolerance", Marker::Wedge, INK, true));
     }
@@ -210,7 +253,7 @@ fn draw_panel(
 ) {
     let names: Vec<String> = panel.columns.iter().map(|column| column.name.clone()).collect();
     let x = Axis::columns(figure.axis.as_str(), &names);
-    let y = Axis::log_between("step over bound", figure.range, &[0.25, 0.5, 1.0, 2.0, 4.0]);
+    let y = Axis::log_between(figure.upward.label(), figure.range, figure.upward.ticks());
     let frame = Frame::inside((left, top + 30.0), (left + width, top + height - 14.0), x, y);
     canvas.bold((frame.left, top + 20.0), method_title(&panel.method), LABEL, Align::Start);
     frame.draw(canvas);
@@ -225,6 +268,11 @@ fn draw_panel(
             let low = half_way(before, figure.range.0);
             let high = half_way(column.cells.get(place + 1), figure.range.1);
             paint(canvas, frame.spot(from, high), frame.spot(to, low), cell.class);
+            if let Some(steps) = cell.steps {
+                let (x, y) = frame.spot(0.5 * (from + to), cell.ratio);
+                // Above the line of the scene's own tolerance.
+                canvas.text((x, y - 0.35 * LABEL), steps.to_string(), LABEL, Align::Middle);
+            }
         }
         if k > 0 {
             let ends = [figure.range.0, figure.range.1].map(|ratio| frame.spot(from, ratio));
@@ -353,13 +401,16 @@ mod tests {
 
     #[test]
     fn cells_of_a_column_cover_the_range_without_gaps() {
-        let cells: Vec<MapCell> =
-            [0.25, 1.0, 4.0].into_iter().map(|ratio| MapCell { ratio, class: Outcome::TimedOut }).collect();
+        let cells: Vec<MapCell> = [0.25, 1.0, 4.0]
+            .into_iter()
+            .map(|ratio| MapCell { ratio, class: Outcome::TimedOut, steps: None })
+            .collect();
         let column = MapColumn { name: "1".into(), cells, ..MapColumn::default() };
         let panel = MapPanel { method: "pd".into(), columns: vec![column] };
         let (title, axis, range) = ("t".into(), "a".into(), (0.25, 4.0));
-        let panels = vec![panel];
-        let figure = StabilityFigure { title, axis, range, range_tolerance: 0.01, balance_tolerance: 1e-3, panels };
+        let (upward, panels) = (Upward::Step, vec![panel]);
+        let figure =
+            StabilityFigure { title, axis, upward, range, range_tolerance: 0.01, balance_tolerance: 1e-3, panels };
         let canvas = stability(&figure);
         // The swatch of the legend comes first.
         let areas: Vec<_> = canvas

@@ -51,6 +51,41 @@ fn a_tracer_follows_the_closed_form_and_stays_within_the_data() {
     }
 }
 
+/// Advection by the mean of both ends, as the paper has it, leaves the data where a cell's Peclet number v dx / D is above 2: there
+/// the nearest pairs take more from a particle downstream than diffusion brings back. The default and the fitted weights stay within at
+/// any. The table of docs/theory/unsaturated.md: `cargo test --release --test frazil advection_by_means -- --nocapture`.
+#[test]
+fn advection_by_means_leaves_the_data_on_coarse_cells_and_the_default_does_not() {
+    let cells = [("1", "1e-4"), ("2", "2e-4"), ("5", "5e-4"), ("10", "1e-3")];
+    for kind in even() {
+        for advection in ["paper", "central", "limited", "fitted"] {
+            let [key, apart] = ["advection", "spacing_m"].map(|key| format!("method.{}.{key}", kind.name));
+            let word = format!("\"{advection}\"");
+            let mut beyond = Vec::new();
+            for (peclet, spacing) in cells {
+                let changes = [(key.as_str(), word.as_str()), (apart.as_str(), spacing)];
+                let result = run("column-tracer-pe1000", kind.name, &changes);
+                let rms = result.record.errors.concentration_rms_rel.expect("an error");
+                let (least, greatest) = least_and_greatest(&result);
+                beyond.push((-least).max(greatest - 1.0));
+                eprintln!(
+                    "{} {advection}, cell Peclet {peclet}: rms {:.2} %, beyond the data {:.1} %",
+                    kind.name,
+                    1e2 * rms,
+                    1e2 * beyond[beyond.len() - 1].max(0.0)
+                );
+            }
+            if ["limited", "fitted"].contains(&advection) {
+                assert!(beyond.iter().all(|beyond| *beyond < 1e-9), "{} {advection}: {beyond:?}", kind.name);
+            } else {
+                // Below 2 the nearest neighbours alone keep the data; above, no method with pairs of positive weights does.
+                assert!(beyond[0] < 1e-9, "{} {advection}: {beyond:?}", kind.name);
+                assert!(beyond[2] > 1e-3 && beyond[3] > beyond[2], "{} {advection}: {beyond:?}", kind.name);
+            }
+        }
+    }
+}
+
 /// Where a profile falls through a level (m), linear between two places.
 fn falls(result: &RunResult, time: f64, level: f64, read: fn(&frazil_record::ProfileRow) -> f64) -> f64 {
     let rows: Vec<(f64, f64)> =

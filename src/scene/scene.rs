@@ -255,6 +255,13 @@ impl Scene {
         self.impermeable.iter().any(|shape| shape.contains(point))
     }
 
+    /// Parts of walls at which heat, or water, does something else than at the rest of their wall; none where what differs is
+    /// the solute that enters.
+    pub fn conducting_parts(&self) -> &[WallPart] {
+        let alike = |part: &WallPart| self.wall(part.wall) == Some(&part.condition);
+        if self.wall_parts.iter().all(alike) { &[] } else { &self.wall_parts }
+    }
+
     /// What happens at all walls and parts of them, and at the face of the shaft.
     pub fn conditions(&self) -> impl Iterator<Item = &Condition> {
         let parts = self.wall_parts.iter().map(|part| &part.condition);
@@ -315,7 +322,7 @@ impl Scene {
             && self.regions.iter().all(reaches)
             && !self.has_barriers()
             && self.random.is_even()
-            && self.wall_parts.iter().all(|part| self.wall(part.wall) == Some(&part.condition))
+            && self.conducting_parts().is_empty()
             && !self.stream.as_ref().is_some_and(driven)
     }
 
@@ -386,7 +393,7 @@ impl Scene {
         let wall = patch.wall()?;
         let Domain::Rectangle { width, height } = self.domain else { return Some(1.0) };
         let length = if wall.is_across_y() { width } else { height };
-        let parts = || self.wall_parts.iter().enumerate().filter(|(_, part)| part.wall == wall);
+        let parts = || self.conducting_parts().iter().enumerate().filter(|(_, part)| part.wall == wall);
         let mut ends: Vec<f64> = parts().flat_map(|(_, part)| [part.from, part.to]).chain([0.0, length]).collect();
         ends.sort_by(f64::total_cmp);
         let owner = |middle: f64| {

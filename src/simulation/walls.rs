@@ -8,25 +8,25 @@ use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_core::space::wall::{PatchId, WallId};
-use frazil_scene::Scene;
+use frazil_scene::{Scene, WallPart};
 
 use crate::reference::Reference;
 use crate::refused::Refused;
 
-/// The walls of a scene. `exact` is what walls that follow the exact solution ask. `mirrors` sets ghosts behind the
+/// The walls of a scene with these parts. `exact` is what walls that follow the exact solution ask. `mirrors` sets ghosts behind the
 /// walls of a body of shells, which otherwise touch its outermost particles alone.
 ///
 /// # Errors
 /// A wall that follows an exact solution where there is none.
 pub fn boundary(
-    scene: &Scene,
+    (scene, wall_parts): (&Scene, &[WallPart]),
     model: WallModel,
     exact: Option<Arc<dyn Reference>>,
     mirrors: bool,
 ) -> Result<Boundary, Refused> {
     let (axis_length, cold_at_end) = scene.freezing_direction().map_or((0.0, false), |d| (d.length, d.from_end));
     let whole = scene.walls.iter().map(|wall| (PatchId::Whole(wall.wall), &wall.condition));
-    let parts = scene.wall_parts.iter().enumerate();
+    let parts = wall_parts.iter().enumerate();
     let parts = parts.map(|(k, part)| (PatchId::Part(part.wall, k), &part.condition));
     let face = scene.excavation.iter().map(|shaft| (PatchId::Face, &shaft.condition));
     let falls = |id: PatchId| {
@@ -76,9 +76,9 @@ pub fn boundary(
         Domain::Radial { .. } | Domain::Axial { .. } => ([Side::Curved; 4], None),
     };
     let first = scene.walls.len();
-    let parts = scene.wall_parts.iter().enumerate();
+    let parts = wall_parts.iter().enumerate();
     let parts = parts.map(|(k, part)| (part.wall, part.from, part.to, first + k)).collect();
-    let patch = scene.walls.len() + scene.wall_parts.len();
+    let patch = scene.walls.len() + wall_parts.len();
     let dug = scene.excavation.as_ref().map(|shaft| Dug { patch, radius: shaft.radius, start: shaft.start });
     let books_all = mirrors && scene.domain.symmetry().is_some();
     Ok(Boundary { parts, books_all, patches, sides, curved, dug })

@@ -116,10 +116,14 @@ impl<T: PairTerm> Tangent for ListBalance<T> {
         (0..self.rows.parts.positions.len()).map(|i| steepest(&self.rows.parts, i)).collect()
     }
 
-    fn take(&self, state: &mut [f64], changes: &[f64], weight: f64, row_sum: f64) {
+    fn take(&self, state: &mut [f64], changes: &[f64], slopes: &[f64], (weight, row_sum): (f64, f64)) {
         let parts = &self.rows.parts;
+        // Under means of conductivities a content is not held back by its own potential alone.
+        if parts.exchange != Exchange::Potential {
+            return state.iter_mut().zip(changes).for_each(|(state, change)| *state += change);
+        }
         let falls = if parts.up.is_some() { weight / parts.spacing } else { 0.0 };
-        parts.materials.take(state, changes, weight * row_sum, falls);
+        parts.materials.take(state, changes, slopes, (weight * row_sum, falls));
     }
 }
 

@@ -436,8 +436,8 @@ impl<L: Laws> Tangent for LatticeBalance<L> {
         (0..self.around.lattice.len()).map(|i| self.around.materials.of(i).largest_slope).collect()
     }
 
-    fn take(&self, state: &mut [f64], changes: &[f64], weight: f64, row_sum: f64) {
-        self.around.materials.take(state, changes, weight * row_sum, 0.0);
+    fn take(&self, state: &mut [f64], changes: &[f64], slopes: &[f64], (weight, row_sum): (f64, f64)) {
+        self.around.materials.take(state, changes, slopes, (weight * row_sum, 0.0));
     }
 }
 

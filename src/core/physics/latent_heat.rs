@@ -64,22 +64,26 @@ impl Materials {
         Materials { thermals, of_particle, blends: Arc::new([]), law_of: Vec::new() }
     }
 
-    /// Takes changes that a linearised system wants into a state. Contents of water follow as what holds them back does: their
-    /// potential, times `stiffness` (s/m2), and where gravity pulls their conductivity, times `falls` (s/m).
-    pub(crate) fn take(&self, state: &mut [f64], changes: &[f64], stiffness: f64, falls: f64) {
+    /// Takes changes that a system linearised at a state wants into it. Contents of water follow as what holds them back does:
+    /// their potential, times `stiffness` (s/m2), and where gravity pulls their conductivity, times `falls` (s/m). `slopes` (m2/s)
+    /// are those of the potentials at the state.
+    pub(crate) fn take(&self, state: &mut [f64], changes: &[f64], slopes: &[f64], (stiffness, falls): (f64, f64)) {
         if self.thermals[0].curve.moisture().is_none() {
             return state.iter_mut().zip(changes).for_each(|(state, change)| *state += change);
         }
-        for (i, (state, change)) in state.iter_mut().zip(changes).enumerate() {
-            let thermal = self.of(i);
+        for (i, ((state, change), slope)) in state.iter_mut().zip(changes).zip(slopes).enumerate() {
+            let (thermal, slope) = (self.of(i), stiffness * slope);
             *state = match (&thermal.law, thermal.conducting().filter(|_| falls > 0.0)) {
                 (Law::Tabulated(law), None) => {
-                    answer(*state, *change, |at| (stiffness * law.potential(at), stiffness * law.slope(at)))
+                    answer(*state, *change, slope, |at| (stiffness * law.potential(at), stiffness * law.slope(at)))
                 }
-                (Law::Tabulated(law), Some(conducting)) => answer(*state, *change, |at| {
-                    let held = stiffness * law.potential(at) + falls * conducting.at(at);
-                    (held, stiffness * law.slope(at) + falls * conducting.slope(at))
-                }),
+                (Law::Tabulated(law), Some(conducting)) => {
+                    let slope = slope + falls * conducting.slope(*state);
+                    answer(*state, *change, slope, |at| {
+                        let held = stiffness * law.potential(at) + falls * conducting.at(at);
+                        (held, stiffness * law.slope(at) + falls * conducting.slope(at))
+                    })
+                }
                 _ => *state + change,
             };
         }

@@ -136,10 +136,10 @@ pub trait Tangent {
     fn act(&mut self, potentials: &[f64], rate: &mut [f64]);
     /// The largest slope dU/dH (m2/s) with which each particle can answer.
     fn steepest(&mut self) -> Vec<f64>;
-    /// Takes changes of contents that the linearised system wants into a state; `weight` (s) is that of the rates in the system, and
-    /// `row_sum` (1/m2) the largest of the exchange.
-    fn take(&self, state: &mut [f64], changes: &[f64], weight: f64, row_sum: f64) {
-        let _ = (weight, row_sum);
+    /// Takes changes of contents that the system linearised at a state wants into it; `slopes` are those of the linearisation,
+    /// the weights that of the rates in the system (s) and the largest row sum of the exchange (1/m2).
+    fn take(&self, state: &mut [f64], changes: &[f64], slopes: &[f64], weights: (f64, f64)) {
+        let _ = (slopes, weights);
         state.iter_mut().zip(changes).for_each(|(state, change)| *state += change);
     }
 }

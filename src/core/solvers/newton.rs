@@ -230,7 +230,7 @@ impl Newton {
                 part *= 0.5;
                 self.change.iter_mut().for_each(|change| *change *= 0.5);
                 state.copy_from_slice(&self.before);
-                balance.tangent().take(state, &self.change, stage.weight, self.row_sum);
+                balance.tangent().take(state, &self.change, &self.slopes, (stage.weight, self.row_sum));
                 continue;
             }
             (part, iteration) = (1.0, iteration + 1);
@@ -249,7 +249,7 @@ impl Newton {
             if !self.before.is_empty() {
                 self.before.copy_from_slice(state);
             }
-            balance.tangent().take(state, &self.change, stage.weight, self.row_sum);
+            balance.tangent().take(state, &self.change, &self.slopes, (stage.weight, self.row_sum));
         }
         Err(NotConverged)
     }

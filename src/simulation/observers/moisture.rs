@@ -33,10 +33,19 @@ struct Rained {
     area: f64,
 }
 
+impl Rained {
+    /// What did not enter, or seeped out, up to a time (s), where this much came in (m3).
+    fn ran_off(&self, time: f64, came: f64) -> f64 {
+        let fell = self.area * self.rain.integral(time);
+        // Both are sums over many steps.
+        if (fell - came).abs() <= 1e-12 * fell { 0.0 } else { fell - came }
+    }
+}
+
 /// Walls of which what does not enter runs off.
 fn rained(scene: &Scene, sources: &[Source]) -> Vec<(PatchId, Rained)> {
     let whole = scene.walls.iter().map(|wall| (PatchId::Whole(wall.wall), &wall.condition));
-    let parts = scene.wall_parts.iter().enumerate();
+    let parts = scene.conducting_parts().iter().enumerate();
     let all = whole.chain(parts.map(|(k, part)| (PatchId::Part(part.wall, k), &part.condition)));
     let of = |(patch, condition): (PatchId, &Condition)| {
         let Condition::Runoff { rain, .. } = condition else { return None };
@@ -81,7 +90,10 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
     for (patch, own) in rained(setup.scene, setup.method.ledger().sources()) {
         table.columns.push(Column {
             name: format!("ran_off_{patch}_m3"),
-            doc: format!("water run off at {patch}"),
+            doc: format!(
+                "water {} at {patch}",
+                if own.rain.constant() == Some(0.0) { "seeped out" } else { "run off" }
+            ),
             unit: amount,
             role: Role::Sum,
         });
@@ -128,7 +140,7 @@ impl Observer for Moisture {
             row.extend(self.solute(view, passenger.ledger()));
         }
         let came = view.ledger.heat();
-        row.extend(self.rained.iter().map(|own| own.area * own.rain.integral(view.time) - came[own.number]));
+        row.extend(self.rained.iter().map(|own| own.ran_off(view.time, came[own.number])));
         self.table.rows.push(row.into_iter().map(Some).collect());
     }
 

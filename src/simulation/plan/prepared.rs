@@ -44,7 +44,10 @@ pub(super) struct Prepared {
     pub(super) lattice: Arc<Lattice>,
     /// Places off the lattice (m).
     pub(super) cloud: Option<Arc<[DVec2]>>,
+    /// What heat or water meets.
     pub(super) boundary: Boundary,
+    /// What a solute meets: walls in parts even where only it tells them apart.
+    pub(super) in_parts: Boundary,
     pub(super) volumes: Volumes,
     pub(super) materials: Materials,
     /// Enthalpies at the start (J/m3); empty where all are zero.
@@ -78,9 +81,10 @@ impl Prepared {
             return Err(Refused::NoParticle(numerics.spacing));
         }
         let printed = scene.domain.symmetry().is_some() && discretisation.normalisation == Normalisation::Nominal;
-        let boundary = boundary(scene, numerics.walls, reference.cloned(), printed)?;
-        if boundary.patches.len() > MOST_PATCHES {
-            return Err(Refused::TooManyPatches(boundary.patches.len()));
+        let walls = |parts| boundary((scene, parts), numerics.walls, reference.cloned(), printed);
+        let (boundary, in_parts) = (walls(scene.conducting_parts())?, walls(&scene.wall_parts)?);
+        if in_parts.patches.len() > MOST_PATCHES {
+            return Err(Refused::TooManyPatches(in_parts.patches.len()));
         }
         let cloud = place(scene, numerics, &lattice, seed)?;
         // Noise and the paths of water are of pairs whose ends are alike.
@@ -113,6 +117,7 @@ impl Prepared {
             lattice,
             cloud,
             boundary,
+            in_parts,
             volumes,
             materials,
             start,

@@ -71,7 +71,7 @@ pub(super) fn why_list(
         ),
         (scene.domain.symmetry().is_some(), "particles are shells"),
         (scene.random.conductivity.is_some(), "the conductivity varies from place to place"),
-        (!scene.wall_parts.is_empty(), "walls are in parts"),
+        (!scene.conducting_parts().is_empty(), "walls are in parts"),
         (flows, "water flows along the pairs"),
         (scene.gravity.is_some(), "gravity pulls water along the pairs"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),

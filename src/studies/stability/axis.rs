@@ -2,6 +2,7 @@
 
 use frazil_core::physics::material::Material;
 use frazil_core::physics::retention::Retention;
+use frazil_core::physics::retention::moisture::Soil;
 use frazil_core::space::domain::Domain;
 use frazil_record::Value;
 use frazil_scene::method::MethodSettings;
@@ -37,6 +38,8 @@ pub enum Axis {
     Alpha,
     /// Exponent of the retention curve.
     Exponent,
+    /// Conductivity of the other soils over that of the first.
+    Contrast,
 }
 
 /// One column of a map.
@@ -50,6 +53,13 @@ pub struct Column {
 
 /// Span of a physical parameter around the scene's own value: a quarter to four times.
 const PHYSICS: f64 = 4.0;
+/// Span of the parameters of retention curves: a tenth to ten times.
+const SOILS: f64 = 10.0;
+/// Greatest effective saturation at the start beside ground that is dry; the others are tenths of it.
+const WETTEST: f64 = 0.1;
+const DECADE: f64 = 10.0;
+/// Decades by which other soils conduct less than the first at most.
+const LEAST_CONTRAST: i32 = -6;
 /// Span of the reach: half to twice.
 const REACH: f64 = 2.0;
 /// Span of the noise: a tenth to ten times.
@@ -65,7 +75,7 @@ const STAGES: std::ops::RangeInclusive<usize> = 3..=40;
 
 impl Axis {
     /// All but the scene as it is, by the words of `--axes`.
-    pub const WORDS: [(&'static str, Axis); 12] = [
+    pub const WORDS: [(&'static str, Axis); 13] = [
         ("stefan", Axis::Stefan),
         ("conductivity", Axis::Conductivity),
         ("capacity", Axis::Capacity),
@@ -77,6 +87,7 @@ impl Axis {
         ("saturation", Axis::Saturation),
         ("alpha", Axis::Alpha),
         ("n", Axis::Exponent),
+        ("contrast", Axis::Contrast),
         ("own", Axis::Own),
     ];
 
@@ -105,6 +116,7 @@ impl Axis {
             Axis::Saturation => "effective saturation at the start",
             Axis::Alpha => "alpha of the retention curve (1/m)",
             Axis::Exponent => "n of the retention curve",
+            Axis::Contrast => "conductivity of other soils over that of the first",
         }
     }
 
@@ -166,7 +178,9 @@ impl Axis {
                 .collect(),
             Axis::Noise => noise_levels(settings, count),
             Axis::Stages if kind.stochastic || scene.flow.is_some() || scene.of_water => Vec::new(),
-            Axis::Spacing | Axis::Saturation | Axis::Alpha | Axis::Exponent => self.of_water(scene, settings, count),
+            Axis::Spacing | Axis::Saturation | Axis::Alpha | Axis::Exponent | Axis::Contrast => {
+                self.of_water(scene, settings, count)
+            }
             Axis::Stages => STAGES
                 .map(|stages| Column {
                     value: Some(stages as f64),
@@ -223,7 +237,7 @@ impl Axis {
                     .collect()
             }
             Axis::Saturation => (0..count)
-                .map(|k| rounded(k as f64 / count as f64))
+                .map(|k| if k == 0 { 0.0 } else { rounded(WETTEST * DECADE.powi(k as i32 + 1 - count as i32)) })
                 .map(|start| Column {
                     value: Some(start),
                     // In place of a head, if the scene starts from one.
@@ -237,8 +251,9 @@ impl Axis {
                     Retention::BrooksCorey(_) | Retention::Table(_) => None,
                 });
                 let key = key(scene.units, "alpha", "per_m");
-                scaled(PHYSICS, own.first().map(|own| own.1), &|factor| changed(&own, &key, &|own| own * factor))
+                scaled(SOILS, own.first().map(|own| own.1), &|factor| changed(&own, &key, &|own| own * factor))
             }
+            Axis::Contrast => contrasts(scene, count),
             _ => {
                 let own = curves(|curve| match curve {
                     Retention::VanGenuchten(curve) => Some(curve.exponent),
@@ -246,7 +261,7 @@ impl Axis {
                 });
                 // The curve is that of n - 1: at 1 it would be flat.
                 let at = |own: f64, factor: f64| (1.0 + (own - 1.0) * factor).min(MOST_EXPONENT);
-                scaled(PHYSICS, own.first().map(|own| own.1), &|factor| changed(&own, "n", &|own| at(own, factor)))
+                scaled(SOILS, own.first().map(|own| own.1), &|factor| changed(&own, "n", &|own| at(own, factor)))
             }
         }
     }
@@ -257,6 +272,22 @@ impl Axis {
         (noisy && self != Axis::Noise && self != Axis::Own && has_knob(settings, "noise"))
             .then(|| (format!("method.{}.noise", settings.method), "false".into()))
     }
+}
+
+/// Columns in which all soils but the first conduct less than it; none where there is one soil.
+fn contrasts(scene: &Scene, count: usize) -> Vec<Column> {
+    let soils: Vec<_> = scene.materials.iter().filter_map(|own| Some((own, own.soil.as_ref()?))).collect();
+    let Some(((_, first), others)) = soils.split_first().filter(|(_, others)| !others.is_empty()) else {
+        return Vec::new();
+    };
+    let key = key(scene.units, "conductivity", "m_per_s");
+    let column = |k: i32| {
+        let contrast = DECADE.powi(LEAST_CONTRAST * k / (count as i32 - 1).max(1));
+        let value = written(first.conductivity * contrast);
+        let one = |(own, _): &(&Material, &Soil)| (format!("materials.{}.{key}", own.name), value.clone());
+        Column { value: Some(contrast), overrides: others.iter().map(one).collect() }
+    };
+    (0..count as i32).map(column).collect()
 }
 
 /// Whether a spacing (m) divides a body into whole parts.

@@ -2,7 +2,7 @@
 
 use frazil_plots::canvas::Canvas;
 use frazil_plots::stability::{
-    MapCell, MapColumn, MapPanel, StabilityFigure, StagesCurve, StagesPoint, stability, super_steps,
+    MapCell, MapColumn, MapPanel, StabilityFigure, StagesCurve, StagesPoint, Upward, stability, super_steps,
 };
 use frazil_plots::style::number;
 use frazil_simulation::march::{BALANCE_TOLERANCE, RANGE_TOLERANCE};
@@ -35,6 +35,7 @@ pub fn map(title: &str, axis: Axis, columns: &[&Mapped]) -> Option<Canvas> {
     let figure = StabilityFigure {
         title: title.into(),
         axis: axis.label().into(),
+        upward: Upward::Step,
         range: RANGE,
         range_tolerance: RANGE_TOLERANCE,
         balance_tolerance: BALANCE_TOLERANCE,
@@ -50,7 +51,7 @@ fn map_column(mapped: &Mapped) -> MapColumn {
     let cells = ladder.cells.iter().filter(|cell| cell.mapped);
     MapColumn {
         name,
-        cells: cells.map(|cell| MapCell { ratio: cell.ratio, class: cell.class }).collect(),
+        cells: cells.map(|cell| MapCell { ratio: cell.ratio, class: cell.class, steps: None }).collect(),
         sharp: Some(column.probe.sharp_over_bound()),
         first_loss: ladder.first_loss.middle(),
         last_exact: ladder.last_exact.middle(),

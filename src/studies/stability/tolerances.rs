@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use frazil_plots::page::{self, Block, Fact, Page, SceneSection, Table};
+use frazil_plots::canvas::Canvas;
+use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection, Table};
+use frazil_plots::stability::{MapCell, MapColumn, MapPanel, StabilityFigure, Upward, stability};
 use frazil_plots::style::{method_title, number, percent};
 use frazil_record::{Outcome, Record};
 use frazil_scene::Scene;
@@ -16,7 +18,7 @@ use super::request::StabilityRequest;
 use crate::campaign::{self, Campaign};
 use crate::failure::Failure;
 use crate::machine::Machine;
-use crate::output::write_rows;
+use crate::output::{make_folder, write_rows};
 use crate::parts::{Override, Parts};
 use crate::words;
 
@@ -197,7 +199,7 @@ pub fn write(
             title: scene.title.clone(),
             source: scene.source.clone(),
             parameters: words::parameters(&scene),
-            blocks: axes.map(|axis| block(name, axis, cells)).collect(),
+            blocks: axes.map(|axis| block(&scene, (name, axis), cells, folder)).collect::<Result<_, _>>()?,
         });
     }
     Ok(page::write(&page, &folder.join("report.html"))?)
@@ -255,8 +257,40 @@ fn facts(request: &StabilityRequest) -> Vec<Fact> {
     ]
 }
 
-fn block(scene: &str, axis: Axis, cells: &[Cell]) -> Block {
-    let own: Vec<&Cell> = cells.iter().filter(|cell| cell.job.scene == scene && cell.job.axis == axis).collect();
+/// Methods, values and tolerances of an axis: a map of how runs ended.
+fn map(title: &str, axis: Axis, jobs: &[&Job], own: &[&Cell], ratios: &[f64]) -> Canvas {
+    let half_way = 10f64.sqrt();
+    let column = |job: &Job| {
+        let of_job = own.iter().filter(|cell| cell.is_of(job));
+        let ended = |cell: &&Cell| {
+            let record = &cell.found.as_ref().ok()?.record;
+            Some(MapCell { ratio: cell.ratio, class: record.outcome, steps: Some(record.steps) })
+        };
+        let mut cells: Vec<MapCell> = of_job.filter_map(ended).collect();
+        cells.sort_by(|a, b| a.ratio.total_cmp(&b.ratio));
+        MapColumn { name: job.value.map_or("own".into(), |value| number(value, 3)), cells, ..MapColumn::default() }
+    };
+    let mut panels: Vec<MapPanel> = Vec::new();
+    for job in jobs {
+        match panels.iter_mut().find(|panel| panel.method == job.method) {
+            Some(panel) => panel.columns.push(column(job)),
+            None => panels.push(MapPanel { method: job.method.into(), columns: vec![column(job)] }),
+        }
+    }
+    let ends = ratios.first().zip(ratios.last()).unwrap_or((&1.0, &1.0));
+    stability(&StabilityFigure {
+        title: title.into(),
+        axis: axis.label().into(),
+        upward: Upward::Tolerance,
+        range: (ends.0 / half_way, ends.1 * half_way),
+        range_tolerance: RANGE_TOLERANCE,
+        balance_tolerance: BALANCE_TOLERANCE,
+        panels,
+    })
+}
+
+fn block(scene: &Scene, (name, axis): (&str, Axis), cells: &[Cell], folder: &Path) -> Result<Block, Failure> {
+    let own: Vec<&Cell> = cells.iter().filter(|cell| cell.job.scene == name && cell.job.axis == axis).collect();
     let mut ratios: Vec<f64> = own.iter().map(|cell| cell.ratio).collect();
     ratios.sort_by(f64::total_cmp);
     ratios.dedup();
@@ -286,9 +320,16 @@ fn block(scene: &str, axis: Axis, cells: &[Cell]) -> Block {
         let (method, tolerance) = (method_title(cell.job.method), number(cell.tolerance, 3));
         format!("{method} at {}, tolerance {tolerance}: {}: {cause}", cell.value(), cell.class().replace('_', " "))
     });
-    Block {
+    let (into, file) = (folder.join(&scene.name), format!("stability_{}", axis.word()));
+    make_folder(&into)?;
+    let canvas = map(&format!("{}: {}", scene.title, axis.label()), axis, &jobs, &own, &ratios);
+    canvas.write(&into, &file)?;
+    let caption = "How runs ended. A cell with a line of its own below says why it is not within tolerance.";
+    let figure = Figure::new(&canvas, caption, format!("{}/{file}", scene.name));
+    Ok(Block {
         heading: axis.label().into(),
         list: told.collect(),
+        figures: vec![figure],
         tables: vec![Table {
             caption: format!("By {}, and by the tolerance over the scene's own.", axis.label()),
             heads: ["method".into(), "value".into()].into_iter().chain(heads).collect(),
@@ -297,7 +338,7 @@ fn block(scene: &str, axis: Axis, cells: &[Cell]) -> Block {
             csv: Some("stability.csv".into()),
         }],
         ..Block::default()
-    }
+    })
 }
 
 /// What a study comes to: the tolerance that a scene asks for itself must not break it.

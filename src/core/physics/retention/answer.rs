@@ -15,15 +15,15 @@ const ACCURACY: f64 = 1e-6;
 /// Steps towards it. A bracket halves in each at worst.
 const MOST_STEPS: u32 = 60;
 
-/// The content after a change on the tangent, where `holds` gives f and df/dH at a content.
-pub fn answer(content: f64, change: f64, holds: impl Fn(f64) -> (f64, f64)) -> f64 {
+/// The content after a change on the tangent, where `holds` gives f and df/dH at a content; `slope` is df/dH before.
+pub fn answer(content: f64, change: f64, slope: f64, holds: impl Fn(f64) -> (f64, f64)) -> f64 {
     let on_tangent = content + change;
-    let ((own, slope), (_, beyond)) = (holds(content), holds(on_tangent));
+    let (_, beyond) = holds(on_tangent);
     let bends = (1.0 + beyond) / (1.0 + slope);
     if bends < BENDS && bends > 1.0 / BENDS {
         return on_tangent;
     }
-    let wanted = change * (1.0 + slope);
+    let (wanted, (own, _)) = (change * (1.0 + slope), holds(content));
     let missing = |at: f64| {
         let (held, slope) = holds(at);
         (at - content + held - own - wanted, 1.0 + slope)
@@ -59,8 +59,9 @@ mod tests {
         fn sums_change_as_on_the_tangent(content in -1.0..1.0f64, change in -1.0..1.0f64, stiffness in 1e-3..1e6f64) {
             // Flat below, steep above, with a kink.
             let holds = |at: f64| if at < 0.0 { (stiffness * at.exp(), stiffness * at.exp()) } else { (stiffness * (1.0 + 9.0 * at), 9.0 * stiffness) };
-            let found = answer(content, change, holds);
-            let ((before, slope), (after, _)) = (holds(content), holds(found));
+            let (before, slope) = holds(content);
+            let found = answer(content, change, slope, holds);
+            let (after, _) = holds(found);
             let (sum, wanted) = (found - content + after - before, change * (1.0 + slope));
             let bent = (1.0 + holds(content + change).1) / (1.0 + slope);
             if (1.0 / BENDS..BENDS).contains(&bent) {

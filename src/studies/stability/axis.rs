@@ -430,6 +430,12 @@ mod tests {
                             },
                             Axis::Noise => Some(settings.discretisation.fluctuation),
                             Axis::Stages => column.value,
+                            Axis::Contrast => {
+                                let of = |own: &Material| own.soil.as_ref().map(|soil| soil.conductivity);
+                                let all: Vec<f64> = scene.materials.iter().filter_map(of).collect();
+                                all.windows(2).for_each(|pair| assert!(pair[1] == all[1] && pair[1] <= pair[0]));
+                                Some(all[1] / all[0])
+                            }
                             Axis::Spacing | Axis::Saturation | Axis::Alpha | Axis::Exponent => {
                                 assert!(scene.of_water);
                                 column.value

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use frazil_edpd::calibration::{Constants, Scales};
 use frazil_plots::calibration::{CalibrationFigure, FitCurve, calibration};
 use frazil_studies::failure::{Failure, Verdict, answer};
-use frazil_studies::output::{Folder, write_rows, write_whole};
+use frazil_studies::output::{Folder, Owner, write_rows, write_whole};
 
 use fluid::Row;
 use table::Fit;
@@ -76,7 +76,7 @@ pub fn solve(request: &CalibrateRequest) -> Result<Calibrated<'_>, Failure> {
 /// Calibrates a fluid: prints the table, and writes it with a figure and keys for scenes.
 pub fn calibrate(request: &CalibrateRequest) -> Result<Verdict, Failure> {
     let calibrated = solve(request)?;
-    let folder = Folder::make(request.out.as_deref().unwrap_or("out/calibrate".as_ref()))?;
+    let folder = Folder::make(request.out.as_deref().unwrap_or("out/calibrate".as_ref()), Owner::Alone)?;
     write_rows(&folder.path().join("calibration.csv"), &calibrated.table.rows)?;
     let keys = words::keys(&calibrated);
     write_whole(&folder.path().join("calibration.toml"), |writer| writer.write_all(keys.as_bytes()))?;

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use frazil_studies::campaign::{Campaign, Shard};
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
-use frazil_studies::output::Folder;
+use frazil_studies::output::{Folder, Owner};
 use frazil_studies::progress::forewarn;
 
 use crate::calibrate::{self, CalibrateRequest, Calibrated, Conduction};
@@ -52,7 +52,7 @@ fn measure(
     jobs: &[plan::Job],
     path: &Path,
 ) -> Result<Verdict, Failure> {
-    let folder = Folder::make(path)?;
+    let folder = Folder::make(path, Owner::Alone)?;
     let campaign = Campaign::open(path, Shard::WHOLE, request.threads, interrupt::watch())?;
     if !request.quiet {
         forewarn("properties", Some(execute::seconds(jobs, &campaign, request.threads)));

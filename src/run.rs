@@ -2,20 +2,21 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use frazil_core::particles::Particles;
 use frazil_plots::run_figures;
-use frazil_record::RunResult;
+use frazil_record::{Outcome, Record, RunResult};
 use frazil_scene::Scene;
-use frazil_simulation::march::{self, Options, Progress, Refused};
+use frazil_simulation::march::{self, Checkpoints, Going, Options, Progress, Refused, Standing};
 use frazil_simulation::reduce::{self, Finding};
 use frazil_simulation::reference::Reference;
 use frazil_studies::ensemble::{self, EnsembleRequest};
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
-use frazil_studies::fields::Snapshots;
-use frazil_studies::output::{self, Folder};
+use frazil_studies::fields::{self, Snapshots};
+use frazil_studies::output::{self, Folder, Owner};
 use frazil_studies::progress::{Reporter, clock, forewarn};
-use frazil_studies::{answers, expect, figure_options, method};
+use frazil_studies::{answers, campaign, expect, figure_options, method};
 
 use crate::{interrupt, load};
 
@@ -40,6 +41,10 @@ pub struct RunRequest {
     pub fields: bool,
     /// Whether to draw a map at each output.
     pub frames: bool,
+    /// Wall time (s) between two checkpoints; none if absent.
+    pub checkpoint_s: Option<f64>,
+    /// Whether to go on from the last checkpoint in the folder.
+    pub resume: bool,
     /// Whether to say nothing but errors.
     pub quiet: bool,
 }
@@ -51,9 +56,28 @@ pub struct RunRequest {
 pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let (scene, method, reference) = asked(request)?;
     let path = request.out.clone().unwrap_or_else(|| folder_of(&scene, method));
-    let folder = Folder::make(&path)?;
+    let folder = Folder::make(&path, Owner::Alone)?;
+    let standing = kept(folder.path())?;
+    match &standing {
+        Some(standing) if request.resume && !request.quiet => complain(&format!("going on from {}", words(standing))),
+        Some(standing) if !request.resume => {
+            complain(&format!("{}: begun anew; --resume would have gone on from {}", path.display(), words(standing)));
+        }
+        None if request.resume => {
+            if let Some(record) = ended(folder.path(), &scene, method, request.seed) {
+                answer(&format!("{} under {method}: at its end already: {}", scene.name, record.outcome.name()))?;
+                return Ok(Verdict::of(record.outcome));
+            }
+        }
+        _ => {}
+    }
+    let goes_on = request.resume && standing.is_some();
+    if !goes_on {
+        fields::forget(folder.path())?;
+    }
     let wanted = (request.fields, request.frames);
-    let snapshots = (wanted != (false, false)).then(|| Snapshots::new(&scene, method, wanted, folder.path()));
+    let snapshots =
+        (wanted != (false, false)).then(|| Snapshots::new(&scene, method, wanted, (folder.path(), goes_on)));
     let snapshots = snapshots.transpose().inspect_err(|_| folder.take_back())?;
     let see = |particles: &Particles, time: f64| {
         if let Some(snapshots) = &snapshots {
@@ -71,6 +95,10 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     }
     let reporter = Reporter::new(request.quiet);
     let show = |progress: &Progress| reporter.show(progress);
+    let checkpoints = request.checkpoint_s.map(|seconds| {
+        let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+        Checkpoints::new(folder.path(), every, (campaign::build(), if request.resume { Going::On } else { Going::Anew }), &complain)
+    });
     let options = Options {
         threads: request.threads,
         seed: request.seed,
@@ -79,6 +107,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
         time_limit_s: None,
         fields: true,
         each_output: snapshots.is_some().then_some(&see),
+        checkpoints: checkpoints.as_ref(),
     };
     let result = match finding {
         Some(finding) => finding.and_then(|finding| reduced(&finding, &scene, method, reference.as_ref(), &options)),
@@ -88,13 +117,18 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let result = match result {
         Ok(result) => result,
         Err(refused) => {
-            drop(snapshots);
+            if let Some(snapshots) = snapshots {
+                snapshots.give_up();
+            }
             folder.take_back();
             return Err(refused.into());
         }
     };
     let also = || snapshots.map_or(Ok(()), |snapshots| snapshots.finish(folder.path()));
     output::write_run_and(folder.path(), &result, also)?;
+    if let Some(checkpoints) = checkpoints.filter(|_| result.record.outcome != Outcome::Interrupted) {
+        checkpoints.clear().map_err(|error| Failure::file(folder.path(), "cannot be cleared of checkpoints", error))?;
+    }
     let options = figure_options::of_run(&scene, &result.fields);
     if let Err(error) = run_figures(&result, folder.path(), &options) {
         // The numbers are safe: a figure that cannot be drawn does not undo them.
@@ -107,6 +141,24 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
         answer(&summary(&scene, &result, folder.path()))?;
     }
     Ok(Verdict::of(result.record.outcome))
+}
+
+/// Where the run stands that a folder keeps, if it keeps one.
+fn kept(folder: &Path) -> Result<Option<Standing>, Failure> {
+    march::standing(folder).map_err(|error| Failure::file(folder, "cannot be read", error))
+}
+
+/// Where a run stands.
+pub fn words(standing: &Standing) -> String {
+    let Standing { time_s, duration_s, steps, solve_wall_s, .. } = standing;
+    format!("{:.1} % of it, {steps} steps and {} of them", 100.0 * time_s / duration_s, clock(*solve_wall_s))
+}
+
+/// The record of a run that a folder holds, if it is this one and came to its end.
+fn ended(folder: &Path, scene: &Scene, method: &str, seed: u64) -> Option<Record> {
+    let record = output::record_in(folder)?;
+    let is_it = record.scene_hash == scene.hash && record.method == method && record.seed == seed;
+    (is_it && record.outcome != Outcome::Interrupted).then_some(record)
 }
 
 /// Runs `count` members of an ensemble, the first with the seed of the request.

@@ -23,6 +23,7 @@ pub mod walls;
 
 use std::sync::Arc;
 
+use frazil_core::saved::{Pass, Saved};
 use rayon::ThreadPool;
 
 pub use error::FluidError;
@@ -263,6 +264,27 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     /// As [`Fluid::advance`].
     pub fn advance_by(&mut self, step: f64, drive: &impl Drive<D>) -> Result<(), FluidError> {
         self.in_pool(|fluid| fluid.step(step, drive))
+    }
+}
+
+impl<const D: usize, M: Matter> Saved for Fluid<D, M> {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        // In the order of the last sorting, which decides in which order pairs act.
+        self.particles.iter_mut().for_each(|particle| particle.pass(pass));
+        self.origins.iter_mut().for_each(|origin| origin.pass(pass));
+        if let Some(walls) = &mut self.walls {
+            walls.pass(pass);
+        }
+        pass.all(&mut [
+            &mut self.starts,
+            &mut self.potential,
+            &mut self.gained,
+            &mut self.given_back,
+            &mut self.driven,
+            &mut self.moving,
+            &mut self.steps,
+            &mut self.sortings,
+        ]);
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{key_and_value, threads};
+use super::values::{key_and_value, seconds, threads};
 use crate::run::RunRequest;
 use crate::{load, run};
 
@@ -44,6 +44,13 @@ pub struct RunArguments {
     /// Draws a temperature map at every output, for an animation: frames/*.png. Needs a plane.
     #[arg(long)]
     frames: bool,
+    /// Wall time in seconds between two checkpoints, from which a run that was killed goes on; 0 for none.
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = seconds)]
+    checkpoint_s: f64,
+    /// Goes on from the last checkpoint in the folder, to the same bits as a run that was never stopped; from the start if there is
+    /// none.
+    #[arg(long)]
+    resume: bool,
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -66,6 +73,8 @@ impl RunArguments {
             reduce: self.reduce,
             fields: self.fields,
             frames: self.frames,
+            checkpoint_s: (self.checkpoint_s > 0.0).then_some(self.checkpoint_s),
+            resume: self.resume,
             quiet: self.quiet,
         };
         match self.seeds {

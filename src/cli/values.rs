@@ -32,6 +32,11 @@ pub fn key_and_value(text: &str) -> Result<(String, String), MustBe> {
     }
 }
 
+/// Seconds, none among them.
+pub fn seconds(text: &str) -> Result<f64, MustBe> {
+    number(text, |number| number >= 0.0 && number.is_finite(), "a number of seconds, 0 or more")
+}
+
 /// Seconds.
 pub fn positive_seconds(text: &str) -> Result<f64, MustBe> {
     number(text, is_positive, "a number of seconds greater than 0")

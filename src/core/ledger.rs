@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::saved::{Pass, Saved};
 use crate::space::wall::PatchId;
 
 /// A sum that keeps its rounding error (Neumaier's variant of Kahan summation).
@@ -24,6 +25,12 @@ impl Sum {
     /// The sum so far.
     pub fn value(&self) -> f64 {
         self.total + self.lost
+    }
+}
+
+impl Saved for Sum {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.total, &mut self.lost]);
     }
 }
 
@@ -171,5 +178,11 @@ impl Ledger {
     /// Rate of the latest step, by patch (W).
     pub fn rate(&self) -> &[f64] {
         &self.rate
+    }
+}
+
+impl Saved for Ledger {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.heat, &mut self.rate]);
     }
 }

@@ -17,6 +17,7 @@ pub mod neighbours;
 pub mod noise;
 pub mod particles;
 pub mod physics;
+pub mod saved;
 pub mod series;
 pub mod solvers;
 pub mod space;

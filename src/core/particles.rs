@@ -8,6 +8,7 @@ use crate::ledger::Sum;
 use crate::memory::{HeapSize, shared};
 use crate::physics::latent_heat::Materials;
 use crate::physics::sub_cell::at_the_centre;
+use crate::saved::{Pass, Saved};
 use crate::space::lattice::Lattice;
 use crate::space::volumes::Volumes;
 
@@ -175,6 +176,19 @@ impl Particles {
             }
         }
         format!("{:016x}", hasher.digest())
+    }
+}
+
+impl Saved for Particles {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        let Particles { enthalpy, solute, concentration, velocity, shaft, .. } = self;
+        pass.all(&mut [enthalpy, solute, concentration, velocity, shaft]);
+        // Those at rest stand where their plan has placed them.
+        if self.move_about()
+            && let Places::Cloud(places) = &mut self.places
+        {
+            Arc::make_mut(places).iter_mut().for_each(|place| place.pass(pass));
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use frazil_plots::ground_plan::ShaftMark;
 use frazil_plots::{FigureOptions, run_figures};
 use frazil_record::{Field, Outcome};
 use frazil_scene::Scene;
-use frazil_simulation::march::{self, EachOutput, Options};
+use frazil_simulation::march::{self, Checkpoints, EachOutput, Options};
 use frazil_simulation::predict;
 use frazil_studies::campaign::{self, Campaign, Meter, Shard};
 use frazil_studies::failure::{Failure, complain};
@@ -205,7 +205,7 @@ impl Work<'_> {
     fn layout(&self, layout: &Layout) -> Result<Option<Finding>, Failure> {
         let path = self.folder_of(layout);
         output::make_folder(&path)?;
-        let draw = || Snapshots::new(&layout.scene, self.method, (false, true), &path);
+        let draw = || Snapshots::new(&layout.scene, self.method, (false, true), (&path, true));
         let frames = self.draws_frames(layout).then(draw).transpose()?;
         let see = |particles: &Particles, time: f64| {
             if let Some(frames) = &frames {
@@ -220,15 +220,20 @@ impl Work<'_> {
             time_limit_s: None,
             fields: self.has_maps(layout),
             each_output: None,
+            checkpoints: None,
         };
-        let run = |scene: &Scene, see: Option<&EachOutput<'_>>| {
-            let options = Options { each_output: see, ..options };
-            march::run(scene, self.method, None, &options).map_err(Failure::from)
+        let run = |scene: &Scene, see: Option<&EachOutput<'_>>, is_fine: bool| {
+            let run = |checkpoints: Option<&Checkpoints<'_>>| {
+                march::run(scene, self.method, None, &Options { each_output: see, checkpoints, ..options })
+            };
+            // The coarser run takes an eighth of the time, and is made again.
+            let made = if is_fine { self.campaign.on_its_way(&self.key(layout), run) } else { run(None) };
+            made.map_err(Failure::from)
         };
         let seen: Option<&EachOutput<'_>> = if frames.is_some() { Some(&see) } else { None };
         let tried = match self.beside {
-            true => layout.check(self.study.shaft_radius, self.method).and_then(|()| run(&layout.scene, seen)),
-            false => run(&layout.scene, seen).map_err(|failure| named(&layout.name, failure)),
+            true => layout.check(self.study.shaft_radius, self.method).and_then(|()| run(&layout.scene, seen, true)),
+            false => run(&layout.scene, seen, true).map_err(|failure| named(&layout.name, failure)),
         };
         let fine = match tried {
             Ok(fine) => fine,
@@ -239,7 +244,7 @@ impl Work<'_> {
             return Ok(None);
         }
         let (mut coarse, mut refused) = (None, None);
-        match self.coarser(layout).and_then(|scene| Ok((run(&scene, None)?, scene))) {
+        match self.coarser(layout).and_then(|scene| Ok((run(&scene, None, false)?, scene))) {
             Ok((result, _)) if result.record.outcome == Outcome::Interrupted => return Ok(None),
             Ok((result, scene)) => coarse = Some(Kept::of(&scene, &result)),
             Err(failure) => refused = Some(failure.to_string()),

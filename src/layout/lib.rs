@@ -10,7 +10,7 @@ use frazil_studies::campaign::{Campaign, Shard};
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
 use frazil_studies::machine::Machine;
 use frazil_studies::method;
-use frazil_studies::output::Folder;
+use frazil_studies::output::{Folder, Owner};
 use frazil_studies::parallel;
 use frazil_studies::parts::{Override, Parts};
 use frazil_studies::progress::forewarn;
@@ -103,7 +103,8 @@ pub fn layout(request: &LayoutRequest, parts: &Parts<'_>) -> Result<Verdict, Fai
         return Ok(Verdict::Done);
     }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
-    let folder = Folder::make(&path)?;
+    let owner = if request.shard == Shard::WHOLE { Owner::Alone } else { Owner::WithOthers };
+    let folder = Folder::make(&path, owner)?;
     let campaign = Campaign::open(&path, request.shard, request.threads, parts.interrupt)?;
     let machine = Machine::now();
     let work_of = |method: &'static str, beside: bool| Work {

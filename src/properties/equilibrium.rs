@@ -7,7 +7,7 @@ use frazil_edpd::fluid::{Fluid, Parameters};
 use frazil_edpd::properties::equilibrium::{SETTLE, gain, measure};
 use frazil_studies::campaign::{Campaign, Meter, Shard};
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
-use frazil_studies::output::{Folder, write_rows};
+use frazil_studies::output::{Folder, Owner, write_rows};
 use frazil_studies::progress::forewarn;
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_64;
@@ -73,7 +73,7 @@ pub fn equilibrium(request: &PropertiesRequest, calibrated: &Calibrated<'_>, pat
     if !request.quiet {
         forewarn("properties", Some(seconds_of(price * jobs.len() as u64, request.threads.min(jobs.len()))));
     }
-    let folder = Folder::make(path)?;
+    let folder = Folder::make(path, Owner::Alone)?;
     let campaign = Campaign::open(path, Shard::WHOLE, request.threads, interrupt::watch())?;
     let prices = [price as f64; 4];
     let meter = Meter::new(request.quiet, prices.iter().sum());

@@ -22,4 +22,4 @@ pub use time_unit::TimeUnit;
 pub use wall::{GapRow, LinkRow, PlaneRow, WallRecord, WallRow};
 pub use water::{CutRow, FlowPoint, WaterRecord, WaterRow, WaterSeries};
 pub use work::Work;
-pub use write::write_whole;
+pub use write::{UNFINISHED, write_whole};

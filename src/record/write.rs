@@ -3,7 +3,10 @@
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-use tempfile::NamedTempFile;
+use tempfile::Builder;
+
+/// What the names of files and folders begin with that are still being made: whoever finds one of a run that is over may remove it.
+pub const UNFINISHED: &str = ".frazil-";
 
 /// Writes a file beside its place and moves it there when it is whole, so that no reader sees half of it.
 ///
@@ -12,7 +15,8 @@ use tempfile::NamedTempFile;
 /// If the file cannot be written; what stood in its place stays.
 pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let mut writer = BufWriter::new(NamedTempFile::new_in(folder)?);
+    let unfinished = Builder::new().prefix(UNFINISHED).tempfile_in(folder)?;
+    let mut writer = BufWriter::new(unfinished);
     fill(&mut writer)?;
     let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
     // Temporary files are for their owner only; results are for everybody.

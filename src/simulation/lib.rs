@@ -11,6 +11,7 @@ pub mod observers;
 mod open_volumes;
 pub mod plan;
 pub mod predict;
+mod recorded;
 pub mod reduce;
 pub mod reference;
 mod refused;

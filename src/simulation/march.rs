@@ -1,5 +1,6 @@
 //! The time loop: from a scene and a method to a [`RunResult`].
 
+mod checkpoint;
 pub(crate) mod guard;
 pub(crate) mod instants;
 mod leave;
@@ -32,6 +33,7 @@ use leave::Course;
 use stopwatch::{Elapsed, Stopwatch};
 
 pub use crate::refused::Refused;
+pub use checkpoint::{Checkpoints, Going, Standing, standing};
 pub use instants::outputs;
 pub use verdict::{BALANCE_TOLERANCE, RANGE_TOLERANCE, SETBACK_TOLERANCE};
 
@@ -55,6 +57,8 @@ pub struct Options<'a> {
     pub fields: bool,
     /// Called with the state at the start and at every output, and its time (s).
     pub each_output: Option<&'a EachOutput<'a>>,
+    /// Where the run is kept while it goes on, if it is.
+    pub checkpoints: Option<&'a Checkpoints<'a>>,
 }
 
 impl Default for Options<'_> {
@@ -67,6 +71,7 @@ impl Default for Options<'_> {
             time_limit_s: None,
             fields: false,
             each_output: None,
+            checkpoints: None,
         }
     }
 }
@@ -108,13 +113,20 @@ struct Simulation<'a> {
     /// Whether states within steps are known, and room for one.
     dense: bool,
     between: Vec<f64>,
+    /// Instants that steps land on, and how many of them they have landed on.
+    stops: Vec<f64>,
+    landed: usize,
     /// Outputs to come.
     pending: Peekable<IntoIter<f64>>,
     observers: Observers,
     guard: Guard,
     observation: Elapsed,
+    /// Wall and CPU time (s) of the steps before the run was gone on with, and since.
+    before: Elapsed,
+    solve: Stopwatch,
     began: Instant,
     last_progress: Instant,
+    last_checkpoint: Instant,
 }
 
 /// Why a run stopped before its end.
@@ -154,12 +166,12 @@ pub fn run(
 ) -> Result<RunResult, Refused> {
     let setup = Stopwatch::start(options.threads);
     let settings = settings_of(scene, method)?;
+    let kept = options.checkpoints.map(|kept| checkpoint::found(kept, scene, settings, options)).transpose()?.flatten();
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
     let (particles, method, pipes) = (&plan.particles, plan.method.as_ref(), &plan.pipe_extents[..]);
     let observers = Observers::new(&Setup { scene, particles, method, pipes, maps: options.fields, reference });
     let setup = setup.stop();
     let guard = Guard::new(scene, &plan.particles, &plan.pipe_extents);
-    let solve = Stopwatch::start(options.threads);
     let (began, dense) = (Instant::now(), plan.method.report().is_dense);
     let Plan { particles, method, step, bound, summary, .. } = plan;
     let outputs = outputs(scene);
@@ -177,25 +189,37 @@ pub fn run(
         clock: Clock { time: 0.0, step: 0.0, index: 0, turned: true },
         turn: f64::NEG_INFINITY,
         dense,
+        stops,
+        landed: 0,
         pending: outputs.into_iter().peekable(),
         observers,
         guard,
         observation: Elapsed::default(),
+        before: Elapsed::default(),
+        solve: Stopwatch::start(options.threads),
         began,
         last_progress: began,
+        last_checkpoint: began,
     };
-    let stopped = simulation.march(stops).err();
-    let solve = solve.stop();
-    let solve = (solve.0 - simulation.observation.wall, solve.1 - simulation.observation.cpu);
+    match &kept {
+        Some(kept) => simulation.go_on_from(kept)?,
+        None => simulation.begin(),
+    }
+    let stopped = simulation.march().err();
+    let solve = simulation.solved();
     Ok(simulation.leave(Course { stopped, setup, solve, summary }, reference))
 }
 
 impl Simulation<'_> {
-    /// The time loop: from instant to instant on which steps land.
-    fn march(&mut self, stops: Vec<f64>) -> Result<(), Stop> {
+    /// Shows the state at the start.
+    fn begin(&mut self) {
         self.method.publish(&mut self.particles);
         self.observe(0.0, Moment::Start, None);
-        for instant in stops {
+    }
+
+    /// The time loop: from instant to instant on which steps land.
+    fn march(&mut self) -> Result<(), Stop> {
+        while let Some(instant) = self.stops.get(self.landed).copied() {
             while self.clock.time < instant {
                 let before = self.clock.time;
                 let made = self.advance(instant)?;
@@ -206,8 +230,15 @@ impl Simulation<'_> {
                 self.have_patience()?;
             }
             self.arrive(instant)?;
+            self.landed += 1;
         }
         Ok(())
+    }
+
+    /// Wall and CPU time (s) of the steps, without what observing them took.
+    fn solved(&self) -> (f64, f64) {
+        let (wall, cpu) = self.solve.stop();
+        (self.before.wall + wall - self.observation.wall, self.before.cpu + cpu - self.observation.cpu)
     }
 
     /// One step towards an instant; its length (s).
@@ -288,7 +319,7 @@ impl Simulation<'_> {
         let (now, index) = (self.clock.time, self.clock.index);
         if self.dense || index.is_multiple_of(16) {
             let time = Instant::now();
-            let elapsed_s = (time - self.began).as_secs_f64();
+            let elapsed_s = self.before.wall + (time - self.began).as_secs_f64();
             if let Some(progress) = self.options.progress
                 && time - self.last_progress > Duration::from_millis(100)
             {
@@ -299,7 +330,9 @@ impl Simulation<'_> {
                 return Err(Stop::TimedOut(now));
             }
         }
-        if self.options.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+        let is_interrupted = self.options.interrupt.is_some_and(|flag| flag.load(Ordering::Relaxed));
+        self.keep(is_interrupted);
+        if is_interrupted {
             return Err(Stop::Interrupted(now, self.scene.duration));
         }
         Ok(())

@@ -2,6 +2,7 @@
 //! thaw, and the coldest pipes take heat and give none. An unstable step breaks such rules where temperatures tell
 //! nothing, as inside the smeared delta of a pipe.
 
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::boundary::condition::Condition;
 use frazil_core::series::Series;
 use frazil_record::RunResult;
@@ -29,6 +30,12 @@ pub struct MonotonicityCheck {
 pub(crate) fn of(setup: &Setup<'_>) -> Made {
     let check = MonotonicityCheck::new(setup.scene, setup.particles.volumes.largest());
     check.watches.then(|| Box::new(check) as _)
+}
+
+impl Saved for MonotonicityCheck {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.furthest, &mut self.strongest, &mut self.setback]);
+    }
 }
 
 impl Observer for MonotonicityCheck {

@@ -30,6 +30,7 @@ mod wall;
 mod water;
 
 use frazil_core::particles::Particles;
+use frazil_core::saved::{Pass, Saved};
 use frazil_record::RunResult;
 
 use crate::monotonicity;
@@ -67,6 +68,13 @@ pub(crate) struct Observers {
     all: Vec<Box<dyn Observer>>,
     /// The earliest time (s) at which one of them wants to see a state between outputs.
     next: f64,
+}
+
+impl Saved for Observers {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.all.iter_mut().for_each(|observer| observer.pass(pass));
+        self.plan();
+    }
 }
 
 impl Observers {

@@ -35,6 +35,9 @@ pub enum Refused {
     /// What a method that makes its own particles says that it cannot represent.
     #[error("{0}")]
     Method(String),
+    /// A checkpoint, by its path, from which the run cannot go on: why.
+    #[error("{0}: {1}")]
+    Checkpoint(String, String),
     /// More than the memory that is left.
     #[error(
         "a spacing of {spacing} makes {particles:.1e} particles, which with {what} need at least {}, and {} are left: \

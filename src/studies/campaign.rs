@@ -4,19 +4,24 @@
 //! interrupted or killed asks for the same keys again and goes on where it stood; tables, figures and pages are made of
 //! findings alone, so they do not tell how often it was stopped.
 
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use frazil_scene::Scene;
+use frazil_simulation::march::{Checkpoints, Going};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use xxhash_rust::xxh3::xxh3_64;
 
-use crate::failure::Failure;
+use crate::failure::{Failure, complain};
 use crate::parallel;
 pub use meter::{Meter, Task};
 pub use shard::Shard;
 use store::Store;
+pub use store::build;
 
 mod meter;
 mod shard;
@@ -28,9 +33,15 @@ pub fn key(purpose: &str, scene: &Scene, method: &str, seed: u64) -> String {
     format!("{purpose} {} {} {method} {seed}", scene.name, scene.hash)
 }
 
+/// Time between two checkpoints of a run, unless another is asked for.
+pub const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(60);
+
 /// The runs of a study.
 pub struct Campaign<'a> {
     store: Store,
+    /// Where runs on their way have their checkpoints, and how far apart in time.
+    on_their_way: PathBuf,
+    between: Option<Duration>,
     workers: usize,
     stop: &'a AtomicBool,
     failure: Mutex<Option<Failure>>,
@@ -43,8 +54,30 @@ impl<'a> Campaign<'a> {
     ///
     /// If what the folder keeps cannot be read or added to.
     pub fn open(folder: &Path, shard: Shard, workers: usize, stop: &'a AtomicBool) -> Result<Self, Failure> {
-        let store = Store::open(folder, &shard.file(), &store::build())?;
-        Ok(Campaign { store, workers, stop, failure: Mutex::new(None) })
+        let file = shard.file();
+        let on_their_way = folder.join(format!(".{file}")).with_extension("checkpoints");
+        let store = Store::open(folder, &file, &build())?;
+        let between = Some(BETWEEN_CHECKPOINTS);
+        Ok(Campaign { store, on_their_way, between, workers, stop, failure: Mutex::new(None) })
+    }
+
+    /// Sets the time between two checkpoints of a run; without one none are made.
+    pub fn with_checkpoints(mut self, between: Option<Duration>) -> Self {
+        self.between = between;
+        self
+    }
+
+    /// Makes the run of a key, which goes on from where an earlier call of the program left it.
+    pub fn on_its_way<T>(&self, key: &str, run: impl FnOnce(Option<&Checkpoints<'_>>) -> T) -> T {
+        let folder = self.folder_of(key);
+        let build = self.store.build().to_owned();
+        let kept = self.between.map(|every| Checkpoints::new(&folder, every, (build, Going::OnFromOwn), &complain));
+        run(kept.as_ref())
+    }
+
+    /// Folder of the checkpoints of the run of a key.
+    fn folder_of(&self, key: &str) -> PathBuf {
+        self.on_their_way.join(format!("{:016x}", xxh3_64(key.as_bytes())))
     }
 
     /// Whether nothing more is to be begun: it was interrupted, or something failed.
@@ -83,8 +116,10 @@ impl<'a> Campaign<'a> {
 
     /// Keeps a finding. That it cannot be kept stops everything.
     pub fn keep<F: Serialize>(&self, key: &str, finding: &F) {
-        if let Err(failure) = self.store.add(key, finding) {
-            self.fail(failure);
+        match self.store.add(key, finding) {
+            // Whether checkpoints of what is found can be removed decides nothing: the next study removes what is left.
+            Ok(()) => drop(fs::remove_dir_all(self.folder_of(key))),
+            Err(failure) => self.fail(failure),
         }
     }
 
@@ -122,6 +157,15 @@ impl<'a> Campaign<'a> {
         let mut sorted: Vec<(usize, Option<T>)> = order.into_iter().zip(answers).collect();
         sorted.sort_by_key(|(task, _)| *task);
         Ok(sorted.into_iter().map(|(_, answer)| answer).collect())
+    }
+}
+
+impl Drop for Campaign<'_> {
+    fn drop(&mut self) {
+        if !self.is_stopped() {
+            // Those of other studies in the same folder too.
+            drop(fs::remove_dir_all(&self.on_their_way));
+        }
     }
 }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 use crate::campaign::{Campaign, Shard};
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::machine::Machine;
-use crate::output::Folder;
+use crate::output::{Folder, Owner};
 use crate::parallel;
 use crate::parts::Parts;
 
@@ -55,7 +55,7 @@ fn by_time(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failu
         plan::check(request, parts, name, &scene)?;
     }
     request.forewarn();
-    let folder = Folder::make(&path)?;
+    let folder = Folder::make(&path, Owner::Alone)?;
     let machine = Machine::now();
     let campaign = Campaign::open(&path, Shard::WHOLE, parallel::cores(), parts.interrupt)?;
     let runner = Runner::new(request, parts, &campaign);

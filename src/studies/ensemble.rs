@@ -16,7 +16,7 @@ use frazil_simulation::reference::Reference;
 
 use crate::campaign::{Campaign, Shard};
 use crate::failure::{Failure, Verdict, answer, complain};
-use crate::output::{self, Folder};
+use crate::output::{self, Folder, Owner};
 use crate::progress::{clock, forewarn};
 use crate::{answers, expect};
 
@@ -78,7 +78,7 @@ pub fn ensemble(request: &EnsembleRequest<'_>, interrupt: &AtomicBool) -> Result
     };
     chance(settings, count)?;
     let seeds = seeds(request.seed, count)?;
-    let folder = Folder::make(out)?;
+    let folder = Folder::make(out, Owner::Alone)?;
     let threads = request.threads.min(count);
     let campaign = Campaign::open(out, Shard::WHOLE, threads, interrupt)?;
     let members = Members { scene, settings, reference, folder: out, campaign: &campaign, seeds: &seeds };

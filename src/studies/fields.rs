@@ -2,7 +2,7 @@
 //!
 //! Files are made while a run goes on, in a folder that nobody sees; it is moved to its place when all are there.
 
-use std::io::BufWriter;
+use std::io::{BufWriter, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -10,8 +10,8 @@ use frazil_core::particles::Particles;
 use frazil_core::physics::retention::scale::head;
 use frazil_plots::frame;
 use frazil_scene::Scene;
+use frazil_simulation::march::outputs;
 use frazil_simulation::observers;
-use tempfile::TempDir;
 use vtkio::model::{
     Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, IOBuffer, UnstructuredGridPiece, Version,
     VertexNumbers, Vtk,
@@ -19,10 +19,13 @@ use vtkio::model::{
 
 use crate::failure::Failure;
 use crate::figure_options;
-use crate::output::write_whole;
+use crate::output::{make_folder, write_whole};
 
 /// Folder of states, the file that lists them with their times, and folder of frames.
 pub const NAMES: [&str; 3] = ["fields", "fields.pvd", "frames"];
+
+/// Folder in which both are made: it stays after a run that was killed, for it to go on.
+const HIDDEN: &str = ".fields";
 
 /// Frames were asked for of a line.
 #[derive(Debug, thiserror::Error)]
@@ -35,36 +38,46 @@ pub struct Snapshots<'a> {
     method: &'a str,
     fields: bool,
     frames: bool,
-    hidden: TempDir,
+    hidden: PathBuf,
+    /// Instants of all states.
+    times: Vec<f64>,
     seen: Mutex<Seen>,
 }
 
 #[derive(Default)]
 struct Seen {
-    times: Vec<f64>,
+    /// States that are there.
+    count: usize,
     failure: Option<Failure>,
 }
 
 impl<'a> Snapshots<'a> {
-    /// Snapshots of a scene under a method, made beside the place where they will be.
+    /// Snapshots of a scene under a method, made beside the place where they will be. `goes_on`: those of the run that goes on from
+    /// a checkpoint stay.
     pub fn new(
         scene: &'a Scene,
         method: &'a str,
         (fields, frames): (bool, bool),
-        folder: &Path,
+        (folder, goes_on): (&Path, bool),
     ) -> Result<Self, Failure> {
         if frames && scene.domain.dimension() == 1 {
             return Err(Failure::request(NoPlane(scene.name.clone())));
         }
-        let hidden = TempDir::with_prefix_in(".fields-", folder)
-            .map_err(|error| Failure::file(folder, "cannot hold a folder", error))?;
-        let made = Snapshots { scene, method, fields, frames, hidden, seen: Mutex::default() };
+        let hidden = folder.join(HIDDEN);
+        let times = std::iter::once(0.0).chain(outputs(scene)).collect();
+        let made = Snapshots { scene, method, fields, frames, hidden, times, seen: Mutex::default() };
         for name in [NAMES[0], NAMES[2]] {
-            let path = made.hidden.path().join(name);
-            std::fs::create_dir(&path).map_err(|error| Failure::file(&path, "cannot be made a folder", error))?;
+            let (path, shown) = (made.hidden.join(name), folder.join(name));
+            // A run that was interrupted has shown what there was.
+            if goes_on && shown.is_dir() && !path.is_dir() {
+                make_folder(&made.hidden)?;
+                std::fs::rename(&shown, &path).map_err(|error| Failure::file(&shown, "cannot be moved", error))?;
+            }
+            make_folder(&path)?;
         }
         Ok(made)
     }
+
 
     /// Takes the state at an output. After a failure nothing more is tried: the run itself goes on.
     pub fn see(&self, particles: &Particles, time: f64) {
@@ -72,15 +85,15 @@ impl<'a> Snapshots<'a> {
         if seen.failure.is_some() {
             return;
         }
-        let number = seen.times.len();
+        let number = self.times.partition_point(|other| *other < time);
         match self.write(particles, time, number) {
-            Ok(()) => seen.times.push(time),
+            Ok(()) => seen.count = number + 1,
             Err(failure) => seen.failure = Some(failure),
         }
     }
 
     fn write(&self, particles: &Particles, time: f64, number: usize) -> Result<(), Failure> {
-        let place = |folder: &str, file: String| self.hidden.path().join(folder).join(file);
+        let place = |folder: &str, file: String| self.hidden.join(folder).join(file);
         if self.fields {
             let path = place(NAMES[0], vtu_name(number));
             let failed = |error: std::io::Error| Failure::file(&path, "cannot be written", error);
@@ -100,20 +113,43 @@ impl<'a> Snapshots<'a> {
         Ok(())
     }
 
+    /// Removes what was made for a run that is not to be.
+    pub fn give_up(self) {
+        // What stays is removed by the next run.
+        let _ = remove(&self.hidden);
+    }
+
     /// Moves everything to its place, or says what failed.
     pub fn finish(self, folder: &Path) -> Result<(), Failure> {
-        let Seen { times, failure } = self.seen.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let Seen { count, failure } = std::mem::take(&mut *self.seen.lock().unwrap_or_else(PoisonError::into_inner));
         if let Some(failure) = failure {
             return Err(failure);
         }
         for (name, wanted) in [(NAMES[0], self.fields), (NAMES[2], self.frames)] {
             let place: PathBuf = folder.join(name);
             if wanted {
-                let moved = std::fs::rename(self.hidden.path().join(name), &place);
+                let moved = std::fs::rename(self.hidden.join(name), &place);
                 moved.map_err(|error| Failure::file(&place, "cannot be moved to its place", error))?;
             }
         }
-        if self.fields { write_whole(&folder.join(NAMES[1]), |writer| collection(&times, writer)) } else { Ok(()) }
+        remove(&self.hidden)?;
+        let times = &self.times[..count];
+        if self.fields { write_whole(&folder.join(NAMES[1]), |writer| collection(times, writer)) } else { Ok(()) }
+    }
+}
+
+/// Removes the states that a run that is not gone on with has left unfinished in its folder.
+///
+/// # Errors
+/// Where they cannot be removed.
+pub fn forget(folder: &Path) -> Result<(), Failure> {
+    remove(&folder.join(HIDDEN))
+}
+
+fn remove(hidden: &Path) -> Result<(), Failure> {
+    match std::fs::remove_dir_all(hidden) {
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(Failure::file(hidden, "cannot be removed", error)),
+        _ => Ok(()),
     }
 }
 

@@ -2,11 +2,11 @@
 
 pub mod of_water;
 
-use std::fs;
+use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use frazil_record::{BudgetRow, Record, RunResult, Table};
+use frazil_record::{BudgetRow, Record, RunResult, Table, UNFINISHED};
 use frazil_simulation::observers::tables;
 use serde::Serialize;
 
@@ -70,15 +70,39 @@ fn fill_rows<R: Serialize>(writer: &mut dyn Write, rows: &[R]) -> io::Result<()>
 pub struct Folder {
     path: PathBuf,
     made: Vec<PathBuf>,
+    /// The folder itself, locked: the lock ends with whoever holds it, however that ends.
+    _lock: Option<File>,
 }
 
+/// Who may write into a folder at the same time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Owner {
+    /// Nobody else.
+    Alone,
+    /// Others that work on other parts of the same study.
+    WithOthers,
+}
+
+/// Another run writes into a folder.
+#[derive(Debug, thiserror::Error)]
+#[error("another run is writing into it")]
+struct Locked;
+
 impl Folder {
-    /// Makes a folder and those above it, before a run whose results would have no place.
-    pub fn make(path: &Path) -> Result<Self, Failure> {
+    /// Makes a folder and those above it, before a run whose results would have no place, and keeps others out of it. What a run
+    /// left unfinished there that was killed is removed.
+    ///
+    /// # Errors
+    /// A folder that cannot be made, or that another run writes into.
+    pub fn make(path: &Path, owner: Owner) -> Result<Self, Failure> {
         let missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
         let made = path.ancestors().take_while(missing).map(Path::to_owned).collect();
         make_folder(path)?;
-        Ok(Folder { path: path.to_owned(), made })
+        let lock = lock(path, owner)?;
+        if lock.is_some() && owner == Owner::Alone {
+            sweep(path, DEEPEST)?;
+        }
+        Ok(Folder { path: path.to_owned(), made, _lock: lock })
     }
 
     /// Where it is.
@@ -94,6 +118,48 @@ impl Folder {
             }
         }
     }
+}
+
+/// Locks a folder; nothing where the system cannot lock folders.
+fn lock(path: &Path, owner: Owner) -> Result<Option<File>, Failure> {
+    let Ok(folder) = File::open(path) else { return Ok(None) };
+    let tried = match owner {
+        Owner::Alone => folder.try_lock(),
+        Owner::WithOthers => folder.try_lock_shared(),
+    };
+    match tried {
+        Ok(()) => Ok(Some(folder)),
+        Err(TryLockError::WouldBlock) => Err(Failure::of(path.display(), Locked)),
+        Err(TryLockError::Error(_)) => Ok(None),
+    }
+}
+
+/// Whether a run writes into a folder.
+pub fn is_locked(path: &Path) -> bool {
+    lock(path, Owner::Alone).is_err()
+}
+
+/// How deep folders of results lie in each other.
+const DEEPEST: usize = 4;
+
+/// Removes what runs left unfinished in a folder and those in it.
+fn sweep(folder: &Path, depth: usize) -> Result<(), Failure> {
+    let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
+    for entry in entries.flatten() {
+        let (path, Ok(kind)) = (entry.path(), entry.file_type()) else { continue };
+        let is_unfinished = entry.file_name().to_string_lossy().starts_with(UNFINISHED);
+        let removed = match (is_unfinished, kind.is_dir()) {
+            (true, true) => fs::remove_dir_all(&path),
+            (true, false) => fs::remove_file(&path),
+            (false, true) if depth > 0 => {
+                sweep(&path, depth - 1)?;
+                Ok(())
+            }
+            (false, _) => Ok(()),
+        };
+        removed.map_err(|error| Failure::file(&path, "cannot be removed", error))?;
+    }
+    Ok(())
 }
 
 /// Writes a series as CSV.
@@ -162,10 +228,14 @@ pub const RECORD: &str = "record.json";
 /// The record of an ensemble.
 pub const ENSEMBLE: &str = "ensemble.json";
 
+/// The record of the run that a folder holds, if it holds one.
+pub fn record_in(folder: &Path) -> Option<Record> {
+    serde_json::from_str(&fs::read_to_string(folder.join(RECORD)).ok()?).ok()
+}
+
 /// Whether a folder holds the run of a record, whole.
 pub fn holds(folder: &Path, record: &Record) -> bool {
-    let text = fs::read_to_string(folder.join(RECORD)).unwrap_or_default();
-    serde_json::from_str::<Record>(&text).is_ok_and(|found| found == *record)
+    record_in(folder).is_some_and(|found| found == *record)
 }
 
 /// Takes back the word of earlier runs that a folder holds results of theirs; removes states and frames.

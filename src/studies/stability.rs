@@ -8,7 +8,7 @@ use std::path::Path;
 use crate::campaign::{Campaign, Shard};
 use crate::failure::{Failure, Verdict, complain};
 use crate::machine::Machine;
-use crate::output::Folder;
+use crate::output::{Folder, Owner};
 use crate::parts::Parts;
 
 pub mod axis;
@@ -58,7 +58,7 @@ pub fn stability(request: &StabilityRequest, parts: &Parts<'_>) -> Result<Verdic
         return Err(Failure::request(NoAxis));
     }
     let path = request.out.clone().unwrap_or_else(|| Path::new("out").join("stability"));
-    let folder = Folder::make(&path)?;
+    let folder = Folder::make(&path, Owner::Alone)?;
     let machine = Machine::now();
     let campaign = Campaign::open(&path, Shard::WHOLE, request.threads, parts.interrupt)?;
     if of_water {

@@ -1,5 +1,7 @@
 //! A particle that moves.
 
+use frazil_core::saved::{Pass, Saved};
+
 /// One particle. All of it lies together: a pair reads and writes both ends whole.
 #[derive(Debug, Clone, Copy)]
 pub struct Particle<const D: usize> {
@@ -17,6 +19,13 @@ pub struct Particle<const D: usize> {
     pub turns: [i32; D],
     /// Name, the same through all sortings.
     pub name: u32,
+}
+
+impl<const D: usize> Saved for Particle<D> {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        let Particle { position, velocity, force, heat, mobility, turns, name } = self;
+        pass.all(&mut [position, velocity, force, heat, mobility, turns, name]);
+    }
 }
 
 /// What the pairs of a step read of a particle, and do not change.

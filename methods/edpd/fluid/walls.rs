@@ -7,6 +7,8 @@
 
 use rayon::prelude::*;
 
+use frazil_core::saved::{Pass, Saved};
+
 use super::matter::Matter;
 use super::particle::{Look, Particle};
 use super::sorting::{AROUND, CellGrid};
@@ -49,6 +51,13 @@ pub struct Walls<const D: usize> {
     near: Vec<u32>,
     starts: Vec<u32>,
     levels: Vec<f64>,
+}
+
+impl<const D: usize> Saved for Walls<D> {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        // Faces are set at every step.
+        pass.all(&mut [&mut self.received, &mut self.at, &mut self.near, &mut self.starts]);
+    }
 }
 
 impl<const D: usize> Walls<D> {

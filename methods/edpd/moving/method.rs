@@ -5,6 +5,7 @@ use std::sync::Arc;
 use frazil_core::ledger::{Ledger, Source};
 use frazil_core::memory::HeapSize;
 use frazil_core::particles::{Particles, Places};
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::series::Series;
 use frazil_core::solvers::solver::{Solver, SolverReport};
 use frazil_core::solvers::step::{Bound, Clock, StepError};
@@ -130,6 +131,19 @@ impl<W: Drive<2> + Send> Solver for MovingParticles<W> {
 
     fn ledger(&self) -> &Ledger {
         &self.ledger
+    }
+}
+
+impl<W: Drive<2>> Saved for MovingParticles<W> {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [
+            &mut self.fluid,
+            &mut self.ledger,
+            &mut self.motion.1,
+            &mut self.driven,
+            &mut self.times,
+            &mut self.steps,
+        ]);
     }
 }
 

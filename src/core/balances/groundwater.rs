@@ -26,6 +26,7 @@ use crate::memory::{HeapSize, shared};
 use crate::particles::Particles;
 use crate::physics::latent_heat::Materials;
 use crate::solvers::solver::Water;
+use crate::saved::{Pass, Saved};
 
 pub mod advected;
 pub mod aquifer;
@@ -269,6 +270,38 @@ impl Groundwater {
             *pressure -= height;
         }
         (pressure, velocities(&self.network, &self.pressure))
+    }
+}
+
+impl Saved for WaterLedger {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.walls, &mut self.exchanged, &mut self.asked]);
+    }
+}
+
+impl Saved for Groundwater {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        if let Some(cuts) = &mut self.cuts {
+            match cuts.pass(pass) {
+                Ok(Some(network)) => self.network = network,
+                Ok(None) => {}
+                Err(_) => pass.refuse(),
+            }
+        }
+        pass.all(&mut [
+            &mut self.pressure,
+            &mut self.carrier,
+            &mut self.solved,
+            &mut self.walls,
+            &mut self.asked,
+            &mut self.asking,
+            &mut self.last_solution,
+            &mut self.interval,
+            &mut self.lasts,
+            &mut self.ledger,
+            &mut self.steps,
+            &mut self.seconds,
+        ]);
     }
 }
 

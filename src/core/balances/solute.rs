@@ -35,6 +35,7 @@ use crate::solvers::passenger::{Interval, Passenger};
 use crate::solvers::sharp::just_before;
 use crate::solvers::step::{Bound, Clock};
 use crate::space::wall::PatchId;
+use crate::saved::{Pass, Saved};
 
 /// What a solute is made from.
 pub struct SoluteParts {
@@ -236,6 +237,21 @@ impl Passenger for Solute {
 
     fn potentials(&self, contents: &[f64], potentials: &mut [f64]) {
         self.concentrations(contents, self.start + self.step, potentials);
+    }
+}
+
+impl Saved for Solute {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.list.pass(pass);
+        // The interval that was made last: the next one brings its own water.
+        pass.all(&mut [
+            &mut self.start,
+            &mut self.step,
+            &mut self.began,
+            &mut self.contents,
+            &mut self.facts.bound.step,
+            &mut self.facts.turning,
+        ]);
     }
 }
 

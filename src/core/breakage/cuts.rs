@@ -8,6 +8,7 @@ use crate::breakage::crack::Barriers;
 use crate::breakage::strength::{Strengths, arm};
 use crate::memory::HeapSize;
 use crate::space::volumes::Volumes;
+use crate::saved::{Pass, Saved};
 
 /// A weight that changes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +29,28 @@ pub struct Cuts {
     done: usize,
     /// Particles whose row sums grow, and by what at most.
     growing: Vec<(u32, f64)>,
+}
+
+/// A list whose weights change by them.
+pub(crate) struct Cutting<'a> {
+    /// What changes.
+    pub(crate) cuts: &'a mut Cuts,
+    /// The weights.
+    pub(crate) weights: &'a mut [f64],
+}
+
+impl Saved for Cutting<'_> {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        let mut done = self.cuts.done;
+        done.pass(pass);
+        if done > self.cuts.changes.len() {
+            return pass.refuse();
+        }
+        for change in &self.cuts.changes[self.cuts.done.min(done)..done] {
+            self.weights[change.place] = change.after;
+        }
+        self.cuts.done = done;
+    }
 }
 
 impl HeapSize for Cuts {

@@ -10,6 +10,7 @@ use crate::memory::HeapSize;
 use crate::physics::latent_heat::SchemeState;
 use crate::solvers::balance::{Balance, BalanceFacts, Rates, Tangent, TangentShape, Update};
 use crate::solvers::step::Clock;
+use crate::saved::{Pass, Saved};
 
 /// Rows of a list under a latent-heat scheme, with a term beside conduction.
 pub struct ListBalance<T> {
@@ -124,6 +125,13 @@ impl<T: PairTerm> Tangent for ListBalance<T> {
         }
         let falls = if parts.up.is_some() { weight / parts.spacing } else { 0.0 };
         parts.materials.take(state, changes, slopes, (weight * row_sum, falls));
+    }
+}
+
+impl<T: PairTerm> Saved for ListBalance<T> {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.rows.parts.pass(pass);
+        self.scheme.pass(pass);
     }
 }
 

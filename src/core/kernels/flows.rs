@@ -5,6 +5,7 @@ use crate::kernels::rows::ListRows;
 use crate::kernels::term::Off;
 use crate::memory::{HeapSize, total};
 use crate::physics::latent_heat::SchemeState;
+use crate::saved::{Pass, Saved};
 
 /// The rows of a list, asked for each of their entries.
 pub struct PairFlows {
@@ -29,6 +30,13 @@ impl PairFlows {
             self.rows.add_flows(share, &mut self.flows);
         }
         &self.flows
+    }
+}
+
+impl Saved for PairFlows {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.rows.parts.pass(pass);
+        self.scheme.pass(pass);
     }
 }
 

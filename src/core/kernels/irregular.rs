@@ -8,6 +8,7 @@ use crate::kernels::term::Off;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::{LatentHeatScheme, Mushy, SchemeState, scheme};
 use crate::solvers::step::Clock;
+use crate::saved::{Pass, Saved};
 
 /// Particles of a lattice with rows of their own, and those that they see.
 pub struct IrregularRows {
@@ -128,6 +129,12 @@ impl IrregularRows {
     /// Whether particles see curved walls through others, wherever these are in the numbering.
     pub(super) fn has_rims(&self) -> bool {
         !self.list.parts.rims.is_empty()
+    }
+}
+
+impl Saved for IrregularRows {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.list.parts.pass(pass);
     }
 }
 

@@ -23,6 +23,7 @@ use crate::physics::sub_cell::SubCellFront;
 use crate::solvers::balance::{Balance, BalanceFacts, Rates, Stage, StageColumns, Tangent, TangentShape, Update};
 use crate::solvers::step::{Bound, Clock};
 use crate::space::lattice::Lattice;
+use crate::saved::{Pass, Saved};
 
 /// Particles that each further thread must have to itself: a step of fewer is over before a thread is woken.
 pub const PARTICLES_PER_THREAD: usize = 16_384;
@@ -438,6 +439,14 @@ impl<L: Laws> Tangent for LatticeBalance<L> {
 
     fn take(&self, state: &mut [f64], changes: &[f64], slopes: &[f64], (weight, row_sum): (f64, f64)) {
         self.around.materials.take(state, changes, slopes, (weight * row_sum, 0.0));
+    }
+}
+
+impl<L> Saved for LatticeBalance<L> {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        for rows in [&mut self.irregular, &mut self.observed].into_iter().flatten() {
+            rows.pass(pass);
+        }
     }
 }
 

@@ -15,11 +15,12 @@ use crate::boundary::interface::{Chains, Way};
 use crate::boundary::patch::{Boundary, Face};
 use crate::boundary::pipe::Sink;
 use crate::boundary::shells::Touch;
-use crate::breakage::cuts::Cuts;
+use crate::breakage::cuts::{Cuts, Cutting};
 use crate::physics::latent_heat::Materials;
 use crate::solvers::step::Bound;
 use crate::space::domain::Surface;
 use crate::space::volumes::Volumes;
+use crate::saved::{Pass, Saved};
 
 /// Everything a list operator is made from.
 #[derive(Clone)]
@@ -67,6 +68,12 @@ pub struct ListParts {
 
 /// Particles that one task handles; fixed, so that results do not depend on the number of threads.
 const TASK: usize = 2048;
+
+impl Saved for ListParts {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        Cutting { cuts: &mut self.cuts, weights: &mut self.pairs.weights }.pass(pass);
+    }
+}
 
 impl ListParts {
     /// Fills rows in tasks, each from a first particle on, side by side where there is a pool and enough to do.

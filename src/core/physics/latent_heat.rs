@@ -6,6 +6,7 @@ use crate::memory::HeapSize;
 use crate::physics::potential::{Law, PotentialLaw};
 use crate::physics::retention::answer::answer;
 use crate::physics::thermal::Thermal;
+use crate::saved::{Pass, Saved};
 
 /// How latent heat is taken up.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -142,7 +143,7 @@ impl Materials {
 }
 
 /// A scheme: turns its state into fields, and heat into state.
-pub trait SchemeState: Send + HeapSize {
+pub trait SchemeState: Send + HeapSize + Saved {
     /// Fills the non-empty columns of `fields` (of the first particles).
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields);
     /// Adds `step` times the rates (W/m3).
@@ -184,6 +185,10 @@ impl HeapSize for Enthalpy {
     }
 }
 
+impl Saved for Enthalpy {
+    fn pass(&mut self, _: &mut Pass<'_>) {}
+}
+
 impl SchemeState for Enthalpy {
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields) {
         for (i, (potential, h)) in fields.potential.iter_mut().zip(enthalpy).enumerate() {
@@ -223,6 +228,12 @@ impl HeapSize for LastPhase {
     }
 }
 
+impl Saved for LastPhase {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.frozen]);
+    }
+}
+
 impl SchemeState for LastPhase {
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields) {
         Enthalpy.read(materials, enthalpy, fields);
@@ -256,6 +267,10 @@ impl HeapSize for HalfFrozen {
     }
 }
 
+impl Saved for HalfFrozen {
+    fn pass(&mut self, _: &mut Pass<'_>) {}
+}
+
 impl SchemeState for HalfFrozen {
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields) {
         Enthalpy.read(materials, enthalpy, fields);
@@ -284,6 +299,12 @@ struct Flags {
 impl HeapSize for Flags {
     fn heap_size(&self) -> usize {
         self.temperature.heap_size() + self.released.heap_size()
+    }
+}
+
+impl Saved for Flags {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.temperature, &mut self.released]);
     }
 }
 
@@ -362,6 +383,12 @@ struct ApparentCapacity {
 impl HeapSize for ApparentCapacity {
     fn heap_size(&self) -> usize {
         self.temperature.heap_size()
+    }
+}
+
+impl Saved for ApparentCapacity {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.temperature]);
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::ledger::Source;
 use crate::memory::HeapSize;
 use crate::particles::Particles;
+use crate::saved::Saved;
 use crate::solvers::passenger::Passenger;
 use crate::solvers::solver::Water;
 use crate::solvers::step::{Bound, Clock, StepError};
@@ -88,7 +89,7 @@ pub struct BalanceFacts {
 }
 
 /// `dX/dt` of all particles as a function of their contents and time, with what comes in through each patch.
-pub trait Balance: HeapSize + Send {
+pub trait Balance: HeapSize + Saved + Send {
     /// What it is; the bound follows what a companion does.
     fn facts(&self) -> &BalanceFacts;
     /// Rates at a state, for a step as long as the clock says from its time on.

@@ -1,6 +1,7 @@
 //! Direct solution of narrow banded systems.
 
 use crate::memory::HeapSize;
+use crate::saved::{Pass, Saved};
 
 /// A square matrix with entries within `half` of its diagonal, row by row.
 #[derive(Debug, Clone)]
@@ -72,6 +73,12 @@ impl Band {
             let known: f64 = entries[1..].iter().zip(&right[row + 1..]).map(|(entry, value)| entry * value).sum();
             right[row] = (right[row] - known) / entries[0];
         }
+    }
+}
+
+impl Saved for Band {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.rows.pass(pass);
     }
 }
 

@@ -1,6 +1,7 @@
 //! How long the next step should be, and whether the last one was good enough.
 
 use crate::physics::latent_heat::Materials;
+use crate::saved::{Pass, Saved};
 
 /// Longest growth and strongest shrinking from one step to the next.
 const MOST_GROWTH: f64 = 2.0;
@@ -33,6 +34,12 @@ pub enum Judgement {
     Keep,
     /// Make it again, this long (s).
     Again(f64),
+}
+
+impl Saved for Control {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.next, &mut self.most_heat, &mut self.shortened]);
+    }
 }
 
 impl Control {

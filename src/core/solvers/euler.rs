@@ -8,6 +8,7 @@ use crate::particles::Particles;
 use crate::solvers::balance::{Balance, Update};
 use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Clock, StepError};
+use crate::saved::{Pass, Saved};
 
 /// Explicit Euler: at its bound it keeps the maximum principle.
 pub struct Euler {
@@ -58,6 +59,13 @@ impl Solver for Euler {
 
     fn balance_mut(&mut self) -> Option<&mut dyn Balance> {
         Some(self.balance.as_mut())
+    }
+}
+
+impl Saved for Euler {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.balance.pass(pass);
+        pass.all(&mut [&mut self.ledger, &mut self.steps]);
     }
 }
 

@@ -9,6 +9,7 @@ use crate::solvers::balance::Balance;
 use crate::solvers::sharp::just_before;
 use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Clock, StepError};
+use crate::saved::{Pass, Saved};
 
 /// Heun's rule: of second order, and a mean of two states that each keep the range of the data, so it keeps it too (Shu and
 /// Osher 1988).
@@ -72,6 +73,13 @@ impl Solver for Heun {
 
     fn balance_mut(&mut self) -> Option<&mut dyn Balance> {
         Some(self.balance.as_mut())
+    }
+}
+
+impl Saved for Heun {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.balance.pass(pass);
+        pass.all(&mut [&mut self.ledger, &mut self.steps]);
     }
 }
 

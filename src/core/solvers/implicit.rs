@@ -11,6 +11,7 @@ use crate::solvers::newton::{Newton, NotConverged, RESIDUAL, Stage};
 use crate::solvers::sharp::just_before;
 use crate::solvers::solver::{KeptStage, Solver, SolverReport};
 use crate::solvers::step::{Clock, StepError};
+use crate::saved::{Pass, Saved};
 
 /// The diagonal of the scheme, 1 - 1/sqrt 2: L-stable and of second order (Alexander 1977).
 const DIAGONAL: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -308,6 +309,23 @@ impl Solver for Implicit {
 
     fn balance_mut(&mut self) -> Option<&mut dyn Balance> {
         Some(self.balance.as_mut())
+    }
+}
+
+impl Saved for Implicit {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.balance.pass(pass);
+        pass.all(&mut [
+            &mut self.ledger,
+            &mut self.control,
+            &mut self.newton,
+            &mut self.rate,
+            &mut self.end_patches,
+            &mut self.turns,
+            &mut self.rejected,
+            &mut self.limited,
+            &mut self.stale,
+        ]);
     }
 }
 

@@ -11,6 +11,7 @@ use crate::solvers::band::Band;
 use crate::solvers::control::EnthalpyRange;
 use crate::solvers::krylov::Krylov;
 use crate::solvers::step::Clock;
+use crate::saved::{Pass, Saved};
 
 /// Largest residual that is left, over the scale of a particle's enthalpy. It bounds how far a stage can leave the range of the
 /// data, of which a billionth is allowed; heat is conserved whatever it is.
@@ -309,6 +310,26 @@ impl Newton {
                         residual[i] + weight * right[i]
                     };
                 }
+            }
+        }
+    }
+}
+
+impl Saved for Newton {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [
+            &mut self.histogram,
+            &mut self.solves,
+            &mut self.iterations,
+            &mut self.paths,
+            &mut self.evaluations,
+            &mut self.linear_iterations,
+            &mut self.most,
+        ]);
+        if let Linear::Direct { exchange, probed, .. } = &mut self.linear {
+            probed.pass(pass);
+            if *probed {
+                exchange.pass(pass);
             }
         }
     }

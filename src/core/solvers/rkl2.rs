@@ -10,6 +10,7 @@ use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
 use crate::solvers::sharp::just_before;
 use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Bound, Clock, StepError};
+use crate::saved::{Pass, Saved};
 
 /// Growth of the steps of a fixed chain, from one step to the next: modes that a step cannot resolve have decayed by
 /// the time it is taken.
@@ -321,6 +322,25 @@ impl Solver for Rkl2 {
 
     fn balance_mut(&mut self) -> Option<&mut dyn Balance> {
         Some(self.balance.as_mut())
+    }
+}
+
+impl Saved for Rkl2 {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.balance.pass(pass);
+        // Rates at the end of the last step are those at the start of the next.
+        pass.all(&mut [
+            &mut self.ledger,
+            &mut self.first_rate,
+            &mut self.first_holds_at,
+            &mut self.patches.first,
+            &mut self.work.evaluations,
+            &mut self.work.rejected_steps,
+        ]);
+        match &mut self.pace {
+            Pace::Fixed { steps, .. } => steps.pass(pass),
+            Pace::Controlled { control, .. } => control.pass(pass),
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use glam::DVec2;
 use crate::ledger::Ledger;
 use crate::memory::HeapSize;
 use crate::particles::Particles;
+use crate::saved::Saved;
 use crate::solvers::balance::{Balance, Rates};
 use crate::solvers::sharp::sharp_step;
 use crate::solvers::step::{Bound, Clock, StepError};
@@ -38,7 +39,7 @@ pub struct KeptStage {
 }
 
 /// Makes steps: of a balance, or of its own. One indirect call a step.
-pub trait Solver: HeapSize + Send {
+pub trait Solver: HeapSize + Saved + Send {
     /// What it is, and what it has done.
     fn report(&self) -> SolverReport;
     /// Makes one step of at most `clock.step`, and returns the step that it made (s): shorter where errors are controlled

@@ -8,6 +8,7 @@ use crate::solvers::balance::Balance;
 use crate::solvers::passenger::Interval;
 use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Clock, StepError};
+use crate::saved::{Pass, Saved};
 
 /// Whether the two share their steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -145,6 +146,14 @@ impl Solver for Transport {
 
     fn passenger(&self) -> Option<&dyn Solver> {
         Some(self.solute.as_ref())
+    }
+}
+
+impl Saved for Transport {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.water.pass(pass);
+        self.solute.pass(pass);
+        pass.all(&mut [&mut self.flows, &mut self.steps]);
     }
 }
 

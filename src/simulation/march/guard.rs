@@ -4,6 +4,7 @@ use frazil_core::boundary::pipe::Extent;
 use frazil_core::particles::Particles;
 use frazil_core::physics::retention::scale::{DRY, head};
 use frazil_core::solvers::step::{Bound, Clock};
+use frazil_core::saved::{Pass, Saved};
 use frazil_scene::Scene;
 use glam::DVec2;
 
@@ -75,6 +76,12 @@ pub struct Guard {
     seen: (f64, f64),
     /// Particles inside the sinks of pipes, which stand for the pipe and not for ground.
     inside_pipes: Vec<u32>,
+}
+
+impl Saved for Guard {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.seen.pass(pass);
+    }
 }
 
 impl Guard {

@@ -1,5 +1,7 @@
 //! The front over time, in bodies that have one place of it.
 
+use crate::recorded::Recorded;
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::particles::Particles;
 use frazil_record::{FrontRow, RunResult};
 use frazil_scene::FreezingDirection;
@@ -47,6 +49,12 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
     let way = way.or_else(|| Corners::of(scene, setup.particles.lattice.spacing).map(Way::Corners))?;
     let wets = scene.of_water.then(|| setup.particles.integral(|_| 1.0));
     Some(Box::new(Front { way, start: None, rows: Vec::with_capacity(setup.outputs()), wets }))
+}
+
+impl Saved for Front {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.start, &mut Recorded(&mut self.rows)]);
+    }
 }
 
 impl Observer for Front {

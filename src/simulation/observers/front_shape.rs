@@ -1,6 +1,8 @@
 //! The front of a plane body that is not frozen from one side: the line on which half is frozen, what it encloses, and how far it is
 //! from the walls that freeze the body.
 
+use crate::recorded::Recorded;
+use frazil_core::saved::{Pass, Saved};
 use std::sync::Arc;
 
 use frazil_core::memory::HeapSize;
@@ -64,6 +66,12 @@ impl FrontShape {
             }
         });
         (count > 0.0 && self.range > 0.0).then(|| (squares / count).sqrt() / self.range)
+    }
+}
+
+impl Saved for FrontShape {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        Recorded(&mut self.table.rows).pass(pass);
     }
 }
 

@@ -1,5 +1,7 @@
 //! The frozen volume: at the start, and over time in bodies where neither a front nor a wall tells how much is frozen.
 
+use crate::recorded::Recorded;
+use frazil_core::saved::{Pass, Saved};
 use frazil_record::{FrozenRow, RunResult};
 
 use super::observer::{End, Made, Moment, Observer, Schedule, Setup, View, room};
@@ -18,6 +20,12 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
     let kept = kept && !scene.of_water;
     let rows = Vec::with_capacity(if kept { setup.outputs() } else { 0 });
     Some(Box::new(FrozenVolume { images: setup.images(), kept, start: 0.0, rows }))
+}
+
+impl Saved for FrozenVolume {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.start, &mut Recorded(&mut self.rows)]);
+    }
 }
 
 impl Observer for FrozenVolume {

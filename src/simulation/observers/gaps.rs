@@ -1,5 +1,6 @@
 //! Gaps between the pipes of the first ring, which close once ground there is frozen with its latent heat released.
 
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::memory::HeapSize;
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::Domain;
@@ -41,6 +42,13 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
     });
     let gaps: Vec<_> = gaps.collect();
     (!gaps.is_empty()).then(|| Box::new(Gaps { gaps, sharp: is_sharp(scene), cadence: Cadence::of(scene) }) as _)
+}
+
+impl Saved for Gaps {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.cadence.pass(pass);
+        self.gaps.iter_mut().for_each(|(_, joint)| joint.pass(pass));
+    }
 }
 
 impl Observer for Gaps {

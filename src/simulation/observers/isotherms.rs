@@ -1,6 +1,8 @@
 //! Isotherms: how deep they are along the freezing direction; in a plane without one, what they enclose, how long they are and how far
 //! from what is coldest outside.
 
+use crate::recorded::Recorded;
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::boundary::condition::Condition;
 use frazil_core::memory::HeapSize;
 use frazil_core::space::domain::Domain;
@@ -104,6 +106,12 @@ fn depth(points: &[(f64, f64)], temperature: f64) -> Option<f64> {
     let crossing = points.windows(2).find(|pair| (pair[0].1 < temperature) != (pair[1].1 < temperature))?;
     let [(from, before), (to, behind)] = [crossing[0], crossing[1]];
     Some(from + (to - from) * (temperature - before) / (behind - before))
+}
+
+impl Saved for Isotherms {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        Recorded(&mut self.table.rows).pass(pass);
+    }
 }
 
 impl Observer for Isotherms {

@@ -1,5 +1,6 @@
 //! Two frozen bodies that join once a way between them is frozen through, and when.
 
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::memory::HeapSize;
 use frazil_core::particles::Particles;
 use frazil_scene::Scene;
@@ -110,6 +111,12 @@ impl Joint {
             });
         }
         self.last = Some((time, now));
+    }
+}
+
+impl Saved for Joint {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.last, &mut self.closed]);
     }
 }
 

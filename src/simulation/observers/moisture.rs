@@ -1,5 +1,7 @@
 //! Unsaturated water and its solute: what the body holds, what of the solute came in through each wall, and what ran off.
 
+use crate::recorded::Recorded;
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::boundary::condition::Condition;
 use frazil_core::ledger::{Ledger, Source, Sum};
 use frazil_core::series::Series;
@@ -118,6 +120,12 @@ impl Moisture {
         self.missing = larger_magnitude(self.missing, missing);
         let told = self.told.iter().map(|number| came[*number]);
         [taken].into_iter().chain(told).chain([missing]).collect()
+    }
+}
+
+impl Saved for Moisture {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut Recorded(&mut self.table.rows), &mut self.start, &mut self.missing]);
     }
 }
 

@@ -1,5 +1,6 @@
 //! What an observer is: when it sees the state of a run, and what it leaves.
 
+use frazil_core::saved::{Pass, Saved};
 use std::cell::OnceCell;
 use std::sync::Arc;
 
@@ -16,7 +17,7 @@ use crate::march::instants::outputs;
 use crate::reference::Reference;
 
 /// Something that reads states between steps and leaves tables. No call of it is made within a step.
-pub trait Observer {
+pub trait Observer: Saved {
     /// When it is to see the state next.
     fn schedule(&self) -> Schedule;
     /// Takes what it is there for off a state.
@@ -84,6 +85,12 @@ impl Schedule {
 pub(crate) struct Cadence {
     every: f64,
     pub(super) next: f64,
+}
+
+impl Saved for Cadence {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.next.pass(pass);
+    }
 }
 
 impl Cadence {

@@ -1,5 +1,9 @@
 //! Observers of one series: rows are read off the state at instants, and left at the end.
 
+use crate::recorded::Recorded;
+use frazil_core::saved::{Pass, Saved};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use frazil_record::RunResult;
 
 use super::observer::{End, Instants, Made, Observer, Schedule, View, room};
@@ -15,7 +19,7 @@ struct Recorder<Row, Read, Leave> {
 
 /// An observer that adds to `rows`, for which room has been made, by `read`, and leaves them by `leave`; `by_row` and `beside` are
 /// what each row and all of them hold besides (bytes).
-pub(super) fn series<Row: 'static>(
+pub(super) fn series<Row: Serialize + DeserializeOwned + 'static>(
     instants: Instants,
     rows: Vec<Row>,
     (by_row, beside): (usize, usize),
@@ -26,8 +30,17 @@ pub(super) fn series<Row: 'static>(
     Some(Box::new(Recorder { instants, rows, beside, read, leave }))
 }
 
-impl<Row, Read: FnMut(&View<'_>, &mut Vec<Row>), Leave: FnOnce(Vec<Row>, &mut RunResult)> Observer
-    for Recorder<Row, Read, Leave>
+impl<Row: Serialize + DeserializeOwned, Read, Leave> Saved for Recorder<Row, Read, Leave> {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        Recorded(&mut self.rows).pass(pass);
+    }
+}
+
+impl<Row, Read, Leave> Observer for Recorder<Row, Read, Leave>
+where
+    Row: Serialize + DeserializeOwned,
+    Read: FnMut(&View<'_>, &mut Vec<Row>),
+    Leave: FnOnce(Vec<Row>, &mut RunResult),
 {
     fn schedule(&self) -> Schedule {
         Schedule { instants: self.instants, ..Schedule::OUTPUTS }

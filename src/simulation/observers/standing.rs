@@ -1,11 +1,19 @@
 //! When a closed wall has stood: from when to when, and whether it stands.
 
+use frazil_core::saved::{Pass, Saved};
+
 /// The times between which a closed wall stood (s). Without an end it stands still.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Standing {
     pub(super) periods: Vec<(f64, Option<f64>)>,
     /// The last two looks: times and thicknesses (m), 0 while it was open.
     looks: Vec<(f64, f64)>,
+}
+
+impl Saved for Standing {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.periods, &mut self.looks]);
+    }
 }
 
 impl Standing {

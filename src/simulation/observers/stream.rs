@@ -1,5 +1,6 @@
 //! Velocities, densities and temperatures across a driven liquid, averaged over time.
 
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::Domain;
 use frazil_record::{RunResult, SectionRow, StreamRow};
@@ -50,6 +51,18 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
         cadence: Cadence::of(scene),
     };
     particles.move_about().then(|| Box::new(averages) as _)
+}
+
+impl Saved for Bin {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.count, &mut self.speed, &mut self.temperature]);
+    }
+}
+
+impl Saved for Averages {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.whole, &mut self.across, &mut self.looks, &mut self.cadence]);
+    }
 }
 
 impl Observer for Averages {

@@ -1,6 +1,8 @@
 //! The frozen wall of a ring: neighbouring pipes, joined once a way between them is frozen through, when a closed wall stands around
 //! the centre and how thick it is where it is weakest, and sections of it.
 
+use crate::recorded::Recorded;
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::memory::total;
 use frazil_core::particles::Particles;
@@ -72,7 +74,7 @@ struct Wall {
 }
 
 /// The wall where it is weakest.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 struct Weakest {
     /// Number of the link between whose pipes it is weakest.
     link: usize,
@@ -339,6 +341,25 @@ impl Wall {
             weakest_gap: link.map(named),
             last_gap: self.joined().and_then(|joined| self.last_to_close(joined)).map(named),
         })
+    }
+}
+
+impl Saved for Weakest {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.link, &mut self.thickness, &mut self.mean_temperature]);
+    }
+}
+
+impl Saved for Wall {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.joints.iter_mut().for_each(|joint| joint.pass(pass));
+        pass.all(&mut [
+            &mut Recorded(&mut self.rows),
+            &mut Recorded(&mut self.planes),
+            &mut self.cadence,
+            &mut self.standing,
+            &mut self.weakest,
+        ]);
     }
 }
 

@@ -1,5 +1,7 @@
 //! The water of a run: what it leaves beside the series of all runs, and how wrong it is.
 
+use crate::recorded::Recorded;
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
 use frazil_core::solvers::solver::Water;
@@ -47,6 +49,13 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
     let counts = (setup.outputs() + 1, setup.profiles() + 1, particles.len());
     let started_with = ice * particles.volumes.unit();
     Some(Box::new(WaterWatch { started_with, maps: setup.maps, counts, ..WaterWatch::default() }))
+}
+
+impl Saved for WaterWatch {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        // What was seen last is seen again at the next output.
+        Recorded(&mut self.series).pass(pass);
+    }
 }
 
 impl Observer for WaterWatch {

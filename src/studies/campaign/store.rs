@@ -63,6 +63,11 @@ impl Store {
         Ok(Store { build: build.to_owned(), path, own: Mutex::new(None), places: Mutex::new(places) })
     }
 
+    /// What tells the build of the program from others.
+    pub fn build(&self) -> &str {
+        &self.build
+    }
+
     fn stamped(&self, key: &str) -> String {
         format!("{} {key}", self.build)
     }

@@ -136,7 +136,14 @@ impl<'a> Runner<'a> {
         }
         let began = Instant::now();
         let options = Options { interrupt: Some(self.campaign.stop()), ..*options };
-        let mut result = (self.run)(scene, method, reference, &options)?;
+        // Runs whose time counts are made in one go.
+        let is_timed = matches!(purpose, Purpose::First | Purpose::Repeat(_));
+        let mut result = match is_timed {
+            true => (self.run)(scene, method, reference, &options)?,
+            false => self.campaign.on_its_way(&key, |checkpoints| {
+                (self.run)(scene, method, reference, &Options { checkpoints, ..options })
+            })?,
+        };
         if matches!(purpose, Purpose::Repeat(_)) {
             result = RunResult::bare(result.record);
         }

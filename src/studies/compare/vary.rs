@@ -28,7 +28,7 @@ use super::variant::Variant;
 use crate::campaign::{Campaign, Shard};
 use crate::failure::{Failure, Verdict, complain};
 use crate::machine::Machine;
-use crate::output::Folder;
+use crate::output::{Folder, Owner};
 use crate::parallel;
 use crate::parts::Parts;
 
@@ -212,7 +212,7 @@ pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<
         jobs.push((name, scene, methods));
     }
     request.forewarn();
-    let folder = Folder::make(&path)?;
+    let folder = Folder::make(&path, Owner::Alone)?;
     let machine = Machine::now();
     let campaign = Campaign::open(&path, Shard::WHOLE, parallel::cores(), parts.interrupt)?;
     let runner = Runner::new(request, parts, &campaign);

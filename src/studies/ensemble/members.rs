@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use frazil_record::{Outcome, Record};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
-use frazil_simulation::march::{self, Options, Progress};
+use frazil_simulation::march::{self, Checkpoints, Options, Progress};
 use frazil_simulation::reference::Reference;
 
 use super::runs::Tables;
@@ -136,8 +136,12 @@ impl Work<'_> {
             // Some series come with them.
             fields: true,
             each_output: None,
+            checkpoints: None,
         };
-        let result = march::run(scene, settings.method, reference, &options)?;
+        let run = |checkpoints: Option<&Checkpoints<'_>>| {
+            march::run(scene, settings.method, reference, &Options { checkpoints, ..options })
+        };
+        let result = campaign.on_its_way(&self.members.key(seed), run)?;
         if result.record.outcome == Outcome::Interrupted {
             return Ok(None);
         }

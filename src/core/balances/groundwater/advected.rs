@@ -11,6 +11,7 @@ use crate::particles::Particles;
 use crate::solvers::balance::{Balance, BalanceFacts, Companion, Rates, Tangent, TangentShape, Update};
 use crate::solvers::solver::Water;
 use crate::solvers::step::{Bound, Clock, StepError};
+use crate::saved::{Pass, Saved};
 
 /// Heat that is conducted and carried by water.
 pub struct AdvectedHeat {
@@ -113,6 +114,14 @@ impl AdvectedHeat {
         for (heat, crossed) in heat.iter_mut().zip(&self.surfaces) {
             *heat += volume * crossed.heat(of_path, of_mouth);
         }
+    }
+}
+
+impl Saved for AdvectedHeat {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.conduction.pass(pass);
+        self.water.pass(pass);
+        self.bind();
     }
 }
 

@@ -27,6 +27,7 @@ use crate::balances::groundwater::tasks::{each, tasks, when};
 use crate::balances::groundwater::velocity::velocities;
 use crate::balances::row::Row;
 use crate::memory::{HeapSize, total};
+use crate::saved::{Pass, Saved};
 
 /// Heat that water carries along a path over what the path conducts, from which the bend of profiles counts.
 const FAST: f64 = 1.0;
@@ -80,6 +81,28 @@ pub struct Carrier {
     rows: Vec<Row>,
     marked: Vec<bool>,
     limits: Vec<(f64, f64)>,
+}
+
+impl Saved for Carrier {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [
+            &mut self.carried,
+            &mut self.exchange,
+            &mut self.beside,
+            &mut self.beside_walls,
+            &mut self.kept,
+            &mut self.greatest,
+            &mut self.turning,
+            &mut self.limits_now,
+            &mut self.exchanges,
+            &mut self.bends,
+            &mut self.gradients,
+            &mut self.bent,
+        ]);
+        for mouth in &mut self.mouths {
+            pass.all(&mut [&mut mouth.inflow, &mut mouth.outflow]);
+        }
+    }
 }
 
 impl HeapSize for Carrier {

@@ -12,8 +12,9 @@ use crate::balances::groundwater::numerics::Conduction;
 use crate::bonds::pair_list::PairList;
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::{Boundary, Face};
-use crate::breakage::cuts::Cuts;
+use crate::breakage::cuts::{Cuts, Cutting};
 use crate::memory::{HeapSize, shared, total};
+use crate::saved::{Pass, Saved};
 
 /// What paths are made of, as long as pairs are cut while a run goes on.
 pub(super) struct CutPaths {
@@ -44,6 +45,12 @@ impl CutPaths {
     pub(super) fn start(&mut self) -> Result<Network, GroundwaterError> {
         self.cuts.bring_to(0.0, &mut self.pairs.weights);
         self.network()
+    }
+
+    /// Hands over how far the paths have been cut; the paths then, where they are put in.
+    pub(super) fn pass(&mut self, pass: &mut Pass<'_>) -> Result<Option<Network>, GroundwaterError> {
+        Cutting { cuts: &mut self.cuts, weights: &mut self.pairs.weights }.pass(pass);
+        if pass.loads() { self.network().map(Some) } else { Ok(None) }
     }
 
     fn network(&mut self) -> Result<Network, GroundwaterError> {

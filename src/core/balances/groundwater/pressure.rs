@@ -15,6 +15,7 @@ use crate::balances::groundwater::error::GroundwaterError;
 use crate::balances::groundwater::network::{NONE, Network, Opening};
 use crate::bonds::exchange::Mean;
 use crate::memory::{HeapSize, total};
+use crate::saved::{Pass, Saved};
 
 /// What remains of a particle's balance over the water that passes through it, in the root of the mean of squares.
 const TOLERANCE: f64 = 1e-8;
@@ -51,6 +52,19 @@ pub struct Pressure {
     swept: Vec<f64>,
     direction: Vec<f64>,
     image: Vec<f64>,
+}
+
+impl Saved for Pressure {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [
+            &mut self.pressure,
+            &mut self.conductances,
+            &mut self.mouths,
+            &mut self.solutions,
+            &mut self.iterations,
+            &mut self.walls,
+        ]);
+    }
 }
 
 impl HeapSize for Pressure {

@@ -7,6 +7,7 @@ mod layout;
 mod properties;
 mod run;
 mod stability;
+mod status;
 mod values;
 
 use std::ffi::OsString;
@@ -35,6 +36,8 @@ enum Command {
     Stability(stability::StabilityArguments),
     /// Checks a scene and prints what a run of it would do.
     Check(check::CheckArguments),
+    /// Tells where the runs stand that a folder holds: at their end, or on their way.
+    Status(status::StatusArguments),
     /// Sets layouts of freeze pipes beside each other: the day the wall closes, its weakest gap, thickness, load.
     Layout(layout::LayoutArguments),
     /// Finds the constants of an eDPD fluid from the Schmidt and Prandtl numbers of a real one.
@@ -53,6 +56,7 @@ impl Command {
             Command::Compare(arguments) => arguments.answer(),
             Command::Stability(arguments) => arguments.answer(),
             Command::Check(arguments) => arguments.answer(),
+            Command::Status(arguments) => arguments.answer(),
             Command::Layout(arguments) => arguments.answer(),
             Command::Calibrate(arguments) => arguments.answer(),
             Command::Properties(arguments) => arguments.answer(),

@@ -10,6 +10,7 @@ pub mod parts;
 pub mod properties;
 pub mod registry;
 pub mod run;
+pub mod status;
 
 /// The example of the document is compiled and run with the tests.
 #[cfg(doctest)]

@@ -41,8 +41,8 @@ pub struct RunRequest {
     pub fields: bool,
     /// Whether to draw a map at each output.
     pub frames: bool,
-    /// Wall time (s) between two checkpoints; none if absent.
-    pub checkpoint_s: Option<f64>,
+    /// Wall time between two checkpoints; none if absent.
+    pub checkpoints: Option<Duration>,
     /// Whether to go on from the last checkpoint in the folder.
     pub resume: bool,
     /// Whether to say nothing but errors.
@@ -95,9 +95,13 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     }
     let reporter = Reporter::new(request.quiet);
     let show = |progress: &Progress| reporter.show(progress);
-    let checkpoints = request.checkpoint_s.map(|seconds| {
-        let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-        Checkpoints::new(folder.path(), every, (campaign::build(), if request.resume { Going::On } else { Going::Anew }), &complain)
+    let checkpoints = request.checkpoints.map(|every| {
+        Checkpoints::new(
+            folder.path(),
+            every,
+            (campaign::build(), if request.resume { Going::On } else { Going::Anew }),
+            &complain,
+        )
     });
     let options = Options {
         threads: request.threads,
@@ -175,6 +179,7 @@ pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> 
         count,
         threads: request.threads,
         out: &request.out.clone().unwrap_or_else(|| folder_of(&scene, method)),
+        checkpoints: request.checkpoints,
         quiet: request.quiet,
     };
     ensemble::ensemble(&ensemble, interrupt::watch())

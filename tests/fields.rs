@@ -21,6 +21,8 @@ fn request(scene: &Path, out: &Path, fields: bool, frames: bool) -> RunRequest {
         reduce: false,
         fields,
         frames,
+        checkpoints: None,
+        resume: false,
         quiet: true,
     }
 }

@@ -9,6 +9,7 @@ mod broken_scenes;
 mod bundled_scenes;
 mod calibration;
 mod capability;
+mod checkpoints;
 mod command_line;
 mod comparisons;
 mod coupled;

@@ -9,7 +9,7 @@ use frazil_studies::compare::vary::RATIOS;
 use frazil_studies::compare::{CompareRequest, Vary, compare};
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{MustBe, command_line, key_and_value, positive, positive_seconds};
+use super::values::{BetweenCheckpoints, between_checkpoints, MustBe, command_line, key_and_value, positive, positive_seconds};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]
@@ -58,6 +58,9 @@ pub struct CompareArguments {
     /// Runs smaller scenes that give the same answer, where there are any.
     #[arg(long)]
     reduce: bool,
+    /// Wall time in seconds between two checkpoints of each run, from which it goes on if the study is stopped; 0 for none.
+    #[arg(long, value_name = "S", default_value = "60", value_parser = between_checkpoints)]
+    checkpoint_s: BetweenCheckpoints,
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -80,6 +83,7 @@ impl CompareArguments {
             settings: self.settings.into_iter().map(Variant::standard).chain(also).collect(),
             overrides: self.set,
             reduce: self.reduce,
+            checkpoints: self.checkpoint_s.0,
             quiet: self.quiet,
             command_line: command_line(),
         };

@@ -7,7 +7,7 @@ use frazil_layouts::{LayoutRequest, layout};
 use frazil_studies::campaign::Shard;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{MustBe, command_line, key_and_value, threads};
+use super::values::{BetweenCheckpoints, between_checkpoints, MustBe, command_line, key_and_value, threads};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]
@@ -36,6 +36,9 @@ pub struct LayoutArguments {
     /// Draws a temperature map of each layout at every output, for an animation: layouts/*/frames/*.png.
     #[arg(long)]
     frames: bool,
+    /// Wall time in seconds between two checkpoints of each run, from which it goes on if the study is stopped; 0 for none.
+    #[arg(long, value_name = "S", default_value = "60", value_parser = between_checkpoints)]
+    checkpoint_s: BetweenCheckpoints,
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -53,6 +56,7 @@ impl LayoutArguments {
             check: self.check,
             frames: self.frames,
             out: self.out,
+            checkpoints: self.checkpoint_s.0,
             quiet: self.quiet,
             command_line: command_line(),
         };

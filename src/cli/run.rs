@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{key_and_value, seconds, threads};
+use super::values::{BetweenCheckpoints, between_checkpoints, key_and_value, threads};
 use crate::run::RunRequest;
 use crate::{load, run};
 
@@ -45,8 +45,8 @@ pub struct RunArguments {
     #[arg(long)]
     frames: bool,
     /// Wall time in seconds between two checkpoints, from which a run that was killed goes on; 0 for none.
-    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = seconds)]
-    checkpoint_s: f64,
+    #[arg(long, value_name = "S", default_value = "60", value_parser = between_checkpoints)]
+    checkpoint_s: BetweenCheckpoints,
     /// Goes on from the last checkpoint in the folder, to the same bits as a run that was never stopped; from the start if there is
     /// none.
     #[arg(long)]
@@ -73,7 +73,7 @@ impl RunArguments {
             reduce: self.reduce,
             fields: self.fields,
             frames: self.frames,
-            checkpoint_s: (self.checkpoint_s > 0.0).then_some(self.checkpoint_s),
+            checkpoints: self.checkpoint_s.0,
             resume: self.resume,
             quiet: self.quiet,
         };

@@ -1,6 +1,7 @@
 //! Values of options, as several commands take them.
 
 use std::borrow::Cow;
+use std::time::Duration;
 
 use frazil_studies::parallel;
 
@@ -32,9 +33,15 @@ pub fn key_and_value(text: &str) -> Result<(String, String), MustBe> {
     }
 }
 
-/// Seconds, none among them.
-pub fn seconds(text: &str) -> Result<f64, MustBe> {
-    number(text, |number| number >= 0.0 && number.is_finite(), "a number of seconds, 0 or more")
+/// Time between two checkpoints; none where there are to be none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BetweenCheckpoints(pub Option<Duration>);
+
+/// The same, from seconds.
+pub fn between_checkpoints(text: &str) -> Result<BetweenCheckpoints, MustBe> {
+    let seconds = number(text, |number| number >= 0.0, "a number of seconds, 0 or more")?;
+    let time = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+    Ok(BetweenCheckpoints((seconds > 0.0).then_some(time)))
 }
 
 /// Seconds.

@@ -4,6 +4,7 @@
 //! tables, figures and one page of what is kept. So layouts known before, from other shards and just run are the same.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use frazil_plots::page::Block;
 use frazil_studies::campaign::{Campaign, Shard};
@@ -75,6 +76,8 @@ pub struct LayoutRequest {
     pub frames: bool,
     /// Folder for the results; `out/<study>` if absent.
     pub out: Option<PathBuf>,
+    /// Wall time between two checkpoints of a run; none if absent.
+    pub checkpoints: Option<Duration>,
     /// Whether to say nothing but errors.
     pub quiet: bool,
     /// The command as it was typed, for the page.
@@ -106,6 +109,7 @@ pub fn layout(request: &LayoutRequest, parts: &Parts<'_>) -> Result<Verdict, Fai
     let owner = if request.shard == Shard::WHOLE { Owner::Alone } else { Owner::WithOthers };
     let folder = Folder::make(&path, owner)?;
     let campaign = Campaign::open(&path, request.shard, request.threads, parts.interrupt)?;
+    let campaign = campaign.with_checkpoints(request.checkpoints);
     let machine = Machine::now();
     let work_of = |method: &'static str, beside: bool| Work {
         study: &study,

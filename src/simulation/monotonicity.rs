@@ -2,8 +2,8 @@
 //! thaw, and the coldest pipes take heat and give none. An unstable step breaks such rules where temperatures tell
 //! nothing, as inside the smeared delta of a pipe.
 
-use frazil_core::saved::{Pass, Saved};
 use frazil_core::boundary::condition::Condition;
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::series::Series;
 use frazil_record::RunResult;
 use frazil_scene::Scene;

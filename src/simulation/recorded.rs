@@ -12,13 +12,13 @@ impl<T: Serialize + DeserializeOwned> Saved for Recorded<'_, T> {
         if pass.loads() {
             let mut bytes: Vec<u8> = Vec::new();
             bytes.pass(pass);
-            match postcard::from_bytes(&bytes) {
+            match rmp_serde::from_slice(&bytes) {
                 Ok(value) => *self.0 = value,
                 Err(_) => pass.refuse(),
             }
         } else {
             // Rows are numbers and names, all of which can be written; what could not would be refused when it is read.
-            postcard::to_allocvec(self.0).unwrap_or_default().pass(pass);
+            rmp_serde::to_vec_named(self.0).unwrap_or_default().pass(pass);
         }
     }
 }

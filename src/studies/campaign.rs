@@ -21,7 +21,7 @@ use crate::parallel;
 pub use meter::{Meter, Task};
 pub use shard::Shard;
 use store::Store;
-pub use store::build;
+pub use store::{build, count_of_findings};
 
 mod meter;
 mod shard;

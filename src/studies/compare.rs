@@ -58,6 +58,7 @@ fn by_time(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failu
     let folder = Folder::make(&path, Owner::Alone)?;
     let machine = Machine::now();
     let campaign = Campaign::open(&path, Shard::WHOLE, parallel::cores(), parts.interrupt)?;
+    let campaign = campaign.with_checkpoints(request.checkpoints);
     let runner = Runner::new(request, parts, &campaign);
     let mut finished = Vec::new();
     let mut broken = false;

@@ -6,7 +6,7 @@
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use frazil_record::{Outcome, Record, RunResult};
 use frazil_scene::method::MethodSettings;
@@ -46,6 +46,8 @@ pub struct EnsembleRequest<'a> {
     pub threads: usize,
     /// Folder for the results.
     pub out: &'a Path,
+    /// Wall time between two checkpoints of a member; none if absent.
+    pub checkpoints: Option<Duration>,
     /// Whether to say nothing but errors.
     pub quiet: bool,
 }
@@ -80,7 +82,7 @@ pub fn ensemble(request: &EnsembleRequest<'_>, interrupt: &AtomicBool) -> Result
     let seeds = seeds(request.seed, count)?;
     let folder = Folder::make(out, Owner::Alone)?;
     let threads = request.threads.min(count);
-    let campaign = Campaign::open(out, Shard::WHOLE, threads, interrupt)?;
+    let campaign = Campaign::open(out, Shard::WHOLE, threads, interrupt)?.with_checkpoints(request.checkpoints);
     let members = Members { scene, settings, reference, folder: out, campaign: &campaign, seeds: &seeds };
     if !request.quiet {
         let open = seeds.iter().filter(|seed| members.record_of(**seed).is_none()).count();

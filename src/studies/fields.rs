@@ -78,7 +78,6 @@ impl<'a> Snapshots<'a> {
         Ok(made)
     }
 
-
     /// Takes the state at an output. After a failure nothing more is tried: the run itself goes on.
     pub fn see(&self, particles: &Particles, time: f64) {
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);

@@ -25,8 +25,8 @@ use crate::ledger::Sum;
 use crate::memory::{HeapSize, shared};
 use crate::particles::Particles;
 use crate::physics::latent_heat::Materials;
-use crate::solvers::solver::Water;
 use crate::saved::{Pass, Saved};
+use crate::solvers::solver::Water;
 
 pub mod advected;
 pub mod aquifer;

@@ -29,13 +29,13 @@ use crate::kernels::list_parts::ListParts;
 use crate::ledger::Source;
 use crate::memory::{HeapSize, total};
 use crate::physics::solute_material::SoluteMaterial;
+use crate::saved::{Pass, Saved};
 use crate::series::Series;
 use crate::solvers::balance::BalanceFacts;
 use crate::solvers::passenger::{Interval, Passenger};
 use crate::solvers::sharp::just_before;
 use crate::solvers::step::{Bound, Clock};
 use crate::space::wall::PatchId;
-use crate::saved::{Pass, Saved};
 
 /// What a solute is made from.
 pub struct SoluteParts {

@@ -7,8 +7,8 @@ use crate::boundary::ghosts::Ghosts;
 use crate::breakage::crack::Barriers;
 use crate::breakage::strength::{Strengths, arm};
 use crate::memory::HeapSize;
-use crate::space::volumes::Volumes;
 use crate::saved::{Pass, Saved};
+use crate::space::volumes::Volumes;
 
 /// A weight that changes.
 #[derive(Debug, Clone, Copy, PartialEq)]

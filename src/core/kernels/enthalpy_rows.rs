@@ -8,9 +8,9 @@ use crate::kernels::term::PairTerm;
 use crate::ledger::Source;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::SchemeState;
+use crate::saved::{Pass, Saved};
 use crate::solvers::balance::{Balance, BalanceFacts, Rates, Tangent, TangentShape, Update};
 use crate::solvers::step::Clock;
-use crate::saved::{Pass, Saved};
 
 /// Rows of a list under a latent-heat scheme, with a term beside conduction.
 pub struct ListBalance<T> {

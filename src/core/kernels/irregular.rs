@@ -7,8 +7,8 @@ use crate::kernels::rows::ListRows;
 use crate::kernels::term::Off;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::{LatentHeatScheme, Mushy, SchemeState, scheme};
-use crate::solvers::step::Clock;
 use crate::saved::{Pass, Saved};
+use crate::solvers::step::Clock;
 
 /// Particles of a lattice with rows of their own, and those that they see.
 pub struct IrregularRows {

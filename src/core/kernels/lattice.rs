@@ -20,10 +20,10 @@ use crate::physics::latent_heat::Materials;
 use crate::physics::laws::Laws;
 use crate::physics::potential::Identity;
 use crate::physics::sub_cell::SubCellFront;
+use crate::saved::{Pass, Saved};
 use crate::solvers::balance::{Balance, BalanceFacts, Rates, Stage, StageColumns, Tangent, TangentShape, Update};
 use crate::solvers::step::{Bound, Clock};
 use crate::space::lattice::Lattice;
-use crate::saved::{Pass, Saved};
 
 /// Particles that each further thread must have to itself: a step of fewer is over before a thread is woken.
 pub const PARTICLES_PER_THREAD: usize = 16_384;

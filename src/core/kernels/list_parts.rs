@@ -17,10 +17,10 @@ use crate::boundary::pipe::Sink;
 use crate::boundary::shells::Touch;
 use crate::breakage::cuts::{Cuts, Cutting};
 use crate::physics::latent_heat::Materials;
+use crate::saved::{Pass, Saved};
 use crate::solvers::step::Bound;
 use crate::space::domain::Surface;
 use crate::space::volumes::Volumes;
-use crate::saved::{Pass, Saved};
 
 /// Everything a list operator is made from.
 #[derive(Clone)]

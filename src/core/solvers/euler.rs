@@ -5,10 +5,10 @@ use frazil_record::Work;
 use crate::ledger::Ledger;
 use crate::memory::HeapSize;
 use crate::particles::Particles;
+use crate::saved::{Pass, Saved};
 use crate::solvers::balance::{Balance, Update};
 use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Clock, StepError};
-use crate::saved::{Pass, Saved};
 
 /// Explicit Euler: at its bound it keeps the maximum principle.
 pub struct Euler {

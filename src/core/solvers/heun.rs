@@ -5,11 +5,11 @@ use frazil_record::Work;
 use crate::ledger::Ledger;
 use crate::memory::HeapSize;
 use crate::particles::Particles;
+use crate::saved::{Pass, Saved};
 use crate::solvers::balance::Balance;
 use crate::solvers::sharp::just_before;
 use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Clock, StepError};
-use crate::saved::{Pass, Saved};
 
 /// Heun's rule: of second order, and a mean of two states that each keep the range of the data, so it keeps it too (Shu and
 /// Osher 1988).

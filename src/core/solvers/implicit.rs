@@ -5,13 +5,13 @@ use frazil_record::Work;
 use crate::ledger::{Hermite, Ledger};
 use crate::memory::{HeapSize, total};
 use crate::particles::Particles;
+use crate::saved::{Pass, Saved};
 use crate::solvers::balance::{Balance, BalanceFacts};
 use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
 use crate::solvers::newton::{Newton, NotConverged, RESIDUAL, Stage};
 use crate::solvers::sharp::just_before;
 use crate::solvers::solver::{KeptStage, Solver, SolverReport};
 use crate::solvers::step::{Clock, StepError};
-use crate::saved::{Pass, Saved};
 
 /// The diagonal of the scheme, 1 - 1/sqrt 2: L-stable and of second order (Alexander 1977).
 const DIAGONAL: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;

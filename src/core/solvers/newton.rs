@@ -6,12 +6,12 @@
 //! followed from c = 0, at which `H = R` holds.
 
 use crate::memory::HeapSize;
+use crate::saved::{Pass, Saved};
 use crate::solvers::balance::{Balance, Tangent, TangentShape};
 use crate::solvers::band::Band;
 use crate::solvers::control::EnthalpyRange;
 use crate::solvers::krylov::Krylov;
 use crate::solvers::step::Clock;
-use crate::saved::{Pass, Saved};
 
 /// Largest residual that is left, over the scale of a particle's enthalpy. It bounds how far a stage can leave the range of the
 /// data, of which a billionth is allowed; heat is conserved whatever it is.

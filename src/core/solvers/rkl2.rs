@@ -5,12 +5,12 @@ use frazil_record::Work;
 use crate::ledger::{Hermite, Ledger};
 use crate::memory::HeapSize;
 use crate::particles::Particles;
+use crate::saved::{Pass, Saved};
 use crate::solvers::balance::{Balance, BalanceFacts, Stage, StageColumns, Update};
 use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
 use crate::solvers::sharp::just_before;
 use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Bound, Clock, StepError};
-use crate::saved::{Pass, Saved};
 
 /// Growth of the steps of a fixed chain, from one step to the next: modes that a step cannot resolve have decayed by
 /// the time it is taken.

@@ -4,11 +4,11 @@ use crate::kernels::flows::PairFlows;
 use crate::ledger::Ledger;
 use crate::memory::{HeapSize, total};
 use crate::particles::Particles;
+use crate::saved::{Pass, Saved};
 use crate::solvers::balance::Balance;
 use crate::solvers::passenger::Interval;
 use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Clock, StepError};
-use crate::saved::{Pass, Saved};
 
 /// Whether the two share their steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

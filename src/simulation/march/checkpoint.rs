@@ -132,7 +132,7 @@ pub struct Standing {
 impl Header {
     /// The bytes of a file of these fields.
     fn beside(&self, fields: &[u8]) -> io::Result<Vec<u8>> {
-        let header = postcard::to_allocvec(self).map_err(io::Error::other)?;
+        let header = rmp_serde::to_vec_named(self).map_err(io::Error::other)?;
         let mut bytes = MAGIC.to_vec();
         bytes.extend((header.len() as u64).to_le_bytes());
         bytes.extend(header);
@@ -156,7 +156,7 @@ fn parts(bytes: &[u8]) -> Option<(Header, &[u8])> {
     }
     let (length, rest) = body.strip_prefix(&MAGIC)?.split_first_chunk::<8>()?;
     let (header, fields) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
-    Some((postcard::from_bytes(header).ok()?, fields))
+    Some((rmp_serde::from_slice(header).ok()?, fields))
 }
 
 /// What tells a run from others that would not come to the same bits.
@@ -272,7 +272,7 @@ impl Simulation<'_> {
     pub(super) fn keep(&mut self, ends: bool) {
         let Some(kept) = self.options.checkpoints else { return };
         let looks = self.dense || self.clock.index.is_multiple_of(LOOK);
-        if !ends && !(looks && self.last_checkpoint.elapsed() >= kept.every) {
+        if !(ends || looks && self.last_checkpoint.elapsed() >= kept.every) {
             return;
         }
         let seen = Stopwatch::start(self.options.threads);

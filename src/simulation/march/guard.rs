@@ -3,8 +3,8 @@
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::particles::Particles;
 use frazil_core::physics::retention::scale::{DRY, head};
-use frazil_core::solvers::step::{Bound, Clock};
 use frazil_core::saved::{Pass, Saved};
+use frazil_core::solvers::step::{Bound, Clock};
 use frazil_scene::Scene;
 use glam::DVec2;
 

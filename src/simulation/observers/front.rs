@@ -1,8 +1,8 @@
 //! The front over time, in bodies that have one place of it.
 
 use crate::recorded::Recorded;
-use frazil_core::saved::{Pass, Saved};
 use frazil_core::particles::Particles;
+use frazil_core::saved::{Pass, Saved};
 use frazil_record::{FrontRow, RunResult};
 use frazil_scene::FreezingDirection;
 

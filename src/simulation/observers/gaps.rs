@@ -1,8 +1,8 @@
 //! Gaps between the pipes of the first ring, which close once ground there is frozen with its latent heat released.
 
-use frazil_core::saved::{Pass, Saved};
 use frazil_core::memory::HeapSize;
 use frazil_core::particles::Particles;
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::space::domain::Domain;
 use frazil_record::{GapRow, RunResult};
 

@@ -2,9 +2,9 @@
 //! from what is coldest outside.
 
 use crate::recorded::Recorded;
-use frazil_core::saved::{Pass, Saved};
 use frazil_core::boundary::condition::Condition;
 use frazil_core::memory::HeapSize;
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::space::domain::Domain;
 use frazil_core::space::wall::WallId;
 use frazil_record::{Role, RunResult, Table, Unit};

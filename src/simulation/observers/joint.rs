@@ -1,8 +1,8 @@
 //! Two frozen bodies that join once a way between them is frozen through, and when.
 
-use frazil_core::saved::{Pass, Saved};
 use frazil_core::memory::HeapSize;
 use frazil_core::particles::Particles;
+use frazil_core::saved::{Pass, Saved};
 use frazil_scene::Scene;
 
 use super::sampler::Sample;

@@ -1,9 +1,9 @@
 //! Unsaturated water and its solute: what the body holds, what of the solute came in through each wall, and what ran off.
 
 use crate::recorded::Recorded;
-use frazil_core::saved::{Pass, Saved};
 use frazil_core::boundary::condition::Condition;
 use frazil_core::ledger::{Ledger, Source, Sum};
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::series::Series;
 use frazil_core::space::wall::{PatchId, WallId};
 use frazil_record::{Column, Role, RunResult, Table, Unit};

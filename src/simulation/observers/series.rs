@@ -2,9 +2,9 @@
 
 use crate::recorded::Recorded;
 use frazil_core::saved::{Pass, Saved};
+use frazil_record::RunResult;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use frazil_record::RunResult;
 
 use super::observer::{End, Instants, Made, Observer, Schedule, View, room};
 

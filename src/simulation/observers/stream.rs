@@ -1,7 +1,7 @@
 //! Velocities, densities and temperatures across a driven liquid, averaged over time.
 
-use frazil_core::saved::{Pass, Saved};
 use frazil_core::particles::Particles;
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::space::domain::Domain;
 use frazil_record::{RunResult, SectionRow, StreamRow};
 

@@ -2,10 +2,10 @@
 //! the centre and how thick it is where it is weakest, and sections of it.
 
 use crate::recorded::Recorded;
-use frazil_core::saved::{Pass, Saved};
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::memory::total;
 use frazil_core::particles::Particles;
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::{LinkRow, PlaneRow, RunResult, WallRecord, WallRow};
 use frazil_scene::{PipeName, Scene};

@@ -1,9 +1,9 @@
 //! The water of a run: what it leaves beside the series of all runs, and how wrong it is.
 
 use crate::recorded::Recorded;
-use frazil_core::saved::{Pass, Saved};
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::solvers::solver::Water;
 use frazil_core::space::domain::Domain;
 use frazil_record::{CutRow, FlowPoint, RunResult, WaterRecord, WaterRow, WaterSeries};

@@ -1,6 +1,7 @@
 //! What a comparison is asked for.
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use frazil_scene::Scene;
 
@@ -39,6 +40,8 @@ pub struct CompareRequest {
     pub overrides: Vec<Override>,
     /// Whether smaller scenes that give the same answer are to be run instead.
     pub reduce: bool,
+    /// Wall time between two checkpoints of a run; none if absent.
+    pub checkpoints: Option<Duration>,
     /// Whether to say nothing but errors.
     pub quiet: bool,
     /// The command as it was typed, for the page.

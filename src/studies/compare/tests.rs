@@ -126,6 +126,7 @@ fn request() -> CompareRequest {
         settings: vec![best()],
         overrides: Vec::new(),
         reduce: false,
+        checkpoints: None,
         quiet: true,
         command_line: "frazil compare stefan-water --settings best,paper".into(),
     }

@@ -215,6 +215,7 @@ pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<
     let folder = Folder::make(&path, Owner::Alone)?;
     let machine = Machine::now();
     let campaign = Campaign::open(&path, Shard::WHOLE, parallel::cores(), parts.interrupt)?;
+    let campaign = campaign.with_checkpoints(request.checkpoints);
     let runner = Runner::new(request, parts, &campaign);
     let say = |text: &str| {
         if !request.quiet {

@@ -8,10 +8,10 @@ use crate::balances::groundwater::{Groundwater, diagonals};
 use crate::boundary::patch::{Boundary, Face};
 use crate::memory::{HeapSize, total};
 use crate::particles::Particles;
+use crate::saved::{Pass, Saved};
 use crate::solvers::balance::{Balance, BalanceFacts, Companion, Rates, Tangent, TangentShape, Update};
 use crate::solvers::solver::Water;
 use crate::solvers::step::{Bound, Clock, StepError};
-use crate::saved::{Pass, Saved};
 
 /// Heat that is conducted and carried by water.
 pub struct AdvectedHeat {

@@ -1,0 +1,66 @@
+//! Where the runs stand that a folder holds.
+
+use std::path::{Path, PathBuf};
+
+use frazil_record::Record;
+use frazil_simulation::march;
+use frazil_studies::campaign::count_of_findings;
+use frazil_studies::failure::{Failure, Verdict, answer};
+use frazil_studies::output::{is_locked, record_in};
+
+use crate::run;
+
+/// How deep folders of results lie in each other.
+const DEEPEST: usize = 5;
+
+/// Tells where each run in a folder and those in it stands.
+///
+/// # Errors
+/// A folder that cannot be read, or that holds no run.
+pub fn status(folder: &Path) -> Result<Verdict, Failure> {
+    let mut lines = Vec::new();
+    look(folder, 0, &mut lines)?;
+    if lines.is_empty() {
+        return Err(Failure::request(NoRun(folder.to_owned())));
+    }
+    answer(&lines.join("\n"))?;
+    Ok(Verdict::Done)
+}
+
+/// A folder holds no results.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: holds no run, and no study", .0.display())]
+struct NoRun(PathBuf);
+
+/// Adds a line for each run in a folder and those in it.
+fn look(folder: &Path, depth: usize, lines: &mut Vec<String>) -> Result<(), Failure> {
+    let unreadable = |error| Failure::file(folder, "cannot be read", error);
+    let mut entries = std::fs::read_dir(folder)
+        .and_then(Iterator::collect::<Result<Vec<_>, _>>)
+        .map_err(unreadable)?;
+    entries.sort_by_key(|entry| entry.file_name());
+    let is_written = if is_locked(folder) { ", being written now" } else { "" };
+    if let Some(standing) = march::standing(folder).map_err(unreadable)? {
+        let (scene, method, words) = (&standing.scene, &standing.method, run::words(&standing));
+        lines.push(format!("{}: {scene} under {method}, on its way: {words}{is_written}", folder.display()));
+    } else if let Some(record) = record_in(folder) {
+        lines.push(format!("{}: {}{is_written}", folder.display(), ended(&record)));
+    }
+    let findings = count_of_findings(folder);
+    if findings > 0 {
+        lines.push(format!("{}: a study of which {findings} runs are done{is_written}", folder.display()));
+    }
+    for entry in entries {
+        if depth < DEEPEST && entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            look(&entry.path(), depth + 1, lines)?;
+        }
+    }
+    Ok(())
+}
+
+/// A run that has come to its end.
+fn ended(record: &Record) -> String {
+    let Record { scene, method, outcome, steps, .. } = record;
+    let cause = record.cause.as_ref().map_or_else(String::new, |cause| format!(": {cause}"));
+    format!("{scene} under {method}, at its end: {}{cause}, {steps} steps", outcome.name())
+}

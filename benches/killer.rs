@@ -1,9 +1,9 @@
 //! Whether runs outlive what ends them: commands of `tests/baseline.csv` killed at random moments, gone on with until they are
 //! done, and compared with the same command left alone.
 //!
-//! `cargo bench --bench killer` kills a hundred times; `-- --kills 1000 --seed 2` as often as asked; `-- --checkpoints 100000`
-//! damages the bytes of checkpoints instead, and `-- --disks 200` fills small file systems that it mounts. Exit code 1
-//! says that an end differs from that of the run left alone, or that something was left behind.
+//! `cargo bench --bench killer` kills a hundred times; `-- --kills 1000 --seed 2` as often as asked, `--program FILE` another build;
+//! `-- --checkpoints 100000` damages the bytes of checkpoints instead, and `-- --disks 200` fills small file systems that it mounts.
+//! Exit code 1 says that an end differs from that of the run left alone, or that something was left behind.
 
 #![allow(clippy::print_stdout)]
 
@@ -39,6 +39,7 @@ const STUDIES: [&str; 2] =
 type Left = BTreeMap<PathBuf, u64>;
 
 struct Asked {
+    program: String,
     kills: usize,
     checkpoints: usize,
     disks: usize,
@@ -46,11 +47,13 @@ struct Asked {
 }
 
 fn asked() -> Result<Asked, Box<dyn Error>> {
-    let mut asked = Asked { kills: 100, checkpoints: 0, disks: 0, seed: 1 };
+    let program = env!("CARGO_BIN_EXE_frazil").to_owned();
+    let mut asked = Asked { program, kills: 100, checkpoints: 0, disks: 0, seed: 1 };
     let mut arguments = std::env::args().skip(1).filter(|argument| argument != "--bench");
     while let Some(flag) = arguments.next() {
         let value = arguments.next().ok_or("every flag has a value")?;
         match flag.as_str() {
+            "--program" => asked.program = value,
             "--kills" => asked.kills = value.parse()?,
             "--checkpoints" => asked.checkpoints = value.parse()?,
             "--disks" => asked.disks = value.parse()?,
@@ -64,9 +67,9 @@ fn asked() -> Result<Asked, Box<dyn Error>> {
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let asked = asked()?;
     let told = match (asked.disks, asked.checkpoints) {
-        (0, 0) => kill(asked.kills, asked.seed)?,
+        (0, 0) => kill(&asked)?,
         (0, changes) => damage(changes, asked.seed)?,
-        (disks, _) => fill(disks, asked.seed)?,
+        (..) => fill(&asked)?,
     };
     told.iter().take(20).for_each(|wrong| println!("{wrong}"));
     println!("{} wrong", told.len());
@@ -81,8 +84,8 @@ fn commands() -> Result<Vec<String>, Box<dyn Error>> {
 }
 
 /// A command into a folder.
-fn begin(command: &str, out: &Path, more: &[&str]) -> Result<Child, Box<dyn Error>> {
-    let mut process = Command::new(env!("CARGO_BIN_EXE_frazil"));
+fn begin(program: &str, command: &str, out: &Path, more: &[&str]) -> Result<Child, Box<dyn Error>> {
+    let mut process = Command::new(program);
     process.args(command.split_whitespace()).args(["--quiet", "--out"]).arg(out).args(more);
     Ok(process.stdout(Stdio::null()).stderr(Stdio::piped()).spawn()?)
 }
@@ -164,15 +167,15 @@ fn is_left_over(name: &Path) -> bool {
 }
 
 /// Kills runs at random moments until there were so many kills, and says what went wrong.
-fn kill(kills: usize, seed: u64) -> Result<Vec<String>, Box<dyn Error>> {
+fn kill(Asked { program, kills, seed, .. }: &Asked) -> Result<Vec<String>, Box<dyn Error>> {
     let commands = commands()?;
     let (count, runs, number) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
     let wrong = Mutex::new(Vec::new());
     let work = || {
-        while count.load(Ordering::Relaxed) < kills {
+        while count.load(Ordering::Relaxed) < *kills {
             let mut random = StdRng::seed_from_u64(seed.wrapping_add(number.fetch_add(1, Ordering::Relaxed) as u64));
             let Some(command) = commands.choose(&mut random) else { return };
-            match kill_one(command, &mut random) {
+            match kill_one(program, command, &mut random) {
                 Ok(killed) => {
                     count.fetch_add(killed, Ordering::Relaxed);
                     runs.fetch_add(usize::from(killed > 0), Ordering::Relaxed);
@@ -193,18 +196,18 @@ fn kill(kills: usize, seed: u64) -> Result<Vec<String>, Box<dyn Error>> {
 }
 
 /// One command, left alone and killed; how often it was killed.
-fn kill_one(command: &str, random: &mut StdRng) -> Result<usize, Box<dyn Error>> {
+fn kill_one(program: &str, command: &str, random: &mut StdRng) -> Result<usize, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
     let (alone, killed) = (folder.path().join("alone"), folder.path().join("killed"));
     let began = Instant::now();
-    let code = begin(command, &alone, &keeps(command, random, false))?.wait()?.code();
+    let code = begin(program, command, &alone, &keeps(command, random, false))?.wait()?.code();
     let took = began.elapsed();
     if took > LONGEST || !alone.is_dir() {
         return Ok(0);
     }
     let mut kills = 0;
     loop {
-        let mut process = begin(command, &killed, &keeps(command, random, kills > 0))?;
+        let mut process = begin(program, command, &killed, &keeps(command, random, kills > 0))?;
         if kills < MOST_KILLS {
             std::thread::sleep(took.mul_f64(random.random_range(0.0..1.1)));
             if process.try_wait()?.is_none() {
@@ -294,7 +297,8 @@ fn damage(changes: usize, seed: u64) -> Result<Vec<String>, Box<dyn Error>> {
     std::thread::scope(|scope| {
         let workers = std::thread::available_parallelism().map_or(1, usize::from);
         let workers: Vec<_> = (0..workers).map(|_| scope.spawn(|| work().map_err(|error| error.to_string()))).collect();
-        let ended = |worker: ScopedJoinHandle<'_, Result<(), String>>| worker.join().map_err(|_| "a panic".to_owned())?;
+        let ended =
+            |worker: ScopedJoinHandle<'_, Result<(), String>>| worker.join().map_err(|_| "a panic".to_owned())?;
         workers.into_iter().map(ended).collect::<Vec<_>>()
     })
     .into_iter()
@@ -312,28 +316,24 @@ fn checkpoint(scene: &Scene, folder: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
         }
     };
     let kept = Checkpoints::new(folder, Duration::MAX, (String::new(), Going::Anew), &|_: &str| {});
-    let options = Options {
-        interrupt: Some(&flag),
-        each_output: Some(&see),
-        checkpoints: Some(&kept),
-        ..Options::default()
-    };
+    let options =
+        Options { interrupt: Some(&flag), each_output: Some(&see), checkpoints: Some(&kept), ..Options::default() };
     march::run(scene, "pd", None, &options)?;
     Ok(fs::read(folder.join("run.checkpoint"))?)
 }
 
 /// Fills small file systems, and says what went wrong: a run that cannot write must say so, leave nothing torn, and come to its
 /// end once there is room. Needs the right to mount.
-fn fill(disks: usize, seed: u64) -> Result<Vec<String>, Box<dyn Error>> {
+fn fill(Asked { program, disks, seed, .. }: &Asked) -> Result<Vec<String>, Box<dyn Error>> {
     let commands = commands()?;
     let (mut wrong, mut full) = (Vec::new(), 0);
     let mut number = 0;
-    while full < disks {
+    while full < *disks {
         let mut random = StdRng::seed_from_u64(seed.wrapping_add(number));
         number += 1;
         let command = commands.choose(&mut random).ok_or("no commands")?;
         let kilobytes = (64.0 * 64f64.powf(random.random_range(0.0..1.0))).round() as u64;
-        match fill_one(command, kilobytes, &mut random) {
+        match fill_one(program, command, kilobytes, &mut random) {
             Ok(was_full) => full += usize::from(was_full),
             Err(error) => wrong.push(format!("{command} on {kilobytes} kB: {error}")),
         }
@@ -365,17 +365,17 @@ fn mount(command: &[&str], path: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// One command on a small file system; whether that was full.
-fn fill_one(command: &str, kilobytes: u64, random: &mut StdRng) -> Result<bool, Box<dyn Error>> {
+fn fill_one(program: &str, command: &str, kilobytes: u64, random: &mut StdRng) -> Result<bool, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
     let (alone, out) = (folder.path().join("alone"), folder.path().join("disk"));
     let began = Instant::now();
-    let code = begin(command, &alone, &keeps(command, random, false))?.wait()?.code();
+    let code = begin(program, command, &alone, &keeps(command, random, false))?.wait()?.code();
     if began.elapsed() > LONGEST || !alone.is_dir() {
         return Ok(false);
     }
     let disk = Disk::new(&out, kilobytes)?;
     let small = out.join("run");
-    let output = begin(command, &small, &keeps(command, random, false))?.wait_with_output()?;
+    let output = begin(program, command, &small, &keeps(command, random, false))?.wait_with_output()?;
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     if output.status.code() == code && !told.contains("cannot be written") {
         return Ok(false);
@@ -388,7 +388,7 @@ fn fill_one(command: &str, kilobytes: u64, random: &mut StdRng) -> Result<bool, 
         return Err(format!("exit code {:?}: {told}", output.status.code()).into());
     }
     mount(&["mount", "-o", "remount,size=64m"], &out)?;
-    let output = begin(command, &small, &keeps(command, random, true))?.wait_with_output()?;
+    let output = begin(program, command, &small, &keeps(command, random, true))?.wait_with_output()?;
     if output.status.code() != code {
         let told = String::from_utf8_lossy(&output.stderr).into_owned();
         return Err(format!("with room: exit code {:?}: {told}", output.status.code()).into());

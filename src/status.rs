@@ -35,9 +35,7 @@ struct NoRun(PathBuf);
 /// Adds a line for each run in a folder and those in it.
 fn look(folder: &Path, depth: usize, lines: &mut Vec<String>) -> Result<(), Failure> {
     let unreadable = |error| Failure::file(folder, "cannot be read", error);
-    let mut entries = std::fs::read_dir(folder)
-        .and_then(Iterator::collect::<Result<Vec<_>, _>>)
-        .map_err(unreadable)?;
+    let mut entries = std::fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<_>, _>>).map_err(unreadable)?;
     entries.sort_by_key(|entry| entry.file_name());
     let is_written = if is_locked(folder) { ", being written now" } else { "" };
     if let Some(standing) = march::standing(folder).map_err(unreadable)? {

@@ -97,10 +97,7 @@ fn kept(
 /// Stops a run at some output, goes on from the last checkpoint or the one before it, and stops and goes on once more.
 fn stop_and_go_on(command: &str, run: &Asked, random: &mut StdRng) {
     let whole = Options { fields: true, ..Options::default() };
-    let whole = match march::run(&run.scene, &run.method, run.reference.as_ref(), &whole) {
-        Ok(whole) => left(whole),
-        Err(refused) => panic!("{command}: {refused}"),
-    };
+    let whole = left(march::run(&run.scene, &run.method, run.reference.as_ref(), &whole).expect(command));
     let folder = tempfile::tempdir().expect("a folder");
     let outputs = march::outputs(&run.scene).len();
     let every = Duration::from_micros(random.random_range(200..20_000));

@@ -9,7 +9,9 @@ use frazil_studies::compare::vary::RATIOS;
 use frazil_studies::compare::{CompareRequest, Vary, compare};
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{BetweenCheckpoints, between_checkpoints, MustBe, command_line, key_and_value, positive, positive_seconds};
+use super::values::{
+    BetweenCheckpoints, MustBe, between_checkpoints, command_line, key_and_value, positive, positive_seconds,
+};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]

@@ -7,7 +7,7 @@ use frazil_layouts::{LayoutRequest, layout};
 use frazil_studies::campaign::Shard;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{BetweenCheckpoints, between_checkpoints, MustBe, command_line, key_and_value, threads};
+use super::values::{BetweenCheckpoints, MustBe, between_checkpoints, command_line, key_and_value, threads};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]

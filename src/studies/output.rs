@@ -360,7 +360,7 @@ mod tests {
     #[test]
     fn folders_without_results_are_taken_back() {
         let folder = tempfile::tempdir().expect("a folder");
-        Folder::make(&folder.path().join("out/scene")).expect("made").take_back();
+        Folder::make(&folder.path().join("out/scene"), Owner::Alone).expect("made").take_back();
         assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 0);
     }
 }

@@ -26,6 +26,30 @@ pub fn run_figures(result: &RunResult, folder: &Path, options: &FigureOptions) -
     Ok(files)
 }
 
+/// Names of figures without their endings, beside those of tables, and what others begin with before a time.
+const NAMES: [&str; 12] = [
+    "front",
+    "profiles",
+    "ice",
+    "cut",
+    "wall",
+    "heat",
+    "gaps",
+    "phases",
+    "stream",
+    "sections",
+    "random_conductivity",
+    "random_permeability",
+];
+const AT_TIMES: [&str; 3] = ["map_", "concentration_", "pressure_"];
+
+/// Whether a figure of a run may have this name, without its ending; those of tables have that of their table.
+pub fn is_figure(name: &str) -> bool {
+    let is_digit = |letter: char| letter.is_ascii_digit();
+    let at_time = |begin: &str| name.strip_prefix(begin).is_some_and(|time| time.starts_with(is_digit));
+    NAMES.contains(&name) || AT_TIMES.into_iter().any(at_time)
+}
+
 /// Every figure that a run has rows for, by its file name without ending.
 pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Canvas)> {
     let words = Words::of(result, options);

@@ -1,7 +1,9 @@
 //! Runs that are stopped and go on from a checkpoint leave what runs that were never stopped leave, to the last bit.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
@@ -12,6 +14,7 @@ use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Checkpoints, Going, Options, Refused};
 use frazil_simulation::reference::Reference;
+use frazil_studies::output::is_locked;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
@@ -241,4 +244,64 @@ fn the_runs_above_are_of_all_methods() {
     for kind in methods() {
         assert!(SOME.iter().any(|some| some.ends_with(kind.name)), "{}", kind.name);
     }
+}
+
+/// Files of a folder and those in it, by name.
+fn names(folder: &Path) -> BTreeSet<String> {
+    let entries = fs::read_dir(folder).expect("the folder").map(|entry| entry.expect("an entry"));
+    entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
+}
+
+/// Runs of everything that has figures of its own, one after the other into one folder: what is left is the last one's.
+#[test]
+fn a_folder_holds_the_files_of_one_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let run = |command: &str, out: &str| {
+        let words = command.split_whitespace().chain(["--quiet", "--threads", "1", "--out"]);
+        let mut process = Command::new(env!("CARGO_BIN_EXE_frazil"));
+        let output = process.args(words).arg(folder.path().join(out)).output().expect("the program starts");
+        assert!(output.status.success(), "{command}: {output:?}");
+    };
+    for command in [
+        "run wetting-plane --method local --set method.local.spacing_m=0.01 --set time.duration_days=6 --fields --frames",
+        "run frozen-wall-sand --method local --set time.duration_days=2 --set method.local.spacing_m=0.2",
+        "run thawing-inclusion --method local --set time.duration_s=1000",
+        "run random-soil-wetting --method local --set method.local.spacing_m=0.002",
+        "run entry-channel --method edpd --set time.duration=3 --set stream.average_from=1",
+        "run stefan-water --method edpd --seeds 2 --set time.duration_h=0.5",
+        "run stefan-unit --method pd",
+    ] {
+        run(command, "all");
+    }
+    run("run stefan-unit --method pd", "one");
+    let mut all = names(&folder.path().join("all"));
+    // Members of ensembles have folders of their own, which another ensemble may take over.
+    all.retain(|name| !name.starts_with("seed-") && !name.ends_with(".journal"));
+    assert_eq!(all, names(&folder.path().join("one")));
+}
+
+/// A second run into a folder is refused while the first one goes on, and not after it.
+#[test]
+fn one_run_at_a_time_writes_into_a_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let words = ["run", "a-million-steps", "--method", "local", "--quiet", "--threads", "1", "--out"];
+    let command = |words: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_frazil"));
+        command.args(words).arg(folder.path());
+        command
+    };
+    let mut first = command(&words).spawn().expect("the program starts");
+    let small = ["run", "stefan-unit", "--method", "pd", "--quiet", "--out"];
+    while !is_locked(folder.path()) {
+        assert!(first.try_wait().expect("a state").is_none(), "it is too short");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let second = command(&small).output().expect("the program starts");
+    let told = String::from_utf8_lossy(&second.stderr).into_owned();
+    assert_eq!(second.status.code(), Some(2), "{told}");
+    assert!(told.contains("another run is writing into it"), "{told}");
+    first.kill().expect("a kill");
+    first.wait().expect("an end");
+    let third = command(&small).output().expect("the program starts");
+    assert!(third.status.success(), "{third:?}");
 }

@@ -5,7 +5,9 @@ pub mod of_water;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
+use frazil_plots::run::is_figure;
 use frazil_record::{BudgetRow, Record, RunResult, Table, UNFINISHED};
 use frazil_simulation::observers::tables;
 use serde::Serialize;
@@ -98,7 +100,16 @@ impl Folder {
         let missing = |folder: &&Path| !folder.as_os_str().is_empty() && !folder.exists();
         let made = path.ancestors().take_while(missing).map(Path::to_owned).collect();
         make_folder(path)?;
-        let lock = lock(path, owner)?;
+        let mut lock = lock(path, owner);
+        // Whoever asks where a run stands holds the folder for a moment.
+        for _ in 0..TRIES {
+            if lock.is_ok() {
+                break;
+            }
+            std::thread::sleep(BETWEEN_TRIES);
+            lock = self::lock(path, owner);
+        }
+        let lock = lock?;
         if lock.is_some() && owner == Owner::Alone {
             sweep(path, DEEPEST)?;
         }
@@ -119,6 +130,10 @@ impl Folder {
         }
     }
 }
+
+/// How often a locked folder is tried again, and how long after.
+const TRIES: usize = 10;
+const BETWEEN_TRIES: Duration = Duration::from_millis(20);
 
 /// Locks a folder; nothing where the system cannot lock folders.
 fn lock(path: &Path, owner: Owner) -> Result<Option<File>, Failure> {
@@ -238,10 +253,21 @@ pub fn holds(folder: &Path, record: &Record) -> bool {
     record_in(folder).is_some_and(|found| found == *record)
 }
 
-/// Takes back the word of earlier runs that a folder holds results of theirs; removes states and frames.
+/// Takes back the word of earlier runs that a folder holds results of theirs; removes their figures, states and frames.
 pub fn clear(folder: &Path) -> Result<(), Failure> {
     remove(&folder.join(RECORD))?;
     remove(&folder.join(ENSEMBLE))?;
+    let nothing = RunResult::default();
+    let tables = series(&nothing);
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        let name = |part: Option<&std::ffi::OsStr>| part.and_then(std::ffi::OsStr::to_str).map(str::to_owned);
+        let (Some(stem), Some(ending)) = (name(path.file_stem()), name(path.extension())) else { continue };
+        let of_table = || tables.iter().any(|(table, _)| table.strip_suffix(".csv") == Some(&stem));
+        if ["svg", "png"].contains(&ending.as_str()) && (is_figure(&stem) || of_table()) {
+            remove(&path)?;
+        }
+    }
     for name in fields::NAMES {
         let path = folder.join(name);
         if path.is_dir() {

@@ -4,10 +4,11 @@
 //! `cargo bench --bench baseline` names the commands that give something else now; `-- WORD ...` runs those alone that hold one of
 //! the words, `-- --program FILE` asks another build. `-- --write` writes what they give now: say why in the same commit. Bits depend
 //! on the mathematical library of the machine and on its instructions, so a table is compared with one that was written on the same
-//! kind of machine.
+//! kind of machine. The greatest errors of balances and of the maximum principle are printed beside them.
 
 #![allow(clippy::print_stdout)]
 
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -42,7 +43,16 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     let numbers: Vec<usize> = (0..rows.len()).filter(|number| asked(&rows[*number])).collect();
     let given = run_all(&program, &numbers.iter().map(|number| rows[*number].command.as_str()).collect::<Vec<_>>())?;
     let mut others = 0;
-    for (number, (states, tables)) in numbers.iter().zip(given) {
+    for (name, what) in BALANCES {
+        println!("{what}, the ten greatest:");
+        let of = |(number, given): (&usize, &Given)| Some((*given.balances.get(name)?, *number));
+        let mut all: Vec<(f64, usize)> = numbers.iter().zip(&given).filter_map(of).collect();
+        all.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (error, number) in all.iter().take(10) {
+            println!("  {error:.1e}  {}", rows[*number].command);
+        }
+    }
+    for (number, Given { states, tables, .. }) in numbers.iter().zip(given) {
         let row = &mut rows[*number];
         let what = match (states == row.states, tables == row.tables) {
             (true, true) => continue,
@@ -64,17 +74,34 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     Ok(if others == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
+/// What a command has given.
+#[derive(Clone, Default)]
+struct Given {
+    states: String,
+    tables: String,
+    /// Greatest errors of balances, by their names in records.
+    balances: BTreeMap<&'static str, f64>,
+}
+
+/// What is conserved or bounded, by its name in a record.
+const BALANCES: [(&str, &str); 3] = [
+    ("energy_balance_rel", "heat or water not accounted for, over what was exchanged"),
+    ("solute_balance_rel", "solute not accounted for"),
+    ("bounds_violation_rel", "temperatures or heads out of the range of the data, over that range"),
+];
+
 /// What commands give, as many at once as the machine has processors.
-fn run_all(program: &str, commands: &[&str]) -> Result<Vec<(String, String)>, Box<dyn Error>> {
+fn run_all(program: &str, commands: &[&str]) -> Result<Vec<Given>, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
-    let (next, found) = (AtomicUsize::new(0), Mutex::new(vec![(String::new(), String::new()); commands.len()]));
+    let (next, found) = (AtomicUsize::new(0), Mutex::new(vec![Given::default(); commands.len()]));
     let work = || {
         while let Some((number, command)) =
             Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|k| Some((k, *commands.get(k)?)))
         {
             let out = folder.path().join(number.to_string());
             // What cannot be run is a result too.
-            let given = run(program, command, &out).unwrap_or_else(|error| (error.to_string(), String::new()));
+            let given = run(program, command, &out)
+                .unwrap_or_else(|error| Given { states: error.to_string(), ..Given::default() });
             found.lock().unwrap_or_else(PoisonError::into_inner)[number] = given;
             fs::remove_dir_all(&out).ok();
         }
@@ -87,8 +114,8 @@ fn run_all(program: &str, commands: &[&str]) -> Result<Vec<(String, String)>, Bo
     Ok(found.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// Hashes of the states and of the tables that a command gives in a folder.
-fn run(program: &str, command: &str, out: &Path) -> Result<(String, String), Box<dyn Error>> {
+/// Hashes of the states and of the tables that a command gives in a folder, and its greatest errors of balances.
+fn run(program: &str, command: &str, out: &Path) -> Result<Given, Box<dyn Error>> {
     let mut process = Command::new(program);
     process.args(command.split_whitespace()).args(["--threads", "1", "--quiet", "--out"]).arg(out);
     let output = process.output()?;
@@ -100,18 +127,24 @@ fn run(program: &str, command: &str, out: &Path) -> Result<(String, String), Box
     gather(out, &mut files)?;
     files.sort();
     let (mut states, mut tables) = (Xxh3::new(), Xxh3::new());
+    let mut balances = BTreeMap::new();
     for file in &files {
         if file.ends_with("record.json") {
             let record: serde_json::Value = serde_json::from_slice(&fs::read(file)?)?;
             states.update(record["state_hash"].to_string().as_bytes());
             // An error is a result too.
             tables.update(record["errors"].to_string().as_bytes());
+            for (name, error) in BALANCES.iter().filter_map(|(name, _)| Some((*name, record[name].as_f64()?))) {
+                let greatest: &mut f64 = balances.entry(name).or_default();
+                *greatest = greatest.max(error.abs());
+            }
         } else if file.extension().is_some_and(|extension| extension == "csv") {
             tables.update(file.strip_prefix(out)?.to_string_lossy().as_bytes());
             tables.update(&fs::read(file)?);
         }
     }
-    Ok((format!("{:016x}", states.digest()), format!("{:016x}", tables.digest())))
+    let [states, tables] = [states, tables].map(|hash| format!("{:016x}", hash.digest()));
+    Ok(Given { states, tables, balances })
 }
 
 /// All files in a folder and its folders.

@@ -110,6 +110,11 @@ impl Folder {
             lock = self::lock(path, owner);
         }
         let lock = lock?;
+        // Better now than after hours.
+        tempfile::Builder::new()
+            .prefix(UNFINISHED)
+            .tempfile_in(path)
+            .map_err(|error| Failure::file(path, "cannot be written into", error))?;
         if lock.is_some() && owner == Owner::Alone {
             sweep(path, DEEPEST)?;
         }

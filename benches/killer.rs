@@ -1,7 +1,8 @@
 //! Whether runs outlive what ends them: commands of `tests/baseline.csv` killed at random moments, gone on with until they are
 //! done, and compared with the same command left alone.
 //!
-//! `cargo bench --bench killer` kills a hundred times; `-- --kills 1000 --seed 2` as often as asked, `--program FILE` another build;
+//! `cargo bench --bench killer` kills a hundred times; `-- --kills 1000 --seed 2 --minutes 20` as often as asked
+//! and no longer, `--program FILE` another build;
 //! `-- --checkpoints 100000` damages the bytes of checkpoints instead, and `-- --disks 200` fills small file systems that it mounts.
 //! Exit code 1 says that an end differs from that of the run left alone, or that something was left behind.
 
@@ -41,6 +42,7 @@ type Left = BTreeMap<PathBuf, u64>;
 struct Asked {
     program: String,
     kills: usize,
+    minutes: f64,
     checkpoints: usize,
     disks: usize,
     seed: u64,
@@ -48,12 +50,13 @@ struct Asked {
 
 fn asked() -> Result<Asked, Box<dyn Error>> {
     let program = env!("CARGO_BIN_EXE_frazil").to_owned();
-    let mut asked = Asked { program, kills: 100, checkpoints: 0, disks: 0, seed: 1 };
+    let mut asked = Asked { program, kills: 100, minutes: f64::INFINITY, checkpoints: 0, disks: 0, seed: 1 };
     let mut arguments = std::env::args().skip(1).filter(|argument| argument != "--bench");
     while let Some(flag) = arguments.next() {
         let value = arguments.next().ok_or("every flag has a value")?;
         match flag.as_str() {
             "--program" => asked.program = value,
+            "--minutes" => asked.minutes = value.parse()?,
             "--kills" => asked.kills = value.parse()?,
             "--checkpoints" => asked.checkpoints = value.parse()?,
             "--disks" => asked.disks = value.parse()?,
@@ -167,12 +170,12 @@ fn is_left_over(name: &Path) -> bool {
 }
 
 /// Kills runs at random moments until there were so many kills, and says what went wrong.
-fn kill(Asked { program, kills, seed, .. }: &Asked) -> Result<Vec<String>, Box<dyn Error>> {
+fn kill(Asked { program, kills, minutes, seed, .. }: &Asked) -> Result<Vec<String>, Box<dyn Error>> {
     let commands = commands()?;
     let (count, runs, number) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
-    let wrong = Mutex::new(Vec::new());
+    let (wrong, began) = (Mutex::new(Vec::new()), Instant::now());
     let work = || {
-        while count.load(Ordering::Relaxed) < *kills {
+        while count.load(Ordering::Relaxed) < *kills && began.elapsed().as_secs_f64() < 60.0 * minutes {
             let mut random = StdRng::seed_from_u64(seed.wrapping_add(number.fetch_add(1, Ordering::Relaxed) as u64));
             let Some(command) = commands.choose(&mut random) else { return };
             match kill_one(program, command, &mut random) {
@@ -181,6 +184,7 @@ fn kill(Asked { program, kills, seed, .. }: &Asked) -> Result<Vec<String>, Box<d
                     runs.fetch_add(usize::from(killed > 0), Ordering::Relaxed);
                 }
                 Err(error) => {
+                    eprintln!("{command}: {error}");
                     wrong.lock().unwrap_or_else(PoisonError::into_inner).push(format!("{command}: {error}"));
                 }
             }

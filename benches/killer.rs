@@ -3,7 +3,8 @@
 //!
 //! `cargo bench --bench killer` kills a hundred times; `-- --kills 1000 --seed 2 --minutes 20` as often as asked
 //! and no longer, `--program FILE` another build;
-//! `-- --checkpoints 100000` damages the bytes of checkpoints instead, and `-- --disks 200` fills small file systems that it mounts.
+//! `-- --checkpoints 100000` damages the bytes of checkpoints instead, `-- --disks 200` fills small file systems that it mounts,
+//! and `-- --soak 500` makes so many runs in one process, eight at once, every one twice, and watches its memory.
 //! Exit code 1 says that an end differs from that of the run left alone, or that something was left behind.
 
 #![allow(clippy::print_stdout)]
@@ -45,12 +46,13 @@ struct Asked {
     minutes: f64,
     checkpoints: usize,
     disks: usize,
+    soak: usize,
     seed: u64,
 }
 
 fn asked() -> Result<Asked, Box<dyn Error>> {
     let program = env!("CARGO_BIN_EXE_frazil").to_owned();
-    let mut asked = Asked { program, kills: 100, minutes: f64::INFINITY, checkpoints: 0, disks: 0, seed: 1 };
+    let mut asked = Asked { program, kills: 100, minutes: f64::INFINITY, checkpoints: 0, disks: 0, soak: 0, seed: 1 };
     let mut arguments = std::env::args().skip(1).filter(|argument| argument != "--bench");
     while let Some(flag) = arguments.next() {
         let value = arguments.next().ok_or("every flag has a value")?;
@@ -60,6 +62,7 @@ fn asked() -> Result<Asked, Box<dyn Error>> {
             "--kills" => asked.kills = value.parse()?,
             "--checkpoints" => asked.checkpoints = value.parse()?,
             "--disks" => asked.disks = value.parse()?,
+            "--soak" => asked.soak = value.parse()?,
             "--seed" => asked.seed = value.parse()?,
             other => return Err(format!("there is no flag {other}").into()),
         }
@@ -69,9 +72,10 @@ fn asked() -> Result<Asked, Box<dyn Error>> {
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let asked = asked()?;
-    let told = match (asked.disks, asked.checkpoints) {
-        (0, 0) => kill(&asked)?,
-        (0, changes) => damage(changes, asked.seed)?,
+    let told = match (asked.disks, asked.checkpoints, asked.soak) {
+        (0, 0, 0) => kill(&asked)?,
+        (0, 0, runs) => soak(runs)?,
+        (0, changes, _) => damage(changes, asked.seed)?,
         (..) => fill(&asked)?,
     };
     told.iter().take(20).for_each(|wrong| println!("{wrong}"));
@@ -404,4 +408,72 @@ fn fill_one(program: &str, command: &str, kilobytes: u64, random: &mut StdRng) -
         Some(name) => Err(format!("with room: {} differs", name.display()).into()),
         None => Ok(true),
     }
+}
+
+/// Runs at once in one process.
+const AT_ONCE: usize = 8;
+
+/// What more the process may hold in the second half of its runs than in the first: threads take memory at different times.
+const MORE: f64 = 1.1;
+
+/// Makes runs in this process, each of them twice, and says what went wrong.
+fn soak(runs: usize) -> Result<Vec<String>, Box<dyn Error>> {
+    let commands: Vec<String> = commands()?.into_iter().filter(|command| single(command).is_some()).collect();
+    let half = (runs / 2).max(1);
+    let mut hashes = vec![None; half];
+    let (mut wrong, mut peaks) = (Vec::new(), Vec::new());
+    for _ in 0..2 {
+        let (next, peak) = (AtomicUsize::new(0), Mutex::new(0.0f64));
+        let found = Mutex::new(vec![None; half]);
+        std::thread::scope(|scope| {
+            (0..AT_ONCE).for_each(|_| {
+                scope.spawn(|| {
+                    while let Some(number) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|number| *number < half)
+                    {
+                        let hash = single(&commands[number % commands.len()]).and_then(|(scene, method)| {
+                            let options = Options { time_limit_s: None, ..Options::default() };
+                            Some(march::run(&scene, &method, None, &options).ok()?.record.state_hash)
+                        });
+                        found.lock().unwrap_or_else(PoisonError::into_inner)[number] = hash;
+                        let mut peak = peak.lock().unwrap_or_else(PoisonError::into_inner);
+                        *peak = peak.max(resident().unwrap_or(0.0));
+                    }
+                });
+            });
+        });
+        let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
+        for (number, (before, now)) in hashes.iter_mut().zip(found).enumerate() {
+            if before.as_ref().is_some_and(|before| *before != now) {
+                wrong.push(format!("{}: another state", commands[number % commands.len()]));
+            }
+            *before = Some(now);
+        }
+        peaks.push(peak.into_inner().unwrap_or_else(PoisonError::into_inner));
+    }
+    println!("{} runs, at most {:.0} MB in the first half and {:.0} MB in the second", 2 * half, peaks[0], peaks[1]);
+    if peaks[1] > MORE * peaks[0] {
+        wrong.push("memory grows".into());
+    }
+    Ok(wrong)
+}
+
+/// Scene and method of a command that runs one scene once.
+fn single(command: &str) -> Option<(Scene, String)> {
+    let words: Vec<&str> = command.strip_prefix("run ")?.split_whitespace().collect();
+    let (name, mut method, mut overrides) = (words.first()?, None, Vec::new());
+    for pair in words[1..].chunks(2) {
+        match pair {
+            ["--method", value] => method = Some((*value).to_owned()),
+            ["--set", value] => overrides.push(value.split_once('=').map(|(key, value)| (key.into(), value.into()))?),
+            _ => return None,
+        }
+    }
+    Some((frazil::load::scene(name, &overrides).ok()?, method?))
+}
+
+/// Resident memory of the process (MB).
+fn resident() -> Option<f64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    Some(line.split_whitespace().next()?.parse::<f64>().ok()? / 1024.0)
 }

@@ -128,15 +128,17 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
             return Err(refused.into());
         }
     };
-    let also = || snapshots.map_or(Ok(()), |snapshots| snapshots.finish(folder.path()));
+    let also = || {
+        snapshots.map_or(Ok(()), |snapshots| snapshots.finish(folder.path()))?;
+        if let Err(error) = run_figures(&result, folder.path(), &figure_options::of_run(&scene, &result.fields)) {
+            // The numbers are what counts: a figure that cannot be drawn does not undo them.
+            complain(&format!("figures: {error}"));
+        }
+        Ok(())
+    };
     output::write_run_and(folder.path(), &result, also)?;
     if let Some(checkpoints) = checkpoints.filter(|_| result.record.outcome != Outcome::Interrupted) {
         checkpoints.clear().map_err(|error| Failure::file(folder.path(), "cannot be cleared of checkpoints", error))?;
-    }
-    let options = figure_options::of_run(&scene, &result.fields);
-    if let Err(error) = run_figures(&result, folder.path(), &options) {
-        // The numbers are safe: a figure that cannot be drawn does not undo them.
-        complain(&format!("figures: {error}"));
     }
     if let Some(said) = frazil_layouts::beside_open(&scene, &result.record) {
         complain(&format!("WARNING: {}: {said}", scene.name));

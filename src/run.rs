@@ -57,24 +57,11 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let (scene, method, reference) = asked(request)?;
     let path = request.out.clone().unwrap_or_else(|| folder_of(&scene, method));
     let folder = Folder::make(&path, Owner::Alone)?;
-    let standing = kept(folder.path())?;
-    match &standing {
-        Some(standing) if request.resume && !request.quiet => complain(&format!("going on from {}", words(standing))),
-        Some(standing) if !request.resume => {
-            complain(&format!("{}: begun anew; --resume would have gone on from {}", path.display(), words(standing)));
-        }
-        None if request.resume => {
-            if let Some(record) = ended(folder.path(), &scene, method, request.seed) {
-                answer(&format!("{} under {method}: at its end already: {}", scene.name, record.outcome.name()))?;
-                return Ok(Verdict::of(record.outcome));
-            }
-        }
-        _ => {}
-    }
-    let goes_on = request.resume && standing.is_some();
-    if !goes_on {
-        fields::forget(folder.path())?;
-    }
+    let goes_on = match begin(request, folder.path(), &scene, method)? {
+        Begin::AtItsEnd(outcome) => return Ok(Verdict::of(outcome)),
+        Begin::GoesOn => true,
+        Begin::Anew => false,
+    };
     let wanted = (request.fields, request.frames);
     let snapshots =
         (wanted != (false, false)).then(|| Snapshots::new(&scene, method, wanted, (folder.path(), goes_on)));
@@ -95,14 +82,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     }
     let reporter = Reporter::new(request.quiet);
     let show = |progress: &Progress| reporter.show(progress);
-    let checkpoints = request.checkpoints.map(|every| {
-        Checkpoints::new(
-            folder.path(),
-            every,
-            (campaign::build(), if request.resume { Going::On } else { Going::Anew }),
-            &complain,
-        )
-    });
+    let checkpoints = checkpoints(request, folder.path());
     let options = Options {
         threads: request.threads,
         seed: request.seed,
@@ -147,6 +127,50 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
         answer(&summary(&scene, &result, folder.path()))?;
     }
     Ok(Verdict::of(result.record.outcome))
+}
+
+/// The checkpoints of a run in its folder, if it is to have any.
+fn checkpoints<'a>(request: &RunRequest, folder: &'a Path) -> Option<Checkpoints<'a>> {
+    let going = if request.resume { Going::On } else { Going::Anew };
+    request.checkpoints.map(|every| Checkpoints::new(folder, every, (campaign::build(), going), &complain))
+}
+
+/// How a run begins.
+enum Begin {
+    /// There is nothing left to run.
+    AtItsEnd(Outcome),
+    /// From a checkpoint.
+    GoesOn,
+    /// From the start.
+    Anew,
+}
+
+/// How a run begins in a folder, by what is there; says so.
+fn begin(request: &RunRequest, folder: &Path, scene: &Scene, method: &str) -> Result<Begin, Failure> {
+    let begin = match kept(folder)? {
+        Some(standing) if request.resume => {
+            if !request.quiet {
+                complain(&format!("going on from {}", words(&standing)));
+            }
+            return Ok(Begin::GoesOn);
+        }
+        Some(standing) => {
+            let from = words(&standing);
+            complain(&format!("{}: begun anew; --resume would have gone on from {from}", folder.display()));
+            Begin::Anew
+        }
+        None => match ended(folder, scene, method, request.seed).filter(|_| request.resume) {
+            Some(record) => {
+                answer(&format!("{} under {method}: at its end already: {}", scene.name, record.outcome.name()))?;
+                Begin::AtItsEnd(record.outcome)
+            }
+            None => Begin::Anew,
+        },
+    };
+    if matches!(begin, Begin::Anew) {
+        fields::forget(folder)?;
+    }
+    Ok(begin)
 }
 
 /// Where the run stands that a folder keeps, if it keeps one.

@@ -1,5 +1,6 @@
 //! A scene becomes particles, bonds and walls, runs, and leaves tables.
 
+mod checkpoint;
 pub mod closing;
 mod cut_cells;
 mod interface;

@@ -1,6 +1,5 @@
 //! The time loop: from a scene and a method to a [`RunResult`].
 
-mod checkpoint;
 pub(crate) mod guard;
 pub(crate) mod instants;
 mod leave;
@@ -16,12 +15,14 @@ use std::vec::IntoIter;
 
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
+use frazil_core::saved::{Pass, Saved};
 use frazil_core::solvers::solver::Solver;
 use frazil_core::solvers::step::{Bound, Clock, StepError};
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
 
+use crate::checkpoint::{self, Header, Kept, identity};
 use crate::observers::Observers;
 use crate::observers::observer::{Moment, Setup, View};
 use crate::plan::{Plan, build, settings_of};
@@ -32,8 +33,8 @@ use instants::{next_turn, stops};
 use leave::Course;
 use stopwatch::{Elapsed, Stopwatch};
 
+pub use crate::checkpoint::{Checkpoints, Going, Standing, standing};
 pub use crate::refused::Refused;
-pub use checkpoint::{Checkpoints, Going, Standing, standing};
 pub use instants::outputs;
 pub use verdict::{BALANCE_TOLERANCE, RANGE_TOLERANCE, SETBACK_TOLERANCE};
 
@@ -92,6 +93,9 @@ pub struct Progress {
 /// Steps between two looks at the whole state for non-finite or absurd values. The first steps, in which walls jump,
 /// are looked at more closely: after the 1st, 2nd, 4th, 8th ...
 pub(crate) const GUARD_STEPS: u64 = 64;
+
+/// Steps between two looks at the clock, where steps are short.
+const LOOK: u64 = 16;
 
 /// Looks into a step in which a gap between pipes closes, where states between steps are known.
 const LOOKS: u32 = 8;
@@ -166,7 +170,8 @@ pub fn run(
 ) -> Result<RunResult, Refused> {
     let setup = Stopwatch::start(options.threads);
     let settings = settings_of(scene, method)?;
-    let kept = options.checkpoints.map(|kept| checkpoint::found(kept, scene, settings, options)).transpose()?.flatten();
+    let found = |kept| checkpoint::found(kept, &identity(kept, scene, settings, (options.seed, options.fields)));
+    let kept = options.checkpoints.map(found).transpose()?.flatten();
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
     let (particles, method, pipes) = (&plan.particles, plan.method.as_ref(), &plan.pipe_extents[..]);
     let observers = Observers::new(&Setup { scene, particles, method, pipes, maps: options.fields, reference });
@@ -317,7 +322,7 @@ impl Simulation<'_> {
     /// Tells how far the run has come, and stops it where it takes too long or is asked to.
     fn have_patience(&mut self) -> Result<(), Stop> {
         let (now, index) = (self.clock.time, self.clock.index);
-        if self.dense || index.is_multiple_of(16) {
+        if self.dense || index.is_multiple_of(LOOK) {
             let time = Instant::now();
             let elapsed_s = self.before.wall + (time - self.began).as_secs_f64();
             if let Some(progress) = self.options.progress
@@ -348,5 +353,72 @@ impl Simulation<'_> {
             self.observation.add(&seen);
         }
         Ok(())
+    }
+}
+
+impl Saved for Simulation<'_> {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        self.method.pass(pass);
+        let mut left = self.pending.len();
+        pass.all(&mut [
+            &mut self.particles,
+            &mut self.longest,
+            &mut self.clock.time,
+            &mut self.clock.step,
+            &mut self.clock.index,
+            &mut self.clock.turned,
+            &mut self.turn,
+            &mut self.landed,
+            &mut left,
+            &mut self.observers,
+            &mut self.guard,
+            &mut self.observation,
+            &mut self.before,
+        ]);
+        while self.pending.len() > left {
+            self.pending.next();
+        }
+    }
+}
+
+impl Simulation<'_> {
+    /// Keeps the run, where it is to be kept and it is time to or it is about to end early.
+    fn keep(&mut self, ends: bool) {
+        let Some(kept) = self.options.checkpoints else { return };
+        let looks = self.dense || self.clock.index.is_multiple_of(LOOK);
+        if !(ends || looks && self.last_checkpoint.elapsed() >= kept.every) {
+            return;
+        }
+        let seen = Stopwatch::start(self.options.threads);
+        // What goes on from here counts its own time from nought.
+        let before = std::mem::take(&mut self.before);
+        let (wall, cpu) = self.solve.stop();
+        self.before = Elapsed { wall: before.wall + wall, cpu: before.cpu + cpu };
+        let mut pass = Pass::save();
+        self.pass(&mut pass);
+        self.before = before;
+        let standing = Standing {
+            scene: self.scene.name.clone(),
+            method: self.settings.method.to_owned(),
+            time_s: self.clock.time,
+            duration_s: self.scene.duration,
+            steps: self.clock.index,
+            solve_wall_s: self.solved().0,
+        };
+        let identity = identity(kept, self.scene, self.settings, (self.options.seed, self.options.fields));
+        let header = Header { identity, standing };
+        kept.write(&header, &pass.into_bytes());
+        self.observation.add(&seen);
+        self.last_checkpoint = Instant::now();
+    }
+
+    /// Takes the state that a checkpoint keeps.
+    ///
+    /// # Errors
+    /// Fields that are not those of this run.
+    fn go_on_from(&mut self, kept: &Kept) -> Result<(), Refused> {
+        let mut pass = Pass::load(&kept.fields);
+        self.pass(&mut pass);
+        pass.end().map_err(|foreign| kept.foreign(foreign))
     }
 }

@@ -19,7 +19,7 @@ use vtkio::model::{
 
 use crate::failure::Failure;
 use crate::figure_options;
-use crate::output::{make_folder, write_whole};
+use crate::output::{make_folder, remove as remove_file, write_whole};
 
 /// Folder of states, the file that lists them with their times, and folder of frames.
 pub const NAMES: [&str; 3] = ["fields", "fields.pvd", "frames"];
@@ -92,9 +92,9 @@ impl<'a> Snapshots<'a> {
     }
 
     fn write(&self, particles: &Particles, time: f64, number: usize) -> Result<(), Failure> {
-        let place = |folder: &str, file: String| self.hidden.join(folder).join(file);
+        let place = |folder: &str| self.hidden.join(folder).join(file_name(folder, number));
         if self.fields {
-            let path = place(NAMES[0], vtu_name(number));
+            let path = place(NAMES[0]);
             let failed = |error: std::io::Error| Failure::file(&path, "cannot be written", error);
             let file = std::fs::File::create(&path).map_err(failed)?;
             let state = state(self.scene, particles);
@@ -106,7 +106,7 @@ impl<'a> Snapshots<'a> {
             let names = (self.scene.title.as_str(), self.method, self.scene.units.name());
             let range = if self.scene.of_water { (0.0, 1.0) } else { self.scene.temperature_range() };
             let png = frame(&field, names, &options, range).png()?;
-            let path = place(NAMES[2], format!("{number:05}.png"));
+            let path = place(NAMES[2]);
             std::fs::write(&path, png).map_err(|error| Failure::file(&path, "cannot be written", error))?;
         }
         Ok(())
@@ -127,6 +127,14 @@ impl<'a> Snapshots<'a> {
         for (name, wanted) in [(NAMES[0], self.fields), (NAMES[2], self.frames)] {
             let place: PathBuf = folder.join(name);
             if wanted {
+                // A longer run may have been here before.
+                for number in count.. {
+                    let later = self.hidden.join(name).join(file_name(name, number));
+                    if !later.exists() {
+                        break;
+                    }
+                    remove_file(&later)?;
+                }
                 let moved = std::fs::rename(self.hidden.join(name), &place);
                 moved.map_err(|error| Failure::file(&place, "cannot be moved to its place", error))?;
             }
@@ -152,8 +160,10 @@ fn remove(hidden: &Path) -> Result<(), Failure> {
     }
 }
 
-fn vtu_name(number: usize) -> String {
-    format!("{number:05}.vtu")
+/// The name of a state, or of a frame, in its folder.
+fn file_name(folder: &str, number: usize) -> String {
+    let ending = if folder == NAMES[0] { "vtu" } else { "png" };
+    format!("{number:05}.{ending}")
 }
 
 /// The list of states with their times (s): a format of five lines, which the library does not know.
@@ -164,7 +174,12 @@ fn collection(times: &[f64], writer: &mut dyn std::io::Write) -> std::io::Result
     )?;
     writeln!(writer, "  <Collection>")?;
     for (number, time) in times.iter().enumerate() {
-        writeln!(writer, "    <DataSet timestep=\"{time}\" part=\"0\" file=\"{}/{}\"/>", NAMES[0], vtu_name(number))?;
+        writeln!(
+            writer,
+            "    <DataSet timestep=\"{time}\" part=\"0\" file=\"{}/{}\"/>",
+            NAMES[0],
+            file_name(NAMES[0], number)
+        )?;
     }
     writeln!(writer, "  </Collection>\n</VTKFile>")
 }

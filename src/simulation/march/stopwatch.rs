@@ -2,6 +2,8 @@
 
 use std::time::Instant;
 
+use frazil_core::saved::{Pass, Saved};
+
 /// Wall and CPU time together.
 pub(super) struct Stopwatch {
     wall: Instant,
@@ -37,6 +39,12 @@ impl Stopwatch {
 pub(super) struct Elapsed {
     pub(super) wall: f64,
     pub(super) cpu: f64,
+}
+
+impl Saved for Elapsed {
+    fn pass(&mut self, pass: &mut Pass<'_>) {
+        pass.all(&mut [&mut self.wall, &mut self.cpu]);
+    }
 }
 
 impl Elapsed {

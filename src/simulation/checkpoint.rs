@@ -1,23 +1,21 @@
 //! A run kept while it goes on, so that it goes on from there to the same bits after whatever has ended it.
 //!
-//! A checkpoint is a file: what tells the run from others, then all fields that change ([`Saved`]), then a checksum. Two are kept,
+//! A checkpoint is a file: what tells the run from others, then all fields that change ([`frazil_core::saved`]), then a checksum. Two are kept,
 //! each whole or not there; where the newer one is not whole the older one serves.
 
+use std::fmt::Display;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use frazil_core::saved::{Pass, Saved};
 use frazil_record::write_whole;
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_128;
 
-use super::stopwatch::{Elapsed, Stopwatch};
-use super::{Options, Simulation};
 use crate::refused::Refused;
 
 /// The newer file, and the one before it.
@@ -28,9 +26,6 @@ const MAGIC: [u8; 16] = *b"frazil-keeps-1\r\n";
 
 /// Bytes of the checksum at its end.
 const CHECKSUM: usize = size_of::<u128>();
-
-/// Steps between two looks at the clock, where steps are short.
-const LOOK: u64 = 16;
 
 /// Whether a run goes on from a checkpoint that is there.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,7 +41,8 @@ pub enum Going {
 /// Where and how often a run is kept.
 pub struct Checkpoints<'a> {
     folder: &'a Path,
-    every: Duration,
+    /// Wall time between two of them.
+    pub(crate) every: Duration,
     build: String,
     going: Going,
     tell: &'a (dyn Fn(&str) + Sync),
@@ -84,7 +80,7 @@ impl<'a> Checkpoints<'a> {
     }
 
     /// Writes one. That it cannot be written is told once, and does not end the run.
-    fn write(&self, header: &Header, fields: &[u8]) {
+    pub(crate) fn write(&self, header: &Header, fields: &[u8]) {
         let newest = self.path(NAMES[0]);
         // The folder is made by the first of them: most of the runs of a study need none.
         let made = fs::create_dir_all(self.folder);
@@ -106,10 +102,10 @@ impl<'a> Checkpoints<'a> {
 
 /// What a checkpoint says of itself.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-struct Header {
+pub(crate) struct Header {
     /// What tells the run from others: names and values.
-    identity: Vec<(String, String)>,
-    standing: Standing,
+    pub(crate) identity: Vec<(String, String)>,
+    pub(crate) standing: Standing,
 }
 
 /// Where a run stands that a checkpoint keeps.
@@ -143,9 +139,16 @@ impl Header {
 }
 
 /// A checkpoint that was found.
-pub(super) struct Kept {
+pub(crate) struct Kept {
     path: PathBuf,
-    fields: Vec<u8>,
+    pub(crate) fields: Vec<u8>,
+}
+
+impl Kept {
+    /// What is wrong with it, where its fields are not those of the run.
+    pub(crate) fn foreign(&self, why: impl Display) -> Refused {
+        Refused::Checkpoint(self.path.display().to_string(), why.to_string())
+    }
 }
 
 /// Header and fields of a file; none if it is not whole.
@@ -159,12 +162,12 @@ fn parts(bytes: &[u8]) -> Option<(Header, &[u8])> {
     Some((rmp_serde::from_slice(header).ok()?, fields))
 }
 
-/// What tells a run from others that would not come to the same bits.
-fn identity(
+/// What tells a run with a seed, and with or without maps, from others that would not come to the same bits.
+pub(crate) fn identity(
     kept: &Checkpoints<'_>,
     scene: &Scene,
     settings: &MethodSettings,
-    options: &Options<'_>,
+    (seed, maps): (u64, bool),
 ) -> Vec<(String, String)> {
     let values = settings.values().into_iter().map(|(key, value)| format!("{key} = {value:?}"));
     let identity = [
@@ -173,8 +176,8 @@ fn identity(
         ("body", format!("{:?}", scene.domain)),
         ("method", settings.method.to_owned()),
         ("settings", values.collect::<Vec<_>>().join(", ")),
-        ("seed", options.seed.to_string()),
-        ("maps", options.fields.to_string()),
+        ("seed", seed.to_string()),
+        ("maps", maps.to_string()),
     ];
     identity.map(|(name, value)| (name.to_owned(), value)).into()
 }
@@ -183,16 +186,10 @@ fn identity(
 ///
 /// # Errors
 /// A checkpoint of another run, and a file that cannot be read.
-pub(super) fn found(
-    kept: &Checkpoints<'_>,
-    scene: &Scene,
-    settings: &MethodSettings,
-    options: &Options<'_>,
-) -> Result<Option<Kept>, Refused> {
+pub(crate) fn found(kept: &Checkpoints<'_>, own: &[(String, String)]) -> Result<Option<Kept>, Refused> {
     if kept.going == Going::Anew {
         return Ok(None);
     }
-    let own = identity(kept, scene, settings, options);
     for name in NAMES {
         let path = kept.path(name);
         let bytes = match fs::read(&path) {
@@ -234,76 +231,4 @@ pub fn standing(folder: &Path) -> io::Result<Option<Standing>> {
         }
     }
     Ok(None)
-}
-
-impl Saved for Elapsed {
-    fn pass(&mut self, pass: &mut Pass<'_>) {
-        pass.all(&mut [&mut self.wall, &mut self.cpu]);
-    }
-}
-
-impl Saved for Simulation<'_> {
-    fn pass(&mut self, pass: &mut Pass<'_>) {
-        self.method.pass(pass);
-        let mut left = self.pending.len();
-        pass.all(&mut [
-            &mut self.particles,
-            &mut self.longest,
-            &mut self.clock.time,
-            &mut self.clock.step,
-            &mut self.clock.index,
-            &mut self.clock.turned,
-            &mut self.turn,
-            &mut self.landed,
-            &mut left,
-            &mut self.observers,
-            &mut self.guard,
-            &mut self.observation,
-            &mut self.before,
-        ]);
-        while self.pending.len() > left {
-            self.pending.next();
-        }
-    }
-}
-
-impl Simulation<'_> {
-    /// Keeps the run, where it is to be kept and it is time to or it is about to end early.
-    pub(super) fn keep(&mut self, ends: bool) {
-        let Some(kept) = self.options.checkpoints else { return };
-        let looks = self.dense || self.clock.index.is_multiple_of(LOOK);
-        if !(ends || looks && self.last_checkpoint.elapsed() >= kept.every) {
-            return;
-        }
-        let seen = Stopwatch::start(self.options.threads);
-        // What goes on from here counts its own time from nought.
-        let before = std::mem::take(&mut self.before);
-        let (wall, cpu) = self.solve.stop();
-        self.before = Elapsed { wall: before.wall + wall, cpu: before.cpu + cpu };
-        let mut pass = Pass::save();
-        self.pass(&mut pass);
-        self.before = before;
-        let standing = Standing {
-            scene: self.scene.name.clone(),
-            method: self.settings.method.to_owned(),
-            time_s: self.clock.time,
-            duration_s: self.scene.duration,
-            steps: self.clock.index,
-            solve_wall_s: self.solved().0,
-        };
-        let header = Header { identity: identity(kept, self.scene, self.settings, self.options), standing };
-        kept.write(&header, &pass.into_bytes());
-        self.observation.add(&seen);
-        self.last_checkpoint = Instant::now();
-    }
-
-    /// Takes the state that a checkpoint keeps.
-    ///
-    /// # Errors
-    /// Fields that are not those of this run.
-    pub(super) fn go_on_from(&mut self, kept: &Kept) -> Result<(), Refused> {
-        let mut pass = Pass::load(&kept.fields);
-        self.pass(&mut pass);
-        pass.end().map_err(|foreign| Refused::Checkpoint(kept.path.display().to_string(), foreign.to_string()))
-    }
 }

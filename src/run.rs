@@ -1,5 +1,6 @@
 //! One scene under one method.
 
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -108,16 +109,18 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
             return Err(refused.into());
         }
     };
+    let drawn = Cell::new(true);
     let also = || {
         snapshots.map_or(Ok(()), |snapshots| snapshots.finish(folder.path()))?;
         if let Err(error) = run_figures(&result, folder.path(), &figure_options::of_run(&scene, &result.fields)) {
             // The numbers are what counts: a figure that cannot be drawn does not undo them.
             complain(&format!("figures: {error}"));
+            drawn.set(false);
         }
         Ok(())
     };
     output::write_run_and(folder.path(), &result, also)?;
-    if let Some(checkpoints) = checkpoints.filter(|_| result.record.outcome != Outcome::Interrupted) {
+    if let Some(checkpoints) = checkpoints.filter(|_| result.record.outcome != Outcome::Interrupted && drawn.get()) {
         checkpoints.clear().map_err(|error| Failure::file(folder.path(), "cannot be cleared of checkpoints", error))?;
     }
     if let Some(said) = frazil_layouts::beside_open(&scene, &result.record) {
@@ -126,7 +129,8 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     if !request.quiet {
         answer(&summary(&scene, &result, folder.path()))?;
     }
-    Ok(Verdict::of(result.record.outcome))
+    let verdict = Verdict::of(result.record.outcome);
+    Ok(if drawn.get() { verdict } else { verdict.max(Verdict::Broken) })
 }
 
 /// The checkpoints of a run in its folder, if it is to have any.

@@ -14,7 +14,7 @@ use frazil_studies::ensemble::{self, EnsembleRequest};
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
 use frazil_studies::fields::Snapshots;
 use frazil_studies::output::{self, Folder};
-use frazil_studies::progress::{Reporter, clock, forewarn};
+use frazil_studies::progress::{Reporter, bearable, clock, forewarn};
 use frazil_studies::{answers, expect, figure_options, method};
 
 use crate::{interrupt, load};
@@ -42,6 +42,8 @@ pub struct RunRequest {
     pub frames: bool,
     /// Whether to say nothing but errors.
     pub quiet: bool,
+    /// Whether to begin what takes longer than 30 days.
+    pub yes: bool,
 }
 
 /// Runs and writes the results, whole even if the run was interrupted.
@@ -50,6 +52,8 @@ pub struct RunRequest {
 /// Where the scene cannot be run, or a file cannot be written.
 pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let (scene, method, reference) = asked(request)?;
+    let finding = request.reduce.then(|| reduce::find(&scene, method, reference.as_ref()));
+    expected(request, &scene, method, reference.as_ref(), finding.as_ref())?;
     let path = request.out.clone().unwrap_or_else(|| folder_of(&scene, method));
     let folder = Folder::make(&path)?;
     let wanted = (request.fields, request.frames);
@@ -60,15 +64,6 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
             snapshots.see(particles, time);
         }
     };
-    let finding = request.reduce.then(|| reduce::find(&scene, method, reference.as_ref()));
-    if !request.quiet {
-        let planned = match &finding {
-            Some(Ok(Finding::Smaller(reduction))) => &reduction.scene,
-            _ => &scene,
-        };
-        let seconds = expect::seconds(planned, method, reference.as_ref(), request.threads);
-        forewarn(&format!("{} under {method}", scene.name), seconds);
-    }
     let reporter = Reporter::new(request.quiet);
     let show = |progress: &Progress| reporter.show(progress);
     let options = Options {
@@ -109,6 +104,29 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     Ok(Verdict::of(result.record.outcome))
 }
 
+/// Says that a run takes long, if it does, and refuses what would not end.
+fn expected(
+    request: &RunRequest,
+    scene: &Scene,
+    method: &str,
+    reference: Option<&Arc<dyn Reference>>,
+    finding: Option<&Result<Finding, Refused>>,
+) -> Result<(), Failure> {
+    let planned = match finding {
+        Some(Ok(Finding::Smaller(reduction))) => &reduction.scene,
+        _ => scene,
+    };
+    let Some(expected) = expect::run(planned, method, reference, request.threads)? else { return Ok(()) };
+    let what = format!("{} under {method}", scene.name);
+    if !request.yes {
+        bearable(&what, expected.seconds, expected.shorter)?;
+    }
+    if !request.quiet {
+        forewarn(&what, Some(expected.seconds));
+    }
+    Ok(())
+}
+
 /// Runs `count` members of an ensemble, the first with the seed of the request.
 ///
 /// # Errors
@@ -124,6 +142,7 @@ pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> 
         threads: request.threads,
         out: &request.out.clone().unwrap_or_else(|| folder_of(&scene, method)),
         quiet: request.quiet,
+        yes: request.yes,
     };
     ensemble::ensemble(&ensemble, interrupt::watch())
 }

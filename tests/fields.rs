@@ -22,6 +22,7 @@ fn request(scene: &Path, out: &Path, fields: bool, frames: bool) -> RunRequest {
         fields,
         frames,
         quiet: true,
+        yes: false,
     }
 }
 

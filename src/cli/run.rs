@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{key_and_value, threads};
+use super::values::{MemoryLimit, key_and_value, threads};
 use crate::run::RunRequest;
 use crate::{load, run};
 
@@ -47,11 +47,17 @@ pub struct RunArguments {
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
+    #[command(flatten)]
+    memory: MemoryLimit,
+    /// Begins even what takes longer than 30 days.
+    #[arg(long)]
+    yes: bool,
 }
 
 impl RunArguments {
     /// Runs the scene, or an ensemble of it.
     pub fn answer(mut self) -> Result<Verdict, Failure> {
+        self.memory.set();
         if self.paper {
             let (method, overrides) = load::paper(&self.scene, self.method.as_slice(), self.set)?;
             (self.method, self.set) = (Some(method), overrides);
@@ -67,6 +73,7 @@ impl RunArguments {
             fields: self.fields,
             frames: self.frames,
             quiet: self.quiet,
+            yes: self.yes,
         };
         match self.seeds {
             Some(seeds) => run::ensemble(&request, seeds.into()),

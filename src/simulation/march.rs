@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use std::vec::IntoIter;
 
 use frazil_core::ledger::Ledger;
+use frazil_core::memory::Memory;
 use frazil_core::particles::Particles;
 use frazil_core::solvers::solver::Solver;
 use frazil_core::solvers::step::{Bound, Clock, StepError};
@@ -23,6 +24,7 @@ use frazil_scene::method::MethodSettings;
 
 use crate::observers::Observers;
 use crate::observers::observer::{Moment, Setup, View};
+use crate::plan::refusals::holdable;
 use crate::plan::{Plan, build, settings_of};
 use crate::reference::Reference;
 
@@ -157,6 +159,7 @@ pub fn run(
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
     let (particles, method, pipes) = (&plan.particles, plan.method.as_ref(), &plan.pipe_extents[..]);
     let observers = Observers::new(&Setup { scene, particles, method, pipes, maps: options.fields, reference });
+    holdable(scene, settings.method, Memory { observers: observers.held_at_the_end(), ..plan.summary.memory })?;
     let setup = setup.stop();
     let guard = Guard::new(scene, &plan.particles, &plan.pipe_extents);
     let solve = Stopwatch::start(options.threads);

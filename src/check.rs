@@ -91,7 +91,7 @@ struct NotRead(String);
 /// Time (s) after which a check ends.
 const LONGEST: f64 = 2.0;
 /// Part of it that is left for what the program does besides.
-const BESIDES: f64 = 0.2;
+const BESIDES: f64 = 0.3;
 /// On a machine that is busy with other things it waits as much longer (s) as the process has not had a core, at most.
 const BUSY: f64 = 6.0;
 

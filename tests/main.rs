@@ -29,6 +29,7 @@ mod irregular;
 mod isotherms;
 mod layout_references;
 mod layouts;
+mod limits;
 mod moving;
 mod order;
 mod pipes;

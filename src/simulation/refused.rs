@@ -38,7 +38,7 @@ pub enum Refused {
     /// More than the memory that a run may take, before any of it is taken.
     #[error(
         "a spacing of {spacing} makes {particles:.1e} particles, which with {what} need at least {}, and a run may take \
-         {allowed}: a spacing of {fits:.2e} would fit",
+         {allowed}: set a spacing of at least {fits:.2e}",
         memory::words(*.needed)
     )]
     Memory {
@@ -52,7 +52,7 @@ pub enum Refused {
         needed: f64,
         /// What is allowed.
         allowed: Allowed,
-        /// A spacing with which it would be enough (m).
+        /// A spacing with which less is needed (m).
         fits: f64,
     },
     /// A run that would hold more at its end than it may take, counted part by part.
@@ -61,9 +61,9 @@ pub enum Refused {
         memory::words(held.total() as f64),
         memory::words(held.observers as f64),
         if held.observers > held.particles + held.method {
-            "fewer outputs and profiles hold less".into()
+            "fewer outputs and profiles hold less, and so does a larger spacing".into()
         } else {
-            format!("a spacing of {fits:.2e} would fit")
+            format!("a spacing of about {fits:.2e} fits")
         }
     )]
     Held {

@@ -1,11 +1,11 @@
 //! What a run would do, and what it would take: the first of its steps are tried, and nothing is written.
 
+use std::fs;
 use std::sync::Arc;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use cpu_time::ProcessTime;
 use frazil_core::memory::{self, Memory};
 use frazil_layouts::soils;
 use frazil_scene::Scene;
@@ -92,25 +92,20 @@ struct NotRead(String);
 const LONGEST: f64 = 2.0;
 /// Part of it that is left for what the program does besides.
 const BESIDES: f64 = 0.3;
-/// On a machine that is busy with other things it waits as much longer (s) as the process has not had a core, at most.
+/// On a machine that is busy with other things it waits as much longer (s) as its threads wait for a core, at most.
 const BUSY: f64 = 6.0;
 
 /// What is left of the time of a check.
-struct Patience {
-    began: Instant,
-    own: ProcessTime,
-}
+struct Patience(Instant);
 
 impl Patience {
     fn begin() -> Self {
-        Patience { began: Instant::now(), own: ProcessTime::now() }
+        Patience(Instant::now())
     }
 
-    /// Time (s) that is left: by the clock, or by the time that the process had, at most.
+    /// Time (s) that is left.
     fn left(&self) -> f64 {
-        let (gone, own) = (self.began.elapsed().as_secs_f64(), self.own.elapsed().as_secs_f64());
-        let end = LONGEST - BESIDES;
-        (end - gone).max((end - own).min(end + BUSY - gone)).min(end)
+        LONGEST - BESIDES - self.0.elapsed().as_secs_f64() + waited().min(BUSY)
     }
 
     /// What some work makes, unless that takes longer than its share of what is left, for so many works in all. It goes on where
@@ -124,7 +119,7 @@ impl Patience {
         thread::Builder::new().stack_size(STACK).spawn(work).ok()?;
         let rest = self.left() * (1.0 - 1.0 / works as f64);
         loop {
-            match told.recv_timeout(Duration::from_millis(2)) {
+            match told.recv_timeout(LOOK) {
                 Ok(made) => return Some(made),
                 Err(RecvTimeoutError::Disconnected) => return None,
                 Err(RecvTimeoutError::Timeout) if self.left() <= rest => return None,
@@ -132,6 +127,19 @@ impl Patience {
             }
         }
     }
+}
+
+/// How often the time that is left is looked at.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// How long (s) that thread has been ready without a core that had to wait longest, where the system tells.
+fn waited() -> f64 {
+    let Ok(threads) = fs::read_dir("/proc/self/task") else { return 0.0 };
+    let of = |thread: fs::DirEntry| {
+        let text = fs::read_to_string(thread.path().join("schedstat")).ok()?;
+        text.split_whitespace().nth(1)?.parse::<f64>().ok()
+    };
+    1e-9 * threads.flatten().filter_map(of).fold(0.0, f64::max)
 }
 
 /// Stack of a thread that works in place of the first one (bytes), as large as that one's.

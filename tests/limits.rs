@@ -117,6 +117,11 @@ fn a_run_that_does_not_fit_is_refused_with_what_would_fit() {
         assert!(said.contains(&format!("and a run may take {share}: set a spacing of at least ")), "{command}: {said}");
         assert!(is_empty(folder.path()), "{command}");
     }
+    let output = frazil(folder.path(), "layout shaft-single-sand --memory 200kB");
+    let refused = said(&output);
+    assert_eq!(output.status.code(), Some(2), "{refused}");
+    assert!(refused.starts_with("layout \"frozen-wall-sand\": a spacing of 0.1 makes "), "{refused}");
+    assert!(is_empty(folder.path()));
     // What the message says, taken at its word, leads to a run that fits.
     let few = "--set time.outputs=20 --set method.pd.horizon_ratio=8 --set time.profiles_h=[10]";
     let mut parts = 40_000.0;

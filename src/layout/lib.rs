@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use frazil_core::memory;
 use frazil_plots::page::Block;
+use frazil_simulation::predict;
 use frazil_studies::campaign::{Campaign, Shard};
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
 use frazil_studies::machine::Machine;
@@ -102,6 +103,10 @@ pub fn layout(request: &LayoutRequest, parts: &Parts<'_>) -> Result<Verdict, Fai
     let others = first.scene.methods.iter().map(|settings| settings.method).filter(|other| all && *other != method);
     let methods: Vec<&'static str> = std::iter::once(method).chain(others).collect();
     memory::share(request.threads.min(study.layouts.len()));
+    for layout in &study.layouts {
+        let fits = predict::fits(&layout.scene, method);
+        fits.map_err(|refused| Failure::of(format!("layout \"{}\"", layout.name), refused))?;
+    }
     if request.check {
         check::print(&study, &methods, request.threads)?;
         return Ok(Verdict::Done);

@@ -20,7 +20,7 @@ use crate::march::instants::{next_turn, outputs};
 use crate::march::{GUARD_STEPS, Refused};
 use crate::observers::Observers;
 use crate::observers::observer::{Cadence, Moment, Setup, View};
-use crate::plan::refusals::{Counted, count, holdable};
+use crate::plan::refusals::{Counted, affordable, count, holdable};
 use crate::plan::{Plan, PlanSummary, build_for, settings_of};
 use crate::reference::Reference;
 
@@ -227,6 +227,15 @@ pub fn counted(scene: &Scene, method: &str) -> Option<Counted> {
     let settings = scene.method(method)?;
     let stencil = settings.discretisation.stencil(settings.numerics.spacing, scene.domain.dimension());
     Some(count(scene, settings, &stencil))
+}
+
+/// Refuses a run that plainly does not fit into memory, without a plan.
+///
+/// # Errors
+/// The spacing that it must have at least.
+pub fn fits(scene: &Scene, method: &str) -> Result<(), Refused> {
+    let settings = settings_of(scene, method)?;
+    affordable(scene, settings, &settings.discretisation.stencil(settings.numerics.spacing, scene.domain.dimension()))
 }
 
 /// Tries a plan by a clock (s).

@@ -63,7 +63,7 @@ pub(crate) fn count(scene: &Scene, settings: &MethodSettings, stencil: &Stencil)
 }
 
 /// Refuses what is far beyond the memory that a run may take, before any of it is taken.
-pub(super) fn affordable(scene: &Scene, settings: &MethodSettings, stencil: &Stencil) -> Result<(), Refused> {
+pub(crate) fn affordable(scene: &Scene, settings: &MethodSettings, stencil: &Stencil) -> Result<(), Refused> {
     let Counted { particles, bytes: needed, what, .. } = count(scene, settings, stencil);
     let spacing = settings.numerics.spacing;
     match memory::allowed() {

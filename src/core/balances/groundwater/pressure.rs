@@ -21,6 +21,8 @@ const TOLERANCE: f64 = 1e-8;
 
 /// The same over what walls drive, for the first solution, which knows of no water that passes.
 const FIRST_TOLERANCE: f64 = 1e-11;
+/// The same where hardly any water passed before, as far as numbers tell it from none.
+const ROUNDING: f64 = 1e-15;
 
 /// Iterations of one solution, beyond which there is none.
 const MOST_ITERATIONS: usize = 10_000;
@@ -110,8 +112,10 @@ impl Pressure {
         }
         self.coarse.assemble(network, &self.diagonal, &self.rest);
         let norm = |column: &[f64]| dot(column, column).sqrt();
-        let limit =
-            if self.solutions == 0 { FIRST_TOLERANCE * norm(&self.right) } else { TOLERANCE * self.passing(network) };
+        let limit = match self.solutions {
+            0 => FIRST_TOLERANCE * norm(&self.right),
+            _ => (TOLERANCE * self.passing(network)).max(ROUNDING * norm(&self.right)),
+        };
         // The balance of each block first.
         let own = self.pad..self.pad + network.len();
         self.direction[own.clone()].copy_from_slice(&self.pressure);

@@ -19,7 +19,7 @@ use crate::memory::{HeapSize, total};
 /// What remains of a particle's balance over the water that passes through it, in the root of the mean of squares.
 const TOLERANCE: f64 = 1e-8;
 
-/// The same over what walls drive, for the first solution, which knows of no water that passes.
+/// The same over what drives water, for the first solution and others before which none has passed.
 const FIRST_TOLERANCE: f64 = 1e-11;
 /// The same where hardly any water passed before, as far as numbers tell it from none.
 const ROUNDING: f64 = 1e-15;
@@ -112,9 +112,10 @@ impl Pressure {
         }
         self.coarse.assemble(network, &self.diagonal, &self.rest);
         let norm = |column: &[f64]| dot(column, column).sqrt();
-        let limit = match self.solutions {
-            0 => FIRST_TOLERANCE * norm(&self.right),
-            _ => (TOLERANCE * self.passing(network)).max(ROUNDING * norm(&self.right)),
+        let passing = if self.solutions == 0 { 0.0 } else { self.passing(network) };
+        let limit = match passing > 0.0 {
+            true => (TOLERANCE * passing).max(ROUNDING * norm(&self.right)),
+            false => FIRST_TOLERANCE * norm(&self.right),
         };
         // The balance of each block first.
         let own = self.pad..self.pad + network.len();

@@ -1,6 +1,8 @@
 //! What a run would do, and what it would take: the first of its steps are tried, and nothing is written.
 
+use std::cell::Cell;
 use std::fs;
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
@@ -95,32 +97,44 @@ const BESIDES: f64 = 0.3;
 /// On a machine that is busy with other things it waits as much longer (s) as its threads wait for a core, at most.
 const BUSY: f64 = 6.0;
 
+/// Time (s) in which most methods of most scenes are planned and tried; it is left to those that come later.
+const ENOUGH: f64 = 0.25;
+
 /// What is left of the time of a check.
-struct Patience(Instant);
+struct Patience {
+    began: Instant,
+    /// How long (s) threads that are done have waited for a core.
+    waited: Cell<f64>,
+}
 
 impl Patience {
     fn begin() -> Self {
-        Patience(Instant::now())
+        Patience { began: Instant::now(), waited: Cell::new(0.0) }
     }
 
     /// Time (s) that is left.
     fn left(&self) -> f64 {
-        LONGEST - BESIDES - self.0.elapsed().as_secs_f64() + waited().min(BUSY)
+        LONGEST - BESIDES - self.began.elapsed().as_secs_f64() + (self.waited.get() + waiting()).min(BUSY)
     }
 
-    /// What some work makes, unless that takes longer than its share of what is left, for so many works in all. It goes on where
-    /// nobody waits for it any more, up to the end of the program.
+    /// What some work makes, unless that leaves too little to the others of so many works in all. It goes on where nobody waits for
+    /// it any more, up to the end of the program.
     fn wait<T: Send + 'static>(&self, works: usize, work: impl FnOnce() -> T + Send + 'static) -> Option<T> {
         let (tell, told) = mpsc::channel();
         let work = move || {
             // Nobody may be waiting.
-            let _ = tell.send(work());
+            let made = work();
+            let _ = tell.send((made, waited(Path::new("/proc/thread-self")).unwrap_or(0.0)));
         };
         thread::Builder::new().stack_size(STACK).spawn(work).ok()?;
-        let rest = self.left() * (1.0 - 1.0 / works as f64);
+        let left = self.left();
+        let rest = (ENOUGH * (works - 1) as f64).min(left * (1.0 - 1.0 / works as f64));
         loop {
             match told.recv_timeout(LOOK) {
-                Ok(made) => return Some(made),
+                Ok((made, waited)) => {
+                    self.waited.set(self.waited.get() + waited);
+                    return Some(made);
+                }
                 Err(RecvTimeoutError::Disconnected) => return None,
                 Err(RecvTimeoutError::Timeout) if self.left() <= rest => return None,
                 Err(RecvTimeoutError::Timeout) => {}
@@ -132,14 +146,16 @@ impl Patience {
 /// How often the time that is left is looked at.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// How long (s) that thread has been ready without a core that had to wait longest, where the system tells.
-fn waited() -> f64 {
+/// How long (s) that of the threads at work has waited for a core that has waited longest, where the system tells.
+fn waiting() -> f64 {
     let Ok(threads) = fs::read_dir("/proc/self/task") else { return 0.0 };
-    let of = |thread: fs::DirEntry| {
-        let text = fs::read_to_string(thread.path().join("schedstat")).ok()?;
-        text.split_whitespace().nth(1)?.parse::<f64>().ok()
-    };
-    1e-9 * threads.flatten().filter_map(of).fold(0.0, f64::max)
+    threads.flatten().filter_map(|thread| waited(&thread.path())).fold(0.0, f64::max)
+}
+
+/// How long (s) a thread was ready to work and had no core.
+fn waited(thread: &Path) -> Option<f64> {
+    let text = fs::read_to_string(thread.join("schedstat")).ok()?;
+    Some(1e-9 * text.split_whitespace().nth(1)?.parse::<f64>().ok()?)
 }
 
 /// Stack of a thread that works in place of the first one (bytes), as large as that one's.

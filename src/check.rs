@@ -95,7 +95,7 @@ const LONGEST: f64 = 2.0;
 /// Part of it that is left for what the program does besides.
 const BESIDES: f64 = 0.3;
 /// On a machine that is busy with other things it waits as much longer (s) as its threads wait for a core, at most.
-const BUSY: f64 = 6.0;
+const BUSY: f64 = 5.0;
 
 /// Time (s) in which most methods of most scenes are planned and tried; it is left to those that come later.
 const ENOUGH: f64 = 0.25;

@@ -9,8 +9,8 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use tempfile::TempDir;
 
-/// Longest that a check may take (s): its own two, and what it waits for a machine that is busy with other tests.
-const PATIENCE: Duration = Duration::from_secs(8);
+/// Longest that a check may take: its own 2 s, what it waits for a machine that is busy with other tests, and what that takes to start it.
+const PATIENCE: Duration = Duration::from_secs(12);
 
 /// Address space (KiB) of a program that is to find out by itself what it may take.
 const ROOM: &str = "3000000";

@@ -1,6 +1,12 @@
 //! What a run would do, and what it would take: the first of its steps are tried, and nothing is written.
 
+use std::cell::Cell;
+use std::fs;
+use std::path::Path;
 use std::sync::Arc;
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::thread;
+use std::time::{Duration, Instant};
 
 use frazil_core::memory::{self, Memory};
 use frazil_layouts::soils;
@@ -31,16 +37,24 @@ pub struct CheckRequest {
     pub reduce: bool,
 }
 
-/// Prints the plan of each method for a scene. A method that is refused does not hide the plans of the others.
+/// Prints the plan of each method for a scene. A method that is refused does not hide the plans of the others, and neither does
+/// one that takes longer to plan than a check has.
 pub fn check(request: &CheckRequest) -> Result<Verdict, Failure> {
-    let mut scene = load::scene(&request.scene, &request.overrides)?;
-    let methods: Vec<&str> = if request.methods.is_empty() {
+    let patience = Patience::begin();
+    let (argument, overrides) = (request.scene.clone(), request.overrides.clone());
+    let read = move || -> Result<Read, Failure> {
+        let mut scene = load::scene(&argument, &overrides)?;
+        let reference = told_reference(&mut scene)?;
+        Ok((scene, reference))
+    };
+    let Some(read) = patience.wait(1, read) else { return Err(Failure::request(NotRead(request.scene.clone()))) };
+    let (scene, reference) = read?;
+    let methods: Vec<&'static str> = if request.methods.is_empty() {
         scene.methods.iter().map(|settings| settings.method).collect()
     } else {
         request.methods.iter().map(|asked| method::asked(&scene, Some(asked))).collect::<Result<_, _>>()?
     };
     answer(&format!("{}: {}\n", scene.name, scene.title))?;
-    let reference = told_reference(&mut scene)?;
     for remark in &scene.remarks {
         answer(&format!("warning: {remark}\n"))?;
     }
@@ -48,16 +62,119 @@ pub fn check(request: &CheckRequest) -> Result<Verdict, Failure> {
         complain(&format!("warning: {doubt}"));
     }
     let mut verdict = Verdict::Done;
-    for method in methods {
-        match plan(&scene, method, reference.as_ref(), request.threads, request.reduce) {
-            Ok(text) => answer(&format!("\n{method}\n{text}"))?,
-            Err(refused) => {
+    let (scene, count) = (Arc::new(scene), methods.len());
+    for (k, method) in methods.into_iter().enumerate() {
+        let (threads, reduce) = (request.threads, request.reduce);
+        let (own, reference) = (scene.clone(), reference.clone());
+        let planned = patience.wait(count - k, move || plan(&own, method, reference.as_ref(), threads, reduce));
+        match planned {
+            Some(Ok(text)) => answer(&format!("\n{method}\n{text}"))?,
+            Some(Err(refused)) => {
                 complain(&format!("{method}: {refused}"));
                 verdict = Verdict::Broken;
+            }
+            None => {
+                answer(&format!("\n{method}\n{}", unplanned(&scene, method)))?;
+                verdict = verdict.max(Verdict::CheckFailed);
             }
         }
     }
     Ok(verdict)
+}
+
+/// A scene, and the truth about it if there is one.
+type Read = (Scene, Option<Arc<dyn Reference>>);
+
+/// A scene that is not read, or has no reference, within the time that a check has.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}: reading it and solving for its reference takes longer than the {LONGEST} s that a check has")]
+struct NotRead(String);
+
+/// Time (s) after which a check ends.
+const LONGEST: f64 = 2.0;
+/// Part of it that is left for what the program does besides.
+const BESIDES: f64 = 0.3;
+/// On a machine that is busy with other things it waits as much longer (s) as its threads wait for a core, at most.
+const BUSY: f64 = 5.0;
+
+/// Time (s) in which most methods of most scenes are planned and tried; it is left to those that come later.
+const ENOUGH: f64 = 0.25;
+
+/// What is left of the time of a check.
+struct Patience {
+    began: Instant,
+    /// How long (s) threads that are done have waited for a core.
+    waited: Cell<f64>,
+}
+
+impl Patience {
+    fn begin() -> Self {
+        Patience { began: Instant::now(), waited: Cell::new(0.0) }
+    }
+
+    /// Time (s) that is left.
+    fn left(&self) -> f64 {
+        LONGEST - BESIDES - self.began.elapsed().as_secs_f64() + (self.waited.get() + waiting()).min(BUSY)
+    }
+
+    /// What some work makes, unless that leaves too little to the others of so many works in all. It goes on where nobody waits for
+    /// it any more, up to the end of the program.
+    fn wait<T: Send + 'static>(&self, works: usize, work: impl FnOnce() -> T + Send + 'static) -> Option<T> {
+        let (tell, told) = mpsc::channel();
+        let work = move || {
+            // Nobody may be waiting.
+            let made = work();
+            let _ = tell.send((made, waited(Path::new("/proc/thread-self")).unwrap_or(0.0)));
+        };
+        thread::Builder::new().stack_size(STACK).spawn(work).ok()?;
+        let left = self.left();
+        let rest = (ENOUGH * (works - 1) as f64).min(left * (1.0 - 1.0 / works as f64));
+        loop {
+            match told.recv_timeout(LOOK) {
+                Ok((made, waited)) => {
+                    self.waited.set(self.waited.get() + waited);
+                    return Some(made);
+                }
+                Err(RecvTimeoutError::Disconnected) => return None,
+                Err(RecvTimeoutError::Timeout) if self.left() <= rest => return None,
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+        }
+    }
+}
+
+/// How often the time that is left is looked at.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// How long (s) that of the threads at work has waited for a core that has waited longest, where the system tells.
+fn waiting() -> f64 {
+    let Ok(threads) = fs::read_dir("/proc/self/task") else { return 0.0 };
+    threads.flatten().filter_map(|thread| waited(&thread.path())).fold(0.0, f64::max)
+}
+
+/// How long (s) a thread was ready to work and had no core.
+fn waited(thread: &Path) -> Option<f64> {
+    let text = fs::read_to_string(thread.join("schedstat")).ok()?;
+    Some(1e-9 * text.split_whitespace().nth(1)?.parse::<f64>().ok()?)
+}
+
+/// Stack of a thread that works in place of the first one (bytes), as large as that one's.
+const STACK: usize = 8 << 20;
+
+/// What is known of a run that is not planned within the time of a check: what can be counted without a plan.
+fn unplanned(scene: &Scene, method: &str) -> String {
+    let counted = predict::counted(scene, method);
+    let words = counted.map(|counted| {
+        format!(
+            "  particles    about {:.1e}, and {:.1e} pairs\n  memory       at least {}\n",
+            counted.particles,
+            counted.pairs,
+            memory::words(counted.bytes)
+        )
+    });
+    let reason =
+        "planning and trying it takes longer than the 2 s that a check has; a larger spacing is planned sooner";
+    format!("{}  not planned  {reason}\n", words.unwrap_or_default())
 }
 
 /// What a run of a scene under a method would do, in words; of the smaller scene that gives the same answer, if asked for and
@@ -140,6 +257,9 @@ fn time_text(forecast: &Forecast) -> String {
                 clock(seconds),
                 short(forecast.cost.beside(work))
             )
+        }
+        _ if forecast.summary.steps.number().is_some() => {
+            format!("unknown: the first steps leave the numbers; {threads}")
         }
         _ => format!("unknown, as the number of steps is: {step}, {threads}"),
     }

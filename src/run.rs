@@ -16,7 +16,7 @@ use frazil_studies::ensemble::{self, EnsembleRequest};
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
 use frazil_studies::fields::{self, Snapshots};
 use frazil_studies::output::{self, Folder, Owner};
-use frazil_studies::progress::{Reporter, clock, forewarn};
+use frazil_studies::progress::{Reporter, bearable, clock, forewarn};
 use frazil_studies::{answers, campaign, expect, figure_options, method};
 
 use crate::{interrupt, load};
@@ -48,6 +48,8 @@ pub struct RunRequest {
     pub resume: bool,
     /// Whether to say nothing but errors.
     pub quiet: bool,
+    /// Whether to begin what takes longer than 30 days.
+    pub yes: bool,
 }
 
 /// Runs and writes the results, whole even if the run was interrupted.
@@ -56,6 +58,8 @@ pub struct RunRequest {
 /// Where the scene cannot be run, or a file cannot be written.
 pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let (scene, method, reference) = asked(request)?;
+    let finding = request.reduce.then(|| reduce::find(&scene, method, reference.as_ref()));
+    expected(request, &scene, method, reference.as_ref(), finding.as_ref())?;
     let path = request.out.clone().unwrap_or_else(|| folder_of(&scene, method));
     let folder = Folder::make(&path, Owner::Alone)?;
     let goes_on = match begin(request, folder.path(), &scene, method)? {
@@ -72,15 +76,6 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
             snapshots.see(particles, time);
         }
     };
-    let finding = request.reduce.then(|| reduce::find(&scene, method, reference.as_ref()));
-    if !request.quiet {
-        let planned = match &finding {
-            Some(Ok(Finding::Smaller(reduction))) => &reduction.scene,
-            _ => &scene,
-        };
-        let seconds = expect::seconds(planned, method, reference.as_ref(), request.threads);
-        forewarn(&format!("{} under {method}", scene.name), seconds);
-    }
     let reporter = Reporter::new(request.quiet);
     let show = |progress: &Progress| reporter.show(progress);
     let checkpoints = checkpoints(request, folder.path());
@@ -195,6 +190,29 @@ fn ended(folder: &Path, scene: &Scene, method: &str, seed: u64) -> Option<Record
     (is_it && record.outcome != Outcome::Interrupted).then_some(record)
 }
 
+/// Says that a run takes long, if it does, and refuses what would not end.
+fn expected(
+    request: &RunRequest,
+    scene: &Scene,
+    method: &str,
+    reference: Option<&Arc<dyn Reference>>,
+    finding: Option<&Result<Finding, Refused>>,
+) -> Result<(), Failure> {
+    let planned = match finding {
+        Some(Ok(Finding::Smaller(reduction))) => &reduction.scene,
+        _ => scene,
+    };
+    let Some(expected) = expect::run(planned, method, reference, request.threads)? else { return Ok(()) };
+    let what = format!("{} under {method}", scene.name);
+    if !request.yes {
+        bearable(&what, expected.seconds, expected.shorter)?;
+    }
+    if !request.quiet {
+        forewarn(&what, Some(expected.seconds));
+    }
+    Ok(())
+}
+
 /// Runs `count` members of an ensemble, the first with the seed of the request.
 ///
 /// # Errors
@@ -211,6 +229,7 @@ pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> 
         out: &request.out.clone().unwrap_or_else(|| folder_of(&scene, method)),
         checkpoints: request.checkpoints,
         quiet: request.quiet,
+        yes: request.yes,
     };
     ensemble::ensemble(&ensemble, interrupt::watch())
 }

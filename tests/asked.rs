@@ -176,7 +176,7 @@ fn what_does_not_fit_into_memory_is_refused_in_words() {
     let err = said(&output).1;
     assert_eq!(output.status.code(), Some(2), "{err}");
     let expected = "a spacing of 0.0125 makes 7.7e6 particles, which with their list of neighbours need at least";
-    assert!(err.contains(expected) && err.contains("set a larger spacing"), "{err}");
+    assert!(err.contains(expected) && err.contains("set a spacing of at least 2."), "{err}");
 }
 
 /// Particles that move come to rest before a run by steps that do not follow the fastest phase of the scene, and a plan does not

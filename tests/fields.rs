@@ -24,6 +24,7 @@ fn request(scene: &Path, out: &Path, fields: bool, frames: bool) -> RunRequest {
         checkpoints: None,
         resume: false,
         quiet: true,
+        yes: false,
     }
 }
 

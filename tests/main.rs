@@ -30,6 +30,7 @@ mod irregular;
 mod isotherms;
 mod layout_references;
 mod layouts;
+mod limits;
 mod moving;
 mod order;
 mod pipes;

@@ -23,6 +23,7 @@ pub mod walls;
 
 use std::sync::Arc;
 
+use frazil_core::memory;
 use frazil_core::saved::{Pass, Saved};
 use rayon::ThreadPool;
 
@@ -119,10 +120,22 @@ impl<const D: usize> Fluid<D> {
             return Err(FluidError::NotPositive("temperature", temperature));
         }
         let volume: f64 = lengths.iter().product();
-        let count = (parameters.density * volume).round() as usize;
+        let count = affordable((parameters.density * volume).round())?;
         let particles = start::placed(&lengths, count, temperature, seed);
         let matter = ConstantCapacity { reference: temperature, heat_capacity: parameters.heat_capacity };
         Fluid::assembled(parameters, lengths, matter, particles, None, None, seed, pool)
+    }
+}
+
+/// What is held for each particle while a liquid is made and cut at its walls (bytes), rounded down.
+const BYTES: f64 = 700.0;
+
+/// That many particles, if there is memory for them.
+fn affordable(count: f64) -> Result<usize, FluidError> {
+    let needed = BYTES * count;
+    match memory::allowed() {
+        Some(allowed) if needed > allowed.each() => Err(FluidError::Large { count, needed, allowed }),
+        _ => Ok(count as usize),
     }
 }
 

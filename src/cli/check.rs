@@ -3,7 +3,7 @@
 use clap::Args;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{key_and_value, threads};
+use super::values::{MemoryLimit, key_and_value, threads};
 use crate::check::{CheckRequest, check};
 use crate::load;
 
@@ -26,11 +26,14 @@ pub struct CheckArguments {
     /// Plans the smaller scene that gives the same answer, if there is one.
     #[arg(long)]
     reduce: bool,
+    #[command(flatten)]
+    memory: MemoryLimit,
 }
 
 impl CheckArguments {
     /// Checks the scene.
     pub fn answer(mut self) -> Result<Verdict, Failure> {
+        self.memory.set();
         if self.paper {
             let (method, overrides) = load::paper(&self.scene, &self.method, self.set)?;
             (self.method, self.set) = (vec![method], overrides);

@@ -10,7 +10,8 @@ use frazil_studies::compare::{CompareRequest, Vary, compare};
 use frazil_studies::failure::{Failure, Verdict};
 
 use super::values::{
-    BetweenCheckpoints, MustBe, between_checkpoints, command_line, key_and_value, positive, positive_seconds,
+    BetweenCheckpoints, MemoryLimit, MustBe, between_checkpoints, command_line, key_and_value, positive,
+    positive_seconds,
 };
 use crate::parts::parts;
 
@@ -66,11 +67,14 @@ pub struct CompareArguments {
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
+    #[command(flatten)]
+    memory: MemoryLimit,
 }
 
 impl CompareArguments {
     /// Compares the methods.
     pub fn answer(self) -> Result<Verdict, Failure> {
+        self.memory.set();
         let also = self.also.iter().map(|(key, value)| Variant::changed(key, value));
         let request = CompareRequest {
             scenes: self.scenes,

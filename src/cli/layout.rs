@@ -7,7 +7,9 @@ use frazil_layouts::{LayoutRequest, layout};
 use frazil_studies::campaign::Shard;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{BetweenCheckpoints, MustBe, between_checkpoints, command_line, key_and_value, threads};
+use super::values::{
+    BetweenCheckpoints, MemoryLimit, MustBe, between_checkpoints, command_line, key_and_value, threads,
+};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]
@@ -42,11 +44,17 @@ pub struct LayoutArguments {
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
+    #[command(flatten)]
+    memory: MemoryLimit,
+    /// Begins even what takes longer than 30 days.
+    #[arg(long)]
+    yes: bool,
 }
 
 impl LayoutArguments {
     /// Sets the layouts beside each other.
     pub fn answer(self) -> Result<Verdict, Failure> {
+        self.memory.set();
         let request = LayoutRequest {
             study: self.study,
             method: self.method,
@@ -58,6 +66,7 @@ impl LayoutArguments {
             out: self.out,
             checkpoints: self.checkpoint_s.0,
             quiet: self.quiet,
+            yes: self.yes,
             command_line: command_line(),
         };
         layout(&request, &parts(false))

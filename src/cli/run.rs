@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{BetweenCheckpoints, between_checkpoints, key_and_value, threads};
+use super::values::{BetweenCheckpoints, MemoryLimit, between_checkpoints, key_and_value, threads};
 use crate::run::RunRequest;
 use crate::{load, run};
 
@@ -54,11 +54,17 @@ pub struct RunArguments {
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
+    #[command(flatten)]
+    memory: MemoryLimit,
+    /// Begins even what takes longer than 30 days.
+    #[arg(long)]
+    yes: bool,
 }
 
 impl RunArguments {
     /// Runs the scene, or an ensemble of it.
     pub fn answer(mut self) -> Result<Verdict, Failure> {
+        self.memory.set();
         if self.paper {
             let (method, overrides) = load::paper(&self.scene, self.method.as_slice(), self.set)?;
             (self.method, self.set) = (Some(method), overrides);
@@ -76,6 +82,7 @@ impl RunArguments {
             checkpoints: self.checkpoint_s.0,
             resume: self.resume,
             quiet: self.quiet,
+            yes: self.yes,
         };
         match self.seeds {
             Some(seeds) => run::ensemble(&request, seeds.into()),

@@ -7,7 +7,7 @@ use frazil_studies::failure::{Failure, Verdict};
 use frazil_studies::stability::axis::Axis;
 use frazil_studies::stability::{StabilityRequest, stability};
 
-use super::values::{MustBe, command_line, key_and_value, positive, positive_seconds, threads};
+use super::values::{MemoryLimit, MustBe, command_line, key_and_value, positive, positive_seconds, threads};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]
@@ -52,11 +52,14 @@ pub struct StabilityArguments {
     /// Says nothing but errors.
     #[arg(long)]
     quiet: bool,
+    #[command(flatten)]
+    memory: MemoryLimit,
 }
 
 impl StabilityArguments {
     /// Maps where the methods break.
     pub fn answer(self) -> Result<Verdict, Failure> {
+        self.memory.set();
         let request = StabilityRequest {
             scenes: self.scenes,
             methods: self.methods,

@@ -3,6 +3,8 @@
 use std::borrow::Cow;
 use std::time::Duration;
 
+use clap::Args;
+use frazil_core::memory;
 use frazil_studies::parallel;
 
 /// The command as it was typed, for a page of results.
@@ -49,6 +51,34 @@ pub fn positive_seconds(text: &str) -> Result<f64, MustBe> {
     number(text, is_positive, "a number of seconds greater than 0")
 }
 
+/// What runs may hold, of every command that makes or plans some.
+#[derive(Debug, Args)]
+pub struct MemoryLimit {
+    /// Memory that all runs at once may hold, as 500MB or 4GB; by default four fifths of what is free.
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    memory: Option<u64>,
+}
+
+impl MemoryLimit {
+    /// Holds the runs of this process to it.
+    pub fn set(&self) {
+        if let Some(bytes) = self.memory {
+            memory::ask(bytes);
+        }
+    }
+}
+
+/// Bytes.
+fn size(text: &str) -> Result<u64, MustBe> {
+    const UNITS: [(&str, f64); 4] = [("kB", 1e3), ("MB", 1e6), ("GB", 1e9), ("TB", 1e12)];
+    let found =
+        UNITS.iter().find_map(|(unit, bytes)| Some(bytes * text.strip_suffix(unit)?.trim().parse::<f64>().ok()?));
+    match found {
+        Some(bytes) if (1.0..=1e18).contains(&bytes) => Ok(bytes as u64),
+        _ => Err(MustBe("a number with kB, MB, GB or TB, as 500MB or 4GB".into())),
+    }
+}
+
 /// A number greater than 0.
 pub fn positive(text: &str) -> Result<f64, MustBe> {
     number(text, is_positive, "a number greater than 0")
@@ -66,6 +96,16 @@ pub fn sized(text: &str) -> Result<f64, MustBe> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_size_has_a_decimal_unit() {
+        for (text, bytes) in [("500MB", 500_000_000), ("4GB", 4_000_000_000), ("0.5 GB", 500_000_000), ("1kB", 1000)] {
+            assert_eq!(size(text), Ok(bytes));
+        }
+        for text in ["", "4", "GB", "-1GB", "0MB", "infGB", "NaNMB", "1e300TB", "4gb", "4GiB"] {
+            assert!(size(text).is_err(), "{text}");
+        }
+    }
 
     #[test]
     fn a_value_may_contain_an_equals_sign() {

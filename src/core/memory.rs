@@ -3,7 +3,9 @@
 //! Every part counts what it owns; what several share through an [`Arc`] is counted by `Particles` or by the
 //! operator alone, as they say. Small things (names, boxes, causes in words) are no part's: they are one lump.
 
-use std::sync::Arc;
+use std::fmt;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec2;
 
@@ -84,7 +86,7 @@ impl<T: HeapSize + ?Sized> HeapSize for Box<T> {
 const SMALL_THINGS: usize = 12_000;
 
 /// Bytes that may still be taken, as far as the system tells: what it has left, and what is left of this process's share.
-pub fn left() -> Option<f64> {
+fn left() -> Option<f64> {
     let number = |text: &str| text.split_whitespace().find_map(|word| word.parse::<f64>().ok());
     let line = |file: &str, name: &str| {
         let text = std::fs::read_to_string(file).ok()?;
@@ -94,9 +96,70 @@ pub fn left() -> Option<f64> {
     let of_machine = line("/proc/meminfo", "MemAvailable:").map(|kibibytes| kibibytes * 1024.0);
     let taken = line("/proc/self/status", "VmSize:").map_or(0.0, |kibibytes| kibibytes * 1024.0);
     let of_process = line("/proc/self/limits", "Max address space").map(|most| most - taken);
-    let group = "/sys/fs/cgroup/memory";
-    let of_group = whole(&format!("{group}.max")).zip(whole(&format!("{group}.current"))).map(|(most, now)| most - now);
-    [of_machine, of_process, of_group].into_iter().flatten().reduce(f64::min)
+    // Both layouts of groups, seen from within a container, where the own group is the root.
+    let groups = [("memory.max", "memory.current"), ("memory/memory.limit_in_bytes", "memory/memory.usage_in_bytes")];
+    let group = |file: &str| whole(&format!("/sys/fs/cgroup/{file}"));
+    let of_groups =
+        groups.into_iter().filter_map(|(most, now)| group(most).zip(group(now)).map(|(most, now)| most - now));
+    of_groups.chain(of_machine).chain(of_process).reduce(f64::min)
+}
+
+/// Share of what is free that runs take unless asked otherwise. The rest is for what others on the machine begin meanwhile.
+const SHARE: f64 = 0.8;
+
+/// Bytes that were asked for; zero before.
+static ASKED: AtomicU64 = AtomicU64::new(0);
+/// Runs that hold their particles at once.
+static AT_ONCE: AtomicUsize = AtomicUsize::new(1);
+
+/// What one run may hold.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Allowed {
+    /// Bytes of all runs together.
+    pub all: f64,
+    /// Whether they were asked for.
+    pub asked: bool,
+    /// Runs at once, which share them.
+    pub runs: usize,
+}
+
+impl Allowed {
+    /// Bytes of each run.
+    pub fn each(&self) -> f64 {
+        self.all / self.runs as f64
+    }
+}
+
+impl fmt::Display for Allowed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let source = if self.asked { "--memory" } else { "four fifths of what is free, or --memory" };
+        write!(f, "{} ({source}", words(self.each()))?;
+        match self.runs {
+            1 => write!(f, ")"),
+            runs => write!(f, ", shared by {runs} at once: fewer --threads)"),
+        }
+    }
+}
+
+/// Sets what all runs of this process may hold together (bytes).
+pub fn ask(bytes: u64) {
+    ASKED.store(bytes, Ordering::Relaxed);
+}
+
+/// Says how many runs share it from now on.
+pub fn share(runs: usize) {
+    AT_ONCE.store(runs.max(1), Ordering::Relaxed);
+}
+
+/// What a run may hold; nothing where neither the system nor anyone says.
+pub fn allowed() -> Option<Allowed> {
+    // What is free is looked at once: what runs take themselves does not lessen what they may.
+    static FREE: OnceLock<Option<f64>> = OnceLock::new();
+    let runs = AT_ONCE.load(Ordering::Relaxed);
+    match ASKED.load(Ordering::Relaxed) {
+        0 => FREE.get_or_init(left).map(|free| Allowed { all: SHARE * free, asked: false, runs }),
+        bytes => Some(Allowed { all: bytes as f64, asked: true, runs }),
+    }
 }
 
 /// Bytes in words.

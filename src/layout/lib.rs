@@ -6,7 +6,9 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use frazil_core::memory;
 use frazil_plots::page::Block;
+use frazil_simulation::predict;
 use frazil_studies::campaign::{Campaign, Shard};
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
 use frazil_studies::machine::Machine;
@@ -14,7 +16,7 @@ use frazil_studies::method;
 use frazil_studies::output::{Folder, Owner};
 use frazil_studies::parallel;
 use frazil_studies::parts::{Override, Parts};
-use frazil_studies::progress::forewarn;
+use frazil_studies::progress::{bearable, forewarn};
 
 pub use dug::beside_open;
 
@@ -80,6 +82,8 @@ pub struct LayoutRequest {
     pub checkpoints: Option<Duration>,
     /// Whether to say nothing but errors.
     pub quiet: bool,
+    /// Whether to begin what takes longer than 30 days.
+    pub yes: bool,
     /// The command as it was typed, for the page.
     pub command_line: String,
 }
@@ -101,6 +105,11 @@ pub fn layout(request: &LayoutRequest, parts: &Parts<'_>) -> Result<Verdict, Fai
     // Under all methods, one is that of the tables and figures, and the others stand beside it.
     let others = first.scene.methods.iter().map(|settings| settings.method).filter(|other| all && *other != method);
     let methods: Vec<&'static str> = std::iter::once(method).chain(others).collect();
+    memory::share(request.threads.min(study.layouts.len()));
+    for layout in &study.layouts {
+        let fits = predict::fits(&layout.scene, method);
+        fits.map_err(|refused| Failure::of(format!("layout \"{}\"", layout.name), refused))?;
+    }
     if request.check {
         check::print(&study, &methods, request.threads)?;
         return Ok(Verdict::Done);
@@ -124,15 +133,32 @@ pub fn layout(request: &LayoutRequest, parts: &Parts<'_>) -> Result<Verdict, Fai
         machine: machine.clone(),
     };
     let works: Vec<Work<'_>> = methods.iter().map(|own| work_of(own, *own != method)).collect();
-    if !request.quiet {
-        let ahead = if works[0].is_last() { ahead::open(&works[0])? } else { Ahead::default() };
-        complain(check::heading(&study, &methods, &ahead).trim_end());
-        let named: f64 = works.iter().filter_map(Work::seconds).sum();
-        forewarn(&study.name, Some(named + ahead.wall_s));
-    }
+    expected(request, &study, &works, &methods).inspect_err(|_| folder.take_back())?;
     let made = works.iter().try_fold(true, |made, work| Ok(made && work.make()?.is_some()));
     let made = made.inspect_err(|_: &Failure| folder.take_back())?;
     finish(request, &works, &references, made)
+}
+
+/// Says what is run and that it takes long, if it does, and refuses what would not end.
+fn expected(
+    request: &LayoutRequest,
+    study: &Study<'_>,
+    works: &[Work<'_>],
+    methods: &[&'static str],
+) -> Result<(), Failure> {
+    let ahead = if works[0].is_last() { ahead::open(&works[0])? } else { Ahead::default() };
+    if !request.quiet {
+        complain(check::heading(study, methods, &ahead).trim_end());
+    }
+    let seconds = works.iter().filter_map(Work::seconds).sum::<f64>() + ahead.wall_s;
+    if !request.yes {
+        let shorter = "shorter by a larger spacing, an earlier end, fewer layouts or more --threads".to_owned();
+        bearable(&study.name, seconds, shorter)?;
+    }
+    if !request.quiet {
+        forewarn(&study.name, Some(seconds));
+    }
+    Ok(())
 }
 
 /// What refuses layouts: each cause once, with its layouts.

@@ -15,6 +15,7 @@ mod range;
 mod regions;
 mod section;
 mod shells;
+mod size;
 mod spacing;
 mod stream;
 #[cfg(test)]
@@ -38,6 +39,7 @@ use water::{Balance, Heads};
 pub use problem::{Noted, Problem, Problems, Read};
 pub use range::Range;
 pub use section::{Change, Duration, Key, Section, Spot};
+pub use size::MOST_BYTES;
 
 impl Scene {
     /// Reads a scene from the text of its file.

@@ -14,6 +14,7 @@ use std::time::{Duration, Instant};
 use std::vec::IntoIter;
 
 use frazil_core::ledger::Ledger;
+use frazil_core::memory::Memory;
 use frazil_core::particles::Particles;
 use frazil_core::saved::{Pass, Saved};
 use frazil_core::solvers::solver::Solver;
@@ -25,6 +26,7 @@ use frazil_scene::method::MethodSettings;
 use crate::checkpoint::{self, Header, Kept, identity};
 use crate::observers::Observers;
 use crate::observers::observer::{Moment, Setup, View};
+use crate::plan::refusals::holdable;
 use crate::plan::{Plan, build, settings_of};
 use crate::reference::Reference;
 
@@ -175,6 +177,7 @@ pub fn run(
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
     let (particles, method, pipes) = (&plan.particles, plan.method.as_ref(), &plan.pipe_extents[..]);
     let observers = Observers::new(&Setup { scene, particles, method, pipes, maps: options.fields, reference });
+    holdable(scene, settings.method, Memory { observers: observers.held_at_the_end(), ..plan.summary.memory })?;
     let setup = setup.stop();
     let guard = Guard::new(scene, &plan.particles, &plan.pipe_extents);
     let (began, dense) = (Instant::now(), plan.method.report().is_dense);

@@ -7,7 +7,7 @@ mod moving;
 mod pipes;
 mod prepared;
 mod random;
-mod refusals;
+pub(crate) mod refusals;
 mod steps;
 mod transport;
 

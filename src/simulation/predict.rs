@@ -20,6 +20,7 @@ use crate::march::instants::{next_turn, outputs};
 use crate::march::{GUARD_STEPS, Refused};
 use crate::observers::Observers;
 use crate::observers::observer::{Cadence, Moment, Setup, View};
+use crate::plan::refusals::{Counted, affordable, count, holdable};
 use crate::plan::{Plan, PlanSummary, build_for, settings_of};
 use crate::reference::Reference;
 
@@ -108,7 +109,7 @@ pub fn extrapolated_steps(times: &[f64], duration: f64) -> Option<u64> {
     let scale = (mean.1 - slope * mean.0).exp();
     let last = *times.last()?;
     let rest = (duration.powf(1.0 - slope) - last.powf(1.0 - slope)) / (scale * (1.0 - slope));
-    Some(times.len() as u64 + rest.ceil() as u64)
+    Some((rest.ceil() as u64).saturating_add(times.len() as u64))
 }
 
 /// How often a run does what takes time.
@@ -216,7 +217,25 @@ pub fn forecast(
     // On one thread its own time does not count what others on the machine do meanwhile.
     let (began, own) = (Instant::now(), cpu_time::ThreadTime::now());
     let mut now = || if threads == 1 { own.elapsed().as_secs_f64() } else { began.elapsed().as_secs_f64() };
-    Ok(try_out(scene, plan, threads, &mut now))
+    let forecast = try_out(scene, plan, threads, &mut now);
+    holdable(scene, method, forecast.summary.memory)?;
+    Ok(forecast)
+}
+
+/// What can be counted of a run of a scene under a method without a plan; nothing where the scene says nothing of it.
+pub fn counted(scene: &Scene, method: &str) -> Option<Counted> {
+    let settings = scene.method(method)?;
+    let stencil = settings.discretisation.stencil(settings.numerics.spacing, scene.domain.dimension());
+    Some(count(scene, settings, &stencil))
+}
+
+/// Refuses a run that plainly does not fit into memory, without a plan.
+///
+/// # Errors
+/// The spacing that it must have at least.
+pub fn fits(scene: &Scene, method: &str) -> Result<(), Refused> {
+    let settings = settings_of(scene, method)?;
+    affordable(scene, settings, &settings.discretisation.stencil(settings.numerics.spacing, scene.domain.dimension()))
 }
 
 /// Tries a plan by a clock (s).
@@ -250,6 +269,10 @@ fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f
     method.publish(&mut particles);
     let mut cost = Cost { step: stepped.each, ..Cost::default() };
     cost.guard = timed(TRIAL.1, now, &mut || failed |= guard.look(&particles, &clock, &bound).is_err()).each;
+    if failed {
+        // Of a state that has left the numbers nothing can be read, least of all soon.
+        return Forecast { summary, work: None, cost, timed_steps: stepped.count, threads };
+    }
     // No profile is wanted at the start, and one at each of its instants.
     let mut observe = |time: f64, moment: Moment| {
         let across = method.across(&particles.enthalpy, time);
@@ -266,8 +289,7 @@ fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f
     if looks {
         cost.look = timed(TRIAL.1, now, &mut || observe(0.0, Moment::Within)).each;
     }
-    let steps = summary.steps.number().filter(|_| !failed);
-    let work = steps.map(|steps| Work::of(scene, steps, looks));
+    let work = summary.steps.number().map(|steps| Work::of(scene, steps, looks));
     Forecast { summary, work, cost, timed_steps: stepped.count, threads }
 }
 

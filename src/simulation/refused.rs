@@ -6,7 +6,7 @@ use frazil_core::boundary::patch::MOST_PATCHES;
 use frazil_core::boundary::pipe::PipeError;
 use frazil_core::boundary::shells::ShellError;
 use frazil_core::boundary::wall_layers::NoFreeParticle;
-use frazil_core::memory;
+use frazil_core::memory::{self, Allowed, Memory};
 use frazil_core::solvers::step::Bound;
 use frazil_core::space::wall::PatchId;
 use frazil_scene::method::Unrepresented;
@@ -38,12 +38,11 @@ pub enum Refused {
     /// A checkpoint, by its path, from which the run cannot go on: why.
     #[error("{0}: {1}")]
     Checkpoint(String, String),
-    /// More than the memory that is left.
+    /// More than the memory that a run may take, before any of it is taken.
     #[error(
-        "a spacing of {spacing} makes {particles:.1e} particles, which with {what} need at least {}, and {} are left: \
-         set a larger spacing",
-        memory::words(*.needed),
-        memory::words(*.left)
+        "a spacing of {spacing} makes {particles:.1e} particles, which with {what} need at least {}, and a run may take \
+         {allowed}: set a spacing of at least {fits:.2e}",
+        memory::words(*.needed)
     )]
     Memory {
         /// Spacing (m).
@@ -54,8 +53,29 @@ pub enum Refused {
         what: &'static str,
         /// What is needed (bytes).
         needed: f64,
-        /// What is left (bytes).
-        left: f64,
+        /// What is allowed.
+        allowed: Allowed,
+        /// A spacing with which less is needed (m).
+        fits: f64,
+    },
+    /// A run that would hold more at its end than it may take, counted part by part.
+    #[error(
+        "the run would hold {} in memory at its end, {} of it results, and may take {allowed}: {}",
+        memory::words(held.total() as f64),
+        memory::words(held.observers as f64),
+        if held.observers > held.particles + held.method {
+            "fewer outputs and profiles hold less, and so does a larger spacing".into()
+        } else {
+            format!("a spacing of about {fits:.2e} fits")
+        }
+    )]
+    Held {
+        /// What it would hold.
+        held: Memory,
+        /// What is allowed.
+        allowed: Allowed,
+        /// A spacing with which it would be enough (m).
+        fits: f64,
     },
     /// A stream of particles at rest.
     #[error("a driven liquid needs particles that move: method.edpd.motion = true")]

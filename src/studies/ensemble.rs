@@ -8,6 +8,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
+use frazil_core::memory;
 use frazil_record::{Outcome, Record, RunResult};
 use frazil_scene::method::MethodSettings;
 use frazil_scene::{Arrangement, Scene};
@@ -17,7 +18,7 @@ use frazil_simulation::reference::Reference;
 use crate::campaign::{Campaign, Shard};
 use crate::failure::{Failure, Verdict, answer, complain};
 use crate::output::{self, Folder, Owner};
-use crate::progress::{clock, forewarn};
+use crate::progress::{bearable, clock, forewarn};
 use crate::{answers, expect};
 
 pub mod figures;
@@ -50,6 +51,8 @@ pub struct EnsembleRequest<'a> {
     pub checkpoints: Option<Duration>,
     /// Whether to say nothing but errors.
     pub quiet: bool,
+    /// Whether to begin what takes longer than 30 days.
+    pub yes: bool,
 }
 
 /// Why there is no ensemble.
@@ -84,12 +87,7 @@ pub fn ensemble(request: &EnsembleRequest<'_>, interrupt: &AtomicBool) -> Result
     let threads = request.threads.min(count);
     let campaign = Campaign::open(out, Shard::WHOLE, threads, interrupt)?.with_checkpoints(request.checkpoints);
     let members = Members { scene, settings, reference, folder: out, campaign: &campaign, seeds: &seeds };
-    if !request.quiet {
-        let open = seeds.iter().filter(|seed| members.record_of(**seed).is_none()).count();
-        let rounds = open.div_ceil(threads.max(1)) as f64;
-        let seconds = expect::seconds(scene, method, reference, 1).map(|seconds| rounds * seconds);
-        forewarn(&format!("{} under {method}, {open} members", scene.name), seconds);
-    }
+    expected(request, &members, threads).inspect_err(|_| folder.take_back())?;
     let began = Instant::now();
     let made = members.make(request.quiet).inspect_err(|_| folder.take_back())?;
     if made.finished < count {
@@ -110,6 +108,23 @@ pub fn ensemble(request: &EnsembleRequest<'_>, interrupt: &AtomicBool) -> Result
         answer(&study.summary(scene, out))?;
     }
     Ok(Verdict::worst(study.record.members.iter().map(|member| member.outcome)))
+}
+
+/// Says that the members to come take long, if they do, and refuses what would not end.
+fn expected(request: &EnsembleRequest<'_>, members: &Members<'_>, threads: usize) -> Result<(), Failure> {
+    let open = members.seeds.iter().filter(|seed| members.record_of(**seed).is_none()).count();
+    memory::share(threads.min(open));
+    let expected = expect::run(request.scene, request.method, request.reference, 1)?;
+    let Some(one) = expected.filter(|_| open > 0) else { return Ok(()) };
+    let seconds = open.div_ceil(threads.max(1)) as f64 * one.seconds;
+    let what = format!("{} under {}, {open} members", request.scene.name, request.method);
+    if !request.yes {
+        bearable(&what, seconds, one.shorter)?;
+    }
+    if !request.quiet {
+        forewarn(&what, Some(seconds));
+    }
+    Ok(())
 }
 
 /// An ensemble needs chance: without any, all members are one.

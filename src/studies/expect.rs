@@ -5,7 +5,8 @@ use std::sync::Arc;
 use frazil_core::space::lattice::Lattice;
 use frazil_scene::method::Stepper;
 use frazil_scene::{Scene, StepChoice};
-use frazil_simulation::predict;
+use frazil_simulation::march::Refused;
+use frazil_simulation::predict::{self, Forecast, Work};
 use frazil_simulation::reference::Reference;
 
 use crate::progress::LONG;
@@ -13,13 +14,43 @@ use crate::progress::LONG;
 /// Time (s) of a particle's step, at most: noise of some fifty pairs, each from a list.
 const DEAREST: f64 = 1e-6;
 
-/// Time (s) that a run of a scene under a method takes on this machine, from its first steps; absent where it is plainly short,
+/// What a run will take, and why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expectation {
+    /// Time (s) on this machine.
+    pub seconds: f64,
+    /// What its steps are, what bounds them and what would make it shorter, in words.
+    pub shorter: String,
+}
+
+/// What a run of a scene under a method takes on this machine, from its first steps; absent where it is plainly short,
 /// which costs no trial, or where the steps do not tell.
-pub fn seconds(scene: &Scene, method: &str, reference: Option<&Arc<dyn Reference>>, threads: usize) -> Option<f64> {
+///
+/// # Errors
+/// What the plan of the run refuses, its memory included.
+pub fn run(
+    scene: &Scene,
+    method: &str,
+    reference: Option<&Arc<dyn Reference>>,
+    threads: usize,
+) -> Result<Option<Expectation>, Refused> {
     if is_short(scene, method) {
-        return None;
+        return Ok(None);
     }
-    predict::forecast(scene, method, reference, threads, 1).ok()?.seconds()
+    let forecast = predict::forecast(scene, method, reference, threads, 1)?;
+    let told = forecast.seconds().zip(forecast.work);
+    Ok(told.map(|(seconds, work)| Expectation { seconds, shorter: shorter(&forecast, &work) }))
+}
+
+/// What a run spends its time on, and what would make it shorter.
+fn shorter(forecast: &Forecast, work: &Work) -> String {
+    let summary = &forecast.summary;
+    let steps = format!(
+        "{:.1e} steps of at most {:.1e} s, which {} bounds, and {:.1e} particles",
+        work.steps as f64, summary.step_s, summary.step_limit, summary.particles as f64
+    );
+    let ways = summary.relaxed_by.iter().map(String::as_str).chain(["an earlier end"]);
+    format!("{steps}; shorter by {}", ways.collect::<Vec<_>>().join(", or by "))
 }
 
 /// Whether particles and steps are so few that nothing need be tried. Water and motion make steps dearer by what only a
@@ -53,10 +84,10 @@ mod tests {
     use super::*;
     use crate::bundled;
 
-    fn told(scene: &str, changes: &[(&str, &str)]) -> Option<f64> {
+    fn told(scene: &str, changes: &[(&str, &str)]) -> Option<Expectation> {
         let changes: Vec<(String, String)> =
             changes.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-        seconds(&bundled::scene(scene, &changes).expect("a scene"), "local", None, 1)
+        run(&bundled::scene(scene, &changes).expect("a scene"), "local", None, 1).expect("a plan")
     }
 
     #[test]
@@ -65,6 +96,6 @@ mod tests {
         assert_eq!(told("frozen-wall-sand", &[]), None);
         // Some 1e11 steps of particles, of which a core makes less than 1e9 in a second.
         let long = told("frozen-wall-sand", &[("method.local.spacing_m", "0.02"), ("time.duration_days", "4000")]);
-        assert!(long.is_some_and(|seconds| seconds > 100.0), "{long:?}");
+        assert!(long.as_ref().is_some_and(|long| long.seconds > 100.0), "{long:?}");
     }
 }

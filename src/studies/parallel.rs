@@ -3,13 +3,17 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
+use frazil_core::memory;
+
 /// Answers to tasks 0, 1, 2, ... in the order of their numbers. Each of `workers` threads takes the next task that is
-/// free; a task without an answer stays empty.
+/// free; a task without an answer stays empty. Runs among them share the memory that there is.
 pub fn in_order<T: Send>(tasks: usize, workers: usize, work: impl Fn(usize) -> Option<T> + Sync) -> Vec<Option<T>> {
     let next = AtomicUsize::new(0);
     let answers: Mutex<Vec<Option<T>>> = Mutex::new((0..tasks).map(|_| None).collect());
+    let workers = workers.clamp(1, tasks.max(1));
+    memory::share(workers);
     std::thread::scope(|scope| {
-        for _ in 0..workers.clamp(1, tasks.max(1)) {
+        for _ in 0..workers {
             scope.spawn(|| {
                 loop {
                     let task = next.fetch_add(1, Ordering::Relaxed);
@@ -22,6 +26,7 @@ pub fn in_order<T: Send>(tasks: usize, workers: usize, work: impl Fn(usize) -> O
             });
         }
     });
+    memory::share(1);
     answers.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use frazil_simulation::march::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::failure::complain;
+use crate::failure::{Failure, complain};
 
 /// Lines that nobody watches come this far apart.
 const BETWEEN_LINES: Duration = Duration::from_secs(10);
@@ -118,6 +118,33 @@ fn warning(what: &str, seconds: f64) -> Option<String> {
     (seconds > LONG).then_some(words)
 }
 
+/// What would take longer than anyone waits for.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{what}: this would take {} on this machine, more than {} days, and is begun with --yes alone: {shorter}",
+    clock(*.seconds),
+    ENDLESS / 86_400.0
+)]
+struct Endless {
+    what: String,
+    seconds: f64,
+    shorter: String,
+}
+
+/// Refuses what takes longer than 30 days, with what would make it shorter.
+///
+/// # Errors
+/// Where it takes so long.
+pub fn bearable(what: &str, seconds: f64, shorter: String) -> Result<(), Failure> {
+    if seconds <= ENDLESS {
+        return Ok(());
+    }
+    Err(Failure::request(Endless { what: what.to_owned(), seconds, shorter }))
+}
+
+/// A year (s).
+const YEAR: f64 = 365.25 * 86_400.0;
+
 /// A span of time as people say it.
 pub fn clock(seconds: f64) -> String {
     match seconds {
@@ -127,7 +154,8 @@ pub fn clock(seconds: f64) -> String {
         s if s < 7200.0 => format!("{:.0} min", s / 60.0),
         s if s < 48.0 * 3600.0 => format!("{:.1} h", s / 3600.0),
         s if s < 1000.0 * 86_400.0 => format!("{:.0} days", s / 86_400.0),
-        s => format!("{:.0} years", s / (365.25 * 86_400.0)),
+        s if s < 1e6 * YEAR => format!("{:.0} years", s / YEAR),
+        s => format!("{:.1e} years", s / YEAR),
     }
 }
 

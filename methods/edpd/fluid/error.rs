@@ -1,5 +1,7 @@
 //! What goes wrong with fluids.
 
+use frazil_core::memory::{self, Allowed};
+
 /// Why there is no such fluid, or why it goes on no longer.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FluidError {
@@ -25,6 +27,20 @@ pub enum FluidError {
         length: f64,
         /// What it must be long.
         least: f64,
+    },
+    /// More particles than memory holds.
+    #[error(
+        "{count:.1e} particles that move need at least {}, and a run may take {allowed}: a larger spacing, or on a line a \
+         lesser strip_width",
+        memory::words(*.needed)
+    )]
+    Large {
+        /// How many.
+        count: f64,
+        /// What they need (bytes).
+        needed: f64,
+        /// What is allowed.
+        allowed: Allowed,
     },
     /// Particles that crowd together or leave the numbers.
     #[error(

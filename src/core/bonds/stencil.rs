@@ -14,7 +14,8 @@ pub struct Stencil {
     pub dimension: usize,
     /// Greatest offset in cells.
     pub reach: usize,
-    /// Weight at offset (column, row), both 0..=reach, in that order: `weights[row * (reach + 1) + column]`.
+    /// Weight at offset (column, row), both 0..=reach, in that order: `weights[row * (reach + 1) + column]`. On a line there is
+    /// one row.
     weights: Vec<f64>,
     disc: bool,
 }
@@ -32,7 +33,7 @@ impl Stencil {
         let rows = if dimension == 1 { 0 } else { reach };
         let volume = spacing.powi(dimension as i32);
         let limit = weight.reach() * (1.0 + SHELL_TOLERANCE);
-        let mut stencil = Stencil { dimension, reach, weights: vec![0.0; (reach + 1) * (reach + 1)], disc: false };
+        let mut stencil = Stencil { dimension, reach, weights: vec![0.0; (rows + 1) * (reach + 1)], disc: false };
         for row in 0..=rows {
             for column in 0..=reach {
                 let cells = (((column * column + row * row) as f64).sqrt(), column + row);
@@ -52,20 +53,26 @@ impl Stencil {
     /// Drops outer shells without weight.
     fn trim(self) -> Self {
         let used = self.offsets().map(|(column, row, _)| column.max(row)).max().unwrap_or(1).max(1);
-        let weights = (0..=used).flat_map(|row| (0..=used).map(move |column| (column, row)));
+        let rows = if self.dimension == 1 { 0 } else { used };
+        let weights = (0..=rows).flat_map(|row| (0..=used).map(move |column| (column, row)));
         let disc = self.offsets().all(|(column, row, _)| column * column + row * row <= used * used);
         Stencil { weights: weights.map(|(c, r)| self.at(c, r)).collect(), reach: used, dimension: self.dimension, disc }
+    }
+
+    /// Greatest offset across.
+    fn rows(&self) -> usize {
+        if self.dimension == 1 { 0 } else { self.reach }
     }
 
     /// Weight at an offset in cells, both not negative.
     #[inline]
     pub fn at(&self, column: usize, row: usize) -> f64 {
-        if column > self.reach || row > self.reach { 0.0 } else { self.weights[row * (self.reach + 1) + column] }
+        if column > self.reach || row > self.rows() { 0.0 } else { self.weights[row * (self.reach + 1) + column] }
     }
 
     /// Offsets of the first quadrant (axes included) with their weights.
     pub fn offsets(&self) -> impl Iterator<Item = (usize, usize, f64)> + '_ {
-        (0..=self.reach)
+        (0..=self.rows())
             .flat_map(move |row| (0..=self.reach).map(move |column| (column, row, self.at(column, row))))
             .filter(|offset| offset.2 != 0.0)
     }
@@ -84,7 +91,7 @@ impl Stencil {
     /// over rows. Offsets in the particle's own column exchange nothing.
     pub fn collapsed(&self) -> Vec<f64> {
         let over_rows =
-            |column| (0..=self.reach).map(move |row| if row > 0 { 2.0 } else { 1.0 } * self.at(column, row));
+            |column| (0..=self.rows()).map(move |row| if row > 0 { 2.0 } else { 1.0 } * self.at(column, row));
         (1..=self.reach).map(|column| over_rows(column).sum()).collect()
     }
 

@@ -9,9 +9,6 @@ use frazil_core::breakage::crack::{Crack, Growth};
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
 
-/// Cracks that a scene may have: each pair is compared with each.
-const MOST_CRACKS: usize = 1000;
-
 const LENGTH: (&str, &str) = ("length", "m");
 const SPEED: (&str, &str) = ("speed", "m_per_s");
 
@@ -24,9 +21,6 @@ pub(super) fn cracks(root: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Cra
     };
     if let (Some(first), Some(found)) = (sections.first_mut(), not_a_plane) {
         first.section_problem(format!("a crack needs a plane, the domain is {found}"));
-    }
-    if sections.len() > MOST_CRACKS {
-        root.problem("cracks", format!("found {} cracks, must be at most {MOST_CRACKS}", sections.len()));
     }
     sections.iter_mut().flat_map(|section| crack(section, domain)).collect()
 }

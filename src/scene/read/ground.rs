@@ -10,6 +10,9 @@ use frazil_core::physics::freezing_curve::shape::{Given, Parameter, Quantity, Re
 use frazil_core::physics::freezing_curve::{CURVES, CurveKind, FreezingCurve, FreezingLaw};
 use frazil_core::physics::material::{Material, Mixing, Phase};
 
+/// Materials of a scene: particles name theirs by a byte.
+const MOST_MATERIALS: usize = 255;
+
 /// How far apart conductivities, and heats, of the two phases may be: of the sixteen digits of a number ten are left
 /// for the smaller.
 const MOST_APART: f64 = 1e6;
@@ -45,6 +48,9 @@ pub(super) fn materials(section: &mut Section<'_>, water: bool) -> Vec<(String, 
         .collect();
     if found.is_empty() {
         section.section_problem("missing, must have at least one material, as [materials.water]");
+    }
+    if found.len() > MOST_MATERIALS {
+        section.section_problem(format!("found {} materials, must be at most {MOST_MATERIALS}", found.len()));
     }
     found
 }

@@ -317,3 +317,40 @@ proptest! {
         }
     }
 }
+
+/// What is larger than anyone means is refused by what was found and what is allowed, and no file ends in more words than can be read.
+#[test]
+fn files_tables_and_lists_have_a_size() {
+    let many = |count: usize, item: &str| vec![item; count].join(", ");
+    let numbers = |count: usize| (1..=count).map(|k| k.to_string()).collect::<Vec<_>>().join(", ");
+    let profiles = |count: usize| GOOD.replace("[5, 10.0]", &format!("[{}]", numbers(count)));
+    assert_eq!(
+        message(&profiles(1001), &[("time.duration_h", "2000")]),
+        "water.toml:11: time.profiles_h: found 1001, must be at most 1000"
+    );
+    assert!(read(&profiles(1000), &[("time.duration_h", "2000")]).is_ok());
+    for (key, item) in [("probes_m", "[0.1]"), ("isotherms_c", "1")] {
+        let watched = GOOD.replace("[watch]", &format!("[watch]\n{key} = [{}]", many(1001, item)));
+        let watched = if key == "probes_m" { watched.replace("probes_m = [[0.1], [0.2]]", "") } else { watched };
+        let expected = format!("water.toml:29: watch.{key}: found 1001, must be at most 1000");
+        assert_eq!(message(&watched, &[]), expected);
+    }
+    let long = GOOD.replace("[5, 10.0]", &format!("[{}]", numbers(100_001)));
+    assert_eq!(
+        message(&long, &[]),
+        "water.toml:11: time.profiles_h: found a list of 100001 items, must have at most 100000"
+    );
+    let regions = format!("{GOOD}\nregions = [{}]", many(1001, "{}"));
+    assert!(message(&regions, &[]).ends_with("regions: found a list of 1001 tables, must have at most 1000"));
+    let material = |k: usize| format!("[materials.m{k}]\n");
+    let materials: String = (0..255).map(material).collect();
+    let said = message(&format!("{GOOD}\n{materials}"), &[]);
+    assert!(said.contains("materials: found 256 materials, must be at most 255"), "{}", &said[..200]);
+    let keys: String = (0..1001).map(|k| format!("k{k} = 1\n")).collect();
+    assert_eq!(message(&keys, &[]), "water.toml: found 1001 keys, must have at most 1000");
+    let large = "#".repeat(4_000_001);
+    assert_eq!(message(&large, &[]), "water.toml: found 4000001 bytes, must have at most 4000000");
+    let said = message(&"a = 1\n".repeat(5000), &[]);
+    assert_eq!(said.lines().count(), 1001);
+    assert!(said.contains("more problems"), "{}", &said[..200]);
+}

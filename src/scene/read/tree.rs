@@ -5,6 +5,7 @@ use toml::value::Datetime;
 use toml::{Spanned, Value};
 
 use super::problem::{Place, Problem};
+use super::size;
 
 /// A value of the file.
 #[derive(Debug, Clone)]
@@ -62,13 +63,18 @@ impl Node {
     }
 }
 
-/// Parses a file; on failure all syntax errors.
+/// Parses a file; on failure all syntax errors, or all that is too large.
 pub(super) fn parse(text: &str) -> Result<Vec<Entry>, Vec<Problem>> {
+    if let Some(problem) = size::of_text(text) {
+        return Err(vec![problem]);
+    }
     let breaks: Vec<usize> = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(at, _)| at).collect();
     let place = |at: usize| Place::Line(breaks.partition_point(|end| *end < at) + 1);
     let (table, errors) = DeTable::parse_recoverable(text);
     if errors.is_empty() {
-        return Ok(entries(table.get_ref(), &place));
+        let entries = entries(table.get_ref(), &place);
+        let large = size::of_entries(&entries);
+        return if large.is_empty() { Ok(entries) } else { Err(large) };
     }
     let mut problems: Vec<Problem> = Vec::new();
     for error in errors {

@@ -19,11 +19,21 @@ pub(super) struct Time {
     pub(super) remarks: Vec<String>,
 }
 
+/// Instants of profiles, and places, cuts and temperatures that are watched, of each.
+const MOST_PLACES: usize = 1000;
+
+fn few(count: usize) -> String {
+    format!("found {count}, must be at most {MOST_PLACES}")
+}
+
 pub(super) fn time(root: &mut Section<'_>) -> Read<Time> {
     let mut section = root.section("time")?;
     let duration = section.duration("duration", Range::POSITIVE);
     let outputs = section.integer_or("outputs", 60, 1..=100_000);
     let profiles = section.optional_times("profiles");
+    if let Some(count) = profiles.as_ref().map(Vec::len).filter(|count| *count > MOST_PLACES) {
+        section.time_problem("profiles", few(count));
+    }
     let duration = duration?;
     let (mut instants, mut remarks) = (vec![duration.seconds], Vec::new());
     if let Some(profiles) = profiles {
@@ -58,6 +68,9 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Read<
     if let Some(mut section) = root.optional_section("watch") {
         let dimension = domain.map(Domain::dimension);
         let points = section.optional_points(PROBES, dimension).unwrap_or_default();
+        if points.len() > MOST_PLACES {
+            section.problem(PROBES, few(points.len()));
+        }
         for point in points {
             let coordinate = |axis: usize| point.get(axis).copied().unwrap_or(0.0);
             let (x, y) = (coordinate(0), coordinate(1));
@@ -71,6 +84,9 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Read<
         surfaces = shells::surfaces(&mut section, domain);
         let allowed = temperatures(section.units().absolute_zero());
         isotherms = section.optional_numbers(("isotherms", "c"), allowed).unwrap_or_default();
+        if isotherms.len() > MOST_PLACES {
+            section.problem(("isotherms", "c"), few(isotherms.len()));
+        }
         phases = self::phases(&mut section, domain);
         corner_front = section.flag_or("corner_front", false);
         if corner_front && domain.is_some_and(|domain| !matches!(domain, Domain::Rectangle { .. })) {
@@ -141,6 +157,9 @@ fn cuts(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Surface> {
         let Cell { low, high } = extent(domain);
         let between = if across_y { (low.y, high.y) } else { (low.x, high.x) };
         let places = section.optional_numbers(key, Range::ANY).unwrap_or_default();
+        if places.len() > MOST_PLACES {
+            section.problem(key, few(places.len()));
+        }
         if let Some(outside) = places.iter().find(|at| !(between.0..=between.1).contains(*at)) {
             let (found, least, most) = (plain(*outside), plain(between.0), plain(between.1));
             section.problem(key, format!("found {found}, must lie between {least} and {most}"));

@@ -6,7 +6,7 @@ use frazil_core::boundary::patch::{Boundary, Dug};
 use frazil_core::boundary::pipe::{Extent, Sink};
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::kernels::sweep::WIDEST;
-use frazil_core::memory;
+use frazil_core::memory::{self, Memory};
 use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::segment::meet;
@@ -27,30 +27,70 @@ pub(super) fn blends(scene: &Scene, numerics: &Numerics) -> bool {
     numerics.exchange == Exchange::Potential && columns && scene.flow.is_none()
 }
 
-/// What is held for each (bytes): a particle at rest, one that moves with what it meets, a pair on a list, and a pair along which
-/// water flows; measured by `frazil check` with some ten thousand particles and more, and rounded down.
-const BYTES: [f64; 4] = [16.0, 400.0, 28.0, 160.0];
+/// What is held for each (bytes): a particle at rest, one that moves with what it meets while the liquid is made, a pair on a list, and
+/// a pair along which water flows; measured by `frazil check` with some ten thousand particles and more, and rounded down.
+const BYTES: [f64; 4] = [16.0, 700.0, 26.0, 150.0];
 
-/// Refuses what is far beyond the memory that is left, before any of it is taken.
-pub(super) fn affordable(scene: &Scene, settings: &MethodSettings, stencil: &Stencil) -> Result<(), Refused> {
+/// What can be counted of a run without a plan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Counted {
+    /// Particles.
+    pub particles: f64,
+    /// Pairs.
+    pub pairs: f64,
+    /// What is held for them at least (bytes).
+    pub bytes: f64,
+    /// Whatever holds the most of it, in words.
+    what: &'static str,
+}
+
+/// Counts what a scene says of particles and pairs.
+pub(crate) fn count(scene: &Scene, settings: &MethodSettings, stencil: &Stencil) -> Counted {
     let numerics = &settings.numerics;
     let discretisation = settings.discretisation.as_ref();
-    let spacing = numerics.spacing;
-    let particles = scene.domain.size() / spacing.powi(scene.domain.dimension() as i32);
+    let particles = scene.domain.size() / numerics.spacing.powi(scene.domain.dimension() as i32);
     let pairs = 0.5 * particles * stencil.neighbours() as f64;
     let [still, moving, listed, watered] = BYTES;
-    let (needed, what) = match (&discretisation.stepper, scene.flow.is_some()) {
-        (Stepper::Moving(_), _) => (moving * particles, "particles that move"),
+    let (bytes, what) = match (&discretisation.stepper, scene.flow.is_some()) {
+        (Stepper::Moving(_), _) => (moving * particles, "what moving ones meet"),
         (_, true) => ((still * particles) + watered * pairs, "the pairs along which water flows"),
         _ if why_list(scene, numerics, discretisation, stencil, false, false).is_some() => {
             (still * particles + listed * pairs, "their list of neighbours")
         }
         _ => (still * particles, "a lattice"),
     };
-    match memory::left() {
-        Some(left) if needed > left => Err(Refused::Memory { spacing, particles, what, needed, left }),
+    Counted { particles, pairs, bytes, what }
+}
+
+/// Refuses what is far beyond the memory that a run may take, before any of it is taken.
+pub(crate) fn affordable(scene: &Scene, settings: &MethodSettings, stencil: &Stencil) -> Result<(), Refused> {
+    let Counted { particles, bytes: needed, what, .. } = count(scene, settings, stencil);
+    let spacing = settings.numerics.spacing;
+    match memory::allowed() {
+        Some(allowed) if needed > allowed.each() => {
+            let fits = fitting(spacing, scene, needed / allowed.each());
+            Err(Refused::Memory { spacing, particles, what, needed, allowed, fits })
+        }
         _ => Ok(()),
     }
+}
+
+/// Refuses a run that would hold more than it may, now that all it will hold is counted.
+pub(crate) fn holdable(scene: &Scene, method: &str, held: Memory) -> Result<(), Refused> {
+    let Some(allowed) = memory::allowed() else { return Ok(()) };
+    let over = held.total() as f64 / allowed.each();
+    if over <= 1.0 {
+        return Ok(());
+    }
+    let spacing = scene.method(method).map_or(f64::NAN, |settings| settings.numerics.spacing);
+    Err(Refused::Held { held, allowed, fits: fitting(spacing, scene, over) })
+}
+
+/// A spacing (m) at which this many times less is held, rounded up to three digits.
+fn fitting(spacing: f64, scene: &Scene, over: f64) -> f64 {
+    let least = spacing * over.powf(1.0 / scene.domain.dimension() as f64);
+    let unit = 10f64.powf(least.log10().floor() - 2.0);
+    (least / unit).ceil() * unit
 }
 
 /// Why a scene needs a neighbour list; none if the lattice stencil does.

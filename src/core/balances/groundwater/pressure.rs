@@ -20,8 +20,10 @@ use crate::saved::{Pass, Saved};
 /// What remains of a particle's balance over the water that passes through it, in the root of the mean of squares.
 const TOLERANCE: f64 = 1e-8;
 
-/// The same over what walls drive, for the first solution, which knows of no water that passes.
+/// The same over what drives water, for the first solution and others before which none has passed.
 const FIRST_TOLERANCE: f64 = 1e-11;
+/// The same where hardly any water passed before, as far as numbers tell it from none.
+const ROUNDING: f64 = 1e-15;
 
 /// Iterations of one solution, beyond which there is none.
 const MOST_ITERATIONS: usize = 10_000;
@@ -124,8 +126,11 @@ impl Pressure {
         }
         self.coarse.assemble(network, &self.diagonal, &self.rest);
         let norm = |column: &[f64]| dot(column, column).sqrt();
-        let limit =
-            if self.solutions == 0 { FIRST_TOLERANCE * norm(&self.right) } else { TOLERANCE * self.passing(network) };
+        let passing = if self.solutions == 0 { 0.0 } else { self.passing(network) };
+        let limit = match passing > 0.0 {
+            true => (TOLERANCE * passing).max(ROUNDING * norm(&self.right)),
+            false => FIRST_TOLERANCE * norm(&self.right),
+        };
         // The balance of each block first.
         let own = self.pad..self.pad + network.len();
         self.direction[own.clone()].copy_from_slice(&self.pressure);

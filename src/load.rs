@@ -1,11 +1,11 @@
 //! From what was typed to a scene and a method of it.
 
-use std::fs;
 use std::path::Path;
 
 use frazil_layouts::file::Kind;
 use frazil_scene::Scene;
 use frazil_studies::failure::Failure;
+use frazil_studies::input;
 use frazil_studies::parts::Override;
 
 use crate::registry;
@@ -43,7 +43,7 @@ pub fn scene(argument: &str, overrides: &[Override]) -> Result<Scene, Failure> {
     if !path.exists() && path.extension().is_none() && path.components().count() == 1 {
         return Err(Failure::request(NoScene::Unknown { asked: argument.to_owned(), near: near(argument) }));
     }
-    let text = fs::read_to_string(path).map_err(|error| Failure::file(path, "cannot be read", error))?;
+    let text = input::text(path)?;
     let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
     Scene::read(&text, &name, argument, overrides, registry::methods()).map_err(|problems| match Kind::of(&text) {
         Some(Kind::Study) => Failure::request(NoScene::Study(argument.to_owned())),

@@ -1,12 +1,13 @@
 //! Fluids as files: what the real one has at each temperature, and what it is made of.
 
-use std::fs;
 use std::path::Path;
 
 use frazil_cases::fluids;
 use frazil_edpd::calibration;
+use frazil_scene::names;
 use frazil_scene::{Problem, Problems, Range, Read, Section, Units, read_section};
 use frazil_studies::failure::Failure;
+use frazil_studies::input;
 
 /// A fluid at one temperature.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -98,8 +99,8 @@ pub fn load(argument: &str, judge: Judge<'_>) -> Result<Fluid, Failure> {
             known: fluids::all().iter().map(|fluid| fluid.name).collect(),
         }));
     }
-    let text = fs::read_to_string(path).map_err(|error| Failure::file(path, "cannot be read", error))?;
-    let name = path.file_stem().map_or_else(|| "fluid".into(), |stem| stem.to_string_lossy().into_owned());
+    let text = input::text(path)?;
+    let name = path.file_stem().map_or_else(|| "fluid".into(), |stem| names::of(&stem.to_string_lossy()));
     let table = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
     Ok(if table { from_csv(&text, &name, argument, judge)? } else { from_toml(&text, &name, argument, judge)? })
 }

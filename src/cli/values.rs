@@ -6,7 +6,7 @@ use frazil_studies::parallel;
 
 /// The command as it was typed, for a page of results.
 pub fn command_line() -> String {
-    std::env::args().collect::<Vec<_>>().join(" ")
+    std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect::<Vec<_>>().join(" ")
 }
 
 /// Threads that were asked for; by default one for each core.

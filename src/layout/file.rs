@@ -1,7 +1,8 @@
 //! Files of scenes and studies as they stand: which of both one is, and what it has at a key.
 
-use std::fs;
+use std::path::Path;
 
+use frazil_studies::input;
 use frazil_studies::parts::Override;
 use toml::{Table, Value};
 
@@ -42,7 +43,7 @@ pub(crate) fn value(argument: &str, overrides: &[Override], path: &str) -> Optio
     }
     let text = match frazil_cases::scenes::find(argument) {
         Some(bundled) => bundled.text.to_owned(),
-        None => fs::read_to_string(argument).ok()?,
+        None => input::text(Path::new(argument)).ok()?,
     };
     // Whatever is wrong with it, reading the scene has told.
     below(&Value::Table(text.parse().ok()?), path).cloned()

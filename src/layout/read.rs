@@ -1,12 +1,13 @@
 //! Reading study files: what they say, and the layouts that follow from it, with all problems of both at once.
 
-use std::fs;
 use std::path::Path;
 
 use frazil_core::space::domain::Domain;
 use frazil_scene::method::MethodKind;
+use frazil_scene::names;
 use frazil_scene::{Change, Problem, Problems, Range, Read, Section, Spot, Units, read_section};
 use frazil_studies::failure::Failure;
+use frazil_studies::input;
 use frazil_studies::parts::{Override, Parts};
 
 use super::answers::DAY;
@@ -51,7 +52,7 @@ pub fn study<'a>(argument: &str, overrides: &[Override], parts: &Parts<'a>) -> R
         let known = frazil_cases::studies::all().iter().map(|study| study.name).collect();
         return Err(Failure::request(NoStudy::Unknown { asked: argument.to_owned(), known }));
     }
-    let text = fs::read_to_string(path).map_err(|error| Failure::file(path, "cannot be read", error))?;
+    let text = input::text(path)?;
     let name = path.file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy().into_owned());
     parse(&text, &name, path, overrides, parts)
 }
@@ -79,7 +80,7 @@ pub fn parse<'a>(
         let ground = Ground { parts: *parts, scene, set, strata, asked: overrides.to_vec() };
         let layouts = file.layouts(root, &ground)?;
         Ok(Study {
-            name: name.to_owned(),
+            name: names::of(name),
             title: file.title?,
             source: file.source,
             method: file.method,

@@ -1,5 +1,6 @@
 //! The file as a tree of values that know where they were written, and `--set` upon it.
 
+use frazil_record::quoted;
 use toml::de::{DeTable, DeValue};
 use toml::value::Datetime;
 use toml::{Spanned, Value};
@@ -37,7 +38,8 @@ impl Node {
     /// What messages call it.
     pub(super) fn found(&self) -> String {
         match self {
-            Node::Text(text) => format!("\"{}\"", text.escape_debug()),
+            Node::Text(text) => quoted(text),
+            Node::Number(text, ..) if text.len() > 40 => format!("a number of {} digits", text.len()),
             Node::Number(text, ..) => text.clone(),
             Node::Flag(flag) => flag.to_string(),
             Node::Date(_) => "a date".into(),
@@ -76,7 +78,7 @@ pub(super) fn parse(text: &str) -> Result<Vec<Entry>, Vec<Problem>> {
         let mut message = format!("not valid TOML: {}", error.message().replace('\n', ", "));
         if let (true, Some(found)) = (message.ends_with("duplicate key"), error.span().and_then(|span| text.get(span)))
         {
-            message.push_str(&format!(" \"{}\"", found.trim()));
+            message.push_str(&format!(" {}", quoted(found.trim().trim_matches('"'))));
         }
         let problem = Problem::new(&place, "", message);
         // One slip often breaks the rest of its line in several ways; the first says it.

@@ -46,6 +46,9 @@ impl Section<'_> {
                 here.push(&asked.key);
             }
         }
+        if key.len() > LONGEST || self.log.next() > MANY {
+            return ("unknown key".to_owned(), Vec::new());
+        }
         if let Some(meant) = nearest(key, HERE, here.iter().copied(), |known| known) {
             return (format!("unknown key, did you mean \"{meant}\"?"), vec![meant.to_owned()]);
         }
@@ -72,6 +75,11 @@ impl Section<'_> {
         (message, Vec::new())
     }
 }
+
+/// A key that is longer than any there is, and those of a file that has so many problems, are not searched for: none is near, or
+/// nobody reads it.
+const LONGEST: usize = 100;
+const MANY: usize = 1000;
 
 /// One letter in so many may be wrong in a key of this section, and in one of another: there are many of them.
 const HERE: usize = 3;

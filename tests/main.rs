@@ -23,6 +23,7 @@ mod freezing_curves;
 mod fuzzed;
 mod gravity;
 mod groundwater;
+mod hostile;
 mod interfaces;
 mod invariants;
 mod irregular;

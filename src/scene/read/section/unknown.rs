@@ -1,5 +1,7 @@
 //! Keys that nobody asked for.
 
+use std::collections::HashSet;
+
 use super::super::problem::{KeyOf, Log, Problem};
 use super::super::range::{all_of, one_of};
 use super::super::tree::parse;
@@ -117,12 +119,9 @@ impl Drop for Section<'_> {
                 .collect()
         });
         let mut missing = std::mem::take(&mut self.missing);
-        for entry in self.entries {
-            let names = self.refused.iter().chain(&self.names);
-            if self.asked.iter().any(|asked| asked.key == entry.key) || names.into_iter().any(|name| *name == entry.key)
-            {
-                continue;
-            }
+        let known = self.asked.iter().map(|asked| &asked.key).chain(&self.refused).chain(&self.names);
+        let known: HashSet<&str> = known.map(String::as_str).collect();
+        for entry in self.entries.iter().filter(|entry| !known.contains(entry.key.as_str())) {
             let (message, meant) = self.unknown(&entry.key);
             // A misspelt key is one mistake, not two: it is not missing as well.
             let is_meant = |missing: &mut Missing| missing.instead.iter().any(|key| meant.contains(key));

@@ -9,10 +9,13 @@ use crate::solvers::passenger::Interval;
 use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Clock, StepError};
 
+/// Most steps of the passenger that are meant to go into one of the other: a run is asked between steps whether its time is up.
+const MOST: f64 = 1000.0;
+
 /// Whether the two share their steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coupling {
-    /// The passenger makes as many steps as it needs within each step of the other.
+    /// The passenger makes as many steps as it needs, up to a thousand, within each step of the other.
     Sequential,
     /// Both make the same steps: the other's are no longer than the passenger's.
     Full,
@@ -83,6 +86,10 @@ impl Transport {
         while time < end {
             let count = ((end - time) / self.longest() * (1.0 - 1e-12)).ceil().max(1.0);
             let step = (end - time) / count;
+            if !step.is_finite() || time + step <= time {
+                made_all = Err(StepError::NotFinite(step));
+                break;
+            }
             let own = Clock { time, step, index: self.steps, turned };
             match self.solute.make_step(particles, &own) {
                 Ok(step) => time = if count == 1.0 && step == own.step { end } else { time + step },
@@ -110,7 +117,7 @@ impl Solver for Transport {
     fn make_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
         self.hold(&particles.enthalpy, 0);
         let step = match self.coupling {
-            Coupling::Sequential => clock.step,
+            Coupling::Sequential => clock.step.min(MOST * self.longest()),
             Coupling::Full => clock.step.min(self.longest()),
         };
         let clock = Clock { step, ..*clock };

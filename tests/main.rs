@@ -11,6 +11,7 @@ mod calibration;
 mod capability;
 mod command_line;
 mod comparisons;
+mod counting;
 mod coupled;
 mod cracks;
 mod documents;

@@ -102,6 +102,12 @@ pub fn read_section<T>(
     finished(value, log, file)
 }
 
+/// Every key that a scene may have under these methods, as one in SI units writes it, behind the path of its section without names
+/// and numbers, as `("walls", "temperature_c")`.
+pub fn every_key(methods: &[&'static MethodKind]) -> Vec<(String, String)> {
+    every_key::every_key(methods).iter().map(|known| (known.section.clone(), known.key.clone())).collect()
+}
+
 /// What was read of a file without problems. What could not be read has left one: `Noted` says so.
 fn finished<T>(read: Read<T>, log: Log, file: &str) -> Result<T, Problems> {
     let problems = log.into_problems();

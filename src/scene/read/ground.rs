@@ -10,6 +10,9 @@ use frazil_core::physics::freezing_curve::shape::{Given, Parameter, Quantity, Re
 use frazil_core::physics::freezing_curve::{CURVES, CurveKind, FreezingCurve, FreezingLaw};
 use frazil_core::physics::material::{Material, Mixing, Phase};
 
+/// Most materials of a scene.
+const MOST: usize = 1000;
+
 /// How far apart conductivities, and heats, of the two phases may be: of the sixteen digits of a number ten are left
 /// for the smaller.
 const MOST_APART: f64 = 1e6;
@@ -35,8 +38,13 @@ pub(super) fn latent_heats(root: &mut Section<'_>, materials: &[Material], tempe
 
 /// Reads all materials; one that has a problem keeps its place, for its name.
 pub(super) fn materials(section: &mut Section<'_>, water: bool) -> Vec<(String, Read<Material>)> {
-    let found: Vec<_> = section
-        .named_sections()
+    let mut tables = section.named_sections();
+    if tables.len() > MOST {
+        section.section_problem(format!("found {} materials, must be at most {MOST}", tables.len()));
+        tables.iter_mut().for_each(|(_, table)| table.abandon());
+        return Vec::new();
+    }
+    let found: Vec<_> = tables
         .into_iter()
         .map(|(name, mut table)| {
             let material = if water { soil(&name, &mut table) } else { material(&name, &mut table) };

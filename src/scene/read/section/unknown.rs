@@ -119,6 +119,9 @@ impl Drop for Section<'_> {
                 .collect()
         });
         let mut missing = std::mem::take(&mut self.missing);
+        if self.abandoned && missing.is_empty() {
+            return;
+        }
         let known = self.asked.iter().map(|asked| &asked.key).chain(&self.refused).chain(&self.names);
         let known: HashSet<&str> = known.map(String::as_str).collect();
         for entry in self.entries.iter().filter(|entry| !known.contains(entry.key.as_str())) {

@@ -174,6 +174,22 @@ fn a_body_that_is_closed_in_everywhere_is_refused() {
     }
 }
 
+/// Phases of a part of the body in which no particle stands have no shares.
+#[test]
+fn phases_are_watched_where_particles_are() {
+    for kind in methods() {
+        for (between, said) in [("[0.4, 0.5]", None), ("[0.401, 0.409]", Some("0.401 and 0.409 at a spacing of 0.02"))]
+        {
+            let mut sketch = Sketch::new(BODY, 0.02).with(without_noise(kind));
+            sketch.watch = format!("phases = true\nphases_between_m = {between}\n");
+            let scene = sketch.scene(kind);
+            let refused = plan::build(&scene, &scene.methods[0], None, 1, 1).err().map(|refused| refused.to_string());
+            assert_eq!(refused.is_some(), said.is_some(), "{} {refused:?}", kind.name);
+            assert!(said.is_none_or(|said| refused.is_some_and(|refused| refused.contains(said))), "{}", kind.name);
+        }
+    }
+}
+
 #[test]
 fn threads_do_not_matter() {
     for kind in methods() {

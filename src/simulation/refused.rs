@@ -112,6 +112,19 @@ pub enum Refused {
         /// How far pairs reach (m).
         reach: f64,
     },
+    /// No particle stands where phases are watched (m), at a spacing (m).
+    #[error(
+        "watch.phases_between: no particle stands between {from} and {to} at a spacing of {spacing}, must be a part of the body \
+         in which one does"
+    )]
+    NoPhases {
+        /// From there.
+        from: f64,
+        /// To there.
+        to: f64,
+        /// Spacing.
+        spacing: f64,
+    },
     /// Impermeable parts cover all particles of a spacing (m).
     #[error(
         "impermeable parts cover every particle at a spacing of {0}: leave a part of the body open, or set a smaller spacing"

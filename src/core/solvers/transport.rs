@@ -12,6 +12,9 @@ use crate::solvers::step::{Clock, StepError};
 /// Most steps of the passenger that are meant to go into one of the other: a run is asked between steps whether its time is up.
 const MOST: f64 = 1000.0;
 
+/// Steps of the passenger within one of the other that nobody waits for: the other has become faster by a hundred times in one step.
+const ENDLESS: f64 = 1e5;
+
 /// Whether the two share their steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coupling {
@@ -86,8 +89,8 @@ impl Transport {
         while time < end {
             let count = ((end - time) / self.longest() * (1.0 - 1e-12)).ceil().max(1.0);
             let step = (end - time) / count;
-            if !step.is_finite() || time + step <= time {
-                made_all = Err(StepError::NotFinite(step));
+            if !count.is_finite() || count > ENDLESS || time + step <= time {
+                made_all = Err(StepError::Passenger { step: made, needed: count, bound: self.solute.report().bound });
                 break;
             }
             let own = Clock { time, step, index: self.steps, turned };

@@ -97,6 +97,12 @@ impl Prepared {
         if (0..count).all(|i| volumes.of(i) <= 0.0) {
             return Err(Refused::Closed(numerics.spacing));
         }
+        if let Some((from, to)) = scene.watch.phases {
+            let along = |i: usize| cloud.as_ref().map_or_else(|| lattice.position(i), |cloud| cloud[i]).x;
+            if !(0..count).any(|i| (from..=to).contains(&along(i)) && volumes.of(i) > 0.0) {
+                return Err(Refused::NoPhases { from, to, spacing: numerics.spacing });
+            }
+        }
         let materials = materials(scene, numerics, &lattice, cloud.as_deref());
         let start = start::enthalpies(scene, &materials, &lattice, cloud.as_deref());
         // Particles that store what is in their cells fill regions exactly.

@@ -15,6 +15,17 @@ fn frazil(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_frazil")).args(arguments).current_dir(folder).output().expect("the program starts")
 }
 
+/// What a command says that ends soon: at the third attempt, where other work keeps the machine busy.
+fn soon(folder: &Path, arguments: &[&str]) -> Output {
+    let timed = || {
+        let began = Instant::now();
+        (frazil(folder, arguments), began.elapsed())
+    };
+    let attempts = std::iter::repeat_with(timed).take(3);
+    let first = attempts.into_iter().find(|(_, took)| *took < SOON);
+    first.unwrap_or_else(|| unreachable!("{arguments:?} takes longer than {SOON:?}")).0
+}
+
 fn done(folder: &Path, arguments: &[&str]) {
     let output = frazil(folder, arguments);
     assert!(output.status.success(), "{arguments:?} {output:?}");
@@ -65,9 +76,7 @@ fn files_of_any_depth_and_bytes_are_refused_soon_with_a_place() {
     for (name, bytes) in files {
         fs::write(folder.path().join(&name), bytes).expect("written");
         for command in ["check", "layout", "calibrate"] {
-            let began = Instant::now();
-            let output = frazil(folder.path(), &[command, &name]);
-            assert!(began.elapsed() < SOON, "{command} {name}: {:?}", began.elapsed());
+            let output = soon(folder.path(), &[command, &name]);
             assert_eq!(output.status.code(), Some(2), "{command} {name}: {output:?}");
             seen(&output);
             let said = String::from_utf8(output.stderr).expect("text");

@@ -55,10 +55,13 @@ mod tests {
         };
         assert_eq!(said("a", "title = \"лёд\"".as_bytes()), Ok("title = \"лёд\"".to_owned()));
         assert_eq!(
-            said("b", b"a = 1\nb = \"\xff\"").unwrap_err(),
+            said("b", b"a = 1\nb = \"\xff\"").expect_err("refused"),
             "file:2: found the byte 0xff, must be text in UTF-8"
         );
-        assert_eq!(said("c", &vec![b'#'; (8 << 20) + 1]).unwrap_err(), "file: must be a file of at most 8 MiB");
+        assert_eq!(
+            said("c", &vec![b'#'; (8 << 20) + 1]).expect_err("refused"),
+            "file: must be a file of at most 8 MiB"
+        );
         assert!(text(folder.path()).is_err());
     }
 }

@@ -166,7 +166,7 @@ mod tests {
         assert!(html.contains("<svg") && html.contains("href=\"comparison.csv\""));
         assert!(
             !html.contains("http://")
-                || html.matches("http").count() == html.matches("http://www.w3.org/2000/svg").count()
+                || html.matches("://").count() == html.matches("http://www.w3.org/2000/svg").count()
         );
     }
 }

@@ -10,11 +10,12 @@ mod stability;
 mod status;
 mod values;
 
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
-use frazil_studies::failure::{Failure, Verdict, exit_code};
+use frazil_record::is_hidden;
+use frazil_studies::failure::{Failure, Verdict, complain, exit_code};
 
 use crate::list;
 
@@ -70,11 +71,26 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     match Cli::try_parse_from(arguments) {
         Ok(cli) => exit_code(cli.command.answer()),
         Err(error) => {
-            // Help that nobody reads to its end is still help.
-            let _ = error.print();
+            say(&error);
             if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS }
         }
     }
+}
+
+/// Prints help, or what was not understood: in colours, unless arguments come with colours of their own.
+fn say(error: &clap::Error) {
+    let text = error.render().to_string();
+    if text.chars().any(|letter| letter != '\n' && is_hidden(letter)) || std::env::args_os().any(|own| has_hidden(&own))
+    {
+        complain(text.trim_end());
+    } else {
+        // Help that nobody reads to its end is still help.
+        let _ = error.print();
+    }
+}
+
+fn has_hidden(argument: &OsStr) -> bool {
+    argument.to_string_lossy().chars().any(is_hidden)
 }
 
 /// Whether the program would understand its arguments, the first of which is its own name. Asking for help is understood.

@@ -1,7 +1,5 @@
 //! What is said of a run beforehand: its memory against what the allocator handed out, its steps against those made.
 
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::sync::{Arc, mpsc};
@@ -16,66 +14,8 @@ use frazil_simulation::march::{self, Options};
 use frazil_simulation::plan;
 use frazil_simulation::predict::forecast;
 
+use crate::counting::{live, most};
 use crate::sketch::{Sketch, sand};
-
-/// The system's allocator with a count of bytes for each thread: tests run beside each other.
-struct Counting;
-
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
-
-thread_local! {
-    /// Bytes handed out and not returned, and their largest number so far.
-    static LIVE: Cell<(isize, isize)> = const { Cell::new((0, 0)) };
-}
-
-fn count(bytes: isize) {
-    // A thread that ends frees the last of its memory when its counter is gone.
-    let _ = LIVE.try_with(|live| {
-        let (now, most) = live.get();
-        live.set((now + bytes, most.max(now + bytes)));
-    });
-}
-
-// SAFETY: every call goes to the system's allocator as it came.
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        count(layout.size() as isize);
-        // SAFETY: as the caller promises.
-        unsafe { System.alloc(layout) }
-    }
-
-    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        count(-(layout.size() as isize));
-        // SAFETY: as the caller promises.
-        unsafe { System.dealloc(pointer, layout) }
-    }
-
-    unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
-        count(layout.size() as isize);
-        // SAFETY: as the caller promises.
-        unsafe { System.alloc_zeroed(layout) }
-    }
-
-    unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, size: usize) -> *mut u8 {
-        count(size as isize - layout.size() as isize);
-        // SAFETY: as the caller promises.
-        unsafe { System.realloc(pointer, layout, size) }
-    }
-}
-
-/// Bytes that this thread holds now.
-fn live() -> isize {
-    LIVE.get().0
-}
-
-/// Most bytes beyond those held now that some work holds at once.
-pub fn most<T>(work: impl FnOnce() -> T) -> (T, isize) {
-    let before = live();
-    LIVE.set((before, before));
-    let value = work();
-    (value, LIVE.get().1 - before)
-}
 
 /// Names, causes and differences in words, boxes, shared counters: what is not counted (bytes).
 const SMALL: f64 = 6000.0;

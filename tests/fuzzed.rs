@@ -1,26 +1,45 @@
-//! Scenes and studies that nobody wrote: bundled ones with keys deleted, copied, renamed, retyped and rescaled. Each is read; some
-//! are planned, checked and run for some milliseconds. A case is known by its seed and number alone.
+//! Scenes, studies and fluids that nobody wrote: bundled ones with keys deleted, copied, renamed, retyped and rescaled, with any key
+//! that the reader knows put where it belongs, with sections of others, overrides and broken text. Each is read; some are planned,
+//! checked and run for some milliseconds. A case is known by its seed and number alone.
 
 use std::any::Any;
+use std::collections::BTreeMap;
+use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use cpu_time::ThreadTime;
+use frazil::calibrate::{self, CalibrateRequest, Conduction};
 use frazil::parts::parts;
 use frazil_core::boundary::condition::Condition;
-use frazil_record::{Outcome, RunResult};
+use frazil_edpd::calibration::Constants;
+use frazil_record::{Outcome, RunResult, is_hidden};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
 use frazil_scene::method::Stepper;
+use frazil_scene::read::every_key;
 use frazil_simulation::march::{Options, run};
 use frazil_simulation::plan;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use toml::{Table, Value};
 
-/// Longest that one case may take.
-pub const LONGEST: Duration = Duration::from_secs(5);
+use crate::counting::most;
+
+#[path = "fuzzed_edits.rs"]
+mod edits;
+
+use edits::{Step, at, at_ref, collect, delete, dotted, misspelt, number, odd, paths, pick, rescaled, section, spoilt};
+
+/// Longest that a thread may work on one case.
+pub const LONGEST: Duration = Duration::from_secs(2);
+/// Most memory that reading a case may take at once (bytes), and most that the rest of it may.
+const READING: isize = 64 << 20;
+const MAKING: isize = 1 << 30;
+/// Longest that what is said of a case may be (letters).
+const SAID: usize = 100_000;
 
 /// Particles times neighbours up to which every scene is planned, and up to which one in `RARE` is.
 const SMALL: f64 = 3e4;
@@ -32,26 +51,61 @@ const PLANNED: u32 = 2;
 
 /// One in so many of the scenes that are planned is run, and checked with a trial of its steps.
 const RUN: u32 = 8;
-const CHECKED: u32 = 200;
+const CHECKED: u32 = 50;
 /// Wall time that a run is given (s).
 const RUN_S: f64 = 0.01;
 
-/// One in so many cases is a study.
+/// One in so many cases is a study, and one a fluid.
 const STUDIES: u32 = 30;
+const FLUIDS: u32 = 30;
+/// One in so many has broken text, and one is read with an override.
+const SPOILT: u32 = 8;
+const OVERRIDDEN: u32 = 8;
 
-/// A file that cases are made of.
-struct Source {
-    file: Table,
-    study: bool,
+/// What a file is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Scene,
+    Study,
+    Fluid,
+    /// A fluid as rows.
+    Rows,
+}
+
+/// A case: a file, and keys that override it.
+pub struct Case {
+    pub kind: Kind,
+    pub text: String,
+    pub overrides: Vec<(String, String)>,
+}
+
+impl Case {
+    /// Where the file would be called so; what overrides it stands in a comment.
+    pub fn file(&self) -> String {
+        let set: String = self.overrides.iter().map(|(key, value)| format!("# --set {key}={value:?}\n")).collect();
+        format!("{set}{}", self.text)
+    }
+
+    /// The ending of the file.
+    pub fn ending(&self) -> &'static str {
+        if self.kind == Kind::Rows { "csv" } else { "toml" }
+    }
 }
 
 /// What cases are made of.
 pub struct Pool {
-    scenes: Vec<Source>,
-    studies: Vec<Source>,
-    /// All keys, and values that are no tables, of all sources.
+    scenes: Vec<Table>,
+    studies: Vec<Table>,
+    fluids: Vec<Table>,
+    rows: Vec<&'static str>,
+    /// All keys, and values that are no tables, of all sources; values by their keys.
     keys: Vec<String>,
     values: Vec<Value>,
+    of: BTreeMap<String, Vec<Value>>,
+    /// All keys of scenes that the reader knows, by their sections.
+    known: BTreeMap<String, Vec<String>>,
+    /// Where fluids, which are read from files, are put.
+    place: PathBuf,
 }
 
 /// How a case ended.
@@ -65,10 +119,14 @@ pub enum End {
     Refused,
     /// Planned.
     Planned,
+    /// Planned, tried and forecast, as `check` does.
+    Checked,
     /// Run to an end, or as long as it was given.
     Run,
     /// A study that was read.
     Study,
+    /// A fluid that was calibrated.
+    Fluid,
 }
 
 /// What must not happen.
@@ -81,52 +139,65 @@ pub struct Finding {
 }
 
 impl Pool {
-    /// The bundled scenes, with spacings so large that most can be planned soon, and studies of few layouts.
-    pub fn new() -> Pool {
+    /// The bundled scenes, with spacings so large that most can be planned soon, studies of few layouts, and fluids, which are put
+    /// into a folder one by one.
+    pub fn new(folder: &Path) -> Pool {
         let bundled = frazil_cases::scenes::all().iter().chain(frazil_cases::scenes::extreme());
         let texts = bundled.map(|scene| scene.text).chain([include_str!("../cases/bad/region-outside.toml")]);
         let table = |text: &str| text.parse::<Table>().expect("a table");
-        let scenes: Vec<Source> = texts.map(|text| Source { file: coarsened(table(text)), study: false }).collect();
-        let few = |text: &str| {
-            let mut file = table(text);
-            for key in ["sweep", "critical"] {
-                let lists =
-                    file.get_mut(key).and_then(Value::as_table_mut).into_iter().flat_map(|table| table.iter_mut());
-                lists.filter_map(|(_, value)| value.as_array_mut()).for_each(|list| list.truncate(2));
-            }
-            if let Some(deviation) = file.get_mut("deviation").and_then(Value::as_table_mut) {
-                deviation.insert("members".into(), Value::Integer(2));
-            }
-            if let Some(layouts) = file.get_mut("layouts").and_then(Value::as_array_mut) {
-                layouts.truncate(2);
-            }
-            Source { file, study: true }
-        };
-        let studies: Vec<Source> = frazil_cases::studies::all().iter().map(|study| few(study.text)).collect();
-        let (mut keys, mut values) = (Vec::new(), Vec::new());
-        for source in scenes.iter().chain(&studies) {
-            collect(&Value::Table(source.file.clone()), &mut keys, &mut values);
+        let scenes: Vec<Table> = texts.map(|text| coarsened(table(text))).collect();
+        let studies: Vec<Table> = frazil_cases::studies::all().iter().map(|study| few(table(study.text))).collect();
+        let fluids: Vec<Table> = frazil_cases::fluids::all().iter().map(|fluid| table(fluid.text)).collect();
+        let (mut keys, mut values, mut of) = (Vec::new(), Vec::new(), BTreeMap::new());
+        for source in scenes.iter().chain(&studies).chain(&fluids) {
+            collect(&Value::Table(source.clone()), &mut keys, &mut values, &mut of);
+        }
+        let mut known: BTreeMap<String, Vec<String>> = BTreeMap::new();
+        for (section, key) in every_key(frazil::registry::methods()) {
+            keys.push(key.clone());
+            known.entry(section).or_default().push(key);
         }
         keys.sort_unstable();
         keys.dedup();
-        Pool { scenes, studies, keys, values }
+        let rows = vec![include_str!("../cases/bad-fluids/rows.csv"), ROWS];
+        Pool { scenes, studies, fluids, rows, keys, values, of, known, place: folder.to_owned() }
     }
 
-    /// The file of a case.
-    pub fn text(&self, seed: u64, case: u64) -> (String, bool) {
+    /// A case by its number.
+    pub fn case(&self, seed: u64, case: u64) -> Case {
         let mut random = StdRng::seed_from_u64(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ case);
-        let of = if random.random_range(0..STUDIES) == 0 { &self.studies } else { &self.scenes };
-        let source = pick(of, &mut random);
-        let mut file = Value::Table(source.file.clone());
+        let kind = match random.random_range(0..STUDIES * FLUIDS) {
+            draw if draw % STUDIES == 0 => Kind::Study,
+            draw if draw / STUDIES == 0 => pick(&[Kind::Fluid, Kind::Rows], &mut random).to_owned(),
+            _ => Kind::Scene,
+        };
+        let source = match kind {
+            Kind::Scene => &self.scenes,
+            Kind::Study => &self.studies,
+            Kind::Fluid => &self.fluids,
+            Kind::Rows => {
+                let text = spoilt(self.rows[random.random_range(0..self.rows.len())], &mut random);
+                return Case { kind, text, overrides: Vec::new() };
+            }
+        };
+        let mut file = Value::Table(pick(source, &mut random).clone());
         let edits = 1 + random.random_range(0..8_u32).trailing_ones() as usize;
         for _ in 0..edits {
-            self.edit(&mut file, &mut random);
+            self.edit(&mut file, kind, &mut random);
         }
-        (file.as_table().map(Table::to_string).unwrap_or_default(), source.study)
+        let mut overrides = Vec::new();
+        if random.random_range(0..OVERRIDDEN) == 0 {
+            overrides.push(self.overriding(&file, &mut random));
+        }
+        let mut text = file.as_table().map(Table::to_string).unwrap_or_default();
+        if random.random_range(0..SPOILT) == 0 {
+            text = spoilt(&text, &mut random);
+        }
+        Case { kind, text, overrides }
     }
 
     /// Does one thing to one place of a file.
-    fn edit(&self, file: &mut Value, random: &mut StdRng) {
+    fn edit(&self, file: &mut Value, kind: Kind, random: &mut StdRng) {
         let mut places = Vec::new();
         paths(file, &mut Vec::new(), &mut places);
         if places.is_empty() {
@@ -134,14 +205,15 @@ impl Pool {
         }
         let place = pick(&places, random).clone();
         let Some((last, parent)) = place.split_last() else { return };
-        match random.random_range(0..10) {
+        let tables = || places.iter().filter(|place| at_ref(file, place).is_table()).collect::<Vec<_>>();
+        match random.random_range(0..14) {
             0 => delete(at(file, parent), last),
             1 => {
-                let copy = at(file, &place).clone();
+                let copy = at_ref(file, &place).clone();
                 match last {
                     Step::Item(_) => at(file, parent).as_array_mut().expect("a list").push(copy),
                     Step::Key(key) => {
-                        let tables: Vec<_> = places.iter().filter(|place| at_ref(file, place).is_table()).collect();
+                        let tables = tables();
                         if !tables.is_empty() {
                             let to = (*pick(&tables, random)).clone();
                             at(file, &to).as_table_mut().expect("a table").insert(key.clone(), copy);
@@ -158,6 +230,20 @@ impl Pool {
                 }
             }
             3 => *at(file, &place) = self.value(random),
+            4 | 5 if kind == Kind::Scene => {
+                let tables = tables();
+                let to = if tables.is_empty() { Vec::new() } else { (*pick(&tables, random)).clone() };
+                let Some(known) = self.known.get(&section(&to)) else { return };
+                let key = pick(known, random);
+                let value = self.value_of(key, random);
+                at(file, &to).as_table_mut().expect("a table").insert(key.clone(), value);
+            }
+            6 if kind == Kind::Scene => {
+                let other = pick(&self.scenes, random);
+                let keys: Vec<&String> = other.keys().collect();
+                let key = *pick(&keys, random);
+                file.as_table_mut().expect("a table").insert(key.clone(), other[key].clone());
+            }
             _ => {
                 let numbers: Vec<_> = places.iter().filter(|place| number(at_ref(file, place)).is_some()).collect();
                 if !numbers.is_empty() {
@@ -169,55 +255,99 @@ impl Pool {
         }
     }
 
+    /// A key of a file, or one that the reader knows, with a value as `--set` has it.
+    fn overriding(&self, file: &Value, random: &mut StdRng) -> (String, String) {
+        let mut places = Vec::new();
+        paths(file, &mut Vec::new(), &mut places);
+        let key = if places.is_empty() || random.random_range(0..4) == 0 {
+            let sections: Vec<&String> = self.known.keys().collect();
+            let section = *pick(&sections, random);
+            let key = pick(&self.known[section], random);
+            if section.is_empty() { key.clone() } else { format!("{section}.{key}") }
+        } else {
+            dotted(&places[random.random_range(0..places.len())])
+        };
+        let value = self.value(random).to_string();
+        (key, if random.random_range(0..4) == 0 { spoilt(&value, random) } else { value })
+    }
+
+    /// A value of a file, or one that is odd.
     fn value(&self, random: &mut StdRng) -> Value {
-        const ODD: [&str; 24] = [
-            "\"\"",
-            "\"x\"",
-            "0",
-            "1",
-            "-1",
-            "3",
-            "0.5",
-            "1e-30",
-            "1e30",
-            "1e300",
-            "nan",
-            "inf",
-            "-inf",
-            "true",
-            "false",
-            "[]",
-            "[[]]",
-            "[1, 2]",
-            "[[1, 2, 3]]",
-            "{}",
-            "{ a = { b = 1 } }",
-            "{ times_h = [0, 1], values = [1, 2] }",
-            "1979-05-27",
-            "9223372036854775807",
-        ];
-        if random.random() {
-            return pick(&self.values, random).clone();
+        if random.random() { pick(&self.values, random).clone() } else { odd(random) }
+    }
+
+    /// A value of a key, as some file has it or rescaled, where one has it.
+    fn value_of(&self, key: &str, random: &mut StdRng) -> Value {
+        match self.of.get(key) {
+            Some(values) if random.random_range(0..4) != 0 => {
+                let value = pick(values, random);
+                if number(value).is_some() && random.random() { rescaled(value, random) } else { value.clone() }
+            }
+            _ => self.value(random),
         }
-        let text = format!("value = {}", pick(&ODD, random));
-        text.parse::<Table>().ok().and_then(|mut table| table.remove("value")).unwrap_or(Value::Integer(0))
     }
 
     /// Makes a case, and says how it ended or what must not happen.
-    pub fn case(&self, seed: u64, case: u64) -> Result<End, Box<Finding>> {
-        let (text, study) = self.text(seed, case);
-        let began = Instant::now();
-        let found =
-            catch_unwind(AssertUnwindSafe(|| if study { read_study(&text) } else { through(&text, seed, case) }));
+    pub fn end(&self, seed: u64, number: u64) -> Result<End, Box<Finding>> {
+        let case = self.case(seed, number);
+        let began = ThreadTime::now();
+        let (found, held) = most(|| {
+            catch_unwind(AssertUnwindSafe(|| match case.kind {
+                Kind::Scene => through(&case, seed, number),
+                Kind::Study => read_study(&case),
+                Kind::Fluid | Kind::Rows => self.calibrate(&case),
+            }))
+        });
         let took = began.elapsed();
         let what = match found {
             Err(panic) => format!("panic: {}", words(panic.as_ref())),
             Ok(Err(what)) => what,
-            Ok(Ok(_)) if took > LONGEST => format!("took {:.1} s", took.as_secs_f64()),
+            Ok(Ok(end)) if took > LONGEST => format!("took {:.1} s ({end:?})", took.as_secs_f64()),
+            Ok(Ok(end)) if held > MAKING => format!("took {} MiB ({end:?})", held >> 20),
             Ok(Ok(end)) => return Ok(end),
         };
-        Err(Box::new(Finding { what, text }))
+        Err(Box::new(Finding { what, text: case.file() }))
     }
+
+    /// Calibrates a fluid, which is read from a file.
+    fn calibrate(&self, case: &Case) -> Result<End, String> {
+        let file = self.place.join(format!("fuzz.{}", case.ending()));
+        fs::write(&file, &case.text).map_err(|error| error.to_string())?;
+        let request = CalibrateRequest {
+            fluid: file.display().to_string(),
+            constants: Constants::paper(),
+            reference_temperature: 300.0,
+            conduction: Conduction::Fluid,
+            from: None,
+            to: None,
+            out: None,
+        };
+        let (solved, held) = most(|| calibrate::solve(&request));
+        let held = if held > READING { Err(format!("reading took {} MiB", held >> 20)) } else { Ok(()) };
+        held.and(match solved {
+            Ok(solved) => finite(&format!("{:?}", solved.table.rows)).map(|()| End::Fluid),
+            Err(failure) => told(&failure.to_string(), &request.fluid).map(|()| End::Unread),
+        })
+    }
+}
+
+/// Rows of a fluid that are well.
+const ROWS: &str = "temperature_c,schmidt,kinematic_viscosity_m2_per_s,prandtl\n0,1619.74,1.79e-6,13.5\n10,890.1,1.31e-6,9.4\n\
+                    20,520.2,1.0e-6,7.0\n30,320.5,0.8e-6,5.4\n40,210,0.66e-6,4.3\n";
+
+/// A study of two of whatever it has many.
+fn few(mut file: Table) -> Table {
+    for key in ["sweep", "critical"] {
+        let lists = file.get_mut(key).and_then(Value::as_table_mut).into_iter().flat_map(|table| table.iter_mut());
+        lists.filter_map(|(_, value)| value.as_array_mut()).for_each(|list| list.truncate(2));
+    }
+    if let Some(deviation) = file.get_mut("deviation").and_then(Value::as_table_mut) {
+        deviation.insert("members".into(), Value::Integer(2));
+    }
+    if let Some(layouts) = file.get_mut("layouts").and_then(Value::as_array_mut) {
+        layouts.truncate(2);
+    }
+    file
 }
 
 /// A file with the smallest multiple of its spacings at which every method has few particles.
@@ -253,14 +383,40 @@ fn size(scene: &Scene, settings: &MethodSettings) -> f64 {
     scene.domain.size() / spacing.powi(dimension) * reach
 }
 
+/// Whether a refusal says something, in a length that can be read and with a place on its first line, and nothing that is not seen.
+fn told(said: &str, file: &str) -> Result<(), String> {
+    let shown = |letter: char| letter == '\n' || !is_hidden(letter);
+    match said {
+        _ if said.trim().is_empty() => Err("refused without a word".into()),
+        _ if said.len() > SAID => Err(format!("refused with {} letters", said.len())),
+        _ if !said.chars().all(shown) => Err(format!("says what is not seen: {said:?}")),
+        _ if !(said.starts_with(file) || said.starts_with("--set") || said.starts_with(&format!("\"{file}"))) => {
+            Err(format!("refused without a place: {said}"))
+        }
+        _ if said.lines().any(|line| line.trim().is_empty()) => Err(format!("says an empty line: {said:?}")),
+        _ => Ok(()),
+    }
+}
+
+/// Whether the planner's refusal says something.
+fn refused(said: &str) -> Result<End, String> {
+    let shown = |letter: char| letter == '\n' || !is_hidden(letter);
+    let well = !said.trim().is_empty() && said.len() < SAID && said.chars().all(shown);
+    if well { Ok(End::Refused) } else { Err(format!("refused with {said:?}")) }
+}
+
 /// Reads a scene and takes it as far as it costs little.
-fn through(text: &str, seed: u64, case: u64) -> Result<End, String> {
-    let scene = match Scene::read(text, "fuzz", "fuzz.toml", &[], frazil::registry::methods()) {
+fn through(case: &Case, seed: u64, number: u64) -> Result<End, String> {
+    let read = || Scene::read(&case.text, "fuzz", "fuzz.toml", &case.overrides, frazil::registry::methods());
+    let (scene, held) = most(read);
+    if held > READING {
+        return Err(format!("reading took {} MiB", held >> 20));
+    }
+    let scene = match scene {
         Ok(scene) => scene,
-        Err(problems) if problems.problems.is_empty() => return Err("refused without a word".into()),
-        Err(_) => return Ok(End::Unread),
+        Err(problems) => return told(&problems.to_string(), "fuzz.toml").map(|()| End::Unread),
     };
-    let mut random = StdRng::seed_from_u64(seed ^ !case);
+    let mut random = StdRng::seed_from_u64(seed ^ !number);
     let settings = pick(&scene.methods, &mut random);
     let size = size(&scene, settings);
     // Particles that move are left to themselves before the first step, which takes as long as a run.
@@ -274,14 +430,15 @@ fn through(text: &str, seed: u64, case: u64) -> Result<End, String> {
     // Closed forms and tables take longer than most plans.
     let referred =
         scene.walls.iter().any(|wall| wall.condition == Condition::Exact) || random.random_range(0..RUN) == 0;
-    let found = if referred { frazil::run::reference(&scene) } else { Ok(None) };
-    let Ok(reference) = found else { return Ok(End::Refused) };
+    let reference = match if referred { frazil::run::reference(&scene) } else { Ok(None) } {
+        Ok(reference) => reference,
+        Err(failure) => return refused(&failure.to_string()),
+    };
     let draw = random.random_range(0..RUN * CHECKED);
     if draw % CHECKED == 0 {
-        let said = frazil::check::plan(&scene, settings.method, reference.as_ref(), 1, random.random());
-        return match said {
-            Ok(said) => finite(&said).map(|()| End::Planned),
-            Err(_) => Ok(End::Refused),
+        return match frazil::check::plan(&scene, settings.method, reference.as_ref(), 1, random.random()) {
+            Ok(said) => finite(&said).map(|()| End::Checked),
+            Err(failure) => refused(&failure.to_string()),
         };
     }
     if draw % RUN == 0 {
@@ -291,18 +448,21 @@ fn through(text: &str, seed: u64, case: u64) -> Result<End, String> {
                 finite(&numbers(result)).map(|()| End::Run).map_err(|what| format!("ok, but {what}"))
             }
             Ok(_) => Ok(End::Run),
-            Err(_) => Ok(End::Refused),
+            Err(failure) => refused(&failure.to_string()),
         };
     }
     match plan::build(&scene, settings, reference.as_ref(), 1, 1) {
         Ok(_) => Ok(End::Planned),
-        Err(_) => Ok(End::Refused),
+        Err(failure) => refused(&failure.to_string()),
     }
 }
 
 /// All numbers of a result but maps, which have none outside the body.
 fn numbers(mut result: RunResult) -> String {
     result.fields.clear();
+    // Words are not numbers, whatever they say.
+    result.record.title.clear();
+    result.record.remarks.clear();
     format!("{result:?}")
 }
 
@@ -320,115 +480,24 @@ fn finite(text: &str) -> Result<(), String> {
     }
 }
 
-fn read_study(text: &str) -> Result<End, String> {
-    let Ok(study) = frazil_layouts::read::parse(text, "fuzz", Path::new("fuzz.toml"), &[], &parts(false)) else {
-        return Ok(End::Unread);
+fn read_study(case: &Case) -> Result<End, String> {
+    let read =
+        || frazil_layouts::read::parse(&case.text, "fuzz", Path::new("fuzz.toml"), &case.overrides, &parts(false));
+    let (study, held) = most(read);
+    if held > READING {
+        return Err(format!("reading took {} MiB", held >> 20));
+    }
+    let study = match study {
+        Ok(study) => study,
+        Err(failure) => return told(&failure.to_string(), "fuzz.toml").map(|()| End::Unread),
     };
     for layout in &study.layouts {
         let method = layout.scene.methods.first().map_or("", |settings| settings.method);
-        if layout.check(study.shaft_radius, method).is_err() {
-            return Ok(End::Refused);
+        if let Err(failure) = layout.check(study.shaft_radius, method) {
+            return refused(&failure.to_string());
         }
     }
     Ok(End::Study)
-}
-
-#[derive(Debug, Clone)]
-enum Step {
-    Key(String),
-    Item(usize),
-}
-
-/// All places of a value but its own.
-fn paths(value: &Value, path: &mut Vec<Step>, found: &mut Vec<Vec<Step>>) {
-    let mut below = |step: Step, value: &Value| {
-        path.push(step);
-        found.push(path.clone());
-        paths(value, path, found);
-        path.pop();
-    };
-    match value {
-        Value::Table(table) => table.iter().for_each(|(key, value)| below(Step::Key(key.clone()), value)),
-        Value::Array(items) => items.iter().enumerate().for_each(|(k, value)| below(Step::Item(k), value)),
-        _ => {}
-    }
-}
-
-fn at<'a>(value: &'a mut Value, path: &[Step]) -> &'a mut Value {
-    path.iter().fold(value, |value, step| match step {
-        Step::Key(key) => value.get_mut(key.as_str()).expect("a key"),
-        Step::Item(k) => value.get_mut(*k).expect("an item"),
-    })
-}
-
-fn at_ref<'a>(value: &'a Value, path: &[Step]) -> &'a Value {
-    path.iter().fold(value, |value, step| match step {
-        Step::Key(key) => value.get(key.as_str()).expect("a key"),
-        Step::Item(k) => value.get(*k).expect("an item"),
-    })
-}
-
-fn delete(parent: &mut Value, last: &Step) {
-    match (parent, last) {
-        (Value::Table(table), Step::Key(key)) => drop(table.remove(key)),
-        (Value::Array(items), Step::Item(k)) => drop(items.remove(*k)),
-        _ => {}
-    }
-}
-
-fn number(value: &Value) -> Option<f64> {
-    value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))
-}
-
-/// Another number: of another size or sign or a little off, and seldom of another kind.
-fn rescaled(value: &Value, random: &mut StdRng) -> Value {
-    let number = number(value).unwrap_or(0.0);
-    let new = match random.random_range(0..8) {
-        0 => -number,
-        1 => 0.0,
-        2 | 3 => number * random.random_range(0.2..5.0),
-        4 => number * 10f64.powi(random.random_range(-3..4)),
-        5 => number * 10f64.powi(random.random_range(-12..13)),
-        6 => number + 1.0,
-        _ => number * f64::from(random.random_range(2..9_u8)),
-    };
-    let whole = value.is_integer() != (random.random_range(0..8) == 0);
-    if whole && new.abs() < 1e15 { Value::Integer(new.round() as i64) } else { Value::Float(new) }
-}
-
-fn misspelt(key: &str, random: &mut StdRng) -> String {
-    let mut letters: Vec<char> = key.chars().collect();
-    if letters.len() < 2 {
-        return format!("{key}x");
-    }
-    let k = random.random_range(0..letters.len() - 1);
-    match random.random_range(0..3) {
-        0 => drop(letters.remove(k)),
-        1 => letters.swap(k, k + 1),
-        _ => letters.insert(k, 'x'),
-    }
-    letters.into_iter().collect()
-}
-
-fn collect(value: &Value, keys: &mut Vec<String>, values: &mut Vec<Value>) {
-    match value {
-        Value::Table(table) => {
-            for (key, value) in table {
-                keys.push(key.clone());
-                collect(value, keys, values);
-            }
-        }
-        other => {
-            values.push(other.clone());
-            if let Value::Array(items) = other {
-                items.iter().for_each(|item| collect(item, keys, values));
-            }
-        }
-    }
-}
-
-fn pick<'a, T>(items: &'a [T], random: &mut StdRng) -> &'a T {
-    &items[random.random_range(0..items.len())]
 }
 
 /// Where the last panic was: what is caught says no place.

@@ -7,7 +7,7 @@ use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Options};
 
-use crate::forecasts::most;
+use crate::counting::most;
 
 fn scene(text: &str, overrides: &[(&str, &str)]) -> Scene {
     let overrides: Vec<(String, String)> =

@@ -7,6 +7,7 @@ use frazil::registry::methods;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_record::Outcome;
 use frazil_scene::method::MethodKind;
+use frazil_simulation::plan;
 
 use crate::sketch::{Sketch, advance, sand, steady_material, water, without_noise};
 
@@ -156,6 +157,36 @@ fn an_impermeable_ellipse_stays_as_it_starts() {
         let (within, outside): (Vec<usize>, Vec<usize>) = (0..plan.particles.len()).partition(inside);
         assert!(within.len() > 200 && within.iter().all(|i| plan.particles.enthalpy[*i] == 0.0), "{}", kind.name);
         assert!(outside.iter().any(|i| plan.particles.enthalpy[*i] != 0.0), "{}", kind.name);
+    }
+}
+
+/// A body of which nothing is open has no state to be computed.
+#[test]
+fn a_body_that_is_closed_in_everywhere_is_refused() {
+    for kind in methods().iter().filter(|kind| !kind.stochastic) {
+        let mut sketch = Sketch::new(BODY, 0.02).with(without_noise(kind));
+        sketch.regions = vec!["impermeable = true\ncircle = { x_m = 0.2, y_m = 0.2, radius_m = 9 }".to_owned()];
+        let scene = sketch.scene(kind);
+        let refused = plan::build(&scene, &scene.methods[0], None, 1, 1).err().map(|refused| refused.to_string());
+        let said = "impermeable parts cover every particle at a spacing of 0.02: leave a part of the body open, or set a \
+                    smaller spacing";
+        assert_eq!(refused.as_deref(), Some(said), "{}", kind.name);
+    }
+}
+
+/// Phases of a part of the body in which no particle stands have no shares.
+#[test]
+fn phases_are_watched_where_particles_are() {
+    for kind in methods() {
+        for (between, said) in [("[0.4, 0.5]", None), ("[0.401, 0.409]", Some("0.401 and 0.409 at a spacing of 0.02"))]
+        {
+            let mut sketch = Sketch::new(BODY, 0.02).with(without_noise(kind));
+            sketch.watch = format!("phases = true\nphases_between_m = {between}\n");
+            let scene = sketch.scene(kind);
+            let refused = plan::build(&scene, &scene.methods[0], None, 1, 1).err().map(|refused| refused.to_string());
+            assert_eq!(refused.is_some(), said.is_some(), "{} {refused:?}", kind.name);
+            assert!(said.is_none_or(|said| refused.is_some_and(|refused| refused.contains(said))), "{}", kind.name);
+        }
     }
 }
 

@@ -279,6 +279,25 @@ fn cracks_are_passed_by_closely() {
     pass_cracks("0.0005", 6e-3, 0.05);
 }
 
+/// However fast a solute spreads, a run looks at the clock, or says what it cannot do: no step is made of endless steps of the solute.
+#[test]
+fn a_solute_that_spreads_without_bounds_does_not_hold_a_run() {
+    let limited = Options { time_limit_s: Some(0.1), ..Options::default() };
+    let ended = |name: &str, key: &str, value: &str| {
+        let began = std::time::Instant::now();
+        let scene = bundled(name, &[(key, value), ("method.local.spacing_m", "0.02")]);
+        let record = march::run(&scene, "local", None, &limited).expect("a run").record;
+        assert!(began.elapsed().as_secs_f64() < 10.0, "{name} {key}: {:?}", began.elapsed());
+        (record.outcome, record.cause.unwrap_or_default())
+    };
+    let diffusion = "materials.soil.solute.diffusion_m2_per_s";
+    assert_eq!(ended("wetting-column", diffusion, "1").0, Outcome::TimedOut);
+    let dispersivity = "materials.sandy-loam.solute.longitudinal_dispersivity_m";
+    let (outcome, cause) = ended("rain-on-dry-ground", dispersivity, "1e30");
+    assert_eq!(outcome, Outcome::Diverged, "{cause}");
+    assert!(cause.contains("what water carries needs "), "{cause}");
+}
+
 /// Means over all cuts and instants of the tables.
 #[test]
 fn discs_are_passed_by() {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use frazil_cases::fluids;
 use frazil_edpd::calibration;
+use frazil_scene::names;
 use frazil_scene::{Problem, Problems, Range, Read, Section, Units, read_section};
 use frazil_studies::failure::Failure;
 use frazil_studies::input;
@@ -99,7 +100,7 @@ pub fn load(argument: &str, judge: Judge<'_>) -> Result<Fluid, Failure> {
         }));
     }
     let text = input::text(path)?;
-    let name = path.file_stem().map_or_else(|| "fluid".into(), |stem| stem.to_string_lossy().into_owned());
+    let name = path.file_stem().map_or_else(|| "fluid".into(), |stem| names::of(&stem.to_string_lossy()));
     let table = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("csv"));
     Ok(if table { from_csv(&text, &name, argument, judge)? } else { from_toml(&text, &name, argument, judge)? })
 }

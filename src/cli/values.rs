@@ -5,11 +5,13 @@ use std::time::Duration;
 
 use clap::Args;
 use frazil_core::memory;
+use frazil_record::shown;
 use frazil_studies::parallel;
 
-/// The command as it was typed, for a page of results.
+/// The command as it was typed, for a page of results, on which what is hidden is seen.
 pub fn command_line() -> String {
-    std::env::args().collect::<Vec<_>>().join(" ")
+    let typed = std::env::args_os().map(|argument| shown(&argument.to_string_lossy()).into_owned());
+    typed.collect::<Vec<_>>().join(" ")
 }
 
 /// Threads that were asked for; by default one for each core.

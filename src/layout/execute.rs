@@ -7,7 +7,7 @@ use frazil_core::particles::Particles;
 use frazil_plots::ground_plan::ShaftMark;
 use frazil_plots::{FigureOptions, run_figures};
 use frazil_record::{Field, Outcome};
-use frazil_scene::Scene;
+use frazil_scene::{Scene, names};
 use frazil_simulation::march::{self, Checkpoints, EachOutput, Options};
 use frazil_simulation::predict;
 use frazil_studies::campaign::{self, Campaign, Meter, Shard};
@@ -131,15 +131,7 @@ impl Work<'_> {
 
     /// Folder of a layout.
     pub fn folder_of(&self, layout: &Layout) -> PathBuf {
-        let plain: String = layout
-            .name
-            .chars()
-            .map(|c| if c.is_ascii_alphanumeric() || "-._".contains(c) { c } else { '_' })
-            .take(60)
-            .collect();
-        // Names that differ in other letters only stay apart.
-        let hash = xxhash_rust::xxh3::xxh3_64(layout.name.as_bytes()) & 0xffff_ffff;
-        self.folder.join("layouts").join(format!("{plain}-{hash:08x}"))
+        self.folder.join("layouts").join(names::apart(&layout.name))
     }
 
     fn key(&self, layout: &Layout) -> String {

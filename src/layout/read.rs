@@ -4,6 +4,7 @@ use std::path::Path;
 
 use frazil_core::space::domain::Domain;
 use frazil_scene::method::MethodKind;
+use frazil_scene::names;
 use frazil_scene::{Change, Problem, Problems, Range, Read, Section, Spot, Units, read_section};
 use frazil_studies::failure::Failure;
 use frazil_studies::input;
@@ -79,7 +80,7 @@ pub fn parse<'a>(
         let ground = Ground { parts: *parts, scene, set, strata, asked: overrides.to_vec() };
         let layouts = file.layouts(root, &ground)?;
         Ok(Study {
-            name: name.to_owned(),
+            name: names::of(name),
             title: file.title?,
             source: file.source,
             method: file.method,

@@ -2,6 +2,7 @@
 
 mod record;
 mod result;
+mod shown;
 mod stream;
 mod table;
 mod tables;
@@ -13,6 +14,7 @@ mod write;
 
 pub use record::{Errors, Outcome, Record, ReferenceInfo, Value};
 pub use result::RunResult;
+pub use shown::{brief, is_hidden, quoted, shown, shown_lines};
 pub use stream::{SectionRow, StreamRecord, StreamRow};
 pub use table::{Column, Head, Role, Table, Unit};
 pub use tables::{

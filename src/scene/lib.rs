@@ -5,6 +5,7 @@
 
 pub mod capability;
 pub mod method;
+pub mod names;
 mod pipe_name;
 mod pipe_ring;
 mod random;

@@ -30,6 +30,7 @@ use frazil_core::space::domain::Domain;
 
 use crate::capability::{self, Feature, Place};
 use crate::method::MethodKind;
+use crate::names;
 use crate::region::{Region, Shape};
 use crate::scene::{Scene, Temperatures, Watch};
 use crate::units::Units;
@@ -44,7 +45,7 @@ pub use size::MOST_BYTES;
 impl Scene {
     /// Reads a scene from the text of its file.
     ///
-    /// `name` becomes the scene's short name, `file` stands in messages, `overrides` are the pairs of key path and
+    /// `name` becomes the scene's short name as far as it can be one of a folder ([`names::of`]), `file` stands in messages, `overrides` are the pairs of key path and
     /// value of `--set`, and `methods` are the methods whose sections may occur. A value of `--set` that is no TOML
     /// is taken as text, so that words need no quotes.
     ///
@@ -65,8 +66,13 @@ impl Scene {
                 log.record(problem);
             }
         }
-        let scene = read_root(Section::root(&entries, &log), name, hash(text, overrides), methods);
-        finished(scene, log, file)
+        let folder = names::of(name);
+        let scene = read_root(Section::root(&entries, &log), &folder, hash(text, overrides), methods);
+        let mut scene = finished(scene, log, file)?;
+        if folder != name {
+            scene.remarks.push(format!("its name is not one of a folder on every system: it is called \"{folder}\""));
+        }
+        Ok(scene)
     }
 }
 
@@ -96,6 +102,12 @@ pub fn read_section<T>(
     // Unknown and missing keys are found here.
     drop(section);
     finished(value, log, file)
+}
+
+/// Every key that a scene may have under these methods, as one in SI units writes it, behind the path of its section without names
+/// and numbers, as `("walls", "temperature_c")`.
+pub fn every_key(methods: &[&'static MethodKind]) -> Vec<(String, String)> {
+    every_key::every_key(methods).iter().map(|known| (known.section.clone(), known.key.clone())).collect()
 }
 
 /// What was read of a file without problems. What could not be read has left one: `Noted` says so.

@@ -135,6 +135,24 @@ pub enum Refused {
         /// How far pairs reach (m).
         reach: f64,
     },
+    /// No particle stands where phases are watched (m), at a spacing (m).
+    #[error(
+        "watch.phases_between: no particle stands between {from} and {to} at a spacing of {spacing}, must be a part of the body \
+         in which one does"
+    )]
+    NoPhases {
+        /// From there.
+        from: f64,
+        /// To there.
+        to: f64,
+        /// Spacing.
+        spacing: f64,
+    },
+    /// Impermeable parts cover all particles of a spacing (m).
+    #[error(
+        "impermeable parts cover every particle at a spacing of {0}: leave a part of the body open, or set a smaller spacing"
+    )]
+    Closed(f64),
     /// An impermeable part covers what stands for a pipe.
     #[error(
         "impermeable part {number} covers particles that stand for the pipe at ({:.4}, {:.4}) m, must stay {half:.6} m away \

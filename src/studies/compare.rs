@@ -40,6 +40,7 @@ use runner::Runner;
 ///
 /// If a scene, method or setting is none, or a file cannot be written.
 pub fn compare(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failure> {
+    request.distinct(parts)?;
     match &request.vary {
         Some(wanted) => vary::vary(request, wanted, parts),
         None => by_time(request, parts),

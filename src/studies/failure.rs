@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use frazil_plots::PlotError;
-use frazil_record::Outcome;
+use frazil_record::{Outcome, shown, shown_lines};
 use frazil_scene::Problems;
 use frazil_simulation::march::Refused;
 
@@ -59,7 +59,7 @@ pub enum Failure {
         cause: Box<dyn Error + Send + Sync>,
     },
     /// A file could not be read or written.
-    #[error("{}: {action}: {source}", path.display())]
+    #[error("{}: {action}: {source}", shown(&path.display().to_string()))]
     File {
         /// The file.
         path: PathBuf,
@@ -114,18 +114,18 @@ pub fn exit_code(result: Result<Verdict, Failure>) -> ExitCode {
     }
 }
 
-/// Says something on standard error; a closed one is no reason to stop.
+/// Says something on standard error, where what is hidden in texts of a user is seen; a closed one is no reason to stop.
 pub fn complain(text: &str) {
     use io::Write;
-    let _ = writeln!(io::stderr(), "{text}");
+    let _ = writeln!(io::stderr(), "{}", shown_lines(text));
 }
 
-/// Writes the answer to standard output.
+/// Writes the answer to standard output, where what is hidden in texts of a user is seen.
 ///
 /// # Errors
 /// Where it cannot be written.
 pub fn answer(text: &str) -> Result<(), Failure> {
     use io::Write;
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(Failure::Output)
+    out.write_all(shown_lines(text).as_bytes()).and_then(|()| out.flush()).map_err(Failure::Output)
 }

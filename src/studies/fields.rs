@@ -2,7 +2,9 @@
 //!
 //! Files are made while a run goes on, in a folder that nobody sees; it is moved to its place when all are there.
 
-use std::io::{BufWriter, ErrorKind};
+mod vtu;
+
+use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -12,14 +14,11 @@ use frazil_plots::frame;
 use frazil_scene::Scene;
 use frazil_simulation::march::outputs;
 use frazil_simulation::observers;
-use vtkio::model::{
-    Attribute, Attributes, ByteOrder, CellType, Cells, DataArray, DataSet, IOBuffer, UnstructuredGridPiece, Version,
-    VertexNumbers, Vtk,
-};
 
 use crate::failure::Failure;
 use crate::figure_options;
 use crate::output::{make_folder, remove as remove_file, write_whole};
+use vtu::Grid;
 
 /// Folder of states, the file that lists them with their times, and folder of frames.
 pub const NAMES: [&str; 3] = ["fields", "fields.pvd", "frames"];
@@ -95,10 +94,9 @@ impl<'a> Snapshots<'a> {
         let place = |folder: &str| self.hidden.join(folder).join(file_name(folder, number));
         if self.fields {
             let path = place(NAMES[0]);
-            let failed = |error: std::io::Error| Failure::file(&path, "cannot be written", error);
+            let failed = |error: io::Error| Failure::file(&path, "cannot be written", error);
             let file = std::fs::File::create(&path).map_err(failed)?;
-            let state = state(self.scene, particles);
-            state.write_xml(BufWriter::new(file)).map_err(|error| failed(std::io::Error::other(error.to_string())))?;
+            write_state(self.scene, particles, BufWriter::new(file)).map_err(failed)?;
         }
         if self.frames {
             let field = observers::map(self.scene, particles, time);
@@ -167,7 +165,7 @@ fn file_name(folder: &str, number: usize) -> String {
 }
 
 /// The list of states with their times (s): a format of five lines, which the library does not know.
-fn collection(times: &[f64], writer: &mut dyn std::io::Write) -> std::io::Result<()> {
+fn collection(times: &[f64], writer: &mut dyn Write) -> io::Result<()> {
     writeln!(
         writer,
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">"
@@ -214,30 +212,20 @@ fn of_water<'a>(scene: &'a Scene, particles: &'a Particles) -> Columns<'a> {
     columns
 }
 
-/// All particles as points with their state. Enthalpies count from the unfrozen freezing point, as in the theory.
-fn state(scene: &Scene, particles: &Particles) -> Vtk {
+/// Writes all particles as points with their state. Enthalpies count from the unfrozen freezing point, as in the theory.
+fn write_state(scene: &Scene, particles: &Particles, out: impl Write) -> io::Result<()> {
     let count = particles.len();
-    let mut points = Vec::with_capacity(3 * count);
-    particles.visit(|_, place| points.extend([place.x, place.y, 0.0]));
-    let scalars = |name: &str, data: IOBuffer| Attribute::DataArray(DataArray::scalars(name, 1).with_data(data));
-    let column =
-        |name: &str, value: &dyn Fn(usize) -> f64| scalars(name, (0..count).map(value).collect::<Vec<f64>>().into());
-    let materials: Vec<i32> = (0..count).map(|i| particles.materials.index(i) as i32).collect();
+    let mut places = Vec::with_capacity(count);
+    particles.visit(|_, place| places.push([place.x, place.y, 0.0]));
     let mut read = if scene.of_water { of_water(scene, particles) } else { of_heat(particles) };
     if !particles.factors.is_empty() {
         read.push(("conductivity_factor", Box::new(|i| particles.factors[i])));
     }
-    let mut point: Vec<Attribute> = read.iter().map(|(name, value)| column(name, value)).collect();
-    point.extend([column("volume", &|i| particles.volumes.of(i)), scalars("material", materials.into())]);
-    let vertices =
-        VertexNumbers::XML { connectivity: (0..count as u64).collect(), offsets: (1..=count as u64).collect() };
-    let cells = Cells { cell_verts: vertices, types: vec![CellType::Vertex; count] };
-    let piece = UnstructuredGridPiece { points: points.into(), cells, data: Attributes { point, cell: Vec::new() } };
-    Vtk {
-        version: Version::XML { major: 1, minor: 0 },
-        title: scene.title.clone(),
-        byte_order: ByteOrder::LittleEndian,
-        data: DataSet::inline(piece),
-        file_path: None,
+    let mut grid = Grid::begin(out, count)?;
+    for (name, value) in &read {
+        grid.column(name, (0..count).map(value))?;
     }
+    grid.column("volume", (0..count).map(|i| particles.volumes.of(i)))?;
+    grid.column("material", (0..count).map(|i| particles.materials.index(i) as i32))?;
+    grid.end(&places)
 }

@@ -1,7 +1,7 @@
-//! Methods that are asked for by name.
+//! Methods and scenes that are asked for by name.
 
-use frazil_scene::Scene;
 use frazil_scene::method::MethodKind;
+use frazil_scene::{Scene, names};
 
 use crate::failure::Failure;
 
@@ -12,6 +12,24 @@ enum NoMethod {
     Unset { asked: String, scene: String, had: Vec<&'static str> },
     #[error("--methods {asked}: there are {}", known.join(", "))]
     Unknown { asked: String, known: Vec<&'static str> },
+}
+
+/// Scenes whose results would stand in one folder.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "found scenes \"{0}\" and \"{1}\", must be scenes of different names: each has its results in a folder of its name"
+)]
+struct Alike(String, String);
+
+/// Holds names of scenes against each other; those that differ in small and capital letters alone are one folder on some systems.
+///
+/// # Errors
+/// Where two are alike.
+pub fn distinct(names: &[String]) -> Result<(), Failure> {
+    match names::alike(&names.iter().map(String::as_str).collect::<Vec<_>>()) {
+        Some((one, other)) => Err(Failure::request(Alike(one.to_owned(), other.to_owned()))),
+        None => Ok(()),
+    }
 }
 
 /// The one named, else the first that the scene has.

@@ -1,5 +1,6 @@
 //! Files, each whole or not at all.
 
+pub mod cells;
 pub mod of_water;
 
 use std::fs::{self, File, TryLockError};
@@ -52,7 +53,7 @@ pub fn write_beside<L: Serialize, R: Serialize>(path: &Path, left: &[L], right: 
         };
         let left = cells(&|writer| fill_rows(writer, left))?;
         let right = cells(&|writer| fill_rows(writer, right))?;
-        let mut csv = csv::Writer::from_writer(writer);
+        let mut csv = cells::writer(writer);
         for (own, other) in left.iter().zip(&right) {
             csv.write_record(own.iter().chain(other)).map_err(io::Error::other)?;
         }
@@ -61,7 +62,7 @@ pub fn write_beside<L: Serialize, R: Serialize>(path: &Path, left: &[L], right: 
 }
 
 fn fill_rows<R: Serialize>(writer: &mut dyn Write, rows: &[R]) -> io::Result<()> {
-    let mut csv = csv::Writer::from_writer(writer);
+    let mut csv = cells::writer(writer);
     for row in rows {
         csv.serialize(row).map_err(io::Error::other)?;
     }
@@ -301,7 +302,7 @@ fn fill_table(table: &Table) -> Option<Fill<'_>> {
         return None;
     }
     Some(Box::new(|writer| {
-        let mut csv = csv::Writer::from_writer(writer);
+        let mut csv = cells::writer(writer);
         csv.write_record(table.columns.iter().map(|column| &column.name)).map_err(io::Error::other)?;
         table.rows.iter().try_for_each(|row| csv.serialize(row)).map_err(io::Error::other)?;
         csv.flush()
@@ -318,7 +319,7 @@ fn budget<'a>(
         return None;
     }
     Some(Box::new(move |writer| {
-        let mut csv = csv::Writer::from_writer(writer);
+        let mut csv = cells::writer(writer);
         let patches = names.iter().map(|name| format!("in_{name}_{unit}"));
         let head = ["time_s".into(), stored.into()].into_iter().chain(patches).chain(["balance_rel".into()]);
         csv.write_record(head).map_err(io::Error::other)?;

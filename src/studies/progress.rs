@@ -4,6 +4,7 @@ use std::io::{self, IsTerminal};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use frazil_record::shown;
 use frazil_simulation::march::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
 
@@ -48,7 +49,7 @@ impl Reporter {
             Reporter::Quiet => {}
             Reporter::Bar(bar) => {
                 bar.set_position(permille);
-                bar.set_message(words());
+                bar.set_message(shown(&words()).into_owned());
             }
             Reporter::Lines(last) => {
                 let mut last = last.lock().unwrap_or_else(PoisonError::into_inner);

@@ -8,6 +8,7 @@ use std::path::Path;
 use crate::campaign::{Campaign, Shard};
 use crate::failure::{Failure, Verdict, complain};
 use crate::machine::Machine;
+use crate::method;
 use crate::output::{Folder, Owner};
 use crate::parts::Parts;
 
@@ -43,13 +44,15 @@ struct Apart;
 ///
 /// If a scene, method or axis is none, a run is refused, or a file cannot be written.
 pub fn stability(request: &StabilityRequest, parts: &Parts<'_>) -> Result<Verdict, Failure> {
-    let (mut jobs, mut of_water) = (Vec::new(), Vec::new());
+    let (mut jobs, mut of_water, mut names) = (Vec::new(), Vec::new(), Vec::new());
     // Every scene is read and every column laid out before the first run, so that a misspelt name costs no time.
     for name in &request.scenes {
         let scene = (parts.scene_at)(name, &request.overrides)?;
         of_water.push(scene.of_water);
         jobs.extend(plan::jobs(request, parts, name, &scene)?);
+        names.push(scene.name);
     }
+    method::distinct(&names)?;
     let of_water = match of_water.contains(&true) {
         true if of_water.contains(&false) => return Err(Failure::request(Apart)),
         of_water => of_water,

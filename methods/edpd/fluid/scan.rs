@@ -116,3 +116,62 @@ impl Scan for Avx512 {
         count
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// All instructions that the wider way needs, or none of it is tried.
+    #[cfg(target_arch = "x86_64")]
+    fn is_wide() -> bool {
+        is_x86_feature_detected!("avx512f")
+            && is_x86_feature_detected!("avx512vl")
+            && is_x86_feature_detected!("avx512dq")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("popcnt")
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512vl,avx512dq,fma,popcnt")]
+    fn wide(
+        columns: &[&[f32]; 2],
+        place: &[f32; 2],
+        range: (usize, usize),
+        square: f32,
+        count: usize,
+        found: &mut FoundPartners,
+    ) -> usize {
+        Avx512::near(columns, place, range, square, count, found)
+    }
+
+    proptest! {
+        #[test]
+        fn wide_and_portable_ways_note_the_same_places(
+            x in prop::collection::vec(-2.0_f32..2.0, 1..300),
+            seed in 0_u32..1000,
+            from in any::<prop::sample::Index>(),
+            square in prop_oneof![0.0_f32..9.0, Just(f32::NAN), Just(f32::INFINITY)],
+            count in 0_usize..100,
+        ) {
+            let length = x.len();
+            let y: Vec<f32> = (0..length).map(|k| ((k as u32 * 7919 + seed) % 997) as f32 / 300.0 - 1.6).collect();
+            let padded = |column: &[f32]| [column, &[0.0; LANES]].concat();
+            let (x, y) = (padded(&x), padded(&y));
+            let (columns, range) = ([x.as_slice(), y.as_slice()], (from.index(length), length));
+            let place = [x[seed as usize % length], y[from.index(length)]];
+            let mut plain = [0; MOST + LANES];
+            let end = Portable::near(&columns, &place, range, square, count, &mut plain);
+            let near = |k: &u32| (range.0..range.1).contains(&(*k as usize));
+            prop_assert!(plain[count..end].iter().all(near) && plain[count..end].is_sorted());
+            #[cfg(target_arch = "x86_64")]
+            if is_wide() {
+                let mut other = [0; MOST + LANES];
+                // SAFETY: the processor has just been asked for these features.
+                let own = unsafe { wide(&columns, &place, range, square, count, &mut other) };
+                prop_assert_eq!((own, &other[count..own]), (end, &plain[count..end]));
+            }
+        }
+    }
+}

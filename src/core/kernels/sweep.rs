@@ -417,3 +417,6 @@ fn column_sums<const LANES: usize, const ROWS: usize, const DISC: bool>(
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -30,6 +30,16 @@ pub enum StepError {
     /// The shortest step of those by error (s) gives numbers that are none.
     #[error("a step of {0:e} s gives numbers that are not finite")]
     NotFinite(f64),
+    /// What is carried would need far more steps within one (s) of what carries it than it was to make.
+    #[error("what water carries needs {needed:.1e} steps within one of {step:e} s of water, its bound is {:e} s: {}", .bound.step, .bound.cause)]
+    Passenger {
+        /// The step of water.
+        step: f64,
+        /// How many it needs.
+        needed: f64,
+        /// What bounds them.
+        bound: Bound,
+    },
     /// Water does not flow any further.
     #[error(transparent)]
     Groundwater(#[from] GroundwaterError),

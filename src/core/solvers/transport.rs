@@ -10,10 +10,13 @@ use crate::solvers::passenger::Interval;
 use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Clock, StepError};
 
+/// Steps of the passenger within one of the other that nobody waits for: the other has become faster by a hundred times in one step.
+const ENDLESS: f64 = 1e5;
+
 /// Whether the two share their steps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Coupling {
-    /// The passenger makes as many steps as it needs within each step of the other.
+    /// The passenger makes as many steps as it needs, up to a thousand, within each step of the other.
     Sequential,
     /// Both make the same steps: the other's are no longer than the passenger's.
     Full,
@@ -87,6 +90,10 @@ impl Transport {
         while time < end {
             let count = ((end - time) / self.longest() * (1.0 - 1e-12)).ceil().max(1.0);
             let step = (end - time) / count;
+            if !count.is_finite() || count > ENDLESS || time + step <= time {
+                made_all = Err(StepError::Passenger { step: made, needed: count, bound: self.solute.report().bound });
+                break;
+            }
             let own = Clock { time, step, index: self.steps, turned };
             match self.solute.make_step(particles, &own) {
                 Ok(step) => time = if count == 1.0 && step == own.step { end } else { time + step },

@@ -10,8 +10,8 @@ use frazil_core::physics::freezing_curve::shape::{Given, Parameter, Quantity, Re
 use frazil_core::physics::freezing_curve::{CURVES, CurveKind, FreezingCurve, FreezingLaw};
 use frazil_core::physics::material::{Material, Mixing, Phase};
 
-/// Materials of a scene: particles name theirs by a byte.
-const MOST_MATERIALS: usize = 255;
+/// Most materials of a scene: particles name theirs by a byte.
+const MOST: usize = 255;
 
 /// How far apart conductivities, and heats, of the two phases may be: of the sixteen digits of a number ten are left
 /// for the smaller.
@@ -38,8 +38,13 @@ pub(super) fn latent_heats(root: &mut Section<'_>, materials: &[Material], tempe
 
 /// Reads all materials; one that has a problem keeps its place, for its name.
 pub(super) fn materials(section: &mut Section<'_>, water: bool) -> Vec<(String, Read<Material>)> {
-    let found: Vec<_> = section
-        .named_sections()
+    let mut tables = section.named_sections();
+    if tables.len() > MOST {
+        section.section_problem(format!("found {} materials, must be at most {MOST}", tables.len()));
+        tables.iter_mut().for_each(|(_, table)| table.abandon());
+        return Vec::new();
+    }
+    let found: Vec<_> = tables
         .into_iter()
         .map(|(name, mut table)| {
             let material = if water { soil(&name, &mut table) } else { material(&name, &mut table) };
@@ -48,9 +53,6 @@ pub(super) fn materials(section: &mut Section<'_>, water: bool) -> Vec<(String, 
         .collect();
     if found.is_empty() {
         section.section_problem("missing, must have at least one material, as [materials.water]");
-    }
-    if found.len() > MOST_MATERIALS {
-        section.section_problem(format!("found {} materials, must be at most {MOST_MATERIALS}", found.len()));
     }
     found
 }

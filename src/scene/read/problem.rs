@@ -4,6 +4,8 @@ use std::cell::RefCell;
 use std::fmt;
 use std::sync::Arc;
 
+use frazil_record::{brief, shown, shown_lines};
+
 use crate::units::Units;
 
 /// Where a value was written.
@@ -52,6 +54,9 @@ pub struct Problems {
     /// The problems; never empty.
     pub problems: Vec<Problem>,
 }
+
+/// Problems that are told; of more, their number.
+const TOLD: usize = 100;
 
 impl Problems {
     pub(super) fn new(file: &str, mut problems: Vec<Problem>) -> Self {
@@ -158,28 +163,32 @@ impl Log {
 
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (index, problem) in self.problems.iter().enumerate() {
+        let file = shown(&self.file);
+        for (index, problem) in self.problems.iter().take(TOLD).enumerate() {
             if index > 0 {
                 writeln!(f)?;
             }
             match (&problem.set, problem.line) {
                 (Some(set), _) => {
-                    write!(f, "--set {set}: ")?;
+                    write!(f, "--set {}: ", brief(set))?;
                     // The option already names the key.
                     if set.split('=').next() == Some(problem.key.as_str()) {
-                        write!(f, "{}", problem.message)?;
+                        write!(f, "{}", shown_lines(&problem.message))?;
                         continue;
                     }
                 }
-                (None, Some(line)) => write!(f, "{}:{line}: ", self.file)?,
-                (None, None) => write!(f, "{}: ", self.file)?,
+                (None, Some(line)) => write!(f, "{file}:{line}: ")?,
+                (None, None) => write!(f, "{file}: ")?,
             }
             if !problem.key.is_empty() {
-                write!(f, "{}: ", problem.key)?;
+                write!(f, "{}: ", brief(&problem.key))?;
             }
-            write!(f, "{}", problem.message)?;
+            write!(f, "{}", shown_lines(&problem.message))?;
         }
-        Ok(())
+        match self.problems.len().saturating_sub(TOLD) {
+            0 => Ok(()),
+            more => write!(f, "\n{file}: {more} problems more"),
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Regions: parts of the body with a material, or a start, of their own.
 
+use frazil_record::quoted;
 use glam::DVec2;
 
 use super::problem::Read;
@@ -58,7 +59,7 @@ pub(super) fn regions(
             let index = names.iter().position(|known| known == name);
             if index.is_none() {
                 let allowed = one_of(names.iter().map(String::as_str));
-                section.problem("material", format!("found \"{}\", must be {allowed}", name.escape_debug()));
+                section.problem("material", format!("found {}, must be {allowed}", quoted(name)));
             }
             index
         });

@@ -7,6 +7,8 @@ mod unknown;
 
 use std::ops::RangeInclusive;
 
+use frazil_record::{is_hidden, quoted};
+
 use super::problem::{Log, Noted, Place, Problem, Read};
 use super::range::{Range, one_of, unfit};
 use super::tree::{Entry, Node};
@@ -15,6 +17,9 @@ use crate::units::Units;
 pub use changes::{Change, Spot};
 pub use lists::Duration;
 pub(super) use pipes::Names;
+
+/// What texts and names are, which go into messages, figures, tables and pages.
+const VISIBLE: &str = "of one line, without characters that are not seen";
 
 /// The name of a key. A quantity is given as `("spacing", "m")`: it is written `spacing_m` in SI scenes and
 /// `spacing` in scenes without units. A pure number or a word is given as `"horizon_ratio"`.
@@ -336,6 +341,10 @@ impl<'a> Section<'a> {
         let mut sections = Vec::new();
         for entry in self.entries {
             self.names.push(entry.key.clone());
+            if entry.key.chars().any(is_hidden) {
+                self.note(&entry.key, format!("found {}, must be a name {VISIBLE}", quoted(&entry.key)));
+                continue;
+            }
             match &entry.node {
                 Node::Table(entries) => {
                     sections.push((entry.key.clone(), self.child(&entry.key, entry.place.clone(), entries)));
@@ -427,6 +436,9 @@ impl<'a> Section<'a> {
 
     fn check_text(&mut self, entry: &Entry) -> Read<String> {
         match &entry.node {
+            Node::Text(text) if text.chars().any(is_hidden) => {
+                Err(self.wrong(&entry.key, &entry.node, &format!("a text {VISIBLE}")))
+            }
             Node::Text(text) if !text.trim().is_empty() => Ok(text.clone()),
             other => Err(self.wrong(&entry.key, other, "a text that is not empty")),
         }

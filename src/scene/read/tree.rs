@@ -1,5 +1,6 @@
 //! The file as a tree of values that know where they were written, and `--set` upon it.
 
+use frazil_record::quoted;
 use toml::de::{DeTable, DeValue};
 use toml::value::Datetime;
 use toml::{Spanned, Value};
@@ -38,7 +39,8 @@ impl Node {
     /// What messages call it.
     pub(super) fn found(&self) -> String {
         match self {
-            Node::Text(text) => format!("\"{}\"", text.escape_debug()),
+            Node::Text(text) => quoted(text),
+            Node::Number(text, ..) if text.len() > 40 => format!("a number of {} digits", text.len()),
             Node::Number(text, ..) => text.clone(),
             Node::Flag(flag) => flag.to_string(),
             Node::Date(_) => "a date".into(),
@@ -78,11 +80,15 @@ pub(super) fn parse(text: &str) -> Result<Vec<Entry>, Vec<Problem>> {
     }
     let mut problems: Vec<Problem> = Vec::new();
     for error in errors {
-        let place = error.span().map_or(Place::File, |span| place(span.start));
+        let place = match error.span() {
+            Some(span) => place(span.start),
+            // What is too deep has no place of its own.
+            None => Place::Line(deepest(text)),
+        };
         let mut message = format!("not valid TOML: {}", error.message().replace('\n', ", "));
         if let (true, Some(found)) = (message.ends_with("duplicate key"), error.span().and_then(|span| text.get(span)))
         {
-            message.push_str(&format!(" \"{}\"", found.trim()));
+            message.push_str(&format!(" {}", quoted(found.trim().trim_matches('"'))));
         }
         let problem = Problem::new(&place, "", message);
         // One slip often breaks the rest of its line in several ways; the first says it.
@@ -91,6 +97,13 @@ pub(super) fn parse(text: &str) -> Result<Vec<Entry>, Vec<Problem>> {
         }
     }
     Err(problems)
+}
+
+/// The line, counted from 1, with most that opens a table or a list.
+fn deepest(text: &str) -> usize {
+    let opened = |line: &str| line.bytes().filter(|byte| b".[{".contains(byte)).count();
+    let lines = (1..).zip(text.lines()).map(|(number, line)| (opened(line), std::cmp::Reverse(number)));
+    lines.max().map_or(1, |(_, number)| number.0)
 }
 
 fn entries(table: &DeTable<'_>, place: &impl Fn(usize) -> Place) -> Vec<Entry> {
@@ -138,12 +151,19 @@ enum NoPlace {
     Value { part: String, found: String, next: String },
 }
 
+/// Keys of a path, as deep as files may be.
+const DEEPEST: usize = 80;
+
 /// Applies one `--set KEY=VALUE`. What is no TOML value is taken as text, so that words need no quotes.
 pub(super) fn set(root: &mut Vec<Entry>, key: &str, value: &str) -> Result<(), Problem> {
     let place = Place::Set(format!("{key}={value}"));
     let parts: Vec<&str> = key.split('.').collect();
     if parts.iter().any(|part| part.trim().is_empty()) {
         return Err(Problem::new(&place, key, "must be a path of keys joined by dots, as \"time.outputs\""));
+    }
+    if parts.len() > DEEPEST {
+        let message = format!("found a path of {} keys, must be one of at most {DEEPEST}", parts.len());
+        return Err(Problem::new(&place, key, message));
     }
     let new = match DeValue::parse(value) {
         Ok(parsed) => node(&parsed, &|_| place.clone()),

@@ -179,7 +179,10 @@ fn phases(section: &mut Section<'_>, domain: Option<&Domain>) -> Option<(f64, f6
     if !wanted {
         section.problem(BETWEEN, "has no effect without phases = true");
     }
-    let extent = domain.map_or(f64::INFINITY, Domain::extent);
+    let extent = match domain {
+        Some(Domain::Rectangle { width, .. }) => *width,
+        other => other.map_or(f64::INFINITY, Domain::extent),
+    };
     match between[..] {
         [from, to] if from < to && from >= -extent && to <= extent => Some((from, to)),
         _ => {

@@ -93,6 +93,16 @@ impl Prepared {
             true => Volumes::new(&scene.domain, &lattice, printed),
             false => open_volumes(scene, &lattice, cloud.as_deref()),
         };
+        let count = cloud.as_ref().map_or(lattice.len(), |cloud| cloud.len());
+        if (0..count).all(|i| volumes.of(i) <= 0.0) {
+            return Err(Refused::Closed(numerics.spacing));
+        }
+        if let Some((from, to)) = scene.watch.phases {
+            let along = |i: usize| cloud.as_ref().map_or_else(|| lattice.position(i), |cloud| cloud[i]).x;
+            if !(0..count).any(|i| (from..=to).contains(&along(i)) && volumes.of(i) > 0.0) {
+                return Err(Refused::NoPhases { from, to, spacing: numerics.spacing });
+            }
+        }
         let materials = materials(scene, numerics, &lattice, cloud.as_deref());
         let start = start::enthalpies(scene, &materials, &lattice, cloud.as_deref());
         // Particles that store what is in their cells fill regions exactly.
@@ -109,7 +119,6 @@ impl Prepared {
         }
         let Pipes { sinks, acting } = pipes(scene, &lattice, &boundary, &stencil)?;
         differences.extend(acting);
-        let count = cloud.as_ref().map_or(lattice.len(), |cloud| cloud.len());
         let start = start::without_displaced(start, &sinks, &materials, &volumes, count);
         differences.extend(random::unresolved(scene, lattice.spacing));
         let narrow = stencil.reach > lattice.columns || (lattice.dimension == 2 && stencil.reach > lattice.rows);

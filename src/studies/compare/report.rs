@@ -8,6 +8,7 @@ use std::path::Path;
 use frazil_plots::comparison::work_precision_panels;
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection};
 use frazil_plots::run::drawings;
+use frazil_scene::names;
 
 use super::analysis::{self, Study};
 use super::curve::Clock;
@@ -129,7 +130,7 @@ fn finest_runs(folder: &Path, study: &Study) -> Result<Vec<Block>, Failure> {
         else {
             continue;
         };
-        let key = format!("{}_{}", one.method, one.setting.name.replace('=', "-"));
+        let key = names::of(&format!("{}_{}", one.method, one.setting.name.replace('=', "-")));
         let own = folder.join(&key);
         make_folder(&own)?;
         write_run(&own, result)?;

@@ -7,6 +7,7 @@ use frazil_scene::Scene;
 
 use super::variant::Variant;
 use crate::failure::Failure;
+use crate::method;
 use crate::parts::{Override, Parts};
 use crate::progress::{clock, forewarn};
 
@@ -61,6 +62,16 @@ impl CompareRequest {
     /// If it cannot be had.
     pub(super) fn scene(&self, parts: &Parts<'_>, name: &str, overrides: &[Override]) -> Result<Scene, Failure> {
         (parts.scene_at)(name, &[self.overrides.as_slice(), overrides].concat())
+    }
+
+    /// Holds the names of all scenes, of each of which a folder is made, against each other.
+    ///
+    /// # Errors
+    ///
+    /// If two are alike, or a scene cannot be had.
+    pub(super) fn distinct(&self, parts: &Parts<'_>) -> Result<(), Failure> {
+        let scenes = self.scenes.iter().map(|name| Ok(self.scene(parts, name, &[])?.name));
+        method::distinct(&scenes.collect::<Result<Vec<String>, Failure>>()?)
     }
 
     /// Says that all scenes together take long, if they may.

@@ -10,6 +10,8 @@ use csv::StringRecord;
 use frazil_core::statistics::{HalfWidths, moments};
 use serde::de::DeserializeOwned;
 
+use crate::output::cells;
+
 /// Numbers that tell rows apart.
 const KEYS: [&str; 9] = ["time_s", "y_m", "z_m", "r_m", "isotherm_c", "gap", "angle_deg", "multiplicity", "mean_over"];
 
@@ -58,7 +60,7 @@ impl Table {
 
     /// As CSV.
     pub fn write(&self, text: &mut dyn std::io::Write) -> std::io::Result<()> {
-        let mut writer = csv::Writer::from_writer(text);
+        let mut writer = cells::writer(text);
         writer.write_record(&self.columns).map_err(std::io::Error::other)?;
         for row in &self.rows {
             writer.write_record(row).map_err(std::io::Error::other)?;

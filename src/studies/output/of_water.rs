@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use frazil_record::{MeanOver, ProbeRow, ProfileRow, RunResult, SurfaceRow};
 use serde::{Deserialize, Serialize};
 
-use super::{Fill, budget};
+use super::{Fill, budget, cells};
 
 /// The series of a run that have other words than those of heat, by the names of their files.
 pub(super) fn series(result: &RunResult) -> Vec<(&'static str, Option<Fill<'_>>)> {
@@ -20,7 +20,7 @@ pub(super) fn series(result: &RunResult) -> Vec<(&'static str, Option<Fill<'_>>)
 
 /// Rows under a head.
 fn fill<R: Serialize>(writer: &mut dyn Write, head: &[&str], rows: impl Iterator<Item = R>) -> io::Result<()> {
-    let mut csv = csv::Writer::from_writer(writer);
+    let mut csv = cells::writer(writer);
     csv.write_record(head).map_err(io::Error::other)?;
     for row in rows {
         csv.serialize(row).map_err(io::Error::other)?;

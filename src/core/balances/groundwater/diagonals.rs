@@ -365,3 +365,49 @@ fn sweep_rows(diagonals: &Diagonals, inverse: &[f64], rest: &[f64], residual: &[
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// The widest vectors of the processor and those of every processor see the same operations in the same order.
+        #[test]
+        fn kernels_for_wide_vectors_give_the_same_bits(
+            (columns, rows) in (3_usize..40, 2_usize..12),
+            numbers in prop::collection::vec(-1e3_f64..1e3, 64),
+        ) {
+            // Pairs with the next in a row and in a column.
+            let count = columns * rows;
+            let (mut starts, mut partners) = (vec![0], Vec::new());
+            for i in 0..count {
+                let row = [i.wrapping_sub(columns), i.wrapping_sub(1), i + 1, i + columns];
+                partners.extend(row.into_iter().filter(|j| *j < count).map(|j| j as u32));
+                starts.push(partners.len());
+            }
+            let own = Diagonals::of(&starts, &partners).expect("diagonals");
+            let drawn = |length: usize, from: usize| -> Vec<f64> {
+                (0..length).map(|k| numbers[(k * 7 + from) % 64] * (1.0 + k as f64 / 64.0)).collect()
+            };
+            let mut rest = vec![0.0; own.slots()];
+            for i in 0..count {
+                for j in partners[starts[i]..starts[i + 1]].iter().map(|j| *j as usize).filter(|j| *j > i) {
+                    rest[own.slot(i, j - i)] = numbers[(i + 3 * j) % 64];
+                }
+            }
+            let (diagonal, mut column) = (drawn(count, 3), vec![0.0; own.padded()]);
+            column[own.pad..own.pad + count].copy_from_slice(&drawn(count, 11));
+            let (mut wide, mut plain) = (vec![0.0; count], vec![0.0; count]);
+            own.multiply(&diagonal, &rest, &column, &mut wide);
+            multiply_rows(&own, &diagonal, &rest, &column, &mut plain);
+            prop_assert_eq!(wide, plain);
+            let (mut wide, mut plain) = (vec![0.0; own.padded()], vec![0.0; own.padded()]);
+            let inverse: Vec<f64> = diagonal.iter().map(|own| 1e-3 / (own.abs() + 1.0)).collect();
+            own.sweep(&inverse, &rest, &drawn(count, 5), &mut wide);
+            sweep_rows(&own, &inverse, &rest, &drawn(count, 5), &mut plain);
+            prop_assert_eq!(wide, plain);
+        }
+    }
+}

@@ -1,5 +1,7 @@
 //! Keys that nobody asked for.
 
+use std::collections::HashSet;
+
 use super::super::problem::{KeyOf, Log, Problem};
 use super::super::range::{all_of, one_of};
 use super::super::tree::parse;
@@ -46,6 +48,9 @@ impl Section<'_> {
                 here.push(&asked.key);
             }
         }
+        if key.len() > LONGEST || self.log.next() > MANY {
+            return ("unknown key".to_owned(), Vec::new());
+        }
         if let Some(meant) = nearest(key, HERE, here.iter().copied(), |known| known) {
             return (format!("unknown key, did you mean \"{meant}\"?"), vec![meant.to_owned()]);
         }
@@ -72,6 +77,11 @@ impl Section<'_> {
         (message, Vec::new())
     }
 }
+
+/// A key that is longer than any there is, and those of a file that has so many problems, are not searched for: none is near, or
+/// nobody reads it.
+const LONGEST: usize = 100;
+const MANY: usize = 1000;
 
 /// One letter in so many may be wrong in a key of this section, and in one of another: there are many of them.
 const HERE: usize = 3;
@@ -109,12 +119,12 @@ impl Drop for Section<'_> {
                 .collect()
         });
         let mut missing = std::mem::take(&mut self.missing);
-        for entry in self.entries {
-            let names = self.refused.iter().chain(&self.names);
-            if self.asked.iter().any(|asked| asked.key == entry.key) || names.into_iter().any(|name| *name == entry.key)
-            {
-                continue;
-            }
+        if self.abandoned && missing.is_empty() {
+            return;
+        }
+        let known = self.asked.iter().map(|asked| &asked.key).chain(&self.refused).chain(&self.names);
+        let known: HashSet<&str> = known.map(String::as_str).collect();
+        for entry in self.entries.iter().filter(|entry| !known.contains(entry.key.as_str())) {
             let (message, meant) = self.unknown(&entry.key);
             // A misspelt key is one mistake, not two: it is not missing as well.
             let is_meant = |missing: &mut Missing| missing.instead.iter().any(|key| meant.contains(key));

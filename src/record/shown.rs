@@ -1,0 +1,100 @@
+//! Text of a user as terminals and messages show it: files, names of files and options may hold anything.
+
+use std::borrow::Cow;
+
+/// Letters up to which a text is quoted in messages.
+const LONGEST: usize = 200;
+
+/// Whether a character is not seen, or turns what is beside it: control characters, marks of direction, separators of lines, and
+/// others without a shape.
+pub fn is_hidden(character: char) -> bool {
+    match character {
+        // Fillers count as letters, and have no shape.
+        '\u{115f}' | '\u{1160}' | '\u{3164}' | '\u{ffa0}' => true,
+        _ if character.is_ascii() => character.is_ascii_control(),
+        _ if character.is_alphanumeric() => false,
+        // What the standard library would escape behind a letter, so that accents stay.
+        _ => {
+            let mut behind = String::from('a');
+            behind.push(character);
+            behind.escape_debug().any(|shown| shown == '\\')
+        }
+    }
+}
+
+/// A text as one line shows it: what is hidden, line breaks too, stands there as an escape.
+pub fn shown(text: &str) -> Cow<'_, str> {
+    escaped(text, is_hidden)
+}
+
+/// The same of a text that may have lines.
+pub fn shown_lines(text: &str) -> Cow<'_, str> {
+    escaped(text, |character| character != '\n' && is_hidden(character))
+}
+
+/// A text in quotes, as messages say what was found; of a long one its beginning.
+pub fn quoted(text: &str) -> String {
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => format!("\"{}...\" ({} letters)", text[..end].escape_debug(), text.chars().count()),
+        None => format!("\"{}\"", text.escape_debug()),
+    }
+}
+
+/// A text as one line shows it; of a long one its beginning.
+pub fn brief(text: &str) -> Cow<'_, str> {
+    match text.char_indices().nth(LONGEST) {
+        Some((end, _)) => Cow::Owned(format!("{}...", shown(&text[..end]))),
+        None => shown(text),
+    }
+}
+
+fn escaped(text: &str, hidden: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.chars().any(&hidden) {
+        return Cow::Borrowed(text);
+    }
+    let mut out = String::with_capacity(text.len());
+    for character in text.chars() {
+        match hidden(character) {
+            // A filler is no character that the library would escape.
+            true => match character {
+                '\n' | '\r' | '\t' => out.extend(character.escape_default()),
+                _ => out.extend(character.escape_unicode()),
+            },
+            false => out.push(character),
+        }
+    }
+    Cow::Owned(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_seen_is_shown_as_an_escape() {
+        let marks =
+            ['\u{61c}', '\u{200e}', '\u{200f}', '\u{feff}', '\u{200b}', '\u{ad}', '\u{2028}', '\u{2029}', '\u{3164}'];
+        let turned = ('\u{202a}'..='\u{202e}').chain('\u{2066}'..='\u{2069}').chain('\u{e0020}'..='\u{e007f}');
+        let control = ('\0'..='\u{1f}').chain('\u{7f}'..='\u{9f}');
+        for character in marks.into_iter().chain(turned).chain(control) {
+            let text = format!("a{character}b");
+            let safe = shown(&text);
+            assert!(!safe.contains(character) && safe.starts_with("a\\") && safe.ends_with('b'), "{safe}");
+        }
+        assert_eq!(shown("a\u{1b}[31m\u{202e}\nb"), "a\\u{1b}[31m\\u{202e}\\nb");
+        assert_eq!(shown_lines("a\u{1b}[31m\nb\r"), "a\\u{1b}[31m\nb\\r");
+    }
+
+    #[test]
+    fn what_is_seen_stays() {
+        let text = "Frostkörper, Frostko\u{308}rper, \u{e9}t\u{e9}, лёд, 冰, ثلج, m², −5 °C, \"\\ '";
+        assert!(matches!(shown(text), Cow::Borrowed(same) if same == text));
+    }
+
+    #[test]
+    fn a_long_text_is_quoted_by_its_beginning() {
+        assert_eq!(quoted("a\"\n"), "\"a\\\"\\n\"");
+        assert_eq!(brief(&"ä".repeat(201)), format!("{}...", "ä".repeat(200)));
+        assert_eq!(quoted(&"ä".repeat(1000)), format!("\"{}...\" (1000 letters)", "ä".repeat(200)));
+    }
+}

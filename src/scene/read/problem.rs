@@ -43,9 +43,6 @@ impl Problem {
     }
 }
 
-/// Problems of a file that are told.
-const MOST_TOLD: usize = 1000;
-
 /// All problems of one scene file, in the order of its lines; those of `--set` come last.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problems {
@@ -62,11 +59,6 @@ impl Problems {
     pub(super) fn new(file: &str, mut problems: Vec<Problem>) -> Self {
         problems.sort_by_key(|problem| (problem.set.is_some(), problem.line));
         problems.dedup();
-        if problems.len() > MOST_TOLD {
-            let more = problems.len() - MOST_TOLD;
-            problems.truncate(MOST_TOLD);
-            problems.push(Problem::new(&Place::File, "", format!("{more} more problems")));
-        }
         Problems { file: file.to_owned(), problems }
     }
 }

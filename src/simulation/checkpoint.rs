@@ -14,7 +14,7 @@ use frazil_record::write_whole;
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
 use serde::{Deserialize, Serialize};
-use xxhash_rust::xxh3::xxh3_128;
+use xxhash_rust::xxh3::{Xxh3, xxh3_128};
 
 use crate::refused::Refused;
 
@@ -88,9 +88,15 @@ impl<'a> Checkpoints<'a> {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
             _ => Ok(()),
         };
-        let written = made.and(moved).and_then(|()| {
-            let bytes = header.beside(fields)?;
-            write_whole(&newest, |writer| writer.write_all(&bytes))
+        let written = made.and(moved).and_then(|()| header.bytes()).and_then(|header| {
+            let mut checksum = Xxh3::new();
+            write_whole(&newest, |writer| {
+                for part in [&header[..], fields] {
+                    checksum.update(part);
+                    writer.write_all(part)?;
+                }
+                writer.write_all(&checksum.digest128().to_le_bytes())
+            })
         });
         if let Err(error) = written
             && !self.failed.swap(true, Ordering::Relaxed)
@@ -126,14 +132,12 @@ pub struct Standing {
 }
 
 impl Header {
-    /// The bytes of a file of these fields.
-    fn beside(&self, fields: &[u8]) -> io::Result<Vec<u8>> {
+    /// The bytes that stand before the fields.
+    fn bytes(&self) -> io::Result<Vec<u8>> {
         let header = rmp_serde::to_vec_named(self).map_err(io::Error::other)?;
         let mut bytes = MAGIC.to_vec();
         bytes.extend((header.len() as u64).to_le_bytes());
         bytes.extend(header);
-        bytes.extend(fields);
-        bytes.extend(xxh3_128(&bytes).to_le_bytes());
         Ok(bytes)
     }
 }
@@ -141,10 +145,17 @@ impl Header {
 /// A checkpoint that was found.
 pub(crate) struct Kept {
     path: PathBuf,
-    pub(crate) fields: Vec<u8>,
+    bytes: Vec<u8>,
+    /// Where its fields begin.
+    start: usize,
 }
 
 impl Kept {
+    /// Its fields.
+    pub(crate) fn fields(&self) -> &[u8] {
+        &self.bytes[self.start..self.bytes.len() - CHECKSUM]
+    }
+
     /// What is wrong with it, where its fields are not those of the run.
     pub(crate) fn foreign(&self, why: impl Display) -> Refused {
         Refused::Checkpoint(self.path.display().to_string(), why.to_string())
@@ -209,7 +220,8 @@ pub(crate) fn found(kept: &Checkpoints<'_>, own: &[(String, String)]) -> Result<
             let difference = format!("is of another run: its {name} is {other}, and that of this run is {own}");
             return Err(Refused::Checkpoint(path.display().to_string(), difference));
         }
-        return Ok(Some(Kept { path, fields: fields.to_vec() }));
+        let start = bytes.len() - CHECKSUM - fields.len();
+        return Ok(Some(Kept { path, bytes, start }));
     }
     Ok(None)
 }

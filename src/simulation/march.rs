@@ -420,7 +420,7 @@ impl Simulation<'_> {
     /// # Errors
     /// Fields that are not those of this run.
     fn go_on_from(&mut self, kept: &Kept) -> Result<(), Refused> {
-        let mut pass = Pass::load(&kept.fields);
+        let mut pass = Pass::load(kept.fields());
         self.pass(&mut pass);
         pass.end().map_err(|foreign| kept.foreign(foreign))
     }

@@ -15,13 +15,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitCode, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::ScopedJoinHandle;
 use std::time::{Duration, Instant};
 
 use frazil_core::particles::Particles;
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Checkpoints, Going, Options};
+use frazil_simulation::reference::Reference;
 use rand::rngs::StdRng;
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
@@ -274,12 +275,13 @@ const SHORT: &str = "stefan-unit";
 /// Changes the bytes of checkpoints, and says what went wrong: a run must come to what it comes to without one.
 fn damage(changes: usize, seed: u64) -> Result<Vec<String>, Box<dyn Error>> {
     let scene = frazil::load::scene(SHORT, &[])?;
-    let whole = march::run(&scene, "pd", None, &Options::default())?.record.state_hash;
+    let reference = truth(&scene);
+    let whole = march::run(&scene, "pd", reference.as_ref(), &Options::default())?.record.state_hash;
     let (next, wrong) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || -> Result<(), Box<dyn Error>> {
         let folder = tempfile::tempdir()?;
         let path = folder.path().join("run.checkpoint");
-        let bytes = checkpoint(&scene, folder.path())?;
+        let (bytes, reference) = (checkpoint(&scene, folder.path())?, truth(&scene));
         while let Some(number) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|number| *number < changes) {
             let mut random = StdRng::seed_from_u64(seed.wrapping_add(number as u64));
             let mut other = bytes.clone();
@@ -293,7 +295,8 @@ fn damage(changes: usize, seed: u64) -> Result<Vec<String>, Box<dyn Error>> {
             }
             fs::write(&path, &other)?;
             let kept = Checkpoints::new(folder.path(), Duration::MAX, (String::new(), Going::On), &|_: &str| {});
-            let found = march::run(&scene, "pd", None, &Options { checkpoints: Some(&kept), ..Options::default() });
+            let options = Options { checkpoints: Some(&kept), ..Options::default() };
+            let found = march::run(&scene, "pd", reference.as_ref(), &options);
             let hash = found.map(|result| result.record.state_hash);
             if hash.as_ref() != Ok(&whole) {
                 let told = format!("change {number}: {hash:?} in place of {whole}");
@@ -315,6 +318,11 @@ fn damage(changes: usize, seed: u64) -> Result<Vec<String>, Box<dyn Error>> {
     Ok(wrong.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
+/// What a scene is measured against, and what walls that follow an exact solution ask.
+fn truth(scene: &Scene) -> Option<Arc<dyn Reference>> {
+    frazil_cases::truth(scene).ok().and_then(|truth| truth.reference.map(Arc::from))
+}
+
 /// A checkpoint of the scene from the middle of its run.
 fn checkpoint(scene: &Scene, folder: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
     let (flag, seen) = (AtomicBool::new(false), AtomicUsize::new(0));
@@ -326,7 +334,7 @@ fn checkpoint(scene: &Scene, folder: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
     let kept = Checkpoints::new(folder, Duration::MAX, (String::new(), Going::Anew), &|_: &str| {});
     let options =
         Options { interrupt: Some(&flag), each_output: Some(&see), checkpoints: Some(&kept), ..Options::default() };
-    march::run(scene, "pd", None, &options)?;
+    march::run(scene, "pd", truth(scene).as_ref(), &options)?;
     Ok(fs::read(folder.join("run.checkpoint"))?)
 }
 
@@ -434,8 +442,13 @@ fn soak(runs: usize) -> Result<Vec<String>, Box<dyn Error>> {
                     while let Some(number) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|number| *number < half)
                     {
                         let hash = single(&commands[number % commands.len()]).and_then(|(scene, method)| {
-                            let options = Options { time_limit_s: None, ..Options::default() };
-                            Some(march::run(&scene, &method, None, &options).ok()?.record.state_hash)
+                            let reference = truth(&scene);
+                            Some(
+                                march::run(&scene, &method, reference.as_ref(), &Options::default())
+                                    .ok()?
+                                    .record
+                                    .state_hash,
+                            )
                         });
                         found.lock().unwrap_or_else(PoisonError::into_inner)[number] = hash;
                         let mut peak = peak.lock().unwrap_or_else(PoisonError::into_inner);
@@ -445,6 +458,13 @@ fn soak(runs: usize) -> Result<Vec<String>, Box<dyn Error>> {
             });
         });
         let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
+        wrong.extend(
+            found
+                .iter()
+                .enumerate()
+                .filter(|(_, hash)| hash.is_none())
+                .map(|(number, _)| format!("{}: refused", commands[number % commands.len()])),
+        );
         for (number, (before, now)) in hashes.iter_mut().zip(found).enumerate() {
             if before.as_ref().is_some_and(|before| *before != now) {
                 wrong.push(format!("{}: another state", commands[number % commands.len()]));

@@ -8,10 +8,12 @@
 
 #![allow(clippy::print_stdout)]
 
+mod gathered;
+
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, ExitCode};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -87,7 +89,7 @@ struct Given {
 const BALANCES: [(&str, &str); 3] = [
     ("energy_balance_rel", "heat or water not accounted for, over what was exchanged"),
     ("solute_balance_rel", "solute not accounted for"),
-    ("bounds_violation_rel", "temperatures or heads out of the range of the data, over that range"),
+    ("bounds_violation_rel", "temperatures or heads out of the range of the data, over that range, without noise"),
 ];
 
 /// What commands give, as many at once as the machine has processors.
@@ -124,16 +126,21 @@ fn run(program: &str, command: &str, out: &Path) -> Result<Given, Box<dyn Error>
         return Err(told.lines().next().unwrap_or_default().into());
     }
     let mut files = Vec::new();
-    gather(out, &mut files)?;
+    gathered::gather(out, &mut files)?;
+    files.retain(|path| path.is_file());
     files.sort();
     let (mut states, mut tables) = (Xxh3::new(), Xxh3::new());
     let mut balances = BTreeMap::new();
     for file in &files {
         if file.ends_with("record.json") {
-            let record: serde_json::Value = serde_json::from_slice(&fs::read(file)?)?;
+            let mut record: serde_json::Value = serde_json::from_slice(&fs::read(file)?)?;
             states.update(record["state_hash"].to_string().as_bytes());
             // An error is a result too.
             tables.update(record["errors"].to_string().as_bytes());
+            // Noise leaves any range.
+            if record["method"] == "edpd" {
+                record["bounds_violation_rel"].take();
+            }
             for (name, error) in BALANCES.iter().filter_map(|(name, _)| Some((*name, record[name].as_f64()?))) {
                 let greatest: &mut f64 = balances.entry(name).or_default();
                 *greatest = greatest.max(error.abs());
@@ -145,13 +152,4 @@ fn run(program: &str, command: &str, out: &Path) -> Result<Given, Box<dyn Error>
     }
     let [states, tables] = [states, tables].map(|hash| format!("{:016x}", hash.digest()));
     Ok(Given { states, tables, balances })
-}
-
-/// All files in a folder and its folders.
-fn gather(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Box<dyn Error>> {
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.is_dir() { gather(&path, files)? } else { files.push(path) }
-    }
-    Ok(())
 }

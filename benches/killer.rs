@@ -1,8 +1,8 @@
 //! Whether runs outlive what ends them: commands of `tests/baseline.csv` killed at random moments, gone on with until they are
 //! done, and compared with the same command left alone.
 //!
-//! `cargo bench --bench killer` kills a hundred times; `-- --kills 1000 --seed 2 --minutes 20` as often as asked
-//! and no longer, `--program FILE` another build;
+//! `cargo bench --bench killer` kills a hundred times, half of them by SIGKILL and half by SIGINT; `-- --kills 1000 --seed 2
+//! --minutes 20 --only edpd` as often as asked, no longer, and only commands with a word; `--program FILE` those of another build;
 //! `-- --checkpoints 100000` damages the bytes of checkpoints instead, `-- --disks 200` fills small file systems that it mounts,
 //! and `-- --soak 500` makes so many runs in one process, eight at once, in five rounds, and watches its memory
 //! (under `MALLOC_ARENA_MAX=1` where the C library is glibc, whose arenas keep what threads have freed).
@@ -10,20 +10,25 @@
 
 #![allow(clippy::print_stdout)]
 
+#[path = "../tests/commands.rs"]
+mod commands;
+mod gathered;
+
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitCode, Stdio};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::thread::ScopedJoinHandle;
 use std::time::{Duration, Instant};
 
+use clap::Parser;
+use commands::{Single, damaged, single};
 use frazil_core::particles::Particles;
-use frazil_scene::Scene;
 use frazil_simulation::march::{self, Checkpoints, Going, Options};
-use frazil_simulation::reference::Reference;
+use gathered::gather;
 use rand::rngs::StdRng;
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
@@ -32,51 +37,58 @@ use xxhash_rust::xxh3::xxh3_64;
 /// Wall time of a command beyond which it is not taken: a kill costs a run.
 const LONGEST: Duration = Duration::from_secs(6);
 
+/// Exit code of a command that was asked to end before it was done.
+const INTERRUPTED: i32 = 2;
+
 /// Kills of one run at most, before it is left to come to its end.
 const MOST_KILLS: usize = 4;
 
 /// Studies, beside the runs of the baseline.
-const STUDIES: [&str; 2] =
-    ["run stefan-water --method edpd --seeds 4", "stability stefan-unit --methods pd --values 1 --grid 3"];
+const STUDIES: [&str; 3] = [
+    "run stefan-water --method edpd --seeds 4",
+    "run stefan-water --method pd --fields --frames",
+    "stability stefan-unit --methods pd --values 1 --grid 3",
+];
 
 /// What a command leaves: hashes of its files by their names, records without what the clock decides.
 type Left = BTreeMap<PathBuf, u64>;
 
+#[derive(Debug, Parser)]
 struct Asked {
+    /// The build whose commands are killed.
+    #[arg(long, default_value = env!("CARGO_BIN_EXE_frazil"))]
     program: String,
+    /// Kills, each by SIGKILL or by SIGINT.
+    #[arg(long, default_value_t = 100)]
     kills: usize,
+    /// Commands that contain this word alone.
+    #[arg(long, default_value = "")]
+    only: String,
+    /// Time after which no more are made.
+    #[arg(long, default_value_t = f64::INFINITY)]
     minutes: f64,
+    /// Checkpoints to damage.
+    #[arg(long, default_value_t = 0)]
     checkpoints: usize,
+    /// File systems to fill.
+    #[arg(long, default_value_t = 0)]
     disks: usize,
+    /// Runs to make in one process.
+    #[arg(long, default_value_t = 0)]
     soak: usize,
+    /// What moments, commands and bytes are drawn by.
+    #[arg(long, default_value_t = 1)]
     seed: u64,
-}
-
-fn asked() -> Result<Asked, Box<dyn Error>> {
-    let program = env!("CARGO_BIN_EXE_frazil").to_owned();
-    let mut asked = Asked { program, kills: 100, minutes: f64::INFINITY, checkpoints: 0, disks: 0, soak: 0, seed: 1 };
-    let mut arguments = std::env::args().skip(1).filter(|argument| argument != "--bench");
-    while let Some(flag) = arguments.next() {
-        let value = arguments.next().ok_or("every flag has a value")?;
-        match flag.as_str() {
-            "--program" => asked.program = value,
-            "--minutes" => asked.minutes = value.parse()?,
-            "--kills" => asked.kills = value.parse()?,
-            "--checkpoints" => asked.checkpoints = value.parse()?,
-            "--disks" => asked.disks = value.parse()?,
-            "--soak" => asked.soak = value.parse()?,
-            "--seed" => asked.seed = value.parse()?,
-            other => return Err(format!("there is no flag {other}").into()),
-        }
-    }
-    Ok(asked)
+    /// Comes from cargo.
+    #[arg(long, hide = true)]
+    bench: bool,
 }
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
-    let asked = asked()?;
+    let asked = Asked::parse();
     let told = match (asked.disks, asked.checkpoints, asked.soak) {
         (0, 0, 0) => kill(&asked)?,
-        (0, 0, runs) => soak(runs)?,
+        (0, 0, _) => soak(&asked)?,
         (0, changes, _) => damage(changes, asked.seed)?,
         (..) => fill(&asked)?,
     };
@@ -85,11 +97,10 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
     Ok(if told.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Commands of the baseline and studies.
-fn commands() -> Result<Vec<String>, Box<dyn Error>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/baseline.csv");
-    let rows = csv::Reader::from_path(path)?.into_records().collect::<Result<Vec<_>, _>>()?;
-    Ok(rows.iter().map(|row| row[0].to_owned()).chain(STUDIES.map(str::to_owned)).collect())
+/// Commands of the baseline and studies, of which some are asked for.
+fn commands(only: &str) -> Vec<String> {
+    let all = commands::all().into_iter().chain(STUDIES.map(str::to_owned));
+    all.filter(|command| command.contains(only)).collect()
 }
 
 /// A command into a folder.
@@ -111,22 +122,6 @@ fn keeps(command: &str, random: &mut StdRng, resumes: bool) -> Vec<&'static str>
         flags.push("--resume");
     }
     flags
-}
-
-/// All files in a folder and its folders.
-fn gather(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Box<dyn Error>> {
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        if path.is_dir() {
-            if fs::read_dir(&path)?.next().is_none() {
-                files.push(path.clone());
-            }
-            gather(&path, files)?;
-        } else {
-            files.push(path);
-        }
-    }
-    Ok(())
 }
 
 /// Hashes of what a command has left.
@@ -176,8 +171,9 @@ fn is_left_over(name: &Path) -> bool {
 }
 
 /// Kills runs at random moments until there were so many kills, and says what went wrong.
-fn kill(Asked { program, kills, minutes, seed, .. }: &Asked) -> Result<Vec<String>, Box<dyn Error>> {
-    let commands = commands()?;
+fn kill(Asked { program, kills, only, minutes, seed, .. }: &Asked) -> Result<Vec<String>, Box<dyn Error>> {
+    let commands = commands(only);
+    let slowest = Mutex::new((Duration::ZERO, String::new()));
     let (count, runs, number) = (AtomicUsize::new(0), AtomicUsize::new(0), AtomicUsize::new(0));
     let (wrong, began) = (Mutex::new(Vec::new()), Instant::now());
     let work = || {
@@ -185,9 +181,13 @@ fn kill(Asked { program, kills, minutes, seed, .. }: &Asked) -> Result<Vec<Strin
             let mut random = StdRng::seed_from_u64(seed.wrapping_add(number.fetch_add(1, Ordering::Relaxed) as u64));
             let Some(command) = commands.choose(&mut random) else { return };
             match kill_one(program, command, &mut random) {
-                Ok(killed) => {
-                    count.fetch_add(killed, Ordering::Relaxed);
-                    runs.fetch_add(usize::from(killed > 0), Ordering::Relaxed);
+                Ok(Killed { kills, slowest: took }) => {
+                    count.fetch_add(kills, Ordering::Relaxed);
+                    runs.fetch_add(usize::from(kills > 0), Ordering::Relaxed);
+                    let mut slowest = slowest.lock().unwrap_or_else(PoisonError::into_inner);
+                    if took > slowest.0 {
+                        *slowest = (took, command.clone());
+                    }
                 }
                 Err(error) => {
                     eprintln!("{command}: {error}");
@@ -201,29 +201,60 @@ fn kill(Asked { program, kills, minutes, seed, .. }: &Asked) -> Result<Vec<Strin
             scope.spawn(work);
         });
     });
-    println!("{} kills of {} runs", count.into_inner(), runs.into_inner());
+    let (took, slowest) = slowest.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let (count, runs, took) = (count.into_inner(), runs.into_inner(), took.as_secs_f64());
+    println!("{count} kills of {runs} runs; after a SIGINT the slowest ended in {took:.2} s: {slowest}");
     Ok(wrong.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// One command, left alone and killed; how often it was killed.
-fn kill_one(program: &str, command: &str, random: &mut StdRng) -> Result<usize, Box<dyn Error>> {
+/// How often a command was killed, and how long it took at most to end by itself after a SIGINT.
+#[derive(Default)]
+struct Killed {
+    kills: usize,
+    slowest: Duration,
+}
+
+impl Killed {
+    /// Ends a process at once, or asks it to end.
+    fn end(&mut self, mut process: Child, at_once: bool, code: Option<i32>) -> Result<(), Box<dyn Error>> {
+        self.kills += 1;
+        let began = Instant::now();
+        if at_once {
+            process.kill()?;
+        } else {
+            Command::new("kill").args(["-INT", &process.id().to_string()]).status()?;
+        }
+        let output = process.wait_with_output()?;
+        if !at_once {
+            self.slowest = self.slowest.max(began.elapsed());
+            // Nothing listens yet in a process that has just begun, and a run may come to its end.
+            let ended = output.status.code();
+            if !(ended.is_none() || ended == Some(INTERRUPTED) || ended == code) {
+                let told = String::from_utf8_lossy(&output.stderr).into_owned();
+                return Err(format!("exit code {ended:?} after a SIGINT: {told}").into());
+            }
+        }
+        Ok(())
+    }
+}
+
+/// One command, left alone and killed.
+fn kill_one(program: &str, command: &str, random: &mut StdRng) -> Result<Killed, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
     let (alone, killed) = (folder.path().join("alone"), folder.path().join("killed"));
     let began = Instant::now();
     let code = begin(program, command, &alone, &keeps(command, random, false))?.wait()?.code();
     let took = began.elapsed();
     if took > LONGEST || !alone.is_dir() {
-        return Ok(0);
+        return Ok(Killed::default());
     }
-    let mut kills = 0;
+    let mut ends = Killed::default();
     loop {
-        let mut process = begin(program, command, &killed, &keeps(command, random, kills > 0))?;
-        if kills < MOST_KILLS {
+        let mut process = begin(program, command, &killed, &keeps(command, random, ends.kills > 0))?;
+        if ends.kills < MOST_KILLS {
             std::thread::sleep(took.mul_f64(random.random_range(0.0..1.1)));
             if process.try_wait()?.is_none() {
-                process.kill()?;
-                process.wait()?;
-                kills += 1;
+                ends.end(process, random.random_range(0..2) == 0, code)?;
                 whole(&killed)?;
                 continue;
             }
@@ -231,10 +262,11 @@ fn kill_one(program: &str, command: &str, random: &mut StdRng) -> Result<usize, 
         let output = process.wait_with_output()?;
         if output.status.code() != code {
             let told = String::from_utf8_lossy(&output.stderr).into_owned();
-            return Err(format!("exit code {:?} after {kills} kills: {told}", output.status.code()).into());
+            return Err(format!("exit code {:?} after {} kills: {told}", output.status.code(), ends.kills).into());
         }
         break;
     }
+    let kills = ends.kills;
     let (one, other) = (left(&alone)?, left(&killed)?);
     if let Some(over) = other.keys().find(|name| is_left_over(name)) {
         return Err(format!("{} was left behind after {kills} kills", over.display()).into());
@@ -244,7 +276,7 @@ fn kill_one(program: &str, command: &str, random: &mut StdRng) -> Result<usize, 
         let names: Vec<_> = one.keys().chain(other.keys()).filter(differs).collect();
         return Err(format!("{names:?} differ after {kills} kills").into());
     }
-    Ok(kills)
+    Ok(ends)
 }
 
 /// Whether all files of a killed run that have their names are whole.
@@ -271,34 +303,24 @@ fn whole(out: &Path) -> Result<(), Box<dyn Error>> {
 }
 
 /// A run for checkpoints that are damaged: one of the shortest.
-const SHORT: &str = "stefan-unit";
+const SHORT: &str = "run stefan-unit --method pd";
 
 /// Changes the bytes of checkpoints, and says what went wrong: a run must come to what it comes to without one.
 fn damage(changes: usize, seed: u64) -> Result<Vec<String>, Box<dyn Error>> {
-    let scene = frazil::load::scene(SHORT, &[])?;
-    let reference = truth(&scene);
-    let whole = march::run(&scene, "pd", reference.as_ref(), &Options::default())?.record.state_hash;
+    let whole = make(&single(SHORT).ok_or(SHORT)?, &Options::default())?;
     let (next, wrong) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let work = || -> Result<(), Box<dyn Error>> {
         let folder = tempfile::tempdir()?;
         let path = folder.path().join("run.checkpoint");
-        let (bytes, reference) = (checkpoint(&scene, folder.path())?, truth(&scene));
+        let run = single(SHORT).ok_or(SHORT)?;
+        let bytes = checkpoint(&run, folder.path())?;
         while let Some(number) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|number| *number < changes) {
             let mut random = StdRng::seed_from_u64(seed.wrapping_add(number as u64));
-            let mut other = bytes.clone();
-            let (one, two) = (random.random_range(0..bytes.len()), random.random_range(0..bytes.len()));
-            match number % 5 {
-                0 => other[one] ^= 1 << random.random_range(0..8),
-                1 => other.truncate(one),
-                2 => other.swap(one, two),
-                3 => other.extend_from_slice(&bytes[one..]),
-                _ => other[one.min(two)..one.max(two)].fill(random.random()),
-            }
+            let other = damaged(&bytes, number, &mut random);
             fs::write(&path, &other)?;
-            let kept = Checkpoints::new(folder.path(), Duration::MAX, (String::new(), Going::On), &|_: &str| {});
+            let kept = Checkpoints::new(folder.path(), Duration::MAX, (&String::new, Going::On), &|_: &str| {});
             let options = Options { checkpoints: Some(&kept), ..Options::default() };
-            let found = march::run(&scene, "pd", reference.as_ref(), &options);
-            let hash = found.map(|result| result.record.state_hash);
+            let hash = make(&run, &options);
             if hash.as_ref() != Ok(&whole) {
                 let told = format!("change {number}: {hash:?} in place of {whole}");
                 wrong.lock().unwrap_or_else(PoisonError::into_inner).push(told);
@@ -319,30 +341,30 @@ fn damage(changes: usize, seed: u64) -> Result<Vec<String>, Box<dyn Error>> {
     Ok(wrong.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// What a scene is measured against, and what walls that follow an exact solution ask.
-fn truth(scene: &Scene) -> Option<Arc<dyn Reference>> {
-    frazil_cases::truth(scene).ok().and_then(|truth| truth.reference.map(Arc::from))
+/// The hash of the states of a run.
+fn make(run: &Single, options: &Options<'_>) -> Result<String, march::Refused> {
+    Ok(march::run(&run.scene, &run.method, run.reference.as_ref(), options)?.record.state_hash)
 }
 
-/// A checkpoint of the scene from the middle of its run.
-fn checkpoint(scene: &Scene, folder: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
+/// A checkpoint from the middle of a run.
+fn checkpoint(run: &Single, folder: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
     let (flag, seen) = (AtomicBool::new(false), AtomicUsize::new(0));
     let see = |_: &Particles, _: f64| {
         if seen.fetch_add(1, Ordering::Relaxed) == 5 {
             flag.store(true, Ordering::Relaxed);
         }
     };
-    let kept = Checkpoints::new(folder, Duration::MAX, (String::new(), Going::Anew), &|_: &str| {});
+    let kept = Checkpoints::new(folder, Duration::MAX, (&String::new, Going::Anew), &|_: &str| {});
     let options =
         Options { interrupt: Some(&flag), each_output: Some(&see), checkpoints: Some(&kept), ..Options::default() };
-    march::run(scene, "pd", truth(scene).as_ref(), &options)?;
+    make(run, &options)?;
     Ok(fs::read(folder.join("run.checkpoint"))?)
 }
 
 /// Fills small file systems, and says what went wrong: a run that cannot write must say so, leave nothing torn, and come to its
 /// end once there is room. Needs the right to mount.
-fn fill(Asked { program, disks, seed, .. }: &Asked) -> Result<Vec<String>, Box<dyn Error>> {
-    let commands = commands()?;
+fn fill(Asked { program, disks, only, seed, .. }: &Asked) -> Result<Vec<String>, Box<dyn Error>> {
+    let commands = commands(only);
     let (mut wrong, mut full) = (Vec::new(), 0);
     let mut number = 0;
     while full < *disks {
@@ -433,8 +455,8 @@ const ROUNDS: usize = 5;
 const MORE: f64 = 1.1;
 
 /// Makes runs in this process, each of them several times, and says what went wrong.
-fn soak(runs: usize) -> Result<Vec<String>, Box<dyn Error>> {
-    let commands: Vec<String> = commands()?.into_iter().filter(|command| single(command).is_some()).collect();
+fn soak(&Asked { soak: runs, ref only, .. }: &Asked) -> Result<Vec<String>, Box<dyn Error>> {
+    let commands: Vec<String> = commands(only).into_iter().filter(|command| single(command).is_some()).collect();
     let count = (runs / ROUNDS).max(1);
     // Of all kinds, however few.
     let commands: Vec<&String> = (0..count).map(|number| &commands[number * commands.len() / count]).collect();
@@ -448,15 +470,8 @@ fn soak(runs: usize) -> Result<Vec<String>, Box<dyn Error>> {
                 scope.spawn(|| {
                     while let Some(number) = Some(next.fetch_add(1, Ordering::Relaxed)).filter(|number| *number < count)
                     {
-                        let hash = single(commands[number]).and_then(|(scene, method)| {
-                            let reference = truth(&scene);
-                            Some(
-                                march::run(&scene, &method, reference.as_ref(), &Options::default())
-                                    .ok()?
-                                    .record
-                                    .state_hash,
-                            )
-                        });
+                        let run = single(commands[number]);
+                        let hash = run.and_then(|run| make(&run, &Options::default()).ok());
                         found.lock().unwrap_or_else(PoisonError::into_inner)[number] = hash;
                         let mut peak = peak.lock().unwrap_or_else(PoisonError::into_inner);
                         *peak = peak.max(resident().unwrap_or(0.0));
@@ -488,20 +503,6 @@ fn soak(runs: usize) -> Result<Vec<String>, Box<dyn Error>> {
         wrong.push("memory grows".into());
     }
     Ok(wrong)
-}
-
-/// Scene and method of a command that runs one scene once.
-fn single(command: &str) -> Option<(Scene, String)> {
-    let words: Vec<&str> = command.strip_prefix("run ")?.split_whitespace().collect();
-    let (name, mut method, mut overrides) = (words.first()?, None, Vec::new());
-    for pair in words[1..].chunks(2) {
-        match pair {
-            ["--method", value] => method = Some((*value).to_owned()),
-            ["--set", value] => overrides.push(value.split_once('=').map(|(key, value)| (key.into(), value.into()))?),
-            _ => return None,
-        }
-    }
-    Some((frazil::load::scene(name, &overrides).ok()?, method?))
 }
 
 /// Resident memory of the process (MB).

@@ -172,8 +172,9 @@ fn unplanned(scene: &Scene, method: &str) -> String {
             memory::words(counted.bytes)
         )
     });
-    let reason =
-        "planning and trying it takes longer than the 2 s that a check has; a larger spacing is planned sooner";
+    let reason = format!(
+        "planning and trying it takes longer than the {LONGEST} s that a check has; a larger spacing is planned sooner"
+    );
     format!("{}  not planned  {reason}\n", words.unwrap_or_default())
 }
 

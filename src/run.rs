@@ -131,7 +131,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
 /// The checkpoints of a run in its folder, if it is to have any.
 fn checkpoints<'a>(request: &RunRequest, folder: &'a Path) -> Option<Checkpoints<'a>> {
     let going = if request.resume { Going::On } else { Going::Anew };
-    request.checkpoints.map(|every| Checkpoints::new(folder, every, (campaign::build(), going), &complain))
+    request.checkpoints.map(|every| Checkpoints::new(folder, every, (&campaign::build, going), &complain))
 }
 
 /// How a run begins.
@@ -149,13 +149,16 @@ fn begin(request: &RunRequest, folder: &Path, scene: &Scene, method: &str) -> Re
     let begin = match kept(folder)? {
         Some(standing) if request.resume => {
             if !request.quiet {
-                complain(&format!("going on from {}", words(&standing)));
+                complain(&format!("resumed at {}", words(&standing)));
             }
             return Ok(Begin::GoesOn);
         }
         Some(standing) => {
             let from = words(&standing);
-            complain(&format!("{}: begun anew; --resume would have gone on from {from}", folder.display()));
+            complain(&format!(
+                "{}: starts again from the beginning; --resume would have gone on from {from}",
+                folder.display()
+            ));
             Begin::Anew
         }
         None => match ended(folder, scene, method, request.seed).filter(|_| request.resume) {
@@ -180,7 +183,7 @@ fn kept(folder: &Path) -> Result<Option<Standing>, Failure> {
 /// Where a run stands.
 pub fn words(standing: &Standing) -> String {
     let Standing { time_s, duration_s, steps, solve_wall_s, .. } = standing;
-    format!("{:.1} % of it, {steps} steps and {} of them", 100.0 * time_s / duration_s, clock(*solve_wall_s))
+    format!("{:.1} % ({steps} steps, {})", 100.0 * time_s / duration_s, clock(*solve_wall_s))
 }
 
 /// The record of a run that a folder holds, if it is this one and came to its end.

@@ -6,12 +6,9 @@ use frazil_record::Record;
 use frazil_simulation::march;
 use frazil_studies::campaign::count_of_findings;
 use frazil_studies::failure::{Failure, Verdict, answer};
-use frazil_studies::output::{is_locked, record_in};
+use frazil_studies::output::{DEEPEST, is_locked, record_in};
 
 use crate::run;
-
-/// How deep folders of results lie in each other.
-const DEEPEST: usize = 5;
 
 /// Tells where each run in a folder and those in it stands.
 ///
@@ -37,16 +34,19 @@ fn look(folder: &Path, depth: usize, lines: &mut Vec<String>) -> Result<(), Fail
     let unreadable = |error| Failure::file(folder, "cannot be read", error);
     let mut entries = std::fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<_>, _>>).map_err(unreadable)?;
     entries.sort_by_key(|entry| entry.file_name());
-    let is_written = if is_locked(folder) { ", being written now" } else { "" };
+    let is_running = is_locked(folder);
+    let mut say = |words: String| lines.push(format!("{}: {words}", folder.display()));
     if let Some(standing) = march::standing(folder).map_err(unreadable)? {
-        let (scene, method, words) = (&standing.scene, &standing.method, run::words(&standing));
-        lines.push(format!("{}: {scene} under {method}, on its way: {words}{is_written}", folder.display()));
+        let state = if is_running { "running, last kept" } else { "stopped" };
+        say(format!("{} under {}: {state} at {}", standing.scene, standing.method, run::words(&standing)));
+    } else if is_running {
+        say("running".into());
     } else if let Some(record) = record_in(folder) {
-        lines.push(format!("{}: {}{is_written}", folder.display(), ended(&record)));
+        say(ended(&record));
     }
-    let findings = count_of_findings(folder);
-    if findings > 0 {
-        lines.push(format!("{}: a study of which {findings} runs are done{is_written}", folder.display()));
+    match count_of_findings(folder) {
+        0 => {}
+        findings => say(format!("a study, {findings} runs done")),
     }
     for entry in entries {
         if depth < DEEPEST && entry.file_type().is_ok_and(|kind| kind.is_dir()) {
@@ -60,5 +60,5 @@ fn look(folder: &Path, depth: usize, lines: &mut Vec<String>) -> Result<(), Fail
 fn ended(record: &Record) -> String {
     let Record { scene, method, outcome, steps, .. } = record;
     let cause = record.cause.as_ref().map_or_else(String::new, |cause| format!(": {cause}"));
-    format!("{scene} under {method}, at its end: {}{cause}, {steps} steps", outcome.name())
+    format!("{scene} under {method}: ended, {}{cause} ({steps} steps)", outcome.name())
 }

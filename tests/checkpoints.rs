@@ -4,52 +4,18 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
 use frazil::registry::methods;
 use frazil_core::particles::Particles;
 use frazil_record::{Outcome, RunResult};
-use frazil_scene::Scene;
 use frazil_simulation::march::{self, Checkpoints, Going, Options, Refused};
-use frazil_simulation::reference::Reference;
 use frazil_studies::output::is_locked;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
-/// A run of the baseline.
-struct Asked {
-    scene: Scene,
-    method: String,
-    reference: Option<Arc<dyn Reference>>,
-}
-
-/// What a command of the baseline runs; none of what is no single run of a scene.
-fn asked(command: &str) -> Option<Asked> {
-    let mut words = command.strip_prefix("run ")?.split_whitespace();
-    let (name, mut method, mut overrides) = (words.next()?, None, Vec::new());
-    while let Some(word) = words.next() {
-        match word {
-            "--method" => method = words.next(),
-            "--set" => {
-                let (key, value) = words.next()?.split_once('=')?;
-                overrides.push((key.to_owned(), value.to_owned()));
-            }
-            _ => return None,
-        }
-    }
-    let scene = frazil::load::scene(name, &overrides).expect("a scene");
-    let reference = frazil_cases::truth(&scene).ok().and_then(|truth| truth.reference.map(Arc::from));
-    Some(Asked { scene, method: method?.to_owned(), reference })
-}
-
-/// All commands of the baseline.
-fn commands() -> Vec<String> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/baseline.csv");
-    let rows = csv::Reader::from_path(path).expect("the baseline").into_records();
-    rows.map(|row| row.expect("a row")[0].to_owned()).collect()
-}
+use crate::commands::{self, Single, damaged, single};
 
 /// What a run has left, without what the clock decides.
 fn left(mut result: RunResult) -> String {
@@ -73,7 +39,7 @@ fn left(mut result: RunResult) -> String {
 
 /// Runs with checkpoints in a folder, and stops right after this output if one is given.
 fn kept(
-    run: &Asked,
+    run: &Single,
     folder: &Path,
     (every, going): (Duration, Going),
     (threads, stop): (usize, Option<usize>),
@@ -85,7 +51,7 @@ fn kept(
         }
     };
     let tell = |text: &str| eprintln!("{text}");
-    let checkpoints = Checkpoints::new(folder, every, ("this build".into(), going), &tell);
+    let checkpoints = Checkpoints::new(folder, every, (&|| "this build".into(), going), &tell);
     let options = Options {
         threads,
         interrupt: Some(&flag),
@@ -98,7 +64,7 @@ fn kept(
 }
 
 /// Stops a run at some output, goes on from the last checkpoint or the one before it, and stops and goes on once more.
-fn stop_and_go_on(command: &str, run: &Asked, random: &mut StdRng) {
+fn stop_and_go_on(command: &str, run: &Single, random: &mut StdRng) {
     let whole = Options { fields: true, ..Options::default() };
     let whole = left(march::run(&run.scene, &run.method, run.reference.as_ref(), &whole).expect(command));
     let folder = tempfile::tempdir().expect("a folder");
@@ -125,7 +91,7 @@ fn all_of(commands: &[String]) {
     let next = AtomicUsize::new(0);
     let work = || {
         while let Some(command) = commands.get(next.fetch_add(1, Ordering::Relaxed)) {
-            let Some(run) = asked(command) else { continue };
+            let Some(run) = single(command) else { continue };
             // Each has a seed of its own, so that one alone can be looked at.
             let seed = command.bytes().fold(1u64, |seed, byte| seed.wrapping_mul(31).wrapping_add(byte.into()));
             stop_and_go_on(command, &run, &mut StdRng::seed_from_u64(seed));
@@ -167,7 +133,7 @@ const SOME: [&str; 22] = [
 
 #[test]
 fn runs_that_are_stopped_go_on_to_the_same_bits() {
-    let all = commands();
+    let all = commands::all();
     // The first of each: overrides make it short.
     let found = SOME.iter().map(|some| all.iter().find(|command| command.starts_with(some)).expect(some).clone());
     all_of(&found.collect::<Vec<_>>());
@@ -177,11 +143,11 @@ fn runs_that_are_stopped_go_on_to_the_same_bits() {
 #[test]
 #[ignore = "minutes"]
 fn all_runs_of_the_baseline_go_on_to_the_same_bits() {
-    all_of(&commands());
+    all_of(&commands::all());
 }
 
-fn small() -> Asked {
-    asked("run stefan-unit --method pd").expect("a run")
+fn small() -> Single {
+    single("run stefan-unit --method pd").expect("a run")
 }
 
 /// A checkpoint of another run is refused, and what differs is named; a study passes over it.
@@ -196,7 +162,7 @@ fn a_checkpoint_of_another_run_is_refused() {
         ("run stefan-unit --method pd --set time.outputs=7", "its scene is stefan-unit ("),
         ("run stefan-water --method pd", "its scene is stefan-unit ("),
     ] {
-        let other = asked(command).expect("a run");
+        let other = single(command).expect("a run");
         let refused = kept(&other, folder.path(), (often, Going::On), (1, None)).map(|_| ()).expect_err(command);
         let text = refused.to_string();
         assert!(text.contains("run.checkpoint: is of another run: ") && text.contains(difference), "{text}");
@@ -206,7 +172,7 @@ fn a_checkpoint_of_another_run_is_refused() {
 }
 
 /// What a run does with a file that is no longer what was written.
-fn survives(run: &Asked, folder: &Path, whole: &str, what: &str) {
+fn survives(run: &Single, folder: &Path, whole: &str, what: &str) {
     let result = kept(run, folder, (Duration::MAX, Going::On), (1, None)).expect(what);
     assert!(left(result) == whole, "{what}");
 }
@@ -222,14 +188,7 @@ fn damaged_checkpoints_are_never_taken() {
     let bytes = fs::read(&path).expect("a checkpoint");
     let mut random = StdRng::seed_from_u64(1);
     for number in 0..100 {
-        let mut other = bytes.clone();
-        let (one, two) = (random.random_range(0..bytes.len()), random.random_range(0..bytes.len()));
-        match number % 4 {
-            0 => other[one] ^= 1 << random.random_range(0..8),
-            1 => other.truncate(one),
-            2 => other.swap(one, two),
-            _ => other.extend_from_slice(&bytes[one..]),
-        }
+        let other = damaged(&bytes, number, &mut random);
         fs::write(&path, &other).expect("written");
         survives(&run, folder.path(), &whole, &format!("change {number}"));
     }

@@ -11,6 +11,7 @@ mod calibration;
 mod capability;
 mod checkpoints;
 mod command_line;
+mod commands;
 mod comparisons;
 mod counting;
 mod coupled;

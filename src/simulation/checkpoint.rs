@@ -43,19 +43,19 @@ pub struct Checkpoints<'a> {
     folder: &'a Path,
     /// Wall time between two of them.
     pub(crate) every: Duration,
-    build: String,
+    build: &'a (dyn Fn() -> String + Sync),
     going: Going,
     tell: &'a (dyn Fn(&str) + Sync),
     failed: AtomicBool,
 }
 
 impl<'a> Checkpoints<'a> {
-    /// Checkpoints in a folder, so far apart in wall time. `build` tells the program from others; `tell` is told of what does not
-    /// end the run.
+    /// Checkpoints in a folder, so far apart in wall time. `build` tells the program from others, once there is one to write or read;
+    /// `tell` is told of what does not end the run.
     pub fn new(
         folder: &'a Path,
         every: Duration,
-        (build, going): (String, Going),
+        (build, going): (&'a (dyn Fn() -> String + Sync), Going),
         tell: &'a (dyn Fn(&str) + Sync),
     ) -> Self {
         Checkpoints { folder, every, build, going, tell, failed: AtomicBool::new(false) }
@@ -182,7 +182,7 @@ pub(crate) fn identity(
 ) -> Vec<(String, String)> {
     let values = settings.values().into_iter().map(|(key, value)| format!("{key} = {value:?}"));
     let identity = [
-        ("build", kept.build.clone()),
+        ("build", (kept.build)()),
         ("scene", format!("{} ({})", scene.name, scene.hash)),
         ("body", format!("{:?}", scene.domain)),
         ("method", settings.method.to_owned()),
@@ -197,7 +197,10 @@ pub(crate) fn identity(
 ///
 /// # Errors
 /// A checkpoint of another run, and a file that cannot be read.
-pub(crate) fn found(kept: &Checkpoints<'_>, own: &[(String, String)]) -> Result<Option<Kept>, Refused> {
+pub(crate) fn found(
+    kept: &Checkpoints<'_>,
+    identity: impl Fn() -> Vec<(String, String)>,
+) -> Result<Option<Kept>, Refused> {
     if kept.going == Going::Anew {
         return Ok(None);
     }
@@ -212,6 +215,7 @@ pub(crate) fn found(kept: &Checkpoints<'_>, own: &[(String, String)]) -> Result<
             (kept.tell)(&format!("{}: is not whole and is not used", path.display()));
             continue;
         };
+        let own = identity();
         let other = own.iter().zip(&header.identity).find(|(own, other)| own != other);
         if other.is_some() && kept.going == Going::OnFromOwn {
             continue;

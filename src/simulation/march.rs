@@ -172,7 +172,7 @@ pub fn run(
 ) -> Result<RunResult, Refused> {
     let setup = Stopwatch::start(options.threads);
     let settings = settings_of(scene, method)?;
-    let found = |kept| checkpoint::found(kept, &identity(kept, scene, settings, (options.seed, options.fields)));
+    let found = |kept| checkpoint::found(kept, || identity(kept, scene, settings, (options.seed, options.fields)));
     let kept = options.checkpoints.map(found).transpose()?.flatten();
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
     let (particles, method, pipes) = (&plan.particles, plan.method.as_ref(), &plan.pipe_extents[..]);

@@ -180,9 +180,10 @@ pub(crate) fn build_for(
             used.push(format!("one fused sweep a step, {} neighbours a particle", prepared.stencil.neighbours()));
             let range = prepared.range(scene);
             let largest_slope = prepared.largest_slope();
+            let sums = (prepared.count(), Some(scene.duration));
             let parts = prepared.lattice_parts(scene, settings, pool.clone())?;
             used.extend(parts.irregular.as_deref().map(terms::irregular));
-            solver(numerics, on_lattice(parts), range, largest_slope, prepared.count())
+            solver(numerics, on_lattice(parts), range, largest_slope, sums)
         }
         Some(reason) => {
             used.push(format!("a neighbour list, because {reason}"));

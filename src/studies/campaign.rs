@@ -33,9 +33,6 @@ pub fn key(purpose: &str, scene: &Scene, method: &str, seed: u64) -> String {
     format!("{purpose} {} {} {method} {seed}", scene.name, scene.hash)
 }
 
-/// Time between two checkpoints of a run, unless another is asked for.
-pub const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(60);
-
 /// The runs of a study.
 pub struct Campaign<'a> {
     store: Store,
@@ -57,11 +54,10 @@ impl<'a> Campaign<'a> {
         let file = shard.file();
         let on_their_way = folder.join(format!(".{file}")).with_extension("checkpoints");
         let store = Store::open(folder, &file, &build())?;
-        let between = Some(BETWEEN_CHECKPOINTS);
-        Ok(Campaign { store, on_their_way, between, workers, stop, failure: Mutex::new(None) })
+        Ok(Campaign { store, on_their_way, between: None, workers, stop, failure: Mutex::new(None) })
     }
 
-    /// Sets the time between two checkpoints of a run; without one none are made.
+    /// Sets the time between two checkpoints of a run; without it none are made.
     pub fn with_checkpoints(mut self, between: Option<Duration>) -> Self {
         self.between = between;
         self
@@ -70,8 +66,8 @@ impl<'a> Campaign<'a> {
     /// Makes the run of a key, which goes on from where an earlier call of the program left it.
     pub fn on_its_way<T>(&self, key: &str, run: impl FnOnce(Option<&Checkpoints<'_>>) -> T) -> T {
         let folder = self.folder_of(key);
-        let build = self.store.build().to_owned();
-        let kept = self.between.map(|every| Checkpoints::new(&folder, every, (build, Going::OnFromOwn), &complain));
+        let build = || self.store.build().to_owned();
+        let kept = self.between.map(|every| Checkpoints::new(&folder, every, (&build, Going::OnFromOwn), &complain));
         run(kept.as_ref())
     }
 

@@ -40,14 +40,7 @@ pub struct Snapshots<'a> {
     hidden: PathBuf,
     /// Instants of all states.
     times: Vec<f64>,
-    seen: Mutex<Seen>,
-}
-
-#[derive(Default)]
-struct Seen {
-    /// States that are there.
-    count: usize,
-    failure: Option<Failure>,
+    failure: Mutex<Option<Failure>>,
 }
 
 impl<'a> Snapshots<'a> {
@@ -64,7 +57,7 @@ impl<'a> Snapshots<'a> {
         }
         let hidden = folder.join(HIDDEN);
         let times = std::iter::once(0.0).chain(outputs(scene)).collect();
-        let made = Snapshots { scene, method, fields, frames, hidden, times, seen: Mutex::default() };
+        let made = Snapshots { scene, method, fields, frames, hidden, times, failure: Mutex::default() };
         for name in [NAMES[0], NAMES[2]] {
             let (path, shown) = (made.hidden.join(name), folder.join(name));
             // A run that was interrupted has shown what there was.
@@ -79,14 +72,10 @@ impl<'a> Snapshots<'a> {
 
     /// Takes the state at an output. After a failure nothing more is tried: the run itself goes on.
     pub fn see(&self, particles: &Particles, time: f64) {
-        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
-        if seen.failure.is_some() {
-            return;
-        }
-        let number = self.times.partition_point(|other| *other < time);
-        match self.write(particles, time, number) {
-            Ok(()) => seen.count = number + 1,
-            Err(failure) => seen.failure = Some(failure),
+        let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
+        if failure.is_none() {
+            let number = self.times.partition_point(|other| *other < time);
+            *failure = self.write(particles, time, number).err();
         }
     }
 
@@ -118,15 +107,17 @@ impl<'a> Snapshots<'a> {
 
     /// Moves everything to its place, or says what failed.
     pub fn finish(self, folder: &Path) -> Result<(), Failure> {
-        let Seen { count, failure } = std::mem::take(&mut *self.seen.lock().unwrap_or_else(PoisonError::into_inner));
-        if let Some(failure) = failure {
+        if let Some(failure) = self.failure.into_inner().unwrap_or_else(PoisonError::into_inner) {
             return Err(failure);
         }
+        // A run that goes on may have been without them before.
+        let is_there = |number: &usize| self.hidden.join(NAMES[0]).join(file_name(NAMES[0], *number)).exists();
+        let numbers: Vec<usize> = (0..self.times.len()).filter(is_there).collect();
         for (name, wanted) in [(NAMES[0], self.fields), (NAMES[2], self.frames)] {
             let place: PathBuf = folder.join(name);
             if wanted {
                 // A longer run may have been here before.
-                for number in count.. {
+                for number in self.times.len().. {
                     let later = self.hidden.join(name).join(file_name(name, number));
                     if !later.exists() {
                         break;
@@ -138,8 +129,8 @@ impl<'a> Snapshots<'a> {
             }
         }
         remove(&self.hidden)?;
-        let times = &self.times[..count];
-        if self.fields { write_whole(&folder.join(NAMES[1]), |writer| collection(times, writer)) } else { Ok(()) }
+        let times: Vec<(usize, f64)> = numbers.into_iter().map(|number| (number, self.times[number])).collect();
+        if self.fields { write_whole(&folder.join(NAMES[1]), |writer| collection(&times, writer)) } else { Ok(()) }
     }
 }
 
@@ -164,19 +155,19 @@ fn file_name(folder: &str, number: usize) -> String {
     format!("{number:05}.{ending}")
 }
 
-/// The list of states with their times (s): a format of five lines, which the library does not know.
-fn collection(times: &[f64], writer: &mut dyn Write) -> io::Result<()> {
+/// The list of states, by their numbers and times (s): a format of five lines, which the library does not know.
+fn collection(states: &[(usize, f64)], writer: &mut dyn Write) -> io::Result<()> {
     writeln!(
         writer,
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">"
     )?;
     writeln!(writer, "  <Collection>")?;
-    for (number, time) in times.iter().enumerate() {
+    for (number, time) in states {
         writeln!(
             writer,
             "    <DataSet timestep=\"{time}\" part=\"0\" file=\"{}/{}\"/>",
             NAMES[0],
-            file_name(NAMES[0], number)
+            file_name(NAMES[0], *number)
         )?;
     }
     writeln!(writer, "  </Collection>\n</VTKFile>")

@@ -161,9 +161,9 @@ pub fn is_locked(path: &Path) -> bool {
 }
 
 /// How deep folders of results lie in each other.
-const DEEPEST: usize = 4;
+pub const DEEPEST: usize = 4;
 
-/// Removes what runs left unfinished in a folder and those in it.
+/// Removes what runs left unfinished in a folder and those in it, but for those that another run writes into.
 fn sweep(folder: &Path, depth: usize) -> Result<(), Failure> {
     let Ok(entries) = fs::read_dir(folder) else { return Ok(()) };
     for entry in entries.flatten() {
@@ -172,7 +172,7 @@ fn sweep(folder: &Path, depth: usize) -> Result<(), Failure> {
         let removed = match (is_unfinished, kind.is_dir()) {
             (true, true) => fs::remove_dir_all(&path),
             (true, false) => fs::remove_file(&path),
-            (false, true) if depth > 0 => {
+            (false, true) if depth > 0 && !is_locked(&path) => {
                 sweep(&path, depth - 1)?;
                 Ok(())
             }

@@ -17,6 +17,27 @@ pub struct Euler {
     patches: Vec<f64>,
     fraction: f64,
     steps: u64,
+    kept: Option<Kept>,
+}
+
+/// What sums of many small changes need to lose nothing (Kahan 1965, doi 10.1145/363707.363723).
+struct Kept {
+    rate: Vec<f64>,
+    /// What rounding has kept from the contents so far.
+    lost: Vec<f64>,
+}
+
+impl Kept {
+    /// Adds a step's changes to the contents.
+    fn add(&mut self, contents: &mut [f64], step: f64) {
+        for (content, (rate, lost)) in contents.iter_mut().zip(self.rate.iter().zip(&mut self.lost)) {
+            let change = step * rate + *lost;
+            let next = *content + change;
+            // Exact where the content is the greater, as it is by far when steps are many.
+            *lost = change - (next - *content);
+            *content = next;
+        }
+    }
 }
 
 impl Euler {
@@ -24,7 +45,14 @@ impl Euler {
     pub fn new(balance: Box<dyn Balance>, fraction: f64) -> Self {
         let ledger = Ledger::new(balance.facts().patches.clone());
         let patches = vec![0.0; ledger.sources().len()];
-        Euler { balance, ledger, patches, fraction, steps: 0 }
+        Euler { balance, ledger, patches, fraction, steps: 0, kept: None }
+    }
+
+    /// The same for so many particles and so many steps that rounding would show in the balance: what it takes from a step is
+    /// kept for the next.
+    pub fn compensated(balance: Box<dyn Balance>, fraction: f64, count: usize) -> Self {
+        let kept = Kept { rate: vec![0.0; count], lost: vec![0.0; count] };
+        Euler { kept: Some(kept), ..Euler::new(balance, fraction) }
     }
 }
 
@@ -37,7 +65,14 @@ impl Solver for Euler {
 
     fn make_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
         let step = self.balance.cut(clock.step);
-        self.balance.advance(Update::Euler(&mut particles.enthalpy), &Clock { step, ..*clock }, &mut self.patches);
+        let (contents, clock) = (&mut particles.enthalpy, Clock { step, ..*clock });
+        match &mut self.kept {
+            None => self.balance.advance(Update::Euler(contents), &clock, &mut self.patches),
+            Some(kept) => {
+                self.balance.rates(contents, &clock, &mut kept.rate, &mut self.patches);
+                kept.add(contents, step);
+            }
+        }
         for (patch, rate) in self.patches.iter().enumerate() {
             self.ledger.book(patch, rate * step, step);
         }
@@ -66,11 +101,15 @@ impl Saved for Euler {
     fn pass(&mut self, pass: &mut Pass<'_>) {
         self.balance.pass(pass);
         pass.all(&mut [&mut self.ledger, &mut self.steps]);
+        if let Some(kept) = &mut self.kept {
+            kept.lost.pass(pass);
+        }
     }
 }
 
 impl HeapSize for Euler {
     fn heap_size(&self) -> usize {
-        self.balance.heap_size()
+        let kept = self.kept.as_ref().map_or(0, |kept| kept.rate.heap_size() + kept.lost.heap_size());
+        self.balance.heap_size() + kept
     }
 }

@@ -7,7 +7,7 @@ use frazil_core::balances::groundwater::advected::AdvectedHeat;
 use frazil_core::kernels::enthalpy_rows::ListBalance;
 use frazil_core::kernels::list_parts::ListParts;
 use frazil_core::kernels::term::Off;
-use frazil_core::physics::latent_heat::scheme;
+use frazil_core::physics::latent_heat::{LatentHeatScheme, scheme};
 use frazil_core::solvers::assembly::Assembly;
 use frazil_core::solvers::balance::Balance;
 use frazil_core::solvers::solver::Solver;
@@ -47,6 +47,7 @@ impl Listed<'_> {
         if let Some(step) = self.own_step {
             return Ok(step(self.assembly(prepared, list)));
         }
+        let is_heat_alone = flow.is_none() && numerics.latent_heat_scheme == LatentHeatScheme::Enthalpy;
         let balance: Box<dyn Balance> = match flow {
             Some((flow, own)) => {
                 let parts = FlowParts {
@@ -68,7 +69,8 @@ impl Listed<'_> {
                 Box::new(ListBalance::new(list, Off, scheme))
             }
         };
-        Ok(steps::solver(numerics, balance, range, prepared.largest_slope(), count))
+        let sums = (count, is_heat_alone.then_some(scene.duration));
+        Ok(steps::solver(numerics, balance, range, prepared.largest_slope(), sums))
     }
 
     fn assembly(&self, prepared: &Prepared, parts: ListParts) -> Assembly {

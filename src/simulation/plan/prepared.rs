@@ -46,8 +46,8 @@ pub(super) struct Prepared {
     pub(super) cloud: Option<Arc<[DVec2]>>,
     /// What heat or water meets.
     pub(super) boundary: Boundary,
-    /// What a solute meets: walls in parts even where only it tells them apart.
-    pub(super) in_parts: Boundary,
+    /// What a solute meets, if there is one: walls in parts even where only it tells them apart.
+    pub(super) in_parts: Option<Boundary>,
     pub(super) volumes: Volumes,
     pub(super) materials: Materials,
     /// Enthalpies at the start (J/m3); empty where all are zero.
@@ -82,9 +82,11 @@ impl Prepared {
         }
         let printed = scene.domain.symmetry().is_some() && discretisation.normalisation == Normalisation::Nominal;
         let walls = |parts| boundary((scene, parts), numerics.walls, reference.cloned(), printed);
-        let (boundary, in_parts) = (walls(scene.conducting_parts())?, walls(&scene.wall_parts)?);
-        if in_parts.patches.len() > MOST_PATCHES {
-            return Err(Refused::TooManyPatches(in_parts.patches.len()));
+        let boundary = walls(scene.conducting_parts())?;
+        let in_parts = scene.solute.is_some().then(|| walls(&scene.wall_parts)).transpose()?;
+        let patches = in_parts.as_ref().unwrap_or(&boundary).patches.len();
+        if patches > MOST_PATCHES {
+            return Err(Refused::TooManyPatches(patches));
         }
         let cloud = place(scene, numerics, &lattice, seed)?;
         // Noise and the paths of water are of pairs whose ends are alike.

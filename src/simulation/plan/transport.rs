@@ -30,7 +30,9 @@ pub(super) fn transport(
     pool: Option<Arc<ThreadPool>>,
 ) -> Result<Box<dyn Solver>, Refused> {
     let Some((solute, own)) = scene.solute.as_ref().zip(settings.numerics.solute) else { return Ok(water) };
-    std::mem::swap(&mut prepared.boundary, &mut prepared.in_parts);
+    if let Some(in_parts) = prepared.in_parts.take() {
+        prepared.boundary = in_parts;
+    }
     let (parts, _) = list(scene, settings, prepared, pool)?;
     let of = |patch: &Patch| {
         let own = solute.walls.iter().find(|wall| wall.patch == patch.id);

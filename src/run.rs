@@ -79,10 +79,15 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let reporter = Reporter::new(request.quiet);
     let show = |progress: &Progress| reporter.show(progress);
     let checkpoints = checkpoints(request, folder.path());
+    // Until its first step a run has nothing to write, and an interrupt ends it at once.
+    let watch = || {
+        interrupt::watch();
+    };
     let options = Options {
         threads: request.threads,
         seed: request.seed,
-        interrupt: Some(interrupt::watch()),
+        interrupt: Some(interrupt::asked()),
+        prepared: Some(&watch),
         progress: Some(&show),
         time_limit_s: None,
         fields: true,

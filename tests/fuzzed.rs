@@ -419,8 +419,9 @@ fn through(case: &Case, seed: u64, number: u64) -> Result<End, String> {
     let mut random = StdRng::seed_from_u64(seed ^ !number);
     let settings = pick(&scene.methods, &mut random);
     let size = size(&scene, settings);
-    // Particles that move are left to themselves before the first step, which takes as long as a run.
-    let costly = size > SMALL || matches!(settings.discretisation.stepper, Stepper::Moving(_));
+    // Particles that move are left to themselves before the first step, in proportion to the steps of their run: a check does not.
+    let moves = matches!(settings.discretisation.stepper, Stepper::Moving(_));
+    let costly = size > SMALL || moves;
     if size > LARGE || (costly && random.random_range(0..RARE) != 0) {
         return Ok(End::Read);
     }
@@ -435,7 +436,7 @@ fn through(case: &Case, seed: u64, number: u64) -> Result<End, String> {
         Err(failure) => return refused(&failure.to_string()),
     };
     let draw = random.random_range(0..RUN * CHECKED);
-    if draw % CHECKED == 0 {
+    if draw % CHECKED == 0 || moves {
         return match frazil::check::plan(&scene, settings.method, reference.as_ref(), 1, random.random()) {
             Ok(said) => finite(&said).map(|()| End::Checked),
             Err(failure) => refused(&failure.to_string()),

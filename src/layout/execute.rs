@@ -211,6 +211,7 @@ impl Work<'_> {
             progress: None,
             time_limit_s: None,
             fields: self.has_maps(layout),
+            prepared: None,
             each_output: None,
             checkpoints: None,
         };

@@ -52,6 +52,8 @@ pub struct Options<'a> {
     pub seed: u64,
     /// Set from outside to stop at the next step.
     pub interrupt: Option<&'a AtomicBool>,
+    /// Called when the run is prepared, before its first step.
+    pub prepared: Option<&'a (dyn Fn() + Sync)>,
     /// Called now and then (about ten times a second at most).
     pub progress: Option<&'a (dyn Fn(&Progress) + Sync)>,
     /// Give up after this wall time (s) with the outcome `timed_out`.
@@ -70,6 +72,7 @@ impl Default for Options<'_> {
             threads: 1,
             seed: 1,
             interrupt: None,
+            prepared: None,
             progress: None,
             time_limit_s: None,
             fields: false,
@@ -209,6 +212,9 @@ pub fn run(
         last_progress: began,
         last_checkpoint: began,
     };
+    if let Some(tell) = options.prepared {
+        tell();
+    }
     match &kept {
         Some(kept) => simulation.go_on_from(kept)?,
         None => simulation.begin(),

@@ -135,6 +135,7 @@ impl Work<'_> {
             time_limit_s: None,
             // Some series come with them.
             fields: true,
+            prepared: None,
             each_output: None,
             checkpoints: None,
         };

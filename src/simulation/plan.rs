@@ -178,8 +178,7 @@ pub(crate) fn build_for(
     let method: Box<dyn Solver> = match why_list {
         None => {
             used.push(format!("one fused sweep a step, {} neighbours a particle", prepared.stencil.neighbours()));
-            let range = prepared.range(scene);
-            let largest_slope = prepared.largest_slope();
+            let (range, largest_slope) = (prepared.range(scene), prepared.largest_slope());
             let sums = (prepared.count(), Some(scene.duration));
             let parts = prepared.lattice_parts(scene, settings, pool.clone())?;
             used.extend(parts.irregular.as_deref().map(terms::irregular));

@@ -46,8 +46,8 @@ pub struct WorkFigure {
     pub error_label: String,
     /// Name and unit of the cost.
     pub cost_label: String,
-    /// Estimated error of the reference itself, if there is one.
-    pub reference_error: Option<f64>,
+    /// An error that is marked, and what it is.
+    pub marked: Option<(f64, &'static str)>,
     /// Curves.
     pub curves: Vec<WorkCurve>,
 }
@@ -82,12 +82,13 @@ fn panel(canvas: &mut Canvas, figure: &WorkFigure, (left, top): (f64, f64), (wid
     let y = Axis::log(figure.cost_label.as_str(), costs);
     let frame = Frame::inside((left, below), (left + width, top + height), x, y);
     frame.draw(canvas);
-    if let Some(error) = figure.reference_error.filter(|error| *error > frame.x.low && *error < frame.x.high) {
+    let within = |(error, _): &(f64, &str)| *error > frame.x.low && *error < frame.x.high;
+    if let Some((error, words)) = figure.marked.filter(within) {
         let (x, _) = frame.spot(error, frame.y.low);
         canvas
             .line(vec![(x, frame.top), (x, frame.bottom)], Stroke { colour: REFERENCE, width: 1.6, dash: &[3.0, 4.0] });
         let at = (x + 6.0, frame.top + LABEL + 2.0);
-        canvas.text(at, "error of the reference", LABEL - 2.0, Align::Start);
+        canvas.text(at, words, LABEL - 2.0, Align::Start);
     }
     for curve in &figure.curves {
         draw_curve(canvas, &frame, curve);

@@ -1,6 +1,7 @@
 //! From what was typed to a checked request, and to the command that answers it: a file a command.
 
 mod calibrate;
+mod cheapest;
 mod check;
 mod compare;
 mod layout;
@@ -33,6 +34,8 @@ enum Command {
     Run(run::RunArguments),
     /// Sets methods against each other on the same scenes: error against run time.
     Compare(compare::CompareArguments),
+    /// Finds under each method the cheapest run that reaches an error, and holds it against finer ones.
+    Cheapest(cheapest::CheapestArguments),
     /// Maps where methods break: the outcome over the step and one parameter, with its boundaries.
     Stability(stability::StabilityArguments),
     /// Checks a scene and prints what a run of it would do.
@@ -55,6 +58,7 @@ impl Command {
         match self {
             Command::Run(arguments) => arguments.answer(),
             Command::Compare(arguments) => arguments.answer(),
+            Command::Cheapest(arguments) => arguments.answer(),
             Command::Stability(arguments) => arguments.answer(),
             Command::Check(arguments) => arguments.answer(),
             Command::Status(arguments) => arguments.answer(),

@@ -12,13 +12,16 @@ use frazil_scene::Scene;
 use frazil_simulation::march::{self, Checkpoints, Going, Options, Progress, Refused, Standing};
 use frazil_simulation::reduce::{self, Finding};
 use frazil_simulation::reference::Reference;
+use frazil_studies::cheapest::{self, CheapestRequest};
 use frazil_studies::ensemble::{self, EnsembleRequest};
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
 use frazil_studies::fields::{self, Snapshots};
 use frazil_studies::output::{self, Folder, Owner};
+use frazil_studies::parts::Override;
 use frazil_studies::progress::{Reporter, bearable, clock, forewarn};
 use frazil_studies::{answers, campaign, expect, figure_options, method};
 
+use crate::parts::parts;
 use crate::{interrupt, load};
 
 /// What is to be run.
@@ -137,6 +140,18 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
 fn checkpoints<'a>(request: &RunRequest, folder: &'a Path) -> Option<Checkpoints<'a>> {
     let going = if request.resume { Going::On } else { Going::Anew };
     request.checkpoints.map(|every| Checkpoints::new(folder, every, (&campaign::build, going), &complain))
+}
+
+/// The spacing at which a run promises an error, which is said.
+///
+/// # Errors
+/// Where it cannot be promised.
+pub fn for_error(request: &CheapestRequest) -> Result<Override, Failure> {
+    let (spacing, promised) = cheapest::settings(request, &parts(false))?;
+    if !request.quiet {
+        complain(&format!("{}: {promised}", request.scene));
+    }
+    Ok(spacing)
 }
 
 /// How a run begins.

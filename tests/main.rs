@@ -39,6 +39,7 @@ mod order;
 mod pipes;
 mod printed;
 mod profiles;
+mod promises;
 mod properties;
 mod radiation;
 mod random_ground;

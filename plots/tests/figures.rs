@@ -173,7 +173,7 @@ fn comparison() -> WorkFigure {
         title: "Freezing of water in a half space (Neumann): front".into(),
         error_label: "rms error of the front".into(),
         cost_label: "wall time, one thread (s)".into(),
-        reference_error: Some(6e-5),
+        marked: Some((6e-5, "error of the reference")),
         curves: vec![
             pd,
             curve("pd", "PD paper", true, &[0.10, 0.052, 0.027, 0.0141], 0.012),

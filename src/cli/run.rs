@@ -3,9 +3,14 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use frazil_studies::cheapest::CheapestRequest;
+use frazil_studies::ensemble::runs::Headline;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{BetweenCheckpoints, MemoryLimit, between_checkpoints, key_and_value, threads};
+use super::values::{
+    BetweenCheckpoints, MemoryLimit, between_checkpoints, command_line, error, key_and_value, measure,
+    positive_seconds, threads,
+};
 use crate::run::RunRequest;
 use crate::{load, run};
 
@@ -22,6 +27,17 @@ pub struct RunArguments {
     /// Takes the discretisation that the scene's paper prints, where one is bundled; `--set` goes over it.
     #[arg(long)]
     paper: bool,
+    /// Chooses the spacing at which runs of the method promise this error, as 1% or 0.01, from coarse runs, says so, and refuses what it
+    /// cannot promise.
+    #[arg(long, value_name = "ERROR", value_parser = error, conflicts_with_all = ["paper", "seeds", "reduce"])]
+    error: Option<f64>,
+    /// Of what the error is: front, closure, frozen_volume, temperature, saturation or concentration; by default the first that the
+    /// scene has.
+    #[arg(long, value_name = "NAME", value_parser = measure, requires = "error")]
+    measure: Option<Headline>,
+    /// Wall time, in seconds, that the runs may take by which the spacing is chosen.
+    #[arg(long, value_name = "S", default_value = "120", value_parser = positive_seconds, requires = "error")]
+    budget_s: f64,
     /// Threads; by default one for each core. The result does not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -68,6 +84,21 @@ impl RunArguments {
         if self.paper {
             let (method, overrides) = load::paper(&self.scene, self.method.as_slice(), self.set)?;
             (self.method, self.set) = (Some(method), overrides);
+        }
+        if let Some(error) = self.error {
+            let request = CheapestRequest {
+                methods: self.method.iter().cloned().collect(),
+                scene: self.scene.clone(),
+                error,
+                measure: self.measure,
+                overrides: self.set.clone(),
+                threads: 1,
+                budget_s: self.budget_s,
+                out: None,
+                quiet: self.quiet,
+                command_line: command_line(),
+            };
+            self.set.push(run::for_error(&request)?);
         }
         let request = RunRequest {
             scene: self.scene,

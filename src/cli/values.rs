@@ -6,6 +6,7 @@ use std::time::Duration;
 use clap::Args;
 use frazil_core::memory;
 use frazil_record::shown;
+use frazil_studies::ensemble::runs::Headline;
 use frazil_studies::parallel;
 
 /// The command as it was typed, for a page of results, on which what is hidden is seen.
@@ -46,6 +47,19 @@ pub fn between_checkpoints(text: &str) -> Result<BetweenCheckpoints, MustBe> {
     let seconds = number(text, |number| number >= 0.0, "a number of seconds, 0 or more")?;
     let time = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
     Ok(BetweenCheckpoints((seconds > 0.0).then_some(time)))
+}
+
+/// An error as a share or in percent.
+pub fn error(text: &str) -> Result<f64, MustBe> {
+    let (digits, scale) = text.strip_suffix('%').map_or((text, 1.0), |digits| (digits, 0.01));
+    let shares = |error: f64| error > 0.0 && scale * error < 1.0;
+    Ok(scale * number(digits.trim_end(), shares, "an error above 0 and below 100 %, as 1% or 0.01")?)
+}
+
+/// What an error is of.
+pub fn measure(text: &str) -> Result<Headline, MustBe> {
+    let names = Headline::ALL.map(Headline::name).join(", ");
+    Headline::ALL.into_iter().find(|measure| measure.name() == text).ok_or(MustBe(format!("one of {names}").into()))
 }
 
 /// Seconds.

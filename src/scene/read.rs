@@ -41,6 +41,7 @@ pub use problem::{Noted, Problem, Problems, Read};
 pub use range::Range;
 pub use section::{Change, Duration, Key, Section, Spot};
 pub use size::MOST_BYTES;
+pub use spacing::at_most as spacing_at_most;
 
 impl Scene {
     /// Reads a scene from the text of its file.

@@ -4,6 +4,7 @@
 
 pub mod answers;
 pub mod campaign;
+pub mod cheapest;
 pub mod compare;
 pub mod ensemble;
 pub mod expect;

@@ -12,6 +12,8 @@ pub(super) const KEY: (&str, &str) = ("spacing", "m");
 const MOST_PARTICLES: f64 = 1e8;
 /// A length is a whole number of spacings if it is so to this relative tolerance.
 const WHOLE: f64 = 1e-6;
+/// Numbers of particles that are tried for one that fills a domain.
+const SEARCHED: usize = 100_000;
 
 /// Extents of a domain (m) that a lattice fills; of a ring its radius.
 fn extents(domain: &Domain) -> Vec<f64> {
@@ -80,9 +82,17 @@ fn is_whole(parts: f64) -> bool {
     count >= 1.0 && (parts - count).abs() <= WHOLE * count
 }
 
+/// The greatest spacing (m) up to one that a lattice fills the domain with.
+pub fn at_most(domain: &Domain, spacing: f64) -> Option<f64> {
+    let extents = extents(domain);
+    let first = extents[0];
+    let count = (first / spacing * (1.0 - WHOLE)).ceil().max(1.0);
+    let fits = |count: &f64| extents.iter().all(|extent| is_whole(extent * count / first));
+    (0..SEARCHED).map(|more| count + more as f64).find(fits).map(|count| first / count)
+}
+
 /// The nearest spacing below and above, where there are any, that divides all extents.
 fn nearest_spacings(spacing: f64, extents: &[f64]) -> Vec<f64> {
-    const SEARCHED: usize = 100_000;
     let first = extents[0];
     let count = (first / spacing).floor();
     let fits = |count: &f64| *count >= 1.0 && extents.iter().all(|extent| is_whole(extent * count / first));

@@ -52,7 +52,7 @@ pub fn work_figure(study: &Study, comparison: &Comparison, cost: Cost) -> WorkFi
             Cost::Time(Clock::Cpu) => format!("CPU time, setup and solve, {threads} (s)"),
             Cost::Updates => "particle updates".into(),
         },
-        reference_error: study.runs.reference_error(comparison.headline),
+        marked: study.runs.reference_error(comparison.headline).map(|error| (error, "error of the reference")),
         curves: curves.iter().map(work_curve).collect(),
     }
 }

@@ -7,7 +7,7 @@ use super::request::CompareRequest;
 use super::variant::Variant;
 use crate::failure::Failure;
 use crate::method;
-use crate::parts::Parts;
+use crate::parts::{Override, Parts};
 
 /// One method under one setting at one resolution.
 #[derive(Debug)]
@@ -47,11 +47,16 @@ pub fn spacings(own: f64, levels: usize) -> Vec<f64> {
 
 /// Pairs of key and value that give a method a spacing and a setting.
 pub fn overrides(units: Units, method: &str, spacing: f64, setting: &Variant) -> Vec<(String, String)> {
-    let key = if units == Units::Si { "spacing_m" } else { "spacing" };
     vec![
-        (format!("method.{method}.{key}"), format!("{spacing}")),
+        spacing_override(units, method, spacing),
         (format!("method.{method}.{}", setting.key().0), setting.key().1.clone()),
     ]
+}
+
+/// The key and value that give a method a spacing (m).
+pub fn spacing_override(units: Units, method: &str, spacing: f64) -> Override {
+    let key = if units == Units::Si { "spacing_m" } else { "spacing" };
+    (format!("method.{method}.{key}"), format!("{spacing}"))
 }
 
 /// All configurations of a scene, from coarse to fine.

@@ -2,13 +2,14 @@
 
 use frazil::registry::methods;
 use frazil_cases::scenes;
+use frazil_core::space::domain::Domain;
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::method::MethodKind;
 use frazil_scene::{Arrangement, Scene, Units};
 use frazil_simulation::march::{self, Options};
 use frazil_simulation::plan;
 
-use crate::sketch::advance;
+use crate::sketch::{Sketch, advance, even};
 
 /// Keys of a method's section with their values.
 type Keys = &'static [(&'static str, &'static str)];
@@ -260,6 +261,15 @@ fn one_particle_settles_between_its_walls() {
         let allowed = 1e-9 + by_steps(scene, result) * 25.0;
         assert!((last - settled).abs() < allowed, "{run}: {last}, must be {settled}");
     });
+}
+
+/// It exchanges nothing, so nothing limits its step but the run: no infinity stands in its record.
+#[test]
+fn a_particle_alone_is_limited_by_its_run() {
+    for kind in even() {
+        let record = Sketch::new(Domain::Axial { inner: 0.0, outer: 0.1, height: 0.1 }, 0.1).run(kind).record;
+        assert_eq!((record.outcome, record.step_bound_s), (Outcome::Ok, 3600.0), "{}", kind.name);
+    }
 }
 
 #[test]

@@ -28,7 +28,7 @@ use frazil_scene::{Front, IntegratorChoice, Numerics, Scene, StepChoice};
 use crate::plan::listed::Listed;
 use crate::plan::prepared::Prepared;
 use crate::plan::refusals::{affordable, why_list};
-use crate::plan::steps::{choose_step, on_lattice, pool, solver};
+use crate::plan::steps::{choose_step, limited, on_lattice, pool, solver};
 use crate::predict::{StepCount, planned_steps};
 use crate::reference::Reference;
 use crate::refused::Refused;
@@ -193,7 +193,7 @@ pub(crate) fn build_for(
         }
     };
     let method = transport::transport(scene, settings, &mut prepared, method, pool)?;
-    let SolverReport { bound, pairs, gentle_step, .. } = method.report();
+    let SolverReport { bound, pairs, gentle_step, .. } = limited(method.report(), scene);
     let step = choose_step(numerics, &bound, scene)?;
     let (particles, differences) = prepared.into_particles(numerics);
     let summary = PlanSummary {

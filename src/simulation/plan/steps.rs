@@ -12,7 +12,7 @@ use frazil_core::solvers::euler::Euler;
 use frazil_core::solvers::heun::Heun;
 use frazil_core::solvers::implicit::Implicit;
 use frazil_core::solvers::rkl2::Rkl2;
-use frazil_core::solvers::solver::Solver;
+use frazil_core::solvers::solver::{Solver, SolverReport};
 use frazil_core::solvers::step::Bound;
 use frazil_scene::Scene;
 use frazil_scene::settings::{IntegratorChoice, Numerics, StepChoice};
@@ -76,6 +76,15 @@ pub(super) fn solver(
             Box::new(Implicit::new(balance, tolerance, range, largest_slope, count))
         }
     }
+}
+
+/// The report of a body, whose bound is its run where particles exchange nothing.
+pub(super) fn limited(report: SolverReport, scene: &Scene) -> SolverReport {
+    if report.bound.step.is_finite() {
+        return report;
+    }
+    let bound = Bound { step: scene.duration, cause: "the run: no particle exchanges anything".into() };
+    SolverReport { bound, ..report }
 }
 
 /// The longest step that a run will make (s); steps by error may be shorter.

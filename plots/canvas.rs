@@ -7,7 +7,7 @@ use frazil_record::write_whole;
 use crate::style::Marker;
 use crate::{PlotError, style};
 
-pub use crate::draw::text_width;
+pub use crate::png::text_width;
 
 /// A point of a drawing (px).
 pub type Spot = (f64, f64);

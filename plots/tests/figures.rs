@@ -296,7 +296,7 @@ fn a_map_names_its_layout_and_shows_shaft_and_water() {
         assert!(!bare.contains(words), "{words}");
     }
     let early = map(Some(1e9), true);
-    for words in ["26 pipes, dug late", ">\nshaft", "groundwater, 0.1 m/day"] {
+    for words in ["26 pipes, dug late", ">shaft<", "groundwater, 0.1 m/day"] {
         assert!(early.contains(words), "{words} in {early}");
     }
     assert!(map(Some(0.0), true).contains("shaft, dug out"));

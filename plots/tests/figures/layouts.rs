@@ -249,8 +249,8 @@ fn words(svg: &str) -> Vec<Word> {
                 false if tag.contains("\"end\"") => x - width,
                 false => x,
             };
-            // The point lies above the base line by 0.76 of the size.
-            Some(Word { text, left, right: left + width, top: y + 0.04 * size, bottom: y + 0.76 * size })
+            // The point lies on the base line.
+            Some(Word { text, left, right: left + width, top: y - 0.72 * size, bottom: y })
         })
         .collect()
 }

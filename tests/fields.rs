@@ -5,6 +5,7 @@ use std::path::Path;
 
 use frazil::run::{RunRequest, run};
 use frazil_core::space::domain::Domain;
+use frazil_plots::canvas::Formats;
 use vtkio::Vtk;
 use vtkio::model::{Attribute, DataSet, IOBuffer, Piece};
 
@@ -21,6 +22,7 @@ fn request(scene: &Path, out: &Path, fields: bool, frames: bool) -> RunRequest {
         reduce: false,
         fields,
         frames,
+        formats: if fields { Formats::SvgAndPng } else { Formats::Svg },
         checkpoints: None,
         resume: false,
         quiet: true,

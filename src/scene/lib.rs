@@ -21,7 +21,10 @@ pub use frazil_record::TimeUnit;
 pub use pipe_name::{NoPipeName, PipeName};
 pub use pipe_ring::PipeRing;
 pub use random::RandomGround;
-pub use read::{Change, Duration, Key, MOST_BYTES, Noted, Problem, Problems, Range, Read, Section, Spot, read_section};
+pub use read::{
+    Change, Duration, Heading, Key, MOST_BYTES, Noted, Problem, Problems, Range, Read, Section, Spot, heading,
+    read_section,
+};
 pub use region::{Region, Shape};
 pub use scene::{Excavation, FreezingDirection, ReferenceChoice, Scene, Wall, WallPart, Watch};
 pub use settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice};

@@ -72,6 +72,7 @@ fn states_and_frames_are_whole_and_gone_when_not_asked_for() {
         // The start and every output.
         let states: Vec<String> = (0..4).map(|k| format!("{k:05}.vtu")).collect();
         assert_eq!(names(&out.join("fields")), states);
+        assert!(out.join("front.svg").exists() == out.join("front.png").exists());
         assert_eq!(names(&out.join("frames")), (0..4).map(|k| format!("{k:05}.png")).collect::<Vec<_>>());
         let list = fs::read_to_string(out.join("fields.pvd")).expect("the list");
         for (state, time) in states.iter().zip([0, 1200, 2400, 3600]) {

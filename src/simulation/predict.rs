@@ -202,7 +202,7 @@ impl Forecast {
 struct Trial {
     /// Time (s) after which it has told enough, however long the run takes.
     longest: f64,
-    /// Blocks at least, unless they take [`LATE`] times as long.
+    /// Blocks at least, unless even the shortest says that they take [`SLOW`] times as long.
     blocks: usize,
 }
 
@@ -212,11 +212,11 @@ const STEPS: Trial = Trial { longest: 0.03, blocks: 7 };
 const BESIDES: Trial = Trial { longest: 0.004, blocks: 3 };
 /// Length of a block that is timed as a whole (s): long against the clock, short against whatever interrupts.
 const BLOCK: f64 = 0.1e-3;
-/// Of a few blocks one that was interrupted may be all that there is time for.
-const LATE: f64 = 3.0;
+/// How many times the longest time of a trial some work takes of which no more blocks are made.
+const SLOW: f64 = 5.0;
 /// Share of the time that a run takes of some work after which the trial of it has told enough: nobody waits longer to hear of a run
 /// of milliseconds than for the run.
-const SHARE: f64 = 0.02;
+const SHARE: f64 = 0.005;
 
 /// Plans a run, and tries it.
 ///
@@ -325,9 +325,11 @@ struct Timed {
 /// Repeats some work that a run does so many times, as far as that is known, in blocks; the first time is for whatever happens
 /// once and does not count. One repetition takes the median over blocks: a block that was interrupted says nothing about the work.
 fn timed(trial: Trial, times: Option<u64>, now: &mut dyn FnMut() -> f64, work: &mut dyn FnMut()) -> Timed {
-    let enough = |spent: f64, count: u64, blocks: usize| {
+    let enough = |spent: f64, count: u64, blocks: &[f64]| {
+        let shortest = blocks.iter().copied().fold(f64::INFINITY, f64::min);
         let all = times.map_or(f64::INFINITY, |times| spent / count as f64 * times as f64);
-        spent >= LATE * trial.longest || blocks >= trial.blocks && spent >= trial.longest.min(SHARE * all)
+        shortest * count as f64 >= SLOW * trial.longest
+            || blocks.len() >= trial.blocks && spent >= trial.longest.min(SHARE * all)
     };
     work();
     let began = now();
@@ -346,7 +348,7 @@ fn timed(trial: Trial, times: Option<u64>, now: &mut dyn FnMut() -> f64, work: &
         } else {
             blocks.push(took / block as f64);
         }
-        if enough(end - began, count, blocks.len()) {
+        if enough(end - began, count, &blocks) {
             return Timed { count, each: median(&blocks).unwrap_or(0.0) };
         }
     }

@@ -362,7 +362,7 @@ fn a_heading_is_read_by_itself() {
     let own = |title: &str, source: &str| Ok((title.to_owned(), source.to_owned()));
     assert_eq!(said("title = \"a\"\nsource = \"b\"\nother = 3\n[walls]\nleft ="), own("a", "b"));
     // A line that only looks like a section.
-    assert_eq!(said("title = \"\"\"a\n[b\"\"\"\nsource = \"c\"\n"), own("a\n[b", "c"));
+    assert_eq!(said("title = \"\"\"a \\\n[b\"\"\"\nsource = \"c\"\n"), own("a [b", "c"));
     assert_eq!(said("list = [\n[1], [2]\n]\ntitle = \"a\"\nsource = \"c\""), own("a", "c"));
     assert_eq!(
         said("title = \"a\"\n[watch]\nsource = \"c\""),

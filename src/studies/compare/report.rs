@@ -29,7 +29,7 @@ use numbers::{
 use words::{fairness, parameters};
 
 /// Time between two pages of a scene that is under way.
-const BETWEEN: Duration = Duration::from_secs(5);
+const BETWEEN: Duration = Duration::from_secs(2);
 
 /// The figures and the page of a comparison, which grow as it goes on.
 pub struct Report<'a> {
@@ -121,7 +121,7 @@ impl<'a> Report<'a> {
 fn section(folder: &Path, study: &Study, figures: &mut Figures) -> Result<SceneSection, Failure> {
     let own = folder.join(study.name());
     make_folder(&own)?;
-    let mut blocks = compared(&own, study, figures);
+    let mut blocks = compared(&own, study, ALL_COSTS, figures);
     blocks.extend(ensembles(study));
     blocks.push(run_table(study));
     blocks.extend(finest_runs(&own, study)?);
@@ -137,7 +137,8 @@ fn under_way(folder: &Path, study: &Study, figures: &mut Figures) -> Result<Scen
     make_folder(&own)?;
     let text = "Under way: points, times and errors are those of the runs that have been made. Times of first runs are not warm.";
     let mut blocks = vec![Block { text: vec![text.into()], ..Block::default() }];
-    blocks.extend(compared(&own, study, figures));
+    // Which clock counts, and so what the figures by others are called, is known at the end.
+    blocks.extend(compared(&own, study, 1, figures));
     blocks.push(run_table(study));
     Ok(SceneSection { blocks, under_way: true, ..headed(study) })
 }
@@ -149,22 +150,24 @@ fn headed(study: &Study) -> SceneSection {
     SceneSection { name, title, source, ..SceneSection::default() }
 }
 
-/// Errors against costs, and their convergence.
-fn compared(own: &Path, study: &Study, figures: &mut Figures) -> Vec<Block> {
+/// The clock that counts, the other one, and particle updates.
+const ALL_COSTS: usize = 3;
+
+/// Errors against the first costs of all, and their convergence.
+fn compared(own: &Path, study: &Study, costs: usize, figures: &mut Figures) -> Vec<Block> {
     let name = study.name();
     let mut blocks = Vec::new();
     for (k, comparison) in study.comparisons.iter().enumerate() {
         let word = comparison.headline.name();
-        let mut costs = vec![(Cost::Time(study.clock), format!("work_precision_{word}"))];
-        let other = if study.clock == Clock::Wall { Clock::Cpu } else { Clock::Wall };
-        costs.push((
-            Cost::Time(other),
-            format!("work_precision_{word}_{}", if other == Clock::Cpu { "cpu" } else { "wall" }),
-        ));
-        costs.push((Cost::Updates, format!("work_precision_{word}_updates")));
+        let (other, other_word) = if study.clock == Clock::Wall { (Clock::Cpu, "cpu") } else { (Clock::Wall, "wall") };
+        let all: [_; ALL_COSTS] = [
+            (Cost::Time(study.clock), format!("work_precision_{word}")),
+            (Cost::Time(other), format!("work_precision_{word}_{other_word}")),
+            (Cost::Updates, format!("work_precision_{word}_updates")),
+        ];
         let mut block =
             Block { heading: format!("Error against cost: {}", comparison.headline.label()), ..Block::default() };
-        for (place, (cost, file)) in costs.into_iter().enumerate() {
+        for (place, (cost, file)) in all.into_iter().take(costs).enumerate() {
             let canvas = work_precision_panels(&[work_figure(study, comparison, cost)]);
             // The second measure is shown by the clock that counts; its other figures lie beside the page.
             if k == 0 || place == 0 {

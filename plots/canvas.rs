@@ -7,7 +7,7 @@ use frazil_record::write_whole;
 use crate::style::Marker;
 use crate::{PlotError, style};
 
-pub use crate::draw::text_width;
+pub use crate::png::text_width;
 
 /// A point of a drawing (px).
 pub type Spot = (f64, f64);
@@ -100,6 +100,15 @@ impl Item {
             Item::Text(text) => Item::Text(Text { at: spot(text.at), ..text }),
         }
     }
+}
+
+/// As what drawings are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Formats {
+    /// SVG alone, which costs next to nothing.
+    Svg,
+    /// SVG, and the same as PNG, which takes some hundredths of a second each.
+    SvgAndPng,
 }
 
 /// A drawing.
@@ -203,16 +212,18 @@ impl Canvas {
         self.line(vec![(x - radius, y + radius), (x + radius, y - radius)], stroke);
     }
 
-    /// Writes `NAME.svg` and `NAME.png` into a folder, and returns both.
+    /// Writes `NAME.svg` and, where it is asked for, `NAME.png` into a folder, and returns what was written.
     ///
     /// # Errors
     ///
     /// If the picture cannot be encoded or written.
-    pub fn write(&self, folder: &Path, name: &str) -> Result<Vec<PathBuf>, PlotError> {
-        let mut paths = Vec::new();
-        for (ending, bytes) in [("svg", self.svg().into_bytes()), ("png", self.png()?)] {
-            let path = folder.join(format!("{name}.{ending}"));
-            write(&path, &bytes)?;
+    pub fn write(&self, folder: &Path, name: &str, formats: Formats) -> Result<Vec<PathBuf>, PlotError> {
+        let path = folder.join(format!("{name}.svg"));
+        write(&path, self.svg().as_bytes())?;
+        let mut paths = vec![path];
+        if formats == Formats::SvgAndPng {
+            let path = folder.join(format!("{name}.png"));
+            write(&path, &self.png()?)?;
             paths.push(path);
         }
         Ok(paths)

@@ -1,6 +1,6 @@
 //! Figures and pages from records: never a particle.
 //!
-//! A [`canvas::Canvas`] holds a drawing; plotters writes it once as SVG and once as PNG, so both show the same.
+//! A [`canvas::Canvas`] holds a drawing, of which an SVG is written and, where one is asked for, a PNG that shows the same.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,6 @@ pub mod calibration;
 pub mod canvas;
 pub mod comparison;
 pub mod convergence;
-mod draw;
 pub mod ensemble;
 mod flow_map;
 pub mod ground_plan;
@@ -18,6 +17,7 @@ pub mod map;
 pub mod moisture_map;
 mod moisture_profiles;
 pub mod page;
+mod png;
 pub mod properties;
 pub mod rings;
 pub mod run;
@@ -26,6 +26,7 @@ pub mod signed;
 pub mod stability;
 mod stream;
 pub mod style;
+mod svg;
 mod table;
 pub mod words;
 

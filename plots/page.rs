@@ -58,6 +58,8 @@ pub struct SceneSection {
     pub parameters: Vec<Fact>,
     /// Figures and tables.
     pub blocks: Vec<Block>,
+    /// Whether it is not finished: its figures are not there as PNG yet.
+    pub under_way: bool,
 }
 
 /// Figures and the tables under them.

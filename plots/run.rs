@@ -7,7 +7,7 @@ use frazil_record::{CutRow, Field, MeanOver, ProfileRow, RunResult};
 
 use crate::PlotError;
 use crate::axes::{Axis, Entry, Frame, align};
-use crate::canvas::{Canvas, Colour, Stroke};
+use crate::canvas::{Canvas, Colour, Formats, Stroke};
 use crate::sheet::{WIDTH, sheet};
 use crate::style::{INK, LABEL, REFERENCE, method_style, method_title, number};
 use crate::words::{DOTS, FigureOptions, Words, reference_entry, reference_stroke};
@@ -18,10 +18,15 @@ use crate::{flow_map, map, moisture_map, moisture_profiles, rings, stream, table
 /// # Errors
 ///
 /// If a picture cannot be encoded or written.
-pub fn run_figures(result: &RunResult, folder: &Path, options: &FigureOptions) -> Result<Vec<PathBuf>, PlotError> {
+pub fn run_figures(
+    result: &RunResult,
+    folder: &Path,
+    options: &FigureOptions,
+    formats: Formats,
+) -> Result<Vec<PathBuf>, PlotError> {
     let mut files = Vec::new();
     for (name, canvas) in drawings(result, options) {
-        files.extend(canvas.write(folder, &name)?);
+        files.extend(canvas.write(folder, &name, formats)?);
     }
     Ok(files)
 }

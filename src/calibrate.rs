@@ -8,6 +8,7 @@ use std::path::PathBuf;
 
 use frazil_edpd::calibration::{Constants, Scales};
 use frazil_plots::calibration::{CalibrationFigure, FitCurve, calibration};
+use frazil_plots::canvas::Formats;
 use frazil_studies::failure::{Failure, Verdict, answer};
 use frazil_studies::output::{Folder, Owner, write_rows, write_whole};
 
@@ -80,7 +81,7 @@ pub fn calibrate(request: &CalibrateRequest) -> Result<Verdict, Failure> {
     write_rows(&folder.path().join("calibration.csv"), &calibrated.table.rows)?;
     let keys = words::keys(&calibrated);
     write_whole(&folder.path().join("calibration.toml"), |writer| writer.write_all(keys.as_bytes()))?;
-    calibration(&figure(&calibrated)).write(folder.path(), "calibration")?;
+    calibration(&figure(&calibrated)).write(folder.path(), "calibration", Formats::SvgAndPng)?;
     answer(&words::report(&calibrated, folder.path()))?;
     Ok(Verdict::Done)
 }

@@ -1,9 +1,8 @@
 //! What there is to run.
 
-use frazil_scene::Scene;
+use frazil_scene::heading;
 use frazil_studies::failure::{Failure, Verdict, answer};
 
-use crate::parts::parts;
 use crate::registry;
 
 /// Prints the bundled scenes by group, the studies, the fluids, and the methods with their titles.
@@ -17,16 +16,15 @@ pub fn list() -> Result<Verdict, Failure> {
     for (title, scenes) in groups {
         text.push_str(&format!("{title}\n"));
         for bundled in scenes {
-            let scene = Scene::read(bundled.text, bundled.name, bundled.name, &[], kinds)?;
-            text.push_str(&format!("  {:width$}  {} ({})\n", bundled.name, scene.title, scene.source));
+            let own = heading(bundled.text, bundled.name)?;
+            text.push_str(&format!("  {:width$}  {} ({})\n", bundled.name, own.title, own.source));
         }
         text.push('\n');
     }
     text.push_str("Studies\n");
-    let parts = parts(false);
     for bundled in frazil_cases::studies::all() {
-        let study = frazil_layouts::read::study(bundled.name, &[], &parts)?;
-        text.push_str(&format!("  {:width$}  {}, for layout\n", bundled.name, study.title));
+        let own = heading(bundled.text, bundled.name)?;
+        text.push_str(&format!("  {:width$}  {}, for layout\n", bundled.name, own.title));
     }
     text.push_str("\nFluids\n");
     for fluid in frazil_cases::fluids::all() {

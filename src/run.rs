@@ -6,7 +6,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use frazil_core::particles::Particles;
-use frazil_plots::run_figures;
+use frazil_plots::canvas::Formats;
+use frazil_plots::run::drawings;
 use frazil_record::{Outcome, Record, RunResult};
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Checkpoints, Going, Options, Progress, Refused, Standing};
@@ -16,6 +17,7 @@ use frazil_studies::cheapest::{self, CheapestRequest};
 use frazil_studies::ensemble::{self, EnsembleRequest};
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
 use frazil_studies::fields::{self, Snapshots};
+use frazil_studies::figures::Figures;
 use frazil_studies::output::{self, Folder, Owner};
 use frazil_studies::parts::Override;
 use frazil_studies::progress::{Reporter, bearable, clock, forewarn};
@@ -45,6 +47,8 @@ pub struct RunRequest {
     pub fields: bool,
     /// Whether to draw a map at each output.
     pub frames: bool,
+    /// As what figures are written.
+    pub formats: Formats,
     /// Wall time between two checkpoints; none if absent.
     pub checkpoints: Option<Duration>,
     /// Whether to go on from the last checkpoint in the folder.
@@ -115,7 +119,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let drawn = Cell::new(true);
     let also = || {
         snapshots.map_or(Ok(()), |snapshots| snapshots.finish(folder.path()))?;
-        if let Err(error) = run_figures(&result, folder.path(), &figure_options::of_run(&scene, &result.fields)) {
+        if let Err(error) = figures(&scene, &result, folder.path()).write(request.formats, request.threads) {
             // The numbers are what counts: a figure that cannot be drawn does not undo them.
             complain(&format!("figures: {error}"));
             drawn.set(false);
@@ -134,6 +138,15 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     }
     let verdict = Verdict::of(result.record.outcome);
     Ok(if drawn.get() { verdict } else { verdict.max(Verdict::Broken) })
+}
+
+/// Every figure of a run.
+fn figures(scene: &Scene, result: &RunResult, folder: &Path) -> Figures {
+    let mut figures = Figures::default();
+    for (name, canvas) in drawings(result, &figure_options::of_run(scene, &result.fields)) {
+        figures.add(folder, name, canvas);
+    }
+    figures
 }
 
 /// The checkpoints of a run in its folder, if it is to have any.
@@ -251,6 +264,7 @@ pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> 
         threads: request.threads,
         out: &request.out.clone().unwrap_or_else(|| folder_of(&scene, method)),
         checkpoints: request.checkpoints,
+        formats: request.formats,
         quiet: request.quiet,
         yes: request.yes,
     };

@@ -5,6 +5,8 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
+use frazil_scene::Scene;
+
 fn frazil(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_frazil")).args(arguments).current_dir(folder).output().expect("the program starts")
 }
@@ -90,8 +92,20 @@ fn an_unknown_scene_suggests_the_nearest() {
 fn list_shows_every_scene_and_method() {
     let output = frazil(Path::new("."), &["list"]);
     assert_eq!(output.status.code(), Some(0));
+    let said = text(&output.stdout);
+    let told = |name: &str, words: &str| {
+        said.lines()
+            .any(|line| line.strip_prefix("  ").and_then(|line| line.strip_prefix(name)).map(str::trim) == Some(words))
+    };
     for scene in frazil_cases::scenes::all().iter().chain(frazil_cases::scenes::extreme()) {
-        assert!(text(&output.stdout).contains(&format!("  {} ", scene.name)));
+        let name = scene.name;
+        let read = Scene::read(scene.text, name, name, &[], frazil::registry::methods()).expect("a scene");
+        assert!(told(name, &format!("{} ({})", read.title, read.source)), "{name}: {said}");
+    }
+    for study in frazil_cases::studies::all() {
+        let name = study.name;
+        let read = frazil_layouts::read::study(name, &[], &frazil::parts::parts(false)).expect("a study");
+        assert!(told(name, &format!("{}, for layout", read.title)), "{name}: {said}");
     }
     for kind in frazil::registry::methods() {
         assert!(text(&output.stdout).contains(&format!("  {} ", kind.name)));

@@ -121,7 +121,7 @@ fn members_are_single_runs_and_their_mean_is_theirs() {
     let [run, bias, variance] =
         ["member_rms", "bias_squared", "variance"].map(|name| split[name].as_f64().expect("a number"));
     assert!((run * run - bias - variance).abs() < 1e-12, "{split}");
-    for figure in ["front.png", "front.svg", "profiles.png", "budget.svg"] {
+    for figure in ["front.svg", "profiles.svg", "budget.svg"] {
         assert!(all.join(figure).exists(), "{figure}");
     }
 }
@@ -297,6 +297,6 @@ fn any_series_of_the_members_has_a_mean() {
     assert!(sections.iter().all(|row| row["temperature_c"] == "1.5" && row["temperature_ref_c"] == row["x_m"]));
     assert_eq!(rows(&all.join("shares.csv"))[1]["solid"], "0.75");
     for figure in ["stream", "sections", "shares"] {
-        assert!(all.join(format!("{figure}.png")).exists(), "{figure}");
+        assert!(all.join(format!("{figure}.svg")).exists(), "{figure}");
     }
 }

@@ -1,10 +1,11 @@
-//! Whole states and frames on request: what is there can be read, and a folder never mixes two runs.
+//! Whole states, frames and pictures on request: what is there can be read, and a folder never mixes two runs.
 
 use std::fs;
 use std::path::Path;
 
 use frazil::run::{RunRequest, run};
 use frazil_core::space::domain::Domain;
+use frazil_plots::canvas::Formats;
 use vtkio::Vtk;
 use vtkio::model::{Attribute, DataSet, IOBuffer, Piece};
 
@@ -21,6 +22,7 @@ fn request(scene: &Path, out: &Path, fields: bool, frames: bool) -> RunRequest {
         reduce: false,
         fields,
         frames,
+        formats: if fields { Formats::SvgAndPng } else { Formats::Svg },
         checkpoints: None,
         resume: false,
         quiet: true,
@@ -33,6 +35,11 @@ fn names(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> = entries.map(|name| name.to_string_lossy().into_owned()).collect();
     names.sort();
     names
+}
+
+/// Names of figures in a folder without their ending.
+fn figures(folder: &Path, ending: &str) -> Vec<String> {
+    names(folder).iter().filter_map(|name| Some(name.strip_suffix(ending)?.to_owned())).collect()
 }
 
 /// Columns of a state by name, as numbers.
@@ -57,7 +64,7 @@ fn columns(path: &Path) -> Vec<(String, Vec<f64>)> {
 }
 
 #[test]
-fn states_and_frames_are_whole_and_gone_when_not_asked_for() {
+fn states_frames_and_pictures_are_whole_and_gone_when_not_asked_for() {
     let folder = tempfile::tempdir().expect("a folder");
     let (scene, out) = (folder.path().join("scene.toml"), folder.path().join("out"));
     let mut sketch = Sketch::new(Domain::Rectangle { width: 0.6, height: 0.4 }, 0.1).wall("left", "temperature_c = -5");
@@ -70,6 +77,8 @@ fn states_and_frames_are_whole_and_gone_when_not_asked_for() {
         // The start and every output.
         let states: Vec<String> = (0..4).map(|k| format!("{k:05}.vtu")).collect();
         assert_eq!(names(&out.join("fields")), states);
+        let stems = figures(&out, "svg");
+        assert!(stems.len() > 1 && figures(&out, "png") == stems, "{stems:?}");
         assert_eq!(names(&out.join("frames")), (0..4).map(|k| format!("{k:05}.png")).collect::<Vec<_>>());
         let list = fs::read_to_string(out.join("fields.pvd")).expect("the list");
         for (state, time) in states.iter().zip([0, 1200, 2400, 3600]) {
@@ -94,6 +103,7 @@ fn states_and_frames_are_whole_and_gone_when_not_asked_for() {
     let left = names(&out);
     assert!(left.contains(&"record.json".to_owned()));
     assert!(!left.iter().any(|name| name.contains("fields") || name.contains("frames")), "{left:?}");
+    assert!(figures(&out, "svg").len() > 1 && figures(&out, "png").is_empty(), "{left:?}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 //!
 //! With `FRAZIL_FIGURES=folder` the files stay there to be looked at.
 
+use frazil_plots::canvas::Formats;
 use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint, work_precision_panels};
 use frazil_plots::convergence::{OrderCurve, convergence};
 use frazil_plots::ground_plan::{GroundPlan, ShaftMark, WaterMark};
@@ -14,6 +15,8 @@ use frazil_record::{
 
 #[path = "figures/layouts.rs"]
 mod layouts;
+
+const BOTH: Formats = Formats::SvgAndPng;
 
 fn record(title: &str, method: &str) -> Record {
     Record {
@@ -189,10 +192,15 @@ fn comparison() -> WorkFigure {
 fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn std::error::Error>> {
     let temporary = tempfile::tempdir()?;
     let folder = std::env::var_os("FRAZIL_FIGURES").map_or(temporary.path().to_path_buf(), Into::into);
-    let mut files = run_figures(&line_run(), &folder, &plain(TimeUnit::Hour))?;
-    files.extend(run_figures(&ring_run(), &folder, &FigureOptions { freezing_point: -0.5, ..plain(TimeUnit::Day) })?);
+    let mut files = run_figures(&line_run(), &folder, &plain(TimeUnit::Hour), BOTH)?;
+    files.extend(run_figures(
+        &ring_run(),
+        &folder,
+        &FigureOptions { freezing_point: -0.5, ..plain(TimeUnit::Day) },
+        BOTH,
+    )?);
     let figure = comparison();
-    files.extend(work_precision_panels(std::slice::from_ref(&figure)).write(&folder, "work_precision")?);
+    files.extend(work_precision_panels(std::slice::from_ref(&figure)).write(&folder, "work_precision", BOTH)?);
     let orders: Vec<OrderCurve> = figure
         .curves
         .iter()
@@ -208,10 +216,11 @@ fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn s
                 .collect(),
         })
         .collect();
-    files.extend(
-        convergence("Convergence", "particle spacing (mm)", 1e3, "rms error of the front", &orders)
-            .write(&folder, "convergence")?,
-    );
+    files.extend(convergence("Convergence", "particle spacing (mm)", 1e3, "rms error of the front", &orders).write(
+        &folder,
+        "convergence",
+        BOTH,
+    )?);
     let names: Vec<String> = files.iter().filter_map(|path| Some(path.file_stem()?.to_str()?.into())).collect();
     for name in ["front", "profiles", "wall", "heat", "gaps", "map_40d", "work_precision", "convergence"] {
         assert_eq!(names.iter().filter(|other| *other == name).count(), 2, "{name} in {names:?}");
@@ -242,7 +251,7 @@ fn plain(time_unit: TimeUnit) -> FigureOptions {
 fn a_run_without_rows_has_no_figures() -> Result<(), Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let options = plain(TimeUnit::Second);
-    assert!(run_figures(&empty("nothing", "pd"), folder.path(), &options)?.is_empty());
+    assert!(run_figures(&empty("nothing", "pd"), folder.path(), &options, BOTH)?.is_empty());
     Ok(())
 }
 
@@ -296,7 +305,7 @@ fn a_map_names_its_layout_and_shows_shaft_and_water() {
         assert!(!bare.contains(words), "{words}");
     }
     let early = map(Some(1e9), true);
-    for words in ["26 pipes, dug late", ">\nshaft", "groundwater, 0.1 m/day"] {
+    for words in ["26 pipes, dug late", ">shaft<", "groundwater, 0.1 m/day"] {
         assert!(early.contains(words), "{words} in {early}");
     }
     assert!(map(Some(0.0), true).contains("shaft, dug out"));

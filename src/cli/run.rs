@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use frazil_plots::canvas::Formats;
 use frazil_studies::cheapest::CheapestRequest;
 use frazil_studies::ensemble::runs::Headline;
 use frazil_studies::failure::{Failure, Verdict};
@@ -60,6 +61,9 @@ pub struct RunArguments {
     /// Draws a temperature map at every output, for an animation: frames/*.png. Needs a plane.
     #[arg(long)]
     frames: bool,
+    /// Also draws each figure as PNG, beside its SVG.
+    #[arg(long)]
+    png: bool,
     /// Wall time in seconds between two checkpoints, from which a run that was killed goes on; 0 for none.
     #[arg(long, value_name = "S", default_value = "60", value_parser = between_checkpoints)]
     checkpoint_s: BetweenCheckpoints,
@@ -110,6 +114,7 @@ impl RunArguments {
             reduce: self.reduce,
             fields: self.fields,
             frames: self.frames,
+            formats: if self.png { Formats::SvgAndPng } else { Formats::Svg },
             checkpoints: self.checkpoint_s.0,
             resume: self.resume,
             quiet: self.quiet,

@@ -2,6 +2,7 @@
 //!
 //! It takes for granted that more of it keeps a wall open that less of it keeps open.
 
+use frazil_plots::canvas::Formats;
 use frazil_plots::layouts::{CriticalView, critical_map};
 use frazil_plots::page::{Block, Figure, Table};
 use frazil_scene::Scene;
@@ -238,7 +239,7 @@ pub(super) fn block(critical: &Critical, outcome: &Outcome, work: &Work<'_>) -> 
         })
         .collect();
     let canvas = critical_map(&views, &critical.key);
-    canvas.write(&work.folder, "critical")?;
+    canvas.write(&work.folder, "critical", Formats::SvgAndPng)?;
     let figure = Figure::new(
         &canvas,
         format!(

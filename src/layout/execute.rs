@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use frazil_core::particles::Particles;
+use frazil_plots::canvas::Formats;
 use frazil_plots::ground_plan::ShaftMark;
 use frazil_plots::{FigureOptions, run_figures};
 use frazil_record::{Field, Outcome};
@@ -244,7 +245,8 @@ impl Work<'_> {
         }
         output::write_run_and(&path, &fine, || frames.map_or(Ok(()), |frames| frames.finish(&path)))?;
         if self.has_maps(layout)
-            && let Err(error) = run_figures(&fine, &path, &self.figure_options(layout, &fine.fields))
+            && let Err(error) =
+                run_figures(&fine, &path, &self.figure_options(layout, &fine.fields), Formats::SvgAndPng)
         {
             complain(&format!("figures: {error}"));
         }

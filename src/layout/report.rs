@@ -3,6 +3,7 @@
 use std::fs;
 
 use frazil_core::space::domain::Domain;
+use frazil_plots::canvas::Formats;
 use frazil_plots::layouts::{LayoutView, PipeView, drawings};
 use frazil_plots::page::{self, Block, Fact, Figure, Page, Table};
 use frazil_plots::style::number;
@@ -71,7 +72,7 @@ pub(super) fn write(
     let freezing = compared.first().map_or(0.0, |one| one.layout.scene.materials[0].freezing_point);
     let (mut first, mut figures) = (Vec::new(), Vec::new());
     let drawings = drawings(&views, freezing);
-    let draw = |k: usize| Some(drawings[k].canvas.write(&work.folder, &drawings[k].stem));
+    let draw = |k: usize| Some(drawings[k].canvas.write(&work.folder, &drawings[k].stem, Formats::SvgAndPng));
     for written in parallel::in_order(drawings.len(), work.threads, draw) {
         written.transpose()?;
     }
@@ -185,7 +186,7 @@ fn methods_block(work: &Work<'_>, beside: &[Beside<'_>]) -> Result<Option<Block>
     }
     let views: Vec<_> = beside.iter().map(Beside::view).collect();
     let drawing = frazil_plots::layouts::methods(&views);
-    drawing.write(&work.folder, "methods")?;
+    drawing.write(&work.folder, "methods", Formats::SvgAndPng)?;
     let caption = "Day of closure, thickness and mean temperature where the wall is weakest, and load at the end, as each method has them.";
     let figures = vec![Figure::new(&drawing, caption, "methods")];
     let heads = ["layout", "methods", "wall closes (day)", "thickness (m)", "mean temperature (°C)", "load (W/m)"];

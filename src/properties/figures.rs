@@ -3,8 +3,11 @@
 use std::path::Path;
 
 use frazil_edpd::properties::halves::{Push, profile, tip};
+use frazil_plots::canvas::Formats;
 use frazil_plots::properties::{CurvesFigure, Deviations, Estimate, Measured, NumberFigure, curves, numbers};
 use frazil_studies::failure::Failure;
+use frazil_studies::figures::Figures;
+use frazil_studies::parallel;
 
 use super::execute::Finding;
 use super::plan::{Job, Measurement, celsius};
@@ -15,14 +18,15 @@ const SHOWN: usize = 5;
 
 /// Draws all figures.
 pub fn write(folder: &Path, title: &str, rows: &[Row], jobs: &[Job], found: &[Finding]) -> Result<(), Failure> {
-    displacements(title, rows, jobs, found).write(folder, "msd")?;
-    halves(title, "velocity", rows, jobs, found).write(folder, "velocity")?;
+    let mut figures = Figures::default();
+    figures.add(folder, "msd", displacements(title, rows, jobs, found));
+    figures.add(folder, "velocity", halves(title, "velocity", rows, jobs, found));
     if rows.iter().any(|row| row.thermal_diffusivity.is_some()) {
-        halves(title, "temperature", rows, jobs, found).write(folder, "temperature")?;
-        prandtl(title, rows).write(folder, "prandtl")?;
+        figures.add(folder, "temperature", halves(title, "temperature", rows, jobs, found));
+        figures.add(folder, "prandtl", prandtl(title, rows));
     }
-    schmidt(title, rows).write(folder, "schmidt")?;
-    Ok(())
+    figures.add(folder, "schmidt", schmidt(title, rows));
+    Ok(figures.write(Formats::SvgAndPng, parallel::cores())?)
 }
 
 /// Some of the rows, ends included.

@@ -22,8 +22,8 @@ pub use pipe_name::{NoPipeName, PipeName};
 pub use pipe_ring::PipeRing;
 pub use random::RandomGround;
 pub use read::{
-    Change, Duration, Key, MOST_BYTES, Noted, Problem, Problems, Range, Read, Section, Spot, read_section,
-    spacing_at_most,
+    Change, Duration, Heading, Key, MOST_BYTES, Noted, Problem, Problems, Range, Read, Section, Spot, heading,
+    read_section, spacing_at_most,
 };
 pub use region::{Region, Shape};
 pub use scene::{Excavation, FreezingDirection, ReferenceChoice, Scene, Wall, WallPart, Watch};

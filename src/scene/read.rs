@@ -77,6 +77,34 @@ impl Scene {
     }
 }
 
+/// What a scene or a study says of itself before all else.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Heading {
+    /// What it is called.
+    pub title: String,
+    /// Where its parameters come from.
+    pub source: String,
+}
+
+/// Reads what a text of a scene or a study says of itself, and nothing else of it: whether it is one remains open.
+///
+/// # Errors
+/// Where that is missing, or the text is no TOML.
+pub fn heading(text: &str, file: &str) -> Result<Heading, Problems> {
+    // Keys of the whole stand before the first section. What only looks like one, within a text, leaves half of that text behind,
+    // which is no TOML.
+    let begins = |line: &str| line.trim_start().starts_with('[');
+    let head: usize = text.split_inclusive('\n').take_while(|line| !begins(line)).map(str::len).sum();
+    let entries = tree::parse(&text[..head]).or_else(|_| tree::parse(text));
+    let entries = entries.map_err(|problems| Problems::new(file, problems))?;
+    let log = Log::default();
+    let mut root = Section::root(&entries, &log);
+    let (title, source) = (root.text("title"), root.text("source"));
+    root.abandon();
+    drop(root);
+    finished(title.and_then(|title| Ok(Heading { title, source: source? })), log, file)
+}
+
 /// Reads a text of keys that is no whole scene, such as a method's own settings, with the same messages.
 ///
 /// ```

@@ -1,7 +1,7 @@
 //! What a run will take: its memory and steps counted, its time from a trial of its real steps.
 //!
 //! The trial makes the first steps of the planned run on a plan of its own, and its outputs and looks besides, for some
-//! milliseconds. What each takes is multiplied by how often the run will do it.
+//! milliseconds, fewer of a short run. What each takes is multiplied by how often the run will do it.
 
 use std::cell::OnceCell;
 use std::fmt;
@@ -197,10 +197,26 @@ impl Forecast {
     }
 }
 
-/// Time that the trial may spend on steps, and on each other kind of work (s).
-const TRIAL: (f64, f64) = (0.03, 0.004);
+/// How long some work is tried.
+#[derive(Debug, Clone, Copy)]
+struct Trial {
+    /// Time (s) after which it has told enough, however long the run takes.
+    longest: f64,
+    /// Blocks at least, unless even the shortest says that they take [`SLOW`] times as long.
+    blocks: usize,
+}
+
+/// Of steps.
+const STEPS: Trial = Trial { longest: 0.03, blocks: 7 };
+/// Of each other kind of work.
+const BESIDES: Trial = Trial { longest: 0.004, blocks: 3 };
 /// Length of a block that is timed as a whole (s): long against the clock, short against whatever interrupts.
-const BLOCK: f64 = 0.5e-3;
+const BLOCK: f64 = 0.1e-3;
+/// How many times the longest time of a trial some work takes of which no more blocks are made.
+const SLOW: f64 = 5.0;
+/// Share of the time that a run takes of some work after which the trial of it has told enough: nobody waits longer to hear of a run
+/// of milliseconds than for the run.
+const SHARE: f64 = 0.005;
 
 /// Plans a run, and tries it.
 ///
@@ -251,7 +267,10 @@ fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f
     let mut failed = false;
     let mut times = Vec::new();
     let controlled = matches!(summary.steps, StepCount::ByErrorControl { .. });
-    let stepped = timed(TRIAL.0, now, &mut || {
+    // How many steps there will be under error control is told by those of the trial, and the more the better.
+    let planned = summary.steps.number().map(|steps| Work::of(scene, steps, looks));
+    let times_of = |count: fn(&Work) -> u64| planned.as_ref().map(count);
+    let stepped = timed(STEPS, times_of(|work| work.steps), now, &mut || {
         clock.step = step.min(method.wanted_step());
         match method.advance(&mut particles, &clock) {
             Ok(made) => clock.time += made,
@@ -268,7 +287,10 @@ fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f
     }
     method.publish(&mut particles);
     let mut cost = Cost { step: stepped.each, ..Cost::default() };
-    cost.guard = timed(TRIAL.1, now, &mut || failed |= guard.look(&particles, &clock, &bound).is_err()).each;
+    cost.guard = {
+        let look = &mut || failed |= guard.look(&particles, &clock, &bound).is_err();
+        timed(BESIDES, times_of(|work| work.guards), now, look).each
+    };
     if failed {
         // Of a state that has left the numbers nothing can be read, least of all soon.
         return Forecast { summary, work: None, cost, timed_steps: stepped.count, threads };
@@ -281,13 +303,13 @@ fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f
         observers.observe(&View { scene, particles, method, ledger, across: &across, time, moment, frozen });
     };
     let output = Moment::Output { landed: true };
-    cost.output = timed(TRIAL.1, now, &mut || observe(0.0, output)).each;
+    cost.output = timed(BESIDES, times_of(|work| work.outputs), now, &mut || observe(0.0, output)).each;
     if let Some(instant) = scene.watch.profiles.first() {
-        let both = timed(TRIAL.1, now, &mut || observe(*instant, output)).each;
+        let both = timed(BESIDES, times_of(|work| work.profiles), now, &mut || observe(*instant, output)).each;
         cost.profile = (both - cost.output).max(0.0);
     }
     if looks {
-        cost.look = timed(TRIAL.1, now, &mut || observe(0.0, Moment::Within)).each;
+        cost.look = timed(BESIDES, times_of(|work| work.looks), now, &mut || observe(0.0, Moment::Within)).each;
     }
     let work = summary.steps.number().map(|steps| Work::of(scene, steps, looks));
     Forecast { summary, work, cost, timed_steps: stepped.count, threads }
@@ -300,9 +322,15 @@ struct Timed {
     each: f64,
 }
 
-/// Repeats some work for about `seconds`, in blocks; the first time is for whatever happens once and does not count. One
-/// repetition takes the median over blocks: a block that was interrupted says nothing about the work.
-fn timed(seconds: f64, now: &mut dyn FnMut() -> f64, work: &mut dyn FnMut()) -> Timed {
+/// Repeats some work that a run does so many times, as far as that is known, in blocks; the first time is for whatever happens
+/// once and does not count. One repetition takes the median over blocks: a block that was interrupted says nothing about the work.
+fn timed(trial: Trial, times: Option<u64>, now: &mut dyn FnMut() -> f64, work: &mut dyn FnMut()) -> Timed {
+    let enough = |spent: f64, count: u64, blocks: &[f64]| {
+        let shortest = blocks.iter().copied().fold(f64::INFINITY, f64::min);
+        let all = times.map_or(f64::INFINITY, |times| spent / count as f64 * times as f64);
+        shortest * count as f64 >= SLOW * trial.longest
+            || blocks.len() >= trial.blocks && spent >= trial.longest.min(SHARE * all)
+    };
     work();
     let began = now();
     let (mut block, mut count, mut blocks) = (1u64, 0, Vec::new());
@@ -312,7 +340,7 @@ fn timed(seconds: f64, now: &mut dyn FnMut() -> f64, work: &mut dyn FnMut()) -> 
         let end = now();
         count += block;
         let took = end - start;
-        if took < BLOCK && end - began < seconds {
+        if took < BLOCK && end - began < trial.longest {
             // Still too short to be timed well.
             blocks.clear();
             blocks.push(took / block as f64);
@@ -320,7 +348,7 @@ fn timed(seconds: f64, now: &mut dyn FnMut() -> f64, work: &mut dyn FnMut()) -> 
         } else {
             blocks.push(took / block as f64);
         }
-        if end - began >= seconds {
+        if enough(end - began, count, &blocks) {
             return Timed { count, each: median(&blocks).unwrap_or(0.0) };
         }
     }
@@ -345,7 +373,7 @@ mod tests {
         for each in [1e-7, 3e-5, 2e-3, 0.5] {
             let clock = Fake(Cell::new(0.0));
             let calls = Cell::new(0);
-            let found = timed(0.03, &mut || clock.0.get(), &mut || {
+            let found = timed(STEPS, None, &mut || clock.0.get(), &mut || {
                 calls.set(calls.get() + 1);
                 clock.pass(each);
             });
@@ -361,7 +389,7 @@ mod tests {
     fn the_first_time_and_interruptions_do_not_count() {
         let clock = Fake(Cell::new(0.0));
         let calls = Cell::new(0u32);
-        let found = timed(0.03, &mut || clock.0.get(), &mut || {
+        let found = timed(STEPS, None, &mut || clock.0.get(), &mut || {
             calls.set(calls.get() + 1);
             clock.pass(match calls.get() {
                 1 => 1.0,
@@ -370,6 +398,21 @@ mod tests {
             });
         });
         assert!((found.each - 1e-3).abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn a_short_run_is_not_tried_for_longer_than_it_takes() {
+        for (each, times) in [(1e-6, 1000), (1e-6, 1_000_000), (1e-6, 1_000_000_000), (1e-3, 10), (1.0, 3)] {
+            let clock = Fake(Cell::new(0.0));
+            let found = timed(STEPS, Some(times), &mut || clock.0.get(), &mut || clock.pass(each));
+            assert!((found.each / each - 1.0).abs() < 1e-9, "{each}: {found:?}");
+            // Blocks are as many repetitions as fill them; those before took as long as one of them.
+            let block = (2.0 * BLOCK).max(each);
+            let blocks = (STEPS.blocks + 1) as f64 * block;
+            let least = blocks.max(SHARE * each * times as f64).min(STEPS.longest.max(each));
+            let spent = found.count as f64 * each;
+            assert!((0.4 * least..least + 2.0 * block).contains(&spent), "{each}, {times}: {spent} of {least}");
+        }
     }
 
     #[test]

@@ -31,6 +31,7 @@ pub mod variant;
 pub mod vary;
 pub mod verdict;
 
+use report::Report;
 pub use request::{CompareRequest, Vary};
 use runner::Runner;
 
@@ -61,6 +62,7 @@ fn by_time(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failu
     let campaign = Campaign::open(&path, Shard::WHOLE, parallel::cores(), parts.interrupt)?;
     let campaign = campaign.with_checkpoints(request.checkpoints);
     let runner = Runner::new(request, parts, &campaign);
+    let mut report = Report::new(request, &machine, folder.path());
     let mut finished = Vec::new();
     let mut broken = false;
     for name in &request.scenes {
@@ -69,7 +71,10 @@ fn by_time(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failu
                 complain(text);
             }
         };
-        let written = |runs: &execute::SceneRuns| tables::write_comparison(folder.path(), &finished, Some(runs));
+        let written = |runs: &execute::SceneRuns| {
+            tables::write_comparison(folder.path(), &finished, Some(runs))?;
+            report.show(&finished, runs)
+        };
         match execute::scene(request, parts, &runner, name, &say, &written) {
             Ok(runs) => {
                 let study = analysis::Study::of(runs);
@@ -86,7 +91,7 @@ fn by_time(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failu
         }
         campaign.check()?;
         tables::write_all(folder.path(), &finished)?;
-        report::write(request, &machine, folder.path(), &finished)?;
+        report.finish(&finished)?;
         if campaign.is_interrupted() {
             complain("interrupted: the same command goes on from here");
             return Ok(Verdict::Broken);

@@ -9,6 +9,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use frazil_core::memory;
+use frazil_plots::canvas::Formats;
 use frazil_record::{Outcome, Record, RunResult};
 use frazil_scene::method::MethodSettings;
 use frazil_scene::{Arrangement, Scene};
@@ -49,6 +50,8 @@ pub struct EnsembleRequest<'a> {
     pub out: &'a Path,
     /// Wall time between two checkpoints of a member; none if absent.
     pub checkpoints: Option<Duration>,
+    /// As what figures are written.
+    pub formats: Formats,
     /// Whether to say nothing but errors.
     pub quiet: bool,
     /// Whether to begin what takes longer than 30 days.
@@ -101,7 +104,7 @@ pub fn ensemble(request: &EnsembleRequest<'_>, interrupt: &AtomicBool) -> Result
     }
     let study = Study::of(&members, made, (threads, began.elapsed().as_secs_f64()), reference.map(AsRef::as_ref))?;
     study.write(out)?;
-    if let Err(error) = figures::draw(&study, scene, out) {
+    if let Err(error) = figures::draw(&study, scene, out, request.formats, threads) {
         complain(&format!("figures: {error}"));
     }
     if !request.quiet {

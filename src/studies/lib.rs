@@ -11,6 +11,7 @@ pub mod expect;
 pub mod failure;
 pub mod fields;
 pub mod figure_options;
+pub mod figures;
 pub mod input;
 pub mod machine;
 pub mod method;

@@ -249,8 +249,8 @@ fn words(svg: &str) -> Vec<Word> {
                 false if tag.contains("\"end\"") => x - width,
                 false => x,
             };
-            // The point lies above the base line by 0.76 of the size.
-            Some(Word { text, left, right: left + width, top: y + 0.04 * size, bottom: y + 0.76 * size })
+            // The point lies on the base line.
+            Some(Word { text, left, right: left + width, top: y - 0.72 * size, bottom: y })
         })
         .collect()
 }
@@ -398,7 +398,7 @@ fn figures_come_in_the_order_in_which_they_are_read() -> Result<(), Box<dyn std:
         wanted.iter().map(|stem| all.iter().position(|drawing| drawing.stem == *stem)).collect();
     assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{places:?}");
     for drawing in &all {
-        for path in drawing.canvas.write(&folder, &drawing.stem)? {
+        for path in drawing.canvas.write(&folder, &drawing.stem, crate::BOTH)? {
             let size = std::fs::metadata(&path)?.len();
             assert!(size > 2000, "{}: {size} bytes", path.display());
         }

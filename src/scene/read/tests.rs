@@ -354,3 +354,19 @@ fn files_tables_and_lists_have_a_size() {
     assert_eq!(said.lines().count(), 101);
     assert!(said.contains("problems more"), "{}", &said[..200]);
 }
+
+#[test]
+fn a_heading_is_read_by_itself() {
+    let said =
+        |text: &str| heading(text, "x.toml").map(|own| (own.title, own.source)).map_err(|found| found.to_string());
+    let own = |title: &str, source: &str| Ok((title.to_owned(), source.to_owned()));
+    assert_eq!(said("title = \"a\"\nsource = \"b\"\nother = 3\n[walls]\nleft ="), own("a", "b"));
+    // A line that only looks like a section.
+    assert_eq!(said("title = \"\"\"a \\\n[b\"\"\"\nsource = \"c\"\n"), own("a [b", "c"));
+    assert_eq!(said("list = [\n[1], [2]\n]\ntitle = \"a\"\nsource = \"c\""), own("a", "c"));
+    assert_eq!(
+        said("title = \"a\"\n[watch]\nsource = \"c\""),
+        Err("x.toml: source: missing, must be a text".to_owned())
+    );
+    assert!(said("title = \"a\nsource = \"b\"\n").is_err());
+}

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use frazil_plots::canvas::Formats;
 use frazil_plots::comparison::{WorkCurve, WorkFigure, WorkPoint, work_precision_panels};
 use frazil_plots::page::{self, Block, Fact, Figure, Page, Table};
 use frazil_plots::style::{duration, method_title, number, percent};
@@ -42,7 +43,7 @@ pub fn write(request: &CheapestRequest, folder: &Path, study: &Study) -> Result<
     let rows: Vec<Row> = study.all.iter().flat_map(|of| rows(request, study, of)).collect();
     write_rows(&folder.join("cheapest.csv"), &rows)?;
     let figure = work_precision_panels(&[figure(request, study)]);
-    figure.write(folder, "cheapest")?;
+    figure.write(folder, "cheapest", Formats::SvgAndPng)?;
     let label = study.headline.map_or("error", Headline::label);
     let block = Block {
         heading: format!("{} of {label}", percent(request.error, 3)),

@@ -40,6 +40,7 @@ pub enum Stop {
 }
 
 /// All runs of one scene.
+#[derive(Clone)]
 pub struct SceneRuns {
     /// The scene as its file gives it.
     pub scene: Scene,
@@ -58,6 +59,14 @@ pub struct SceneRuns {
 }
 
 impl SceneRuns {
+    /// What is known while runs are still to be made, timed by first runs where there are no others.
+    pub fn so_far(&self) -> SceneRuns {
+        let mut known = self.clone();
+        known.measured.retain(|one| one.result.is_some() || one.unmade.is_some());
+        known.measured.iter_mut().for_each(Measured::time_by_first_run);
+        known
+    }
+
     /// The reference's own error for a measure.
     pub fn reference_error(&self, headline: Headline) -> Option<f64> {
         self.reference.as_ref().map(|info| info.error_of(headline.name()))
@@ -107,7 +116,7 @@ pub fn scene(
     };
     let work = Work { request, runner, plan: &plan, reference: reference.as_ref(), clock: Clock::start(), say };
     work.first_runs(&mut runs, written)?;
-    work.repeated_runs(&mut runs);
+    work.repeated_runs(&mut runs, written)?;
     runs.spent = work.clock.elapsed();
     runs.count = runner.counts() - before;
     if runs.count.known > 0 {
@@ -304,7 +313,11 @@ impl Work<'_> {
     }
 
     /// Timed runs. All configurations take turns in shuffled rounds, so that a slow minute of the machine hits all.
-    fn repeated_runs(&self, runs: &mut SceneRuns) {
+    fn repeated_runs(
+        &self,
+        runs: &mut SceneRuns,
+        written: &dyn Fn(&SceneRuns) -> Result<(), Failure>,
+    ) -> Result<(), Stop> {
         let timed: Vec<usize> = (0..self.plan.len()).filter(|k| runs.measured[*k].is_ok()).collect();
         let first = |k: usize, runs: &SceneRuns| {
             runs.measured[k].result.as_ref().map_or(0.0, |result| Timing::of(&result.record).wall())
@@ -343,15 +356,13 @@ impl Work<'_> {
                 self.repeat(k, round, &mut runs.measured[k]);
             }
             round += 1;
+            runs.rounds = round;
+            written(runs).map_err(Stop::Files)?;
         }
-        runs.rounds = round;
         for k in timed {
-            let measured = &mut runs.measured[k];
-            if measured.timings.is_empty() {
-                measured.cold = true;
-                measured.timings.extend(measured.result.as_ref().map(|result| Timing::of(&result.record)));
-            }
+            runs.measured[k].time_by_first_run();
         }
+        Ok(())
     }
 
     fn repeat(&self, k: usize, round: usize, measured: &mut Measured) {

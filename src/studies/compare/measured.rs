@@ -161,6 +161,14 @@ impl Measured {
         self.result.as_ref().is_some_and(|result| result.record.outcome == Outcome::Ok)
     }
 
+    /// Where no repeated run has been timed, the first one has to do if it ended well.
+    pub fn time_by_first_run(&mut self) {
+        if self.timings.is_empty() && self.is_ok() {
+            self.cold = true;
+            self.timings.extend(self.result.as_ref().map(|result| Timing::of(&result.record)));
+        }
+    }
+
     /// Errors of the first run, or of the mean where there are several seeds.
     pub fn errors(&self) -> Option<&Errors> {
         match &self.ensemble {

@@ -3,8 +3,11 @@
 mod numbers;
 mod words;
 
+use std::cell::Cell;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
+use frazil_plots::canvas::Formats;
 use frazil_plots::comparison::work_precision_panels;
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection};
 use frazil_plots::run::drawings;
@@ -12,80 +15,171 @@ use frazil_scene::names;
 
 use super::analysis::{self, Study};
 use super::curve::Clock;
+use super::execute::SceneRuns;
 use super::figures::{Cost, order_figure, work_figure};
 use super::request::CompareRequest;
 use crate::failure::Failure;
-use crate::figure_options;
+use crate::figures::Figures;
 use crate::machine::Machine;
-use crate::output::{make_folder, write_run};
+use crate::output::{make_folder, write_run_and};
+use crate::{figure_options, parallel};
 use numbers::{
     ensembles, equal_error_table, equal_time_table, failures, gates, order_table, overall, run_table, settings,
 };
 use words::{fairness, parameters};
 
-/// Writes the figures and the page of the finished scenes.
-pub fn write(request: &CompareRequest, machine: &Machine, folder: &Path, studies: &[Study]) -> Result<(), Failure> {
-    if studies.is_empty() {
-        return Ok(());
-    }
-    let mut page = Page {
-        title: "Error against run time".into(),
-        lead: vec![
-            "Each point is one method at one resolution: how wrong it is, and how long it takes. Read along a line of \
-             equal error; nearer to the lower left corner is better."
-                .into(),
-        ],
-        command: request.command_line.clone(),
-        fairness: fairness(request, studies),
-        machine: machine.facts(Fact::new("Threads of a timed run", request.threads.to_string())),
-        ..Page::default()
-    };
-    let overview: Vec<_> = studies
-        .iter()
-        .filter_map(|study| Some(work_figure(study, study.comparisons.first()?, Cost::Time(study.clock))))
-        .collect();
-    if !overview.is_empty() {
-        work_precision_panels(&overview).write(folder, "work_precision")?;
-    }
-    if studies.len() > 1 {
-        page.summary.push(overall(studies));
-    }
-    for study in studies {
-        page.scenes.push(section(folder, study)?);
-    }
-    Ok(page::write(&page, &folder.join("report.html"))?)
+/// Time between two pages of a scene that is under way.
+const BETWEEN: Duration = Duration::from_secs(2);
+
+/// The figures and the page of a comparison, which grow as it goes on.
+pub struct Report<'a> {
+    request: &'a CompareRequest,
+    machine: &'a Machine,
+    folder: &'a Path,
+    /// What is said of each finished scene.
+    sections: Vec<SceneSection>,
+    /// When the page was last written with a scene under way.
+    shown: Cell<Option<Instant>>,
 }
 
-fn section(folder: &Path, study: &Study) -> Result<SceneSection, Failure> {
-    let name = study.name().to_owned();
-    let own = folder.join(&name);
+impl<'a> Report<'a> {
+    /// One that says nothing yet.
+    pub fn new(request: &'a CompareRequest, machine: &'a Machine, folder: &'a Path) -> Self {
+        Report { request, machine, folder, sections: Vec::new(), shown: Cell::new(None) }
+    }
+
+    /// Writes the figures of finished scenes that it has none of, and the page of all.
+    ///
+    /// # Errors
+    /// Where a figure cannot be drawn or a file not be written.
+    pub fn finish(&mut self, studies: &[Study]) -> Result<(), Failure> {
+        let mut figures = Figures::default();
+        for study in &studies[self.sections.len()..] {
+            self.sections.push(section(self.folder, study, &mut figures)?);
+        }
+        self.overview(studies.iter(), &mut figures);
+        figures.write(Formats::SvgAndPng, parallel::cores())?;
+        self.page(studies, None)
+    }
+
+    /// Writes what is known of a scene whose runs go on, with the page of those before it, unless that was done just now. Nothing
+    /// runs meanwhile whose time would be told.
+    ///
+    /// # Errors
+    /// Where a file cannot be written.
+    pub fn show(&self, finished: &[Study], runs: &SceneRuns) -> Result<(), Failure> {
+        if self.shown.get().is_some_and(|shown| shown.elapsed() < BETWEEN) {
+            return Ok(());
+        }
+        let study = Study::of(runs.so_far());
+        if study.comparisons.is_empty() {
+            return Ok(());
+        }
+        let mut figures = Figures::default();
+        let section = under_way(self.folder, &study, &mut figures)?;
+        self.overview(finished.iter().chain([&study]), &mut figures);
+        figures.write(Formats::Svg, parallel::cores())?;
+        self.page(finished, Some(section))?;
+        self.shown.set(Some(Instant::now()));
+        Ok(())
+    }
+
+    /// Adds the figure of all scenes side by side.
+    fn overview<'s>(&self, studies: impl Iterator<Item = &'s Study>, figures: &mut Figures) {
+        let panels: Vec<_> = studies
+            .filter_map(|study| Some(work_figure(study, study.comparisons.first()?, Cost::Time(study.clock))))
+            .collect();
+        if !panels.is_empty() {
+            figures.add(self.folder, "work_precision", work_precision_panels(&panels));
+        }
+    }
+
+    /// Writes the page of the finished scenes, and of one that is under way.
+    fn page(&self, studies: &[Study], current: Option<SceneSection>) -> Result<(), Failure> {
+        if studies.is_empty() && current.is_none() {
+            return Ok(());
+        }
+        let page = Page {
+            title: "Error against run time".into(),
+            lead: vec![
+                "Each point is one method at one resolution: how wrong it is, and how long it takes. Read along a line of \
+                 equal error; nearer to the lower left corner is better."
+                    .into(),
+            ],
+            command: self.request.command_line.clone(),
+            summary: if studies.len() > 1 { vec![overall(studies)] } else { Vec::new() },
+            scenes: self.sections.iter().cloned().chain(current).collect(),
+            fairness: if studies.is_empty() { Vec::new() } else { fairness(self.request, studies) },
+            machine: self.machine.facts(Fact::new("Threads of a timed run", self.request.threads.to_string())),
+            ..Page::default()
+        };
+        Ok(page::write(&page, &self.folder.join("report.html"))?)
+    }
+}
+
+/// What is said of a finished scene.
+fn section(folder: &Path, study: &Study, figures: &mut Figures) -> Result<SceneSection, Failure> {
+    let own = folder.join(study.name());
     make_folder(&own)?;
+    let mut blocks = compared(&own, study, ALL_COSTS, figures);
+    blocks.extend(ensembles(study));
+    blocks.push(run_table(study));
+    blocks.extend(finest_runs(&own, study)?);
+    blocks.push(gates(study));
+    blocks.extend(failures(study));
+    blocks.push(settings(study));
+    Ok(SceneSection { blocks, parameters: parameters(study), ..headed(study) })
+}
+
+/// What is said of a scene whose runs go on.
+fn under_way(folder: &Path, study: &Study, figures: &mut Figures) -> Result<SceneSection, Failure> {
+    let own = folder.join(study.name());
+    make_folder(&own)?;
+    let text = "Under way: points, times and errors are those of the runs that have been made. Times of first runs are not warm.";
+    let mut blocks = vec![Block { text: vec![text.into()], ..Block::default() }];
+    // Which clock counts, and so what the figures by others are called, is known at the end.
+    blocks.extend(compared(&own, study, 1, figures));
+    blocks.push(run_table(study));
+    Ok(SceneSection { blocks, under_way: true, ..headed(study) })
+}
+
+/// Name, title and source of a scene.
+fn headed(study: &Study) -> SceneSection {
+    let scene = &study.runs.scene;
+    let (name, title, source) = (study.name().to_owned(), scene.title.clone(), scene.source.clone());
+    SceneSection { name, title, source, ..SceneSection::default() }
+}
+
+/// The clock that counts, the other one, and particle updates.
+const ALL_COSTS: usize = 3;
+
+/// Errors against the first costs of all, and their convergence.
+fn compared(own: &Path, study: &Study, costs: usize, figures: &mut Figures) -> Vec<Block> {
+    let name = study.name();
     let mut blocks = Vec::new();
     for (k, comparison) in study.comparisons.iter().enumerate() {
         let word = comparison.headline.name();
-        let mut costs = vec![(Cost::Time(study.clock), format!("work_precision_{word}"))];
-        let other = if study.clock == Clock::Wall { Clock::Cpu } else { Clock::Wall };
-        costs.push((
-            Cost::Time(other),
-            format!("work_precision_{word}_{}", if other == Clock::Cpu { "cpu" } else { "wall" }),
-        ));
-        costs.push((Cost::Updates, format!("work_precision_{word}_updates")));
+        let (other, other_word) = if study.clock == Clock::Wall { (Clock::Cpu, "cpu") } else { (Clock::Wall, "wall") };
+        let all: [_; ALL_COSTS] = [
+            (Cost::Time(study.clock), format!("work_precision_{word}")),
+            (Cost::Time(other), format!("work_precision_{word}_{other_word}")),
+            (Cost::Updates, format!("work_precision_{word}_updates")),
+        ];
         let mut block =
             Block { heading: format!("Error against cost: {}", comparison.headline.label()), ..Block::default() };
-        for (place, (cost, file)) in costs.into_iter().enumerate() {
+        for (place, (cost, file)) in all.into_iter().take(costs).enumerate() {
             let canvas = work_precision_panels(&[work_figure(study, comparison, cost)]);
-            canvas.write(&own, &file)?;
             // The second measure is shown by the clock that counts; its other figures lie beside the page.
             if k == 0 || place == 0 {
                 block.figures.push(Figure::new(&canvas, caption(study, cost), format!("{name}/{file}")));
             }
+            figures.add(own, file, canvas);
         }
         block.tables.push(equal_error_table(comparison));
         block.tables.push(equal_time_table(comparison));
         blocks.push(block);
         let file = format!("convergence_{word}");
         let canvas = order_figure(study, comparison);
-        canvas.write(&own, &file)?;
         let caption = "Error against particle spacing. Hollow points lie below ten times the error of the \
                        reference: how far below their true error lies is not known.";
         blocks.push(Block {
@@ -94,20 +188,9 @@ fn section(folder: &Path, study: &Study) -> Result<SceneSection, Failure> {
             tables: vec![order_table(study.runs.scene.units, comparison)],
             ..Block::default()
         });
+        figures.add(own, file, canvas);
     }
-    blocks.extend(ensembles(study));
-    blocks.push(run_table(study));
-    blocks.extend(finest_runs(&own, study)?);
-    blocks.push(gates(study));
-    blocks.extend(failures(study));
-    blocks.push(settings(study));
-    Ok(SceneSection {
-        title: study.runs.scene.title.clone(),
-        source: study.runs.scene.source.clone(),
-        parameters: parameters(study),
-        name,
-        blocks,
-    })
+    blocks
 }
 
 fn caption(study: &Study, cost: Cost) -> String {
@@ -133,16 +216,18 @@ fn finest_runs(folder: &Path, study: &Study) -> Result<Vec<Block>, Failure> {
         let key = names::of(&format!("{}_{}", one.method, one.setting.name.replace('=', "-")));
         let own = folder.join(&key);
         make_folder(&own)?;
-        write_run(&own, result)?;
         let all = drawings(result, &figure_options::of_run(scene, &result.fields));
         let last_map = all.iter().rposition(|(file, _)| file.starts_with("map_"));
         let mut block = Block { heading: format!("{} at {}", one.label(), one.spacing_words()), ..Block::default() };
-        for (k, (file, canvas)) in all.iter().enumerate() {
-            canvas.write(&own, file)?;
+        let mut figures = Figures::default();
+        for (k, (file, canvas)) in all.into_iter().enumerate() {
             if !file.starts_with("map_") || last_map == Some(k) {
-                block.figures.push(Figure::new(canvas, canvas.title.clone(), format!("{}/{key}/{file}", study.name())));
+                let path = format!("{}/{key}/{file}", study.name());
+                block.figures.push(Figure::new(&canvas, canvas.title.clone(), path));
             }
+            figures.add(&own, file, canvas);
         }
+        write_run_and(&own, result, || Ok(figures.write(Formats::SvgAndPng, parallel::cores())?))?;
         if !block.figures.is_empty() {
             blocks.push(block);
         }

@@ -4,12 +4,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use frazil_plots::PlotError;
+use frazil_plots::canvas::Formats;
 use frazil_plots::ensemble::{BandFigure, Curve, Look, Panel, Point, bands};
 use frazil_plots::style::number;
 use frazil_scene::{Scene, Units};
 
 use super::Study;
 use super::table::{ALONG, INTERVAL, PLACE, Role, Table, reference_of};
+use crate::figures::Figures;
 
 /// Instants of rows.
 const TIME: &str = "time_s";
@@ -43,7 +45,8 @@ const UNITS: [(&str, &str); 15] = [
 ];
 
 /// Draws every series that has a figure.
-pub fn draw(study: &Study, scene: &Scene, folder: &Path) -> Result<(), PlotError> {
+pub fn draw(study: &Study, scene: &Scene, folder: &Path, formats: Formats, threads: usize) -> Result<(), PlotError> {
+    let mut figures = Figures::default();
     for (name, means) in &study.means {
         let members: Vec<&Table> = study.members.iter().filter_map(|member| member.get(name)).collect();
         let panels = Series { means, members: &members, scene }.panels();
@@ -56,9 +59,9 @@ pub fn draw(study: &Study, scene: &Scene, folder: &Path) -> Result<(), PlotError
             members: study.record.averaged,
             panels,
         };
-        bands(&figure).write(folder, name.trim_end_matches(".csv"))?;
+        figures.add(folder, name.trim_end_matches(".csv"), bands(&figure));
     }
-    Ok(())
+    figures.write(formats, threads)
 }
 
 /// A table of means with those of the members.

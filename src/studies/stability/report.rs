@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use frazil_plots::canvas::Formats;
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection, Table};
 use frazil_plots::style::{method_title, number, percent};
 use frazil_record::Outcome;
@@ -15,8 +16,10 @@ use super::request::StabilityRequest;
 use super::search::{Cell, Edge};
 use super::{figures, super_steps};
 use crate::failure::Failure;
+use crate::figures::Figures;
 use crate::machine::Machine;
 use crate::output::make_folder;
+use crate::parallel;
 use crate::parts::Parts;
 use crate::words::{self, length_words};
 
@@ -59,15 +62,22 @@ pub fn write(
         machine: machine.facts(Fact::new("Columns side by side", request.threads.to_string())),
         ..Page::default()
     };
+    let mut figures = Figures::default();
     for name in &request.scenes {
         let own: Vec<&Mapped> = columns.iter().filter(|mapped| mapped.job.scene == *name).collect();
         // Columns have values of their own in place of the scene's.
-        page.scenes.extend(section(folder, &(parts.scene_at)(name, &request.overrides)?, &own)?);
+        page.scenes.extend(section(folder, &(parts.scene_at)(name, &request.overrides)?, &own, &mut figures)?);
     }
+    figures.write(Formats::SvgAndPng, parallel::cores())?;
     Ok(page::write(&page, &folder.join("report.html"))?)
 }
 
-fn section(folder: &Path, scene: &Scene, columns: &[&Mapped]) -> Result<Option<SceneSection>, Failure> {
+fn section(
+    folder: &Path,
+    scene: &Scene,
+    columns: &[&Mapped],
+    figures: &mut Figures,
+) -> Result<Option<SceneSection>, Failure> {
     if columns.iter().all(|mapped| mapped.found.is_err()) {
         return Ok(None);
     }
@@ -92,8 +102,8 @@ fn section(folder: &Path, scene: &Scene, columns: &[&Mapped]) -> Result<Option<S
         };
         let mut block = Block { heading, tables, list: refusals(&along), ..Block::default() };
         if let Some(canvas) = canvas {
-            canvas.write(&own, &file(axis))?;
             block.figures.push(Figure::new(&canvas, caption, format!("{}/{}", scene.name, file(axis))));
+            figures.add(&own, file(axis), canvas);
         }
         blocks.push(block);
     }
@@ -105,6 +115,7 @@ fn section(folder: &Path, scene: &Scene, columns: &[&Mapped]) -> Result<Option<S
         source: scene.source.clone(),
         parameters: parameters.collect(),
         blocks,
+        ..SceneSection::default()
     }))
 }
 

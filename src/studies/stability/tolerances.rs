@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use frazil_plots::canvas::Canvas;
+use frazil_plots::canvas::{Canvas, Formats};
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection, Table};
 use frazil_plots::stability::{MapCell, MapColumn, MapPanel, StabilityFigure, Upward, stability};
 use frazil_plots::style::{method_title, number, percent};
@@ -200,6 +200,7 @@ pub fn write(
             source: scene.source.clone(),
             parameters: words::parameters(&scene),
             blocks: axes.map(|axis| block(&scene, (name, axis), cells, folder)).collect::<Result<_, _>>()?,
+            ..SceneSection::default()
         });
     }
     Ok(page::write(&page, &folder.join("report.html"))?)
@@ -323,7 +324,7 @@ fn block(scene: &Scene, (name, axis): (&str, Axis), cells: &[Cell], folder: &Pat
     let (into, file) = (folder.join(&scene.name), format!("stability_{}", axis.word()));
     make_folder(&into)?;
     let canvas = map(&format!("{}: {}", scene.title, axis.label()), axis, &jobs, &own, &ratios);
-    canvas.write(&into, &file)?;
+    canvas.write(&into, &file, Formats::SvgAndPng)?;
     let caption = "How runs ended. A cell with a line of its own below says why it is not within tolerance.";
     let figure = Figure::new(&canvas, caption, format!("{}/{file}", scene.name));
     Ok(Block {

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use frazil_plots::canvas::Formats;
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection, Table};
 use frazil_plots::signed::{SignedCurve, SignedFigure, signed};
 use frazil_plots::style::{method_title, number, percent};
@@ -10,8 +11,10 @@ use frazil_scene::Units;
 use super::{Grid, Line, Measure, Run, warnings};
 use crate::compare::request::CompareRequest;
 use crate::failure::Failure;
+use crate::figures::Figures;
 use crate::machine::Machine;
 use crate::output::make_folder;
+use crate::parallel;
 use crate::words;
 
 /// Writes the figures and the page of the finished scenes.
@@ -32,13 +35,15 @@ pub fn write(request: &CompareRequest, machine: &Machine, folder: &Path, grids: 
         machine: machine.facts(Fact::new("Threads of a run", request.threads.to_string())),
         ..Page::default()
     };
+    let mut figures = Figures::default();
     for grid in grids {
-        page.scenes.push(section(folder, grid)?);
+        page.scenes.push(section(folder, grid, &mut figures)?);
     }
+    figures.write(Formats::SvgAndPng, parallel::cores())?;
     Ok(page::write(&page, &folder.join("report.html"))?)
 }
 
-fn section(folder: &Path, grid: &Grid) -> Result<SceneSection, Failure> {
+fn section(folder: &Path, grid: &Grid, figures: &mut Figures) -> Result<SceneSection, Failure> {
     let name = grid.scene.name.clone();
     let own = folder.join(&name);
     make_folder(&own)?;
@@ -83,8 +88,8 @@ fn section(folder: &Path, grid: &Grid) -> Result<SceneSection, Failure> {
                     y_label: format!("magnitude of the error of the {}", measure.name()),
                     curves,
                 });
-                canvas.write(&own, &file)?;
                 block.figures.push(Figure::new(&canvas, caption, format!("{name}/{file}")));
+                figures.add(&own, file, canvas);
             }
             blocks.push(block);
         }
@@ -95,7 +100,8 @@ fn section(folder: &Path, grid: &Grid) -> Result<SceneSection, Failure> {
     }
     let mut parameters = words::parameters(&grid.scene);
     parameters.push(Fact::new("Reference", grid.reference.clone()));
-    Ok(SceneSection { title: grid.scene.title.clone(), source: grid.scene.source.clone(), parameters, name, blocks })
+    let (title, source) = (grid.scene.title.clone(), grid.scene.source.clone());
+    Ok(SceneSection { title, source, parameters, name, blocks, ..SceneSection::default() })
 }
 
 fn curves(

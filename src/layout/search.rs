@@ -95,7 +95,7 @@ impl<'a> Trials<'a> {
         let layouts = study.tried(search, value).map_err(Stop::Failed)?;
         let run = |k: usize| Some(find(&layouts[k]));
         let mut parts = Vec::new();
-        for (pair, layout) in parallel::in_order(layouts.len(), *threads, run).into_iter().flatten().zip(&layouts) {
+        for (pair, layout) in parallel::runs(layouts.len(), *threads, run).into_iter().flatten().zip(&layouts) {
             let pair = pair.map_err(Stop::Failed)?.ok_or(Stop::Interrupted)?;
             let thickness = study.depth_of(layout).filter(|_| layout.stratum.is_some()).unwrap_or(1.0);
             parts.push((Answers::of(&layout.scene, &pair.fine, study.design_of(layout)), thickness));

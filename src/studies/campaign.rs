@@ -148,7 +148,7 @@ impl<'a> Campaign<'a> {
         let mut order: Vec<usize> = (0..prices.len()).collect();
         order.sort_by(|a, b| prices[*b].total_cmp(&prices[*a]));
         let begin = |k: usize| if self.is_stopped() { None } else { work(order[k]) };
-        let answers = parallel::in_order(order.len(), self.workers, begin);
+        let answers = parallel::runs(order.len(), self.workers, begin);
         self.check()?;
         let mut sorted: Vec<(usize, Option<T>)> = order.into_iter().zip(answers).collect();
         sorted.sort_by_key(|(task, _)| *task);

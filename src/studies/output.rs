@@ -14,7 +14,7 @@ use frazil_simulation::observers::tables;
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::fields;
+use crate::{fields, parallel};
 
 /// Writes a file beside its place and moves it there when it is whole.
 pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Failure> {
@@ -184,7 +184,7 @@ fn sweep(folder: &Path, depth: usize) -> Result<(), Failure> {
 }
 
 /// Writes a series as CSV.
-pub type Fill<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + 'a>;
+pub type Fill<'a> = Box<dyn Fn(&mut dyn Write) -> io::Result<()> + Sync + 'a>;
 
 /// Every series that runs may have, by the name of its file; one without rows has no file.
 pub fn series(result: &RunResult) -> Vec<(&'static str, Option<Fill<'_>>)> {
@@ -233,13 +233,14 @@ pub fn write_run_and(
 ) -> Result<(), Failure> {
     clear(folder)?;
     more()?;
-    for (name, fill) in series(result) {
+    let series = series(result);
+    let write = |k: usize| {
+        let (name, fill) = &series[k];
         let path = folder.join(name);
-        match fill {
-            Some(fill) => write_whole(&path, fill)?,
-            None => remove(&path)?,
-        }
-    }
+        Some(fill.as_ref().map_or_else(|| remove(&path), |fill| write_whole(&path, fill)))
+    };
+    // Side by side, as each waits for the disk.
+    parallel::in_order(series.len(), parallel::cores(), write).into_iter().flatten().collect::<Result<(), _>>()?;
     write_json(&folder.join(RECORD), &result.record)
 }
 
@@ -293,7 +294,7 @@ pub fn remove(path: &Path) -> Result<(), Failure> {
     }
 }
 
-fn rows<R: Serialize>(rows: &[R]) -> Option<Fill<'_>> {
+fn rows<R: Serialize + Sync>(rows: &[R]) -> Option<Fill<'_>> {
     if rows.is_empty() { None } else { Some(Box::new(move |writer| fill_rows(writer, rows))) }
 }
 

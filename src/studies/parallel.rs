@@ -5,13 +5,20 @@ use std::sync::{Mutex, PoisonError};
 
 use frazil_core::memory;
 
+/// Runs side by side, as [`in_order`]; they share the memory that there is.
+pub fn runs<T: Send>(tasks: usize, workers: usize, work: impl Fn(usize) -> Option<T> + Sync) -> Vec<Option<T>> {
+    memory::share(workers.clamp(1, tasks.max(1)));
+    let answers = in_order(tasks, workers, work);
+    memory::share(1);
+    answers
+}
+
 /// Answers to tasks 0, 1, 2, ... in the order of their numbers. Each of `workers` threads takes the next task that is
-/// free; a task without an answer stays empty. Runs among them share the memory that there is.
+/// free; a task without an answer stays empty.
 pub fn in_order<T: Send>(tasks: usize, workers: usize, work: impl Fn(usize) -> Option<T> + Sync) -> Vec<Option<T>> {
     let next = AtomicUsize::new(0);
     let answers: Mutex<Vec<Option<T>>> = Mutex::new((0..tasks).map(|_| None).collect());
     let workers = workers.clamp(1, tasks.max(1));
-    memory::share(workers);
     std::thread::scope(|scope| {
         for _ in 0..workers {
             scope.spawn(|| {
@@ -26,7 +33,6 @@ pub fn in_order<T: Send>(tasks: usize, workers: usize, work: impl Fn(usize) -> O
             });
         }
     });
-    memory::share(1);
     answers.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 

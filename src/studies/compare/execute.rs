@@ -295,7 +295,7 @@ impl Work<'_> {
             }
             let limits: Vec<_> = seeds.iter().map(|seed| self.options(*seed, 1, false, self.left())).collect();
             let run = |k: usize| runner.run(Purpose::Seed, scene, one.method, reference, &limits[k]).ok();
-            let found: Vec<Made> = parallel::in_order(limits.len(), workers, run).into_iter().flatten().collect();
+            let found: Vec<Made> = parallel::runs(limits.len(), workers, run).into_iter().flatten().collect();
             self.clock.add(found.iter().map(|made| made.earlier_s).fold(0.0, f64::max));
             all.extend(found.into_iter().map(|made| made.result));
         }

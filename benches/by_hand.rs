@@ -1,10 +1,9 @@
 //! Conduction and nothing else, written by hand: explicit steps of one linear material on a plane of even rows, the
 //! left wall at a temperature or a symmetry plane, the others symmetry planes.
 //!
-//! The shape is that of the sweep of the program: rows of old values in a ring, sums folded by symmetry, blocks that stay
-//! in the first cache, the same instructions in the same order, so that both give the same bits. What conduction does not
-//! need is gone: in place of a law there is a constant, and there are no general walls, no booking of heat, no pipes, no
-//! corners, no bands for threads.
+//! The order of operations is that of the sweep of the program, products fused where it fuses them, so that both give the same
+//! bits; but column sums go through a buffer in the first cache. What conduction does not need is gone: in place of a law there
+//! is a constant, and there are no general walls, no booking of heat, no pipes, no corners, no bands for threads.
 
 use frazil_core::bonds::stencil::Stencil;
 
@@ -70,7 +69,7 @@ impl<const REACH: usize, const WALL: bool> ByHand<REACH, WALL> {
                 // SAFETY: the processor has just been asked for these features.
                 return unsafe { self.step_avx512() };
             }
-            if is_x86_feature_detected!("avx2") {
+            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
                 // SAFETY: as above.
                 return unsafe { self.step_avx2() };
             }
@@ -85,7 +84,7 @@ impl<const REACH: usize, const WALL: bool> ByHand<REACH, WALL> {
     }
 
     #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
+    #[target_feature(enable = "avx2,fma")]
     fn step_avx2(&mut self) {
         self.rows();
     }
@@ -138,6 +137,12 @@ fn groups_of(values: &[f64], groups: usize) -> &[[f64; LANES]] {
     &values[..groups * LANES].as_chunks::<LANES>().0[..groups]
 }
 
+/// Whether the row itself is all that carries weight at a distance, so that its column sum waits for its weight.
+#[inline(always)]
+const fn is_bare<const REACH: usize>(k: usize) -> bool {
+    k * k + 1 > REACH * REACH
+}
+
 #[inline(always)]
 fn block<const REACH: usize>(
     weights: &[[f64; 9]; 9],
@@ -169,12 +174,16 @@ fn block<const REACH: usize>(
         for k in 0..=REACH {
             let mut total = [0.0; LANES];
             for lane in 0..LANES {
-                total[lane] = if k == 0 { -(sum * folded[0][lane]) } else { weights[k][0] * folded[0][lane] };
+                total[lane] = match k {
+                    0 => -(sum * folded[0][lane]),
+                    _ if is_bare::<REACH>(k) => folded[0][lane],
+                    _ => weights[k][0] * folded[0][lane],
+                };
             }
             for dy in 1..=REACH {
                 if k * k + dy * dy <= REACH * REACH {
                     for lane in 0..LANES {
-                        total[lane] += weights[k][dy] * folded[dy][lane];
+                        total[lane] = weights[k][dy].mul_add(folded[dy][lane], total[lane]);
                     }
                 }
             }
@@ -196,19 +205,22 @@ fn block<const REACH: usize>(
         let mut total = left[0][group];
         for k in 1..=REACH {
             for lane in 0..LANES {
-                total[lane] += left[k][group][lane] + right[k][group][lane];
+                let pair = left[k][group][lane] + right[k][group][lane];
+                total[lane] =
+                    if is_bare::<REACH>(k) { weights[k][0].mul_add(pair, total[lane]) } else { total[lane] + pair };
             }
         }
         for lane in 0..LANES {
-            own[lane] += step * total[lane];
+            own[lane] = step.mul_add(total[lane], own[lane]);
         }
     }
     for (i, own) in rest.iter_mut().enumerate() {
         let place = REACH + whole * LANES + i;
         let mut total = sums[0].0[place];
         for (k, sums) in sums.iter().enumerate().skip(1) {
-            total += sums.0[place - k] + sums.0[place + k];
+            let pair = sums.0[place - k] + sums.0[place + k];
+            total = if is_bare::<REACH>(k) { weights[k][0].mul_add(pair, total) } else { total + pair };
         }
-        *own += step * total;
+        *own = step.mul_add(total, *own);
     }
 }

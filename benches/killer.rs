@@ -151,7 +151,7 @@ fn record(bytes: &[u8]) -> Result<u64, Box<dyn Error>> {
 }
 
 fn without_times(value: &mut serde_json::Value) {
-    const ENDINGS: [&str; 5] = ["wall_s", "cpu_s", "_bytes", "threads", "taken_over"];
+    const ENDINGS: [&str; 6] = ["wall_s", "cpu_s", "_bytes", "threads", "instruction_set", "taken_over"];
     match value {
         serde_json::Value::Object(fields) => {
             fields.retain(|name, _| !ENDINGS.iter().any(|ending| name.ends_with(ending)));

@@ -1,37 +1,136 @@
-//! A step on the lattice against the same step over a pair list, on one thread; and a body ten times larger.
+//! A step on the lattice, on one thread, by size, by method and by the vectors of the processor; against the same step over a
+//! pair list, and on a line against the same step in a plain loop.
 
 #![allow(clippy::print_stdout)]
 
 mod shared;
 
-use shared::{Case, ratio, resident, square, take_turns};
+use cpu_time::ThreadTime;
+use frazil_core::instruction_set::InstructionSet;
+use frazil_core::statistics::median;
+
+use shared::{Case, ROUNDS, WEIBULL, freezing_square, line, ratio, resident, square, take_turns};
 
 fn main() {
-    // The list comes last: the memory that its making frees would serve bodies that are weighed after it.
-    let weigh = |name: &str, side: usize, method: &str, numerics: &str, steps: u64| {
+    on_lines();
+    let weigh = |name: &str, plan: &dyn Fn() -> frazil_simulation::plan::Plan, steps: u64| {
         eprintln!("{name}");
         let before = resident();
-        let case = Case::new(name, square(side, method, numerics, 1), steps);
+        let case = Case::new(name, plan(), steps);
         let bytes = before.zip(resident()).map(|(before, after)| (after - before) / case.len() as f64);
         (case, bytes)
     };
+    // The list comes last: the memory that its making frees would serve bodies that are weighed after it.
+    let rkl2 = "integrator = \"rkl2\"\nstages = 10";
     let (cases, bytes): (Vec<Case>, Vec<Option<f64>>) = [
-        weigh("pd, lattice, 1 M", 1000, "pd", "", 8),
-        weigh("local, lattice, 1 M", 1000, "local", "", 16),
-        weigh("sph, lattice, 1 M", 1000, "sph", "", 8),
-        weigh("pd, lattice, 10 M", 3162, "pd", "", 1),
-        weigh("pd, lattice, rkl2 of 10 stages, 1 M", 1000, "pd", "integrator = \"rkl2\"\nstages = 10", 1),
-        weigh("pd, list, 1 M", 1000, "pd", "search = \"tree\"", 1),
+        weigh("pd, 1 M", &|| square(1000, "pd", "", 1), 8),
+        weigh("pd, 65 k", &|| square(256, "pd", "", 1), 128),
+        weigh("pd, 10 M", &|| square(3162, "pd", "", 1), 1),
+        weigh("local, 1 M", &|| square(1000, "local", "", 1), 16),
+        weigh("sph, 1 M", &|| square(1000, "sph", "", 1), 8),
+        weigh("pd, freezing along a curve, 1 M", &|| freezing_square(WEIBULL, 1000, "pd", "", 1), 4),
+        weigh("pd, rkl2 of 10 stages, 1 M", &|| square(1000, "pd", rkl2, 1), 1),
+        weigh("pd, avx2, 1 M", &|| square(1000, "pd", "", 1), 8),
+        weigh("local, avx2, 1 M", &|| square(1000, "local", "", 1), 16),
+        weigh("sph, avx2, 1 M", &|| square(1000, "sph", "", 1), 8),
+        weigh("pd, portable, 65 k", &|| square(256, "pd", "", 1), 8),
+        weigh("pd, list, 1 M", &|| square(1000, "pd", "search = \"tree\"", 1), 1),
     ]
     .into_iter()
     .unzip();
     let mut cases = cases;
+    for case in &mut cases {
+        let sets = InstructionSet::ALL.into_iter();
+        let named = sets.rev().find(|set| case.name.contains(&set.to_string()));
+        case.widest = named.unwrap_or(InstructionSet::Avx512);
+    }
     take_turns(&mut cases);
-    println!("{:<38} {:>28} {:>16} {:>12}", "case, one thread", "M particle-steps/s", "time over first", "bytes each");
+    println!(
+        "{:<38} {:>28} {:>16} {:>12}",
+        "lattice, one thread", "M particle-steps/s", "time over first", "bytes each"
+    );
     for (case, bytes) in cases.iter().zip(bytes) {
         let bytes = bytes.map_or_else(|| "-".to_owned(), |bytes| format!("{bytes:.1}"));
         println!("{:<38} {:>28} {:>16.2} {:>12}", case.name, case.rate(), ratio(case, &cases[0]), bytes);
     }
-    println!("list over lattice: {:.2}", ratio(&cases[5], &cases[0]));
-    println!("10 M over 1 M, time per particle-step: {:.3}", ratio(&cases[3], &cases[0]));
+    println!("list over lattice: {:.2}", ratio(&cases[cases.len() - 1], &cases[0]));
+    println!("10 M over 1 M, time per particle-step: {:.3}", ratio(&cases[2], &cases[0]));
+}
+
+/// Steps of small bodies on a line, where what a step costs beside its particles shows.
+fn on_lines() {
+    println!("{:<38} {:>16} {:>16} {:>12}", "line, one thread", "ns a step", "by hand", "ratio");
+    for count in [75, 600] {
+        const STEPS: u64 = 20_000;
+        let mut case = Case::new(format!("pd, {count} particles"), line(count, "pd"), STEPS);
+        let mut by_hand = PlainLine::new(&case);
+        let mut times = Vec::new();
+        for _ in 0..3 * ROUNDS {
+            case.round();
+            let began = ThreadTime::now();
+            (0..STEPS).for_each(|_| std::hint::black_box(&mut by_hand).step());
+            times.push(began.elapsed().as_secs_f64() / STEPS as f64);
+        }
+        let (own, plain) = (case.median() * count as f64, median(&times).unwrap_or(f64::NAN));
+        println!("{:<38} {:>16.1} {:>16.1} {:>12.2}", case.name, 1e9 * own, 1e9 * plain, own / plain);
+    }
+}
+
+/// A line of water that freezes at 0 °C, three neighbours to each side, a wall of given temperature at the left and a symmetry
+/// plane at the right: the loop that one would write.
+struct PlainLine {
+    enthalpy: Vec<f64>,
+    potential: Vec<f64>,
+    step: f64,
+    weights: [f64; 3],
+}
+
+impl PlainLine {
+    fn new(case: &Case) -> Self {
+        let enthalpy = case.plan.particles.enthalpy.clone();
+        let potential = vec![0.0; enthalpy.len() + 6];
+        // Weights of any size serve: they are as stable as those of the program at its step.
+        let largest = 2.14 / (1000.0 * 2060.0);
+        let sum = 2.0 * (1.0 + 0.5 + 1.0 / 3.0);
+        let weights = [1.0, 0.5, 1.0 / 3.0].map(|weight| weight / (2.0 * sum * largest * case.plan.step));
+        PlainLine { enthalpy, potential, step: case.plan.step, weights }
+    }
+
+    fn step(&mut self) {
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") {
+            // SAFETY: the processor has just been asked for these features.
+            return unsafe { self.step_avx512() };
+        }
+        self.plain_step();
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512vl")]
+    fn step_avx512(&mut self) {
+        self.plain_step();
+    }
+
+    #[inline(always)]
+    fn plain_step(&mut self) {
+        let count = self.enthalpy.len();
+        for (potential, enthalpy) in self.potential[3..].iter_mut().zip(&self.enthalpy) {
+            let frozen = if *enthalpy < -334e6 { enthalpy + 334e6 } else { 0.0 };
+            let unfrozen = if *enthalpy > 0.0 { *enthalpy } else { 0.0 };
+            *potential = 2.14 / (1000.0 * 2060.0) * frozen + 0.6 / (1000.0 * 4182.0) * unfrozen;
+        }
+        for layer in 0..3 {
+            self.potential[2 - layer] = 2.0 * (-20.0 * 2.14) - self.potential[3 + layer];
+            self.potential[3 + count + layer] = self.potential[2 + count - layer];
+        }
+        let near: [&[f64]; 7] = std::array::from_fn(|k| &self.potential[k..k + count]);
+        let [first, second, third] = self.weights;
+        for (i, enthalpy) in self.enthalpy.iter_mut().enumerate() {
+            let twice = 2.0 * near[3][i];
+            let rate = first * (near[2][i] + near[4][i] - twice)
+                + second * (near[1][i] + near[5][i] - twice)
+                + third * (near[0][i] + near[6][i] - twice);
+            *enthalpy += self.step * rate;
+        }
+    }
 }

@@ -5,6 +5,8 @@
 
 use std::time::Instant;
 
+use cpu_time::ThreadTime;
+use frazil_core::instruction_set::{self, InstructionSet};
 use frazil_core::solvers::step::Clock;
 use frazil_core::statistics::{median, quartiles};
 use frazil_scene::Scene;
@@ -17,33 +19,57 @@ pub const ROUNDS: usize = 7;
 
 const SPACING: f64 = 0.002;
 
-/// A square of water, `side` particles along each side, with a cold wall. A third of its particles are frozen, a third
-/// freeze and a third are warm, in random order: no branch can be guessed.
+/// Of water (J/m3).
+const LATENT_HEAT: f64 = 334e6;
+
+/// Freezing at one temperature.
+pub const ISOTHERMAL: &str = "law = \"isothermal\"";
+
+/// Freezing along a curve.
+pub const WEIBULL: &str = "law = \"weibull\", width_K = 0.5";
+
+/// A square of water, `side` particles along each side, with a cold wall.
 pub fn square(side: usize, method: &str, numerics: &str, threads: usize) -> Plan {
+    freezing_square(ISOTHERMAL, side, method, numerics, threads)
+}
+
+/// The same by a law of freezing.
+pub fn freezing_square(law: &str, side: usize, method: &str, numerics: &str, threads: usize) -> Plan {
     let extent = side as f64 * SPACING;
+    let domain = format!("[domain.rectangle]\nwidth_m = {extent}\nheight_m = {extent}\n");
+    freezing(&domain, &["right", "bottom", "top"], law, (method, numerics), threads)
+}
+
+/// A line of `count` particles with a cold wall.
+pub fn line(count: usize, method: &str) -> Plan {
+    let domain = format!("[domain.line]\nlength_m = {}\n", count as f64 * SPACING);
+    freezing(&domain, &["right"], ISOTHERMAL, (method, ""), 1)
+}
+
+/// A third of the particles are frozen, a third freeze and a third are warm, in random order: no branch can be guessed.
+fn freezing(domain: &str, closed: &[&str], law: &str, (method, numerics): (&str, &str), threads: usize) -> Plan {
+    let closed: String = closed.iter().map(|wall| format!("[walls.{wall}]\ncondition = \"symmetry\"\n")).collect();
     let text = format!(
-        "title = \"square\"\nsource = \"a bench\"\n\
-         [domain.rectangle]\nwidth_m = {extent}\nheight_m = {extent}\n\
+        "title = \"water\"\nsource = \"a bench\"\n\
+         {domain}\
          [time]\nduration_days = 1000\n\
          [materials.water]\ndensity_kg_per_m3 = 1000\n\
          frozen = {{ conductivity_W_per_m_K = 2.14, heat_capacity_J_per_kg_K = 2060 }}\n\
          unfrozen = {{ conductivity_W_per_m_K = 0.6, heat_capacity_J_per_kg_K = 4182 }}\n\
-         freezing = {{ law = \"isothermal\", temperature_c = 0, latent_heat_J_per_kg = 334000 }}\n\
+         freezing = {{ {law}, temperature_c = 0, latent_heat_J_per_kg = 334000 }}\n\
          [initial]\ntemperature_c = 3\n\
          [walls.left]\ntemperature_c = -20\n\
-         [walls.right]\ncondition = \"symmetry\"\n\
-         [walls.bottom]\ncondition = \"symmetry\"\n\
-         [walls.top]\ncondition = \"symmetry\"\n\
+         {closed}\
          [method.{method}]\nspacing_m = {SPACING}\n{numerics}\n"
     );
     let mut plan = planned(&text, method, threads);
     let mut random = StdRng::seed_from_u64(1);
     let curve = plan.particles.materials.thermals[0].clone();
-    let freezing = [curve.enthalpy(-1e-9), curve.enthalpy(1e-9)];
+    let warm = curve.enthalpy(1e-9);
     for enthalpy in &mut plan.particles.enthalpy {
         *enthalpy = match random.random_range(0..3) {
-            0 => curve.enthalpy(random.random_range(-10.0..0.0)),
-            1 => random.random_range(freezing[0]..freezing[1]),
+            0 => curve.enthalpy(random.random_range(-10.0..-3.0)),
+            1 => random.random_range(warm - LATENT_HEAT..warm),
             _ => curve.enthalpy(random.random_range(0.0..5.0)),
         };
     }
@@ -71,6 +97,10 @@ pub struct Case {
     pub plan: Plan,
     steps: u64,
     made: u64,
+    /// The vectors that its steps may use.
+    pub widest: InstructionSet,
+    /// Whether several threads work, whose time is that of the clock on the wall; that of one is its own.
+    pub shared: bool,
     /// Seconds per particle and step, by round.
     pub times: Vec<f64>,
 }
@@ -78,7 +108,15 @@ pub struct Case {
 impl Case {
     /// A case that makes `steps` steps a round; the first step is made now and not timed.
     pub fn new(name: impl Into<String>, plan: Plan, steps: u64) -> Self {
-        let mut case = Case { name: name.into(), plan, steps, made: 0, times: Vec::new() };
+        let mut case = Case {
+            name: name.into(),
+            plan,
+            steps,
+            made: 0,
+            widest: InstructionSet::Avx512,
+            shared: false,
+            times: Vec::new(),
+        };
         case.advance(1);
         case
     }
@@ -99,9 +137,11 @@ impl Case {
 
     /// One round.
     pub fn round(&mut self) {
-        let began = Instant::now();
+        instruction_set::limit(self.widest);
+        let (began, own) = (Instant::now(), ThreadTime::now());
         self.advance(self.steps);
-        self.times.push(began.elapsed().as_secs_f64() / (self.steps as f64 * self.len() as f64));
+        let taken = if self.shared { began.elapsed() } else { own.elapsed() };
+        self.times.push(taken.as_secs_f64() / (self.steps as f64 * self.len() as f64));
     }
 
     /// Median seconds per particle and step.

@@ -18,6 +18,7 @@ fn main() {
         eprintln!("{name}");
         let mut pair =
             [1, 2].map(|threads| Case::new(name, square(1000, method, numerics, threads), steps * threads as u64));
+        pair.iter_mut().for_each(|case| case.shared = true);
         take_turns(&mut pair);
         println!("{name:<18} {:>28} {:>28} {:>10.2}", pair[0].rate(), pair[1].rate(), ratio(&pair[0], &pair[1]));
     }

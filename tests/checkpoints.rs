@@ -31,6 +31,7 @@ fn left(mut result: RunResult) -> String {
         *time = 0.0;
     }
     (record.peak_memory_bytes, record.threads) = (None, 1);
+    record.instruction_set.clear();
     if let Some(water) = &mut record.water {
         water.pressure_wall_s = 0.0;
     }

@@ -175,6 +175,9 @@ pub struct Record {
     pub step_limit: String,
     /// Threads.
     pub threads: usize,
+    /// Instructions that its kernels used: `avx512`, `avx2` or `portable`. They change no digit of a result.
+    #[serde(default)]
+    pub instruction_set: String,
     /// Seed of the noise.
     pub seed: u64,
     /// Wall time of particle generation, neighbours and weights (s).

@@ -10,6 +10,8 @@
 //! `mu kT` keeps it: the balance of friction and noise holds at any step. Both ends take half of the kinetic energy that
 //! the pair loses as heat, so energy is conserved to rounding (the one half that eq 8 of Ng et al. 2017 misses).
 
+#[cfg(target_arch = "x86_64")]
+use frazil_core::instruction_set::InstructionSet;
 use frazil_core::noise::StepNoise;
 
 use super::matter::Matter;
@@ -133,20 +135,12 @@ pub fn act<const D: usize, M: Matter>(
     next: SlabParticles<'_, D>,
 ) {
     #[cfg(target_arch = "x86_64")]
-    {
-        if is_x86_feature_detected!("avx512f")
-            && is_x86_feature_detected!("avx512vl")
-            && is_x86_feature_detected!("avx512dq")
-            && is_x86_feature_detected!("popcnt")
-            && is_x86_feature_detected!("fma")
-        {
-            // SAFETY: the processor has just been asked for these features.
-            return unsafe { act_avx512(frame, slab, desk, own, next) };
-        }
-        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
-            // SAFETY: as above.
-            return unsafe { act_avx2(frame, slab, desk, own, next) };
-        }
+    match InstructionSet::widest() {
+        // SAFETY: the processor has just been asked for these features.
+        InstructionSet::Avx512 => return unsafe { act_avx512(frame, slab, desk, own, next) },
+        // SAFETY: as above.
+        InstructionSet::Avx2 => return unsafe { act_avx2(frame, slab, desk, own, next) },
+        InstructionSet::Portable => {}
     }
     act_by::<D, M, scan::Portable>(frame, slab, desk, own, next);
 }

@@ -119,19 +119,11 @@ impl Scan for Avx512 {
 
 #[cfg(test)]
 mod tests {
+    #[cfg(target_arch = "x86_64")]
+    use frazil_core::instruction_set::InstructionSet;
     use proptest::prelude::*;
 
     use super::*;
-
-    /// All instructions that the wider way needs, or none of it is tried.
-    #[cfg(target_arch = "x86_64")]
-    fn is_wide() -> bool {
-        is_x86_feature_detected!("avx512f")
-            && is_x86_feature_detected!("avx512vl")
-            && is_x86_feature_detected!("avx512dq")
-            && is_x86_feature_detected!("fma")
-            && is_x86_feature_detected!("popcnt")
-    }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512vl,avx512dq,fma,popcnt")]
@@ -166,7 +158,7 @@ mod tests {
             let near = |k: &u32| (range.0..range.1).contains(&(*k as usize));
             prop_assert!(plain[count..end].iter().all(near) && plain[count..end].is_sorted());
             #[cfg(target_arch = "x86_64")]
-            if is_wide() {
+            if InstructionSet::widest() == InstructionSet::Avx512 {
                 let mut other = [0; MOST + LANES];
                 // SAFETY: the processor has just been asked for these features.
                 let own = unsafe { wide(&columns, &place, range, square, count, &mut other) };

@@ -11,7 +11,7 @@ use crate::kernels::corner::{CornerPair, lattice_pairs};
 use crate::kernels::exterior::Exterior;
 use crate::kernels::irregular::IrregularRows;
 use crate::kernels::lattice_parts::{LatticeParts, Stiffness, bands};
-use crate::kernels::sweep::{Band, Frame, Shape, sweep};
+use crate::kernels::sweep::{Band, Frame, Shape, Weights, sweep};
 use crate::kernels::target::{Beside, Chained, InPlace, Target};
 use crate::ledger::Source;
 use crate::ledger::Sum;
@@ -32,7 +32,7 @@ pub const PARTICLES_PER_THREAD: usize = 16_384;
 pub struct LatticeBalance<L> {
     pub(super) around: Around<L>,
     pub(super) boundary: Boundary,
-    pub(super) sum: f64,
+    pub(super) weights: Weights,
     pub(super) sinks: Vec<Sink>,
     pub(super) sink_potentials: Vec<f64>,
     pub(super) sink_heat: Vec<f64>,
@@ -108,7 +108,7 @@ impl<L: Laws> LatticeBalance<L> {
             turning: 0.0,
         };
         LatticeBalance {
-            sum: around.stencil.sum(),
+            weights: Weights::new(&around.stencil),
             sink_potentials: parts.sinks.iter().map(potential).collect(),
             sink_heat: vec![0.0; parts.sinks.len()],
             sinks: parts.sinks,
@@ -158,13 +158,13 @@ impl<L: Laws> LatticeBalance<L> {
             (Some(irregular), Some(_)) => irregular.act(enthalpy),
             (None, _) => {}
         }
-        let Shape { reach_rows, width, .. } = around.shape;
+        let reach_rows = around.shape.reach_rows;
         let fill = |band: &mut Band| {
             let (first, end) = band.rows;
             for k in 0..reach_rows {
                 let row = first as i64 - (reach_rows - k) as i64;
-                around.fill_any(row, enthalpy, &mut band.below[k * width..][..width]);
-                around.fill_any((end + k) as i64, enthalpy, &mut band.above[k * width..][..width]);
+                around.fill_any(row, enthalpy, band.below.row(k));
+                around.fill_any((end + k) as i64, enthalpy, band.above.row(k));
             }
         };
         // A few rows a band: less work than a second hand-over between threads.
@@ -184,8 +184,7 @@ impl<L: Laws> LatticeBalance<L> {
         let frame = Frame {
             shape: around.shape,
             lattice: &around.lattice,
-            stencil: &around.stencil,
-            sum: self.sum,
+            weights: &self.weights,
             laws: &around.laws,
             surroundings: around,
         };

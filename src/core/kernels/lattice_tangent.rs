@@ -63,7 +63,7 @@ impl<L: Laws> LatticeBalance<L> {
                 patch_own: around.patch_own.clone(),
             },
             boundary,
-            sum: self.sum,
+            weights: self.weights.clone(),
             sinks: self.sinks.iter().map(still).collect(),
             sink_potentials: vec![0.0; self.sinks.len()],
             sink_heat: vec![0.0; self.sinks.len()],

@@ -62,15 +62,6 @@ impl Target for Beside<'_> {
     }
 }
 
-/// Takes a rate (W/m3) into its slot.
-#[inline(always)]
-pub(super) fn settle(slot: &mut f64, rate: f64, step: Option<f64>) {
-    *slot = match step {
-        Some(step) => *slot + step * rate,
-        None => rate,
-    };
-}
-
 /// One stage of a Runge-Kutta chain, in place of the state two stages back.
 pub struct Chained<'a> {
     /// Coefficients.

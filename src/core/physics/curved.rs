@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::memory::{HeapSize, shared};
+use crate::memory::HeapSize;
 use crate::physics::curve::{Curve, TABLE_INTERVALS};
 use crate::physics::integral::simpson;
 use crate::physics::potential::PotentialLaw;
@@ -18,14 +18,19 @@ pub struct Curved {
     pub(super) coldest: (f64, f64),
     pub(super) middle: f64,
     pub(super) per_interval: f64,
-    /// Potential and its derivative by the interval's own coordinate, from the freezing point down.
-    pub(super) warm: Arc<[(f64, f64)]>,
-    /// The same from the cold end up.
-    pub(super) cold: Arc<[(f64, f64)]>,
+    /// Potential and its derivative by the interval's own coordinate: from the cold end up, then from the freezing point down.
+    pub(super) nodes: Arc<Nodes>,
 }
 
-/// Neighbours whose potentials are taken together.
-const GROUP: usize = 16;
+/// Nodes of one of the two tables.
+const TABLE_NODES: usize = TABLE_INTERVALS + 1;
+
+/// Both tables.
+type Nodes = [(f64, f64); 2 * TABLE_NODES];
+
+/// Neighbours whose potentials are taken together: so many that the compiler takes loops over them for vectors, and so few that
+/// what it keeps of them stays in the first cache.
+const GROUP: usize = 64;
 
 impl Curved {
     #[inline(always)]
@@ -46,17 +51,69 @@ impl Curved {
         } else if absolute <= self.coldest.0 {
             self.frozen(absolute)
         } else {
-            let (nodes, distance) =
-                if absolute > self.middle { (&self.warm, -absolute) } else { (&self.cold, absolute - self.coldest.0) };
-            let place = distance.sqrt() * self.per_interval;
+            let place = self.distance(absolute).sqrt() * self.per_interval;
             let k = (place as usize).min(TABLE_INTERVALS - 1);
-            let s = place - k as f64;
-            let ((u0, d0), (u1, d1)) = (nodes[k], nodes[k + 1]);
-            let rise = u1 - u0;
-            u0 + s * (d0 + s * ((3.0 * rise - 2.0 * d0 - d1) + s * (d0 + d1 - 2.0 * rise)))
+            let first = self.table(absolute) as usize + k;
+            cubic(self.nodes[first], self.nodes[first + 1], place - k as f64)
         };
         potential - self.initial.1
     }
+
+    /// Where the table of an enthalpy between both ends begins.
+    #[inline(always)]
+    fn table(&self, absolute: f64) -> u32 {
+        if absolute > self.middle { TABLE_NODES as u32 } else { 0 }
+    }
+
+    /// The distance of an enthalpy between both ends from that of its table.
+    #[inline(always)]
+    fn distance(&self, absolute: f64) -> f64 {
+        let (warm, cold) = (-absolute, absolute - self.coldest.0);
+        if absolute > self.middle { warm } else { cold }
+    }
+
+    /// The same as [`Curved::look_up`] for many enthalpies, without a branch: one loop for each thing to be done, which
+    /// becomes one of vectors, the reading of nodes too.
+    #[inline(always)]
+    fn look_up_group(&self, enthalpy: &[f64; GROUP], potentials: &mut [f64; GROUP]) {
+        let absolute = |lane: usize| enthalpy[lane] + self.initial.0;
+        let (mut places, mut intervals) = ([0.0; GROUP], [0; GROUP]);
+        for lane in 0..GROUP {
+            places[lane] = self.distance(absolute(lane)).sqrt() * self.per_interval;
+        }
+        for lane in 0..GROUP {
+            const LAST: f64 = (TABLE_INTERVALS - 1) as f64;
+            // Beyond both ends any interval does.
+            let place = if places[lane] < LAST { places[lane] } else { LAST };
+            let place = if place > 0.0 { place } else { 0.0 };
+            // SAFETY: it lies between 0 and the last interval, and is a number: comparisons with none are false.
+            intervals[lane] = unsafe { place.to_int_unchecked::<i32>() };
+        }
+        for lane in 0..GROUP {
+            places[lane] -= f64::from(intervals[lane]);
+        }
+        let (mut starts, mut ends) = (([0.0; GROUP], [0.0; GROUP]), ([0.0; GROUP], [0.0; GROUP]));
+        for lane in 0..GROUP {
+            let first = (intervals[lane] as u32 + self.table(absolute(lane))) as usize;
+            let first = first.min(2 * TABLE_NODES - 2);
+            (starts.0[lane], starts.1[lane]) = self.nodes[first];
+            (ends.0[lane], ends.1[lane]) = self.nodes[first + 1];
+        }
+        for lane in 0..GROUP {
+            let absolute = absolute(lane);
+            let mixed = cubic((starts.0[lane], starts.1[lane]), (ends.0[lane], ends.1[lane]), places[lane]);
+            let (frozen, unfrozen) = (self.frozen(absolute), self.unfrozen(absolute));
+            let below = if absolute <= self.coldest.0 { frozen } else { mixed };
+            potentials[lane] = if absolute >= 0.0 { unfrozen } else { below } - self.initial.1;
+        }
+    }
+}
+
+/// The cubic between two nodes, given by value and derivative, at a share of the way.
+#[inline(always)]
+fn cubic((u0, d0): (f64, f64), (u1, d1): (f64, f64), s: f64) -> f64 {
+    let rise = u1 - u0;
+    u0 + s * (d0 + s * ((3.0 * rise - 2.0 * d0 - d1) + s * (d0 + d1 - 2.0 * rise)))
 }
 
 impl PotentialLaw for Curved {
@@ -73,46 +130,51 @@ impl PotentialLaw for Curved {
         if absolute <= self.coldest.0 {
             return self.frozen_slope;
         }
-        let warm = absolute > self.middle;
-        let (nodes, distance) = if warm { (&self.warm, -absolute) } else { (&self.cold, absolute - self.coldest.0) };
         // At the very end of a table the derivative by the root vanishes with the root: a thousandth of an interval
         // away their ratio is still a ratio of numbers and not of rounding errors.
-        let place = (distance.sqrt() * self.per_interval).max(1e-3);
+        let place = (self.distance(absolute).sqrt() * self.per_interval).max(1e-3);
         let k = (place as usize).min(TABLE_INTERVALS - 1);
         let s = place - k as f64;
-        let ((u0, d0), (u1, d1)) = (nodes[k], nodes[k + 1]);
+        let first = self.table(absolute) as usize + k;
+        let ((u0, d0), (u1, d1)) = (self.nodes[first], self.nodes[first + 1]);
         let rise = u1 - u0;
         let by_place = d0 + s * (2.0 * (3.0 * rise - 2.0 * d0 - d1) + s * 3.0 * (d0 + d1 - 2.0 * rise));
         // place = per_interval sqrt(distance), so d place / d distance = per_interval^2 / (2 place).
         let by_distance = by_place * self.per_interval * self.per_interval / (2.0 * place);
-        (if warm { -by_distance } else { by_distance }).max(0.0)
+        (if absolute > self.middle { -by_distance } else { by_distance }).max(0.0)
     }
 
     /// Neighbours mostly are in one phase, where the law is straight: only groups that are not look into the tables.
     #[inline(always)]
     fn fill(&self, enthalpy: &[f64], potentials: &mut [f64]) {
-        for (potentials, enthalpy) in potentials.chunks_mut(GROUP).zip(enthalpy.chunks(GROUP)) {
-            let absolute = |enthalpy: &f64| enthalpy + self.initial.0;
-            if enthalpy.iter().all(|enthalpy| absolute(enthalpy) >= 0.0) {
-                for (potential, enthalpy) in potentials.iter_mut().zip(enthalpy) {
-                    *potential = self.unfrozen(absolute(enthalpy)) - self.initial.1;
+        let (groups, rest) = enthalpy.as_chunks::<GROUP>();
+        let (into_groups, into_rest) = potentials[..enthalpy.len()].as_chunks_mut::<GROUP>();
+        for (potentials, enthalpy) in into_groups.iter_mut().zip(groups) {
+            let absolute = |enthalpy: f64| enthalpy + self.initial.0;
+            // Counted to the end: a loop that may end early takes no vectors.
+            let unfrozen = enthalpy.iter().fold(true, |all, enthalpy| all & (absolute(*enthalpy) >= 0.0));
+            let frozen = enthalpy.iter().fold(true, |all, enthalpy| all & (absolute(*enthalpy) <= self.coldest.0));
+            if unfrozen {
+                for lane in 0..GROUP {
+                    potentials[lane] = self.unfrozen(absolute(enthalpy[lane])) - self.initial.1;
                 }
-            } else if enthalpy.iter().all(|enthalpy| absolute(enthalpy) <= self.coldest.0) {
-                for (potential, enthalpy) in potentials.iter_mut().zip(enthalpy) {
-                    *potential = self.frozen(absolute(enthalpy)) - self.initial.1;
+            } else if frozen {
+                for lane in 0..GROUP {
+                    potentials[lane] = self.frozen(absolute(enthalpy[lane])) - self.initial.1;
                 }
             } else {
-                for (potential, enthalpy) in potentials.iter_mut().zip(enthalpy) {
-                    *potential = self.look_up(*enthalpy);
-                }
+                self.look_up_group(enthalpy, potentials);
             }
+        }
+        for (potential, enthalpy) in into_rest.iter_mut().zip(rest) {
+            *potential = self.look_up(*enthalpy);
         }
     }
 }
 
 impl HeapSize for Curved {
     fn heap_size(&self) -> usize {
-        shared(&self.warm) + shared(&self.cold)
+        size_of_val(&*self.nodes)
     }
 }
 
@@ -139,15 +201,18 @@ impl Curved {
         for node in &mut cold {
             node.0 += shift;
         }
+        let coldest = (coldest_enthalpy, cold[0].0);
+        cold.extend(warm);
+        let nodes: Arc<[(f64, f64)]> = cold.into();
+        let Ok(nodes) = nodes.try_into() else { unreachable!("two tables of {TABLE_NODES} nodes") };
         let mut law = Curved {
             initial: (zero_enthalpy, 0.0),
             unfrozen_slope: of(curve.freezing_point + 1.0) / curve.unfrozen_capacity,
             frozen_slope: of(coldest_temperature - 1.0) / curve.coldest_capacity(),
-            coldest: (coldest_enthalpy, cold[0].0),
+            coldest,
             middle: 0.5 * coldest_enthalpy,
             per_interval: 1.0 / interval,
-            warm: warm.into(),
-            cold: cold.into(),
+            nodes,
         };
         // What the table itself gives, so that a body at rest holds exact zeros.
         law.initial.1 = law.potential(0.0);
@@ -180,5 +245,57 @@ impl Curved {
             nodes[k].1 = nodes[k].1.clamp(-3.0 * rise, 3.0 * rise);
         }
         nodes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::physics::freezing_curve::weibull::Weibull;
+    use crate::physics::material::{Material, Mixing, Phase};
+
+    fn law() -> Curved {
+        let material = Material {
+            name: "water".into(),
+            density: 1000.0,
+            frozen: Phase { conductivity: 2.14, heat_capacity: 2060.0 },
+            unfrozen: Phase { conductivity: 0.6, heat_capacity: 4182.0 },
+            freezing_point: 0.0,
+            latent_heat: 334_000.0,
+            law: Weibull { width: 0.5, residual: 0.05 }.into(),
+            mixing: Mixing::Geometric,
+            pores: None,
+            soil: None,
+        };
+        let curve = Curve::new(&material);
+        let start = curve.enthalpy(3.0);
+        Curved::new(&curve, start)
+    }
+
+    proptest! {
+        /// Groups in one phase, in both and at their ends, and what is left over, as each particle by itself.
+        #[test]
+        fn neighbours_together_have_the_potentials_of_each_alone(
+            (from, to) in (-4.5_f64..0.5, -4.5_f64..0.5),
+            shares in prop::collection::vec(0.0_f64..1.0, 1..200),
+            special in any::<prop::sample::Index>(),
+        ) {
+            let law = law();
+            let ends = [0.0, law.coldest.0, law.middle, f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+            let mut enthalpy: Vec<f64> = shares.iter().map(|share| 1e8 * (from + share * (to - from))).collect();
+            for (k, end) in ends.into_iter().enumerate() {
+                let place = special.index(enthalpy.len()) + 7 * k;
+                if let Some(enthalpy) = enthalpy.get_mut(place) {
+                    *enthalpy = end - law.initial.0;
+                }
+            }
+            let mut together = vec![0.0; enthalpy.len()];
+            PotentialLaw::fill(&law, &enthalpy, &mut together);
+            for (together, enthalpy) in together.iter().zip(&enthalpy) {
+                prop_assert_eq!(together.to_bits(), law.potential(*enthalpy).to_bits(), "{}", enthalpy);
+            }
+        }
     }
 }

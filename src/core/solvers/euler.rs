@@ -2,6 +2,7 @@
 
 use frazil_record::Work;
 
+use crate::instruction_set::widest;
 use crate::ledger::Ledger;
 use crate::memory::HeapSize;
 use crate::particles::Particles;
@@ -30,13 +31,20 @@ struct Kept {
 impl Kept {
     /// Adds a step's changes to the contents.
     fn add(&mut self, contents: &mut [f64], step: f64) {
-        for (content, (rate, lost)) in contents.iter_mut().zip(self.rate.iter().zip(&mut self.lost)) {
-            let change = step * rate + *lost;
-            let next = *content + change;
-            // Exact where the content is the greater, as it is by far when steps are many.
-            *lost = change - (next - *content);
-            *content = next;
-        }
+        add(contents, &self.rate, &mut self.lost, step);
+    }
+}
+
+widest!(add, add_each, (contents: &mut [f64], rates: &[f64], lost: &mut [f64], step: f64));
+
+#[inline(always)]
+fn add_each(contents: &mut [f64], rates: &[f64], lost: &mut [f64], step: f64) {
+    for (content, (rate, lost)) in contents.iter_mut().zip(rates.iter().zip(lost)) {
+        let change = step * rate + *lost;
+        let next = *content + change;
+        // Exact where the content is the greater, as it is by far when steps are many.
+        *lost = change - (next - *content);
+        *content = next;
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use frazil_core::instruction_set::InstructionSet;
 use frazil_record::{Record, RunResult};
 
 use super::verdict::{judge, noise};
@@ -71,6 +72,7 @@ impl Simulation<'_> {
             step_bound_s: self.bound.step,
             step_limit: self.bound.cause.clone(),
             threads: self.options.threads,
+            instruction_set: InstructionSet::widest().to_string(),
             seed: self.options.seed,
             setup_wall_s: setup.0,
             setup_cpu_s: setup.1,

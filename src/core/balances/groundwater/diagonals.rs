@@ -8,6 +8,7 @@
 use std::array::from_fn;
 
 use crate::balances::row::Row;
+use crate::instruction_set::widest;
 
 /// Particles that are handled together.
 pub const LANES: usize = 16;
@@ -57,34 +58,6 @@ pub struct Fields<'a> {
     pub conducted: &'a [f64],
     /// Gradients of the temperature.
     pub gradients: [&'a [f64]; 2],
-}
-
-/// Compiles a kernel for the vectors of several processors and calls the widest that this one has.
-macro_rules! widest {
-    ($name:ident, $body:ident $(<$($generic:ident),*>)?, ($($argument:ident: $kind:ty),*)) => {
-        fn $name$(<$(const $generic: bool),*>)?($($argument: $kind),*) {
-            #[cfg(target_arch = "x86_64")]
-            {
-                #[target_feature(enable = "avx512f,avx512vl")]
-                fn avx512$(<$(const $generic: bool),*>)?($($argument: $kind),*) {
-                    $body$(::<$($generic),*>)?($($argument),*);
-                }
-                #[target_feature(enable = "avx2")]
-                fn avx2$(<$(const $generic: bool),*>)?($($argument: $kind),*) {
-                    $body$(::<$($generic),*>)?($($argument),*);
-                }
-                if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") {
-                    // SAFETY: the processor has just been asked for these features.
-                    return unsafe { avx512$(::<$($generic),*>)?($($argument),*) };
-                }
-                if is_x86_feature_detected!("avx2") {
-                    // SAFETY: as above.
-                    return unsafe { avx2$(::<$($generic),*>)?($($argument),*) };
-                }
-            }
-            $body$(::<$($generic),*>)?($($argument),*);
-        }
-    };
 }
 
 /// The sum of so many terms, in as many sums as vectors are wide.

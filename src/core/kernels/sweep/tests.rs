@@ -1,41 +1,64 @@
-//! Blocks for the vectors of one processor against those of every processor.
+//! Blocks for the vectors of one processor against those of every processor, and those against sums as they are written.
 
 use proptest::prelude::*;
 
 use super::*;
 
+/// Potentials, weights and slots of any block.
+fn drawn(numbers: &[f64], length: usize, from: usize) -> Vec<f64> {
+    (0..length).map(|k| numbers[(k * 5 + from) % 64] * (1.0 + k as f64 / 64.0)).collect()
+}
+
 proptest! {
     #[test]
     fn blocks_for_wide_vectors_give_the_same_bits(
         reach in 1..=WIDEST,
-        count in 1_usize..100,
+        plane in 0..=1_usize,
+        (column, count) in (0..40_usize, 1..100_usize),
         disc in any::<bool>(),
         step in prop::option::of(1e-3_f64..1.0),
         numbers in prop::collection::vec(-1e3_f64..1e3, 64),
     ) {
-        let drawn = |length: usize, from: usize| -> Vec<f64> {
-            (0..length).map(|k| numbers[(k * 5 + from) % 64] * (1.0 + k as f64 / 64.0)).collect()
-        };
-        let rows: Vec<Vec<f64>> = (0..17).map(|row| drawn(PADDED, row)).collect();
-        let rows: [&[f64]; 17] = std::array::from_fn(|row| rows[row].as_slice());
-        let weights: [[f64; 9]; 9] = std::array::from_fn(|k| std::array::from_fn(|dy| numbers[(9 * k + dy) % 64]));
-        let near = Near { weights: &weights, disc, sum: numbers[7], reach, rows: &rows, column: 0 };
-        let made = |block: BlockSums| {
-            let mut sums: Vec<Sums> = (0..=WIDEST).map(|_| Sums([0.0; PADDED])).collect();
-            let mut slots = drawn(count, 3);
+        let width = column + count.next_multiple_of(LANES) + 2 * LANES;
+        let rows: Vec<Vec<f64>> = (0..2 * WIDEST + 1).map(|row| drawn(&numbers, width, row)).collect();
+        let rows = std::array::from_fn(|row| rows[row].as_slice());
+        let by_distance = std::array::from_fn(|k| std::array::from_fn(|dy| numbers[(9 * k + dy) % 64]));
+        let weights = Weights { by_distance, sum: numbers[7], disc };
+        let near = Near { weights: &weights, rows: &rows, column };
+        let made = |block: BlockRates| {
+            let mut slots = drawn(&numbers, count, 3);
             // SAFETY: asked for below, where a block needs more than every processor has.
-            unsafe { block(&near, &mut sums, &mut slots, step) };
+            unsafe { block(&near, &mut slots, step) };
             slots
         };
-        let plain = made(plain::BY_REACH[reach]);
-        prop_assert!(plain.iter().all(|slot| slot.is_finite()));
-        #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") {
-            prop_assert_eq!(&made(avx2::BY_REACH[reach]), &plain);
+        let portable = made(block::PORTABLE[plane][reach]);
+        let reach_rows = plane * reach;
+        for (place, slot) in portable.iter().enumerate() {
+            let at = |dx: i64, dy: i64| rows[(reach_rows as i64 + dy) as usize][((LANES + column + place) as i64 + dx) as usize];
+            let (across, up) = (reach as i64, reach_rows as i64);
+            let (mut rate, mut size) = (-weights.sum * at(0, 0), (weights.sum * at(0, 0)).abs());
+            for (dx, dy) in (-across..=across).flat_map(|dx| (-up..=up).map(move |dy| (dx, dy))) {
+                let outside = plane == 0 || disc;
+                if (dx, dy) != (0, 0) && !(outside && dx * dx + dy * dy > across * across) {
+                    let term = weights.by_distance[dx.unsigned_abs() as usize][dy.unsigned_abs() as usize] * at(dx, dy);
+                    rate += term;
+                    size += term.abs();
+                }
+            }
+            let old = drawn(&numbers, count, 3)[place];
+            let (wanted, size) = step.map_or((rate, size), |step| (old + step * rate, old.abs() + step * size));
+            // A rounding for each of the terms.
+            prop_assert!((slot - wanted).abs() <= 300.0 * f64::EPSILON * size, "{place}: {slot} {wanted}");
         }
         #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx512f") && is_x86_feature_detected!("avx512vl") {
-            prop_assert_eq!(&made(avx512::BY_REACH[reach]), &plain);
+        {
+            let widest = InstructionSet::widest();
+            if widest >= InstructionSet::Avx2 {
+                prop_assert_eq!(&made(block::AVX2[plane][reach]), &portable);
+            }
+            if widest >= InstructionSet::Avx512 {
+                prop_assert_eq!(&made(block::AVX512[plane][reach]), &portable);
+            }
         }
     }
 }

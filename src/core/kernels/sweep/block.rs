@@ -1,0 +1,218 @@
+//! Rates of neighbouring particles of a row, in one pass over what lies around them.
+//!
+//! Groups of eight columns are visited from left to right. Of each, rows +dy and -dy are added first (`s_dy`), then each
+//! distance k gathers its rows (`v_k = sum_dy w(k, dy) s_dy`). These column sums stay in registers until the group behind
+//! is known too, and a particle adds `v_k` from its left and right.
+
+#[cfg(target_arch = "x86_64")]
+use super::lanes::{Avx2, Avx512};
+use super::lanes::{LANES, Lanes, Portable};
+use super::{WIDEST, Weights};
+
+/// Rates of some particles of a row, into their slots. Only the reach and the processor's vectors are compiled into it: laws and targets
+/// have their potentials and slots ready before.
+pub(super) type BlockRates = unsafe fn(&Near<'_>, &mut [f64], Option<f64>);
+
+/// What lies around the particles of a block.
+pub(super) struct Near<'a> {
+    pub(super) weights: &'a Weights,
+    /// Rows of potentials, from the lowest to the highest, each from a group before its first particle on, and as long as a
+    /// group after the one that the last particle is in.
+    pub(super) rows: &'a [&'a [f64]; 2 * WIDEST + 1],
+    /// First column.
+    pub(super) column: usize,
+}
+
+/// Blocks by whether they lie on a line or in the plane, and by their reach, from 0, which is none.
+type Blocks = [[BlockRates; WIDEST + 1]; 2];
+
+/// Blocks for the vectors of one kind of processor.
+macro_rules! blocks {
+    ($blocks:ident, $lanes:ty $(, $feature:literal)?) => {
+        pub(super) const $blocks: Blocks = {
+            $(#[target_feature(enable = $feature)])?
+            fn line<const REACH: usize>(near: &Near<'_>, slots: &mut [f64], step: Option<f64>) {
+                // SAFETY: this is compiled for the instructions of these lanes.
+                unsafe { block::<$lanes, REACH, 0, true>(near, slots, step) }
+            }
+
+            $(#[target_feature(enable = $feature)])?
+            fn plane<const REACH: usize>(near: &Near<'_>, slots: &mut [f64], step: Option<f64>) {
+                // SAFETY: as above.
+                unsafe {
+                    if near.weights.disc {
+                        block::<$lanes, REACH, REACH, true>(near, slots, step);
+                    } else {
+                        block::<$lanes, REACH, REACH, false>(near, slots, step);
+                    }
+                }
+            }
+
+            [
+                [line::<1>, line::<1>, line::<2>, line::<3>, line::<4>, line::<5>, line::<6>, line::<7>, line::<8>],
+                [plane::<1>, plane::<1>, plane::<2>, plane::<3>, plane::<4>, plane::<5>, plane::<6>, plane::<7>, plane::<8>],
+            ]
+        };
+    };
+}
+
+blocks!(PORTABLE, Portable);
+#[cfg(target_arch = "x86_64")]
+blocks!(AVX2, Avx2, "avx2,fma");
+#[cfg(target_arch = "x86_64")]
+blocks!(AVX512, Avx512, "avx512f,avx512vl");
+
+/// Whether offset (k, dy) can carry weight in a stencil of this reach: all of the square or its disc, or a line.
+#[inline(always)]
+const fn carries<const REACH: usize, const ROWS: usize, const DISC: bool>(k: usize, dy: usize) -> bool {
+    dy <= ROWS && (!DISC || k * k + dy * dy <= REACH * REACH)
+}
+
+/// Column sums of a group of columns, by distance.
+type Sums<V> = [V; WIDEST + 1];
+
+/// What all groups of a block share.
+struct Factors<F> {
+    by_distance: [[F; WIDEST + 1]; WIDEST + 1],
+    /// The weight of the particle itself.
+    own: F,
+}
+
+/// Repeats a block for each distance up to the widest, a constant in it: the compiler would not unroll loops as long as those
+/// of wide stencils, and sums that a loop counts through do not stay in registers.
+macro_rules! for_each_distance {
+    ($k:ident, $body:block) => {
+        for_each_distance!($k, $body, 1 2 3 4 5 6 7 8)
+    };
+    ($k:ident, $body:block, $($distance:literal)*) => {
+        $({
+            const $k: usize = $distance;
+            $body
+        })*
+    };
+}
+
+/// # Safety
+/// As [`Lanes`].
+#[inline(always)]
+unsafe fn column_sums<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool>(
+    factors: &Factors<V::Factor>,
+    rows: &[&[[f64; LANES]]; 2 * WIDEST + 1],
+    group: usize,
+) -> Sums<V> {
+    // SAFETY: as the caller says.
+    unsafe {
+        let middle = V::load(&rows[ROWS][group]);
+        let mut sums = [middle; WIDEST + 1];
+        sums[0] = middle.times(factors.own);
+        for_each_distance!(K, {
+            if K <= REACH && carries::<REACH, ROWS, DISC>(K, 1) {
+                sums[K] = middle.times(factors.by_distance[K][0]);
+            }
+        });
+        for_each_distance!(DY, {
+            if DY <= ROWS {
+                let folded = V::load(&rows[ROWS - DY][group]).plus(V::load(&rows[ROWS + DY][group]));
+                sums[0] = folded.times_plus(factors.by_distance[0][DY], sums[0]);
+                for_each_distance!(K, {
+                    if K <= REACH && carries::<REACH, ROWS, DISC>(K, DY) {
+                        sums[K] = folded.times_plus(factors.by_distance[K][DY], sums[K]);
+                    }
+                });
+            }
+        });
+        sums
+    }
+}
+
+/// # Safety
+/// As [`Lanes`].
+#[inline(always)]
+unsafe fn rates<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool>(
+    factors: &Factors<V::Factor>,
+    [before, here, after]: [&Sums<V>; 3],
+) -> V {
+    // SAFETY: as the caller says.
+    unsafe {
+        let mut total = here[0];
+        for_each_distance!(K, {
+            if K <= REACH {
+                let pair = V::from_before::<K>(before[K], here[K]).plus(V::from_after::<K>(here[K], after[K]));
+                total = if carries::<REACH, ROWS, DISC>(K, 1) {
+                    total.plus(pair)
+                } else {
+                    // The row itself is all that carries: its weight has been left for now.
+                    pair.times_plus(factors.by_distance[K][0], total)
+                };
+            }
+        });
+        total
+    }
+}
+
+/// Column sums of three groups, one after the other, of which rates of the one in the middle follow.
+struct Window<'a, V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool> {
+    factors: Factors<V::Factor>,
+    rows: [&'a [[f64; LANES]]; 2 * WIDEST + 1],
+    before: Sums<V>,
+    here: Sums<V>,
+    step: Option<f64>,
+}
+
+impl<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool> Window<'_, V, REACH, ROWS, DISC> {
+    /// Takes the rates of the next group into its slots.
+    ///
+    /// # Safety
+    /// As [`Lanes`].
+    #[inline(always)]
+    unsafe fn settle(&mut self, group: usize, slots: &mut [f64; LANES]) {
+        // SAFETY: as the caller says.
+        unsafe {
+            let after = column_sums::<V, REACH, ROWS, DISC>(&self.factors, &self.rows, group + 2);
+            let rates = rates::<V, REACH, ROWS, DISC>(&self.factors, [&self.before, &self.here, &after]);
+            (self.before, self.here) = (self.here, after);
+            match self.step {
+                Some(step) => rates.times_plus(V::factor(step), V::load(slots)).store(slots),
+                None => rates.store(slots),
+            }
+        }
+    }
+}
+
+/// # Safety
+/// As [`Lanes`].
+#[inline(always)]
+unsafe fn block<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool>(
+    near: &Near<'_>,
+    slots: &mut [f64],
+    step: Option<f64>,
+) {
+    let (at, groups) = (near.column, slots.len().div_ceil(LANES));
+    let mut rows = [&[][..]; 2 * WIDEST + 1];
+    for (row, near) in rows.iter_mut().zip(near.rows).take(2 * ROWS + 1) {
+        *row = &near[at..].as_chunks::<LANES>().0[..groups + 2];
+    }
+    // SAFETY: as the caller says.
+    unsafe {
+        let own = V::factor(-near.weights.sum);
+        let mut factors = Factors { by_distance: [[own; WIDEST + 1]; WIDEST + 1], own };
+        for k in 0..=REACH {
+            for dy in 0..=ROWS {
+                factors.by_distance[k][dy] = V::factor(near.weights.by_distance[k][dy]);
+            }
+        }
+        let before = column_sums::<V, REACH, ROWS, DISC>(&factors, &rows, 0);
+        let here = column_sums::<V, REACH, ROWS, DISC>(&factors, &rows, 1);
+        let mut window: Window<'_, V, REACH, ROWS, DISC> = Window { factors, rows, before, here, step };
+        let (whole, rest) = slots.as_chunks_mut::<LANES>();
+        for (group, slots) in whole.iter_mut().enumerate() {
+            window.settle(group, slots);
+        }
+        if !rest.is_empty() {
+            let mut last = [0.0; LANES];
+            last[..rest.len()].copy_from_slice(rest);
+            window.settle(groups - 1, &mut last);
+            rest.copy_from_slice(&last[..rest.len()]);
+        }
+    }
+}

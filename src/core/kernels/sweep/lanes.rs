@@ -1,0 +1,260 @@
+//! Eight numbers side by side, for the vectors of one kind of processor.
+//!
+//! Every kind makes the same of the same numbers, bit by bit: products are fused with sums where they are asked to be, in
+//! software where a processor cannot.
+
+/// Numbers side by side.
+pub const LANES: usize = 8;
+
+/// Numbers side by side, as a kind of processor holds them.
+///
+/// # Safety
+/// All functions may only be called where the instructions of the kind are known to be there, and give their best within
+/// functions that are compiled for these.
+pub(super) trait Lanes: Copy {
+    /// One number for all.
+    type Factor: Copy;
+    /// A number for all.
+    unsafe fn factor(value: f64) -> Self::Factor;
+    /// Numbers from memory.
+    unsafe fn load(from: &[f64; LANES]) -> Self;
+    /// Numbers into memory.
+    unsafe fn store(self, into: &mut [f64; LANES]);
+    /// Sums.
+    unsafe fn plus(self, other: Self) -> Self;
+    /// Products.
+    unsafe fn times(self, factor: Self::Factor) -> Self;
+    /// `self * factor + sum`, rounded once.
+    unsafe fn times_plus(self, factor: Self::Factor, sum: Self) -> Self;
+    /// The numbers that stand `BY` places (1 to 8) before those of `here`, which `before` stands in front of.
+    unsafe fn from_before<const BY: usize>(before: Self, here: Self) -> Self;
+    /// The numbers that stand `BY` places (1 to 8) after those of `here`, which `after` follows.
+    unsafe fn from_after<const BY: usize>(here: Self, after: Self) -> Self;
+}
+
+/// On every processor.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Portable([f64; LANES]);
+
+impl Lanes for Portable {
+    type Factor = f64;
+
+    #[inline(always)]
+    unsafe fn factor(value: f64) -> f64 {
+        value
+    }
+
+    #[inline(always)]
+    unsafe fn load(from: &[f64; LANES]) -> Self {
+        Portable(*from)
+    }
+
+    #[inline(always)]
+    unsafe fn store(self, into: &mut [f64; LANES]) {
+        *into = self.0;
+    }
+
+    #[inline(always)]
+    unsafe fn plus(self, other: Self) -> Self {
+        Portable(std::array::from_fn(|lane| self.0[lane] + other.0[lane]))
+    }
+
+    #[inline(always)]
+    unsafe fn times(self, factor: f64) -> Self {
+        Portable(std::array::from_fn(|lane| self.0[lane] * factor))
+    }
+
+    #[inline(always)]
+    unsafe fn times_plus(self, factor: f64, sum: Self) -> Self {
+        Portable(std::array::from_fn(|lane| self.0[lane].mul_add(factor, sum.0[lane])))
+    }
+
+    #[inline(always)]
+    unsafe fn from_before<const BY: usize>(before: Self, here: Self) -> Self {
+        Portable(std::array::from_fn(|lane| if lane < BY { before.0[LANES - BY + lane] } else { here.0[lane - BY] }))
+    }
+
+    #[inline(always)]
+    unsafe fn from_after<const BY: usize>(here: Self, after: Self) -> Self {
+        let of = |lane: usize| if lane + BY < LANES { here.0[lane + BY] } else { after.0[lane + BY - LANES] };
+        Portable(std::array::from_fn(of))
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+pub(super) use x86::{Avx2, Avx512};
+
+#[cfg(target_arch = "x86_64")]
+mod x86 {
+    use std::arch::x86_64::{
+        __m256d, __m512d, _mm256_add_pd, _mm256_fmadd_pd, _mm256_loadu_pd, _mm256_mul_pd, _mm256_permute2f128_pd,
+        _mm256_set1_pd, _mm256_shuffle_pd, _mm256_storeu_pd, _mm512_add_pd, _mm512_alignr_epi64, _mm512_castpd_si512,
+        _mm512_castsi512_pd, _mm512_fmadd_pd, _mm512_loadu_pd, _mm512_mul_pd, _mm512_set1_pd, _mm512_storeu_pd,
+    };
+
+    use super::{LANES, Lanes};
+
+    /// In one register, by AVX-512.
+    #[derive(Clone, Copy)]
+    pub(in super::super) struct Avx512(__m512d);
+
+    /// The eight numbers from the one at place `from` on, of which `first` has the first eight and `second` those behind.
+    #[inline]
+    #[target_feature(enable = "avx512f")]
+    fn eight_from(first: __m512d, second: __m512d, from: usize) -> __m512d {
+        macro_rules! align {
+            ($by:literal) => {{
+                let (low, high) = (_mm512_castpd_si512(first), _mm512_castpd_si512(second));
+                _mm512_castsi512_pd(_mm512_alignr_epi64::<$by>(high, low))
+            }};
+        }
+        match from {
+            0 => first,
+            1 => align!(1),
+            2 => align!(2),
+            3 => align!(3),
+            4 => align!(4),
+            5 => align!(5),
+            6 => align!(6),
+            7 => align!(7),
+            _ => second,
+        }
+    }
+
+    impl Lanes for Avx512 {
+        type Factor = __m512d;
+
+        #[inline]
+        #[target_feature(enable = "avx512f")]
+        unsafe fn factor(value: f64) -> __m512d {
+            _mm512_set1_pd(value)
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx512f")]
+        unsafe fn load(from: &[f64; LANES]) -> Self {
+            // SAFETY: there are as many numbers as are read.
+            Avx512(unsafe { _mm512_loadu_pd(from.as_ptr()) })
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx512f")]
+        unsafe fn store(self, into: &mut [f64; LANES]) {
+            // SAFETY: there is room for as many numbers as are written.
+            unsafe { _mm512_storeu_pd(into.as_mut_ptr(), self.0) }
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx512f")]
+        unsafe fn plus(self, other: Self) -> Self {
+            Avx512(_mm512_add_pd(self.0, other.0))
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx512f")]
+        unsafe fn times(self, factor: __m512d) -> Self {
+            Avx512(_mm512_mul_pd(self.0, factor))
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx512f")]
+        unsafe fn times_plus(self, factor: __m512d, sum: Self) -> Self {
+            Avx512(_mm512_fmadd_pd(self.0, factor, sum.0))
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx512f")]
+        unsafe fn from_before<const BY: usize>(before: Self, here: Self) -> Self {
+            Avx512(eight_from(before.0, here.0, LANES - BY))
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx512f")]
+        unsafe fn from_after<const BY: usize>(here: Self, after: Self) -> Self {
+            Avx512(eight_from(here.0, after.0, BY))
+        }
+    }
+
+    /// In two registers, by AVX2 and the fused products that came with it.
+    #[derive(Clone, Copy)]
+    pub(in super::super) struct Avx2([__m256d; 2]);
+
+    /// The four numbers from the one at place `from` on, of sixteen.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn four_from(sixteen: [__m256d; 4], from: usize) -> __m256d {
+        let low = sixteen[from / 4];
+        if from.is_multiple_of(4) {
+            return low;
+        }
+        let high = sixteen[from / 4 + 1];
+        let middle = _mm256_permute2f128_pd::<0x21>(low, high);
+        match from % 4 {
+            1 => _mm256_shuffle_pd::<0b0101>(low, middle),
+            2 => middle,
+            _ => _mm256_shuffle_pd::<0b0101>(middle, high),
+        }
+    }
+
+    impl Lanes for Avx2 {
+        type Factor = __m256d;
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn factor(value: f64) -> __m256d {
+            _mm256_set1_pd(value)
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn load(from: &[f64; LANES]) -> Self {
+            let from = from.as_ptr();
+            // SAFETY: there are as many numbers as are read.
+            Avx2(unsafe { [_mm256_loadu_pd(from), _mm256_loadu_pd(from.add(LANES / 2))] })
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn store(self, into: &mut [f64; LANES]) {
+            let into = into.as_mut_ptr();
+            // SAFETY: there is room for as many numbers as are written.
+            unsafe {
+                _mm256_storeu_pd(into, self.0[0]);
+                _mm256_storeu_pd(into.add(LANES / 2), self.0[1]);
+            }
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn plus(self, other: Self) -> Self {
+            Avx2([_mm256_add_pd(self.0[0], other.0[0]), _mm256_add_pd(self.0[1], other.0[1])])
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn times(self, factor: __m256d) -> Self {
+            Avx2([_mm256_mul_pd(self.0[0], factor), _mm256_mul_pd(self.0[1], factor)])
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn times_plus(self, factor: __m256d, sum: Self) -> Self {
+            let Avx2([low, high]) = self;
+            Avx2([_mm256_fmadd_pd(low, factor, sum.0[0]), _mm256_fmadd_pd(high, factor, sum.0[1])])
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn from_before<const BY: usize>(before: Self, here: Self) -> Self {
+            let sixteen = [before.0[0], before.0[1], here.0[0], here.0[1]];
+            Avx2([four_from(sixteen, LANES - BY), four_from(sixteen, LANES + LANES / 2 - BY)])
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn from_after<const BY: usize>(here: Self, after: Self) -> Self {
+            let sixteen = [here.0[0], here.0[1], after.0[0], after.0[1]];
+            Avx2([four_from(sixteen, BY), four_from(sixteen, LANES / 2 + BY)])
+        }
+    }
+}

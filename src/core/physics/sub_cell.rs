@@ -38,6 +38,11 @@ pub struct SubCellFront {
     over: Vec<PairOver>,
     /// Offsets that pairs reach along rows and columns.
     reach: (i64, i64),
+    /// Left, right, bottom, top: whether what lies beyond is the mirror image of the body.
+    mirrors: [bool; 4],
+    /// Sums of the offsets of both ends of a pair, least and greatest by axis, at which no open wall makes an image of one end
+    /// for the other.
+    free: [(i64, i64); 2],
     /// What lies around the freezing particle at hand, row by row.
     window: Vec<Seen>,
     /// What fronts add to the rates of particles (W/m3).
@@ -107,6 +112,8 @@ struct PairOver {
     before: f64,
     /// Weight (m^-2).
     weight: f64,
+    /// Sums of the offsets of both ends from the middle, along rows and columns.
+    sums: [i64; 2],
     /// Places on the way from the frozen end to the middle: a front there takes care of the pair.
     way: Vec<u32>,
 }
@@ -129,13 +136,38 @@ fn way((dx, dy): (i64, i64), higher: bool) -> Vec<(i64, i64)> {
     (1..cells).map(|step| (round(step * dx), round(step * dy))).collect()
 }
 
+/// The place of the image, in a body of `count` cells with mirrors at its ends, of a place on the same axis.
+fn reflected(mut place: i64, count: i64, (low, high): (bool, bool)) -> i64 {
+    while low && place < 0 || high && place >= count {
+        place = if place < 0 { -1 - place } else { 2 * count - 1 - place };
+    }
+    place
+}
+
+/// Sums of the offsets of both ends of a pair from a place, least and greatest, at which neither end reaches the image of
+/// the other beyond an open end of the axis.
+fn free(place: i64, count: i64, reach: i64, (low, high): (bool, bool)) -> (i64, i64) {
+    let least = if low { i64::MIN } else { reach - 2 * place };
+    (least, if high { i64::MAX } else { 2 * (count - 1 - place) - reach })
+}
+
+impl PairOver {
+    /// Whether the front in the middle takes care of the pair. Not where a wall that heat passes makes an image of one end
+    /// for the other: the image weighs against the pair itself, and would be left without it.
+    fn is_taken(&self, window: &[Seen], free: &[(i64, i64); 2]) -> bool {
+        let freezes = |place: &u32| window[*place as usize].above == 0.0 && window[*place as usize].particle != NONE;
+        let clear = self.sums.iter().zip(free).all(|(sum, (least, greatest))| least <= sum && sum <= greatest);
+        clear && !self.way.iter().any(freezes)
+    }
+}
+
 impl SubCellFront {
-    /// Fronts of materials between two temperatures of a scene, on a lattice. Particles that `mixed` tells have neighbours
-    /// of other materials, or pairs that are cut: they are taken as wholes.
+    /// Fronts of materials between two temperatures of a scene, on a lattice with mirrors at its left, right, bottom or top.
+    /// Particles that `mixed` tells have neighbours of other materials, or pairs that are cut: they are taken as wholes.
     pub fn new(
         materials: &Materials,
         temperatures: (f64, f64),
-        lattice: &Lattice,
+        (lattice, mirrors): (&Lattice, [bool; 4]),
         stencil: &Stencil,
         mixed: impl Fn(usize) -> bool,
     ) -> Self {
@@ -162,6 +194,7 @@ impl SubCellFront {
                             cells,
                             before: (step + 1) as f64,
                             weight: 0.5 * weight,
+                            sums: [dx - 2 * middle.0, dy - 2 * middle.1],
                             way: way[..step].iter().map(|cell| from_middle(*cell)).collect(),
                         });
                     }
@@ -175,6 +208,8 @@ impl SubCellFront {
             own,
             over,
             reach,
+            mirrors,
+            free: [(i64::MIN, i64::MAX); 2],
             window: vec![Seen { particle: NONE, above: 0.0, change: 0.0 }; size],
             changes: Vec::with_capacity(2 * size * (lattice.columns + lattice.rows)),
             tangent: FrontTangent::default(),
@@ -241,9 +276,14 @@ impl SubCellFront {
     fn look_around(&mut self, lattice: &Lattice, index: usize, above: impl Fn(usize) -> f64) {
         let (column, row) = lattice.cell(index);
         let (across, along) = self.reach;
+        let [left, right, bottom, top] = self.mirrors;
+        let (columns, rows) = (lattice.columns as i64, lattice.rows as i64);
+        self.free = [free(column, columns, across, (left, right)), free(row, rows, along, (bottom, top))];
         for (seen, dy) in self.window.chunks_exact_mut(2 * across as usize + 1).zip(-along..=along) {
+            let row = reflected(row + dy, rows, (bottom, top));
             for (seen, dx) in seen.iter_mut().zip(-across..=across) {
-                *seen = match lattice.index(column + dx, row + dy) {
+                let column = reflected(column + dx, columns, (left, right));
+                *seen = match lattice.index(column, row) {
                     Some(other) => Seen { particle: other as u32, above: above(other), change: 0.0 },
                     None => Seen { particle: NONE, above: 0.0, change: 0.0 },
                 };
@@ -269,9 +309,7 @@ impl SubCellFront {
         for pair in &self.over {
             let (frozen, unfrozen) = (pair.frozen as usize, pair.unfrozen as usize);
             let (below, above) = (window[frozen].above, window[unfrozen].above);
-            let freezes =
-                |place: &u32| window[*place as usize].above == 0.0 && window[*place as usize].particle != NONE;
-            if below < 0.0 && above > 0.0 && !pair.way.iter().any(freezes) {
+            if below < 0.0 && above > 0.0 && pair.is_taken(window, &self.free) {
                 let carried = pair.weight * pair.cells;
                 let cold = carried * below / distance(pair.before, fraction);
                 let warm = carried * above / distance(pair.cells - pair.before, 1.0 - fraction);
@@ -307,9 +345,7 @@ impl SubCellFront {
         for pair in &self.over {
             let (frozen, unfrozen) = (pair.frozen as usize, pair.unfrozen as usize);
             let (below, above) = (window[frozen].above, window[unfrozen].above);
-            let freezes =
-                |place: &u32| window[*place as usize].above == 0.0 && window[*place as usize].particle != NONE;
-            if below < 0.0 && above > 0.0 && !pair.way.iter().any(freezes) {
+            if below < 0.0 && above > 0.0 && pair.is_taken(window, &self.free) {
                 let carried = pair.weight * pair.cells;
                 let near = distance(pair.before, fraction);
                 let far = distance(pair.cells - pair.before, 1.0 - fraction);

@@ -197,7 +197,8 @@ impl Prepared {
         let selection = irregular::select(scene, self);
         let front = (settings.numerics.front == Front::SubCell).then(|| {
             let cut = |particle: usize| selection.as_ref().is_some_and(|rows| rows.cut[particle]);
-            SubCellFront::new(&self.materials, scene.temperature_range(), &self.lattice, &self.stencil, cut)
+            let mirrors = self.boundary.sides.map(|side| self.boundary.mirrors(side));
+            SubCellFront::new(&self.materials, scene.temperature_range(), (&self.lattice, mirrors), &self.stencil, cut)
         });
         let boundary = selection.as_ref().map_or_else(|| self.boundary.clone(), |rows| rows.swept.clone());
         let rows =

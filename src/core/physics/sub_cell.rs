@@ -3,7 +3,8 @@
 //! A particle that is freezing has no temperature of its own to conduct with: the front lies somewhere in its cell, and
 //! its frozen fraction `f` tells where. Left alone, its neighbours exchange heat with the centre of the cell, wherever the
 //! front is, and fluxes go up and down as the front crosses one cell after another. Here they exchange with the front. The
-//! front is taken to lie across the longer axis of a pair: a pair over `k` spacings along it whose one end lies `s`
+//! front is taken to lie across the longer axis of a pair, or, where nothing varies along the other axis of the body, across
+//! the one that is left, as on the line that stands for such a body: a pair over `k` spacings along it whose one end lies `s`
 //! spacings before the freezing cell carries `k / d` times as much between that end and the freezing particle, with
 //! `d = s - 1/2 + f` on the frozen side and `s + 1/2 - f` on the other. Over the time in which a cell freezes this and
 //! the plain exchange with its centre agree: the mean of `d` is `s`. Where both sides of a cell are in the same phase, two
@@ -25,6 +26,17 @@ const LOOK: usize = 16;
 
 /// No particle.
 const NONE: u32 = u32::MAX;
+
+/// What fronts need to know of a body beside its particles.
+#[derive(Debug, Clone, Copy)]
+pub struct Extent {
+    /// Least and greatest temperature of the scene.
+    pub temperatures: (f64, f64),
+    /// Left, right, bottom, top: whether what lies beyond is the mirror image of the body.
+    pub mirrors: [bool; 4],
+    /// Whether fronts run along y, or along x, where nothing varies across.
+    pub along_y: Option<bool>,
+}
 
 /// The fronts of a body whose materials, or some of them, freeze at one temperature.
 #[derive(Debug, Clone)]
@@ -93,7 +105,7 @@ struct OwnPair {
     other: u32,
     /// Place on the opposite side.
     opposite: u32,
-    /// Spacings between both along the longer axis.
+    /// Spacings between both along the axis across which the front is taken to lie.
     cells: f64,
     /// Weight (m^-2).
     weight: f64,
@@ -106,7 +118,7 @@ struct PairOver {
     frozen: u32,
     /// Place of the unfrozen end.
     unfrozen: u32,
-    /// Spacings between both along the longer axis.
+    /// Spacings between both along the axis across which the front is taken to lie.
     cells: f64,
     /// Spacings between the frozen end and the middle.
     before: f64,
@@ -125,10 +137,9 @@ fn distance(spacings: f64, share: f64) -> f64 {
     spacings - 0.5 + share
 }
 
-/// Cells on the way over an offset, one for each spacing along its longer axis, ends left out. Where the way runs between
-/// two cells, it takes the lower or the higher of them.
-fn way((dx, dy): (i64, i64), higher: bool) -> Vec<(i64, i64)> {
-    let cells = dx.abs().max(dy.abs());
+/// Cells on the way over an offset that is cut into so many of them, ends left out. Where the way runs between two cells,
+/// it takes the lower or the higher of them.
+fn way((dx, dy): (i64, i64), cells: i64, higher: bool) -> Vec<(i64, i64)> {
     let round = |along: i64| {
         let (whole, rest) = (along.div_euclid(cells), 2 * along.rem_euclid(cells));
         whole + i64::from(rest > cells || rest == cells && higher)
@@ -162,16 +173,16 @@ impl PairOver {
 }
 
 impl SubCellFront {
-    /// Fronts of materials between two temperatures of a scene, on a lattice with mirrors at its left, right, bottom or top.
-    /// Particles that `mixed` tells have neighbours of other materials, or pairs that are cut: they are taken as wholes.
+    /// Fronts of materials on a lattice. Particles that `mixed` tells have neighbours of other materials, or pairs that are
+    /// cut: they are taken as wholes.
     pub fn new(
         materials: &Materials,
-        temperatures: (f64, f64),
-        (lattice, mirrors): (&Lattice, [bool; 4]),
+        extent: Extent,
+        lattice: &Lattice,
         stencil: &Stencil,
         mixed: impl Fn(usize) -> bool,
     ) -> Self {
-        let (sharp, stretches) = stretches(materials, temperatures, lattice.len(), mixed);
+        let (sharp, stretches) = stretches(materials, extent.temperatures, lattice.len(), mixed);
         let across = stencil.reach as i64;
         let reach = (across, if lattice.dimension == 1 { 0 } else { across });
         let place = |(x, y): (i64, i64)| ((y + reach.1) * (2 * across + 1) + x + across) as u32;
@@ -179,12 +190,17 @@ impl SubCellFront {
         for dy in -reach.1..=reach.1 {
             for dx in -across..=across {
                 let weight = stencil.at(dx.unsigned_abs() as usize, dy.unsigned_abs() as usize);
-                if weight == 0.0 || (dx, dy) == (0, 0) {
+                let spacings = match extent.along_y {
+                    None => dx.abs().max(dy.abs()),
+                    Some(true) => dy.abs(),
+                    Some(false) => dx.abs(),
+                };
+                if weight == 0.0 || spacings == 0 {
                     continue;
                 }
-                let cells = dx.abs().max(dy.abs()) as f64;
+                let cells = spacings as f64;
                 own.push(OwnPair { other: place((dx, dy)), opposite: place((-dx, -dy)), cells, weight });
-                let ways = [way((dx, dy), false), way((dx, dy), true)];
+                let ways = [false, true].map(|higher| way((dx, dy), spacings, higher));
                 for way in &ways {
                     for (step, middle) in way.iter().enumerate() {
                         let from_middle = |(x, y): (i64, i64)| place((x - middle.0, y - middle.1));
@@ -208,7 +224,7 @@ impl SubCellFront {
             own,
             over,
             reach,
-            mirrors,
+            mirrors: extent.mirrors,
             free: [(i64::MIN, i64::MAX); 2],
             window: vec![Seen { particle: NONE, above: 0.0, change: 0.0 }; size],
             changes: Vec::with_capacity(2 * size * (lattice.columns + lattice.rows)),

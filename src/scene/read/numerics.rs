@@ -120,10 +120,11 @@ fn best_front(numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind, reach: 
     let inside = Numerics { front: Front::SubCell, ..numerics.clone() };
     let features: Vec<Feature> =
         setup.features.iter().copied().chain(capability::of_settings(&inside, kind, setup.brings_heat)).collect();
-    let concerned = |row: &Exclusion| [row.asked, row.beside].contains(&Feature::SubCellFronts);
-    let fits = setup.domain.is_some_and(|domain| spacing::has_room(domain, numerics.spacing, reach));
-    let fits = fits && numerics.latent_heat_scheme == LatentHeatScheme::Enthalpy;
-    if fits && !capability::exclusions(&features).any(|row| concerned(row)) { Front::SubCell } else { numerics.front }
+    let concerns = |row: &Exclusion| [row.asked, row.beside].contains(&Feature::SubCellFronts);
+    let fits = numerics.latent_heat_scheme == LatentHeatScheme::Enthalpy
+        && setup.domain.is_some_and(|domain| spacing::has_room(domain, numerics.spacing, reach))
+        && !capability::exclusions(&features).any(concerns);
+    if fits { Front::SubCell } else { numerics.front }
 }
 
 fn layout(section: &mut Section<'_>, preset: Arrangement) -> Arrangement {

@@ -48,7 +48,7 @@ fn a_film_is_a_resistance_of_its_own() {
 fn weaker_films_take_less_heat_whatever_the_steps() {
     for kind in even() {
         let run = |coefficient: &str, numerics: &str| {
-            let mut sketch = one_pipe(coefficient).with(numerics);
+            let mut sketch = one_pipe(coefficient).with(numerics).with("front = \"cell\"");
             sketch.materials = vec![("sand", sand(SHARP))];
             (sketch.duration_s, sketch.outputs) = (3.0 * 86400.0, 10);
             let result = sketch.run(kind);

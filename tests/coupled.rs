@@ -114,6 +114,7 @@ fn flags_are_enthalpies_where_steps_have_stages() {
             let state = |scheme: &str| {
                 let mut sketch = Sketch::new(Domain::Rectangle { width: 0.9, height: 0.7 }, 0.05);
                 sketch.duration_s = 5e4;
+                let sketch = sketch.with("front = \"cell\"");
                 last(&sketch.wall("left", "temperature_c = -9").with(line).with(scheme), kind)
             };
             assert_eq!(state("scheme = \"flags\""), state(""), "{} {line}", kind.name);

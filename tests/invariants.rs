@@ -9,6 +9,7 @@ use frazil_core::kernels::term::Off;
 use frazil_core::solvers::assembly::Assembly;
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_scene::method::{Discretisation, MethodKind, Stepper};
+use frazil_scene::settings::Front;
 use frazil_simulation::plan::{self, Plan};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
@@ -130,6 +131,8 @@ fn assembled(sketch: &Sketch, kind: &'static MethodKind) -> ListParts {
     let kept = Arc::new(Mutex::new(None));
     let keep = kept.clone();
     let settings = &mut scene.methods[0];
+    // A list knows no fronts inside particles.
+    settings.numerics.front = Front::Cell;
     let own = &settings.discretisation;
     settings.discretisation = Arc::new(Discretisation {
         weight: own.weight.clone(),
@@ -627,7 +630,8 @@ fn the_lattice_and_every_list_take_the_same_steps() {
     for kind in methods() {
         for (domain, laws) in [(LINE, &LAWS[..]), (RECTANGLE, &LAWS[..]), (ring(Sector::Quarter), &LAWS[1..2])] {
             for (law, _) in laws {
-                let mut sketch = Sketch::new(domain, SPACING).with(without_noise(kind));
+                // A list knows no fronts inside particles.
+                let mut sketch = Sketch::new(domain, SPACING).with(without_noise(kind)).with("front = \"cell\"");
                 sketch.duration_s = 1e8;
                 sketch.materials = vec![("water", water(&format!("{law}, temperature_c = 0")))];
                 if matches!(domain, Domain::Ring { .. }) {

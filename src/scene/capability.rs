@@ -115,7 +115,7 @@ const WHOLE_LATTICE: &str = "the front in a cell is seen along the rows of a lat
 const FIXED_LAYERS: &str = "layers of particles stand for the wall, whatever cuts them off";
 
 /// All pairs that exclude each other.
-pub const EXCLUSIONS: [Exclusion; 69] = {
+pub const EXCLUSIONS: [Exclusion; 70] = {
     use Feature::{
         ApparentCapacity, Cracks, Excavation, ExplicitSteps, FittedWalls, Flags, FreezingCurve, GradientAdvection,
         Gravity, Groundwater, Implicit, InnerLayers, LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls,
@@ -130,6 +130,7 @@ pub const EXCLUSIONS: [Exclusion; 69] = {
         row(Flags, UnsaturatedWater, "water has no latent heat"),
         row(ApparentCapacity, UnsaturatedWater, "water has no latent heat"),
         row(WholePhases, UnsaturatedWater, "water has no phases"),
+        row(SubCellFronts, UnsaturatedWater, "a front of water is as wide as its pores make it"),
         row(ExplicitSteps, UnsaturatedWater, AT_ONCE),
         row(Rkl2, UnsaturatedWater, AT_ONCE),
         row(Gravity, Shells, "shells lie around an axis, and gravity pulls one way"),

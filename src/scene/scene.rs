@@ -174,6 +174,11 @@ pub struct Scene {
     pub remarks: Vec<String>,
 }
 
+/// Whether any of these is a flux.
+pub(crate) fn has_flux<'a>(mut conditions: impl Iterator<Item = &'a Condition>) -> bool {
+    conditions.any(|condition| matches!(condition, Condition::Flux(_)))
+}
+
 /// Parts of a scene that name temperatures, beside its start and its walls.
 pub(crate) struct Temperatures<'a> {
     pub(crate) regions: &'a [Region],
@@ -341,7 +346,7 @@ impl Scene {
 
     /// Whether a flux condition, or the weight of water, can drive temperatures beyond [`Scene::temperature_range`].
     pub fn has_flux(&self) -> bool {
-        self.gravity.is_some() || self.conditions().any(|condition| matches!(condition, Condition::Flux(_)))
+        self.gravity.is_some() || has_flux(self.conditions())
     }
 
     /// Whether a wall or a part of one has a flux or a film.

@@ -227,9 +227,7 @@ impl Numerics {
                 values.extend([("mean", mean), ("mushy", mushy)]);
             }
         }
-        if self.front == Front::SubCell {
-            values.push(("front", text("sub-cell")));
-        }
+        values.push(("front", word(&Front::WORDS, &self.front)));
         self.put_steps(&mut values);
         self.put_flow(&mut values);
         self.put_solute(&mut values);

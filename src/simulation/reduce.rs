@@ -20,7 +20,7 @@ use frazil_core::space::lattice::Lattice;
 use frazil_record::RunResult;
 use frazil_scene::method::MethodSettings;
 use frazil_scene::method::{Discretisation, Stepper};
-use frazil_scene::{Arrangement, IntegratorChoice, Scene};
+use frazil_scene::{Arrangement, Front, IntegratorChoice, Scene};
 use glam::DVec2;
 
 use crate::march::{self, Options, Refused};
@@ -72,7 +72,9 @@ pub fn find(scene: &Scene, method: &str, reference: Option<&Arc<dyn Reference>>)
             if !fold.keeps_ground(&smaller, &folded, spacing) {
                 return None;
             }
-            let obstacle = obstacle(scene, settings).or_else(|| fold.obstacle(&smaller, spacing, reach));
+            let obstacle = obstacle(scene, settings)
+                .or_else(|| fold.obstacle(&smaller, spacing, reach))
+                .or_else(|| front_across(&smaller, settings, fold));
             if obstacle.is_some() {
                 kept = kept.take().or(obstacle);
                 return None;
@@ -120,6 +122,14 @@ fn obstacle(scene: &Scene, settings: &MethodSettings) -> Option<String> {
         ),
     ];
     reasons.into_iter().find(|reason| reason.0).map(|reason| reason.1.to_owned())
+}
+
+/// Why fronts inside particles would not be those of a line: in a plane they are where the scene shows that nothing varies across.
+fn front_across(scene: &Scene, settings: &MethodSettings, fold: Fold) -> Option<String> {
+    let Fold::Line { along_y, .. } = fold else { return None };
+    let known = scene.freezing_direction().is_some_and(|direction| direction.along_y == along_y);
+    (settings.numerics.front == Front::SubCell && !known)
+        .then(|| "fronts inside particles are plane only beside regions that are boxes from wall to wall".to_owned())
 }
 
 /// What only a plan of the larger body knows.

@@ -8,7 +8,7 @@ use frazil_core::physics::material::Material;
 use frazil_core::physics::potential::Law;
 use frazil_core::physics::thermal::Thermal;
 use frazil_scene::method::{Discretisation, Stepper};
-use frazil_scene::{Numerics, Scene, StepChoice, Units};
+use frazil_scene::{Front, Numerics, Scene, StepChoice, Units};
 
 /// What the words are about.
 pub struct Parts<'a> {
@@ -98,6 +98,9 @@ impl Parts<'_> {
                 LatentHeatScheme::ApparentCapacity { .. } => "apparent capacity",
             };
             used.push(format!("latent heat, by {scheme}"));
+            if self.numerics.front == Front::SubCell {
+                used.push("fronts inside particles".into());
+            }
         }
         if self.materials.mixed() {
             used.push(format!("{} materials, whose interfaces are solved for", self.scene.materials.len()));

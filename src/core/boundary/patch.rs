@@ -283,6 +283,15 @@ impl Boundary {
         self.patches.iter().filter(|patch| patch.id.wall() == wall).all(Patch::lets_heat_through)
     }
 
+    /// Whether what lies beyond a side is the mirror image of the body.
+    pub fn mirrors(&self, side: Side) -> bool {
+        match side {
+            Side::Wall(patch) => !self.patches[patch].lets_heat_through(),
+            Side::Mirror => true,
+            Side::Curved => false,
+        }
+    }
+
     /// Whether walls are in parts.
     pub fn has_parts(&self) -> bool {
         !self.parts.is_empty()

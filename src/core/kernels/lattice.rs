@@ -58,10 +58,7 @@ impl<L: Laws> LatticeBalance<L> {
     pub fn new(parts: LatticeParts, laws: L) -> Self {
         let LatticeParts { lattice, stencil, materials, boundary, pool, .. } = parts;
         let shape = Shape::new(lattice.columns, stencil.reach, lattice.dimension == 1);
-        let open = boundary.sides.map(|side| match side {
-            Side::Wall(patch) => boundary.patches[patch].lets_heat_through(),
-            Side::Mirror | Side::Curved => false,
-        });
+        let open = boundary.sides.map(|side| matches!(side, Side::Wall(_)) && !boundary.mirrors(side));
         let (patch_weights, patch_own) = patch_weights(&stencil, shape, lattice.columns);
         let material_at = material_at(&boundary, &lattice, &materials);
         let mut around = Around {

@@ -3,7 +3,8 @@
 //! A particle that is freezing has no temperature of its own to conduct with: the front lies somewhere in its cell, and
 //! its frozen fraction `f` tells where. Left alone, its neighbours exchange heat with the centre of the cell, wherever the
 //! front is, and fluxes go up and down as the front crosses one cell after another. Here they exchange with the front. The
-//! front is taken to lie across the longer axis of a pair: a pair over `k` spacings along it whose one end lies `s`
+//! front is taken to lie across the longer axis of a pair, or, where nothing varies along the other axis of the body, across
+//! the one that is left, as on the line that stands for such a body: a pair over `k` spacings along it whose one end lies `s`
 //! spacings before the freezing cell carries `k / d` times as much between that end and the freezing particle, with
 //! `d = s - 1/2 + f` on the frozen side and `s + 1/2 - f` on the other. Over the time in which a cell freezes this and
 //! the plain exchange with its centre agree: the mean of `d` is `s`. Where both sides of a cell are in the same phase, two
@@ -26,6 +27,17 @@ const LOOK: usize = 16;
 /// No particle.
 const NONE: u32 = u32::MAX;
 
+/// What fronts need to know of a body beside its particles.
+#[derive(Debug, Clone, Copy)]
+pub struct Extent {
+    /// Least and greatest temperature of the scene.
+    pub temperatures: (f64, f64),
+    /// Left, right, bottom, top: whether what lies beyond is the mirror image of the body.
+    pub mirrors: [bool; 4],
+    /// Whether fronts run along y, or along x, where nothing varies across.
+    pub along_y: Option<bool>,
+}
+
 /// The fronts of a body whose materials, or some of them, freeze at one temperature.
 #[derive(Debug, Clone)]
 pub struct SubCellFront {
@@ -38,6 +50,11 @@ pub struct SubCellFront {
     over: Vec<PairOver>,
     /// Offsets that pairs reach along rows and columns.
     reach: (i64, i64),
+    /// Left, right, bottom, top: whether what lies beyond is the mirror image of the body.
+    mirrors: [bool; 4],
+    /// Sums of the offsets of both ends of a pair, least and greatest by axis, at which no open wall makes an image of one end
+    /// for the other.
+    free: [(i64, i64); 2],
     /// What lies around the freezing particle at hand, row by row.
     window: Vec<Seen>,
     /// What fronts add to the rates of particles (W/m3).
@@ -88,7 +105,7 @@ struct OwnPair {
     other: u32,
     /// Place on the opposite side.
     opposite: u32,
-    /// Spacings between both along the longer axis.
+    /// Spacings between both along the axis across which the front is taken to lie.
     cells: f64,
     /// Weight (m^-2).
     weight: f64,
@@ -101,12 +118,14 @@ struct PairOver {
     frozen: u32,
     /// Place of the unfrozen end.
     unfrozen: u32,
-    /// Spacings between both along the longer axis.
+    /// Spacings between both along the axis across which the front is taken to lie.
     cells: f64,
     /// Spacings between the frozen end and the middle.
     before: f64,
     /// Weight (m^-2).
     weight: f64,
+    /// Sums of the offsets of both ends from the middle, along rows and columns.
+    sums: [i64; 2],
     /// Places on the way from the frozen end to the middle: a front there takes care of the pair.
     way: Vec<u32>,
 }
@@ -118,10 +137,9 @@ fn distance(spacings: f64, share: f64) -> f64 {
     spacings - 0.5 + share
 }
 
-/// Cells on the way over an offset, one for each spacing along its longer axis, ends left out. Where the way runs between
-/// two cells, it takes the lower or the higher of them.
-fn way((dx, dy): (i64, i64), higher: bool) -> Vec<(i64, i64)> {
-    let cells = dx.abs().max(dy.abs());
+/// Cells on the way over an offset that is cut into so many of them, ends left out. Where the way runs between two cells,
+/// it takes the lower or the higher of them.
+fn way((dx, dy): (i64, i64), cells: i64, higher: bool) -> Vec<(i64, i64)> {
     let round = |along: i64| {
         let (whole, rest) = (along.div_euclid(cells), 2 * along.rem_euclid(cells));
         whole + i64::from(rest > cells || rest == cells && higher)
@@ -129,17 +147,42 @@ fn way((dx, dy): (i64, i64), higher: bool) -> Vec<(i64, i64)> {
     (1..cells).map(|step| (round(step * dx), round(step * dy))).collect()
 }
 
+/// The place of the image, in a body of `count` cells with mirrors at its ends, of a place on the same axis.
+fn reflected(mut place: i64, count: i64, (low, high): (bool, bool)) -> i64 {
+    while low && place < 0 || high && place >= count {
+        place = if place < 0 { -1 - place } else { 2 * count - 1 - place };
+    }
+    place
+}
+
+/// Sums of the offsets of both ends of a pair from a place, least and greatest, at which neither end reaches the image of
+/// the other beyond an open end of the axis.
+fn free(place: i64, count: i64, reach: i64, (low, high): (bool, bool)) -> (i64, i64) {
+    let least = if low { i64::MIN } else { reach - 2 * place };
+    (least, if high { i64::MAX } else { 2 * (count - 1 - place) - reach })
+}
+
+impl PairOver {
+    /// Whether the front in the middle takes care of the pair. Not where a wall that heat passes makes an image of one end
+    /// for the other: the image weighs against the pair itself, and would be left without it.
+    fn is_taken(&self, window: &[Seen], free: &[(i64, i64); 2]) -> bool {
+        let freezes = |place: &u32| window[*place as usize].above == 0.0 && window[*place as usize].particle != NONE;
+        let clear = self.sums.iter().zip(free).all(|(sum, (least, greatest))| least <= sum && sum <= greatest);
+        clear && !self.way.iter().any(freezes)
+    }
+}
+
 impl SubCellFront {
-    /// Fronts of materials between two temperatures of a scene, on a lattice. Particles that `mixed` tells have neighbours
-    /// of other materials, or pairs that are cut: they are taken as wholes.
+    /// Fronts of materials on a lattice. Particles that `mixed` tells have neighbours of other materials, or pairs that are
+    /// cut: they are taken as wholes.
     pub fn new(
         materials: &Materials,
-        temperatures: (f64, f64),
+        extent: Extent,
         lattice: &Lattice,
         stencil: &Stencil,
         mixed: impl Fn(usize) -> bool,
     ) -> Self {
-        let (sharp, stretches) = stretches(materials, temperatures, lattice.len(), mixed);
+        let (sharp, stretches) = stretches(materials, extent.temperatures, lattice.len(), mixed);
         let across = stencil.reach as i64;
         let reach = (across, if lattice.dimension == 1 { 0 } else { across });
         let place = |(x, y): (i64, i64)| ((y + reach.1) * (2 * across + 1) + x + across) as u32;
@@ -147,12 +190,17 @@ impl SubCellFront {
         for dy in -reach.1..=reach.1 {
             for dx in -across..=across {
                 let weight = stencil.at(dx.unsigned_abs() as usize, dy.unsigned_abs() as usize);
-                if weight == 0.0 || (dx, dy) == (0, 0) {
+                let spacings = match extent.along_y {
+                    None => dx.abs().max(dy.abs()),
+                    Some(true) => dy.abs(),
+                    Some(false) => dx.abs(),
+                };
+                if weight == 0.0 || spacings == 0 {
                     continue;
                 }
-                let cells = dx.abs().max(dy.abs()) as f64;
+                let cells = spacings as f64;
                 own.push(OwnPair { other: place((dx, dy)), opposite: place((-dx, -dy)), cells, weight });
-                let ways = [way((dx, dy), false), way((dx, dy), true)];
+                let ways = [false, true].map(|higher| way((dx, dy), spacings, higher));
                 for way in &ways {
                     for (step, middle) in way.iter().enumerate() {
                         let from_middle = |(x, y): (i64, i64)| place((x - middle.0, y - middle.1));
@@ -162,6 +210,7 @@ impl SubCellFront {
                             cells,
                             before: (step + 1) as f64,
                             weight: 0.5 * weight,
+                            sums: [dx - 2 * middle.0, dy - 2 * middle.1],
                             way: way[..step].iter().map(|cell| from_middle(*cell)).collect(),
                         });
                     }
@@ -175,6 +224,8 @@ impl SubCellFront {
             own,
             over,
             reach,
+            mirrors: extent.mirrors,
+            free: [(i64::MIN, i64::MAX); 2],
             window: vec![Seen { particle: NONE, above: 0.0, change: 0.0 }; size],
             changes: Vec::with_capacity(2 * size * (lattice.columns + lattice.rows)),
             tangent: FrontTangent::default(),
@@ -241,9 +292,14 @@ impl SubCellFront {
     fn look_around(&mut self, lattice: &Lattice, index: usize, above: impl Fn(usize) -> f64) {
         let (column, row) = lattice.cell(index);
         let (across, along) = self.reach;
+        let [left, right, bottom, top] = self.mirrors;
+        let (columns, rows) = (lattice.columns as i64, lattice.rows as i64);
+        self.free = [free(column, columns, across, (left, right)), free(row, rows, along, (bottom, top))];
         for (seen, dy) in self.window.chunks_exact_mut(2 * across as usize + 1).zip(-along..=along) {
+            let row = reflected(row + dy, rows, (bottom, top));
             for (seen, dx) in seen.iter_mut().zip(-across..=across) {
-                *seen = match lattice.index(column + dx, row + dy) {
+                let column = reflected(column + dx, columns, (left, right));
+                *seen = match lattice.index(column, row) {
                     Some(other) => Seen { particle: other as u32, above: above(other), change: 0.0 },
                     None => Seen { particle: NONE, above: 0.0, change: 0.0 },
                 };
@@ -269,9 +325,7 @@ impl SubCellFront {
         for pair in &self.over {
             let (frozen, unfrozen) = (pair.frozen as usize, pair.unfrozen as usize);
             let (below, above) = (window[frozen].above, window[unfrozen].above);
-            let freezes =
-                |place: &u32| window[*place as usize].above == 0.0 && window[*place as usize].particle != NONE;
-            if below < 0.0 && above > 0.0 && !pair.way.iter().any(freezes) {
+            if below < 0.0 && above > 0.0 && pair.is_taken(window, &self.free) {
                 let carried = pair.weight * pair.cells;
                 let cold = carried * below / distance(pair.before, fraction);
                 let warm = carried * above / distance(pair.cells - pair.before, 1.0 - fraction);
@@ -307,9 +361,7 @@ impl SubCellFront {
         for pair in &self.over {
             let (frozen, unfrozen) = (pair.frozen as usize, pair.unfrozen as usize);
             let (below, above) = (window[frozen].above, window[unfrozen].above);
-            let freezes =
-                |place: &u32| window[*place as usize].above == 0.0 && window[*place as usize].particle != NONE;
-            if below < 0.0 && above > 0.0 && !pair.way.iter().any(freezes) {
+            if below < 0.0 && above > 0.0 && pair.is_taken(window, &self.free) {
                 let carried = pair.weight * pair.cells;
                 let near = distance(pair.before, fraction);
                 let far = distance(pair.cells - pair.before, 1.0 - fraction);

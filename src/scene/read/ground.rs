@@ -17,6 +17,10 @@ const MOST: usize = 255;
 /// for the smaller.
 const MOST_APART: f64 = 1e6;
 
+/// Stefan number, heat of cooling to the coldest or of warming to the warmest temperature over latent heat, up to which fronts
+/// inside particles are worth their steps (see docs/theory/heat.md).
+const SLOW_FRONT: f64 = 2.0;
+
 /// Refuses latent heats beside which the heats of cooling by the temperatures of the scene would be lost in rounding.
 pub(super) fn latent_heats(root: &mut Section<'_>, materials: &[Material], temperatures: (f64, f64)) {
     let range = temperatures.1 - temperatures.0;
@@ -34,6 +38,22 @@ pub(super) fn latent_heats(root: &mut Section<'_>, materials: &[Material], tempe
             root.problem("materials", message);
         }
     }
+}
+
+/// Whether temperatures of this range, or fluxes, freeze or thaw a material that freezes at one temperature, and none that they
+/// freeze has a Stefan number above that of slow fronts.
+pub(super) fn has_slow_fronts(materials: &[Material], (coldest, warmest): (f64, f64), heated: bool) -> bool {
+    let reached = |material: &&Material| {
+        let within = coldest <= material.freezing_point && material.freezing_point <= warmest && coldest < warmest;
+        material.is_sharp() && (within || heated)
+    };
+    let is_slow = |material: &Material| {
+        let cooling = material.frozen.heat_capacity * (material.freezing_point - coldest);
+        let warming = material.unfrozen.heat_capacity * (warmest - material.freezing_point);
+        cooling.max(warming) <= SLOW_FRONT * material.latent_heat
+    };
+    let mut found = materials.iter().filter(reached).peekable();
+    found.peek().is_some() && found.all(is_slow)
 }
 
 /// Reads all materials; one that has a problem keeps its place, for its name.

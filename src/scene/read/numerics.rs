@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use super::ground::has_slow_fronts;
 use super::range::{Range, all_of};
 use super::section::Section;
 use super::spacing;
 use super::water;
-use crate::capability::{self, Feature, Place};
+use crate::capability::{self, Exclusion, Feature, Place};
 use crate::method::{MethodKind, MethodSettings};
 use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice, UPSTREAM};
 use frazil_core::balances::groundwater::numerics::{Advection, Conduction, FlowNumerics};
@@ -34,6 +35,8 @@ pub(super) struct Setup<'a> {
     pub(super) materials: &'a [Material],
     /// Whether heat comes in by a flux or a film.
     pub(super) brings_heat: bool,
+    /// Whether any flux is given.
+    pub(super) has_flux: bool,
     /// What it has that not all settings go with.
     pub(super) features: &'a [Feature],
 }
@@ -79,7 +82,8 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
         }
         numerics.mushy = mushy;
     }
-    numerics.front = section.choice_or("front", &Front::WORDS, numerics.front);
+    let front = section.optional_choice("front", &Front::WORDS);
+    numerics.front = front.unwrap_or(numerics.front);
     numerics.walls = wall_model(section, &numerics, water);
     numerics.search = section.choice_or("search", &SearchChoice::WORDS, numerics.search);
     numerics.integrator = integrator(section, numerics.integrator, setup.features);
@@ -104,7 +108,23 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
             spacing::reaches(section, numerics.spacing, discretisation.weight.reach(), domain);
         }
     }
+    let fronts = section.temperatures().is_some_and(|range| has_slow_fronts(setup.materials, range, setup.has_flux));
+    if front.is_none() && setting == Setting::Best && fronts {
+        numerics.front = best_front(&numerics, setup, kind, discretisation.weight.reach());
+    }
     MethodSettings { method: kind.name, setting, numerics, discretisation: Arc::new(discretisation), bound: None }
+}
+
+/// Fronts inside particles wherever they go with everything else: they are of one order more.
+fn best_front(numerics: &Numerics, setup: &Setup<'_>, kind: &MethodKind, reach: f64) -> Front {
+    let inside = Numerics { front: Front::SubCell, ..numerics.clone() };
+    let features: Vec<Feature> =
+        setup.features.iter().copied().chain(capability::of_settings(&inside, kind, setup.brings_heat)).collect();
+    let concerns = |row: &Exclusion| [row.asked, row.beside].contains(&Feature::SubCellFronts);
+    let fits = numerics.latent_heat_scheme == LatentHeatScheme::Enthalpy
+        && setup.domain.is_some_and(|domain| spacing::has_room(domain, numerics.spacing, reach))
+        && !capability::exclusions(&features).any(concerns);
+    if fits { Front::SubCell } else { numerics.front }
 }
 
 fn layout(section: &mut Section<'_>, preset: Arrangement) -> Arrangement {

@@ -1,5 +1,6 @@
 //! The spacing of particles, beside the body that they fill.
 
+use frazil_core::kernels::sweep::WIDEST;
 use frazil_core::space::domain::Domain;
 
 use super::range::plain;
@@ -42,6 +43,11 @@ pub(super) fn reaches(section: &mut Section<'_>, spacing: f64, reach: f64, domai
         );
         section.problem(KEY, message);
     }
+}
+
+/// Whether pairs of some reach (m) have room in the domain and a compiled sweep.
+pub(super) fn has_room(domain: &Domain, spacing: f64, reach: f64) -> bool {
+    reach <= shortest(domain) && (reach / spacing).ceil() <= WIDEST as f64
 }
 
 /// Whether the spacing fits the domain; if not, a problem that names the nearest that does.

@@ -11,7 +11,7 @@ use frazil_core::particles::{Particles, Places};
 use frazil_core::physics::curve::Curve;
 use frazil_core::physics::latent_heat::{LatentHeatScheme, Materials};
 use frazil_core::physics::material::Material;
-use frazil_core::physics::sub_cell::SubCellFront;
+use frazil_core::physics::sub_cell::{Extent, SubCellFront};
 use frazil_core::physics::thermal::Thermal;
 use frazil_core::solvers::control::EnthalpyRange;
 use frazil_core::space::domain::{Domain, Sector, Surface};
@@ -197,7 +197,12 @@ impl Prepared {
         let selection = irregular::select(scene, self);
         let front = (settings.numerics.front == Front::SubCell).then(|| {
             let cut = |particle: usize| selection.as_ref().is_some_and(|rows| rows.cut[particle]);
-            SubCellFront::new(&self.materials, scene.temperature_range(), &self.lattice, &self.stencil, cut)
+            let extent = Extent {
+                temperatures: scene.temperature_range(),
+                mirrors: self.boundary.sides.map(|side| self.boundary.mirrors(side)),
+                along_y: scene.freezing_direction().map(|direction| direction.along_y),
+            };
+            SubCellFront::new(&self.materials, extent, &self.lattice, &self.stencil, cut)
         });
         let boundary = selection.as_ref().map_or_else(|| self.boundary.clone(), |rows| rows.swept.clone());
         let rows =

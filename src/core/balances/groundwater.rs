@@ -313,7 +313,7 @@ impl HeapSize for Groundwater {
         let columns: usize = columns.iter().chain(&more).map(|column| column.heap_size()).sum();
         let parts = self.network.heap_size() + self.pressure.heap_size() + self.carrier.heap_size();
         let tables = self.aquifers.iter().map(|aquifer| match &aquifer.warmth {
-            Warmth::Exact(_) => 0,
+            Warmth::Exact(thermal) => size_of_val(&**thermal),
             Warmth::Table { table, .. } => table.heap_size(),
         });
         let cuts = self.cuts.as_ref().map_or(0, |cuts| cuts.heap_size());

@@ -9,7 +9,7 @@ use crate::physics::thermal::Thermal;
 #[derive(Debug, Clone)]
 pub(super) enum Warmth {
     /// Straight pieces.
-    Exact(Thermal),
+    Exact(Box<Thermal>),
     /// A table of the temperature above the freezing point, by the enthalpy from there.
     Table { table: Curved, freezing_point: f64, zero_enthalpy: f64 },
 }
@@ -17,7 +17,7 @@ pub(super) enum Warmth {
 impl Warmth {
     pub(super) fn new(thermal: &Thermal) -> Self {
         if thermal.curve.is_kinked() {
-            return Warmth::Exact(thermal.clone());
+            return Warmth::Exact(Box::new(thermal.clone()));
         }
         let (freezing_point, zero_enthalpy) = (thermal.curve.freezing_point(), thermal.zero_enthalpy);
         Warmth::Table { table: Curved::of_temperature(&thermal.curve), freezing_point, zero_enthalpy }

@@ -1,7 +1,7 @@
 //! The scenes that come with the program are good, say what they are, and are held to what they gave.
 
-use frazil_scene::Scene;
 use frazil_scene::method::MethodKind;
+use frazil_scene::{Front, Scene};
 
 #[test]
 fn every_bundled_scene_is_good_under_every_method() {
@@ -19,6 +19,39 @@ fn every_bundled_scene_is_good_under_every_method() {
         assert_eq!(named, able, "{}", bundled.name);
         assert!(bundled.text.starts_with("# "), "{} opens with what it is", bundled.name);
         assert!(scene.watch.profiles.contains(&scene.duration), "{} keeps its last profile", bundled.name);
+    }
+}
+
+/// Fronts inside particles are the default where something freezes at one temperature, slowly enough, and nothing excludes them.
+#[test]
+fn fronts_lie_inside_particles_where_that_pays() {
+    let (cell, inside) = (Front::Cell, Front::SubCell);
+    for (name, set, expected) in [
+        ("stefan-water", "", inside),
+        ("stefan-water", "method.pd.front = cell", cell),
+        ("stefan-water", "method.pd.setting = paper", cell),
+        ("stefan-water", "method.pd.scheme = flags", cell),
+        ("stefan-water", "method.pd.mean = harmonic", cell),
+        ("stefan-water", "method.pd.search = tree", cell),
+        // Nothing is as cold as ice.
+        ("stefan-water", "walls.left.temperature_c = 5", cell),
+        ("stefan-water", "walls.left = { flux_W_per_m2 = -100 }", inside),
+        // The Stefan number.
+        ("stefan-number-1e-2", "", inside),
+        ("stefan-number-10", "", cell),
+        ("stefan-number-10", "materials.body.freezing.latent_heat = 0.51", inside),
+        ("stefan-number-10", "materials.body.freezing.latent_heat = 0.49", cell),
+        ("no-latent-heat", "", cell),
+        // Shells, and a material that freezes over an interval.
+        ("ice-in-glass", "", cell),
+        ("thawing-inclusion", "", cell),
+        ("frozen-wall-seepage", "", inside),
+    ] {
+        let set: Vec<(String, String)> =
+            set.split_once(" = ").map(|(key, value)| (key.into(), value.into())).into_iter().collect();
+        let scene = frazil::load::scene(name, &set).unwrap_or_else(|failure| unreachable!("{name} {set:?}: {failure}"));
+        let found = scene.method("pd").map(|settings| settings.numerics.front);
+        assert_eq!(found, Some(expected), "{name} {set:?}");
     }
 }
 

@@ -151,6 +151,18 @@ fn methods_without_a_section_are_refused() {
     assert!(refused > 0);
 }
 
+/// Fronts inside particles keep the range beside a wall too, where images of frozen particles would warm one that is not a
+/// millionth as cold.
+#[test]
+fn fronts_inside_particles_keep_the_range_of_phases_apart() {
+    for kind in methods().iter().filter(|kind| !kind.stochastic) {
+        let scene = read("properties-apart", kind.name, &[("front", "sub-cell")]);
+        let record = run_scene(&scene, kind.name).record;
+        let violation = record.bounds_violation_rel;
+        assert!(violation.is_some_and(|found| found <= BOUNDS), "{}: {violation:?}", kind.name);
+    }
+}
+
 /// Fronts follow the closed form to half a spacing, as far as a lattice can tell where a front is.
 #[test]
 fn fronts_follow_the_closed_forms() {

@@ -1,7 +1,7 @@
 //! The fused lattice step: enthalpy to potential, pair sum and update in one pass through memory.
 //!
 //! A band of rows is swept upward. Only 2 m + 1 rows of potentials live at a time, so memory holds nothing but the
-//! enthalpies. Within a row the sum over a disc of offsets is folded by symmetry ([`block`]). Every particle sees the same
+//! enthalpies. Within a row the sum over a disc of offsets is folded by symmetry (`block`). Every particle sees the same
 //! operations in the same order whatever the width of the vectors or the number of bands, and products are fused with sums
 //! in the same places: the bits are the same everywhere.
 

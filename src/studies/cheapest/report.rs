@@ -47,7 +47,7 @@ pub fn write(request: &CheapestRequest, folder: &Path, study: &Study) -> Result<
     let label = study.headline.map_or("error", Headline::label);
     let block = Block {
         heading: format!("{} of {label}", percent(request.error, 3)),
-        text: vec![super::words(request, study)],
+        text: super::words(request, study).lines().skip(1).map(|line| line.trim().to_owned()).collect(),
         figures: vec![Figure::new(
             &figure,
             "Error that is promised of each run against its CPU time. The line is the error that was asked for.",

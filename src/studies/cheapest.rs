@@ -73,7 +73,8 @@ pub fn cheapest(request: &CheapestRequest, parts: &Parts<'_>) -> Result<Verdict,
         if !request.quiet {
             complain(&format!("{}: {}", scene.name, kind.name));
         }
-        let reached = Ladder::new(request, parts, Some(&campaign), (&scene, kind)).climb(&mut headline)?;
+        let reached = Ladder::new(request, parts, Some(&campaign), (&scene, kind)).climb(&mut headline);
+        let reached = reached.unwrap_or_else(|failure| Reached::refused(&failure));
         campaign.check()?;
         if campaign.is_interrupted() {
             complain("interrupted: the same command goes on from here");

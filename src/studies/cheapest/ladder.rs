@@ -1,5 +1,6 @@
 //! Runs of one method, from coarse to fine, as few as tell at which spacing it reaches an error, and at what cost.
 
+use std::iter;
 use std::sync::Arc;
 
 use frazil_core::physics::material::Material;
@@ -97,6 +98,14 @@ pub struct Reached {
     pub chosen: Result<usize, Short>,
 }
 
+impl Reached {
+    /// Of a method that the scene does not take.
+    pub fn refused(failure: &Failure) -> Reached {
+        let chosen = Err(Short::Unknown(failure.to_string()));
+        Reached { rungs: Vec::new(), promised: Vec::new(), order: f64::NAN, chosen }
+    }
+}
+
 /// A method on its way.
 pub struct Ladder<'a> {
     request: &'a CheapestRequest,
@@ -154,9 +163,11 @@ impl<'a> Ladder<'a> {
             }
             match self.try_at(spacing) {
                 Ok(None) => {}
-                Ok(Some(Short::TooLong { .. })) if self.rungs.len() >= RUNGS => return Ok(None),
-                // A scene may not go so coarse.
-                Err(_) if spacing > self.own && self.rungs.is_empty() => {}
+                // A scene may not go so coarse, or fail for it.
+                Err(_) | Ok(Some(Short::Unknown(_))) if spacing > self.own && self.rungs.is_empty() => {}
+                Err(_) | Ok(Some(Short::TooLong { .. } | Short::Unknown(_))) if self.rungs.len() >= RUNGS => {
+                    return Ok(None);
+                }
                 other => return other,
             }
             if let (None, [coarse, fine]) = (self.headline, &self.rungs[..]) {
@@ -237,18 +248,23 @@ impl<'a> Ladder<'a> {
     /// Makes a run and takes it into the ladder.
     fn run(&mut self, scene: &Scene, spacing: f64) -> Result<Option<Short>, Failure> {
         let forecast_s = (self.rungs.len() >= 2).then(|| self.forecast(spacing));
-        let key = campaign::key(&format!("cheapest {}", machine::identity()), scene, self.kind.name, 1);
+        let study = format!("cheapest {} {}", self.request.threads, machine::identity());
+        let key = campaign::key(&study, scene, self.kind.name, 1);
         let rung = match self.campaign.and_then(|campaign| campaign.known::<Rung>(&key)) {
             Some(known) => known,
             None => {
                 let Some(rung) = self.make(scene, spacing, forecast_s)? else { return Ok(Some(Short::Interrupted)) };
-                if let Some(campaign) = self.campaign {
+                // A run that ran out of time is made again where there is more.
+                let is_whole = rung.result.record.outcome != Outcome::TimedOut;
+                if let Some(campaign) = self.campaign.filter(|_| is_whole) {
                     campaign.keep(&key, &rung);
                 }
                 rung
             }
         };
-        self.spent_s += rung.result.record.setup_wall_s + rung.result.record.solve_wall_s;
+        for result in iter::once(&rung.result).chain(&rung.second) {
+            self.spent_s += result.record.setup_wall_s + result.record.solve_wall_s;
+        }
         match rung.result.record.outcome {
             Outcome::Ok => {}
             Outcome::TimedOut => {

@@ -10,6 +10,7 @@ mod bundled_scenes;
 mod calibration;
 mod capability;
 mod checkpoints;
+mod closure;
 mod command_line;
 mod commands;
 mod comparisons;

@@ -25,7 +25,7 @@ use frazil_core::solvers::solver::Solver;
 use frazil_core::solvers::step::Clock;
 use frazil_record::Value;
 use frazil_scene::method::MethodSettings;
-use frazil_scene::method::{Discretisation, MethodKind, Stepper};
+use frazil_scene::method::{Discretisation, MethodKind, SceneFacts, Stepper};
 use frazil_scene::{Numerics, Range, Scene, Section, Setting, Units};
 use rayon::ThreadPool;
 
@@ -163,7 +163,8 @@ fn defaults(setting: Setting) -> Numerics {
     }
 }
 
-fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimension: usize) -> Discretisation {
+fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, facts: &SceneFacts) -> Discretisation {
+    let dimension = facts.dimension;
     let ratio = section.number_or("cutoff_ratio", 3.92, Range::between(1.2, 8.0));
     let given = section.optional_number("heat_capacity_dpd", Range::at_least(100.0));
     let noise = section.flag_or("noise", true);

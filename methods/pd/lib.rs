@@ -13,7 +13,7 @@ use frazil_core::balances::groundwater::numerics::Conduction;
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::bonds::weight::{Normalisation, PairWeight};
 use frazil_record::Value;
-use frazil_scene::method::{Discretisation, MethodKind, Stepper};
+use frazil_scene::method::{Discretisation, MethodKind, SceneFacts, Stepper};
 use frazil_scene::{Numerics, Range, Section, Setting};
 
 /// The method as the registry lists it.
@@ -96,7 +96,8 @@ fn defaults(setting: Setting) -> Numerics {
     }
 }
 
-fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimension: usize) -> Discretisation {
+fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, facts: &SceneFacts) -> Discretisation {
+    let dimension = facts.dimension;
     let ratio = section.number_or("horizon_ratio", 3.0, Range::between(1.0, 12.0));
     let choices = INFLUENCES.map(|influence| (influence.word, influence));
     let influence = section.choice_or("influence", &choices, INFLUENCES[0]);

@@ -10,7 +10,7 @@ use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::bonds::weight::{Normalisation, PairWeight};
 use frazil_core::physics::latent_heat::LatentHeatScheme;
 use frazil_record::Value;
-use frazil_scene::method::{Discretisation, MethodKind, Stepper};
+use frazil_scene::method::{Discretisation, MethodKind, SceneFacts, Stepper};
 use frazil_scene::{Numerics, Range, Section, Setting};
 
 pub mod kernel;
@@ -58,7 +58,8 @@ fn defaults(setting: Setting) -> Numerics {
     }
 }
 
-fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, dimension: usize) -> Discretisation {
+fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, facts: &SceneFacts) -> Discretisation {
+    let dimension = facts.dimension;
     let kernel = section.choice_or("kernel", &Kernel::CHOICES, Kernel::CubicSpline);
     let ratio = section.number_or("smoothing_ratio", 1.2, Range::between(0.6, 3.0));
     let paper = setting == Setting::Paper;

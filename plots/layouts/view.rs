@@ -85,18 +85,18 @@ impl Weakest<'_> {
 impl LayoutView<'_> {
     /// When the first gap closed (s).
     pub(super) fn first_s(&self) -> Option<f64> {
-        self.result.links.iter().filter_map(|link| link.closure_s).min_by(f64::total_cmp)
+        self.result.links.iter().filter_map(LinkRow::closed_s).min_by(f64::total_cmp)
     }
 
     /// When the last gap closed (s); absent while one is open.
     pub(super) fn last_s(&self) -> Option<f64> {
         let last = |a: Option<f64>, b: Option<f64>| a.zip(b).map(|(a, b)| a.max(b));
-        self.result.links.iter().map(|link| link.closure_s).reduce(last).flatten()
+        self.result.links.iter().map(LinkRow::closed_s).reduce(last).flatten()
     }
 
     /// How many gaps are open at the end.
     pub(super) fn open(&self) -> usize {
-        self.result.links.iter().filter(|link| link.closure_s.is_none()).count()
+        self.result.links.iter().filter(|link| link.closed_s().is_none()).count()
     }
 
     /// Whether the wall stands closed at the end.
@@ -109,7 +109,7 @@ impl LayoutView<'_> {
         let links = &self.result.links;
         let [from, to] = self.result.record.wall.as_ref()?.weakest_gap.as_ref()?;
         let link = links.iter().find(|link| link.from == *from && link.to == *to)?;
-        let like = |other: &&LinkRow| match (link.closure_s, other.closure_s) {
+        let like = |other: &&LinkRow| match (link.closed_s(), other.closed_s()) {
             (Some(own), Some(time)) => (own - time).abs() <= ALIKE * own,
             // Open gaps can be told apart by their widths only.
             (None, None) => link.distance_m - other.distance_m <= ALIKE * link.distance_m,

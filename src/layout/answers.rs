@@ -171,8 +171,8 @@ impl Answers {
     pub fn of(scene: &Scene, kept: &Kept, design: Option<Design>) -> Answers {
         let pipes = working(&scene.rings);
         let day = |time: f64| time / DAY;
-        let closures = || kept.links.iter().filter_map(|link| link.closure_s);
-        let open = kept.links.iter().filter(|link| link.closure_s.is_none()).count();
+        let closures = || kept.links.iter().filter_map(LinkRow::closed_s);
+        let open = kept.links.iter().filter(|link| link.closed_s().is_none()).count();
         let series = Series::of(scene, kept);
         let load: Vec<(f64, f64)> = series.heat.iter().map(|(time, heat)| (*time, heat * pipes as f64)).collect();
         let mapped = |time: f64| kept.around.iter().find(|map| (map.time_s - time).abs() <= 1e-9 * scene.duration);

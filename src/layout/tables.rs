@@ -97,6 +97,7 @@ struct GapRow<'a> {
     y_m: f64,
     distance_m: f64,
     closure_days: Option<f64>,
+    closure_alike_days: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -176,6 +177,7 @@ pub(super) fn write(folder: &Path, study: &Study<'_>, method: &str, found: &[Fou
                 y_m: link.y_m,
                 distance_m: link.distance_m,
                 closure_days: link.closure_s.map(|time| time / super::answers::DAY),
+                closure_alike_days: link.closed_s().map(|time| time / super::answers::DAY),
             })
         })
         .collect();

@@ -21,6 +21,12 @@ pub struct WallRecord {
     pub weakest_gap: Option<[String; 2]>,
     /// The pipes that were last to join all around; absent if they never did.
     pub last_gap: Option<[String; 2]>,
+    /// How many gaps symmetry makes equal to that one, itself counted; `closure_s` is their mean.
+    #[serde(default)]
+    pub last_gap_alike: usize,
+    /// Root mean square by which their own times differ from it (s).
+    #[serde(default)]
+    pub last_gap_spread_s: Option<f64>,
 }
 
 /// One row of `wall.csv`: the frozen wall of a ring.
@@ -89,6 +95,21 @@ pub struct LinkRow {
     /// When the middle of the arc between them was frozen (s), where both stand on a circle around the centre.
     #[serde(default)]
     pub closure_on_circle_s: Option<f64>,
+    /// Kind of gap: the row, counted from 1, of the first of those that symmetry makes equal.
+    #[serde(default)]
+    pub alike: usize,
+    /// Mean of `closure_s` over all gaps of its kind: what differs between them is how the lattice lies to them (s); absent before
+    /// all have closed.
+    #[serde(default)]
+    pub closure_alike_s: Option<f64>,
+}
+
+impl LinkRow {
+    /// When gaps of its kind closed (s), their mean.
+    pub fn closed_s(&self) -> Option<f64> {
+        // Rows of earlier versions have no kinds.
+        if self.alike == 0 { self.closure_s } else { self.closure_alike_s }
+    }
 }
 
 /// One row of `planes.csv`: a section of the frozen wall at an output.

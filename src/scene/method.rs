@@ -81,7 +81,16 @@ pub struct MethodKind {
     /// Shared settings of a preset; the spacing is filled in from the file.
     pub defaults: fn(Setting) -> Numerics,
     /// Reads the method's own keys. Problems go into the section; a best guess is returned all the same.
-    pub read: fn(&mut Section<'_>, Setting, &Numerics, usize) -> Discretisation,
+    pub read: fn(&mut Section<'_>, Setting, &Numerics, &SceneFacts) -> Discretisation,
+}
+
+/// What a method may know of a scene when it reads its keys.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SceneFacts {
+    /// Space dimensions.
+    pub dimension: usize,
+    /// Whether all of its ground is one material, in which heat is what spreads.
+    pub one_material: bool,
 }
 
 /// Everything a scene says about one method.

@@ -1,5 +1,6 @@
 //! Observers: what is read off the particles between steps, and never inside one.
 
+mod alike;
 mod boundary;
 mod budget;
 mod corners;
@@ -13,6 +14,7 @@ mod joint;
 mod level_set;
 pub(crate) mod loops;
 mod moisture;
+mod neck;
 pub(crate) mod observer;
 mod passage;
 mod phases;
@@ -20,6 +22,7 @@ mod probes;
 mod profiles;
 pub(crate) mod rays;
 mod sampler;
+mod section;
 mod series;
 mod shells;
 mod standing;

@@ -137,7 +137,13 @@ impl Say<'_> {
             true => format!("at the end {} at its weakest{between}", self.length(wall.thickness_m)),
             false => format!("OPEN at the end{between}"),
         };
-        format!("closed after {}{reopened}; {end}", self.time(closure))
+        let alike = match wall.last_gap_spread_s {
+            Some(spread) if wall.last_gap_alike > 1 => {
+                format!(" (mean of {} gaps that are alike, ± {})", wall.last_gap_alike, self.time(spread))
+            }
+            _ => String::new(),
+        };
+        format!("closed after {}{alike}{reopened}; {end}", self.time(closure))
     }
 
     /// How far unsaturated water has come, and how much the ground has taken up of it.
@@ -208,8 +214,15 @@ mod tests {
             mean_temperature_c: Some(-8.0),
             weakest_gap: Some(["1.3".into(), "1.4".into()]),
             last_gap: None,
+            last_gap_alike: 1,
+            last_gap_spread_s: Some(0.0),
         };
         assert_eq!(say.watched(&wall), "closed after 30 d; at the end 1.25 m at its weakest between 1.3 and 1.4");
+        let even = WallRecord { last_gap_alike: 26, last_gap_spread_s: Some(day(0.25)), ..wall.clone() };
+        assert_eq!(
+            say.watched(&even),
+            "closed after 30 d (mean of 26 gaps that are alike, ± 0.25 d); at the end 1.25 m at its weakest between 1.3 and 1.4"
+        );
         let open = WallRecord { closed: false, reopening_s: Some(day(50.0)), thickness_m: 0.0, ..wall.clone() };
         assert_eq!(
             say.watched(&open),

@@ -88,6 +88,8 @@ fn ring(name: &str, count: usize, missing: &[usize], inner: bool) -> Made {
             distance_m: distance,
             closure_s: closure(distance).map(|day| day * DAY),
             closure_on_circle_s: None,
+            alike: 0,
+            closure_alike_s: None,
         });
     };
     let first: Vec<&PipeView> = made.pipes.iter().filter(|pipe| pipe.name.starts_with("1.")).collect();
@@ -114,6 +116,8 @@ fn ring(name: &str, count: usize, missing: &[usize], inner: bool) -> Made {
         mean_temperature_c: None,
         weakest_gap: weakest.clone(),
         last_gap: weakest,
+        last_gap_alike: 1,
+        last_gap_spread_s: None,
     });
     made.design = made.closure.map(|day| 1.7 * day).filter(|day| *day < LAST);
     for k in 1..=120 {

@@ -394,7 +394,8 @@ impl<L: Laws> Tangent for LatticeBalance<L> {
     fn shape(&mut self) -> TangentShape {
         let Around { lattice, shape, exterior, faces, .. } = &self.around;
         let irregular = self.irregular.as_deref();
-        // Particles see a curved wall through others, and behind a film deeper ghosts follow less.
+        // Particles see a curved wall through others, and behind a film deeper ghosts, and those of neighbours, follow otherwise.
+        let one_each = shape.reach == 1 && self.around.stencil.at(1, 1) == 0.0;
         let film = (0..4).any(|side| self.around.face(side).bends());
         let curved = self.boundary.curved.is_some_and(|(patch, _)| faces[patch].holds() > 0.0);
         let symmetric = irregular.is_none_or(IrregularRows::is_symmetric);
@@ -403,7 +404,7 @@ impl<L: Laws> Tangent for LatticeBalance<L> {
         let far = irregular.is_some_and(IrregularRows::has_rims) || exterior.is_some() || !self.sinks.is_empty();
         let by_pairs = shape.reach_rows * lattice.columns + shape.reach.min(lattice.columns);
         TangentShape {
-            is_symmetric: symmetric && !curved && (shape.reach == 1 || !film) && self.front.is_none(),
+            is_symmetric: symmetric && !curved && (one_each || !film) && self.front.is_none(),
             is_constant: constant && !scheduled && self.front.is_none(),
             is_steep: false,
             bandwidth: if far { lattice.len() } else { by_pairs.min(lattice.len()) },

@@ -8,7 +8,7 @@ use super::section::Section;
 use super::spacing;
 use super::water;
 use crate::capability::{self, Exclusion, Feature, Place};
-use crate::method::{MethodKind, MethodSettings};
+use crate::method::{MethodKind, MethodSettings, SceneFacts};
 use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice, UPSTREAM};
 use frazil_core::balances::groundwater::numerics::{Advection, Conduction, FlowNumerics};
 use frazil_core::bonds::exchange::{Exchange, Mean};
@@ -99,8 +99,11 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
         (Ok(found), Some(domain)) => spacing::divides(section, found, domain),
         _ => false,
     };
-    let dimension = setup.domain.map_or(2, Domain::dimension);
-    let discretisation = (kind.read)(section, setting, &numerics, dimension);
+    let facts = SceneFacts {
+        dimension: setup.domain.map_or(2, Domain::dimension),
+        one_material: setup.materials.len() <= 1 && !water,
+    };
+    let discretisation = (kind.read)(section, setting, &numerics, &facts);
     if let (true, Some(domain)) = (fits, setup.domain) {
         // Between straight walls pairs may reach images of images. Noise would have to tell all these apart; and a
         // curved wall has none.

@@ -6,7 +6,7 @@ use frazil_core::saved::{Pass, Saved};
 use frazil_core::space::domain::Domain;
 use frazil_record::{GapRow, RunResult};
 
-use super::joint::{Joint, Way, is_sharp};
+use super::joint::{Joint, is_sharp};
 use super::observer::{Cadence, End, Instants, Made, Observer, Schedule, Setup, View, room};
 use super::rays::pairs;
 
@@ -18,16 +18,11 @@ struct Gaps {
 
 pub(super) fn of(setup: &Setup<'_>) -> Made {
     let (scene, sampler) = (setup.scene, setup.sampler());
-    let (Domain::Ring { outer_radius, sector }, Some(ring)) = (&scene.domain, scene.rings.first()) else { return None };
+    let (Domain::Ring { sector, .. }, Some(ring)) = (&scene.domain, scene.rings.first()) else { return None };
+    let sharp = is_sharp(scene);
     let pairs = pairs(ring).into_iter().filter(|pair| sector.holds(pair.angle()));
     let gaps = pairs.map(|pair| {
-        // Columns meet a little inside the ring; look where they can.
-        let (from, to) = (-0.5 * pair.distance, 0.3 * pair.distance);
-        let count = ((to - from) / (0.25 * sampler.lattice.spacing)).ceil().max(1.0) as usize;
-        let places = (0..=count).map(|k| pair.middle + (from + (to - from) * k as f64 / count as f64) * pair.across);
-        // Not beyond the centre, nor the outer wall.
-        let near = places.filter(|place| place.length() <= *outer_radius && place.dot(pair.middle) >= 0.0);
-        let ways = near.map(|place| Way::Through(sampler.sample(place), Vec::new())).collect();
+        let joint = Joint::between(pair.places, &sampler, sharp);
         let [from, to] = pair.names();
         let row = GapRow {
             gap: pair.first(),
@@ -38,10 +33,10 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
             closure_s: None,
             closure_ref_s: None,
         };
-        (row, Joint::new(ways))
+        (row, joint)
     });
     let gaps: Vec<_> = gaps.collect();
-    (!gaps.is_empty()).then(|| Box::new(Gaps { gaps, sharp: is_sharp(scene), cadence: Cadence::of(scene) }) as _)
+    (!gaps.is_empty()).then(|| Box::new(Gaps { gaps, sharp, cadence: Cadence::of(scene) }) as _)
 }
 
 impl Saved for Gaps {

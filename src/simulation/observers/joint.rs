@@ -4,13 +4,18 @@ use frazil_core::memory::HeapSize;
 use frazil_core::particles::Particles;
 use frazil_core::saved::{Pass, Saved};
 use frazil_scene::Scene;
+use glam::DVec2;
 
-use super::sampler::Sample;
+use super::neck::Neck;
+use super::sampler::{Sample, Sampler};
 
 /// Whether the ground of a scene freezes at one temperature.
 pub(super) fn is_sharp(scene: &Scene) -> bool {
     scene.materials[0].is_sharp()
 }
+
+/// Bends of ways that are tried to either side of the straight one, at most.
+const MOST_BENDS: f64 = 16.0;
 
 /// Openness of a place that the tip of open ground between two frozen bodies is leaving, over the difference of openness one
 /// spacing to either side of it, behind the tip and ahead: a tip is a parabola, as wide as the root of the distance from it, so with
@@ -57,36 +62,54 @@ impl HeapSize for Way {
     }
 }
 
-/// Ways of which the first to freeze joins two frozen bodies.
-#[derive(Debug, Clone, Default)]
+/// What tells whether two frozen bodies have joined.
+#[derive(Debug, Clone)]
+enum Reading {
+    /// Ways of which the first to freeze joins them.
+    Ways(Vec<Way>),
+    /// The width of open ground between them.
+    Neck(Neck),
+}
+
+/// Two frozen bodies that join.
+#[derive(Debug, Clone)]
 pub(super) struct Joint {
-    ways: Vec<Way>,
+    reading: Reading,
     /// Time and openness at the last look: positive while open.
     last: Option<(f64, f64)>,
     pub(super) closed: Option<f64>,
 }
 
 impl Joint {
-    pub(super) fn new(ways: Vec<Way>) -> Self {
-        Joint { ways, ..Joint::default() }
+    /// Of what is frozen around two pipes. `sharp`: ground freezes at one temperature.
+    pub(super) fn between(pipes: [DVec2; 2], sampler: &Sampler<'_>, sharp: bool) -> Self {
+        let reading = match sharp {
+            true => Reading::Neck(Neck::between(pipes, sampler)),
+            false => Reading::Ways(ways(pipes, sampler)),
+        };
+        Joint { reading, last: None, closed: None }
     }
 
-    /// How far it is from being closed: positive while open.
-    fn openness(&self, value: impl Fn(&Sample) -> f64) -> f64 {
-        self.ways.iter().fold(f64::INFINITY, |least, way| least.min(way.greatest(least, &value)))
+    /// At a place.
+    pub(super) fn at(way: Way) -> Self {
+        Joint { reading: Reading::Ways(vec![way]), last: None, closed: None }
     }
 
-    /// The same in the ground as it is. `sharp`: it freezes at one temperature.
+    /// How far it is from being closed, in the ground as it is: positive while open. `sharp`: it freezes at one temperature.
     fn openness_in(&self, particles: &Particles, sharp: bool) -> f64 {
+        let ways = match &self.reading {
+            Reading::Neck(neck) => return neck.width(|i| 1.0 - particles.frozen_fraction(i)),
+            Reading::Ways(ways) => ways,
+        };
         match sharp {
             // Enthalpy above the frozen state, in units of the latent heat.
-            true => self.openness(|sample| {
+            true => openness(ways, |sample| {
                 sample.of(|i| {
                     let thermal = particles.materials.of(i);
                     (particles.enthalpy[i] + thermal.zero_enthalpy) / thermal.curve.latent_heat() + 1.0
                 })
             }),
-            false => self.openness(|sample| 0.5 - sample.of(|i| particles.frozen_fraction(i))),
+            false => openness(ways, |sample| 0.5 - sample.of(|i| particles.frozen_fraction(i))),
         }
     }
 
@@ -106,12 +129,35 @@ impl Joint {
     fn take(&mut self, time: f64, now: f64) {
         if now <= 0.0 {
             self.closed = Some(match self.last {
-                Some((before, open)) if open > 0.0 => before + (time - before) * open / (open - now),
+                Some((before, open)) if open > 0.0 && open.is_finite() => {
+                    before + (time - before) * open / (open - now)
+                }
                 _ => time,
             });
         }
         self.last = Some((time, now));
     }
+}
+
+/// Ways from one pipe to another: straight to a point half-way between both, and straight on.
+fn ways([a, b]: [DVec2; 2], sampler: &Sampler<'_>) -> Vec<Way> {
+    let step = 0.5 * sampler.lattice.spacing;
+    let (middle, across) = (0.5 * (a + b), 0.5 * (b - a).perp());
+    let count = (across.length() / step).ceil().min(MOST_BENDS) as i64;
+    let leg = |from: DVec2, to: DVec2| {
+        let pieces = (from.distance(to) / step).ceil() as i64;
+        (0..pieces).map(move |k| from.lerp(to, k as f64 / pieces as f64))
+    };
+    let way = |bend: DVec2| {
+        let rest = leg(bend, a).chain(leg(bend, b)).map(|place| sampler.sample(place)).collect();
+        Way::Through(sampler.sample(bend), rest)
+    };
+    (-count..=count).map(|k| way(middle + k as f64 / count as f64 * across)).collect()
+}
+
+/// How far the first of ways to freeze is from it.
+fn openness(ways: &[Way], value: impl Fn(&Sample) -> f64) -> f64 {
+    ways.iter().fold(f64::INFINITY, |least, way| least.min(way.greatest(least, &value)))
 }
 
 impl Saved for Joint {
@@ -122,6 +168,9 @@ impl Saved for Joint {
 
 impl HeapSize for Joint {
     fn heap_size(&self) -> usize {
-        self.ways.heap_size()
+        match &self.reading {
+            Reading::Ways(ways) => ways.heap_size(),
+            Reading::Neck(neck) => neck.heap_size(),
+        }
     }
 }

@@ -18,9 +18,15 @@ pub(crate) fn neighbours(places: &[DVec2]) -> Vec<[usize; 2]> {
                 continue;
             }
             let (middle, radius) = (0.5 * (ends[0] + ends[1]), 0.5 * ends[0].distance(ends[1]));
-            let between = |k: usize| k != a && k != b && places[k].distance(middle) < radius * (1.0 - SAME);
-            if !(0..places.len()).any(between) {
-                found.push([a, b]);
+            let others = (0..places.len()).filter(|k| *k != a && *k != b).map(|k| places[k]);
+            if !others.clone().any(|place| place.distance(middle) < radius * (1.0 - SAME)) {
+                // Across a circle of pipes, others stand on it to both sides.
+                let side = |place: DVec2| (place - middle).perp_dot(ends[1] - ends[0]) > 0.0;
+                let mut on_circle = others.filter(|place| place.distance(middle) <= radius * (1.0 + SAME)).map(side);
+                let first = on_circle.next();
+                if first.is_none_or(|first| on_circle.all(|side| side == first)) {
+                    found.push([a, b]);
+                }
             }
         }
     }
@@ -87,6 +93,17 @@ mod tests {
         let between = |pair: &&[usize; 2]| (pair[0] < 26) != (pair[1] < 26);
         let found = neighbours(&both);
         assert_eq!(found.iter().filter(between).count(), 52);
+    }
+
+    /// Wherever it stands: across its middle other pipes are as near.
+    #[test]
+    fn a_ring_that_stands_aside_has_the_same_neighbours() {
+        for count in [4, 6, 26] {
+            let aside: Vec<DVec2> = ring(count, 5.0, 0.1).iter().map(|place| *place + DVec2::new(0.3, -0.2)).collect();
+            assert_eq!(neighbours(&aside).len(), count);
+        }
+        // A right angle's ends are neighbours: no other pipes stand across the line between them.
+        assert_eq!(neighbours(&[DVec2::new(1.0, 0.9), DVec2::new(-1.0, -1.1), DVec2::new(1.0, -1.1)]).len(), 3);
     }
 
     /// A row of pipes through the centre: each has its neighbours on both sides, that at the centre too, and no loop is closed by it.

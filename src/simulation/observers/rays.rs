@@ -32,9 +32,8 @@ pub(crate) struct Pair {
     numbers: [usize; 2],
     /// Where the arc between them is half-way, or else the line (m).
     pub(super) middle: DVec2,
-    /// Outwards, across the line between them.
-    pub(super) across: DVec2,
-    pub(super) distance: f64,
+    /// Where they stand (m).
+    pub(super) places: [DVec2; 2],
     /// Whether the line between them is seen from the centre at all, and not along itself.
     seen: bool,
 }
@@ -87,14 +86,12 @@ pub(crate) fn pairs(ring: &PipeRing) -> Vec<Pair> {
         let [a, b] = if around < 0.0 { [ends[1], ends[0]] } else { ends };
         let (from, to) = (places[a], places[b]);
         let middle = 0.5 * (from + to);
-        let (radius, distance) = (from.length(), from.distance(to));
+        let radius = from.length();
         let on_circle = (radius - to.length()).abs() <= SAME * radius && middle.length() > SAME * radius;
-        let across = (from - to).perp().normalize_or_zero();
         Pair {
             numbers: [numbers[a], numbers[b]],
             middle: if on_circle { radius * middle.normalize() } else { middle },
-            across: if across.dot(middle) < 0.0 { -across } else { across },
-            distance,
+            places: [from, to],
             seen: around.abs() > SAME,
         }
     };

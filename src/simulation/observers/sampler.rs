@@ -51,6 +51,12 @@ impl<'a> Sampler<'a> {
         Sampler { lattice: &particles.lattice, mirrors, cloud: particles.cloud(), parted }
     }
 
+    /// Of a whole lattice with nothing in it that parts it.
+    #[cfg(test)]
+    pub(super) fn on(lattice: &'a Lattice) -> Self {
+        Sampler { lattice, mirrors: (false, false), cloud: None, parted: None }
+    }
+
     /// Of particles that move about, where they stand now.
     pub(super) fn free(particles: &'a Particles) -> Self {
         Sampler { lattice: &particles.lattice, mirrors: (false, false), cloud: particles.cloud(), parted: None }

@@ -11,20 +11,19 @@ use frazil_record::{LinkRow, PlaneRow, RunResult, WallRecord, WallRow};
 use frazil_scene::{PipeName, Scene};
 use glam::DVec2;
 
+use super::alike::first_alike;
 use super::joint::{Joint, Way, is_sharp};
 use super::loops::{closure, neighbours};
 use super::observer::{Cadence, End, Made, Moment, Observer, Schedule, Setup, View, room};
 use super::passage::{Passage, PassageFinder};
-use super::rays::{Ray, frozen_length, rays};
+use super::rays::{Ray, rays};
 use super::sampler::Sampler;
+use super::section::{ends, mean, mean_length};
 use super::standing::Standing;
 use super::sunk::{FrozenIn, Sunk, frozen_in};
 
 /// Two places that are the same, over the size of the plan.
 pub(super) const SAME_PLACE: f64 = 1e-9;
-
-/// Bends of ways that are tried to either side of the straight one, at most.
-const MOST_BENDS: f64 = 16.0;
 
 /// Two neighbouring pipes.
 #[derive(Debug, Clone)]
@@ -37,6 +36,8 @@ struct Link {
     line: usize,
     /// Which joint tells of the middle of the arc between both.
     arc: Option<usize>,
+    /// The first of the links that symmetry makes equal to it.
+    alike: usize,
 }
 
 /// A pipe of the whole plan.
@@ -137,7 +138,7 @@ impl Wall {
             let number = known.unwrap_or_else(|| {
                 self.lines.push(line);
                 let middle = 0.5 * (line[0] + line[1]);
-                self.joints.push(Joint::new(ways(line, sampler)));
+                self.joints.push(Joint::between(line, sampler, self.sharp));
                 joints.push((self.joints.len() - 1, None));
                 if (line[0].length() - line[1].length()).abs() <= SAME_PLACE * scene.domain.extent() {
                     let outwards = middle.normalize_or_zero();
@@ -150,14 +151,49 @@ impl Wall {
                         }
                         false => Way::Through(sampler.sample(arc), Vec::new()),
                     };
-                    self.joints.push(Joint::new(vec![way]));
+                    self.joints.push(Joint::at(way));
                     joints[self.lines.len() - 1].1 = Some(self.joints.len() - 1);
                 }
                 self.lines.len() - 1
             });
             let (joint, arc) = joints[number];
-            self.links.push(Link { ends, joint, line: number, arc });
+            self.links.push(Link { ends, joint, line: number, arc, alike: self.links.len() });
         }
+        self.compare(scene);
+    }
+
+    /// Finds links that symmetry makes equal.
+    fn compare(&mut self, scene: &Scene) {
+        let places: Vec<_> = self.places.iter().map(|place| (place.name.ring, place.at)).collect();
+        let ends: Vec<_> = self.links.iter().map(|link| link.ends).collect();
+        for (link, first) in self.links.iter_mut().zip(first_alike(scene, &places, &ends)) {
+            link.alike = first;
+        }
+    }
+
+    /// When the frozen bodies of a link joined (s).
+    fn own_closure(&self, link: usize) -> Option<f64> {
+        self.joints[self.links[link].joint].closed
+    }
+
+    /// Links that symmetry makes equal to one, itself among them.
+    fn alike(&self, link: usize) -> impl Iterator<Item = usize> {
+        let first = self.links[link].alike;
+        (0..self.links.len()).filter(move |other| self.links[*other].alike == first)
+    }
+
+    /// When a link closed (s): the mean over those that symmetry makes equal to it, whose bodies join at different times by how they
+    /// lie to the lattice alone; none before all have.
+    fn closed(&self, link: usize) -> Option<f64> {
+        let closures: Option<Vec<f64>> = self.alike(link).map(|other| self.own_closure(other)).collect();
+        closures.map(|closures| closures.iter().sum::<f64>() / closures.len() as f64)
+    }
+
+    /// Root mean square by which links that symmetry makes equal differ from their mean (s).
+    fn spread(&self, link: usize) -> Option<f64> {
+        let (mean, count) = (self.closed(link)?, self.alike(link).count());
+        let squares = self.alike(link).filter_map(|other| Some((self.own_closure(other)? - mean).powi(2)));
+        Some((squares.sum::<f64>() / count as f64).sqrt())
     }
 
     /// Takes sections of the wall at a time: along the first rays through a pipe and between two, and of all that is frozen.
@@ -234,19 +270,23 @@ impl Wall {
 
     /// When the frozen bodies of its pipes joined all around the centre (s).
     fn joined(&self) -> Option<f64> {
-        let joined = self.links.iter().filter_map(|link| Some((link.ends, self.joints[link.joint].closed?)));
+        // Of links that are alike the closure is found once.
+        let closures: Vec<Option<f64>> = (0..self.links.len())
+            .map(|link| if self.links[link].alike == link { self.closed(link) } else { None })
+            .collect();
+        let joined = self.links.iter().filter_map(|link| Some((link.ends, closures[link.alike]?)));
         let places: Vec<DVec2> = self.places.iter().map(|place| place.at).collect();
         closure(&places, joined.collect())
     }
 
     /// The link that was last to close the wall, at this time.
     fn last_to_close(&self, joined: f64) -> Option<usize> {
-        self.links.iter().position(|link| self.joints[link.joint].closed == Some(joined))
+        (0..self.links.len()).find(|link| self.closed(*link) == Some(joined))
     }
 
     /// The widest of the links that have not closed; of those as wide the first.
     fn widest_open(&self) -> Option<usize> {
-        let open = (0..self.links.len()).filter(|link| self.joints[self.links[*link].joint].closed.is_none());
+        let open = (0..self.links.len()).filter(|link| self.closed(*link).is_none());
         open.reduce(|best, link| if self.width(link) > (1.0 + SAME_PLACE) * self.width(best) { link } else { best })
     }
 
@@ -282,7 +322,7 @@ impl Wall {
         let near: Vec<f64> = self.links.iter().map(off).collect();
         let least = near.iter().copied().fold(f64::INFINITY, f64::min).max(self.finder.spacing());
         // A way through several rings crosses a link of each: the last of them to close is the weakest.
-        let closed = |link: usize| self.joints[self.links[link].joint].closed.unwrap_or(f64::INFINITY);
+        let closed = |link: usize| self.closed(link).unwrap_or(f64::INFINITY);
         let crossed = (0..self.links.len()).filter(|link| near[*link] <= least);
         crossed.reduce(|best, link| if closed(link) > closed(best) { link } else { best })
     }
@@ -307,7 +347,7 @@ impl Wall {
 
     /// All links.
     fn link_rows(&self) -> Vec<LinkRow> {
-        let rows = self.links.iter().map(|link| {
+        let rows = self.links.iter().enumerate().map(|(number, link)| {
             let [a, b] = link.ends.map(|end| &self.places[end]);
             let middle = 0.5 * (a.at + b.at);
             LinkRow {
@@ -318,6 +358,8 @@ impl Wall {
                 distance_m: a.at.distance(b.at),
                 closure_s: self.joints[link.joint].closed,
                 closure_on_circle_s: link.arc.and_then(|arc| self.joints[arc].closed),
+                alike: link.alike + 1,
+                closure_alike_s: self.closed(number),
             }
         });
         rows.collect()
@@ -331,6 +373,7 @@ impl Wall {
         let named = |link: usize| self.links[link].ends.map(|end| self.places[end].name.to_string());
         let link = self.weakest.as_ref().map(|weakest| weakest.link).or_else(|| self.widest_open());
         let periods = &self.standing.periods;
+        let last = self.joined().and_then(|joined| self.last_to_close(joined));
         Some(WallRecord {
             closed: self.standing.stands(),
             closure_s: periods.first().map(|period| period.0),
@@ -339,7 +382,9 @@ impl Wall {
             thickness_m: self.weakest.as_ref().map_or(0.0, |weakest| weakest.thickness),
             mean_temperature_c: self.weakest.as_ref().and_then(|weakest| weakest.mean_temperature),
             weakest_gap: link.map(named),
-            last_gap: self.joined().and_then(|joined| self.last_to_close(joined)).map(named),
+            last_gap: last.map(named),
+            last_gap_alike: last.map_or(0, |last| self.alike(last).count()),
+            last_gap_spread_s: last.and_then(|last| self.spread(last)),
         })
     }
 }
@@ -399,29 +444,6 @@ impl Observer for Wall {
     }
 }
 
-/// Mean frozen length over rays (m), each for all that it stands for.
-fn mean_length(rays: &[Ray], particles: &Particles) -> f64 {
-    let weights: usize = rays.iter().map(|ray| ray.multiplicity).sum();
-    let lengths = rays.iter().map(|ray| ray.multiplicity as f64 * frozen_length(ray, particles));
-    lengths.sum::<f64>() / weights.max(1) as f64
-}
-
-/// Ways from one pipe to another: straight to a point half-way between both, and straight on.
-fn ways([a, b]: [DVec2; 2], sampler: &Sampler<'_>) -> Vec<Way> {
-    let step = 0.5 * sampler.lattice.spacing;
-    let (middle, across) = (0.5 * (a + b), 0.5 * (b - a).perp());
-    let count = (across.length() / step).ceil().min(MOST_BENDS) as i64;
-    let leg = |from: DVec2, to: DVec2| {
-        let pieces = (from.distance(to) / step).ceil() as i64;
-        (0..pieces).map(move |k| from.lerp(to, k as f64 / pieces as f64))
-    };
-    let way = |bend: DVec2| {
-        let rest = leg(bend, a).chain(leg(bend, b)).map(|place| sampler.sample(place)).collect();
-        Way::Through(sampler.sample(bend), rest)
-    };
-    (-count..=count).map(|k| way(middle + k as f64 / count as f64 * across)).collect()
-}
-
 /// A line's image in a sector, by the mirrors that bring its middle there.
 fn folded(line: [DVec2; 2], sector: Sector) -> [DVec2; 2] {
     let middle = 0.5 * (line[0] + line[1]);
@@ -436,41 +458,4 @@ fn folded(line: [DVec2; 2], sector: Sector) -> [DVec2; 2] {
 fn from_segment(place: DVec2, a: DVec2, b: DVec2) -> f64 {
     let along = ((place - a).dot(b - a) / a.distance_squared(b)).clamp(0.0, 1.0);
     place.distance(a.lerp(b, along))
-}
-
-/// First and last radius at which a ray is frozen; none where nothing is.
-fn ends(radii: &[f64], fraction: &[f64]) -> Option<(f64, f64)> {
-    let first = fraction.iter().position(|f| *f >= 0.5)?;
-    let last = fraction.iter().rposition(|f| *f >= 0.5)?;
-    let between = |a: usize, b: usize| {
-        let part = (0.5 - fraction[a]) / (fraction[b] - fraction[a]);
-        radii[a] + part * (radii[b] - radii[a])
-    };
-    let inner = if first == 0 { radii[0] } else { between(first - 1, first) };
-    let outer = if last + 1 == radii.len() { radii[last] } else { between(last, last + 1) };
-    Some((inner, outer))
-}
-
-/// Mean of what is read along a ray between two radii.
-fn mean(radii: &[f64], values: &[f64], (inner, outer): (f64, f64)) -> Option<f64> {
-    let inside: Vec<f64> = radii
-        .iter()
-        .zip(values)
-        .filter(|(radius, _)| (inner..=outer).contains(*radius))
-        .map(|(_, value)| *value)
-        .collect();
-    (!inside.is_empty()).then(|| inside.iter().sum::<f64>() / inside.len() as f64)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn ends_lie_between_samples() {
-        let radii = [1.0, 2.0, 3.0, 4.0];
-        assert_eq!(ends(&radii, &[0.0, 1.0, 1.0, 0.0]), Some((1.5, 3.5)));
-        assert_eq!(ends(&radii, &[0.0; 4]), None);
-        assert_eq!(ends(&radii, &[1.0, 0.0, 0.0, 1.0]), Some((1.0, 4.0)));
-    }
 }

@@ -343,7 +343,9 @@ impl<'a> Ladder<'a> {
     fn formal_order(&self) -> f64 {
         let sharp = !self.base.of_water && self.base.materials.iter().any(Material::is_sharp);
         let front = self.base.method(self.kind.name).map(|own| own.numerics.front);
-        if sharp && front != Some(Front::SubCell) { 1.0 } else { 2.0 }
+        // A closure is that of fronts that meet, at any angle to the lattice.
+        let meets = self.headline == Some(Headline::Closure);
+        if sharp && (meets || front != Some(Front::SubCell)) { 1.0 } else { 2.0 }
     }
 
     /// The noise of one run at the finest spacing.

@@ -13,6 +13,7 @@ pub mod mixing;
 pub mod potential;
 pub mod retention;
 pub(crate) mod root;
+mod sharp_stretches;
 pub mod solute_material;
 pub mod sub_cell;
 pub mod thermal;

@@ -18,7 +18,7 @@
 use crate::bonds::stencil::Stencil;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::Materials;
-use crate::physics::thermal::Thermal;
+use crate::physics::sharp_stretches::{Sharp, stretches};
 use crate::space::lattice::Lattice;
 
 /// Particles that are looked at together: mostly none of them freezes.
@@ -48,6 +48,8 @@ pub struct SubCellFront {
     own: Vec<OwnPair>,
     /// Pairs over a freezing particle.
     over: Vec<PairOver>,
+    /// Places on their ways.
+    ways: Vec<u32>,
     /// Offsets that pairs reach along rows and columns.
     reach: (i64, i64),
     /// Left, right, bottom, top: whether what lies beyond is the mirror image of the body.
@@ -75,17 +77,6 @@ struct FrontTangent {
     /// Changes of potentials (W/m), without those of freezing particles, and what their enthalpies change by (J/m3).
     changes: Vec<f64>,
     kept: Vec<f64>,
-}
-
-/// A material that freezes at one temperature.
-#[derive(Debug, Clone, Copy)]
-struct Sharp {
-    /// Enthalpies (J/m3) of a particle at the freezing point, frozen and unfrozen.
-    interval: (f64, f64),
-    /// Potential (W/m) at the freezing point.
-    potential: f64,
-    /// Largest distance of a potential from it.
-    most: f64,
 }
 
 /// A particle as a freezing one sees it.
@@ -126,8 +117,8 @@ struct PairOver {
     weight: f64,
     /// Sums of the offsets of both ends from the middle, along rows and columns.
     sums: [i64; 2],
-    /// Places on the way from the frozen end to the middle: a front there takes care of the pair.
-    way: Vec<u32>,
+    /// Places on the way from the frozen end to the middle, as a range of [`SubCellFront::ways`]: a front there takes care of the pair.
+    way: (u32, u32),
 }
 
 /// Distance (in spacings) from a place `spacings` before the centre of a cell to the front in it, behind the share of the
@@ -165,10 +156,11 @@ fn free(place: i64, count: i64, reach: i64, (low, high): (bool, bool)) -> (i64, 
 impl PairOver {
     /// Whether the front in the middle takes care of the pair. Not where a wall that heat passes makes an image of one end
     /// for the other: the image weighs against the pair itself, and would be left without it.
-    fn is_taken(&self, window: &[Seen], free: &[(i64, i64); 2]) -> bool {
+    #[inline]
+    fn is_taken(&self, ways: &[u32], window: &[Seen], free: &[(i64, i64); 2]) -> bool {
         let freezes = |place: &u32| window[*place as usize].above == 0.0 && window[*place as usize].particle != NONE;
         let clear = self.sums.iter().zip(free).all(|(sum, (least, greatest))| least <= sum && sum <= greatest);
-        clear && !self.way.iter().any(freezes)
+        clear && !ways[self.way.0 as usize..self.way.1 as usize].iter().any(freezes)
     }
 }
 
@@ -186,7 +178,7 @@ impl SubCellFront {
         let across = stencil.reach as i64;
         let reach = (across, if lattice.dimension == 1 { 0 } else { across });
         let place = |(x, y): (i64, i64)| ((y + reach.1) * (2 * across + 1) + x + across) as u32;
-        let (mut own, mut over) = (Vec::new(), Vec::new());
+        let (mut own, mut over, mut places) = (Vec::new(), Vec::new(), Vec::new());
         for dy in -reach.1..=reach.1 {
             for dx in -across..=across {
                 let weight = stencil.at(dx.unsigned_abs() as usize, dy.unsigned_abs() as usize);
@@ -200,8 +192,10 @@ impl SubCellFront {
                 }
                 let cells = spacings as f64;
                 own.push(OwnPair { other: place((dx, dy)), opposite: place((-dx, -dy)), cells, weight });
-                let ways = [false, true].map(|higher| way((dx, dy), spacings, higher));
-                for way in &ways {
+                // Where the way runs between cells, half of the pair takes either.
+                let [lower, higher] = [false, true].map(|higher| way((dx, dy), spacings, higher));
+                let ways = if lower == higher { vec![(lower, 1.0)] } else { vec![(lower, 0.5), (higher, 0.5)] };
+                for (way, part) in &ways {
                     for (step, middle) in way.iter().enumerate() {
                         let from_middle = |(x, y): (i64, i64)| place((x - middle.0, y - middle.1));
                         over.push(PairOver {
@@ -209,10 +203,11 @@ impl SubCellFront {
                             unfrozen: from_middle((dx, dy)),
                             cells,
                             before: (step + 1) as f64,
-                            weight: 0.5 * weight,
+                            weight: part * weight,
                             sums: [dx - 2 * middle.0, dy - 2 * middle.1],
-                            way: way[..step].iter().map(|cell| from_middle(*cell)).collect(),
+                            way: (places.len() as u32, (places.len() + step) as u32),
                         });
+                        places.extend(way[..step].iter().map(|cell| from_middle(*cell)));
                     }
                 }
             }
@@ -223,6 +218,7 @@ impl SubCellFront {
             stretches,
             own,
             over,
+            ways: places,
             reach,
             mirrors: extent.mirrors,
             free: [(i64::MIN, i64::MAX); 2],
@@ -268,6 +264,8 @@ impl SubCellFront {
         potential: impl Fn(usize) -> f64,
         mut one: impl FnMut(&mut Self, usize, f64, f64),
     ) {
+        // Particles come in the order of their rows.
+        let mut row = 0;
         for stretch in 0..self.stretches.len() {
             let (first, end, sharp) = self.stretches[stretch];
             let Sharp { interval: (frozen, unfrozen), potential: at_front, .. } = self.sharp[sharp as usize];
@@ -280,7 +278,11 @@ impl SubCellFront {
                         let fraction = (unfrozen - own) / (unfrozen - frozen);
                         let above = |other: usize| potential(other) - at_front;
                         let particle = first as usize + number * LOOK + i;
-                        self.look_around(lattice, particle, above);
+                        while lattice.start(row + 1) <= particle {
+                            row += 1;
+                        }
+                        let column = lattice.span(row).0 + particle - lattice.start(row);
+                        self.look_around(lattice, (column as i64, row as i64), above);
                         one(self, particle, fraction, unfrozen - frozen);
                     }
                 }
@@ -289,14 +291,24 @@ impl SubCellFront {
     }
 
     /// Fills the window around a particle.
-    fn look_around(&mut self, lattice: &Lattice, index: usize, above: impl Fn(usize) -> f64) {
-        let (column, row) = lattice.cell(index);
+    fn look_around(&mut self, lattice: &Lattice, (column, row): (i64, i64), above: impl Fn(usize) -> f64) {
         let (across, along) = self.reach;
         let [left, right, bottom, top] = self.mirrors;
         let (columns, rows) = (lattice.columns as i64, lattice.rows as i64);
         self.free = [free(column, columns, across, (left, right)), free(row, rows, along, (bottom, top))];
         for (seen, dy) in self.window.chunks_exact_mut(2 * across as usize + 1).zip(-along..=along) {
             let row = reflected(row + dy, rows, (bottom, top));
+            // Mostly all of a row is there, one particle after the other.
+            if (0..rows).contains(&row) {
+                let (first, end) = lattice.span(row as usize);
+                if column - across >= first as i64 && column + across < end as i64 {
+                    let first = lattice.start(row as usize) + (column - across) as usize - first;
+                    for (seen, other) in seen.iter_mut().zip(first..) {
+                        *seen = Seen { particle: other as u32, above: above(other), change: 0.0 };
+                    }
+                    continue;
+                }
+            }
             for (seen, dx) in seen.iter_mut().zip(-across..=across) {
                 let column = reflected(column + dx, columns, (left, right));
                 *seen = match lattice.index(column, row) {
@@ -325,7 +337,7 @@ impl SubCellFront {
         for pair in &self.over {
             let (frozen, unfrozen) = (pair.frozen as usize, pair.unfrozen as usize);
             let (below, above) = (window[frozen].above, window[unfrozen].above);
-            if below < 0.0 && above > 0.0 && pair.is_taken(window, &self.free) {
+            if below < 0.0 && above > 0.0 && pair.is_taken(&self.ways, window, &self.free) {
                 let carried = pair.weight * pair.cells;
                 let cold = carried * below / distance(pair.before, fraction);
                 let warm = carried * above / distance(pair.cells - pair.before, 1.0 - fraction);
@@ -361,7 +373,7 @@ impl SubCellFront {
         for pair in &self.over {
             let (frozen, unfrozen) = (pair.frozen as usize, pair.unfrozen as usize);
             let (below, above) = (window[frozen].above, window[unfrozen].above);
-            if below < 0.0 && above > 0.0 && pair.is_taken(window, &self.free) {
+            if below < 0.0 && above > 0.0 && pair.is_taken(&self.ways, window, &self.free) {
                 let carried = pair.weight * pair.cells;
                 let near = distance(pair.before, fraction);
                 let far = distance(pair.cells - pair.before, 1.0 - fraction);
@@ -425,46 +437,6 @@ impl SubCellFront {
     }
 }
 
-/// The materials that freeze at one temperature, and the stretches of particles whose fronts are followed.
-fn stretches(
-    materials: &Materials,
-    temperatures: (f64, f64),
-    count: usize,
-    mixed: impl Fn(usize) -> bool,
-) -> (Vec<Sharp>, Vec<(u32, u32, u32)>) {
-    let (mut sharp, mut stretches) = (Vec::new(), Vec::<(u32, u32, u32)>::new());
-    let of_material: Vec<Option<u32>> = materials
-        .thermals
-        .iter()
-        .map(|thermal| {
-            if !thermal.curve.is_sharp() {
-                return None;
-            }
-            let interval = interval(thermal);
-            // As the law itself has it, to the last bit.
-            let potential = thermal.law.potential(0.5 * (interval.0 + interval.1));
-            let far = |temperature: f64| (thermal.potential_at(temperature) - potential).abs();
-            sharp.push(Sharp { interval, potential, most: far(temperatures.0).max(far(temperatures.1)) });
-            Some(sharp.len() as u32 - 1)
-        })
-        .collect();
-    for particle in 0..count {
-        let own = of_material.get(materials.law(particle)).copied().flatten().filter(|_| !mixed(particle));
-        match (own, stretches.last_mut()) {
-            (None, _) => {}
-            (Some(own), Some(last)) if last.2 == own && last.1 as usize == particle => last.1 += 1,
-            (Some(own), _) => stretches.push((particle as u32, particle as u32 + 1, own)),
-        }
-    }
-    (sharp, stretches)
-}
-
-/// Enthalpies (J/m3) that a particle carries at the freezing point, frozen and unfrozen.
-fn interval(thermal: &Thermal) -> (f64, f64) {
-    let unfrozen = thermal.enthalpy(thermal.curve.freezing_point());
-    (unfrozen - thermal.curve.latent_heat(), unfrozen)
-}
-
 /// Temperature at the centre of a freezing particle, less that of freezing: on the line from the front in its cell to the
 /// neighbours in the phase in which the centre is. `temperature` tells that of a particle, less that of freezing.
 pub fn at_the_centre(lattice: &Lattice, index: usize, fraction: f64, temperature: impl Fn(usize) -> f64) -> f64 {
@@ -486,12 +458,13 @@ pub fn at_the_centre(lattice: &Lattice, index: usize, fraction: f64, temperature
 
 impl HeapSize for SubCellFront {
     fn heap_size(&self) -> usize {
-        let ways: usize = self.over.iter().map(|pair| pair.way.heap_size()).sum();
-        let tables = self.own.capacity() * size_of::<OwnPair>() + self.over.capacity() * size_of::<PairOver>();
+        let tables = self.ways.heap_size()
+            + self.own.capacity() * size_of::<OwnPair>()
+            + self.over.capacity() * size_of::<PairOver>();
         let states = self.window.capacity() * size_of::<Seen>() + self.changes.capacity() * size_of::<(u32, f64)>();
         let FrontTangent { freezing, by_potential, by_enthalpy, changes, kept } = &self.tangent;
         let factors = freezing.heap_size() + by_potential.heap_size() + by_enthalpy.heap_size();
         let tangent = factors + changes.heap_size() + kept.heap_size();
-        ways + tables + states + tangent
+        tables + states + tangent
     }
 }

@@ -97,7 +97,10 @@ fn nothing_is_known_of_a_shaft_before_it_is_dug() {
         let (dug, whole) = (run("condition = \"symmetry\""), run(""));
         let until = |result: &RunResult, patch: &str| through(result, patch)[..6].to_vec();
         for patch in ["outer", "pipes"] {
-            assert_eq!(until(&dug, patch), until(&whole, patch), "{}: {patch}", kind.name);
+            // Pairs that will be cut are summed apart from the others, which rounds differently.
+            for (dug, whole) in until(&dug, patch).iter().zip(until(&whole, patch)) {
+                assert!((dug - whole).abs() <= 1e-13 * whole.abs(), "{}: {patch} {dug} {whole}", kind.name);
+            }
         }
         assert_eq!(until(&dug, "shaft"), [0.0; 6], "{}", kind.name);
         // What is dug out counts no more.

@@ -66,33 +66,34 @@ pub fn limit(widest: InstructionSet) {
     LIMIT.store(widest as u8, Ordering::Relaxed);
 }
 
-/// Compiles a kernel for the vectors of several processors and calls the widest that may be used.
+/// Compiles a kernel for the vectors of several processors and calls the widest that may be used. A kernel may be generic over
+/// flags, or in square brackets over a type.
 macro_rules! widest {
-    ($name:ident, $body:ident $(<$($generic:ident),*>)?, ($($argument:ident: $kind:ty),*)) => {
-        fn $name$(<$(const $generic: bool),*>)?($($argument: $kind),*) {
+    ($name:ident, $body:ident $(<$($flag:ident),*>)? $([$kind:ident: $bound:path])?, ($($argument:ident: $type:ty),*)) => {
+        fn $name<$($kind: $bound,)? $($(const $flag: bool),*)?>($($argument: $type),*) {
             #[cfg(target_arch = "x86_64")]
             {
                 #[target_feature(enable = "avx512f,avx512vl")]
-                fn avx512$(<$(const $generic: bool),*>)?($($argument: $kind),*) {
-                    $body$(::<$($generic),*>)?($($argument),*);
+                fn avx512<$($kind: $bound,)? $($(const $flag: bool),*)?>($($argument: $type),*) {
+                    $body::<$($kind,)? $($($flag),*)?>($($argument),*);
                 }
                 #[target_feature(enable = "avx2")]
-                fn avx2$(<$(const $generic: bool),*>)?($($argument: $kind),*) {
-                    $body$(::<$($generic),*>)?($($argument),*);
+                fn avx2<$($kind: $bound,)? $($(const $flag: bool),*)?>($($argument: $type),*) {
+                    $body::<$($kind,)? $($($flag),*)?>($($argument),*);
                 }
                 match $crate::instruction_set::InstructionSet::widest() {
                     // SAFETY: the processor has just been asked for these features.
                     $crate::instruction_set::InstructionSet::Avx512 => unsafe {
-                        return avx512$(::<$($generic),*>)?($($argument),*);
+                        return avx512::<$($kind,)? $($($flag),*)?>($($argument),*);
                     },
                     // SAFETY: as above.
                     $crate::instruction_set::InstructionSet::Avx2 => unsafe {
-                        return avx2$(::<$($generic),*>)?($($argument),*);
+                        return avx2::<$($kind,)? $($($flag),*)?>($($argument),*);
                     },
                     $crate::instruction_set::InstructionSet::Portable => {}
                 }
             }
-            $body$(::<$($generic),*>)?($($argument),*);
+            $body::<$($kind,)? $($($flag),*)?>($($argument),*);
         }
     };
 }

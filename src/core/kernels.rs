@@ -1,8 +1,10 @@
 //! Exchange through bonds, in the form that a body allows.
 
 pub mod around;
+pub mod conducted;
 pub mod corner;
 pub mod crossing;
+pub mod diagonal_pairs;
 pub mod enthalpy_rows;
 pub mod exterior;
 pub mod flows;

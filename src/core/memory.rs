@@ -31,7 +31,7 @@ macro_rules! plain {
     };
 }
 
-plain!(u8, u32, u64, usize, f64, bool, DVec2);
+plain!(u8, u32, u64, usize, f32, f64, bool, DVec2);
 
 impl<T: HeapSize> HeapSize for Vec<T> {
     fn heap_size(&self) -> usize {

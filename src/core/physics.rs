@@ -1,6 +1,7 @@
 //! What one particle makes of its content.
 
 pub mod blend;
+mod columns;
 pub mod curve;
 pub mod curved;
 pub mod film;

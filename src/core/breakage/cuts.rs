@@ -1,5 +1,7 @@
 //! How cracks, closed parts and shafts change the weights of pairs while a run goes on.
 
+use std::collections::HashMap;
+
 use glam::DVec2;
 
 use crate::bonds::pair_list::PairList;
@@ -140,6 +142,18 @@ impl Cuts {
     /// Whether no weight changes after the start.
     pub fn is_empty(&self) -> bool {
         self.changes.is_empty()
+    }
+
+    /// Where in the list weights change.
+    pub(crate) fn places(&self) -> impl Iterator<Item = usize> + '_ {
+        self.changes.iter().map(|change| change.place)
+    }
+
+    /// Follows weights that change to other places in the list.
+    pub(crate) fn renumber(&mut self, places: &HashMap<usize, usize>) {
+        for change in &mut self.changes {
+            change.place = places[&change.place];
+        }
     }
 
     /// Particles whose row sums grow beyond those at the start, and by what at most.

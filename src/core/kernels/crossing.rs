@@ -58,7 +58,7 @@ pub(super) fn pairs_across(parts: &ListParts, surface: &Surface) -> Vec<(Crossin
     let count = parts.positions.len();
     let beyond = |j: usize| {
         let place = j.checked_sub(count).map_or_else(|| parts.positions[j], |ghost| parts.ghosts.position[ghost]);
-        (if surface.across_y { place.y } else { place.x }) >= surface.at
+        surface.is_beyond(place)
     };
     let faces = |patch: u8| {
         let wall = parts.boundary.patches[patch as usize].id.wall();

@@ -2,11 +2,12 @@
 
 use crate::bonds::exchange::Exchange;
 use crate::boundary::pipe::Sink;
+use crate::kernels::diagonal_pairs::DiagonalPairs;
 use crate::kernels::list_parts::{ListParts, steepest};
 use crate::kernels::rows::ListRows;
 use crate::kernels::term::PairTerm;
 use crate::ledger::Source;
-use crate::memory::HeapSize;
+use crate::memory::{HeapSize, total};
 use crate::physics::latent_heat::SchemeState;
 use crate::saved::{Pass, Saved};
 use crate::solvers::balance::{Balance, BalanceFacts, Rates, Tangent, TangentShape, Update};
@@ -25,8 +26,11 @@ impl<T: PairTerm> ListBalance<T> {
     /// The rows of these parts, for a scheme that reads their particles.
     pub fn new(parts: ListParts, term: T, scheme: Box<dyn SchemeState>) -> Self {
         let (count, pairs, surfaces) = (parts.positions.len(), parts.pair_count(), parts.surfaces.len());
-        let rows = ListRows::new(parts, term);
-        let facts = BalanceFacts { patches: rows.sources(), pairs, surfaces, bound: rows.bound.clone(), turning: 0.0 };
+        // While all pairs are on the list.
+        let parts = parts.varied();
+        let bound = parts.step_bound();
+        let rows = ListRows::by_diagonals(parts, term);
+        let facts = BalanceFacts { patches: rows.sources(), pairs, surfaces, bound, turning: 0.0 };
         ListBalance { rows, scheme, rate: vec![0.0; count], linearised: Linearised::default(), facts }
     }
 }
@@ -38,8 +42,10 @@ pub struct Linearised {
     pub(super) changes: Vec<f64>,
     /// How ghosts follow their images.
     pub(super) ghosts: Vec<f64>,
-    /// How the flux of each pair follows its own particle and its partner; empty for a single material.
+    /// How the flux of each pair on the list follows its own particle and its partner; empty for a single material.
     pub(super) shares: Vec<(f64, f64)>,
+    /// What pairs by diagonals conduct by, over the largest conductivity of all, where they do by a mean.
+    pub(super) conductivity: Vec<f64>,
     /// How the gains at each curved wall follow what is seen of it.
     pub(super) views: Vec<Vec<f64>>,
     /// How the gains at touching walls follow the particles.
@@ -52,8 +58,7 @@ pub struct Linearised {
 
 impl HeapSize for Linearised {
     fn heap_size(&self) -> usize {
-        let columns =
-            self.changes.heap_size() + self.ghosts.heap_size() + self.shares.heap_size() + self.touches.heap_size();
+        let columns = total(&[&self.changes, &self.ghosts, &self.shares, &self.conductivity, &self.touches]);
         columns + self.views.iter().map(HeapSize::heap_size).sum::<usize>()
     }
 }
@@ -101,7 +106,7 @@ impl<T: PairTerm> Tangent for ListBalance<T> {
             is_symmetric: even && parts.ghosts.all_mirrored() && linear && !curved && !falls,
             is_constant: linear && !means && !falls && !scheduled && parts.cuts.is_empty(),
             is_steep: falls,
-            bandwidth: bandwidth(parts),
+            bandwidth: bandwidth(parts).max(self.rows.diagonals.as_ref().map_or(0, DiagonalPairs::reach)),
         }
     }
 

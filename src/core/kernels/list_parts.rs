@@ -1,5 +1,6 @@
 //! What the rows of a list are made from, and the bound of their step.
 
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -79,13 +80,24 @@ impl ListParts {
     /// Fills rows in tasks, each from a first particle on, side by side where there is a pool and enough to do.
     #[inline(always)]
     pub(crate) fn in_tasks<R: Send>(&self, rows: &mut [R], fill: impl Fn(usize, &mut [R]) + Sync) {
-        let task = |(number, rows): (usize, &mut [R])| fill(number * TASK, rows);
+        self.in_tasks_of(TASK, rows, fill);
+    }
+
+    /// The same in tasks of a length.
+    #[inline(always)]
+    pub(super) fn in_tasks_of<R: Send>(&self, length: usize, rows: &mut [R], fill: impl Fn(usize, &mut [R]) + Sync) {
+        let task = |(number, rows): (usize, &mut [R])| fill(number * length, rows);
         match &self.pool {
             Some(pool) if rows.len() > 2 * TASK => {
-                pool.install(|| rows.par_chunks_mut(TASK).enumerate().for_each(task));
+                pool.install(|| rows.par_chunks_mut(length).enumerate().for_each(task));
             }
-            _ => rows.chunks_mut(TASK).enumerate().for_each(task),
+            _ => rows.chunks_mut(length).enumerate().for_each(task),
         }
+    }
+
+    /// Threads that there are.
+    pub(super) fn threads(&self) -> usize {
+        self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
     /// Fills values of entries row by row, in tasks as [`ListParts::in_tasks`] has them.
@@ -109,6 +121,45 @@ impl ListParts {
             Some(pool) if count > 2 * TASK => pool.install(|| tasks.into_par_iter().for_each(one)),
             _ => tasks.into_iter().for_each(one),
         }
+    }
+
+    /// Keeps some of the entries of the list, all of those among them whose weights change.
+    pub(super) fn keep(&mut self, keeps: impl Fn(usize) -> bool) {
+        let PairList { starts, partners, weights } = &mut self.pairs;
+        let of_pair = &mut self.chains.of_pair;
+        let mut kept = 0;
+        let mut numbers = HashMap::new();
+        let changing: HashSet<usize> = self.cuts.places().collect();
+        for row in 0..self.positions.len() {
+            let entries = starts[row]..starts[row + 1];
+            starts[row] = kept;
+            // The end of a row is the start of the next one, which is still to be read.
+            for entry in entries.filter(|entry| keeps(*entry)) {
+                (partners[kept], weights[kept]) = (partners[entry], weights[entry]);
+                if let Some(chain) = of_pair.get(entry).copied() {
+                    of_pair[kept] = chain;
+                }
+                if changing.contains(&entry) {
+                    numbers.insert(entry, kept);
+                }
+                kept += 1;
+            }
+        }
+        starts[self.positions.len()] = kept;
+        partners.truncate(kept);
+        partners.shrink_to_fit();
+        weights.truncate(kept);
+        weights.shrink_to_fit();
+        of_pair.truncate(kept);
+        of_pair.shrink_to_fit();
+        self.cuts.renumber(&numbers);
+    }
+
+    /// The bound of the step.
+    pub(super) fn step_bound(&self) -> Bound {
+        let first = &self.materials.thermals[0];
+        let faces = || self.boundary.first_faces(&first.curve, first.zero_potential);
+        self.bound.clone().unwrap_or_else(|| bound(self, &faces()))
     }
 
     /// Pairs, each once.
@@ -189,7 +240,7 @@ pub(super) fn row_sums(parts: &ListParts, faces: &[Face]) -> Vec<f64> {
     sums
 }
 
-pub(super) fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
+fn bound(parts: &ListParts, faces: &[Face]) -> Bound {
     let mut stiffest = (0.0, 0usize);
     for (i, sum) in row_sums(parts, faces).iter().enumerate() {
         let slope = steepest(parts, i);

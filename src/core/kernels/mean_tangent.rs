@@ -65,6 +65,11 @@ impl<T: PairTerm> ListRows<T> {
             let follows = |slope: f64, by: f64| if slope > 0.0 { difference * by * slope } else { 0.0 };
             ((mean - follows(driven[i], by_a)) / largest, (mean + follows(driven[j], by_b)) / largest)
         };
+        tangent.conductivity.clear();
+        if self.diagonals.is_some() {
+            // Means of conductivities grow in proportion with them.
+            tangent.conductivity.extend(conductivity.iter().map(|own| own / largest));
+        }
         let pairs = &self.parts.pairs;
         tangent.shares.clear();
         for i in 0..enthalpy.len() {

@@ -7,14 +7,16 @@ use crate::boundary::curved_wall::Rim;
 use crate::boundary::interface::Way;
 use crate::boundary::patch::{Face, MOST_PATCHES};
 use crate::boundary::shells::Touch;
+use crate::kernels::conducted::{Arithmetic, Conducted, Geometric, Harmonic};
 use crate::kernels::crossing::{Crossing, Portion, pairs_across};
+use crate::kernels::diagonal_pairs::{Columns, DiagonalPairs};
 use crate::kernels::gravity::Gravity;
-use crate::kernels::list_parts::{ListParts, bound};
+use crate::kernels::list_parts::ListParts;
 use crate::kernels::term::{PairTerm, PairView};
 use crate::ledger::Sum;
 use crate::memory::{HeapSize, shared, total};
 use crate::physics::latent_heat::{Fields, SchemeState};
-use crate::solvers::step::{Bound, Clock};
+use crate::solvers::step::Clock;
 use crate::space::domain::Surface;
 
 /// Rows that are summed side by side.
@@ -32,13 +34,24 @@ pub struct ListRows<T> {
     pub(super) crossings: Vec<(Crossing, u8)>,
     /// Pairs across each surface, and the volume of the particle, negative where heat to it comes from greater coordinates.
     pub(super) across: Vec<Vec<(Crossing, f64)>>,
-    pub(super) bound: Bound,
+    /// Pairs that need no list.
+    pub(super) diagonals: Option<DiagonalPairs>,
 }
 
 impl<T: PairTerm> ListRows<T> {
     /// An operator on the given parts with a term.
     pub fn new(parts: ListParts, term: T) -> Self {
-        let parts = parts.varied();
+        Self::of(parts.varied(), term, None)
+    }
+
+    /// The same with what pairs there are by diagonals off the list, where none is asked for on its own.
+    pub fn by_diagonals(parts: ListParts, term: T) -> Self {
+        let mut parts = parts.varied();
+        let diagonals = if T::ACTIVE { None } else { DiagonalPairs::split(&mut parts) };
+        Self::of(parts, term, diagonals)
+    }
+
+    fn of(parts: ListParts, term: T, diagonals: Option<DiagonalPairs>) -> Self {
         let total = parts.positions.len() + parts.ghosts.len();
         let means = parts.exchange != Exchange::Potential;
         let temperatures = means || T::ACTIVE;
@@ -67,10 +80,9 @@ impl<T: PairTerm> ListRows<T> {
             }
         }
         let across = parts.surfaces.iter().map(|surface| pairs_across(&parts, surface)).collect();
-        let bound = parts.bound.clone().unwrap_or_else(|| bound(&parts, &faces[0]));
         let sink_heat = vec![0.0; parts.sinks.len()];
         let gravity = Gravity::of(&parts);
-        ListRows { parts, term, fields, gravity, faces, sink_heat, crossings, across, bound }
+        ListRows { parts, term, fields, gravity, faces, sink_heat, crossings, across, diagonals }
     }
 
     /// Rates from the state of a scheme. `clock` feeds the term.
@@ -97,13 +109,13 @@ impl<T: PairTerm> ListRows<T> {
             },
             (Exchange::Potential, true) => self.exchange(&|o, i, j, k| o.across_materials(i, j, k), rate, patches),
             (Exchange::Mean(Mean::Harmonic), _) => {
-                self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| 2.0 * a * b / (a + b)), rate, patches);
+                self.exchange(&|o, i, j, _| o.by_mean::<Harmonic>(i, j), rate, patches);
             }
             (Exchange::Mean(Mean::Arithmetic), _) => {
-                self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| 0.5 * (a + b)), rate, patches);
+                self.exchange(&|o, i, j, _| o.by_mean::<Arithmetic>(i, j), rate, patches);
             }
             (Exchange::Mean(Mean::Geometric), _) => {
-                self.exchange(&|o, i, j, _| o.by_mean(i, j, |a, b| (a * b).sqrt()), rate, patches);
+                self.exchange(&|o, i, j, _| o.by_mean::<Geometric>(i, j), rate, patches);
             }
             (Exchange::Upstream, _) => self.exchange(&|o, i, j, _| o.by_upstream(i, j), rate, patches),
         }
@@ -226,17 +238,22 @@ impl<T: PairTerm> ListRows<T> {
         F: Fn(&Self, usize, usize, usize) -> f64 + Sync,
     {
         let pairs = &self.parts.pairs;
-        self.parts.in_tasks(rate, |mut first, rates| {
-            let mut groups = rates.chunks_exact_mut(ABREAST);
-            for group in &mut groups {
-                group.copy_from_slice(&self.rows::<ABREAST, F>(conducted, first));
-                first += ABREAST;
+        let means = self.parts.exchange != Exchange::Potential;
+        let values = if means { &self.fields.temperature } else { &self.fields.potential };
+        let columns = Columns { values, conductivity: &self.fields.conductivity };
+        match &self.diagonals {
+            None => self.parts.in_tasks(rate, |first, rates| {
+                let end = first + rates.len();
+                self.in_groups(conducted, first..end, |row, sum| rates[row - first] = sum);
+            }),
+            Some(diagonals) => {
+                self.parts.in_tasks_of(diagonals.share(self.parts.threads()), rate, |first, rates| {
+                    diagonals.gather(&columns, first, rates);
+                    let rows = diagonals.listed(first, rates.len());
+                    self.in_groups(conducted, rows, |row, sum| rates[row - first] += sum);
+                });
             }
-            for rate in groups.into_remainder() {
-                [*rate] = self.rows::<1, F>(conducted, first);
-                first += 1;
-            }
-        });
+        }
         let mut sums = [Sum::default(); MOST_PATCHES];
         for (Crossing { particle, pair: k, portion }, patch) in &self.crossings {
             let (i, k) = (*particle as usize, *k);
@@ -254,16 +271,37 @@ impl<T: PairTerm> ListRows<T> {
         }
     }
 
-    /// What the pairs of `N` rows from `first` on give their particles (W/m3). Each sum runs in the order of its row; side
-    /// by side they need not wait for their own last term.
+    /// Hands on what the pairs of each of some rows give its particle (W/m3).
     #[inline(always)]
-    fn rows<const N: usize, F>(&self, conducted: &F, first: usize) -> [f64; N]
+    fn in_groups<F>(
+        &self,
+        conducted: &F,
+        mut rows: impl ExactSizeIterator<Item = usize>,
+        mut give: impl FnMut(usize, f64),
+    ) where
+        F: Fn(&Self, usize, usize, usize) -> f64,
+    {
+        while rows.len() >= ABREAST {
+            let group: [usize; ABREAST] = from_fn(|_| rows.next().unwrap_or(0));
+            let sums = self.rows(conducted, group);
+            group.into_iter().zip(sums).for_each(|(row, sum)| give(row, sum));
+        }
+        for row in rows {
+            let [sum] = self.rows(conducted, [row]);
+            give(row, sum);
+        }
+    }
+
+    /// What the pairs of some rows give their particles (W/m3). Each sum runs in the order of its row; side by side they need
+    /// not wait for their own last term.
+    #[inline(always)]
+    fn rows<const N: usize, F>(&self, conducted: &F, own: [usize; N]) -> [f64; N]
     where
         F: Fn(&Self, usize, usize, usize) -> f64,
     {
         let pairs = &self.parts.pairs;
-        let starts: [usize; N] = from_fn(|row| pairs.starts[first + row]);
-        let partners: [&[u32]; N] = from_fn(|row| &pairs.partners[starts[row]..pairs.starts[first + row + 1]]);
+        let starts: [usize; N] = own.map(|row| pairs.starts[row]);
+        let partners: [&[u32]; N] = from_fn(|row| &pairs.partners[starts[row]..pairs.starts[own[row] + 1]]);
         let weights: [&[f64]; N] = from_fn(|row| &pairs.weights[starts[row]..starts[row] + partners[row].len()]);
         let common = partners.iter().map(|row| row.len()).min().unwrap_or(0);
         let mut sums = [0.0; N];
@@ -271,13 +309,13 @@ impl<T: PairTerm> ListRows<T> {
         for k in 0..common {
             for row in 0..N {
                 let (j, weight) = (heads[row].0[k] as usize, heads[row].1[k]);
-                sums[row] += self.flux(conducted, first + row, j, weight, starts[row] + k);
+                sums[row] += self.flux(conducted, own[row], j, weight, starts[row] + k);
             }
         }
         for row in 0..N {
             for k in common..partners[row].len() {
                 let (j, weight) = (partners[row][k] as usize, weights[row][k]);
-                sums[row] += self.flux(conducted, first + row, j, weight, starts[row] + k);
+                sums[row] += self.flux(conducted, own[row], j, weight, starts[row] + k);
             }
         }
         sums
@@ -315,9 +353,9 @@ impl<T: PairTerm> ListRows<T> {
                 self.potential_difference(i, j) + self.gravity.as_ref().map_or(0.0, |gravity| gravity.brings(i, j))
             }
             (Exchange::Potential, true) => self.across_materials(i, j, k),
-            (Exchange::Mean(Mean::Harmonic), _) => self.by_mean(i, j, |a, b| 2.0 * a * b / (a + b)),
-            (Exchange::Mean(Mean::Arithmetic), _) => self.by_mean(i, j, |a, b| 0.5 * (a + b)),
-            (Exchange::Mean(Mean::Geometric), _) => self.by_mean(i, j, |a, b| (a * b).sqrt()),
+            (Exchange::Mean(Mean::Harmonic), _) => self.by_mean::<Harmonic>(i, j),
+            (Exchange::Mean(Mean::Arithmetic), _) => self.by_mean::<Arithmetic>(i, j),
+            (Exchange::Mean(Mean::Geometric), _) => self.by_mean::<Geometric>(i, j),
             (Exchange::Upstream, _) => self.by_upstream(i, j),
         }
     }
@@ -348,8 +386,7 @@ impl<T: PairTerm> ListRows<T> {
         // A wall touches the outermost particles from beyond surfaces that lie nearer to it.
         let walls = |surface: &Surface| {
             let near = self.parts.touches.iter().enumerate().filter(|(_, touch)| {
-                let place = self.parts.positions[touch.particle as usize];
-                let beyond = (if surface.across_y { place.y } else { place.x }) >= surface.at;
+                let beyond = surface.is_beyond(self.parts.positions[touch.particle as usize]);
                 touch.across_y == surface.across_y && touch.at_end != beyond
             });
             near.map(|(number, touch)| {
@@ -370,9 +407,9 @@ impl<T: PairTerm> ListRows<T> {
     }
 
     #[inline(always)]
-    fn by_mean(&self, i: usize, j: usize, mean: impl Fn(f64, f64) -> f64) -> f64 {
+    fn by_mean<C: Conducted>(&self, i: usize, j: usize) -> f64 {
         let difference = self.fields.temperature[j] - self.fields.temperature[i];
-        mean(self.fields.conductivity[i], self.fields.conductivity[j]) * difference
+        C::mean(self.fields.conductivity[i], self.fields.conductivity[j]) * difference
     }
 
     #[inline(always)]
@@ -417,6 +454,7 @@ impl<T: PairTerm> HeapSize for ListRows<T> {
             + self.gravity.as_ref().map_or(0, HeapSize::heap_size)
             + self.crossings.heap_size()
             + self.across.iter().map(HeapSize::heap_size).sum::<usize>()
+            + self.diagonals.as_ref().map_or(0, HeapSize::heap_size)
             + parts.rims.iter().map(|rim| rim.contacts.heap_size()).sum::<usize>()
             + parts.touches.capacity() * size_of::<Touch>()
             + parts.sinks.heap_size()

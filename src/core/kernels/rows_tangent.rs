@@ -3,6 +3,7 @@
 use crate::bonds::exchange::Exchange;
 use crate::boundary::curved_wall::Rim;
 use crate::boundary::interface::Way;
+use crate::kernels::diagonal_pairs::Columns;
 use crate::kernels::enthalpy_rows::Linearised;
 use crate::kernels::gravity::Shares;
 use crate::kernels::rows::ListRows;
@@ -109,7 +110,7 @@ impl<T: PairTerm> ListRows<T> {
     /// Rates (W/m3) that small changes of the potentials (W/m) of particles cause.
     pub fn act(&self, tangent: &mut Linearised, potentials: &[f64], rate: &mut [f64]) {
         let parts = &self.parts;
-        let Linearised { changes, ghosts, shares, views, touches, pipes, time } = tangent;
+        let Linearised { changes, ghosts, shares, conductivity, views, touches, pipes, time } = tangent;
         changes[..potentials.len()].copy_from_slice(potentials);
         parts.ghosts.fill_changes(changes, ghosts);
         let changes = &*changes;
@@ -127,11 +128,16 @@ impl<T: PairTerm> ListRows<T> {
                 partners.zip(&shares[range]).map(flux).sum()
             }
         };
-        parts.in_tasks(rate, |first, rates| {
-            for (offset, rate) in rates.iter_mut().enumerate() {
-                *rate = row(first + offset);
-            }
-        });
+        let columns = Columns { values: changes, conductivity };
+        match &self.diagonals {
+            None => parts.in_tasks(rate, |first, rates| {
+                rates.iter_mut().enumerate().for_each(|(offset, rate)| *rate = row(first + offset));
+            }),
+            Some(diagonals) => parts.in_tasks_of(diagonals.share(parts.threads()), rate, |first, rates| {
+                diagonals.gather(&columns, first, rates);
+                diagonals.listed(first, rates.len()).for_each(|own| rates[own - first] += row(own));
+            }),
+        }
         for (rim, views) in parts.rims.iter().zip(views.iter()).filter(|(rim, _)| rim.stands(*time)) {
             for contact in &rim.contacts.contacts {
                 rate[contact.particle as usize] += rim.contacts.change(contact, views, |particle| changes[particle]);

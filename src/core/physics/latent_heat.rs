@@ -191,19 +191,18 @@ impl Saved for Enthalpy {
 
 impl SchemeState for Enthalpy {
     fn read(&self, materials: &Materials, enthalpy: &[f64], fields: &mut Fields) {
-        for (i, (potential, h)) in fields.potential.iter_mut().zip(enthalpy).enumerate() {
-            *potential = materials.of(i).law.potential(*h);
-        }
-        let water = |i: usize| materials.of(i).conducting();
-        for (i, (temperature, h)) in fields.temperature.iter_mut().zip(enthalpy).enumerate() {
-            *temperature = water(i).map_or_else(|| materials.of(i).temperature(*h), |water| water.head(*h));
-        }
-        for (i, (conductivity, h)) in fields.conductivity.iter_mut().zip(enthalpy).enumerate() {
-            let thermal = materials.of(i);
-            *conductivity = match water(i) {
-                Some(water) => water.at(*h),
-                None => thermal.curve.mixed_conductivity(1.0 - thermal.frozen_fraction(*h)),
-            };
+        let Fields { potential, temperature, conductivity } = fields;
+        for (run, thermal) in materials.runs(enthalpy.len()) {
+            let enthalpy = &enthalpy[run.clone()];
+            if !potential.is_empty() {
+                thermal.law.fill(enthalpy, &mut potential[run.clone()]);
+            }
+            if !temperature.is_empty() {
+                thermal.fill_temperatures(enthalpy, &mut temperature[run.clone()]);
+            }
+            if !conductivity.is_empty() {
+                thermal.fill_conductivities(enthalpy, &mut conductivity[run]);
+            }
         }
     }
 

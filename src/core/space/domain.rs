@@ -1,5 +1,7 @@
 //! The body that is simulated, and surfaces across it.
 
+use glam::DVec2;
+
 use crate::space::symmetry::Symmetry;
 
 /// The body of ground or water that is simulated.
@@ -163,6 +165,11 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// Whether a place (m) lies beyond it, towards greater coordinates.
+    pub fn is_beyond(&self, place: DVec2) -> bool {
+        (if self.across_y { place.y } else { place.x }) >= self.at
+    }
+
     /// Name in the series, as `r=0.3`.
     pub fn name(&self, domain: &Domain) -> String {
         let (x, y) = domain.axes();

@@ -27,8 +27,8 @@ pub(super) fn blends(scene: &Scene, numerics: &Numerics) -> bool {
     numerics.exchange == Exchange::Potential && columns && scene.flow.is_none()
 }
 
-/// What is held for each (bytes): a particle at rest, one that moves with what it meets while the liquid is made, a pair on a list, and
-/// a pair along which water flows; measured by `frazil check` with some ten thousand particles and more, and rounded down.
+/// What is held for each (bytes): a particle at rest, one that moves with what it meets while the liquid is made, a pair on a list
+/// while that is made, and a pair along which water flows; measured with some ten thousand particles and more, and rounded down.
 const BYTES: [f64; 4] = [16.0, 700.0, 26.0, 150.0];
 
 /// What can be counted of a run without a plan.

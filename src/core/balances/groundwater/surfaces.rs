@@ -20,7 +20,7 @@ pub struct Crossed {
 impl Crossed {
     /// The ways across a surface.
     pub fn new(surface: &Surface, network: &Network, carrier: &Carrier, flow: &Flow, positions: &[DVec2]) -> Self {
-        let beyond = |i: usize| (if surface.across_y { positions[i].y } else { positions[i].x }) >= surface.at;
+        let beyond = |i: usize| surface.is_beyond(positions[i]);
         let mut paths = Vec::new();
         for i in (0..network.len()).filter(|i| beyond(*i)) {
             let before = network.paths(i).filter(|(j, ..)| !beyond(*j));

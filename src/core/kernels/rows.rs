@@ -3,6 +3,7 @@
 use std::array::from_fn;
 
 use crate::bonds::exchange::{Exchange, Mean};
+use crate::bonds::pair_list::PairList;
 use crate::boundary::curved_wall::Rim;
 use crate::boundary::interface::Way;
 use crate::boundary::patch::{Face, MOST_PATCHES};
@@ -10,6 +11,7 @@ use crate::boundary::shells::Touch;
 use crate::kernels::crossing::{Crossing, Portion, pairs_across};
 use crate::kernels::gravity::Gravity;
 use crate::kernels::list_parts::{ListParts, bound};
+use crate::kernels::runs::Runs;
 use crate::kernels::term::{PairTerm, PairView};
 use crate::ledger::Sum;
 use crate::memory::{HeapSize, shared, total};
@@ -33,6 +35,8 @@ pub struct ListRows<T> {
     /// Pairs across each surface, and the volume of the particle, negative where heat to it comes from greater coordinates.
     pub(super) across: Vec<Vec<(Crossing, f64)>>,
     pub(super) bound: Bound,
+    /// The runs among the pairs, where a term beside conduction makes each pair dear.
+    runs: Option<Runs>,
 }
 
 impl<T: PairTerm> ListRows<T> {
@@ -70,7 +74,8 @@ impl<T: PairTerm> ListRows<T> {
         let bound = parts.bound.clone().unwrap_or_else(|| bound(&parts, &faces[0]));
         let sink_heat = vec![0.0; parts.sinks.len()];
         let gravity = Gravity::of(&parts);
-        ListRows { parts, term, fields, gravity, faces, sink_heat, crossings, across, bound }
+        let runs = if T::ACTIVE { Runs::of(&parts) } else { None };
+        ListRows { parts, term, fields, gravity, faces, sink_heat, crossings, across, bound, runs }
     }
 
     /// Rates from the state of a scheme. `clock` feeds the term.
@@ -82,8 +87,8 @@ impl<T: PairTerm> ListRows<T> {
         rate: &mut [f64],
         patches: &mut [f64],
     ) {
-        self.term.begin(clock);
         self.bring_to(scheme, enthalpy, clock.time);
+        self.term.begin(&self.fields, clock);
         let parts = &self.parts;
         patches.fill(0.0);
         // The one place where exchange and materials become types.
@@ -226,17 +231,21 @@ impl<T: PairTerm> ListRows<T> {
         F: Fn(&Self, usize, usize, usize) -> f64 + Sync,
     {
         let pairs = &self.parts.pairs;
+        let listed = self.runs.as_ref().map_or(pairs, |runs| &runs.rest);
         self.parts.in_tasks(rate, |mut first, rates| {
             let mut groups = rates.chunks_exact_mut(ABREAST);
             for group in &mut groups {
-                group.copy_from_slice(&self.rows::<ABREAST, F>(conducted, first));
+                group.copy_from_slice(&self.rows::<ABREAST, F>(listed, conducted, first));
                 first += ABREAST;
             }
             for rate in groups.into_remainder() {
-                [*rate] = self.rows::<1, F>(conducted, first);
+                [*rate] = self.rows::<1, F>(listed, conducted, first);
                 first += 1;
             }
         });
+        if let Some(runs) = &self.runs {
+            runs.add((self.parts.exchange, self.parts.pool.as_deref()), &self.term, &self.fields, rate);
+        }
         let mut sums = [Sum::default(); MOST_PATCHES];
         for (Crossing { particle, pair: k, portion }, patch) in &self.crossings {
             let (i, k) = (*particle as usize, *k);
@@ -254,14 +263,13 @@ impl<T: PairTerm> ListRows<T> {
         }
     }
 
-    /// What the pairs of `N` rows from `first` on give their particles (W/m3). Each sum runs in the order of its row; side
+    /// What the pairs of `N` rows of a list from `first` on give their particles (W/m3). Each sum runs in the order of its row; side
     /// by side they need not wait for their own last term.
     #[inline(always)]
-    fn rows<const N: usize, F>(&self, conducted: &F, first: usize) -> [f64; N]
+    fn rows<const N: usize, F>(&self, pairs: &PairList, conducted: &F, first: usize) -> [f64; N]
     where
         F: Fn(&Self, usize, usize, usize) -> f64,
     {
-        let pairs = &self.parts.pairs;
         let starts: [usize; N] = from_fn(|row| pairs.starts[first + row]);
         let partners: [&[u32]; N] = from_fn(|row| &pairs.partners[starts[row]..pairs.starts[first + row + 1]]);
         let weights: [&[f64]; N] = from_fn(|row| &pairs.weights[starts[row]..starts[row] + partners[row].len()]);
@@ -414,6 +422,7 @@ impl<T: PairTerm> HeapSize for ListRows<T> {
             + parts.cuts.heap_size()
             + parts.ghosts.heap_size()
             + fields
+            + self.runs.heap_size()
             + self.gravity.as_ref().map_or(0, HeapSize::heap_size)
             + self.crossings.heap_size()
             + self.across.iter().map(HeapSize::heap_size).sum::<usize>()

@@ -48,11 +48,14 @@ enum Ends {
     Partners,
 }
 
+/// A run, and which of its ends are of a band.
+type Piece = (Run, Ends);
+
 /// The runs of a list, and the pairs that are in none.
 #[derive(Debug, Clone, Default)]
 pub struct Runs {
     /// By band, in the order in which its particles stand.
-    bands: Vec<Vec<(Run, Ends)>>,
+    bands: Vec<Vec<Piece>>,
     /// All other entries of the list.
     pub(super) rest: PairList,
 }
@@ -102,22 +105,22 @@ impl Runs {
         fields: &Fields,
         rate: &mut [f64],
     ) {
-        let task = |((number, band), rates): ((usize, &Vec<(Run, Ends)>), &mut [f64])| {
+        let task = |(number, (band, rates)): (usize, (&Vec<Piece>, &mut [f64]))| {
             meet(band, exchange, term, fields, (number * BAND, rates));
         };
         match pool {
             Some(pool) if self.bands.len() > 1 => {
-                let bands = self.bands.par_iter().enumerate().zip(rate.par_chunks_mut(BAND));
-                pool.install(|| bands.for_each(task));
+                let bands = self.bands.par_iter().zip(rate.par_chunks_mut(BAND));
+                pool.install(|| bands.enumerate().for_each(task));
             }
-            _ => self.bands.iter().enumerate().zip(rate.chunks_mut(BAND)).for_each(task),
+            _ => self.bands.iter().zip(rate.chunks_mut(BAND)).enumerate().for_each(task),
         }
     }
 }
 
 impl HeapSize for Runs {
     fn heap_size(&self) -> usize {
-        let runs = self.bands.iter().map(|band| band.capacity() * size_of::<(Run, Ends)>()).sum::<usize>();
+        let runs = self.bands.iter().map(|band| band.capacity() * size_of::<Piece>()).sum::<usize>();
         runs + total(&[&self.rest.starts, &self.rest.partners, &self.rest.weights])
     }
 }
@@ -159,7 +162,7 @@ fn ends(run: &Run) -> usize {
 }
 
 /// Cuts a run where either end passes into another band, and where it is too long to be met at once.
-fn split(run: &Run, bands: &mut [Vec<(Run, Ends)>]) {
+fn split(run: &Run, bands: &mut [Vec<Piece>]) {
     let Run { mut first, mut partner, count: mut left, weight } = *run;
     while left > 0 {
         let to_next = |particle: u32| BAND - particle as usize % BAND;
@@ -180,7 +183,7 @@ fn split(run: &Run, bands: &mut [Vec<(Run, Ends)>]) {
 type BandRates<'a> = (usize, &'a mut [f64]);
 
 /// Lets the runs of a band act, by the widest vectors.
-fn meet<T: PairTerm>(runs: &[(Run, Ends)], exchange: Exchange, term: &T, fields: &Fields, rates: BandRates<'_>) {
+fn meet<T: PairTerm>(runs: &[Piece], exchange: Exchange, term: &T, fields: &Fields, rates: BandRates<'_>) {
     #[cfg(target_arch = "x86_64")]
     match InstructionSet::widest() {
         // SAFETY: the processor has just been asked for these features.
@@ -194,24 +197,18 @@ fn meet<T: PairTerm>(runs: &[(Run, Ends)], exchange: Exchange, term: &T, fields:
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512vl,avx512dq")]
-fn meet_avx512<T: PairTerm>(runs: &[(Run, Ends)], exchange: Exchange, term: &T, fields: &Fields, rates: BandRates<'_>) {
+fn meet_avx512<T: PairTerm>(runs: &[Piece], exchange: Exchange, term: &T, fields: &Fields, rates: BandRates<'_>) {
     meet_by(runs, exchange, term, fields, rates);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn meet_avx2<T: PairTerm>(runs: &[(Run, Ends)], exchange: Exchange, term: &T, fields: &Fields, rates: BandRates<'_>) {
+fn meet_avx2<T: PairTerm>(runs: &[Piece], exchange: Exchange, term: &T, fields: &Fields, rates: BandRates<'_>) {
     meet_by(runs, exchange, term, fields, rates);
 }
 
 #[inline(always)]
-fn meet_by<T: PairTerm>(
-    runs: &[(Run, Ends)],
-    exchange: Exchange,
-    term: &T,
-    fields: &Fields,
-    (begin, rates): BandRates<'_>,
-) {
+fn meet_by<T: PairTerm>(runs: &[Piece], exchange: Exchange, term: &T, fields: &Fields, (begin, rates): BandRates<'_>) {
     let mut fluxes = [0.0; MOST];
     for (run, ends) in runs {
         let fluxes = &mut fluxes[..run.count as usize];

@@ -146,9 +146,10 @@ fn against_by_hand<const REACH: usize, const WALL: bool>(method: &str, side: usi
 fn stencil(kind: &'static frazil_scene::method::MethodKind) -> Stencil {
     let text = format!("spacing_m = {SPACING}");
     let numerics = frazil_scene::Numerics { spacing: SPACING, ..(kind.defaults)(frazil_scene::Setting::Best) };
+    let facts = frazil_scene::method::SceneFacts { dimension: 2, one_material: true };
     let discretisation = frazil_scene::read_section(&text, "bench", frazil_scene::Units::Si, |section| {
         section.positive(("spacing", "m"))?;
-        Ok((kind.read)(section, frazil_scene::Setting::Best, &numerics, 2))
+        Ok((kind.read)(section, frazil_scene::Setting::Best, &numerics, &facts))
     });
     discretisation.unwrap_or_else(|problems| unreachable!("{problems}")).stencil(SPACING, 2)
 }

@@ -10,24 +10,24 @@ pub mod calibration;
 pub mod fluid;
 pub mod moving;
 pub mod properties;
+mod random_flux;
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::bonds::weight::{Normalisation, PairWeight};
-use frazil_core::kernels::term::{Off, PairTerm, PairView};
-use frazil_core::memory::HeapSize;
-use frazil_core::noise::StepNoise;
+use frazil_core::kernels::term::Off;
 use frazil_core::solvers::assembly::Assembly;
 use frazil_core::solvers::moving::Purpose;
 use frazil_core::solvers::solver::Solver;
-use frazil_core::solvers::step::Clock;
 use frazil_record::Value;
 use frazil_scene::method::MethodSettings;
 use frazil_scene::method::{Discretisation, MethodKind, SceneFacts, Stepper};
 use frazil_scene::{Numerics, Range, Scene, Section, Setting, Units};
 use rayon::ThreadPool;
+
+use random_flux::RandomFlux;
 
 /// The method as the registry lists it.
 pub static METHOD: MethodKind = MethodKind {
@@ -77,83 +77,6 @@ fn quiet_capacity(temperatures: Option<(f64, f64)>, absolute_zero: f64) -> f64 {
     let wanted = ((high - absolute_zero) / (QUIET * range)).powi(2);
     let digit = 10f64.powf(wanted.log10().floor() - 1.0);
     ((wanted / digit).ceil() * digit).max(PAPERS_CAPACITY)
-}
-
-/// The random part of the heat exchange.
-#[derive(Debug, Clone)]
-struct RandomFlux {
-    seed: u64,
-    /// Temperature of absolute zero on the scale of the scene.
-    absolute_zero: f64,
-    /// 2 k_B over the volume of a particle (J/K per m^d).
-    twice_boltzmann_per_volume: f64,
-    /// The same by particle and ghost, where they store different heat; empty where all are alike.
-    by_particle: Arc<[f64]>,
-    noise: StepNoise,
-    /// Length of the step (s).
-    step: f64,
-    /// 2 k_B / (V dt).
-    strength: f64,
-}
-
-impl RandomFlux {
-    /// Noise of the particles of an assembly that store `capacity` k_B each.
-    fn new(assembly: &Assembly, capacity: f64) -> Self {
-        let parts = &assembly.parts;
-        let materials = &parts.materials;
-        let volume = parts.volumes.of(0);
-        let boltzmann = materials.thermals[0].curve.unfrozen_capacity() * volume / capacity;
-        let count = parts.positions.len();
-        let own = |i: usize| 2.0 * materials.of(i).curve.unfrozen_capacity() / capacity;
-        let ghosts = parts.ghosts.model.iter().map(|model| *model as usize);
-        let alike = !materials.mixed();
-        RandomFlux {
-            seed: assembly.seed,
-            absolute_zero: assembly.absolute_zero,
-            twice_boltzmann_per_volume: 2.0 * boltzmann / volume,
-            by_particle: if alike { Arc::new([]) } else { (0..count).chain(ghosts).map(own).collect() },
-            noise: StepNoise::new(assembly.seed, 0),
-            step: 0.0,
-            strength: 0.0,
-        }
-    }
-}
-
-impl HeapSize for RandomFlux {
-    fn heap_size(&self) -> usize {
-        size_of_val(&*self.by_particle)
-    }
-}
-
-impl PairTerm for RandomFlux {
-    const ACTIVE: bool = true;
-
-    fn begin(&mut self, clock: &Clock) {
-        self.noise = StepNoise::new(self.seed, clock.index);
-        self.step = clock.step;
-        self.strength = self.twice_boltzmann_per_volume / clock.step;
-    }
-
-    #[inline(always)]
-    fn add(&self, pair: &PairView<'_>) -> f64 {
-        let (i, j) = pair.indices;
-        let fields = pair.fields;
-        let (warm, cold) = (fields.temperature[i], fields.temperature[j]);
-        let (a, b) = pair.between.unwrap_or((fields.conductivity[i], fields.conductivity[j]));
-        // The conductivity that the pair conducts with: the integral mean between its two temperatures. Equal
-        // temperatures leave it open between the two particles' own.
-        let mean = pair.conducted / (cold - warm);
-        let mean = if mean.is_finite() { mean.clamp(a.min(b), a.max(b)) } else { 0.5 * (a + b) };
-        let temperatures = (warm - self.absolute_zero) * (cold - self.absolute_zero);
-        // Between particles that store different heat, the noise of the one that stores less: a light one beside a heavy one
-        // stays as quiet as among its like.
-        let strength = match self.by_particle.is_empty() {
-            true => self.strength,
-            false => self.by_particle[i].min(self.by_particle[j]) / self.step,
-        };
-        let variance = strength * pair.weight * mean * temperatures;
-        variance.max(0.0).sqrt() * self.noise.antisymmetric(pair.names.0, pair.names.1, pair.stream)
-    }
 }
 
 fn defaults(setting: Setting) -> Numerics {

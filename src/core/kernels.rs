@@ -17,6 +17,7 @@ pub mod list_parts;
 mod mean_tangent;
 pub mod rows;
 mod rows_tangent;
+pub mod runs;
 pub mod sweep;
 pub mod target;
 pub mod term;

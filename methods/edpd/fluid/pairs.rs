@@ -310,6 +310,7 @@ fn work<const D: usize, M: Matter>(frame: &StepConstants<'_, D, M>, desk: &mut D
         let turned = names.rotate_left(32);
         let sign = if names < turned { 1.0 } else { -1.0 };
         let (force_random, heat_random) = frame.noise.two(names.max(turned));
+        let (force_random, heat_random) = (f64::from(force_random), f64::from(heat_random));
         let weight = f64::from(raise(rough as f32, (0.5 * desk.exponents[k]) as f32));
         let lost = frame.friction * weight * mobility;
         let kept = 1.0 / lost.mul_add(lost.mul_add(0.5, 1.0), 1.0);

@@ -5,7 +5,7 @@
 //! forces; lambda = 1/2 is plain velocity Verlet. Heat follows eq 8 with the half that the energy of a pair needs. Nothing
 //! gives back what a step gains: it shows how much that is. Written to be read, and slow.
 
-use frazil_core::noise::StepNoise;
+use frazil_core::noise::{StepNoise, pair_of};
 
 use crate::fluid::{ConstantCapacity, Fluid, Matter, Parameters, Particle};
 
@@ -125,8 +125,8 @@ impl Verlet {
                     let speed: f64 = (0..2).map(|axis| way[axis] * (velocities[i][axis] - velocities[j][axis])).sum();
                     let (a, b) = (temperatures[i], temperatures[j]);
                     let names = (self.particles[i].name, self.particles[j].name);
-                    let (low, high) = (names.0.min(names.1), names.0.max(names.1));
-                    let (push, heat) = noise.two((u64::from(high) << 32) | u64::from(low));
+                    let (push, heat) = noise.two(pair_of(names.0, names.1));
+                    let (push, heat) = (f64::from(push), f64::from(heat));
                     let near = (1.0 - distance / parameters.conservative_cutoff).max(0.0);
                     self.potential += 0.5 * parameters.repulsion * parameters.conservative_cutoff * near * near;
                     let exponent = 0.5 * (parameters.exponent.at(a) + parameters.exponent.at(b));

@@ -3,6 +3,7 @@
 use std::array::from_fn;
 
 use crate::bonds::exchange::{Exchange, Mean};
+use crate::bonds::pair_list::PairList;
 use crate::boundary::curved_wall::Rim;
 use crate::boundary::interface::Way;
 use crate::boundary::patch::{Face, MOST_PATCHES};
@@ -12,6 +13,7 @@ use crate::kernels::crossing::{Crossing, Portion, pairs_across};
 use crate::kernels::diagonal_pairs::{Columns, DiagonalPairs};
 use crate::kernels::gravity::Gravity;
 use crate::kernels::list_parts::ListParts;
+use crate::kernels::runs::Runs;
 use crate::kernels::term::{PairTerm, PairView};
 use crate::ledger::Sum;
 use crate::memory::{HeapSize, shared, total};
@@ -36,6 +38,8 @@ pub struct ListRows<T> {
     pub(super) across: Vec<Vec<(Crossing, f64)>>,
     /// Pairs that need no list.
     pub(super) diagonals: Option<DiagonalPairs>,
+    /// The runs among the pairs, where a term beside conduction makes each pair dear.
+    runs: Option<Runs>,
 }
 
 impl<T: PairTerm> ListRows<T> {
@@ -82,7 +86,8 @@ impl<T: PairTerm> ListRows<T> {
         let across = parts.surfaces.iter().map(|surface| pairs_across(&parts, surface)).collect();
         let sink_heat = vec![0.0; parts.sinks.len()];
         let gravity = Gravity::of(&parts);
-        ListRows { parts, term, fields, gravity, faces, sink_heat, crossings, across, diagonals }
+        let runs = if T::ACTIVE { Runs::of(&parts) } else { None };
+        ListRows { parts, term, fields, gravity, faces, sink_heat, crossings, across, diagonals, runs }
     }
 
     /// Rates from the state of a scheme. `clock` feeds the term.
@@ -94,8 +99,8 @@ impl<T: PairTerm> ListRows<T> {
         rate: &mut [f64],
         patches: &mut [f64],
     ) {
-        self.term.begin(clock);
         self.bring_to(scheme, enthalpy, clock.time);
+        self.term.begin(&self.fields, clock);
         let parts = &self.parts;
         patches.fill(0.0);
         // The one place where exchange and materials become types.
@@ -242,17 +247,23 @@ impl<T: PairTerm> ListRows<T> {
         let values = if means { &self.fields.temperature } else { &self.fields.potential };
         let columns = Columns { values, conductivity: &self.fields.conductivity };
         match &self.diagonals {
-            None => self.parts.in_tasks(rate, |first, rates| {
-                let end = first + rates.len();
-                self.in_groups(conducted, first..end, |row, sum| rates[row - first] = sum);
-            }),
+            None => {
+                let listed = self.runs.as_ref().map_or(pairs, |runs| &runs.rest);
+                self.parts.in_tasks(rate, |first, rates| {
+                    let end = first + rates.len();
+                    self.in_groups(listed, conducted, first..end, |row, sum| rates[row - first] = sum);
+                });
+            }
             Some(diagonals) => {
                 self.parts.in_tasks_of(diagonals.share(self.parts.threads()), rate, |first, rates| {
                     diagonals.gather(&columns, first, rates);
                     let rows = diagonals.listed(first, rates.len());
-                    self.in_groups(conducted, rows, |row, sum| rates[row - first] += sum);
+                    self.in_groups(pairs, conducted, rows, |row, sum| rates[row - first] += sum);
                 });
             }
+        }
+        if let Some(runs) = &self.runs {
+            runs.add((self.parts.exchange, self.parts.pool.as_deref()), &self.term, &self.fields, rate);
         }
         let mut sums = [Sum::default(); MOST_PATCHES];
         for (Crossing { particle, pair: k, portion }, patch) in &self.crossings {
@@ -271,10 +282,11 @@ impl<T: PairTerm> ListRows<T> {
         }
     }
 
-    /// Hands on what the pairs of each of some rows give its particle (W/m3).
+    /// Hands on what the pairs of each of some rows of a list give its particle (W/m3).
     #[inline(always)]
     fn in_groups<F>(
         &self,
+        pairs: &PairList,
         conducted: &F,
         mut rows: impl ExactSizeIterator<Item = usize>,
         mut give: impl FnMut(usize, f64),
@@ -283,23 +295,22 @@ impl<T: PairTerm> ListRows<T> {
     {
         while rows.len() >= ABREAST {
             let group: [usize; ABREAST] = from_fn(|_| rows.next().unwrap_or(0));
-            let sums = self.rows(conducted, group);
+            let sums = self.rows(pairs, conducted, group);
             group.into_iter().zip(sums).for_each(|(row, sum)| give(row, sum));
         }
         for row in rows {
-            let [sum] = self.rows(conducted, [row]);
+            let [sum] = self.rows(pairs, conducted, [row]);
             give(row, sum);
         }
     }
 
-    /// What the pairs of some rows give their particles (W/m3). Each sum runs in the order of its row; side by side they need
-    /// not wait for their own last term.
+    /// What the pairs of some rows of a list give their particles (W/m3). Each sum runs in the order of its row; side by side they
+    /// need not wait for their own last term.
     #[inline(always)]
-    fn rows<const N: usize, F>(&self, conducted: &F, own: [usize; N]) -> [f64; N]
+    fn rows<const N: usize, F>(&self, pairs: &PairList, conducted: &F, own: [usize; N]) -> [f64; N]
     where
         F: Fn(&Self, usize, usize, usize) -> f64,
     {
-        let pairs = &self.parts.pairs;
         let starts: [usize; N] = own.map(|row| pairs.starts[row]);
         let partners: [&[u32]; N] = from_fn(|row| &pairs.partners[starts[row]..pairs.starts[own[row] + 1]]);
         let weights: [&[f64]; N] = from_fn(|row| &pairs.weights[starts[row]..starts[row] + partners[row].len()]);
@@ -451,6 +462,7 @@ impl<T: PairTerm> HeapSize for ListRows<T> {
             + parts.cuts.heap_size()
             + parts.ghosts.heap_size()
             + fields
+            + self.runs.heap_size()
             + self.gravity.as_ref().map_or(0, HeapSize::heap_size)
             + self.crossings.heap_size()
             + self.across.iter().map(HeapSize::heap_size).sum::<usize>()

@@ -1,5 +1,6 @@
 //! A term beside conduction.
 
+use crate::kernels::runs::Run;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::Fields;
 use crate::solvers::step::Clock;
@@ -8,10 +9,12 @@ use crate::solvers::step::Clock;
 pub trait PairTerm: HeapSize + Clone + Send + Sync + 'static {
     /// Whether the term needs temperatures and conductivities of particles.
     const ACTIVE: bool;
-    /// Prepares the term for a step.
-    fn begin(&mut self, clock: &Clock);
+    /// Prepares the term for a step from a state.
+    fn begin(&mut self, fields: &Fields, clock: &Clock);
     /// What the term adds to `weight * conducted`, from partner to particle (W/m3).
     fn add(&self, pair: &PairView<'_>) -> f64;
+    /// Turns what the pairs of a run conduct (W/m), from partner to particle, into all that they give the particle (W/m3).
+    fn give(&self, run: &Run, fields: &Fields, fluxes: &mut [f64]);
 }
 
 /// A pair as a term sees it.
@@ -45,10 +48,15 @@ impl HeapSize for Off {
 impl PairTerm for Off {
     const ACTIVE: bool = false;
 
-    fn begin(&mut self, _clock: &Clock) {}
+    fn begin(&mut self, _fields: &Fields, _clock: &Clock) {}
 
     #[inline(always)]
     fn add(&self, _pair: &PairView<'_>) -> f64 {
         0.0
+    }
+
+    #[inline(always)]
+    fn give(&self, run: &Run, _fields: &Fields, fluxes: &mut [f64]) {
+        fluxes.iter_mut().for_each(|flux| *flux *= run.weight);
     }
 }

@@ -69,23 +69,14 @@ impl Runs {
 
     /// The runs of a list of so many particles and of ghosts.
     fn among(pairs: &PairList, count: usize) -> Option<Self> {
-        let (runs, places) = found(pairs, count);
-        let kept = |run: &Run| run.count as usize >= FEWEST;
-        if !runs.iter().any(kept) {
+        let mut runs = found(pairs, count);
+        runs.retain(|run| run.count as usize >= FEWEST);
+        if runs.is_empty() {
             return None;
         }
-        let mut rest = PairList { starts: vec![0], ..PairList::default() };
-        for i in 0..count {
-            for k in pairs.starts[i]..pairs.starts[i + 1] {
-                if !runs.get(places[k] as usize).is_some_and(kept) {
-                    rest.partners.push(pairs.partners[k]);
-                    rest.weights.push(pairs.weights[k]);
-                }
-            }
-            rest.starts.push(rest.partners.len());
-        }
+        let rest = without(pairs, count, &runs);
         let mut bands = vec![Vec::new(); count.div_ceil(BAND)];
-        for run in runs.iter().filter(|run| kept(run)) {
+        for run in &runs {
             split(run, &mut bands);
         }
         for band in &mut bands {
@@ -125,11 +116,48 @@ impl HeapSize for Runs {
     }
 }
 
-/// All runs of a list, of one pair and more, and the run of each entry; `u32::MAX` for entries that are in none: those of
-/// ghosts, and those whose other end does not see them with the same weight.
-fn found(pairs: &PairList, count: usize) -> (Vec<Run>, Vec<u32>) {
+/// Whether two weights are those of one run.
+fn alike(one: f64, other: f64) -> bool {
+    (other - one).abs() <= ALIKE * one.abs()
+}
+
+/// The entries of a list that are in none of some runs.
+fn without(pairs: &PairList, count: usize, runs: &[Run]) -> PairList {
+    let mut taken = vec![false; pairs.partners.len()];
+    for run in runs {
+        for (i, j) in (run.first..run.first + run.count).zip(run.partner..) {
+            for (own, other) in [(i, j), (j, i)] {
+                let mut row = pairs.starts[own as usize]..pairs.starts[own as usize + 1];
+                let is_it =
+                    |k: &usize| pairs.partners[*k] == other && alike(run.weight, pairs.weights[*k]) && !taken[*k];
+                if let Some(k) = row.find(is_it) {
+                    taken[k] = true;
+                }
+            }
+        }
+    }
+    let left = taken.iter().filter(|taken| !**taken).count();
+    let mut rest = PairList {
+        starts: Vec::with_capacity(count + 1),
+        partners: Vec::with_capacity(left),
+        weights: Vec::with_capacity(left),
+    };
+    rest.starts.push(0);
+    for i in 0..count {
+        for k in (pairs.starts[i]..pairs.starts[i + 1]).filter(|k| !taken[*k]) {
+            rest.partners.push(pairs.partners[k]);
+            rest.weights.push(pairs.weights[k]);
+        }
+        rest.starts.push(rest.partners.len());
+    }
+    rest
+}
+
+/// All runs of a list, of one pair and more. Entries of ghosts are in none, nor are those whose other end does not see them with
+/// the same weight.
+fn found(pairs: &PairList, count: usize) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
-    let mut places = vec![u32::MAX; pairs.partners.len()];
+    let mut taken = vec![false; pairs.partners.len()];
     // The last run at each offset.
     let mut open: Vec<u32> = Vec::new();
     for i in 0..count {
@@ -137,10 +165,9 @@ fn found(pairs: &PairList, count: usize) -> (Vec<Run>, Vec<u32>) {
         let partners = |i: usize| pairs.starts[i]..pairs.starts[i + 1];
         for k in partners(i).filter(|k| (i + 1..count).contains(&(pairs.partners[*k] as usize))) {
             let (j, weight) = (pairs.partners[k], pairs.weights[k]);
-            let alike = |other: f64| (other - weight).abs() <= ALIKE * weight.abs();
-            let back = |k: &usize| pairs.partners[*k] as usize == i && alike(pairs.weights[*k]);
-            let Some(back) = partners(j as usize).find(|k| back(k) && places[*k] == u32::MAX) else { continue };
-            let goes_on = |run: &Run| run.partner + run.count == j && alike(run.weight) && ends(run) == i;
+            let back = |k: &usize| pairs.partners[*k] as usize == i && alike(weight, pairs.weights[*k]) && !taken[*k];
+            let Some(back) = partners(j as usize).find(back) else { continue };
+            let goes_on = |run: &Run| run.partner + run.count == j && alike(weight, run.weight) && ends(run) == i;
             let number = match open.iter().copied().find(|run| goes_on(&runs[*run as usize])) {
                 Some(number) => number,
                 None => {
@@ -150,10 +177,10 @@ fn found(pairs: &PairList, count: usize) -> (Vec<Run>, Vec<u32>) {
                 }
             };
             runs[number as usize].count += 1;
-            (places[k], places[back]) = (number, number);
+            (taken[k], taken[back]) = (true, true);
         }
     }
-    (runs, places)
+    runs
 }
 
 /// The particle after the last of a run.

@@ -126,6 +126,8 @@ impl HeapSize for Neck {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use frazil_core::space::domain::{Domain, Sector};
     use frazil_core::space::lattice::Lattice;
@@ -144,7 +146,9 @@ mod tests {
         /// Two discs, however they lie to the lattice: the width between them is told within a small part of a spacing, of which
         /// a hundredth is that of the shares, and its sign is right.
         #[test]
-        fn the_width_between_discs_is_found(turn in 0.0..6.28f64, x in -0.05..0.05f64, y in -0.05..0.05f64, open in -0.03..0.09f64) {
+        fn the_width_between_discs_is_found(
+            turn in 0.0..TAU, x in -0.05..0.05f64, y in -0.05..0.05f64, open in -0.03..0.09f64,
+        ) {
             let lattice = Lattice::new(&Domain::Ring { outer_radius: 1.6, sector: Sector::Whole }, 0.1);
             let sampler = Sampler::on(&lattice);
             let (aside, centre) = (0.6 * DVec2::from_angle(turn), DVec2::new(x, y));

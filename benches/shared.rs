@@ -46,7 +46,8 @@ pub fn line(count: usize, method: &str) -> Plan {
     freezing(&domain, &["right"], ISOTHERMAL, (method, ""), 1)
 }
 
-/// A third of the particles are frozen, a third freeze and a third are warm, in random order: no branch can be guessed.
+/// A third of the particles are frozen, a third freeze and a third are warm, in random order: no branch can be guessed. Fronts are those of
+/// whole cells: inside particles there would be one in every third, which no body has.
 fn freezing(domain: &str, closed: &[&str], law: &str, (method, numerics): (&str, &str), threads: usize) -> Plan {
     let closed: String = closed.iter().map(|wall| format!("[walls.{wall}]\ncondition = \"symmetry\"\n")).collect();
     let text = format!(
@@ -60,7 +61,7 @@ fn freezing(domain: &str, closed: &[&str], law: &str, (method, numerics): (&str,
          [initial]\ntemperature_c = 3\n\
          [walls.left]\ntemperature_c = -20\n\
          {closed}\
-         [method.{method}]\nspacing_m = {SPACING}\n{numerics}\n"
+         [method.{method}]\nspacing_m = {SPACING}\nfront = \"cell\"\n{numerics}\n"
     );
     let mut plan = planned(&text, method, threads);
     let mut random = StdRng::seed_from_u64(1);

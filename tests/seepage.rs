@@ -6,6 +6,7 @@ use frazil_core::space::domain::Domain;
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};
+use glam::DVec2;
 
 use crate::references::errors;
 use crate::sketch::{Sketch, advance};
@@ -275,23 +276,31 @@ fn the_frozen_square_of_interfrost() {
     }
 }
 
-/// Loops over the diagonals of a lattice against loops over its pairs: the product with a matrix, Gauss-Seidel, and what
-/// water carries.
+/// Loops over the diagonals of a lattice against loops over its pairs: the product with a matrix, Gauss-Seidel, sums over
+/// paths, and what water carries; on a rectangle, whose numbers are its places, and on a disc, whose rows differ in length.
 #[test]
 fn diagonals_of_a_lattice_are_its_pairs() {
-    let (columns, rows, reach) = (23_i64, 9_i64, 3_i64);
-    let count = (columns * rows) as usize;
-    let place = |i: usize| (i as i64 % columns, i as i64 / columns);
+    let (columns, rows) = (23_i64, 19_i64);
+    let sites = || (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
+    let rectangle: Vec<(i64, i64)> = sites().collect();
+    // It touches the left and the right side, so that places are counted by the whole rows of the rectangle.
+    let disc: Vec<(i64, i64)> = sites().filter(|(x, y)| (x - 11).pow(2) + (y - 9).pow(2) <= 121).collect();
+    assert!(disc.len() < rectangle.len());
+    for sites in [rectangle, disc] {
+        diagonals_are_pairs(&sites, columns);
+    }
+}
+
+fn diagonals_are_pairs(sites: &[(i64, i64)], columns: i64) {
+    let (count, reach) = (sites.len(), 3);
     let (mut starts, mut partners) = (vec![0], Vec::new());
-    for i in 0..count {
-        let near = |j: usize| {
-            let ((x, y), (other_x, other_y)) = (place(i), place(j));
-            j != i && (x - other_x).pow(2) + (y - other_y).pow(2) <= reach * reach
-        };
+    for (i, (x, y)) in sites.iter().enumerate() {
+        let near = |j: usize| j != i && (x - sites[j].0).pow(2) + (y - sites[j].1).pow(2) <= reach * reach;
         partners.extend((0..count).filter(|j| near(*j)).map(|j| j as u32));
         starts.push(partners.len());
     }
-    let diagonals = Diagonals::of(&starts, &partners).expect("a lattice has few diagonals");
+    let positions: Vec<DVec2> = sites.iter().map(|(x, y)| 0.1 * DVec2::new(*x as f64, *y as f64)).collect();
+    let diagonals = Diagonals::of(&starts, &partners, &positions).expect("a lattice has few diagonals");
     let mixed = |a: usize, b: usize| ((a * 7919 + b * 104_729) % 1009) as f64 / 1009.0;
     let weight = |i: usize, j: usize| 0.1 + mixed(i.min(j), i.max(j));
     let water = |i: usize, j: usize| if i < j { mixed(j, i) - 0.5 } else { 0.5 - mixed(i, j) };
@@ -301,7 +310,7 @@ fn diagonals_of_a_lattice_are_its_pairs() {
         for j in partners[starts[i]..starts[i + 1]].iter().map(|j| *j as usize) {
             sums[i] += weight(i, j);
             if j > i {
-                let slot = diagonals.slot(i, j - i);
+                let slot = diagonals.slot(i, j);
                 (rest[slot], carried[slot]) = (-weight(i, j), water(i, j));
             }
         }
@@ -309,7 +318,6 @@ fn diagonals_of_a_lattice_are_its_pairs() {
     exchange.extend(rest.iter().map(|rest| -rest));
     let values: Vec<f64> = (0..count).map(|i| mixed(i, 3) - 0.4).collect();
     let mut padded = vec![0.0; diagonals.padded()];
-    padded[diagonals.pad..diagonals.pad + count].copy_from_slice(&values);
     let of = |i: usize| partners[starts[i]..starts[i + 1]].iter().map(|j| *j as usize);
     let check = |what: &str, found: &[f64], by_pairs: &[f64]| {
         for (i, (found, by_pairs)) in found.iter().zip(by_pairs).enumerate() {
@@ -319,25 +327,33 @@ fn diagonals_of_a_lattice_are_its_pairs() {
     };
 
     let mut image = vec![0.0; count];
-    diagonals.multiply(&sums, &rest, &padded, &mut image);
+    diagonals.multiply([&sums, &rest, &values], &mut padded, &mut image);
     let by_pairs = |i: usize| sums[i] * values[i] - of(i).map(|j| weight(i, j) * values[j]).sum::<f64>();
     check("product", &image, &(0..count).map(by_pairs).collect::<Vec<_>>());
-
-    let inverse: Vec<f64> = sums.iter().map(|sum| 1.0 / sum).collect();
-    let mut swept = vec![0.0; diagonals.padded()];
-    diagonals.sweep(&inverse, &rest, &values, &mut swept);
-    let mut by_pairs = vec![0.0; count];
-    for i in 0..count {
-        let earlier: f64 = of(i).filter(|j| *j < i).map(|j| weight(i, j) * by_pairs[j]).sum();
-        by_pairs[i] = (values[i] + earlier) / sums[i];
-    }
-    for i in (0..count).rev() {
-        by_pairs[i] += of(i).filter(|j| *j > i).map(|j| weight(i, j) * by_pairs[j]).sum::<f64>() / sums[i];
-    }
-    check("sweep", &swept[diagonals.pad..], &by_pairs);
 
     let mut rates = vec![0.0; count];
     diagonals.carry(&carried, &exchange, &padded, 0, &mut rates);
     let by_pairs = |i: usize| of(i).map(|j| (weight(i, j) - water(i, j)) * (values[j] - values[i])).sum::<f64>();
     check("carried", &rates, &(0..count).map(by_pairs).collect::<Vec<_>>());
+
+    // Partners in the same row, within a block of places, see each other's values before they have seen theirs.
+    let inverse: Vec<f64> = sums.iter().map(|sum| 1.0 / sum).collect();
+    let mut swept = vec![0.0; count];
+    diagonals.sweep([&inverse, &rest, &values], &mut padded, &mut swept);
+    let close = |i: usize, j: usize| sites[i].1 == sites[j].1;
+    let given = |i: usize, list: &[f64], of_row: bool, later: bool| -> f64 {
+        let partners = of(i).filter(|j| close(i, *j) == of_row && (*j > i) == later);
+        partners.map(|j| weight(i, j) * list[j]).sum()
+    };
+    let (mut alone, mut by_pairs) = (vec![0.0; count], vec![0.0; count]);
+    for i in 0..count {
+        alone[i] = (values[i] + given(i, &by_pairs, false, false)) * inverse[i];
+        by_pairs[i] = alone[i] + given(i, &alone, true, false) * inverse[i];
+    }
+    for i in (0..count).rev() {
+        alone[i] = by_pairs[i] + given(i, &by_pairs, false, true) * inverse[i];
+        by_pairs[i] = alone[i] + given(i, &alone, true, true) * inverse[i];
+    }
+    check("sweep", &swept, &by_pairs);
+    assert!(columns - reach >= 16, "partners in other rows lie beyond a block");
 }

@@ -115,7 +115,7 @@ const WHOLE_LATTICE: &str = "the front in a cell is seen along the rows of a lat
 const FIXED_LAYERS: &str = "layers of particles stand for the wall, whatever cuts them off";
 
 /// All pairs that exclude each other.
-pub const EXCLUSIONS: [Exclusion; 70] = {
+pub const EXCLUSIONS: [Exclusion; 69] = {
     use Feature::{
         ApparentCapacity, Cracks, Excavation, ExplicitSteps, FittedWalls, Flags, FreezingCurve, GradientAdvection,
         Gravity, Groundwater, Implicit, InnerLayers, LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls,
@@ -149,7 +149,6 @@ pub const EXCLUSIONS: [Exclusion; 70] = {
         row(Stages, OwnSteps, OWN_NOISE),
         row(Stages, ApparentCapacity, NO_ENTHALPY),
         row(Stages, WholePhases, "the phase that a particle last was is known at whole steps alone"),
-        row(GradientAdvection, Rkl2, LIMITED),
         row(GradientAdvection, Implicit, LIMITED),
         row(Flags, FreezingCurve, "the accumulator of latent heat fills at one temperature"),
         row(ApparentCapacity, Groundwater, NO_ENTHALPY),

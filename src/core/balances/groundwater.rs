@@ -37,8 +37,11 @@ mod cuts;
 pub mod diagonals;
 pub mod error;
 pub mod ground;
+mod matrix;
 pub mod network;
 pub mod numerics;
+mod path_sums;
+pub mod places;
 pub mod pressure;
 pub mod surfaces;
 pub mod tasks;
@@ -192,11 +195,11 @@ impl Groundwater {
         }
         self.last_solution = time;
         let asking = (!self.asking.is_empty()).then_some(&self.asking[..]);
-        self.pressure.solve(&self.network, &self.conductivity, &self.walls, asking, self.numerics.mean)?;
+        let Groundwater { network, conductivity, walls, carrier, numerics, .. } = self;
+        self.pressure.solve(network, conductivity, walls, asking, carrier.passing, numerics.mean)?;
         self.solved.clone_from(&self.permeability);
         let warm: Vec<bool> = (0..self.walls.len()).map(|wall| self.wall_temperature(wall).is_some()).collect();
-        let least = |particle: usize| self.aquifers[self.materials.index(particle)].least_conductivity;
-        let ground = Ground { least_conductivity: &least, capacity: self.capacity, warm: &warm };
+        let ground = Ground { capacity: self.capacity, warm: &warm };
         self.carrier.take(&self.network, &self.pressure, &ground, self.numerics.advection);
         self.seconds += began.elapsed().as_secs_f64();
         Ok(())

@@ -148,8 +148,8 @@ pub trait Tangent {
 /// A balance without a content of its own: it follows the state of another at once, is solved between its steps, and is
 /// seen frozen within them.
 pub trait Companion {
-    /// Follows a state before a step, if it has changed enough.
-    fn begin(&mut self, enthalpy: &[f64], clock: &Clock) -> Result<(), StepError>;
+    /// Follows a state before a step, if it has changed enough; whether it has.
+    fn begin(&mut self, enthalpy: &[f64], clock: &Clock) -> Result<bool, StepError>;
     /// Takes note of a step that was made (s).
     fn kept(&mut self, step: f64);
     /// How long (s) it may stay frozen from now on, as far as its last changes tell.

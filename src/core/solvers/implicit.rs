@@ -244,7 +244,7 @@ impl Solver for Implicit {
     fn make_step(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
         let (state, volumes) = (&mut particles.enthalpy, &particles.volumes);
         // Walls have jumped, what flows has changed, or the last step took its rates at its start.
-        if clock.turned || self.balance.companion().is_some() || std::mem::take(&mut self.stale) {
+        if clock.turned || std::mem::take(&mut self.stale) {
             self.turns += 1;
             self.balance.rates(state, clock, &mut self.rate, &mut self.end_patches);
         }

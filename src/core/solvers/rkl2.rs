@@ -245,8 +245,6 @@ impl Solver for Rkl2 {
         }
         let mut step = clock.step;
         if self.balance.companion().is_some() {
-            // What flows has changed since the last step.
-            self.first_holds_at = None;
             step = step.min(self.longest(self.most()));
         }
         loop {

@@ -11,7 +11,7 @@ pub struct Clock {
     pub step: f64,
     /// Number of steps made before this one.
     pub index: u64,
-    /// Whether walls or pipes may have jumped since the last step.
+    /// Whether walls, pipes or what flows may have jumped since the last step.
     pub turned: bool,
 }
 

@@ -23,9 +23,9 @@ use frazil_core::space::domain::Domain;
 const RKL2_TOLERANCE: f64 = 1e-2;
 const IMPLICIT_TOLERANCE: f64 = 1e-3;
 
-/// Change of permeabilities from which the pressure is solved for again, where a scene does not say: a fiftieth of the
+/// Change of permeabilities from which the pressure is solved for again, where a scene does not say: a twentieth of the
 /// particles across the body.
-const PRESSURE_CHANGE: f64 = 0.02;
+const PRESSURE_CHANGE: f64 = 0.05;
 
 const INTERVAL: (&str, &str) = ("interval", "K");
 
@@ -86,11 +86,12 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     numerics.front = front.unwrap_or(numerics.front);
     numerics.walls = wall_model(section, &numerics, water);
     numerics.search = section.choice_or("search", &SearchChoice::WORDS, numerics.search);
-    numerics.integrator = integrator(section, numerics.integrator, setup.features);
-    let monotone = numerics.integrator.is_monotone();
+    let preset = preset_integrator(section, setting, &numerics, setup, kind);
+    numerics.integrator = integrator(section, preset);
     let carries = setup.features.contains(&Feature::Solute);
     numerics.solute = carries.then(|| water::numerics(section, setting));
-    numerics.flow = flow(section, (setup.features.contains(&Feature::Groundwater), carries), setting, monotone);
+    numerics.flow =
+        flow(section, (setup.features.contains(&Feature::Groundwater), carries), setting, numerics.integrator);
     numerics.conduction = conduction(section, &numerics, setup);
     numerics.step = step(section, numerics.step, numerics.integrator.tolerance().is_some());
     combinations(section, &numerics, setup, kind);
@@ -203,20 +204,49 @@ fn latent_heat_scheme(section: &mut Section<'_>, preset: LatentHeatScheme, mater
     ApparentCapacity { interval }
 }
 
-fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, features: &[Feature]) -> IntegratorChoice {
+/// The integrator where a method names none: the one that costs least for the same answer.
+fn preset_integrator(
+    section: &Section<'_>,
+    setting: Setting,
+    numerics: &Numerics,
+    setup: &Setup<'_>,
+    kind: &MethodKind,
+) -> IntegratorChoice {
+    let has = |feature| setup.features.contains(&feature);
+    if numerics.integrator != IntegratorChoice::Euler {
+        return numerics.integrator;
+    }
+    if has(Feature::UnsaturatedWater) {
+        // Pressure spreads through saturated ground at once.
+        return IntegratorChoice::Implicit { tolerance: IMPLICIT_TOLERANCE };
+    }
+    // Around pipes and beside water, temperatures change slowly for most of the time.
+    let slow = has(Feature::Pipes) || has(Feature::Ring) || has(Feature::Groundwater);
+    let own_steps = ["s", "h", "days"].iter().any(|unit| section.has(("step", *unit))) || section.has("step_fraction");
+    let in_stages =
+        Numerics { integrator: IntegratorChoice::ControlledRkl2 { tolerance: RKL2_TOLERANCE }, ..numerics.clone() };
+    let features = capability::of_settings(&in_stages, kind, setup.brings_heat);
+    let features: Vec<Feature> = setup.features.iter().copied().chain(features).collect();
+    let concerns = |row: &Exclusion| {
+        let pair = [row.asked, row.beside];
+        pair.contains(&Feature::Stages) || pair.contains(&Feature::Rkl2)
+    };
+    if setting == Setting::Best && slow && !own_steps && !capability::exclusions(&features).any(concerns) {
+        in_stages.integrator
+    } else if has(Feature::Groundwater) {
+        // What water carries asks for steps of second order.
+        IntegratorChoice::Heun
+    } else {
+        IntegratorChoice::Euler
+    }
+}
+
+fn integrator(section: &mut Section<'_>, preset: IntegratorChoice) -> IntegratorChoice {
     use IntegratorChoice::{ControlledRkl2, Euler, Heun, Implicit, Rkl2};
     let controlled = ControlledRkl2 { tolerance: RKL2_TOLERANCE };
-    let water = features.contains(&Feature::UnsaturatedWater);
     let implicit = Implicit { tolerance: IMPLICIT_TOLERANCE };
     let words = [("euler", Euler), ("heun", Heun), ("rkl2", controlled), ("implicit", implicit)];
-    let usual = match preset {
-        // Pressure spreads through saturated ground at once.
-        Euler if water => implicit,
-        // What water carries asks for steps of second order.
-        Euler if features.contains(&Feature::Groundwater) => Heun,
-        _ => preset,
-    };
-    let found = section.choice_or("integrator", &words, usual);
+    let found = section.choice_or("integrator", &words, preset);
     let in_stages = matches!(found, Rkl2 { .. } | ControlledRkl2 { .. });
     if !in_stages {
         section.refuse("stages", "only the integrator \"rkl2\" has stages");
@@ -241,7 +271,7 @@ fn flow(
     section: &mut Section<'_>,
     (flows, carries): (bool, bool),
     setting: Setting,
-    monotone: bool,
+    integrator: IntegratorChoice,
 ) -> Option<FlowNumerics> {
     if !flows {
         for key in ["advection", "conduction", "permeability_mean", "pressure_change"] {
@@ -259,10 +289,10 @@ fn flow(
         }
         return None;
     }
-    let usual = match (setting, monotone) {
+    let usual = match (setting, integrator) {
         (Setting::Paper, _) => Advection::Paper,
-        (Setting::Best, true) => Advection::Limited,
-        (Setting::Best, false) => Advection::Blended,
+        (Setting::Best, IntegratorChoice::Implicit { .. }) => Advection::Blended,
+        (Setting::Best, _) => Advection::Limited,
     };
     let advection = section.choice_or("advection", &Advection::WORDS, usual);
     let usual = if setting == Setting::Paper { Mean::Harmonic } else { Mean::Arithmetic };

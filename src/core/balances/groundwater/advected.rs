@@ -140,7 +140,7 @@ impl Balance for AdvectedHeat {
         }
         self.water.warm(enthalpy);
         self.bring_walls_to(clock.time);
-        self.carry(enthalpy, clock.step, of_particles, patches);
+        self.carry(enthalpy, clock.step.min(self.facts.bound.step), of_particles, patches);
         self.across(surfaces);
     }
 
@@ -177,11 +177,12 @@ impl Balance for AdvectedHeat {
 }
 
 impl Companion for AdvectedHeat {
-    fn begin(&mut self, enthalpy: &[f64], clock: &Clock) -> Result<(), StepError> {
-        if self.water.follow(enthalpy, clock.time)? {
+    fn begin(&mut self, enthalpy: &[f64], clock: &Clock) -> Result<bool, StepError> {
+        let follows = self.water.follow(enthalpy, clock.time)?;
+        if follows {
             self.bind();
         }
-        Ok(())
+        Ok(follows)
     }
 
     fn kept(&mut self, step: f64) {

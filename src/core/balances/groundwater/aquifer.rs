@@ -42,7 +42,6 @@ pub(super) struct Aquifer {
     pub(super) pores: Pores,
     /// Hydraulic conductivity of thawed ground (m2/(Pa s)).
     pub(super) open: f64,
-    pub(super) least_conductivity: f64,
     /// Whether it freezes at one temperature, which then does not tell how much is frozen.
     pub(super) by_enthalpy: bool,
 }

@@ -110,6 +110,8 @@ impl Groundwater {
         let ListParts { positions, pairs, ghosts, boundary, materials, factors, .. } = list;
         let first = &materials.thermals[0];
         let faces: Vec<Face> = boundary.first_faces(&first.curve, first.zero_potential);
+        let by_material: Vec<f64> = materials.thermals.iter().map(|thermal| thermal.curve.least_conductive()).collect();
+        let least_conductivities: Vec<f64> = (0..positions.len()).map(|i| by_material[materials.index(i)]).collect();
         let mut cuts = (!list.cuts.is_empty()).then(|| CutPaths {
             open: Vec::new(),
             positions: positions.clone(),
@@ -121,13 +123,14 @@ impl Groundwater {
             flow: flow.clone(),
             ways_out: ways_out.clone(),
             conduction,
+            least_conductivities: least_conductivities.clone(),
             factors: factors.clone(),
         });
         let network = match &mut cuts {
             Some(cuts) => cuts.start()?,
             None => {
                 let (ways_out, faces) = (&ways_out[..], &faces[..]);
-                let factors = &factors[..];
+                let (least_conductivities, factors) = (&least_conductivities[..], &factors[..]);
                 Network::new(&NetworkParts {
                     positions,
                     pairs,
@@ -137,6 +140,7 @@ impl Groundwater {
                     faces,
                     flow,
                     conduction,
+                    least_conductivities,
                     factors,
                 })?
             }
@@ -202,7 +206,6 @@ fn aquifers(ground: &[Material], materials: &Materials, viscosity: f64) -> Resul
             thermal: thermal.clone(),
             pores,
             open: permeability / viscosity,
-            least_conductivity: thermal.curve.least_conductive(),
             by_enthalpy: material.is_sharp(),
         })
     };

@@ -20,6 +20,7 @@ use std::sync::Arc;
 use glam::DVec2;
 use rayon::ThreadPool;
 
+use crate::balances::groundwater::diagonals::sum;
 use crate::balances::groundwater::network::{NONE, Network};
 use crate::balances::groundwater::numerics::Advection;
 use crate::balances::groundwater::pressure::Pressure;
@@ -64,8 +65,9 @@ pub struct Carrier {
     pub greatest: (f64, usize),
     /// Greatest sum of what paths carry at one particle, whatever its sign (W/m3K).
     pub turning: f64,
-    /// Least conductivity of each particle (W/mK), and the sum of its factors (W/m3K), while water is taken.
-    least: Vec<f64>,
+    /// Water that passes through particles (1/s by volume), root of the sum of squares.
+    pub passing: f64,
+    /// Sums over the paths of each particle (W/m3K), while water is taken.
     sums: Vec<f64>,
     limits_now: bool,
     exchanges: bool,
@@ -93,6 +95,7 @@ impl Saved for Carrier {
             &mut self.kept,
             &mut self.greatest,
             &mut self.turning,
+            &mut self.passing,
             &mut self.limits_now,
             &mut self.exchanges,
             &mut self.bends,
@@ -110,15 +113,13 @@ impl HeapSize for Carrier {
         let rows = self.rows.capacity() * size_of::<Row>() + self.mouths.capacity() * size_of::<Mouth>();
         let more = self.bent.iter().chain(&self.columns).map(HeapSize::heap_size).sum::<usize>();
         let beside = self.beside_walls.capacity() * size_of::<(u32, u32, u32)>() + self.marked.capacity();
-        let paths = total(&[&self.exchange, &self.least, &self.sums, &self.beside, &self.carried, &self.conducted]);
+        let paths = total(&[&self.exchange, &self.sums, &self.beside, &self.carried, &self.conducted]);
         rows + paths + more + beside + total(&[&self.kept, &self.mouth_of, &self.limits])
     }
 }
 
 /// What the carrier must know of the ground.
 pub struct Ground<'a> {
-    /// Least conductivity of each particle (W/mK).
-    pub least_conductivity: &'a dyn Fn(usize) -> f64,
     /// Heat capacity of water (J/m3K).
     pub capacity: f64,
     /// Whether each pressure wall has a temperature of its own.
@@ -132,7 +133,6 @@ impl Carrier {
         let mut carrier = Carrier {
             carried: vec![0.0; paths],
             beside: vec![0.0; paths],
-            least: vec![0.0; count],
             sums: vec![0.0; count],
             kept: vec![0.0; count],
             mouth_of: Vec::with_capacity(network.openings.len()),
@@ -211,53 +211,51 @@ impl Carrier {
 
     /// The water of paths, and what particles keep of it.
     fn follow(&mut self, network: &Network, pressure: &Pressure, capacity: f64, advection: Advection) {
-        let values = &pressure.pressure;
-        let velocity = if advection == Advection::Paper { velocities(network, pressure) } else { Vec::new() };
-        let Carrier { carried, kept, .. } = self;
-        kept.fill(0.0);
-        network.each_path(|i, j, slot| {
-            let sent = if advection == Advection::Paper {
-                0.5 * network.weights[slot] * network.spans[slot].dot(velocity[i] + velocity[j])
-            } else {
-                pressure.conductances[slot] * (values[i] - values[j])
-            };
-            // Water along a path carries half of each end's temperature.
-            carried[slot] = 0.5 * capacity * sent;
-            kept[i] -= sent;
-            kept[j] += sent;
-        });
+        let Carrier { carried, kept, columns, .. } = self;
+        let (half, values) = (0.5 * capacity, &pressure.pressure[..]);
+        // Water along a path carries half of each end's temperature.
+        if advection == Advection::Paper {
+            let velocity = velocities(network, pressure);
+            network.each_path(|i, j, slot| {
+                let sent = 0.5 * network.weights[slot] * network.spans[slot].dot(velocity[i] + velocity[j]);
+                carried[slot] = half * sent;
+            });
+        } else {
+            let sent = |conductance: f64, i: f64, j: f64| half * (conductance * (i - j));
+            network.by_path(&pressure.conductances, values, &mut columns[0], sent, carried);
+        }
+        network.sums([carried; 3], |[carried, ..], earlier| if earlier { -carried } else { carried }, kept);
+        for kept in kept {
+            *kept /= half;
+        }
     }
 
     /// Adds the exchange that keeps factors and conduction together from being negative, and finds the greatest sum.
     fn bound(&mut self, network: &Network, ground: &Ground<'_>, advection: Advection) {
         let limited = advection == Advection::Limited;
-        let central = matches!(advection, Advection::Central | Advection::Paper);
-        let stiff = |factor: f64| if central { factor.abs() } else { factor.max(0.0) };
         let may_bend = matches!(advection, Advection::Central | Advection::Limited);
-        for (i, least) in self.least.iter_mut().enumerate() {
-            *least = (ground.least_conductivity)(i);
-        }
-        let Carrier { carried, exchange, beside, least, sums, .. } = self;
-        let (mut bends, mut exchanges) = (false, false);
-        sums.fill(0.0);
-        network.each_path(|i, j, slot| {
-            let (carried, beside) = (carried[slot], beside[slot]);
-            let conducted = network.heat_weights[slot] * least[i].min(least[j]);
-            bends |= may_bend && 2.0 * carried.abs() > FAST * conducted.abs();
-            let added = match advection {
-                Advection::Central | Advection::Paper => 0.0,
-                Advection::Upwind => carried.abs() - beside,
-                Advection::Blended | Advection::Limited => (carried.abs() - beside - conducted).max(0.0),
+        let conducted = &network.least_conductances;
+        let Carrier { carried, exchange, beside, sums, .. } = self;
+        if matches!(advection, Advection::Central | Advection::Paper) {
+            let stiff = |[carried, beside, _]: [f64; 3], earlier: bool| {
+                if earlier { (beside - carried).abs() } else { (beside + carried).abs() }
             };
-            if !central {
-                exchange[slot] = added;
-                exchanges |= added > 0.0;
+            network.sums([carried, beside, beside], stiff, sums);
+        } else {
+            let slots = carried.iter().zip(beside.iter()).zip(conducted);
+            for (added, ((carried, beside), conducted)) in exchange.iter_mut().zip(slots) {
+                let most = carried.abs() - beside;
+                *added = if advection == Advection::Upwind { most } else { (most - conducted).max(0.0) };
             }
-            sums[i] += stiff(beside - carried + added);
-            sums[j] += stiff(beside + carried + added);
-        });
-        (self.bends, self.exchanges) = (bends, exchanges);
-        self.limits_now = limited && (bends || exchanges);
+            let stiff = |[carried, beside, added]: [f64; 3], earlier: bool| {
+                (if earlier { beside - carried } else { beside + carried } + added).max(0.0)
+            };
+            network.sums([carried, beside, exchange], stiff, sums);
+        }
+        self.exchanges = self.exchange.iter().any(|added| *added > 0.0);
+        let outruns = |(carried, conducted): (&f64, &f64)| 2.0 * carried.abs() > FAST * conducted.abs();
+        self.bends = may_bend && self.carried.iter().zip(conducted).any(outruns);
+        self.limits_now = limited && (self.bends || self.exchanges);
         self.gradients.resize(if self.bends { network.len() } else { 0 }, DVec2::ZERO);
         if self.bends {
             for (axis, bent) in self.bent.iter_mut().enumerate() {
@@ -265,24 +263,16 @@ impl Carrier {
                 bent.extend(network.spans.iter().zip(&self.carried).map(|(span, carried)| carried / 3.0 * span[axis]));
             }
         }
-        self.turning = self.turning(network);
         let sums = &mut self.sums;
         for mouth in &self.mouths {
             sums[mouth.particle as usize] += ground.capacity * mouth.inflow;
         }
         self.greatest =
             sums.iter().enumerate().fold((0.0, 0), |most, (i, sum)| if *sum > most.0 { (*sum, i) } else { most });
-    }
-
-    /// Greatest sum of what paths carry at one particle, whatever its sign (W/m3K).
-    fn turning(&mut self, network: &Network) -> f64 {
-        let Carrier { carried, least, .. } = self;
-        least.fill(0.0);
-        network.each_path(|i, j, slot| {
-            least[i] += carried[slot].abs();
-            least[j] += carried[slot].abs();
-        });
-        least.iter().copied().fold(0.0, f64::max)
+        // What passes, whichever way.
+        network.sums([&self.carried; 3], |[carried, ..], _| carried.abs(), sums);
+        self.turning = sums.iter().copied().fold(0.0, f64::max);
+        self.passing = sum(sums.len(), |i| sums[i] * sums[i]).sqrt() / (0.5 * ground.capacity);
     }
 
     /// Adds what paths carry to the rates (W/m3), from temperatures and enthalpies (J/m3) at the start of a step (s);
@@ -332,7 +322,7 @@ impl Carrier {
         match &network.diagonals {
             Some(diagonals) if !bends => {
                 let [column, ..] = &mut self.columns;
-                column[diagonals.pad..diagonals.pad + temperature.len()].copy_from_slice(temperature);
+                diagonals.places.spread(temperature, column);
                 let exchange = when(self.exchanges, &self.exchange);
                 tasks(pool, rate, |first, rates| {
                     diagonals.carry(&self.carried, exchange, &self.columns[0], first, rates);

@@ -27,6 +27,7 @@ pub(super) struct CutPaths {
     pub(super) faces: Vec<Face>,
     pub(super) flow: Flow,
     pub(super) conduction: Conduction,
+    pub(super) least_conductivities: Vec<f64>,
     pub(super) factors: Arc<[f64]>,
     /// Whether each particle has a way to a wall of given pressure.
     pub(super) open: Vec<bool>,
@@ -63,6 +64,7 @@ impl CutPaths {
             faces: &self.faces,
             flow: &self.flow,
             conduction: self.conduction,
+            least_conductivities: &self.least_conductivities,
             factors: &self.factors,
         })?;
         self.open = network.reached();
@@ -78,7 +80,7 @@ impl CutPaths {
 impl HeapSize for CutPaths {
     fn heap_size(&self) -> usize {
         let pairs = total(&[&self.pairs.starts, &self.pairs.partners, &self.pairs.weights]);
-        let ways_out = self.ways_out.capacity() * size_of::<WayOut>();
+        let ways_out = self.ways_out.capacity() * size_of::<WayOut>() + self.least_conductivities.heap_size();
         pairs + ways_out + shared(&self.factors) + total(&[&self.cuts, &self.ghosts, &self.open])
     }
 }

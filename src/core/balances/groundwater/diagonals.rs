@@ -1,17 +1,24 @@
 //! Paths of bodies on a lattice, by diagonals: all paths to the particle a fixed number of places further on stand together,
 //! so that a loop over particles reads columns from end to end and needs no partner's name.
 //!
-//! A column of paths has a value for every particle on every diagonal, zero where there is no path; both directions share it.
-//! Columns of particles have room before the first and behind the last, so that nobody asks where the body ends. The
+//! Particles have places: their numbers, or, where rows of the lattice differ in length, those of a whole rectangle around
+//! them. A column of paths has a value for every place on every diagonal, zero where there is no path; both directions share
+//! it. Columns of places have room before the first and behind the last, so that nobody asks where the body ends. The
 //! processor's widest vectors are asked for at run time; every particle sees the same operations in the same order.
 
 use std::array::from_fn;
 
+use glam::DVec2;
+
+use crate::balances::groundwater::places::{Places, Stretch, sites};
 use crate::balances::row::Row;
 use crate::instruction_set::widest;
 
 /// Particles that are handled together.
 pub const LANES: usize = 16;
+
+/// Particles whose paths on one diagonal are read in a row: so many streams as there are diagonals would be too many at once.
+const STRETCH: usize = 512;
 
 /// Diagonals, at most.
 const MOST: usize = 128;
@@ -24,15 +31,15 @@ const FILLED: f64 = 0.5;
 pub struct Diagonals {
     /// How much further on the partner is, ascending.
     pub offsets: Vec<usize>,
-    /// Room before the first particle.
-    pub pad: usize,
     /// Length of a diagonal.
     pub stride: usize,
+    /// Where particles stand.
+    pub places: Places,
     /// The diagonals of the shortest paths.
     pub nearest: Vec<usize>,
 }
 
-type Lanes = [f64; LANES];
+pub(super) type Lanes = [f64; LANES];
 
 /// What paths carry, by place on the diagonals; empty where it is not used.
 pub struct Carried<'a> {
@@ -73,39 +80,56 @@ pub fn sum(count: usize, term: impl Fn(usize) -> f64) -> f64 {
     sums.iter().sum::<f64>() + (whole..count).map(term).sum::<f64>()
 }
 
+/// A stretch in blocks, of which the last may have fewer particles than lanes.
 #[inline(always)]
-fn lanes(column: &[f64], from: usize) -> Lanes {
+pub(super) fn blocks(Stretch { before, at, count }: Stretch) -> impl DoubleEndedIterator<Item = Stretch> {
+    let block = move |from| Stretch { before: before + from, at: at + from, count: LANES.min(count - from) };
+    (0..count).step_by(LANES).map(block)
+}
+
+#[inline(always)]
+pub(super) fn lanes(column: &[f64], from: usize) -> Lanes {
     let part = &column[from..from + LANES];
     from_fn(|lane| part[lane])
 }
 
 impl Diagonals {
     /// The diagonals of these rows of partners, if they are few and full.
-    pub fn of(starts: &[usize], partners: &[u32]) -> Option<Self> {
-        let count = starts.len() - 1;
+    pub fn of(starts: &[usize], partners: &[u32], positions: &[DVec2]) -> Option<Self> {
+        let numbers: Vec<usize> = (0..positions.len()).collect();
+        let of = |places: &[usize]| Self::at(starts, partners, places);
+        of(&numbers).or_else(|| of(&sites(starts, partners, positions)?))
+    }
+
+    /// The diagonals of particles at these places.
+    fn at(starts: &[usize], partners: &[u32], places: &[usize]) -> Option<Self> {
+        let count = places.len();
         let mut offsets: Vec<usize> = Vec::new();
         let mut paths = 0;
         for i in 0..count {
             for j in partners[starts[i]..starts[i + 1]].iter().map(|j| *j as usize).filter(|j| *j > i) {
                 paths += 1;
-                if let Err(place) = offsets.binary_search(&(j - i)) {
+                let offset = places[j] - places[i];
+                if let Err(found) = offsets.binary_search(&offset) {
                     if offsets.len() == MOST {
                         return None;
                     }
-                    offsets.insert(place, j - i);
+                    offsets.insert(found, offset);
                 }
             }
         }
-        let pad = offsets.last()?.next_multiple_of(LANES);
-        let stride = pad + count.next_multiple_of(LANES) + LANES;
-        let full = paths as f64 >= FILLED * (offsets.len() * count) as f64;
-        full.then_some(Diagonals { offsets, pad, stride, nearest: Vec::new() })
+        let room = offsets.last()?.next_multiple_of(LANES);
+        let all = places.last()? + 1;
+        let stride = room + all.next_multiple_of(LANES) + LANES;
+        let full = paths as f64 >= FILLED * (offsets.len() * all) as f64;
+        full.then(|| Diagonals { offsets, stride, places: Places::new(places, room), nearest: Vec::new() })
     }
 
-    /// Place of the path from a particle to the one that is so much further on.
-    pub fn slot(&self, low: usize, offset: usize) -> usize {
-        let diagonal = self.offsets.partition_point(|own| *own < offset);
-        diagonal * self.stride + self.pad + low
+    /// Place on the columns of paths of the path from a particle to a later one.
+    pub fn slot(&self, low: usize, high: usize) -> usize {
+        let [low, high] = [low, high].map(|particle| self.places.of(particle));
+        let diagonal = self.offsets.partition_point(|own| *own < high - low);
+        diagonal * self.stride + low
     }
 
     /// Places on all diagonals.
@@ -115,7 +139,7 @@ impl Diagonals {
 
     /// Length of a column of particles with room on both sides.
     pub fn padded(&self) -> usize {
-        self.stride + self.pad
+        self.stride + self.places.room
     }
 
     /// What each particle gains, what limits may take, and what lies nearest around it; `first` is the first of the rows.
@@ -142,21 +166,16 @@ impl Diagonals {
         }
     }
 
-    /// The product of a symmetric matrix with a column that has room on both sides.
-    pub fn multiply(&self, diagonal: &[f64], rest: &[f64], column: &[f64], image: &mut [f64]) {
-        multiply(self, diagonal, rest, column, image);
-    }
-
-    /// Symmetric Gauss-Seidel for a residual: forward, then back; `swept` has room on both sides, which stays zero.
-    pub fn sweep(&self, inverse: &[f64], rest: &[f64], residual: &[f64], swept: &mut [f64]) {
-        sweep(self, inverse, rest, residual, swept);
+    /// Fills a column with the sums over the paths of each particle of a term of `columns`, as it is seen from the earlier end
+    /// (`true`) or from the later.
+    pub(super) fn sums(&self, columns: [&[f64]; 3], term: impl Fn([f64; 3], bool) -> f64, out: &mut [f64]) {
+        sums(self, term, columns, out);
     }
 }
 
 widest!(gather, gather_rows<EXCHANGE, BENDS, CORRECTED>, (own: &Diagonals, carried: &Carried<'_>, fields: &Fields<'_>, first: usize, rows: &mut [Row]));
 widest!(carry, carry_rows<EXCHANGE>, (own: &Diagonals, carried: &[f64], exchange: &[f64], temperature: &[f64], first: usize, rates: &mut [f64]));
-widest!(multiply, multiply_rows, (own: &Diagonals, diagonal: &[f64], rest: &[f64], column: &[f64], image: &mut [f64]));
-widest!(sweep, sweep_rows, (own: &Diagonals, inverse: &[f64], rest: &[f64], residual: &[f64], swept: &mut [f64]));
+widest!(sums, sum_rows[F: Fn([f64; 3], bool) -> f64], (own: &Diagonals, term: F, columns: [&[f64]; 3], out: &mut [f64]));
 
 /// A particle's own part of [`Fields`].
 #[derive(Clone, Copy)]
@@ -178,6 +197,15 @@ impl Own {
     }
 }
 
+/// Sums over the paths of one stretch of particles.
+struct Sums {
+    gain: [f64; STRETCH],
+    up: [f64; STRETCH],
+    down: [f64; STRETCH],
+    least: [f64; STRETCH],
+    most: [f64; STRETCH],
+}
+
 #[inline(always)]
 fn gather_rows<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
     diagonals: &Diagonals,
@@ -186,11 +214,48 @@ fn gather_rows<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
     first: usize,
     rows: &mut [Row],
 ) {
-    for (block, rows) in rows.chunks_mut(LANES).enumerate() {
-        let at = diagonals.pad + first + block * LANES;
-        let own = Own::at::<BENDS, CORRECTED>(fields, at);
-        let (mut gain, mut up, mut down) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
-        for (number, offset) in diagonals.offsets.iter().enumerate() {
+    let mut sums = Sums {
+        gain: [0.0; STRETCH],
+        up: [0.0; STRETCH],
+        down: [0.0; STRETCH],
+        least: [0.0; STRETCH],
+        most: [0.0; STRETCH],
+    };
+    for Stretch { before, at, count } in diagonals.places.stretches(first, rows.len()) {
+        for (number, rows) in rows[before..before + count].chunks_mut(STRETCH).enumerate() {
+            let at = at + number * STRETCH;
+            gather_stretch::<EXCHANGE, BENDS, CORRECTED>(diagonals, carried, fields, (at, rows.len()), &mut sums);
+            for (i, row) in rows.iter_mut().enumerate() {
+                *row = Row {
+                    gain: sums.gain[i],
+                    up: sums.up[i],
+                    down: sums.down[i],
+                    least: sums.least[i],
+                    most: sums.most[i],
+                };
+            }
+        }
+    }
+}
+
+/// Sums of so many particles from a place on.
+#[inline(always)]
+fn gather_stretch<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
+    diagonals: &Diagonals,
+    carried: &Carried<'_>,
+    fields: &Fields<'_>,
+    (first, count): (usize, usize),
+    sums: &mut Sums,
+) {
+    let blocks = || (0..count).step_by(LANES);
+    for (number, offset) in diagonals.offsets.iter().enumerate() {
+        for block in blocks() {
+            let at = first + block;
+            let own = Own::at::<BENDS, CORRECTED>(fields, at);
+            let (mut gain, mut up, mut down) = match number {
+                0 => ([0.0; LANES], [0.0; LANES], [0.0; LANES]),
+                _ => (lanes(&sums.gain, block), lanes(&sums.up, block), lanes(&sums.down, block)),
+            };
             for side in 0..2 {
                 // From the lower end the path has the particle's own place, from the higher that of the other end.
                 let (place, partner) = if side == 0 { (at, at + offset) } else { (at - offset, at - offset) };
@@ -221,7 +286,13 @@ fn gather_rows<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
                     down[lane] += if back < 0.0 { back } else { 0.0 };
                 }
             }
+            sums.gain[block..block + LANES].copy_from_slice(&gain);
+            sums.up[block..block + LANES].copy_from_slice(&up);
+            sums.down[block..block + LANES].copy_from_slice(&down);
         }
+    }
+    for block in blocks() {
+        let at = first + block;
         let enthalpy = lanes(fields.enthalpy, at);
         let (mut least, mut most) = (enthalpy, enthalpy);
         for number in &diagonals.nearest {
@@ -236,9 +307,8 @@ fn gather_rows<const EXCHANGE: bool, const BENDS: bool, const CORRECTED: bool>(
                 }
             }
         }
-        for (lane, row) in rows.iter_mut().enumerate() {
-            *row = Row { gain: gain[lane], up: up[lane], down: down[lane], least: least[lane], most: most[lane] };
-        }
+        sums.least[block..block + LANES].copy_from_slice(&least);
+        sums.most[block..block + LANES].copy_from_slice(&most);
     }
 }
 
@@ -251,8 +321,9 @@ fn carry_rows<const EXCHANGE: bool>(
     first: usize,
     rates: &mut [f64],
 ) {
-    for (block, rates) in rates.chunks_mut(LANES).enumerate() {
-        let at = diagonals.pad + first + block * LANES;
+    let blocks = diagonals.places.stretches(first, rates.len()).flat_map(blocks);
+    for Stretch { before, at, count } in blocks {
+        let rates = &mut rates[before..before + count];
         let own = lanes(temperature, at);
         let mut gain = [0.0; LANES];
         for (number, offset) in diagonals.offsets.iter().enumerate() {
@@ -277,110 +348,20 @@ fn carry_rows<const EXCHANGE: bool>(
 }
 
 #[inline(always)]
-fn multiply_rows(diagonals: &Diagonals, diagonal: &[f64], rest: &[f64], column: &[f64], image: &mut [f64]) {
-    for (block, (image, diagonal)) in image.chunks_mut(LANES).zip(diagonal.chunks(LANES)).enumerate() {
-        let at = diagonals.pad + block * LANES;
-        let own = lanes(column, at);
+fn sum_rows<F: Fn([f64; 3], bool) -> f64>(diagonals: &Diagonals, term: F, columns: [&[f64]; 3], sums: &mut [f64]) {
+    for Stretch { before, at, count } in diagonals.places.stretches(0, sums.len()).flat_map(blocks) {
         let mut sum = [0.0; LANES];
         for (number, offset) in diagonals.offsets.iter().enumerate() {
             let place = number * diagonals.stride + at;
-            let (forth, back) = (lanes(rest, place), lanes(rest, place - offset));
-            let (higher, lower) = (lanes(column, at + offset), lanes(column, at - offset));
+            let [a, b, c] = columns.map(|column| lanes(column, place));
             for lane in 0..LANES {
-                sum[lane] += forth[lane] * higher[lane] + back[lane] * lower[lane];
+                sum[lane] += term([a[lane], b[lane], c[lane]], true);
             }
-        }
-        for (lane, (image, diagonal)) in image.iter_mut().zip(diagonal).enumerate() {
-            *image = diagonal * own[lane] + sum[lane];
-        }
-    }
-}
-
-#[inline(always)]
-fn sweep_rows(diagonals: &Diagonals, inverse: &[f64], rest: &[f64], residual: &[f64], swept: &mut [f64]) {
-    // Partners within a block are known one after the other, those beyond it all at once.
-    let near = diagonals.offsets.partition_point(|offset| *offset < LANES);
-    let (close, far) = diagonals.offsets.split_at(near);
-    let (count, pad, stride) = (residual.len(), diagonals.pad, diagonals.stride);
-    for first in (0..count).step_by(LANES) {
-        let at = pad + first;
-        let mut sum = [0.0; LANES];
-        for (number, offset) in far.iter().enumerate() {
-            let (back, lower) = (lanes(rest, (near + number) * stride + at - offset), lanes(swept, at - offset));
+            let [a, b, c] = columns.map(|column| lanes(column, place - offset));
             for lane in 0..LANES {
-                sum[lane] += back[lane] * lower[lane];
+                sum[lane] += term([a[lane], b[lane], c[lane]], false);
             }
         }
-        for lane in 0..LANES.min(count - first) {
-            let mut left = residual[first + lane] - sum[lane];
-            // The nearest is known last.
-            for (number, offset) in close.iter().enumerate().rev() {
-                left -= rest[number * stride + at + lane - offset] * swept[at + lane - offset];
-            }
-            swept[at + lane] = left * inverse[first + lane];
-        }
-    }
-    for first in (0..count).step_by(LANES).rev() {
-        let at = pad + first;
-        let mut sum = [0.0; LANES];
-        for (number, offset) in far.iter().enumerate() {
-            let (forth, higher) = (lanes(rest, (near + number) * stride + at), lanes(swept, at + offset));
-            for lane in 0..LANES {
-                sum[lane] += forth[lane] * higher[lane];
-            }
-        }
-        for lane in (0..LANES.min(count - first)).rev() {
-            let mut sum = sum[lane];
-            for (number, offset) in close.iter().enumerate().rev() {
-                sum += rest[number * stride + at + lane] * swept[at + lane + offset];
-            }
-            swept[at + lane] -= sum * inverse[first + lane];
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use proptest::prelude::*;
-
-    use super::*;
-
-    proptest! {
-        /// The widest vectors of the processor and those of every processor see the same operations in the same order.
-        #[test]
-        fn kernels_for_wide_vectors_give_the_same_bits(
-            (columns, rows) in (3_usize..40, 2_usize..12),
-            numbers in prop::collection::vec(-1e3_f64..1e3, 64),
-        ) {
-            // Pairs with the next in a row and in a column.
-            let count = columns * rows;
-            let (mut starts, mut partners) = (vec![0], Vec::new());
-            for i in 0..count {
-                let row = [i.wrapping_sub(columns), i.wrapping_sub(1), i + 1, i + columns];
-                partners.extend(row.into_iter().filter(|j| *j < count).map(|j| j as u32));
-                starts.push(partners.len());
-            }
-            let own = Diagonals::of(&starts, &partners).expect("diagonals");
-            let drawn = |length: usize, from: usize| -> Vec<f64> {
-                (0..length).map(|k| numbers[(k * 7 + from) % 64] * (1.0 + k as f64 / 64.0)).collect()
-            };
-            let mut rest = vec![0.0; own.slots()];
-            for i in 0..count {
-                for j in partners[starts[i]..starts[i + 1]].iter().map(|j| *j as usize).filter(|j| *j > i) {
-                    rest[own.slot(i, j - i)] = numbers[(i + 3 * j) % 64];
-                }
-            }
-            let (diagonal, mut column) = (drawn(count, 3), vec![0.0; own.padded()]);
-            column[own.pad..own.pad + count].copy_from_slice(&drawn(count, 11));
-            let (mut wide, mut plain) = (vec![0.0; count], vec![0.0; count]);
-            own.multiply(&diagonal, &rest, &column, &mut wide);
-            multiply_rows(&own, &diagonal, &rest, &column, &mut plain);
-            prop_assert_eq!(wide, plain);
-            let (mut wide, mut plain) = (vec![0.0; own.padded()], vec![0.0; own.padded()]);
-            let inverse: Vec<f64> = diagonal.iter().map(|own| 1e-3 / (own.abs() + 1.0)).collect();
-            own.sweep(&inverse, &rest, &drawn(count, 5), &mut wide);
-            sweep_rows(&own, &inverse, &rest, &drawn(count, 5), &mut plain);
-            prop_assert_eq!(wide, plain);
-        }
+        sums[before..before + count].copy_from_slice(&sum[..count]);
     }
 }

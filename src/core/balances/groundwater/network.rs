@@ -74,9 +74,9 @@ pub struct Network {
     pub diagonals: Option<Diagonals>,
     /// Weight by volume (m^-2) with which the path conducts water, by slot.
     pub weights: Vec<f64>,
-    /// Weight by volume (m^-2) with which it conducts heat, by slot; odd images behind walls of given temperature count
+    /// Least conductance of heat by volume (W/m3K), by slot; odd images behind walls of given temperature count
     /// against.
-    pub heat_weights: Vec<f64>,
+    pub least_conductances: Vec<f64>,
     /// Weight (m^-2) of the images alone that follow their particles, by slot; empty where conduction is not corrected.
     pub even_weights: Vec<f64>,
     /// Mean vector of the path, a way over a closed wall as it is seen from this end, times half of the weight for water (1/m).
@@ -95,8 +95,9 @@ impl HeapSize for Network {
     fn heap_size(&self) -> usize {
         let rows = total(&[&self.starts, &self.laters, &self.partners, &self.slots]);
         let openings = self.openings.capacity() * size_of::<Opening>();
-        let weights = total(&[&self.weights, &self.heat_weights, &self.even_weights, &self.arms, &self.spans]);
-        rows + weights + openings + total(&[&self.patches, &self.beside])
+        let weights = total(&[&self.weights, &self.least_conductances, &self.even_weights, &self.arms, &self.spans]);
+        let places = self.diagonals.as_ref().map_or(0, |diagonals| diagonals.places.heap_size());
+        rows + weights + openings + places + total(&[&self.patches, &self.beside])
     }
 }
 
@@ -135,6 +136,8 @@ pub struct NetworkParts<'a> {
     pub flow: &'a Flow,
     /// Conduction beside it.
     pub conduction: Conduction,
+    /// Least conductivity of each particle's material (W/mK).
+    pub least_conductivities: &'a [f64],
     /// How much better the ground of each particle conducts heat than its material; empty where all conducts as its material.
     pub factors: &'a [f64],
 }
@@ -153,7 +156,18 @@ impl Network {
     /// # Errors
     /// Walls for water that the body has not, ghosts that mirror several particles, pairs in one direction only.
     pub fn new(parts: &NetworkParts<'_>) -> Result<Self, GroundwaterError> {
-        let NetworkParts { positions, pairs, ways_out, ghosts, boundary, faces, flow, conduction, factors } = *parts;
+        let NetworkParts {
+            positions,
+            pairs,
+            ways_out,
+            ghosts,
+            boundary,
+            faces,
+            flow,
+            conduction,
+            least_conductivities,
+            factors,
+        } = *parts;
         let mirrors = Mirrors { ghosts, boundary, faces, flow };
         let mut network = Network { starts: vec![0], patches: mirrors.patches()?, ..Network::default() };
         let (mut row, mut weights) = (Vec::new(), EndWeights::default());
@@ -166,17 +180,17 @@ impl Network {
         network.let_out(positions, ways_out, flow);
         network.beside.sort_unstable();
         network.beside.dedup();
-        network.pair_up()?;
+        network.pair_up(positions)?;
         network.weights = network.by_slot(&weights.water);
         for (arm, slot) in network.arms.iter_mut().zip(&network.slots) {
             *arm *= 0.5 * network.weights[*slot as usize];
         }
-        network.heat_weights = network.by_slot(&weights.heat);
+        let mut conductances = network.by_slot(&weights.heat);
+        network.each_path(|i, j, slot| conductances[slot] *= least_conductivities[i].min(least_conductivities[j]));
         if !factors.is_empty() {
-            let mut varied = std::mem::take(&mut network.heat_weights);
-            network.each_path(|i, j, slot| varied[slot] *= between(factors[i], factors[j]));
-            network.heat_weights = varied;
+            network.each_path(|i, j, slot| conductances[slot] *= between(factors[i], factors[j]));
         }
+        network.least_conductances = conductances;
         if conduction == Conduction::Corrected {
             network.even_weights = network.by_slot(&weights.even);
         }
@@ -269,9 +283,9 @@ impl Network {
     }
 
     /// Gives both directions of each path one slot.
-    fn pair_up(&mut self) -> Result<(), GroundwaterError> {
+    fn pair_up(&mut self, positions: &[DVec2]) -> Result<(), GroundwaterError> {
         let count = self.starts.len() - 1;
-        self.diagonals = Diagonals::of(&self.starts, &self.partners);
+        self.diagonals = Diagonals::of(&self.starts, &self.partners, positions);
         self.places = self.diagonals.as_ref().map_or(self.partners.len() / 2, Diagonals::slots);
         self.slots = vec![NONE; self.partners.len()];
         self.spans = vec![DVec2::ZERO; self.places];
@@ -286,7 +300,7 @@ impl Network {
                     return Err(GroundwaterError::OneWay);
                 };
                 let twin = self.starts[j] + place;
-                let slot = self.diagonals.as_ref().map_or(next, |diagonals| diagonals.slot(i, j - i));
+                let slot = self.diagonals.as_ref().map_or(next, |diagonals| diagonals.slot(i, j));
                 next += 1;
                 (self.slots[k], self.slots[twin]) = (slot as u32, slot as u32);
                 self.spans[slot] = 0.5 * (self.arms[k] - self.arms[twin]);
@@ -322,25 +336,12 @@ impl Network {
         range.map(move |k| (self.partners[k] as usize, self.slots[k] as usize, k >= later))
     }
 
-    /// Does something to every path once, by its earlier and its later end and its slot, in the order of slots. Places on
-    /// diagonals without a path come too: their weights are zero.
+    /// Does something to every path once, by its earlier and its later end and its slot, in the order of the earlier ends.
     #[inline(always)]
     pub fn each_path(&self, mut one: impl FnMut(usize, usize, usize)) {
-        match &self.diagonals {
-            Some(diagonals) => {
-                for (number, offset) in diagonals.offsets.iter().enumerate() {
-                    let base = number * diagonals.stride + diagonals.pad;
-                    for i in 0..self.len() - offset {
-                        one(i, i + offset, base + i);
-                    }
-                }
-            }
-            None => {
-                for i in 0..self.len() {
-                    for k in self.laters[i]..self.starts[i + 1] {
-                        one(i, self.partners[k] as usize, self.slots[k] as usize);
-                    }
-                }
+        for i in 0..self.len() {
+            for k in self.laters[i]..self.starts[i + 1] {
+                one(i, self.partners[k] as usize, self.slots[k] as usize);
             }
         }
     }

@@ -10,7 +10,7 @@ mod coarse;
 use glam::DVec2;
 
 use self::coarse::Coarse;
-use crate::balances::groundwater::diagonals::sum;
+use crate::balances::groundwater::diagonals::{Diagonals, sum};
 use crate::balances::groundwater::error::GroundwaterError;
 use crate::balances::groundwater::network::{NONE, Network, Opening};
 use crate::bonds::exchange::Mean;
@@ -18,7 +18,7 @@ use crate::memory::{HeapSize, total};
 use crate::saved::{Pass, Saved};
 
 /// What remains of a particle's balance over the water that passes through it, in the root of the mean of squares.
-const TOLERANCE: f64 = 1e-8;
+const TOLERANCE: f64 = 1e-6;
 
 /// The same over what drives water, for the first solution and others before which none has passed.
 const FIRST_TOLERANCE: f64 = 1e-11;
@@ -49,10 +49,10 @@ pub struct Pressure {
     right: Vec<f64>,
     coarse: Coarse,
     residual: Vec<f64>,
-    /// Room before the first particle in the next two columns.
-    pad: usize,
     swept: Vec<f64>,
     direction: Vec<f64>,
+    /// A column of places, on diagonals.
+    places: Vec<f64>,
     image: Vec<f64>,
 }
 
@@ -71,8 +71,16 @@ impl Saved for Pressure {
 
 impl HeapSize for Pressure {
     fn heap_size(&self) -> usize {
-        let columns =
-            [&self.pressure, &self.diagonal, &self.inverse, &self.right, &self.residual, &self.swept, &self.direction];
+        let columns = [
+            &self.places,
+            &self.pressure,
+            &self.diagonal,
+            &self.inverse,
+            &self.right,
+            &self.residual,
+            &self.swept,
+            &self.direction,
+        ];
         let columns: usize = columns.iter().map(|column| column.heap_size()).sum();
         columns + total(&[&self.image, &self.conductances, &self.mouths, &self.rest, &self.coarse])
     }
@@ -82,8 +90,7 @@ impl Pressure {
     /// A solver for particles at these places.
     pub fn new(network: &Network, positions: &[DVec2]) -> Self {
         let (count, paths) = (network.len(), network.places);
-        let (pad, padded) =
-            network.diagonals.as_ref().map_or((0, count), |diagonals| (diagonals.pad, diagonals.padded()));
+        let padded = network.diagonals.as_ref().map_or(0, Diagonals::padded);
         Pressure {
             pressure: vec![0.0; count],
             conductances: vec![0.0; paths],
@@ -97,15 +104,16 @@ impl Pressure {
             right: vec![0.0; count],
             coarse: Coarse::new(network, positions),
             residual: vec![0.0; count],
-            pad,
-            swept: vec![0.0; padded],
-            direction: vec![0.0; padded],
+            swept: vec![0.0; count],
+            direction: vec![0.0; count],
+            places: vec![0.0; padded],
             image: vec![0.0; count],
         }
     }
 
     /// Solves for hydraulic conductivities (m2/(Pa s)) of particles, pressures (Pa) of walls, and the water that each
-    /// particle takes up by volume (1/s).
+    /// particle takes up by volume (1/s), where `passing` passed through particles before (1/s by volume, root of the sum of
+    /// squares).
     ///
     /// # Errors
     /// A pressure that is not found, or is no number.
@@ -115,6 +123,7 @@ impl Pressure {
         conductivity: &[f64],
         walls: &[f64],
         taken: Option<&[f64]>,
+        passing: f64,
         mean: Mean,
     ) -> Result<(), GroundwaterError> {
         self.walls.clear();
@@ -126,14 +135,12 @@ impl Pressure {
         }
         self.coarse.assemble(network, &self.diagonal, &self.rest);
         let norm = |column: &[f64]| dot(column, column).sqrt();
-        let passing = if self.solutions == 0 { 0.0 } else { self.passing(network) };
         let limit = match passing > 0.0 {
             true => (TOLERANCE * passing).max(ROUNDING * norm(&self.right)),
             false => FIRST_TOLERANCE * norm(&self.right),
         };
         // The balance of each block first.
-        let own = self.pad..self.pad + network.len();
-        self.direction[own.clone()].copy_from_slice(&self.pressure);
+        self.direction.copy_from_slice(&self.pressure);
         self.multiply(network);
         for ((residual, right), image) in self.residual.iter_mut().zip(&self.right).zip(&self.image) {
             *residual = right - image;
@@ -145,17 +152,17 @@ impl Pressure {
                 return Err(GroundwaterError::NotFound(MOST_ITERATIONS));
             }
             self.sweep(network);
-            let swept = &self.swept[own.clone()];
+            let swept = &self.swept;
             let product = dot(&self.residual, swept);
             let grow = if count == 0 { 0.0 } else { product / last };
-            let direction = &mut self.direction[own.clone()];
+            let direction = &mut self.direction;
             for (direction, swept) in direction.iter_mut().zip(swept) {
                 *direction = grow * *direction + swept;
             }
             self.coarse.deflate(swept, direction);
             last = product;
             self.multiply(network);
-            let direction = &self.direction[own.clone()];
+            let direction = &self.direction;
             let length = product / dot(direction, &self.image);
             if !length.is_finite() {
                 return Err(GroundwaterError::NotFinite);
@@ -186,15 +193,13 @@ impl Pressure {
         taken: Option<&[f64]>,
         mean: impl Fn(f64, f64) -> f64,
     ) {
-        let Pressure { diagonal, conductances, rest, right, .. } = self;
-        diagonal.fill(0.0);
-        network.each_path(|i, j, slot| {
-            let conductance = network.weights[slot] * mean(conductivity[i], conductivity[j]);
-            conductances[slot] = conductance;
-            rest[slot] = -conductance;
-            diagonal[i] += conductance;
-            diagonal[j] += conductance;
-        });
+        let Pressure { diagonal, conductances, rest, right, places, .. } = self;
+        let conductance = |weight: f64, i: f64, j: f64| if weight == 0.0 { 0.0 } else { weight * mean(i, j) };
+        network.by_path(&network.weights, conductivity, places, conductance, conductances);
+        network.sums([conductances; 3], |[conductance, ..], _| conductance, diagonal);
+        for (rest, conductance) in rest.iter_mut().zip(conductances) {
+            *rest = -*conductance;
+        }
         for (i, right) in right.iter_mut().enumerate() {
             *right = taken.map_or(0.0, |taken| -taken[i]);
         }
@@ -219,22 +224,11 @@ impl Pressure {
         }
     }
 
-    /// Water that passes through particles by volume (1/s), in the root of the sum of squares.
-    fn passing(&mut self, network: &Network) -> f64 {
-        let Pressure { image, conductances, pressure, .. } = self;
-        image.fill(0.0);
-        network.each_path(|i, j, slot| {
-            let water = conductances[slot] * (pressure[i] - pressure[j]).abs();
-            image[i] += water;
-            image[j] += water;
-        });
-        dot(&self.image, &self.image).sqrt()
-    }
-
     /// The image of the direction.
     fn multiply(&mut self, network: &Network) {
         if let Some(diagonals) = &network.diagonals {
-            return diagonals.multiply(&self.diagonal, &self.rest, &self.direction, &mut self.image);
+            let columns = [&self.diagonal[..], &self.rest, &self.direction];
+            return diagonals.multiply(columns, &mut self.places, &mut self.image);
         }
         for i in 0..network.len() {
             let range = network.starts[i]..network.starts[i + 1];
@@ -247,7 +241,8 @@ impl Pressure {
     /// Symmetric Gauss-Seidel: forward over the paths to earlier particles, back over those to later ones.
     fn sweep(&mut self, network: &Network) {
         if let Some(diagonals) = &network.diagonals {
-            return diagonals.sweep(&self.inverse, &self.rest, &self.residual, &mut self.swept);
+            let columns = [&self.inverse[..], &self.rest, &self.residual];
+            return diagonals.sweep(columns, &mut self.places, &mut self.swept);
         }
         let of = |paths: std::ops::Range<usize>, swept: &[f64]| -> f64 {
             let paths = network.partners[paths.clone()].iter().zip(&network.slots[paths]);

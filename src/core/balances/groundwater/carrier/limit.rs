@@ -23,16 +23,13 @@ impl Carrier {
     }
 
     fn gather_diagonals(&mut self, network: &Network, diagonals: &Diagonals, state: &State<'_>, rows: &mut [Row]) {
-        let pad = diagonals.pad;
         let copied = [state.temperature, state.enthalpy, &self.conducted];
-        for (column, values) in self.columns.iter_mut().zip(copied) {
-            column[pad..pad + values.len()].copy_from_slice(values);
+        for (column, values) in self.columns.iter_mut().zip(copied).filter(|pair| !pair.1.is_empty()) {
+            diagonals.places.spread(values, column);
         }
         let [temperature, enthalpy, conducted, x, y] = &mut self.columns;
         if self.bends {
-            for (i, gradient) in self.gradients.iter().enumerate() {
-                (x[pad + i], y[pad + i]) = (gradient.x, gradient.y);
-            }
+            diagonals.places.each(|i, place| (x[place], y[place]) = (self.gradients[i].x, self.gradients[i].y));
         }
         let carried = Carried {
             carried: &self.carried,

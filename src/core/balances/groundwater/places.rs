@@ -1,0 +1,113 @@
+//! Where particles stand on columns that a loop reads from end to end, whatever its neighbours are.
+
+use glam::DVec2;
+
+use crate::memory::HeapSize;
+
+/// How far from its site a particle may stand, in spacings.
+const ON_SITE: f64 = 1e-6;
+
+/// Places of particles on a whole rectangle of lattice sites row by row, if the particles stand on such sites in that order.
+pub(super) fn sites(starts: &[usize], partners: &[u32], positions: &[DVec2]) -> Option<Vec<usize>> {
+    let ways = positions.iter().enumerate().flat_map(|(i, own)| {
+        partners[starts[i]..starts[i + 1]].iter().map(|partner| own.distance(positions[*partner as usize]))
+    });
+    let spacing = ways.filter(|way| *way > 0.0).fold(f64::INFINITY, f64::min);
+    let low = positions.iter().copied().fold(DVec2::INFINITY, DVec2::min);
+    let columns = positions.iter().map(|place| ((place.x - low.x) / spacing).round()).fold(0.0, f64::max) as usize + 1;
+    let sites = positions.iter().map(|place| {
+        let site = (*place - low) / spacing;
+        let stands = site.distance(site.round()) < ON_SITE;
+        stands.then(|| site.y.round() as usize * columns + site.x.round() as usize)
+    });
+    let sites: Vec<usize> = sites.collect::<Option<_>>()?;
+    sites.is_sorted_by(|a, b| a < b).then_some(sites)
+}
+
+/// Particles whose places follow each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Run {
+    /// The first of them.
+    first: usize,
+    /// Its place.
+    place: usize,
+    /// Number of particles.
+    count: usize,
+}
+
+/// The places of particles, in their order.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Places {
+    /// Room before the first.
+    pub room: usize,
+    runs: Vec<Run>,
+}
+
+/// Consecutive places of particles.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Stretch {
+    /// How many of the particles that were asked for come before.
+    pub before: usize,
+    /// The place of the first.
+    pub at: usize,
+    /// Number of particles.
+    pub count: usize,
+}
+
+impl Places {
+    /// Particles at these places, ascending, with so much room before the first.
+    pub fn new(places: &[usize], room: usize) -> Self {
+        let mut runs: Vec<Run> = Vec::new();
+        for (first, place) in places.iter().map(|place| room + place).enumerate() {
+            match runs.last_mut() {
+                Some(run) if place == run.place + run.count => run.count += 1,
+                _ => runs.push(Run { first, place, count: 1 }),
+            }
+        }
+        Places { room, runs }
+    }
+
+    /// The place of a particle.
+    pub fn of(&self, particle: usize) -> usize {
+        let run = &self.runs[self.runs.partition_point(|run| run.first + run.count <= particle)];
+        run.place + particle - run.first
+    }
+
+    /// Puts the values of particles on a column.
+    pub fn spread(&self, values: &[f64], column: &mut [f64]) {
+        for Run { first, place, count } in &self.runs {
+            column[*place..place + count].copy_from_slice(&values[*first..first + count]);
+        }
+    }
+
+    /// Takes the values of particles from a column.
+    pub fn collect(&self, column: &[f64], values: &mut [f64]) {
+        for Run { first, place, count } in &self.runs {
+            values[*first..first + count].copy_from_slice(&column[*place..place + count]);
+        }
+    }
+
+    /// Does something to each particle and its place.
+    pub fn each(&self, mut one: impl FnMut(usize, usize)) {
+        for run in &self.runs {
+            (0..run.count).for_each(|k| one(run.first + k, run.place + k));
+        }
+    }
+
+    /// The stretches of `count` particles from `first` on.
+    pub(super) fn stretches(&self, first: usize, count: usize) -> impl DoubleEndedIterator<Item = Stretch> + '_ {
+        let end = first + count;
+        let from = self.runs.partition_point(|run| run.first + run.count <= first);
+        let to = self.runs.partition_point(|run| run.first < end);
+        self.runs[from..to].iter().map(move |run| {
+            let (low, high) = (run.first.max(first), (run.first + run.count).min(end));
+            Stretch { before: low - first, at: run.place + low - run.first, count: high - low }
+        })
+    }
+}
+
+impl HeapSize for Places {
+    fn heap_size(&self) -> usize {
+        self.runs.capacity() * size_of::<Run>()
+    }
+}

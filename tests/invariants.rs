@@ -630,8 +630,9 @@ fn the_lattice_and_every_list_take_the_same_steps() {
     for kind in methods() {
         for (domain, laws) in [(LINE, &LAWS[..]), (RECTANGLE, &LAWS[..]), (ring(Sector::Quarter), &LAWS[1..2])] {
             for (law, _) in laws {
-                // A list knows no fronts inside particles.
+                // A list knows no fronts inside particles, and steps by error are not the same to rounding.
                 let mut sketch = Sketch::new(domain, SPACING).with(without_noise(kind)).with("front = \"cell\"");
+                sketch = sketch.with("integrator = \"euler\"");
                 sketch.duration_s = 1e8;
                 sketch.materials = vec![("water", water(&format!("{law}, temperature_c = 0")))];
                 if matches!(domain, Domain::Ring { .. }) {

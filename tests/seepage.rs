@@ -173,16 +173,19 @@ fn no_water_and_no_heat_is_lost() {
 #[test]
 fn fast_water_keeps_the_range() {
     for kind in flowing() {
-        let violation = |advection: &str| {
-            let mut sketch = with_ice(6e4).with(&format!("advection = \"{advection}\""));
+        let violation = |advection: &str, integrator: &str| {
+            let mut sketch = with_ice(6e4).with(&format!("advection = \"{advection}\"")).with(integrator);
             sketch.duration_s = 100.0;
             sketch.run(kind).record.bounds_violation_rel.expect("a range")
         };
         for advection in ["upwind", "blended", "limited"] {
-            let found = violation(advection);
+            let found = violation(advection, "integrator = \"heun\"");
             assert!(found < 1e-9, "{} {advection}: {found}", kind.name);
+            // A step that leaves the range by a thousandth is made again, shorter, or by Heun's rule.
+            let found = violation(advection, "");
+            assert!(found < 1e-3, "{} {advection}, by error: {found}", kind.name);
         }
-        let central = violation("central");
+        let central = violation("central", "integrator = \"heun\"");
         assert!(central > 1e-3, "{}: {central}, so the variants that keep the range are not needed", kind.name);
     }
 }
@@ -198,7 +201,7 @@ fn what_is_symmetric_stays_symmetric() {
             let (column, row) = lattice.cell(i);
             let other = lattice.index(column, lattice.rows as i64 - 1 - row).expect("a cell");
             let difference = (plan.particles.enthalpy[i] - plan.particles.enthalpy[other]).abs();
-            // Pressures are found to 1e-8 of what flows; limits act on differences of states.
+            // Pressures are found to 1e-7 of what flows; limits act on differences of states.
             assert!(difference < 1e-6 * most, "{} at {column} {row}: {difference} J/m3", kind.name);
         }
     }

@@ -2,13 +2,25 @@
 
 use frazil_studies::failure::Failure;
 
-use super::execute::{Pair, Work, seconds_of};
+use super::execute::{Coarse, Pair, Work, seconds_of};
 use super::study::Study;
 use super::variants::Layout;
 use super::{critical, search};
 
 /// Tells what is known of a layout, and runs it if that is what it does; none if there is nothing.
-pub(super) type Find<'a> = dyn Fn(&Layout) -> Result<Option<Pair>, Failure> + Sync + 'a;
+pub(super) type Find<'a, T = Pair> = dyn Fn(&Layout) -> Result<Option<T>, Failure> + Sync + 'a;
+
+/// What tells what is known of layouts.
+#[derive(Clone, Copy)]
+pub(super) struct Known<'a> {
+    /// Of a layout, as layouts are run.
+    pub(super) layout: &'a Find<'a>,
+    /// Of the same at twice the spacing alone.
+    pub(super) coarse: &'a Find<'a, Coarse>,
+}
+
+/// Time of the run at twice the spacing over that of both runs of a layout.
+const COARSE: f64 = 1.0 / 9.0;
 
 /// Layouts that are tried beside those that a study names.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -26,14 +38,21 @@ pub(super) struct Ahead {
 }
 
 impl Ahead {
-    /// So many layouts, as a rule and at most, like `example`; `at_once` of them do not wait for each other.
-    pub(super) fn of((likely, most): (usize, usize), example: &Layout, method: &str, at_once: usize) -> Ahead {
+    /// So many layouts, as a rule and at most, like `example`, after `coarse` others at twice the spacing alone; `at_once` of them do not wait
+    /// for each other.
+    pub(super) fn of(
+        (likely, most): (usize, usize),
+        coarse: usize,
+        example: &Layout,
+        (method, at_once): (&str, usize),
+    ) -> Ahead {
         if most == 0 {
             return Ahead::default();
         }
         let each = seconds_of(&example.scene, method).unwrap_or(0.0);
-        let likely_s = each * likely as f64;
-        Ahead { likely, most, likely_s, most_s: each * most as f64, wall_s: likely_s / at_once.max(1) as f64 }
+        let time = |count: usize| each * (count as f64 + COARSE * coarse as f64);
+        let likely_s = time(likely);
+        Ahead { likely, most, likely_s, most_s: time(most), wall_s: likely_s / at_once.max(1) as f64 }
     }
 
     pub(super) fn and(self, other: Ahead) -> Ahead {
@@ -55,21 +74,22 @@ impl Ahead {
 
 /// All that a study may try where nothing is known yet.
 pub(super) fn all(study: &Study<'_>, method: &str, threads: usize) -> Result<Ahead, Failure> {
-    beyond(study, method, threads, &|_| Ok(None))
+    beyond(study, method, threads, Known { layout: &|_| Ok(None), coarse: &|_| Ok(None) })
 }
 
 /// What it may still try beyond what a folder keeps.
 pub(super) fn open(work: &Work<'_>) -> Result<Ahead, Failure> {
-    beyond(work.study, work.method, work.threads, &|layout| Ok(work.kept(layout)))
+    let coarse = |layout: &Layout| Ok(work.known_coarse(layout));
+    beyond(work.study, work.method, work.threads, Known { layout: &|layout| Ok(work.kept(layout)), coarse: &coarse })
 }
 
-fn beyond(study: &Study<'_>, method: &str, threads: usize, known: &Find<'_>) -> Result<Ahead, Failure> {
+fn beyond(study: &Study<'_>, method: &str, threads: usize, known: Known<'_>) -> Result<Ahead, Failure> {
     let mut ahead = Ahead::default();
     if let Some(wanted) = &study.search {
         ahead = ahead.and(search::ahead(study, wanted, (method, threads), known)?);
     }
     if let Some(wanted) = &study.critical {
-        ahead = ahead.and(critical::ahead(study, wanted, (method, threads), known)?);
+        ahead = ahead.and(critical::ahead(study, wanted, (method, threads), known.layout)?);
     }
     Ok(ahead)
 }

@@ -116,7 +116,7 @@ pub(super) fn ahead(
     let (middle, at_once) = (critical.values[critical.values.len() / 2].to_string(), threads.min(layouts.len()));
     layouts.iter().try_fold(Ahead::default(), |ahead, layout| {
         let (left, example) = (left(layout)?, study.changed(layout, &critical.key, &middle)?);
-        Ok(ahead.and(Ahead::of((left, left), &example, method, at_once)))
+        Ok(ahead.and(Ahead::of((left, left), 0, &example, (method, at_once))))
     })
 }
 

@@ -33,6 +33,15 @@ pub struct Pair {
     pub refused: Option<String>,
 }
 
+/// What is kept of a layout at twice the spacing.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Coarse {
+    /// The run; none where that is too coarse for the layout.
+    pub kept: Option<Kept>,
+    /// Why not.
+    pub refused: Option<String>,
+}
+
 /// What came of a layout.
 #[derive(Debug, Serialize, Deserialize)]
 enum Finding {
@@ -216,18 +225,16 @@ impl Work<'_> {
             each_output: None,
             checkpoints: None,
         };
-        let run = |scene: &Scene, see: Option<&EachOutput<'_>>, is_fine: bool| {
-            let run = |checkpoints: Option<&Checkpoints<'_>>| {
-                march::run(scene, self.method, None, &Options { each_output: see, checkpoints, ..options })
-            };
-            // The coarser run takes an eighth of the time, and is made again.
-            let made = if is_fine { self.campaign.on_its_way(&self.key(layout), run) } else { run(None) };
-            made.map_err(Failure::from)
-        };
         let seen: Option<&EachOutput<'_>> = if frames.is_some() { Some(&see) } else { None };
+        let run = || {
+            let run = |checkpoints: Option<&Checkpoints<'_>>| {
+                march::run(&layout.scene, self.method, None, &Options { each_output: seen, checkpoints, ..options })
+            };
+            self.campaign.on_its_way(&self.key(layout), run).map_err(Failure::from)
+        };
         let tried = match self.beside {
-            true => layout.check(self.study.shaft_radius, self.method).and_then(|()| run(&layout.scene, seen, true)),
-            false => run(&layout.scene, seen, true).map_err(|failure| named(&layout.name, failure)),
+            true => layout.check(self.study.shaft_radius, self.method).and_then(|()| run()),
+            false => run().map_err(|failure| named(&layout.name, failure)),
         };
         let fine = match tried {
             Ok(fine) => fine,
@@ -237,12 +244,8 @@ impl Work<'_> {
         if matches!(fine.record.outcome, Outcome::Interrupted | Outcome::TimedOut) {
             return Ok(None);
         }
-        let (mut coarse, mut refused) = (None, None);
-        match self.coarser(layout).and_then(|scene| Ok((run(&scene, None, false)?, scene))) {
-            Ok((result, _)) if result.record.outcome == Outcome::Interrupted => return Ok(None),
-            Ok((result, scene)) => coarse = Some(Kept::of(&scene, &result)),
-            Err(failure) => refused = Some(failure.to_string()),
-        }
+        let known = self.campaign.known(&self.coarse_key(layout));
+        let Some(coarse) = known.or_else(|| self.run_coarse(layout)) else { return Ok(None) };
         output::write_run_and(&path, &fine, || frames.map_or(Ok(()), |frames| frames.finish(&path)))?;
         if self.has_maps(layout)
             && let Err(error) =
@@ -250,7 +253,43 @@ impl Work<'_> {
         {
             complain(&format!("figures: {error}"));
         }
-        Ok(Some(Finding::Ran(Box::new(Pair { fine: Kept::of(&layout.scene, &fine), coarse, refused }))))
+        let Coarse { kept, refused } = coarse;
+        Ok(Some(Finding::Ran(Box::new(Pair { fine: Kept::of(&layout.scene, &fine), coarse: kept, refused }))))
+    }
+
+    fn coarse_key(&self, layout: &Layout) -> String {
+        campaign::key(&format!("layout \"{}\" at twice the spacing", layout.name), &layout.scene, self.method, SEED)
+    }
+
+    /// What is known of a layout at twice the spacing.
+    pub(super) fn known_coarse(&self, layout: &Layout) -> Option<Coarse> {
+        self.campaign.known(&self.coarse_key(layout))
+    }
+
+    /// What is known of a layout at twice the spacing, which is run if nothing is; none if it was interrupted.
+    pub(super) fn made_coarse(&self, layout: &Layout) -> Result<Option<Coarse>, Failure> {
+        layout.check(self.study.shaft_radius, self.method)?;
+        let make = || self.campaign.make(&self.coarse_key(layout), || Ok(self.run_coarse(layout)));
+        let found = self.known_coarse(layout).or_else(make);
+        self.campaign.check()?;
+        Ok(found)
+    }
+
+    /// A layout at twice the spacing: it takes an eighth of the time. None if it was interrupted.
+    fn run_coarse(&self, layout: &Layout) -> Option<Coarse> {
+        let options = Options {
+            threads: 1,
+            seed: SEED,
+            interrupt: Some(self.campaign.stop()),
+            fields: self.has_maps(layout),
+            ..Options::default()
+        };
+        let run = |scene: Scene| Ok((march::run(&scene, self.method, None, &options)?, scene));
+        match self.coarser(layout).and_then(run) {
+            Ok((result, _)) if result.record.outcome == Outcome::Interrupted => None,
+            Ok((result, scene)) => Some(Coarse { kept: Some(Kept::of(&scene, &result)), refused: None }),
+            Err(failure) => Some(Coarse { kept: None, refused: Some(failure.to_string()) }),
+        }
     }
 
     /// Figures of a layout have its name, and the shaft also where it is not dug.

@@ -224,19 +224,21 @@ fn searched(search: &Search, tried: &[Tried]) -> Block {
         let words = if one.in_time { in_time } else { "no" };
         let mut cells = vec![
             number(one.value, 5),
+            number(one.spacing_m, 3),
             stood(cell(one.closure_days, 2, "not closed"), one.reopened_days),
             format!("{:.0}", one.energy_mj_per_m),
             words.to_owned(),
         ];
         if search.design_days.is_some() {
-            cells.insert(2, designed_on(one.design_days, one.design_left_days));
+            cells.insert(3, designed_on(one.design_days, one.design_left_days));
         }
         cells
     };
     let energy = format!("energy to day {} (MJ/m)", search.last_day());
-    let mut heads = vec![search.key.clone(), "wall closes (day)".into(), energy, "in time".into()];
+    let mut heads =
+        vec![search.key.clone(), "spacing (m)".into(), "wall closes (day)".into(), energy, "in time".into()];
     if search.design_days.is_some() {
-        heads.insert(2, "as designed (day)".into());
+        heads.insert(3, "as designed (day)".into());
     }
     let table = Table {
         caption: format!("{}.", search::words(search, tried)),

@@ -1,8 +1,10 @@
 //! Search over one key: the least whole number that is in time, by halving, or the value of least energy that is, by Brent's
 //! method.
 //!
-//! Halving takes for granted that more is earlier, as more pipes are. Each value that is tried is a layout in a folder of its own, so a
-//! search that was stopped goes on where it stood: it asks for the same values again and finds them.
+//! Halving takes for granted that more is earlier, as more pipes are. Runs at twice the spacing, which each layout needs anyway and
+//! which take an eighth of the time, say where the least is about; it and the one below it are then run as layouts are, and others
+//! from there on where the coarse runs were wrong. What is tried is kept, so a search that was stopped goes on where it stood: it
+//! asks for the same values again and finds them.
 
 use std::cell::RefCell;
 
@@ -13,9 +15,9 @@ use frazil_studies::failure::Failure;
 use frazil_studies::parallel;
 use serde::Serialize;
 
-use super::ahead::{Ahead, Find};
-use super::answers::{Answers, DAY};
-use super::execute::Work;
+use super::ahead::{Ahead, Find, Known};
+use super::answers::{Answers, DAY, Kept};
+use super::execute::{Coarse, Work};
 use super::goals::{Goal, Search};
 use super::study::Study;
 use super::variants::Layout;
@@ -25,6 +27,8 @@ use super::variants::Layout;
 pub struct Tried {
     /// The value.
     pub value: f64,
+    /// Spacing of its runs (m): that of the method, or twice that.
+    pub spacing_m: f64,
     /// Day on which the wall closed.
     pub closure_days: Option<f64>,
     /// Day on which it first opened again.
@@ -70,15 +74,16 @@ enum Stop {
 struct Trials<'a> {
     study: &'a Study<'a>,
     search: &'a Search,
-    find: &'a Find<'a>,
+    known: Known<'a>,
+    method: &'a str,
     threads: usize,
     tried: RefCell<Vec<Tried>>,
     stopped: RefCell<Option<Stop>>,
 }
 
 impl<'a> Trials<'a> {
-    fn new(study: &'a Study<'a>, search: &'a Search, find: &'a Find<'a>, threads: usize) -> Self {
-        Trials { study, search, find, threads, tried: RefCell::default(), stopped: RefCell::default() }
+    fn new(study: &'a Study<'a>, search: &'a Search, known: Known<'a>, (method, threads): (&'a str, usize)) -> Self {
+        Trials { study, search, known, method, threads, tried: RefCell::default(), stopped: RefCell::default() }
     }
 
     /// Tries values until the one searched is known, or says what stopped it.
@@ -91,15 +96,33 @@ impl<'a> Trials<'a> {
 
     /// Runs a value, or finds it.
     fn one(&self, value: f64) -> Result<Tried, Stop> {
-        let Trials { study, search, find, threads, .. } = self;
-        let layouts = study.tried(search, value).map_err(Stop::Failed)?;
-        let run = |k: usize| Some(find(&layouts[k]));
-        let mut parts = Vec::new();
-        for (pair, layout) in parallel::runs(layouts.len(), *threads, run).into_iter().flatten().zip(&layouts) {
-            let pair = pair.map_err(Stop::Failed)?.ok_or(Stop::Interrupted)?;
+        let layouts = self.study.tried(self.search, value).map_err(Stop::Failed)?;
+        let pairs = self.each(&layouts, self.known.layout)?;
+        Ok(self.judge(value, 1.0, &layouts, pairs.into_iter().map(|pair| pair.fine)))
+    }
+
+    /// The same at twice the spacing; none where that is too coarse in some stratum.
+    fn coarse(&self, value: f64) -> Result<Option<Tried>, Stop> {
+        let layouts = self.study.tried(self.search, value).map_err(Stop::Failed)?;
+        let runs = self.each(&layouts, self.known.coarse)?;
+        let kept: Option<Vec<Kept>> = runs.into_iter().map(|Coarse { kept, .. }| kept).collect();
+        Ok(kept.map(|kept| self.judge(value, 2.0, &layouts, kept.into_iter())))
+    }
+
+    /// What is found of each layout.
+    fn each<T: Send>(&self, layouts: &[Layout], find: &Find<'_, T>) -> Result<Vec<T>, Stop> {
+        let found = parallel::runs(layouts.len(), self.threads, |k| Some(find(&layouts[k])));
+        found.into_iter().flatten().map(|one| one.map_err(Stop::Failed)?.ok_or(Stop::Interrupted)).collect()
+    }
+
+    /// What the runs of a value in all strata say together, at so many times the spacing of the method.
+    fn judge(&self, value: f64, coarser: f64, layouts: &[Layout], runs: impl Iterator<Item = Kept>) -> Tried {
+        let Trials { study, search, .. } = self;
+        let part = |(kept, layout): (Kept, &Layout)| {
             let thickness = study.depth_of(layout).filter(|_| layout.stratum.is_some()).unwrap_or(1.0);
-            parts.push((Answers::of(&layout.scene, &pair.fine, study.design_of(layout)), thickness));
-        }
+            (Answers::of(&layout.scene, &kept, study.design_of(layout)), thickness)
+        };
+        let parts: Vec<(Answers, f64)> = runs.zip(layouts).map(part).collect();
         // A shaft is closed once it is closed in all strata, and open once it is in one.
         let last = |day: fn(&Answers) -> Option<f64>| {
             let days: Option<Vec<f64>> = parts.iter().map(|(answers, _)| day(answers)).collect();
@@ -118,8 +141,10 @@ impl<'a> Trials<'a> {
         let designed =
             by(search.design_days, design_days) && (search.design_days.is_none() || design_left_days.is_none());
         let in_time = stays && by(search.closure_days, closure_days) && designed;
+        let spacing = layouts.first().and_then(|layout| layout.scene.method(self.method));
         let tried = Tried {
             value,
+            spacing_m: coarser * spacing.map_or(f64::NAN, |settings| settings.numerics.spacing),
             closure_days,
             reopened_days,
             design_days,
@@ -129,7 +154,7 @@ impl<'a> Trials<'a> {
             least: false,
         };
         self.tried.borrow_mut().push(tried.clone());
-        Ok(tried)
+        tried
     }
 
     /// Energy over that of the first value tried, and how late it is: a smooth fall towards what is in time. What never comes is
@@ -165,20 +190,20 @@ impl CostFunction for &Trials<'_> {
     }
 }
 
-/// Values that a search tries, as a rule and at most.
-fn values(search: &Search) -> (usize, usize) {
+/// Values that a search tries, as a rule and at most; and how many more at twice the spacing.
+fn values(search: &Search) -> ((usize, usize), usize) {
     let range = search.to - search.from;
     match search.goal {
-        // Both ends, and the halvings between them.
+        // The least and the one below it; or ever longer strides from there, and their halvings.
         Goal::Least => {
-            let all = 2 + range.log2().ceil() as usize;
-            (all, all)
+            let halvings = range.log2().ceil() as usize;
+            ((2, 2 + 2 * halvings), 2 + halvings)
         }
         // The first, and one for each step. Golden sections narrow the range to what is asked for; parabolas are quicker.
         Goal::Energy => {
             let most = MOST as usize + 1;
             let sections = (range / search.within()).ln() / GOLDEN.ln();
-            ((2.0 + sections.ceil()).min(most as f64) as usize, most)
+            (((2.0 + sections.ceil()).min(most as f64) as usize, most), 0)
         }
     }
 }
@@ -188,27 +213,31 @@ pub(super) fn ahead(
     study: &Study<'_>,
     search: &Search,
     (method, threads): (&str, usize),
-    known: &Find<'_>,
+    known: Known<'_>,
 ) -> Result<Ahead, Failure> {
     // The search itself, up to the first value that is not known.
-    let trials = Trials::new(study, search, known, threads);
+    let trials = Trials::new(study, search, known, (method, threads));
     if trials.all()?.is_none() {
         return Ok(Ahead::default());
     }
-    let (likely, most) = values(search);
-    let tried = trials.tried.into_inner().len();
+    let ((likely, most), coarse) = values(search);
+    let tried = trials.tried.into_inner();
     let middle = 0.5 * (search.from + search.to);
     let layouts = study.tried(search, if search.goal == Goal::Least { middle.floor() } else { middle })?;
-    let counts = (likely.saturating_sub(tried).max(1), most.saturating_sub(tried).max(1));
+    let spacing = layouts.first().and_then(|layout| layout.scene.method(method));
+    let spacing = spacing.map_or(f64::INFINITY, |settings| settings.numerics.spacing);
+    let whole = tried.iter().filter(|one| one.spacing_m < 1.5 * spacing).count();
+    let coarse = coarse.saturating_sub(tried.len() - whole);
+    let counts = (likely.saturating_sub(whole).max(1), most.saturating_sub(whole).max(1));
     let at_once = threads.min(layouts.len());
-    let each = |layout: &Layout| Ahead::of(counts, layout, method, at_once);
+    let each = |layout: &Layout| Ahead::of(counts, coarse, layout, (method, at_once));
     Ok(layouts.iter().map(each).fold(Ahead::default(), Ahead::and))
 }
 
 /// Tries values until the one searched is known, in the order of the values; none if it was interrupted.
 pub(super) fn search(study: &Study<'_>, search: &Search, work: &Work<'_>) -> Result<Option<Vec<Tried>>, Failure> {
-    let find = |layout: &Layout| work.made(layout);
-    let trials = Trials::new(study, search, &find, work.threads);
+    let known = Known { layout: &|layout| work.made(layout), coarse: &|layout| work.made_coarse(layout) };
+    let trials = Trials::new(study, search, known, (work.method, work.threads));
     match trials.all()? {
         Some(Stop::Interrupted) => return Ok(None),
         Some(Stop::Failed(failure)) => return Err(failure),
@@ -216,24 +245,59 @@ pub(super) fn search(study: &Study<'_>, search: &Search, work: &Work<'_>) -> Res
     }
     let mut tried = trials.tried.into_inner();
     let cost = |one: &Tried| if search.goal == Goal::Least { one.value } else { one.energy_mj_per_m };
-    let best = tried.iter().filter(|one| one.in_time).map(cost).reduce(f64::min);
-    tried.iter_mut().for_each(|one| one.least = one.in_time && Some(cost(one)) == best);
-    tried.sort_by(|a, b| a.value.total_cmp(&b.value));
+    let finest = tried.iter().map(|one| one.spacing_m).fold(f64::INFINITY, f64::min);
+    let counts = |one: &Tried| one.in_time && one.spacing_m == finest;
+    let best = tried.iter().filter(|one| counts(one)).map(cost).reduce(f64::min);
+    tried.iter_mut().for_each(|one| one.least = counts(one) && Some(cost(one)) == best);
+    tried.sort_by(|a, b| a.value.total_cmp(&b.value).then(b.spacing_m.total_cmp(&a.spacing_m)));
     Ok(Some(tried))
 }
 
-/// Halves the range in which the least value in time must lie; the one below it is always tried.
+/// Finds the least value in time from the one that coarse runs tell, by strides that double until one is in time and one is not, and
+/// by halving between them; the one below it is always tried.
 fn halve(trials: &Trials<'_>) -> Result<(), Stop> {
     let (from, to) = (trials.search.from, trials.search.to);
-    if !trials.one(to)?.in_time {
-        return Ok(());
+    let (mut late, mut in_time) = (from - 1.0, None);
+    let (mut next, mut stride) = (least_coarse(trials)?.unwrap_or(to), 1.0);
+    loop {
+        if trials.one(next)?.in_time {
+            in_time = Some(next)
+        } else {
+            late = next
+        }
+        next = match in_time {
+            Some(least) if least - late <= 1.0 => return Ok(()),
+            Some(least) if late >= from => late + ((least - late) / 2.0).floor(),
+            Some(least) => (least - stride).max(from),
+            None if late >= to => return Ok(()),
+            None => (late + stride).min(to),
+        };
+        stride *= 2.0;
     }
-    let (mut late, mut in_time) = (from, if trials.one(from)?.in_time { from } else { to });
-    while in_time - late > 1.0 {
-        let middle = late + ((in_time - late) / 2.0).floor();
-        if trials.one(middle)?.in_time { in_time = middle } else { late = middle }
+}
+
+/// The least value that is in time at twice the spacing, by halving; none if there is none, or that is too coarse.
+fn least_coarse(trials: &Trials<'_>) -> Result<Option<f64>, Stop> {
+    let in_time = |value: f64| Ok(trials.coarse(value)?.map(|one| one.in_time));
+    let (mut late, mut least) = (trials.search.from, trials.search.to);
+    match in_time(least)? {
+        Some(true) => {}
+        Some(false) | None => return Ok(None),
     }
-    Ok(())
+    match in_time(late)? {
+        Some(true) => return Ok(Some(late)),
+        Some(false) => {}
+        None => return Ok(None),
+    }
+    while least - late > 1.0 {
+        let middle = late + ((least - late) / 2.0).floor();
+        match in_time(middle)? {
+            Some(true) => least = middle,
+            Some(false) => late = middle,
+            None => return Ok(None),
+        }
+    }
+    Ok(Some(least))
 }
 
 /// The least energy, where the lateness of what is not in time counts as energy.

@@ -149,6 +149,8 @@ pub struct Numerics {
     pub search: SearchChoice,
     /// Integrator.
     pub integrator: IntegratorChoice,
+    /// Whether it is the usual one of the scene, which names none.
+    pub usual_integrator: bool,
     /// Step.
     pub step: StepChoice,
     /// Conduction where water flows.
@@ -173,6 +175,7 @@ impl Default for Numerics {
             walls: WallModel::Mirror,
             search: SearchChoice::Auto,
             integrator: IntegratorChoice::Euler,
+            usual_integrator: true,
             step: StepChoice::Fraction(0.9),
             conduction: Conduction::Plain,
             flow: None,

@@ -8,7 +8,7 @@ mod pipes;
 mod prepared;
 mod random;
 pub(crate) mod refusals;
-mod steps;
+pub(crate) mod steps;
 mod transport;
 
 use std::sync::Arc;

@@ -10,10 +10,11 @@ use std::time::Instant;
 
 use frazil_core::memory::Memory;
 use frazil_core::solvers::moving::Purpose;
-use frazil_core::solvers::rkl2::GROWTH;
-use frazil_core::solvers::step::Clock;
+use frazil_core::solvers::rkl2::{GROWTH, Rkl2};
+use frazil_core::solvers::step::{Bound, Clock};
 use frazil_core::statistics::median;
 use frazil_scene::Scene;
+use frazil_scene::settings::IntegratorChoice;
 
 use crate::march::guard::Guard;
 use crate::march::instants::{next_turn, outputs};
@@ -21,8 +22,12 @@ use crate::march::{GUARD_STEPS, Refused};
 use crate::observers::Observers;
 use crate::observers::observer::{Cadence, Moment, Setup, View};
 use crate::plan::refusals::{Counted, affordable, count, holdable};
+use crate::plan::steps::MOST_STAGES;
 use crate::plan::{Plan, PlanSummary, build_for, settings_of};
+use crate::predict::course::{Course, Lengths};
 use crate::reference::Reference;
+
+mod course;
 
 /// How many steps a run makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -82,34 +87,6 @@ pub fn planned_steps(scene: &Scene, step: f64, gentle: Option<f64>) -> u64 {
         }
     }
     made
-}
-
-/// Steps to the end of a run of `duration` (s) whose first steps ended at `times` (s), if their lengths follow a power
-/// of time, as steps of a given error do after a jump at the start.
-pub fn extrapolated_steps(times: &[f64], duration: f64) -> Option<u64> {
-    const FEWEST: usize = 16;
-    if times.len() < FEWEST {
-        return None;
-    }
-    if let Some(end) = times.iter().position(|time| *time >= duration) {
-        return Some(end as u64 + 1);
-    }
-    // The later half: the first steps know the jump only.
-    let late = &times[times.len() / 2..];
-    let points: Vec<(f64, f64)> =
-        late.windows(2).map(|pair| ((0.5 * (pair[0] + pair[1])).ln(), (pair[1] - pair[0]).ln())).collect();
-    let count = points.len() as f64;
-    let mean = points.iter().fold((0.0, 0.0), |sum, point| (sum.0 + point.0 / count, sum.1 + point.1 / count));
-    let spread: f64 = points.iter().map(|point| (point.0 - mean.0).powi(2)).sum();
-    let slope = points.iter().map(|point| (point.0 - mean.0) * (point.1 - mean.1)).sum::<f64>() / spread;
-    // Steps that shrink, or that grow faster than time itself, follow no such law.
-    if !(-1e-3..0.95).contains(&slope) {
-        return None;
-    }
-    let scale = (mean.1 - slope * mean.0).exp();
-    let last = *times.last()?;
-    let rest = (duration.powf(1.0 - slope) - last.powf(1.0 - slope)) / (scale * (1.0 - slope));
-    Some((rest.ceil() as u64).saturating_add(times.len() as u64))
 }
 
 /// How often a run does what takes time.
@@ -229,11 +206,12 @@ pub fn forecast(
     threads: usize,
     seed: u64,
 ) -> Result<Forecast, Refused> {
-    let plan = build_for(Purpose::Trial, scene, settings_of(scene, method)?, reference, threads, seed)?;
+    let settings = settings_of(scene, method)?;
+    let plan = build_for(Purpose::Trial, scene, settings, reference, threads, seed)?;
     // On one thread its own time does not count what others on the machine do meanwhile.
     let (began, own) = (Instant::now(), cpu_time::ThreadTime::now());
     let mut now = || if threads == 1 { own.elapsed().as_secs_f64() } else { began.elapsed().as_secs_f64() };
-    let forecast = try_out(scene, plan, threads, &mut now);
+    let forecast = try_out(scene, (plan, settings.numerics.integrator), threads, &mut now);
     holdable(scene, method, forecast.summary.memory)?;
     Ok(forecast)
 }
@@ -255,7 +233,12 @@ pub fn fits(scene: &Scene, method: &str) -> Result<(), Refused> {
 }
 
 /// Tries a plan by a clock (s).
-fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f64) -> Forecast {
+fn try_out(
+    scene: &Scene,
+    (plan, integrator): (Plan, IntegratorChoice),
+    threads: usize,
+    now: &mut dyn FnMut() -> f64,
+) -> Forecast {
     let Plan { mut particles, mut method, step, bound, mut summary, pipe_extents: pipes } = plan;
     let setup =
         Setup { scene, particles: &particles, method: method.as_ref(), pipes: &pipes, maps: true, reference: None };
@@ -282,11 +265,13 @@ fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f
             times.push(clock.time);
         }
     });
+    let mut cost = Cost { step: stepped.each, ..Cost::default() };
     if let StepCount::ByErrorControl { estimate, trial } = &mut summary.steps {
-        (*estimate, *trial) = (extrapolated_steps(&times, scene.duration), times.len() as u64);
+        let course = course(integrator, &bound, &times, scene.duration);
+        (*estimate, *trial) = (course.map(|course| course.steps), times.len() as u64);
+        cost.step *= course.map_or(1.0, |course| course.dearer);
     }
     method.publish(&mut particles);
-    let mut cost = Cost { step: stepped.each, ..Cost::default() };
     cost.guard = {
         let look = &mut || failed |= guard.look(&particles, &clock, &bound).is_err();
         timed(BESIDES, times_of(|work| work.guards), now, look).each
@@ -313,6 +298,19 @@ fn try_out(scene: &Scene, plan: Plan, threads: usize, now: &mut dyn FnMut() -> f
     }
     let work = summary.steps.number().map(|steps| Work::of(scene, steps, looks));
     Forecast { summary, work, cost, timed_steps: stepped.count, threads }
+}
+
+/// Steps by error of an integrator to the end of a run of `duration` (s), from those that ended at `times` (s).
+fn course(integrator: IntegratorChoice, bound: &Bound, times: &[f64], duration: f64) -> Option<Course> {
+    let lengths = match integrator {
+        IntegratorChoice::ControlledRkl2 { .. } => Lengths {
+            longest: bound.step * Rkl2::reach(MOST_STAGES),
+            evaluations: &|step| Rkl2::stages_for(step / bound.step) as f64,
+        },
+        // What Newton's method takes is not told by the length of a step.
+        _ => Lengths { longest: f64::INFINITY, evaluations: &|_| 1.0 },
+    };
+    lengths.course(times, duration)
 }
 
 /// Repetitions of some work, and what one took.
@@ -421,26 +419,6 @@ mod tests {
         let cost = Cost { step: 1e-3, output: 1e-2, profile: 0.1, look: 1e-4, guard: 1e-5 };
         assert!((cost.of_steps(&work) - 1.0).abs() < 1e-12);
         assert!((cost.beside(&work) - (0.1 + 0.3 + 7e-4 + 2e-4)).abs() < 1e-12);
-    }
-
-    /// Steps of a given error after a jump: their ends are at `(k / scale)^(1 / (1 - slope))`.
-    #[test]
-    fn steps_that_grow_with_a_power_of_time_are_counted_from_their_start() {
-        for (slope, duration) in [(0.0, 1e4), (0.5, 1e5), (0.75, 1e6)] {
-            let end = |k: u64| (k as f64).powf(1.0 / (1.0 - slope));
-            let all = (1..).find(|k| end(*k) >= duration).expect("an end");
-            let times: Vec<f64> = (1..=40).map(end).collect();
-            let found = extrapolated_steps(&times, duration).expect("a law") as f64;
-            // A power between two ends is not quite that of the middle.
-            assert!((found / all as f64 - 1.0).abs() < 0.02, "{slope}: {found} of {all}");
-        }
-        let even = |count: u64| (1..=count).map(|k| k as f64).collect::<Vec<_>>();
-        assert_eq!(extrapolated_steps(&even(100), 60.0), Some(60));
-        assert_eq!(extrapolated_steps(&even(5), 60.0), None);
-        let doubling: Vec<f64> = (0..40).map(|k| 2f64.powi(k)).collect();
-        assert_eq!(extrapolated_steps(&doubling, 1e30), None);
-        let shrinking: Vec<f64> = (1..40).map(|k| 1.0 - 0.5f64.powi(k)).collect();
-        assert_eq!(extrapolated_steps(&shrinking, 2.0), None);
     }
 
     #[test]

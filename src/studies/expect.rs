@@ -6,7 +6,7 @@ use frazil_core::space::lattice::Lattice;
 use frazil_scene::method::Stepper;
 use frazil_scene::{Scene, StepChoice};
 use frazil_simulation::march::Refused;
-use frazil_simulation::predict::{self, Forecast, Work};
+use frazil_simulation::predict::{self, Forecast, StepCount, Work};
 use frazil_simulation::reference::Reference;
 
 use crate::progress::LONG;
@@ -45,10 +45,13 @@ pub fn run(
 /// What a run spends its time on, and what would make it shorter.
 fn shorter(forecast: &Forecast, work: &Work) -> String {
     let summary = &forecast.summary;
-    let steps = format!(
-        "{:.1e} steps of at most {:.1e} s, which {} bounds, and {:.1e} particles",
-        work.steps as f64, summary.step_s, summary.step_limit, summary.particles as f64
-    );
+    let lengths = match summary.steps {
+        StepCount::Planned(_) => format!("of at most {:.1e} s, which {} bounds,", summary.step_s, summary.step_limit),
+        StepCount::ByErrorControl { .. } => {
+            format!("by their error, of many stages as {} bounds a step of one,", summary.step_limit)
+        }
+    };
+    let steps = format!("{:.1e} steps {lengths} and {:.1e} particles", work.steps as f64, summary.particles as f64);
     let ways = summary.relaxed_by.iter().map(String::as_str).chain(["an earlier end"]);
     format!("{steps}; shorter by {}", ways.collect::<Vec<_>>().join(", or by "))
 }

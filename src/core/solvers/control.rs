@@ -1,5 +1,6 @@
 //! How long the next step should be, and whether the last one was good enough.
 
+use crate::memory::{HeapSize, total};
 use crate::physics::latent_heat::Materials;
 use crate::saved::{Pass, Saved};
 
@@ -113,6 +114,13 @@ pub struct EnthalpyRange {
     open: bool,
     /// See [`EnthalpyRange::floor`].
     floor: f64,
+}
+
+impl HeapSize for EnthalpyRange {
+    fn heap_size(&self) -> usize {
+        let materials = self.by_material.capacity() * size_of::<MaterialRange>();
+        materials + total(&[&self.of_particle, &self.exempt])
+    }
 }
 
 /// Enthalpies of one material, less the initial one (J/m3).

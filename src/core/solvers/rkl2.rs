@@ -192,6 +192,28 @@ impl Rkl2 {
         self.work.evaluations += stages as u64 - 1;
     }
 
+    /// Makes a step of at most `clock.step` from `start` by Heun's rule, a mean of two steps of Euler, which keeps the range of the
+    /// data; the result is left in `old`. Returns the step (s).
+    fn keep_range(&mut self, start: &[f64], clock: &Clock) -> f64 {
+        let step = self.balance.cut(clock.step);
+        let Rkl2 { balance, older, old, first_rate, last_rate, patches, work, .. } = self;
+        for (older, (start, rate)) in older.iter_mut().zip(start.iter().zip(first_rate.iter())) {
+            *older = start + step * rate;
+        }
+        let end = Clock { time: just_before(clock.time, step), step, ..*clock };
+        balance.rates(older, &end, last_rate, &mut patches.last);
+        for ((old, older), (start, rate)) in old.iter_mut().zip(older.iter()).zip(start.iter().zip(last_rate.iter())) {
+            *old = 0.5 * (start + (older + step * rate));
+        }
+        for ((heat, first), last) in patches.old.iter_mut().zip(&patches.first).zip(&patches.last) {
+            *heat = 0.5 * step * (first + last);
+        }
+        balance.rates(old, &end, last_rate, &mut patches.last);
+        work.evaluations += 2;
+        work.limited_steps += 1;
+        step
+    }
+
     /// Sum over particles, by their volumes, of the estimated error of a step from `start` to `old` (Sommeijer, Shampine and Verwer 1998:
     /// the distance to the Hermite interpolant), and of the magnitude of the new state.
     fn error(&self, start: &[f64], step: f64, volume: impl Fn(usize) -> f64) -> (f64, f64) {
@@ -260,16 +282,20 @@ impl Solver for Rkl2 {
             };
             let size = taken_up(&self.old, &particles.start, size);
             let Pace::Controlled { control, range, .. } = &mut self.pace else { return Ok(step) };
+            let leaves = range.excess(&self.old) > EXCESS;
             let judgement = if !error.is_finite() {
                 if control.is_least(step) {
                     return Err(StepError::NotFinite(step));
                 }
                 control.again(step, 0.1)
-            } else if range.excess(&self.old) > EXCESS && !control.is_least(step) {
+            } else if leaves && !control.is_least(step) {
                 control.again(step, 0.5)
             } else {
                 control.judge(step, error, size)
             };
+            if leaves && judgement == Judgement::Keep {
+                step = self.keep_range(state, &attempt);
+            }
             match judgement {
                 Judgement::Keep => {
                     // The state of two stages back is not needed any more: its column keeps the start of the step.
@@ -345,6 +371,10 @@ impl Saved for Rkl2 {
 impl HeapSize for Rkl2 {
     fn heap_size(&self) -> usize {
         let columns = [&self.older, &self.old, &self.first_rate, &self.last_rate];
-        self.balance.heap_size() + columns.into_iter().map(HeapSize::heap_size).sum::<usize>()
+        let range = match &self.pace {
+            Pace::Fixed { .. } => 0,
+            Pace::Controlled { range, .. } => range.heap_size(),
+        };
+        self.balance.heap_size() + range + columns.into_iter().map(HeapSize::heap_size).sum::<usize>()
     }
 }

@@ -21,6 +21,8 @@ use frazil_core::space::domain::Domain;
 /// Error of one step where a scene does not say, by integrator: heat in the wrong place over the heat held (see
 /// docs/theory/time.md for what it costs and gives).
 const RKL2_TOLERANCE: f64 = 1e-2;
+/// The same beside water, which carries what an error moves away from where it is made good again.
+const RKL2_TOLERANCE_BESIDE_WATER: f64 = 1e-3;
 const IMPLICIT_TOLERANCE: f64 = 1e-3;
 
 /// Change of permeabilities from which the pressure is solved for again, where a scene does not say: a twentieth of the
@@ -87,7 +89,8 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     numerics.walls = wall_model(section, &numerics, water);
     numerics.search = section.choice_or("search", &SearchChoice::WORDS, numerics.search);
     let preset = preset_integrator(section, setting, &numerics, setup, kind);
-    numerics.integrator = integrator(section, preset);
+    numerics.usual_integrator = !section.has("integrator");
+    numerics.integrator = integrator(section, preset, setup.features);
     let carries = setup.features.contains(&Feature::Solute);
     numerics.solute = carries.then(|| water::numerics(section, setting));
     numerics.flow =
@@ -223,8 +226,8 @@ fn preset_integrator(
     // Around pipes and beside water, temperatures change slowly for most of the time.
     let slow = has(Feature::Pipes) || has(Feature::Ring) || has(Feature::Groundwater);
     let own_steps = ["s", "h", "days"].iter().any(|unit| section.has(("step", *unit))) || section.has("step_fraction");
-    let in_stages =
-        Numerics { integrator: IntegratorChoice::ControlledRkl2 { tolerance: RKL2_TOLERANCE }, ..numerics.clone() };
+    let tolerance = rkl2_tolerance(setup.features);
+    let in_stages = Numerics { integrator: IntegratorChoice::ControlledRkl2 { tolerance }, ..numerics.clone() };
     let features = capability::of_settings(&in_stages, kind, setup.brings_heat);
     let features: Vec<Feature> = setup.features.iter().copied().chain(features).collect();
     let concerns = |row: &Exclusion| {
@@ -241,9 +244,14 @@ fn preset_integrator(
     }
 }
 
-fn integrator(section: &mut Section<'_>, preset: IntegratorChoice) -> IntegratorChoice {
+/// Error of one step of RKL2 where a scene does not say.
+fn rkl2_tolerance(features: &[Feature]) -> f64 {
+    if features.contains(&Feature::Groundwater) { RKL2_TOLERANCE_BESIDE_WATER } else { RKL2_TOLERANCE }
+}
+
+fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, features: &[Feature]) -> IntegratorChoice {
     use IntegratorChoice::{ControlledRkl2, Euler, Heun, Implicit, Rkl2};
-    let controlled = ControlledRkl2 { tolerance: RKL2_TOLERANCE };
+    let controlled = ControlledRkl2 { tolerance: rkl2_tolerance(features) };
     let implicit = Implicit { tolerance: IMPLICIT_TOLERANCE };
     let words = [("euler", Euler), ("heun", Heun), ("rkl2", controlled), ("implicit", implicit)];
     let found = section.choice_or("integrator", &words, preset);
@@ -262,8 +270,8 @@ fn integrator(section: &mut Section<'_>, preset: IntegratorChoice) -> Integrator
     if let (Rkl2 { stages }, false) = (preset, section.has("tolerance")) {
         return Rkl2 { stages };
     }
-    let usual = if in_stages { RKL2_TOLERANCE } else { IMPLICIT_TOLERANCE };
-    let tolerance = section.number_or("tolerance", preset.tolerance().unwrap_or(usual), Range::between(1e-9, 1.0));
+    let usual = found.tolerance().unwrap_or(rkl2_tolerance(features));
+    let tolerance = section.number_or("tolerance", usual, Range::between(1e-9, 1.0));
     if in_stages { ControlledRkl2 { tolerance } } else { Implicit { tolerance } }
 }
 

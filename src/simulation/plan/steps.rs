@@ -21,7 +21,7 @@ use rayon::ThreadPool;
 use crate::refused::Refused;
 
 /// Stages of one step by error: longer steps are rarely as exact as they are stable, and gain less and less.
-const MOST_STAGES: usize = 99;
+pub(crate) const MOST_STAGES: usize = 99;
 
 /// Steps of Euler from which on rounding is made up for: it takes from the heat balance up to 2e-17 of what was exchanged with
 /// each (`stefan-number-1e-3`, 853,380 steps without: 1.6e-11), and beyond 1e-12 it would show.

@@ -73,6 +73,14 @@ const MOST_EXPONENT: f64 = 20.0;
 /// Stages of RKL2 that are tried.
 const STAGES: std::ops::RangeInclusive<usize> = 3..=40;
 
+/// Steps of a bound in place of those by an error that nobody has asked for: they are what is mapped.
+fn bounded(scene: &Scene, settings: &MethodSettings) -> Option<Override> {
+    let numerics = &settings.numerics;
+    let by_error = numerics.usual_integrator && numerics.integrator.tolerance().is_some() && !scene.of_water;
+    let integrator = if scene.flow.is_some() { "heun" } else { "euler" };
+    by_error.then(|| (format!("method.{}.integrator", settings.method), integrator.to_owned()))
+}
+
 impl Axis {
     /// All but the scene as it is, by the words of `--axes`.
     pub const WORDS: [(&'static str, Axis); 13] = [
@@ -191,8 +199,10 @@ impl Axis {
                 })
                 .collect(),
         };
+        let bounded = bounded(scene, settings).filter(|_| self != Axis::Stages);
         for column in &mut columns {
             column.overrides.extend(quiet.clone());
+            column.overrides.extend(bounded.clone());
         }
         columns
     }

@@ -110,8 +110,7 @@ impl Groundwater {
         let ListParts { positions, pairs, ghosts, boundary, materials, factors, .. } = list;
         let first = &materials.thermals[0];
         let faces: Vec<Face> = boundary.first_faces(&first.curve, first.zero_potential);
-        let by_material: Vec<f64> = materials.thermals.iter().map(|thermal| thermal.curve.least_conductive()).collect();
-        let least_conductivities: Vec<f64> = (0..positions.len()).map(|i| by_material[materials.index(i)]).collect();
+        let least_conductivities = least_conductivities(materials, positions.len());
         let mut cuts = (!list.cuts.is_empty()).then(|| CutPaths {
             open: Vec::new(),
             positions: positions.clone(),
@@ -128,22 +127,18 @@ impl Groundwater {
         });
         let network = match &mut cuts {
             Some(cuts) => cuts.start()?,
-            None => {
-                let (ways_out, faces) = (&ways_out[..], &faces[..]);
-                let (least_conductivities, factors) = (&least_conductivities[..], &factors[..]);
-                Network::new(&NetworkParts {
-                    positions,
-                    pairs,
-                    ways_out,
-                    ghosts,
-                    boundary,
-                    faces,
-                    flow,
-                    conduction,
-                    least_conductivities,
-                    factors,
-                })?
-            }
+            None => Network::new(&NetworkParts {
+                positions,
+                pairs,
+                ways_out: &ways_out,
+                ghosts,
+                boundary,
+                faces: &faces,
+                flow,
+                conduction,
+                least_conductivities: &least_conductivities,
+                factors,
+            })?,
         };
         let count = network.len();
         let aquifers = aquifers(ground, materials, flow.viscosity)?;
@@ -210,6 +205,12 @@ fn aquifers(ground: &[Material], materials: &Materials, viscosity: f64) -> Resul
         })
     };
     ground.iter().zip(materials.thermals.iter()).map(aquifer).collect()
+}
+
+/// Least conductivity (W/mK) that the material of each of so many particles can have.
+fn least_conductivities(materials: &Materials, count: usize) -> Vec<f64> {
+    let by_material: Vec<f64> = materials.thermals.iter().map(|thermal| thermal.curve.least_conductive()).collect();
+    (0..count).map(|i| by_material[materials.index(i)]).collect()
 }
 
 /// The bound of conduction, corrected for bends or not.

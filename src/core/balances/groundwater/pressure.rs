@@ -18,7 +18,7 @@ use crate::memory::{HeapSize, total};
 use crate::saved::{Pass, Saved};
 
 /// What remains of a particle's balance over the water that passes through it, in the root of the mean of squares.
-const TOLERANCE: f64 = 1e-6;
+const TOLERANCE: f64 = 1e-7;
 
 /// The same over what drives water, for the first solution and others before which none has passed.
 const FIRST_TOLERANCE: f64 = 1e-11;

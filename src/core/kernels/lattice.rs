@@ -12,7 +12,7 @@ use crate::kernels::exterior::Exterior;
 use crate::kernels::irregular::IrregularRows;
 use crate::kernels::lattice_parts::{LatticeParts, Stiffness, bands};
 use crate::kernels::sweep::{Band, Frame, Shape, Weights, sweep};
-use crate::kernels::target::{Beside, Chained, InPlace, Target};
+use crate::kernels::target::{self, Beside, Chained, InPlace, Target};
 use crate::ledger::Source;
 use crate::ledger::Sum;
 use crate::memory::HeapSize;
@@ -22,10 +22,11 @@ use crate::physics::potential::Identity;
 use crate::physics::sub_cell::SubCellFront;
 use crate::saved::{Pass, Saved};
 use crate::solvers::balance::{Balance, BalanceFacts, Rates, Stage, StageColumns, Tangent, TangentShape, Update};
+use crate::solvers::kept::Kept;
 use crate::solvers::step::{Bound, Clock};
 use crate::space::lattice::Lattice;
 
-/// Particles that each further thread must have to itself: a step of fewer is over before a thread is woken.
+/// Particles that each thread must have to itself: a step of fewer is over before they are shared.
 pub const PARTICLES_PER_THREAD: usize = 16_384;
 
 /// The operator, monomorphised over the laws of its particles.
@@ -46,6 +47,8 @@ pub struct LatticeBalance<L> {
     pub(super) bands: Vec<Band>,
     pub(super) row_patches: Vec<[f64; 4]>,
     pub(super) pool: Option<Arc<ThreadPool>>,
+    /// Volume of a particle (m^d).
+    pub(super) volume: f64,
     pub(super) facts: BalanceFacts,
     /// The same operator for small changes of potentials, once it was asked for.
     pub(super) tangent: Option<Box<LatticeBalance<Identity>>>,
@@ -106,6 +109,7 @@ impl<L: Laws> LatticeBalance<L> {
         };
         LatticeBalance {
             weights: Weights::new(&around.stencil),
+            volume: around.lattice.volume(),
             sink_potentials: parts.sinks.iter().map(potential).collect(),
             sink_heat: vec![0.0; parts.sinks.len()],
             sinks: parts.sinks,
@@ -126,6 +130,7 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// Brings ghosts, pipes and the rows around each band to the given state.
+    #[inline]
     fn prepare(&mut self, enthalpy: &[f64], time: f64) {
         let around = &mut self.around;
         around.update_faces(&self.boundary, time, false);
@@ -176,6 +181,7 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// Sweeps all bands; `targets` holds one target for each.
+    #[inline]
     fn sweep<T: Target + Send>(&mut self, targets: &mut [T]) {
         let around = &self.around;
         let frame = Frame {
@@ -208,6 +214,7 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// One step of explicit Euler in place.
+    #[inline]
     fn euler(&mut self, enthalpy: &mut [f64], clock: &Clock) {
         let step = clock.step;
         self.prepare(enthalpy, clock.time);
@@ -226,6 +233,29 @@ impl<L: Laws> LatticeBalance<L> {
             self.sweep(&mut targets);
         }
         self.complete(enthalpy, step);
+    }
+
+    /// The same with what rounding takes from it kept for the next; only where nothing but fronts is added to what the stencil finds.
+    fn euler_keeping(&mut self, enthalpy: &mut [f64], lost: &mut [f64], clock: &Clock) {
+        let step = clock.step;
+        self.prepare(enthalpy, clock.time);
+        if let [_] = self.bands.as_slice() {
+            self.sweep(&mut [target::Kept { enthalpy, lost, step }]);
+        } else {
+            let mut targets: Vec<target::Kept<'_>> = Vec::with_capacity(self.bands.len());
+            let (mut rest, mut rest_lost) = (&mut enthalpy[..], &mut lost[..]);
+            for band in &self.bands {
+                let count = self.around.lattice.start(band.rows.1) - self.around.lattice.start(band.rows.0);
+                let (own, later) = rest.split_at_mut(count);
+                let (own_lost, later_lost) = rest_lost.split_at_mut(count);
+                targets.push(target::Kept { enthalpy: own, lost: own_lost, step });
+                (rest, rest_lost) = (later, later_lost);
+            }
+            self.sweep(&mut targets);
+        }
+        if let Some(front) = &self.front {
+            front.add_keeping(enthalpy, lost, step);
+        }
     }
 
     /// One stage of a chain, its rate taken at a time (s).
@@ -290,9 +320,10 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// Heat in through every patch (W), from what the sweep and the preparation left.
+    #[inline]
     fn book(&self, patches: &mut [f64]) {
-        let volume = self.around.lattice.volume();
-        patches.fill(0.0);
+        let volume = self.volume;
+        patches.iter_mut().for_each(|rate| *rate = 0.0);
         for side in (0..4).filter(|side| self.around.open[*side]) {
             if let Side::Wall(patch) = self.boundary.sides[side] {
                 patches[patch] += volume * self.row_patches.iter().map(|rates| rates[side]).collect::<Sum>().value();
@@ -311,6 +342,7 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// Adds to the rates of a sweep, scaled, what no stencil knows.
+    #[inline]
     fn complete(&self, rates: &mut [f64], scale: f64) {
         if let Some(irregular) = &self.irregular {
             irregular.settle(rates, scale);
@@ -329,10 +361,10 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// Takes the heat of the pipes from `rates`, scaled.
+    #[inline]
     fn sink(&self, rates: &mut [f64], scale: f64) {
-        let volume = self.around.lattice.volume();
         for (sink, heat) in self.sinks.iter().zip(&self.sink_heat) {
-            let taken = scale * heat * sink.share / volume;
+            let taken = scale * heat * sink.share / self.volume;
             for (index, weight) in &sink.sample {
                 rates[*index as usize] -= taken * weight;
             }
@@ -381,6 +413,17 @@ impl<L: Laws> Balance for LatticeBalance<L> {
         match update {
             Update::Euler(enthalpy) => self.euler(enthalpy, clock),
             Update::Stage(stage, columns) => self.stage(stage, columns, clock.time),
+        }
+        self.book(patches);
+    }
+
+    fn advance_keeping(&mut self, contents: &mut [f64], kept: &mut Kept, clock: &Clock, patches: &mut [f64]) {
+        let alone = self.sinks.is_empty() && self.corners.is_empty() && self.around.exterior.is_none();
+        if alone && self.irregular.is_none() {
+            self.euler_keeping(contents, &mut kept.lost, clock);
+        } else {
+            self.rates(contents, clock.time, kept.rates(contents.len()));
+            kept.add(contents, clock.step);
         }
         self.book(patches);
     }

@@ -81,9 +81,10 @@ impl dyn Solver + '_ {
     /// Advances the particles by one step of at most `clock.step`: first what follows their state at once, then the state
     /// itself. Returns the step that was made (s).
     pub fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
-        if let Some(companion) = self.balance_mut().and_then(|balance| balance.companion_mut()) {
-            companion.begin(&particles.enthalpy, clock)?;
-        }
+        let Some(companion) = self.balance_mut().and_then(|balance| balance.companion_mut()) else {
+            return self.make_step(particles, clock);
+        };
+        companion.begin(&particles.enthalpy, clock)?;
         let made = self.make_step(particles, clock)?;
         if let Some(companion) = self.balance_mut().and_then(|balance| balance.companion_mut()) {
             companion.kept(made);

@@ -1,9 +1,5 @@
 //! The pair operator on a lattice: one fused sweep a step, no neighbour list.
 
-use std::sync::Arc;
-
-use rayon::ThreadPool;
-
 use crate::boundary::patch::{Boundary, Face, Side};
 use crate::boundary::pipe::Sink;
 use crate::kernels::around::{Around, patch_weights};
@@ -25,6 +21,7 @@ use crate::solvers::balance::{Balance, BalanceFacts, Rates, Stage, StageColumns,
 use crate::solvers::kept::Kept;
 use crate::solvers::step::{Bound, Clock};
 use crate::space::lattice::Lattice;
+use crate::team::Team;
 
 /// Particles that each thread must have to itself: a step of fewer is over before they are shared.
 pub const PARTICLES_PER_THREAD: usize = 16_384;
@@ -46,7 +43,7 @@ pub struct LatticeBalance<L> {
     pub(super) observed: Option<Box<IrregularRows>>,
     pub(super) bands: Vec<Band>,
     pub(super) row_patches: Vec<[f64; 4]>,
-    pub(super) pool: Option<Arc<ThreadPool>>,
+    pub(super) team: Option<Team>,
     /// Volume of a particle (m^d).
     pub(super) volume: f64,
     pub(super) facts: BalanceFacts,
@@ -59,7 +56,7 @@ pub struct LatticeBalance<L> {
 impl<L: Laws> LatticeBalance<L> {
     /// An operator on the given parts, with the laws of their particles.
     pub fn new(parts: LatticeParts, laws: L) -> Self {
-        let LatticeParts { lattice, stencil, materials, boundary, pool, .. } = parts;
+        let LatticeParts { lattice, stencil, materials, boundary, team, .. } = parts;
         let shape = Shape::new(lattice.columns, stencil.reach, lattice.dimension == 1);
         let open = boundary.sides.map(|side| matches!(side, Side::Wall(_)) && !boundary.mirrors(side));
         let (patch_weights, patch_own) = patch_weights(&stencil, shape, lattice.columns);
@@ -97,7 +94,7 @@ impl<L: Laws> LatticeBalance<L> {
         if front_rate * derived.step > 1.0 {
             derived = Bound { step: 1.0 / front_rate, cause: "the front inside a particle".to_string() };
         }
-        let bands = bands(&around.lattice, threads(&pool, &around), shape);
+        let bands = bands(&around.lattice, threads(&team, &around), shape);
         let potential = |sink: &Sink| around.thermal_at_sink(sink).potential_at(sink.temperature.at(0.0));
         let walls = boundary.patches.iter().map(|patch| Source::Patch(patch.id));
         let facts = BalanceFacts {
@@ -119,7 +116,7 @@ impl<L: Laws> LatticeBalance<L> {
             irregular: parts.irregular,
             observed: parts.observed,
             row_patches: vec![[0.0; 4]; around.lattice.rows],
-            pool: if bands.len() > 1 { pool } else { None },
+            team: if bands.len() > 1 { team } else { None },
             bands,
             facts,
             tangent: None,
@@ -191,23 +188,18 @@ impl<L: Laws> LatticeBalance<L> {
             laws: &around.laws,
             surroundings: around,
         };
-        match &self.pool {
-            Some(pool) => {
-                // The calling thread sweeps the last band itself: one thread less to be woken each step.
-                pool.in_place_scope(|scope| {
-                    let frame = &frame;
-                    let mut rest = self.row_patches.as_mut_slice();
-                    let last = self.bands.len() - 1;
-                    for (number, (band, target)) in self.bands.iter_mut().zip(targets).enumerate() {
-                        let (patches, later) = rest.split_at_mut(band.rows.1 - band.rows.0);
-                        rest = later;
-                        if number < last {
-                            scope.spawn(move |_| sweep(frame, band, target, patches));
-                        } else {
-                            sweep(frame, band, target, patches);
-                        }
-                    }
-                });
+        match &self.team {
+            Some(team) => {
+                let mut rest = self.row_patches.as_mut_slice();
+                let of_band = |(band, target)| {
+                    let band: &mut Band = band;
+                    let (patches, later) = std::mem::take(&mut rest).split_at_mut(band.rows.1 - band.rows.0);
+                    rest = later;
+                    (band, target, patches)
+                };
+                let parts: Vec<(&mut Band, &mut T, &mut [[f64; 4]])> =
+                    self.bands.iter_mut().zip(targets).map(of_band).collect();
+                team.share(parts.into_iter(), |(band, target, patches)| sweep(&frame, band, target, patches));
             }
             None => sweep(&frame, &mut self.bands[0], &mut targets[0], &mut self.row_patches),
         }
@@ -373,9 +365,9 @@ impl<L: Laws> LatticeBalance<L> {
 }
 
 /// Threads that a step of a lattice is worth.
-fn threads<L>(pool: &Option<Arc<ThreadPool>>, around: &Around<L>) -> usize {
+fn threads<L>(team: &Option<Team>, around: &Around<L>) -> usize {
     let (lattice, shape) = (&around.lattice, around.shape);
-    let threads = pool.as_ref().map_or(1, |pool| pool.current_num_threads());
+    let threads = team.as_ref().map_or(1, Team::threads);
     let most = (lattice.len() / PARTICLES_PER_THREAD).min(lattice.rows / (4 * shape.reach_rows).max(1));
     if lattice.rows == 1 { 1 } else { threads.min(most).max(1) }
 }

@@ -75,7 +75,7 @@ impl<L: Laws> LatticeBalance<L> {
             observed: None,
             bands: self.bands.clone(),
             row_patches: self.row_patches.clone(),
-            pool: self.pool.clone(),
+            team: self.team.clone(),
             facts: self.facts.clone(),
             tangent: None,
             linear_time: 0.0,

@@ -69,6 +69,9 @@ pub struct ListParts {
 /// Particles that one task handles; fixed, so that results do not depend on the number of threads.
 const TASK: usize = 2048;
 
+/// Particles from which on threads share them: work on fewer is over before it is shared.
+const MANY: usize = 8 * TASK;
+
 impl Saved for ListParts {
     fn pass(&mut self, pass: &mut Pass<'_>) {
         Cutting { cuts: &mut self.cuts, weights: &mut self.pairs.weights }.pass(pass);
@@ -87,7 +90,7 @@ impl ListParts {
     pub(super) fn in_tasks_of<R: Send>(&self, length: usize, rows: &mut [R], fill: impl Fn(usize, &mut [R]) + Sync) {
         let task = |(number, rows): (usize, &mut [R])| fill(number * length, rows);
         match &self.team {
-            Some(team) if rows.len() > 2 * TASK => team.take_turns(rows.chunks_mut(length).enumerate(), task),
+            Some(team) if rows.len() > MANY => team.take_turns(rows.chunks_mut(length).enumerate(), task),
             _ => rows.chunks_mut(length).enumerate().for_each(task),
         }
     }
@@ -115,7 +118,7 @@ impl ListParts {
             }
         };
         match &self.team {
-            Some(team) if count > 2 * TASK => team.take_turns(tasks.into_iter(), one),
+            Some(team) if count > MANY => team.take_turns(tasks.into_iter(), one),
             _ => tasks.into_iter().for_each(one),
         }
     }

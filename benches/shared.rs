@@ -22,6 +22,9 @@ const SPACING: f64 = 0.002;
 /// Of water (J/m3).
 const LATENT_HEAT: f64 = 334e6;
 
+/// Fronts of whole cells.
+const WHOLE_CELLS: &str = "front = \"cell\"\n";
+
 /// Freezing at one temperature.
 pub const ISOTHERMAL: &str = "law = \"isothermal\"";
 
@@ -37,33 +40,40 @@ pub fn square(side: usize, method: &str, numerics: &str, threads: usize) -> Plan
 pub fn freezing_square(law: &str, side: usize, method: &str, numerics: &str, threads: usize) -> Plan {
     let extent = side as f64 * SPACING;
     let domain = format!("[domain.rectangle]\nwidth_m = {extent}\nheight_m = {extent}\n");
-    freezing(&domain, &["right", "bottom", "top"], law, (method, numerics), threads)
-}
-
-/// A line of `count` particles with a cold wall.
-pub fn line(count: usize, method: &str) -> Plan {
-    let domain = format!("[domain.line]\nlength_m = {}\n", count as f64 * SPACING);
-    freezing(&domain, &["right"], ISOTHERMAL, (method, ""), 1)
-}
-
-/// A third of the particles are frozen, a third freeze and a third are warm, in random order: no branch can be guessed. Fronts are those of
-/// whole cells: inside particles there would be one in every third, which no body has.
-fn freezing(domain: &str, closed: &[&str], law: &str, (method, numerics): (&str, &str), threads: usize) -> Plan {
-    let closed: String = closed.iter().map(|wall| format!("[walls.{wall}]\ncondition = \"symmetry\"\n")).collect();
-    let text = format!(
-        "title = \"water\"\nsource = \"a bench\"\n\
-         {domain}\
-         [time]\nduration_days = 1000\n\
-         [materials.water]\ndensity_kg_per_m3 = 1000\n\
-         frozen = {{ conductivity_W_per_m_K = 2.14, heat_capacity_J_per_kg_K = 2060 }}\n\
-         unfrozen = {{ conductivity_W_per_m_K = 0.6, heat_capacity_J_per_kg_K = 4182 }}\n\
-         freezing = {{ {law}, temperature_c = 0, latent_heat_J_per_kg = 334000 }}\n\
-         [initial]\ntemperature_c = 3\n\
-         [walls.left]\ntemperature_c = -20\n\
-         {closed}\
-         [method.{method}]\nspacing_m = {SPACING}\nfront = \"cell\"\n{numerics}\n"
-    );
+    let numerics = format!("{WHOLE_CELLS}{numerics}");
+    let text = water((&domain, &["right", "bottom", "top"]), law, (method, &numerics), 24_000);
     let mut plan = planned(&text, method, threads);
+    scatter(&mut plan);
+    plan
+}
+
+/// A line of `count` particles with a cold wall, planned for so many hours.
+pub fn line(count: usize, method: &str, hours: u32) -> Plan {
+    let domain = format!("[domain.line]\nlength_m = {}\n", count as f64 * SPACING);
+    let mut plan = planned(&water((&domain, &["right"]), ISOTHERMAL, (method, WHOLE_CELLS), hours), method, 1);
+    scatter(&mut plan);
+    plan
+}
+
+/// A line of `count` particles of which the first half is frozen, with the front inside the next particle.
+pub fn freezing_line(count: usize, method: &str, hours: u32) -> Plan {
+    let domain = format!("[domain.line]\nlength_m = {}\n", count as f64 * SPACING);
+    let mut plan = planned(&water((&domain, &["right"]), ISOTHERMAL, (method, ""), hours), method, 1);
+    let curve = plan.particles.materials.thermals[0].clone();
+    let middle = count / 2;
+    for (place, enthalpy) in plan.particles.enthalpy.iter_mut().enumerate() {
+        *enthalpy = match place.cmp(&middle) {
+            std::cmp::Ordering::Less => curve.enthalpy(-20.0 * (1.0 - place as f64 / middle as f64)),
+            std::cmp::Ordering::Equal => curve.enthalpy(1e-9) - 0.5 * LATENT_HEAT,
+            std::cmp::Ordering::Greater => curve.enthalpy(3.0),
+        };
+    }
+    plan
+}
+
+/// A third of the particles are frozen, a third freeze and a third are warm, in random order: no branch can be guessed. Fronts are
+/// to be those of whole cells: inside particles there would be one in every third, which no body has.
+fn scatter(plan: &mut Plan) {
     let mut random = StdRng::seed_from_u64(1);
     let curve = plan.particles.materials.thermals[0].clone();
     let warm = curve.enthalpy(1e-9);
@@ -74,7 +84,24 @@ fn freezing(domain: &str, closed: &[&str], law: &str, (method, numerics): (&str,
             _ => curve.enthalpy(random.random_range(0.0..5.0)),
         };
     }
-    plan
+}
+
+/// A scene of water with a cold wall.
+fn water((domain, closed): (&str, &[&str]), law: &str, (method, numerics): (&str, &str), hours: u32) -> String {
+    let closed: String = closed.iter().map(|wall| format!("[walls.{wall}]\ncondition = \"symmetry\"\n")).collect();
+    format!(
+        "title = \"water\"\nsource = \"a bench\"\n\
+         {domain}\
+         [time]\nduration_h = {hours}\n\
+         [materials.water]\ndensity_kg_per_m3 = 1000\n\
+         frozen = {{ conductivity_W_per_m_K = 2.14, heat_capacity_J_per_kg_K = 2060 }}\n\
+         unfrozen = {{ conductivity_W_per_m_K = 0.6, heat_capacity_J_per_kg_K = 4182 }}\n\
+         freezing = {{ {law}, temperature_c = 0, latent_heat_J_per_kg = 334000 }}\n\
+         [initial]\ntemperature_c = 3\n\
+         [walls.left]\ntemperature_c = -20\n\
+         {closed}\
+         [method.{method}]\nspacing_m = {SPACING}\n{numerics}\n"
+    )
 }
 
 /// The plan of a scene file.

@@ -24,11 +24,24 @@ impl InstructionSet {
     /// The widest that this processor has, and that [`limit`] allows.
     #[inline]
     pub fn widest() -> Self {
-        let limit = LIMIT.load(Ordering::Relaxed);
+        // Steps of small bodies are as short as a few questions to the processor: the answer is kept.
+        match ALLOWED.load(Ordering::Relaxed) {
+            PORTABLE => InstructionSet::Portable,
+            AVX2 => InstructionSet::Avx2,
+            AVX512 => InstructionSet::Avx512,
+            _ => {
+                let found = InstructionSet::found();
+                ALLOWED.store(found as u8, Ordering::Relaxed);
+                found
+            }
+        }
+    }
+
+    /// The widest that this processor has.
+    fn found() -> Self {
         #[cfg(target_arch = "x86_64")]
         {
-            if limit >= InstructionSet::Avx512 as u8
-                && is_x86_feature_detected!("avx512f")
+            if is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512vl")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("fma")
@@ -36,14 +49,10 @@ impl InstructionSet {
             {
                 return InstructionSet::Avx512;
             }
-            if limit >= InstructionSet::Avx2 as u8
-                && is_x86_feature_detected!("avx2")
-                && is_x86_feature_detected!("fma")
-            {
+            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
                 return InstructionSet::Avx2;
             }
         }
-        let _ = limit;
         InstructionSet::Portable
     }
 }
@@ -58,12 +67,17 @@ impl fmt::Display for InstructionSet {
     }
 }
 
-static LIMIT: AtomicU8 = AtomicU8::new(InstructionSet::Avx512 as u8);
+const PORTABLE: u8 = InstructionSet::Portable as u8;
+const AVX2: u8 = InstructionSet::Avx2 as u8;
+const AVX512: u8 = InstructionSet::Avx512 as u8;
+
+/// The widest that may be used, once the processor has been asked; before, a number that stands for none.
+static ALLOWED: AtomicU8 = AtomicU8::new(u8::MAX);
 
 /// Lets kernels use no wider vectors than these from now on, in the whole process: to compare their times, or their results,
 /// which do not differ.
 pub fn limit(widest: InstructionSet) {
-    LIMIT.store(widest as u8, Ordering::Relaxed);
+    ALLOWED.store(widest.min(InstructionSet::found()) as u8, Ordering::Relaxed);
 }
 
 /// Compiles a kernel for the vectors of several processors and calls the widest that may be used. A kernel may be generic over

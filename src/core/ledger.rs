@@ -23,6 +23,7 @@ impl Sum {
     }
 
     /// The sum so far.
+    #[inline]
     pub fn value(&self) -> f64 {
         self.total + self.lost
     }
@@ -139,6 +140,11 @@ impl Ledger {
     /// Books `heat` (J) through a patch over a step of `step` seconds.
     #[inline]
     pub fn book(&mut self, patch: usize, heat: f64, step: f64) {
+        // Most walls of most bodies are closed.
+        if heat == 0.0 {
+            self.rate[patch] = heat;
+            return;
+        }
         self.heat[patch].add(heat);
         self.rate[patch] = heat / step;
     }

@@ -23,3 +23,4 @@ pub mod series;
 pub mod solvers;
 pub mod space;
 pub mod statistics;
+pub mod team;

@@ -7,6 +7,7 @@ pub mod control;
 pub mod euler;
 pub mod heun;
 pub mod implicit;
+pub mod kept;
 pub mod krylov;
 pub mod moving;
 pub mod newton;

@@ -28,7 +28,7 @@ use frazil_scene::{Front, IntegratorChoice, Numerics, Scene, StepChoice};
 use crate::plan::listed::Listed;
 use crate::plan::prepared::Prepared;
 use crate::plan::refusals::{affordable, why_list};
-use crate::plan::steps::{choose_step, limited, on_lattice, pool, solver};
+use crate::plan::steps::{choose_step, limited, on_lattice, pool, solver, team};
 use crate::predict::{StepCount, planned_steps};
 use crate::reference::Reference;
 use crate::refused::Refused;
@@ -162,8 +162,8 @@ pub(crate) fn build_for(
         Stepper::Shared => None,
     };
     refusals::unsupported(scene)?;
-    let pool = pool(threads)?;
-    let mut prepared = Prepared::new(scene, settings, reference, seed, pool.as_ref())?;
+    let team = team(threads)?;
+    let mut prepared = Prepared::new(scene, settings, reference, seed, team.as_ref())?;
     refusals::out_of_place(scene, numerics, &prepared)?;
     let pipe_extents = prepared.sinks.iter().map(|sink| sink.extent).collect();
     let why_list = |flows| why_list(scene, numerics, discretisation, &prepared.stencil, prepared.narrow, flows);
@@ -180,7 +180,7 @@ pub(crate) fn build_for(
             used.push(format!("one fused sweep a step, {} neighbours a particle", prepared.stencil.neighbours()));
             let (range, largest_slope) = (prepared.range(scene), prepared.largest_slope());
             let sums = (prepared.count(), Some(scene.duration));
-            let parts = prepared.lattice_parts(scene, settings, pool.clone())?;
+            let parts = prepared.lattice_parts(scene, settings, team.clone())?;
             used.extend(parts.irregular.as_deref().map(terms::irregular));
             solver(numerics, on_lattice(parts), range, largest_slope, sums)
         }
@@ -189,10 +189,10 @@ pub(crate) fn build_for(
             let listed = Listed { scene, settings, own_step, conducts_on_lattice, seed };
             let swept = conducts_on_lattice && own_step.is_none() && scene.flow.is_some();
             used.extend(swept.then(|| "heat is conducted by a sweep over the lattice".into()));
-            listed.solver(&mut prepared, pool.clone())?
+            listed.solver(&mut prepared, team.clone())?
         }
     };
-    let method = transport::transport(scene, settings, &mut prepared, method, pool)?;
+    let method = transport::transport(scene, settings, &mut prepared, method, team)?;
     let SolverReport { bound, pairs, gentle_step, .. } = limited(method.report(), scene);
     let step = choose_step(numerics, &bound, scene)?;
     let (particles, differences) = prepared.into_particles(numerics);

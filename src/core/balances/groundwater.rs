@@ -8,8 +8,8 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use crate::team::Team;
 use glam::DVec2;
-use rayon::ThreadPool;
 
 use crate::balances::groundwater::aquifer::{Aquifer, Warmth};
 use crate::balances::groundwater::carrier::{Carrier, Ground};
@@ -82,7 +82,7 @@ struct Groundwater {
     heights: Vec<f64>,
     /// Heat capacity of water (J/m3K).
     capacity: f64,
-    pool: Option<Arc<ThreadPool>>,
+    team: Option<Team>,
     temperature: Vec<f64>,
     permeability: Vec<f64>,
     /// How much better water passes the ground of each particle than its material; empty where it passes all as its material.

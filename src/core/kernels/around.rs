@@ -57,14 +57,16 @@ pub(super) fn patch_weights(stencil: &Stencil, shape: Shape, columns: usize) -> 
 }
 
 impl<L: Laws> Around<L> {
-    pub(super) fn face(&self, side: usize) -> Face {
+    #[inline(always)]
+    pub(super) fn face(&self, side: usize) -> &Face {
         match self.sides[side] {
-            Side::Wall(patch) => self.faces[patch],
-            Side::Mirror | Side::Curved => Face::Even,
+            Side::Wall(patch) => &self.faces[patch],
+            Side::Mirror | Side::Curved => &Face::Even,
         }
     }
 
     /// Brings the walls that change, or all, to a time (s).
+    #[inline]
     pub(super) fn update_faces(&mut self, boundary: &Boundary, time: f64, all: bool) {
         for (patch, wall) in boundary.patches.iter().enumerate().filter(|(_, wall)| all || wall.changes) {
             let thermal = &self.materials.thermals[self.material_at[patch] as usize];
@@ -73,6 +75,7 @@ impl<L: Laws> Around<L> {
     }
 
     /// Brings a curved wall to a state.
+    #[inline]
     pub(super) fn update_exterior(&mut self, boundary: &Boundary, enthalpy: &[f64]) {
         if let (Some(exterior), Some((patch, _))) = (&mut self.exterior, boundary.curved) {
             let thermal = &self.materials.thermals[self.material_at[patch] as usize];
@@ -131,7 +134,7 @@ impl<L: Laws> Around<L> {
         let face = self.face(side);
         let used = self.lattice.columns + 2 * self.shape.reach;
         for (place, potential) in potentials[..used].iter_mut().enumerate() {
-            *potential = self.ghost(side, &face, *potential, place, layer as usize);
+            *potential = self.ghost(side, face, *potential, place, layer as usize);
         }
         if self.walls_meet {
             self.meet_columns((row + self.shape.reach_rows as i64) as usize, potentials);
@@ -147,7 +150,7 @@ impl<L: Laws> Around<L> {
                 [(0, reach - 1 - layer, reach + layer), (1, reach + columns + layer, reach + columns - 1 - layer)]
             {
                 if self.sides[side] != Side::Curved {
-                    let other = self.ghost(side, &self.face(side), potentials[image], place, layer);
+                    let other = self.ghost(side, self.face(side), potentials[image], place, layer);
                     potentials[ghost] = 0.5 * (potentials[ghost] + other);
                 }
             }
@@ -178,14 +181,14 @@ impl<L: Laws> Around<L> {
         let mirror = if dx < 0 { 2 * reach - 1 } else { 2 * (reach + self.lattice.columns) - 1 };
         let share = |cell: usize| {
             let ghost = ((reach + cell) as i64 + dx) as usize;
-            let jump = self.ghost(side, &face, images[ghost], ghost, layer) - images[ghost];
+            let jump = self.ghost(side, face, images[ghost], ghost, layer) - images[ghost];
             0.5 * (jump + ghosts[mirror - ghost] - own[reach + cell])
         };
         cells.map(share).sum()
     }
 
     /// Ghost columns left and right of a row at a padded place.
-    #[inline]
+    #[inline(always)]
     pub(super) fn columns(&self, place: usize, potentials: &mut [f64]) {
         let (reach, columns) = (self.shape.reach, self.lattice.columns);
         let (left, right) = (self.face(0), self.face(1));
@@ -196,18 +199,18 @@ impl<L: Laws> Around<L> {
             let (near_left, rest) = potentials.split_at_mut(reach);
             let (inside, near_right) = rest.split_at_mut(columns);
             let images = near_left.iter_mut().rev().zip(inside.iter());
-            self.mirror(0, &left, images, place);
-            self.mirror(1, &right, near_right[..reach].iter_mut().zip(inside.iter().rev()), place);
+            self.mirror(0, left, images, place);
+            self.mirror(1, right, near_right[..reach].iter_mut().zip(inside.iter().rev()), place);
             return;
         }
         // From the wall outward.
         for layer in 0..reach {
             if has_left {
-                potentials[reach - 1 - layer] = self.ghost(0, &left, potentials[reach + layer], place, layer);
+                potentials[reach - 1 - layer] = self.ghost(0, left, potentials[reach + layer], place, layer);
             }
             if has_right {
                 potentials[reach + columns + layer] =
-                    self.ghost(1, &right, potentials[reach + columns - 1 - layer], place, layer);
+                    self.ghost(1, right, potentials[reach + columns - 1 - layer], place, layer);
             }
         }
     }
@@ -234,7 +237,7 @@ impl<L: Laws> Around<L> {
 }
 
 impl<L: Laws> Surroundings for Around<L> {
-    #[inline]
+    #[inline(always)]
     fn complete(&self, row: usize, potentials: &mut [f64]) {
         if self.exterior.is_some() {
             self.exterior_row(row as i64, potentials);
@@ -242,7 +245,55 @@ impl<L: Laws> Surroundings for Around<L> {
         self.columns(row + self.shape.reach_rows, potentials);
     }
 
-    fn patches(&self, row: usize, rows: &[&[f64]]) -> [f64; 4] {
+    #[inline(always)]
+    fn patches(&self, row: usize, rows: &[&[f64]], rates: &mut [f64; 4]) {
+        match rows {
+            // A line ends left and right.
+            [own] => {
+                for side in (0..2).filter(|side| self.open[*side]) {
+                    let reach = self.shape.reach;
+                    rates[side] =
+                        self.through_end(side, self.ghosts_give(side, own, &self.patch_weights[reach..]), own);
+                }
+            }
+            _ => *rates = self.patches_of_row(row, rows),
+        }
+    }
+
+    #[inline]
+    fn has_patches(&self) -> bool {
+        self.open.iter().any(|open| *open)
+    }
+}
+
+impl<L: Laws> Around<L> {
+    /// What the ghosts left or right of a row give by weights, by layer.
+    #[inline(always)]
+    fn ghosts_give(&self, side: usize, near: &[f64], weights: &[f64]) -> f64 {
+        let reach = self.shape.reach;
+        let weigh = |(weight, ghost): (&f64, &f64)| weight * ghost;
+        if side == 0 {
+            weights.iter().zip(near[..reach].iter().rev()).map(weigh).sum()
+        } else {
+            weights.iter().zip(&near[reach + self.lattice.columns..][..reach]).map(weigh).sum()
+        }
+    }
+
+    /// Heat rate through the end of a row left or right, of which `ghosts` comes from there.
+    #[inline(always)]
+    fn through_end(&self, side: usize, ghosts: f64, own: &[f64]) -> f64 {
+        let inside = &own[self.shape.reach..][..self.lattice.columns];
+        let mut rate = ghosts;
+        if side == 0 {
+            self.patch_own.iter().zip(inside).for_each(|(weight, inside)| rate -= weight * inside);
+        } else {
+            self.patch_own.iter().zip(inside.iter().rev()).for_each(|(weight, inside)| rate -= weight * inside);
+        }
+        rate
+    }
+
+    /// Heat rate through each wall (W per volume of a particle) into a row of a plane.
+    fn patches_of_row(&self, row: usize, rows: &[&[f64]]) -> [f64; 4] {
         let (reach, reach_rows) = (self.shape.reach, self.shape.reach_rows);
         let columns = self.lattice.columns;
         let own = rows[reach_rows];
@@ -253,11 +304,7 @@ impl<L: Laws> Surroundings for Around<L> {
             }
             // Only the sum over all rows is asked for: a row of ghosts is booked at once for all rows that see it, the ghosts
             // of ghost rows with the first and the last row.
-            let ghosts = |near: &[f64], weights: &[f64]| -> f64 {
-                let ghost =
-                    |layer: usize| if side == 0 { near[reach - 1 - layer] } else { near[reach + columns + layer] };
-                weights.iter().enumerate().map(|(layer, weight)| weight * ghost(layer)).sum()
-            };
+            let ghosts = |near: &[f64], weights: &[f64]| self.ghosts_give(side, near, weights);
             let mut rate = 0.0;
             let ends = if row >= reach_rows && row + reach_rows < self.lattice.rows {
                 rate += ghosts(own, &self.patch_weights[(2 * reach_rows + 1) * reach..]);
@@ -275,11 +322,7 @@ impl<L: Laws> Surroundings for Around<L> {
                     rate += ghosts(rows[offset], &self.patch_weights[distance * reach..][..reach]);
                 }
             }
-            for (cell, weight) in self.patch_own.iter().enumerate() {
-                let inside = if side == 0 { own[reach + cell] } else { own[reach + columns - 1 - cell] };
-                rate -= weight * inside;
-            }
-            rates[side] = rate;
+            rates[side] = self.through_end(side, rate, own);
         }
         for side in 2..4 {
             let to_wall = if side == 2 { row } else { self.lattice.rows - 1 - row };
@@ -318,9 +361,5 @@ impl<L: Laws> Surroundings for Around<L> {
             }
         }
         rates
-    }
-
-    fn has_patches(&self) -> bool {
-        self.open.iter().any(|open| *open)
     }
 }

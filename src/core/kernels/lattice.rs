@@ -1,9 +1,5 @@
 //! The pair operator on a lattice: one fused sweep a step, no neighbour list.
 
-use std::sync::Arc;
-
-use rayon::ThreadPool;
-
 use crate::boundary::patch::{Boundary, Face, Side};
 use crate::boundary::pipe::Sink;
 use crate::kernels::around::{Around, patch_weights};
@@ -12,7 +8,7 @@ use crate::kernels::exterior::Exterior;
 use crate::kernels::irregular::IrregularRows;
 use crate::kernels::lattice_parts::{LatticeParts, Stiffness, bands};
 use crate::kernels::sweep::{Band, Frame, Shape, Weights, sweep};
-use crate::kernels::target::{Beside, Chained, InPlace, Target};
+use crate::kernels::target::{self, Beside, Chained, InPlace, Target};
 use crate::ledger::Source;
 use crate::ledger::Sum;
 use crate::memory::HeapSize;
@@ -22,10 +18,12 @@ use crate::physics::potential::Identity;
 use crate::physics::sub_cell::SubCellFront;
 use crate::saved::{Pass, Saved};
 use crate::solvers::balance::{Balance, BalanceFacts, Rates, Stage, StageColumns, Tangent, TangentShape, Update};
+use crate::solvers::kept::Kept;
 use crate::solvers::step::{Bound, Clock};
 use crate::space::lattice::Lattice;
+use crate::team::Team;
 
-/// Particles that each further thread must have to itself: a step of fewer is over before a thread is woken.
+/// Particles that each thread must have to itself: a step of fewer is over before they are shared.
 pub const PARTICLES_PER_THREAD: usize = 16_384;
 
 /// The operator, monomorphised over the laws of its particles.
@@ -45,7 +43,9 @@ pub struct LatticeBalance<L> {
     pub(super) observed: Option<Box<IrregularRows>>,
     pub(super) bands: Vec<Band>,
     pub(super) row_patches: Vec<[f64; 4]>,
-    pub(super) pool: Option<Arc<ThreadPool>>,
+    pub(super) team: Option<Team>,
+    /// Volume of a particle (m^d).
+    pub(super) volume: f64,
     pub(super) facts: BalanceFacts,
     /// The same operator for small changes of potentials, once it was asked for.
     pub(super) tangent: Option<Box<LatticeBalance<Identity>>>,
@@ -56,7 +56,7 @@ pub struct LatticeBalance<L> {
 impl<L: Laws> LatticeBalance<L> {
     /// An operator on the given parts, with the laws of their particles.
     pub fn new(parts: LatticeParts, laws: L) -> Self {
-        let LatticeParts { lattice, stencil, materials, boundary, pool, .. } = parts;
+        let LatticeParts { lattice, stencil, materials, boundary, team, .. } = parts;
         let shape = Shape::new(lattice.columns, stencil.reach, lattice.dimension == 1);
         let open = boundary.sides.map(|side| matches!(side, Side::Wall(_)) && !boundary.mirrors(side));
         let (patch_weights, patch_own) = patch_weights(&stencil, shape, lattice.columns);
@@ -94,7 +94,7 @@ impl<L: Laws> LatticeBalance<L> {
         if front_rate * derived.step > 1.0 {
             derived = Bound { step: 1.0 / front_rate, cause: "the front inside a particle".to_string() };
         }
-        let bands = bands(&around.lattice, threads(&pool, &around), shape);
+        let bands = bands(&around.lattice, threads(&team, &around), shape);
         let potential = |sink: &Sink| around.thermal_at_sink(sink).potential_at(sink.temperature.at(0.0));
         let walls = boundary.patches.iter().map(|patch| Source::Patch(patch.id));
         let facts = BalanceFacts {
@@ -106,6 +106,7 @@ impl<L: Laws> LatticeBalance<L> {
         };
         LatticeBalance {
             weights: Weights::new(&around.stencil),
+            volume: around.lattice.volume(),
             sink_potentials: parts.sinks.iter().map(potential).collect(),
             sink_heat: vec![0.0; parts.sinks.len()],
             sinks: parts.sinks,
@@ -115,7 +116,7 @@ impl<L: Laws> LatticeBalance<L> {
             irregular: parts.irregular,
             observed: parts.observed,
             row_patches: vec![[0.0; 4]; around.lattice.rows],
-            pool: if bands.len() > 1 { pool } else { None },
+            team: if bands.len() > 1 { team } else { None },
             bands,
             facts,
             tangent: None,
@@ -126,6 +127,7 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// Brings ghosts, pipes and the rows around each band to the given state.
+    #[inline]
     fn prepare(&mut self, enthalpy: &[f64], time: f64) {
         let around = &mut self.around;
         around.update_faces(&self.boundary, time, false);
@@ -176,6 +178,7 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// Sweeps all bands; `targets` holds one target for each.
+    #[inline]
     fn sweep<T: Target + Send>(&mut self, targets: &mut [T]) {
         let around = &self.around;
         let frame = Frame {
@@ -185,29 +188,25 @@ impl<L: Laws> LatticeBalance<L> {
             laws: &around.laws,
             surroundings: around,
         };
-        match &self.pool {
-            Some(pool) => {
-                // The calling thread sweeps the last band itself: one thread less to be woken each step.
-                pool.in_place_scope(|scope| {
-                    let frame = &frame;
-                    let mut rest = self.row_patches.as_mut_slice();
-                    let last = self.bands.len() - 1;
-                    for (number, (band, target)) in self.bands.iter_mut().zip(targets).enumerate() {
-                        let (patches, later) = rest.split_at_mut(band.rows.1 - band.rows.0);
-                        rest = later;
-                        if number < last {
-                            scope.spawn(move |_| sweep(frame, band, target, patches));
-                        } else {
-                            sweep(frame, band, target, patches);
-                        }
-                    }
-                });
+        match &self.team {
+            Some(team) => {
+                let mut rest = self.row_patches.as_mut_slice();
+                let of_band = |(band, target)| {
+                    let band: &mut Band = band;
+                    let (patches, later) = std::mem::take(&mut rest).split_at_mut(band.rows.1 - band.rows.0);
+                    rest = later;
+                    (band, target, patches)
+                };
+                let parts: Vec<(&mut Band, &mut T, &mut [[f64; 4]])> =
+                    self.bands.iter_mut().zip(targets).map(of_band).collect();
+                team.share(parts.into_iter(), |(band, target, patches)| sweep(&frame, band, target, patches));
             }
             None => sweep(&frame, &mut self.bands[0], &mut targets[0], &mut self.row_patches),
         }
     }
 
     /// One step of explicit Euler in place.
+    #[inline]
     fn euler(&mut self, enthalpy: &mut [f64], clock: &Clock) {
         let step = clock.step;
         self.prepare(enthalpy, clock.time);
@@ -226,6 +225,29 @@ impl<L: Laws> LatticeBalance<L> {
             self.sweep(&mut targets);
         }
         self.complete(enthalpy, step);
+    }
+
+    /// The same with what rounding takes from it kept for the next; only where nothing but fronts is added to what the stencil finds.
+    fn euler_keeping(&mut self, enthalpy: &mut [f64], lost: &mut [f64], clock: &Clock) {
+        let step = clock.step;
+        self.prepare(enthalpy, clock.time);
+        if let [_] = self.bands.as_slice() {
+            self.sweep(&mut [target::Kept { enthalpy, lost, step }]);
+        } else {
+            let mut targets: Vec<target::Kept<'_>> = Vec::with_capacity(self.bands.len());
+            let (mut rest, mut rest_lost) = (&mut enthalpy[..], &mut lost[..]);
+            for band in &self.bands {
+                let count = self.around.lattice.start(band.rows.1) - self.around.lattice.start(band.rows.0);
+                let (own, later) = rest.split_at_mut(count);
+                let (own_lost, later_lost) = rest_lost.split_at_mut(count);
+                targets.push(target::Kept { enthalpy: own, lost: own_lost, step });
+                (rest, rest_lost) = (later, later_lost);
+            }
+            self.sweep(&mut targets);
+        }
+        if let Some(front) = &self.front {
+            front.add_keeping(enthalpy, lost, step);
+        }
     }
 
     /// One stage of a chain, its rate taken at a time (s).
@@ -290,9 +312,10 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// Heat in through every patch (W), from what the sweep and the preparation left.
+    #[inline]
     fn book(&self, patches: &mut [f64]) {
-        let volume = self.around.lattice.volume();
-        patches.fill(0.0);
+        let volume = self.volume;
+        patches.iter_mut().for_each(|rate| *rate = 0.0);
         for side in (0..4).filter(|side| self.around.open[*side]) {
             if let Side::Wall(patch) = self.boundary.sides[side] {
                 patches[patch] += volume * self.row_patches.iter().map(|rates| rates[side]).collect::<Sum>().value();
@@ -311,6 +334,7 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// Adds to the rates of a sweep, scaled, what no stencil knows.
+    #[inline]
     fn complete(&self, rates: &mut [f64], scale: f64) {
         if let Some(irregular) = &self.irregular {
             irregular.settle(rates, scale);
@@ -329,10 +353,10 @@ impl<L: Laws> LatticeBalance<L> {
     }
 
     /// Takes the heat of the pipes from `rates`, scaled.
+    #[inline]
     fn sink(&self, rates: &mut [f64], scale: f64) {
-        let volume = self.around.lattice.volume();
         for (sink, heat) in self.sinks.iter().zip(&self.sink_heat) {
-            let taken = scale * heat * sink.share / volume;
+            let taken = scale * heat * sink.share / self.volume;
             for (index, weight) in &sink.sample {
                 rates[*index as usize] -= taken * weight;
             }
@@ -341,9 +365,9 @@ impl<L: Laws> LatticeBalance<L> {
 }
 
 /// Threads that a step of a lattice is worth.
-fn threads<L>(pool: &Option<Arc<ThreadPool>>, around: &Around<L>) -> usize {
+fn threads<L>(team: &Option<Team>, around: &Around<L>) -> usize {
     let (lattice, shape) = (&around.lattice, around.shape);
-    let threads = pool.as_ref().map_or(1, |pool| pool.current_num_threads());
+    let threads = team.as_ref().map_or(1, Team::threads);
     let most = (lattice.len() / PARTICLES_PER_THREAD).min(lattice.rows / (4 * shape.reach_rows).max(1));
     if lattice.rows == 1 { 1 } else { threads.min(most).max(1) }
 }
@@ -381,6 +405,17 @@ impl<L: Laws> Balance for LatticeBalance<L> {
         match update {
             Update::Euler(enthalpy) => self.euler(enthalpy, clock),
             Update::Stage(stage, columns) => self.stage(stage, columns, clock.time),
+        }
+        self.book(patches);
+    }
+
+    fn advance_keeping(&mut self, contents: &mut [f64], kept: &mut Kept, clock: &Clock, patches: &mut [f64]) {
+        let alone = self.sinks.is_empty() && self.corners.is_empty() && self.around.exterior.is_none();
+        if alone && self.irregular.is_none() {
+            self.euler_keeping(contents, &mut kept.lost, clock);
+        } else {
+            self.rates(contents, clock.time, kept.rates(contents.len()));
+            kept.add(contents, clock.step);
         }
         self.book(patches);
     }

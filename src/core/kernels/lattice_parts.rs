@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use rayon::ThreadPool;
+use crate::team::Team;
 
 use crate::bonds::stencil::Stencil;
 use crate::boundary::patch::{Boundary, Side};
@@ -39,7 +39,7 @@ pub struct LatticeParts {
     /// How many rings of pipes there are.
     pub rings: usize,
     /// Threads, if more than one.
-    pub pool: Option<Arc<ThreadPool>>,
+    pub team: Option<Team>,
     /// The bound of the step, where it is known from elsewhere.
     pub bound: Option<Bound>,
 }

@@ -46,6 +46,7 @@ impl<L: Laws> LatticeBalance<L> {
         let mut boundary = self.boundary.clone();
         boundary.hold_still();
         LatticeBalance {
+            volume: self.volume,
             around: Around {
                 lattice: around.lattice.clone(),
                 shape: around.shape,
@@ -74,7 +75,7 @@ impl<L: Laws> LatticeBalance<L> {
             observed: None,
             bands: self.bands.clone(),
             row_patches: self.row_patches.clone(),
-            pool: self.pool.clone(),
+            team: self.team.clone(),
             facts: self.facts.clone(),
             tangent: None,
             linear_time: 0.0,
@@ -105,7 +106,7 @@ impl<L: Laws> LatticeBalance<L> {
                     around.fill_any(row, enthalpy, &mut row_buffer);
                     table.extend((0..reach).map(|layer| {
                         let image = if side == 0 { reach + layer } else { reach + columns - 1 - layer };
-                        slope(&face, row_buffer[image], depth(layer))
+                        slope(face, row_buffer[image], depth(layer))
                     }));
                 }
             } else {
@@ -114,7 +115,7 @@ impl<L: Laws> LatticeBalance<L> {
                     let image = if side == 2 { layer as i64 } else { rows as i64 - 1 - layer as i64 };
                     around.fill_any(image, enthalpy, &mut row_buffer);
                     for (place, potential) in row_buffer[..columns + 2 * reach].iter().enumerate() {
-                        table[place * reach + layer] = slope(&face, *potential, depth(layer));
+                        table[place * reach + layer] = slope(face, *potential, depth(layer));
                     }
                 }
             }

@@ -4,9 +4,8 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::team::Team;
 use glam::DVec2;
-use rayon::ThreadPool;
-use rayon::prelude::*;
 
 use crate::bonds::exchange::Exchange;
 use crate::bonds::pair_list::PairList;
@@ -62,13 +61,16 @@ pub struct ListParts {
     /// How pairs exchange heat.
     pub exchange: Exchange,
     /// Threads, if more than one.
-    pub pool: Option<Arc<ThreadPool>>,
+    pub team: Option<Team>,
     /// The bound of the step, where it is known from elsewhere.
     pub bound: Option<Bound>,
 }
 
 /// Particles that one task handles; fixed, so that results do not depend on the number of threads.
 const TASK: usize = 2048;
+
+/// Particles from which on threads share them: work on fewer is over before it is shared.
+const MANY: usize = 8 * TASK;
 
 impl Saved for ListParts {
     fn pass(&mut self, pass: &mut Pass<'_>) {
@@ -77,7 +79,7 @@ impl Saved for ListParts {
 }
 
 impl ListParts {
-    /// Fills rows in tasks, each from a first particle on, side by side where there is a pool and enough to do.
+    /// Fills rows in tasks, each from a first particle on, side by side where there is a team and enough to do.
     #[inline(always)]
     pub(crate) fn in_tasks<R: Send>(&self, rows: &mut [R], fill: impl Fn(usize, &mut [R]) + Sync) {
         self.in_tasks_of(TASK, rows, fill);
@@ -87,17 +89,15 @@ impl ListParts {
     #[inline(always)]
     pub(super) fn in_tasks_of<R: Send>(&self, length: usize, rows: &mut [R], fill: impl Fn(usize, &mut [R]) + Sync) {
         let task = |(number, rows): (usize, &mut [R])| fill(number * length, rows);
-        match &self.pool {
-            Some(pool) if rows.len() > 2 * TASK => {
-                pool.install(|| rows.par_chunks_mut(length).enumerate().for_each(task));
-            }
+        match &self.team {
+            Some(team) if rows.len() > MANY => team.take_turns(rows.chunks_mut(length).enumerate(), task),
             _ => rows.chunks_mut(length).enumerate().for_each(task),
         }
     }
 
     /// Threads that there are.
     pub(super) fn threads(&self) -> usize {
-        self.pool.as_ref().map_or(1, |pool| pool.current_num_threads())
+        self.team.as_ref().map_or(1, Team::threads)
     }
 
     /// Fills values of entries row by row, in tasks as [`ListParts::in_tasks`] has them.
@@ -117,8 +117,8 @@ impl ListParts {
                 task = more;
             }
         };
-        match &self.pool {
-            Some(pool) if count > 2 * TASK => pool.install(|| tasks.into_par_iter().for_each(one)),
+        match &self.team {
+            Some(team) if count > MANY => team.take_turns(tasks.into_iter(), one),
             _ => tasks.into_iter().for_each(one),
         }
     }

@@ -263,7 +263,7 @@ impl<T: PairTerm> ListRows<T> {
             }
         }
         if let Some(runs) = &self.runs {
-            runs.add((self.parts.exchange, self.parts.pool.as_deref()), &self.term, &self.fields, rate);
+            runs.add((self.parts.exchange, self.parts.team.as_ref()), &self.term, &self.fields, rate);
         }
         let mut sums = [Sum::default(); MOST_PATCHES];
         for (Crossing { particle, pair: k, portion }, patch) in &self.crossings {

@@ -4,8 +4,7 @@
 //! its pairs is met once, for both ends, in vectors. Bands of particles of fixed number gather what their own particles
 //! receive, so neither threads nor vectors change a bit.
 
-use rayon::ThreadPool;
-use rayon::prelude::*;
+use crate::team::Team;
 
 use crate::bonds::exchange::{Exchange, Mean};
 use crate::bonds::pair_list::PairList;
@@ -91,7 +90,7 @@ impl Runs {
     /// Adds what all runs give (W/m3) at a state of the fields, on some threads if there are any.
     pub(super) fn add<T: PairTerm>(
         &self,
-        (exchange, pool): (Exchange, Option<&ThreadPool>),
+        (exchange, team): (Exchange, Option<&Team>),
         term: &T,
         fields: &Fields,
         rate: &mut [f64],
@@ -99,10 +98,9 @@ impl Runs {
         let task = |(number, (band, rates)): (usize, (&Vec<Piece>, &mut [f64]))| {
             meet(band, exchange, term, fields, (number * BAND, rates));
         };
-        match pool {
-            Some(pool) if self.bands.len() > 1 => {
-                let bands = self.bands.par_iter().zip(rate.par_chunks_mut(BAND));
-                pool.install(|| bands.enumerate().for_each(task));
+        match team {
+            Some(team) if self.bands.len() > 1 => {
+                team.take_turns(self.bands.iter().zip(rate.chunks_mut(BAND)).enumerate(), task);
             }
             _ => self.bands.iter().zip(rate.chunks_mut(BAND)).enumerate().for_each(task),
         }
@@ -404,13 +402,13 @@ mod tests {
             }).sum();
             prop_assert_eq!(whole + runs.rest.partners.len(), pairs.partners.len());
             let beside = one_by_one(&runs.rest, (count, total), &term, &fields);
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("two threads");
+            let team = Team::new(2).expect("two threads").expect("a team");
             let mut first: Option<Vec<f64>> = None;
             for set in InstructionSet::ALL {
                 instruction_set::limit(set);
-                for pool in [None, Some(&pool)] {
+                for team in [None, Some(&team)] {
                     let mut rate: Vec<f64> = beside.iter().map(|sums| sums.0).collect();
-                    runs.add((Exchange::Potential, pool), &term, &fields, &mut rate);
+                    runs.add((Exchange::Potential, team), &term, &fields, &mut rate);
                     for (rate, (expected, size)) in rate.iter().zip(&expected) {
                         // Weights of a run differ by rounding, and sums of some twenty terms round, in another order.
                         prop_assert!((rate - expected).abs() <= 4e-14 * size, "{rate} {expected}");

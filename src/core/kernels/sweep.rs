@@ -31,8 +31,8 @@ const CACHE_LINE: usize = 64;
 pub trait Surroundings: Sync {
     /// Completes a row of potentials: `potentials[column + reach]` is set for every particle of the row.
     fn complete(&self, row: usize, potentials: &mut [f64]);
-    /// Heat rate through each wall (W per volume of a particle) into a row, from its neighbourhood of rows.
-    fn patches(&self, row: usize, rows: &[&[f64]]) -> [f64; 4];
+    /// Heat rate through each open wall (W per volume of a particle) into a row, from its neighbourhood of rows.
+    fn patches(&self, row: usize, rows: &[&[f64]], rates: &mut [f64; 4]);
     /// Whether any wall lets heat through, so that rates are worth taking.
     fn has_patches(&self) -> bool;
 }
@@ -188,7 +188,7 @@ pub fn sweep<L: Laws, S: Surroundings, T: Target>(
         #[cfg(target_arch = "x86_64")]
         // SAFETY: as above.
         InstructionSet::Avx2 => unsafe { sweep_avx2(frame, band, target, patches, block::AVX2[place.0][place.1]) },
-        _ => rows(frame, band, target, patches, block::PORTABLE[place.0][place.1]),
+        _ => band_of(frame, band, target, patches, block::PORTABLE[place.0][place.1]),
     }
 }
 
@@ -201,7 +201,7 @@ fn sweep_avx512<L: Laws, S: Surroundings, T: Target>(
     patches: &mut [[f64; 4]],
     block: BlockRates,
 ) {
-    rows(frame, band, target, patches, block);
+    band_of(frame, band, target, patches, block);
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -213,7 +213,46 @@ fn sweep_avx2<L: Laws, S: Surroundings, T: Target>(
     patches: &mut [[f64; 4]],
     block: BlockRates,
 ) {
-    rows(frame, band, target, patches, block);
+    band_of(frame, band, target, patches, block);
+}
+
+#[inline(always)]
+fn band_of<L: Laws, S: Surroundings, T: Target>(
+    frame: &Frame<'_, L, S>,
+    band: &mut Band,
+    target: &mut T,
+    patches: &mut [[f64; 4]],
+    block: BlockRates,
+) {
+    if frame.shape.reach_rows == 0 {
+        line(frame, band, target, patches, block);
+    } else {
+        rows(frame, band, target, patches, block);
+    }
+}
+
+/// The only row of a line: none lies below or above, and what is asked of each of many rows costs more than a short line.
+#[inline(always)]
+fn line<L: Laws, S: Surroundings, T: Target>(
+    frame: &Frame<'_, L, S>,
+    band: &mut Band,
+    target: &mut T,
+    patches: &mut [[f64; 4]],
+    block: BlockRates,
+) {
+    let (reach, count) = (frame.shape.reach, frame.lattice.len());
+    let potentials = band.ring.row(0);
+    frame.laws.fill(0, target.enthalpy(0..count), &mut potentials[reach..reach + count]);
+    frame.surroundings.complete(0, potentials);
+    if frame.surroundings.has_patches() {
+        frame.surroundings.patches(0, &[potentials], &mut patches[0]);
+    }
+    for column in (0..count).step_by(BLOCK) {
+        let near = Near { weights: frame.weights, rows: &[band.ring.groups(0)], column };
+        let (slots, taken) = target.slots(column..count.min(column + BLOCK));
+        // SAFETY: blocks are those of this processor.
+        unsafe { block(&near, slots, taken) };
+    }
 }
 
 /// Fills the slot of a row in the ring of rows.
@@ -275,17 +314,16 @@ fn rows<L: Laws, S: Surroundings, T: Target>(
             for (row, near) in rows.iter_mut().zip(&near[..slots]) {
                 *row = &near[LANES - reach..];
             }
-            patches[row - first_row] = frame.surroundings.patches(row, &rows[..slots]);
+            frame.surroundings.patches(row, &rows[..slots], &mut patches[row - first_row]);
         }
         let mut column = first;
         while column < end {
             let count = (end - column).min(BLOCK);
             let from = start - base + column - first;
-            let step = target.step();
-            let slots = target.slots(from..from + count);
+            let (slots, taken) = target.slots(from..from + count);
             let near = Near { weights: frame.weights, rows: &near, column };
             // SAFETY: blocks are those of this processor.
-            unsafe { block(&near, slots, step) };
+            unsafe { block(&near, slots, taken) };
             column += count;
         }
     }

@@ -6,10 +6,23 @@ use crate::solvers::balance::{Stage, StageColumns};
 pub trait Target {
     /// Enthalpies of a range of particles.
     fn enthalpy(&self, range: std::ops::Range<usize>) -> &[f64];
-    /// Where the rates of a range of particles go.
-    fn slots(&mut self, range: std::ops::Range<usize>) -> &mut [f64];
-    /// Step (s) with which rates are added to what the slots hold; rates replace it if there is none.
-    fn step(&self) -> Option<f64>;
+    /// Where the rates of a range of particles go, and how.
+    fn slots(&mut self, range: std::ops::Range<usize>) -> (&mut [f64], Taken<'_>);
+}
+
+/// How slots take rates.
+pub enum Taken<'a> {
+    /// In the place of what they hold.
+    Replacing,
+    /// Added to what they hold, by a step (s).
+    Adding(f64),
+    /// The same, with what rounding keeps from them added at the next step.
+    Keeping {
+        /// The step (s).
+        step: f64,
+        /// What rounding has kept from each slot so far.
+        lost: &'a mut [f64],
+    },
 }
 
 /// Adds `step` times the rate to the enthalpies themselves: explicit Euler.
@@ -27,13 +40,31 @@ impl Target for InPlace<'_> {
     }
 
     #[inline(always)]
-    fn slots(&mut self, range: std::ops::Range<usize>) -> &mut [f64] {
-        &mut self.enthalpy[range]
+    fn slots(&mut self, range: std::ops::Range<usize>) -> (&mut [f64], Taken<'_>) {
+        (&mut self.enthalpy[range], Taken::Adding(self.step))
+    }
+}
+
+/// The same, with what rounding takes from a step kept for the next.
+pub struct Kept<'a> {
+    /// Enthalpies of the band.
+    pub enthalpy: &'a mut [f64],
+    /// What rounding has kept from them so far.
+    pub lost: &'a mut [f64],
+    /// Length of the step (s).
+    pub step: f64,
+}
+
+impl Target for Kept<'_> {
+    #[inline(always)]
+    fn enthalpy(&self, range: std::ops::Range<usize>) -> &[f64] {
+        &self.enthalpy[range]
     }
 
     #[inline(always)]
-    fn step(&self) -> Option<f64> {
-        Some(self.step)
+    fn slots(&mut self, range: std::ops::Range<usize>) -> (&mut [f64], Taken<'_>) {
+        let lost = &mut self.lost[range.clone()];
+        (&mut self.enthalpy[range], Taken::Keeping { step: self.step, lost })
     }
 }
 
@@ -52,13 +83,8 @@ impl Target for Beside<'_> {
     }
 
     #[inline(always)]
-    fn slots(&mut self, range: std::ops::Range<usize>) -> &mut [f64] {
-        &mut self.rate[range]
-    }
-
-    #[inline(always)]
-    fn step(&self) -> Option<f64> {
-        None
+    fn slots(&mut self, range: std::ops::Range<usize>) -> (&mut [f64], Taken<'_>) {
+        (&mut self.rate[range], Taken::Replacing)
     }
 }
 
@@ -78,7 +104,7 @@ impl Target for Chained<'_> {
 
     /// All of the stage but its rate, which is added on top: the slots are asked for once.
     #[inline(always)]
-    fn slots(&mut self, range: std::ops::Range<usize>) -> &mut [f64] {
+    fn slots(&mut self, range: std::ops::Range<usize>) -> (&mut [f64], Taken<'_>) {
         let stage = self.stage;
         let StageColumns { newest: new, oldest: slots, start: begun, first: first_rate } = &mut self.columns;
         let states = new[range.clone()].iter().zip(&begun[range.clone()]);
@@ -86,11 +112,6 @@ impl Target for Chained<'_> {
         for (out, ((new, begun), first_rate)) in slots[range.clone()].iter_mut().zip(states) {
             *out = stage.without_rate((*new, *out, *begun), *first_rate);
         }
-        &mut slots[range]
-    }
-
-    #[inline(always)]
-    fn step(&self) -> Option<f64> {
-        Some(self.stage.rate)
+        (&mut slots[range], Taken::Adding(stage.rate))
     }
 }

@@ -1,7 +1,11 @@
 //! Which particles of a body freeze at one temperature.
 
+use crate::instruction_set::widest;
 use crate::physics::latent_heat::Materials;
 use crate::physics::thermal::Thermal;
+
+/// Particles that are looked at together: mostly none of them freezes.
+const LOOK: usize = 32;
 
 /// A material that freezes at one temperature.
 #[derive(Debug, Clone, Copy)]
@@ -52,4 +56,39 @@ pub(super) fn stretches(
 fn interval(thermal: &Thermal) -> (f64, f64) {
     let unfrozen = thermal.enthalpy(thermal.curve.freezing_point());
     (unfrozen - thermal.curve.latent_heat(), unfrozen)
+}
+
+widest!(find_widely, find_each, (enthalpy: &[f64], first: u32, range: (f64, f64), freezing: &mut Vec<u32>));
+
+/// Finds the particles that freeze, the first of which has the number `first`: those whose enthalpies (J/m3) lie within a range.
+#[inline]
+pub(super) fn find(enthalpy: &[f64], first: u32, range: (f64, f64), freezing: &mut Vec<u32>) {
+    find_widely(enthalpy, first, range, freezing);
+}
+
+#[inline(always)]
+fn find_each(enthalpy: &[f64], first: u32, (frozen, unfrozen): (f64, f64), freezing: &mut Vec<u32>) {
+    let freezes = |own: &f64| (*own > frozen) & (*own < unfrozen);
+    let (looks, rest) = enthalpy.as_chunks::<LOOK>();
+    for (look, first) in looks.iter().zip((first..).step_by(LOOK)) {
+        if look.iter().fold(false, |any, own| any | freezes(own)) {
+            find_closely(look, first, freezes, freezing);
+        }
+    }
+    find_closely(rest, first + (enthalpy.len() - rest.len()) as u32, freezes, freezing);
+}
+
+/// The same, mostly of particles of which some freeze.
+#[inline(always)]
+fn find_closely(enthalpy: &[f64], first: u32, freezes: impl Fn(&f64) -> bool, freezing: &mut Vec<u32>) {
+    let (groups, rest) = enthalpy.as_chunks::<8>();
+    let one_by_one = |own: &[f64], first: u32, freezing: &mut Vec<u32>| {
+        freezing.extend((first..).zip(own).filter(|(_, own)| freezes(own)).map(|(particle, _)| particle));
+    };
+    for (group, first) in groups.iter().zip((first..).step_by(8)) {
+        if group.iter().fold(false, |any, own| any | freezes(own)) {
+            one_by_one(group, first, freezing);
+        }
+    }
+    one_by_one(rest, first + (enthalpy.len() - rest.len()) as u32, freezing);
 }

@@ -18,11 +18,9 @@
 use crate::bonds::stencil::Stencil;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::Materials;
-use crate::physics::sharp_stretches::{Sharp, stretches};
+use crate::physics::sharp_stretches::{Sharp, find, stretches};
+use crate::solvers::kept::add_one;
 use crate::space::lattice::Lattice;
-
-/// Particles that are looked at together: mostly none of them freezes.
-const LOOK: usize = 16;
 
 /// No particle.
 const NONE: u32 = u32::MAX;
@@ -57,6 +55,8 @@ pub struct SubCellFront {
     /// Sums of the offsets of both ends of a pair, least and greatest by axis, at which no open wall makes an image of one end
     /// for the other.
     free: [(i64, i64); 2],
+    /// Particles that freeze.
+    freezing: Vec<u32>,
     /// What lies around the freezing particle at hand, row by row.
     window: Vec<Seen>,
     /// What fronts add to the rates of particles (W/m3).
@@ -222,6 +222,7 @@ impl SubCellFront {
             reach,
             mirrors: extent.mirrors,
             free: [(i64::MIN, i64::MAX); 2],
+            freezing: Vec::new(),
             window: vec![Seen { particle: NONE, above: 0.0, change: 0.0 }; size],
             changes: Vec::with_capacity(2 * size * (lattice.columns + lattice.rows)),
             tangent: FrontTangent::default(),
@@ -266,28 +267,25 @@ impl SubCellFront {
     ) {
         // Particles come in the order of their rows.
         let mut row = 0;
+        let mut freezing = std::mem::take(&mut self.freezing);
         for stretch in 0..self.stretches.len() {
             let (first, end, sharp) = self.stretches[stretch];
             let Sharp { interval: (frozen, unfrozen), potential: at_front, .. } = self.sharp[sharp as usize];
-            for (number, look) in enthalpy[first as usize..end as usize].chunks(LOOK).enumerate() {
-                if !look.iter().fold(false, |any, h| any | ((*h > frozen) & (*h < unfrozen))) {
-                    continue;
+            freezing.clear();
+            find(&enthalpy[first as usize..end as usize], first, (frozen, unfrozen), &mut freezing);
+            for particle in &freezing {
+                let particle = *particle as usize;
+                let fraction = (unfrozen - enthalpy[particle]) / (unfrozen - frozen);
+                let above = |other: usize| potential(other) - at_front;
+                while lattice.start(row + 1) <= particle {
+                    row += 1;
                 }
-                for (i, own) in look.iter().enumerate() {
-                    if *own > frozen && *own < unfrozen {
-                        let fraction = (unfrozen - own) / (unfrozen - frozen);
-                        let above = |other: usize| potential(other) - at_front;
-                        let particle = first as usize + number * LOOK + i;
-                        while lattice.start(row + 1) <= particle {
-                            row += 1;
-                        }
-                        let column = lattice.span(row).0 + particle - lattice.start(row);
-                        self.look_around(lattice, (column as i64, row as i64), above);
-                        one(self, particle, fraction, unfrozen - frozen);
-                    }
-                }
+                let column = lattice.span(row).0 + particle - lattice.start(row);
+                self.look_around(lattice, (column as i64, row as i64), above);
+                one(self, particle, fraction, unfrozen - frozen);
             }
         }
+        self.freezing = freezing;
     }
 
     /// Fills the window around a particle.
@@ -420,6 +418,14 @@ impl SubCellFront {
         }
     }
 
+    /// The same to contents, with what rounding takes from them kept in `lost`.
+    #[inline]
+    pub fn add_keeping(&self, contents: &mut [f64], lost: &mut [f64], scale: f64) {
+        for (particle, change) in &self.changes {
+            add_one(&mut contents[*particle as usize], scale * change, &mut lost[*particle as usize]);
+        }
+    }
+
     /// What fronts may add to the row sum (m^-2) of a particle: where they have just come nearest on all sides.
     pub fn row_sum(&self) -> f64 {
         self.own.iter().map(|pair| pair.weight * (pair.cells / distance(1.0, 0.0) - 1.0)).sum()
@@ -461,7 +467,9 @@ impl HeapSize for SubCellFront {
         let tables = self.ways.heap_size()
             + self.own.capacity() * size_of::<OwnPair>()
             + self.over.capacity() * size_of::<PairOver>();
-        let states = self.window.capacity() * size_of::<Seen>() + self.changes.capacity() * size_of::<(u32, f64)>();
+        let states = self.window.capacity() * size_of::<Seen>()
+            + self.changes.capacity() * size_of::<(u32, f64)>()
+            + self.freezing.heap_size();
         let FrontTangent { freezing, by_potential, by_enthalpy, changes, kept } = &self.tangent;
         let factors = freezing.heap_size() + by_potential.heap_size() + by_enthalpy.heap_size();
         let tangent = factors + changes.heap_size() + kept.heap_size();

@@ -4,6 +4,7 @@ use crate::ledger::Source;
 use crate::memory::HeapSize;
 use crate::particles::Particles;
 use crate::saved::Saved;
+use crate::solvers::kept::Kept;
 use crate::solvers::passenger::Passenger;
 use crate::solvers::solver::Water;
 use crate::solvers::step::{Bound, Clock, StepError};
@@ -96,6 +97,12 @@ pub trait Balance: HeapSize + Saved + Send {
     fn rate(&mut self, enthalpy: &[f64], clock: &Clock, rates: &mut Rates<'_>);
     /// A step of Euler or a stage of a chain; `patches` takes the heat in through each patch (W).
     fn advance(&mut self, update: Update<'_, '_>, clock: &Clock, patches: &mut [f64]);
+    /// A step of Euler as long as the clock says, with what rounding takes from contents kept in `kept` for the next.
+    fn advance_keeping(&mut self, contents: &mut [f64], kept: &mut Kept, clock: &Clock, patches: &mut [f64]) {
+        let mut rates = Rates { of_particles: kept.rates(contents.len()), patches, surfaces: &mut [] };
+        self.rate(contents, clock, &mut rates);
+        kept.add(contents, clock.step);
+    }
     /// The same for small changes.
     fn tangent(&mut self) -> &mut dyn Tangent;
     /// Another balance, which follows this one at once.

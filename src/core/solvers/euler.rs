@@ -2,12 +2,12 @@
 
 use frazil_record::Work;
 
-use crate::instruction_set::widest;
 use crate::ledger::Ledger;
 use crate::memory::HeapSize;
 use crate::particles::Particles;
 use crate::saved::{Pass, Saved};
 use crate::solvers::balance::{Balance, Update};
+use crate::solvers::kept::Kept;
 use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Clock, StepError};
 
@@ -21,33 +21,6 @@ pub struct Euler {
     kept: Option<Kept>,
 }
 
-/// What sums of many small changes need to lose nothing (Kahan 1965, doi 10.1145/363707.363723).
-struct Kept {
-    rate: Vec<f64>,
-    /// What rounding has kept from the contents so far.
-    lost: Vec<f64>,
-}
-
-impl Kept {
-    /// Adds a step's changes to the contents.
-    fn add(&mut self, contents: &mut [f64], step: f64) {
-        add(contents, &self.rate, &mut self.lost, step);
-    }
-}
-
-widest!(add, add_each, (contents: &mut [f64], rates: &[f64], lost: &mut [f64], step: f64));
-
-#[inline(always)]
-fn add_each(contents: &mut [f64], rates: &[f64], lost: &mut [f64], step: f64) {
-    for (content, (rate, lost)) in contents.iter_mut().zip(rates.iter().zip(lost)) {
-        let change = step * rate + *lost;
-        let next = *content + change;
-        // Exact where the content is the greater, as it is by far when steps are many.
-        *lost = change - (next - *content);
-        *content = next;
-    }
-}
-
 impl Euler {
     /// Steps of this fraction of the bound.
     pub fn new(balance: Box<dyn Balance>, fraction: f64) -> Self {
@@ -59,8 +32,7 @@ impl Euler {
     /// The same for so many particles and so many steps that rounding would show in the balance: what it takes from a step is
     /// kept for the next.
     pub fn compensated(balance: Box<dyn Balance>, fraction: f64, count: usize) -> Self {
-        let kept = Kept { rate: vec![0.0; count], lost: vec![0.0; count] };
-        Euler { kept: Some(kept), ..Euler::new(balance, fraction) }
+        Euler { kept: Some(Kept::new(count)), ..Euler::new(balance, fraction) }
     }
 }
 
@@ -76,10 +48,7 @@ impl Solver for Euler {
         let (contents, clock) = (&mut particles.enthalpy, Clock { step, ..*clock });
         match &mut self.kept {
             None => self.balance.advance(Update::Euler(contents), &clock, &mut self.patches),
-            Some(kept) => {
-                self.balance.rates(contents, &clock, &mut kept.rate, &mut self.patches);
-                kept.add(contents, step);
-            }
+            Some(kept) => self.balance.advance_keeping(contents, kept, &clock, &mut self.patches),
         }
         for (patch, rate) in self.patches.iter().enumerate() {
             self.ledger.book(patch, rate * step, step);
@@ -110,14 +79,13 @@ impl Saved for Euler {
         self.balance.pass(pass);
         pass.all(&mut [&mut self.ledger, &mut self.steps]);
         if let Some(kept) = &mut self.kept {
-            kept.lost.pass(pass);
+            kept.pass(pass);
         }
     }
 }
 
 impl HeapSize for Euler {
     fn heap_size(&self) -> usize {
-        let kept = self.kept.as_ref().map_or(0, |kept| kept.rate.heap_size() + kept.lost.heap_size());
-        self.balance.heap_size() + kept
+        self.balance.heap_size() + self.kept.as_ref().map_or(0, HeapSize::heap_size)
     }
 }

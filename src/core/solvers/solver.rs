@@ -81,12 +81,12 @@ impl dyn Solver + '_ {
     /// Advances the particles by one step of at most `clock.step`: first what follows their state at once, then the state
     /// itself. Returns the step that was made (s).
     pub fn advance(&mut self, particles: &mut Particles, clock: &Clock) -> Result<f64, StepError> {
-        let mut clock = *clock;
-        if let Some(companion) = self.balance_mut().and_then(|balance| balance.companion_mut()) {
-            // Rates that were taken before do not hold any more.
-            clock.turned |= companion.begin(&particles.enthalpy, &clock)?;
-        }
-        let made = self.make_step(particles, &clock)?;
+        let Some(companion) = self.balance_mut().and_then(|balance| balance.companion_mut()) else {
+            return self.make_step(particles, clock);
+        };
+        // Where what flows has changed, rates that were taken before do not hold any more.
+        let turned = companion.begin(&particles.enthalpy, clock)? || clock.turned;
+        let made = self.make_step(particles, &Clock { turned, ..*clock })?;
         if let Some(companion) = self.balance_mut().and_then(|balance| balance.companion_mut()) {
             companion.kept(made);
         }

@@ -87,6 +87,7 @@ impl Lattice {
     }
 
     /// Number of particles.
+    #[inline]
     pub fn len(&self) -> usize {
         self.starts[self.rows]
     }

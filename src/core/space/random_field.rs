@@ -8,12 +8,14 @@
 use std::f64::consts::{SQRT_2, TAU};
 use std::sync::Arc;
 
+use crate::team::Team;
 use glam::DVec2;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
-use rayon::ThreadPool;
-use rayon::prelude::*;
+
+/// Places that are looked at together.
+const TASK: usize = 256;
 
 /// Waves of a field: its values are normal to a kurtosis of `3 - 3 / (2 N)`.
 const WAVES: usize = 512;
@@ -81,12 +83,18 @@ impl RandomField {
         (self.amplitude * sum).exp()
     }
 
-    /// The factors at places (m), on all threads of a pool.
-    pub fn at_all(&self, places: &[DVec2], pool: Option<&Arc<ThreadPool>>) -> Arc<[f64]> {
-        match pool {
-            Some(pool) => pool.install(|| places.par_iter().map(|place| self.at(*place)).collect::<Vec<f64>>()).into(),
-            None => places.iter().map(|place| self.at(*place)).collect(),
+    /// The factors at places (m), found by all threads of a team.
+    pub fn at_all(&self, places: &[DVec2], team: Option<&Team>) -> Arc<[f64]> {
+        let mut factors = vec![0.0; places.len()];
+        let tasks = places.chunks(TASK).zip(factors.chunks_mut(TASK));
+        let fill = |(places, factors): (&[DVec2], &mut [f64])| {
+            factors.iter_mut().zip(places).for_each(|(factor, place)| *factor = self.at(*place));
+        };
+        match team {
+            Some(team) => team.take_turns(tasks, fill),
+            None => tasks.for_each(fill),
         }
+        factors.into()
     }
 }
 

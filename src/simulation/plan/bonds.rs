@@ -28,11 +28,11 @@ use frazil_core::physics::latent_heat::Materials;
 use frazil_core::space::domain::Surface;
 use frazil_core::space::symmetry::Symmetry;
 use frazil_core::space::volumes::Volumes;
+use frazil_core::team::Team;
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
 use frazil_scene::settings::SearchChoice;
 use glam::DVec2;
-use rayon::ThreadPool;
 
 use crate::interface;
 use crate::plan::irregular::Selection;
@@ -54,11 +54,11 @@ pub(super) fn list(
     scene: &Scene,
     settings: &MethodSettings,
     prepared: &mut Prepared,
-    pool: Option<Arc<ThreadPool>>,
+    team: Option<Team>,
 ) -> Result<(ListParts, Vec<WayOut>), Refused> {
     let (positions, materials, volumes) = (prepared.positions(), prepared.materials.clone(), prepared.volumes.clone());
     let members = Members { rows: positions.len(), positions, materials, volumes, by_stencil: false };
-    let (parts, ways_out) = parts(scene, settings, prepared, &members, pool)?;
+    let (parts, ways_out) = parts(scene, settings, prepared, &members, team)?;
     let (sinks, rings) = (std::mem::take(&mut prepared.sinks), scene.rings.len());
     Ok((ListParts { sinks, rings, bound: settings.bound.clone(), ..parts }, ways_out))
 }
@@ -70,14 +70,14 @@ pub(super) fn rows(
     prepared: &Prepared,
     selection: Selection,
     surfaces: &[Surface],
-    pool: Option<Arc<ThreadPool>>,
+    team: Option<Team>,
 ) -> Result<Box<IrregularRows>, Refused> {
     let Selection { particles, rows, .. } = selection;
     let positions = particles.iter().map(|particle| prepared.lattice.position(*particle as usize)).collect();
     let materials = prepared.materials.of_some(&particles);
     let volumes = prepared.volumes.of_some(&particles);
     let members = Members { positions, materials, volumes, rows, by_stencil: true };
-    let (parts, _) = parts(scene, settings, prepared, &members, pool)?;
+    let (parts, _) = parts(scene, settings, prepared, &members, team)?;
     Ok(Box::new(IrregularRows::new(particles, rows, ListParts { surfaces: surfaces.to_vec(), ..parts })))
 }
 
@@ -87,7 +87,7 @@ fn parts(
     settings: &MethodSettings,
     prepared: &Prepared,
     members: &Members,
-    pool: Option<Arc<ThreadPool>>,
+    team: Option<Team>,
 ) -> Result<(ListParts, Vec<WayOut>), Refused> {
     let numerics = &settings.numerics;
     let (bonds, cut) = bonds(scene, settings, prepared, members)?;
@@ -131,7 +131,7 @@ fn parts(
         rings: 0,
         up: scene.gravity.map(|towards| -towards.outwards()),
         exchange: numerics.exchange,
-        pool,
+        team,
         bound: None,
     };
     Ok((parts, ways_out))

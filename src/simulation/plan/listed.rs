@@ -1,7 +1,5 @@
 //! Methods on a list of neighbours.
 
-use std::sync::Arc;
-
 use frazil_core::balances::groundwater::FlowParts;
 use frazil_core::balances::groundwater::advected::AdvectedHeat;
 use frazil_core::kernels::enthalpy_rows::ListBalance;
@@ -11,9 +9,9 @@ use frazil_core::physics::latent_heat::{LatentHeatScheme, scheme};
 use frazil_core::solvers::assembly::Assembly;
 use frazil_core::solvers::balance::Balance;
 use frazil_core::solvers::solver::Solver;
+use frazil_core::team::Team;
 use frazil_scene::Scene;
 use frazil_scene::method::{MethodSettings, OwnStep};
-use rayon::ThreadPool;
 
 use crate::plan::bonds::list;
 use crate::plan::prepared::Prepared;
@@ -33,17 +31,13 @@ pub(super) struct Listed<'a> {
 
 impl Listed<'_> {
     /// The solver of these particles.
-    pub(super) fn solver(
-        &self,
-        prepared: &mut Prepared,
-        pool: Option<Arc<ThreadPool>>,
-    ) -> Result<Box<dyn Solver>, Refused> {
+    pub(super) fn solver(&self, prepared: &mut Prepared, team: Option<Team>) -> Result<Box<dyn Solver>, Refused> {
         let (scene, numerics) = (self.scene, &self.settings.numerics);
         let (range, count) = (prepared.range(scene), prepared.count());
         let flow = scene.flow.as_ref().zip(numerics.flow).filter(|_| self.own_step.is_none());
         let on_lattice = self.conducts_on_lattice && flow.is_some();
-        let lattice = on_lattice.then(|| prepared.lattice_parts(scene, self.settings, pool.clone())).transpose()?;
-        let (list, ways_out) = list(scene, self.settings, prepared, pool.clone())?;
+        let lattice = on_lattice.then(|| prepared.lattice_parts(scene, self.settings, team.clone())).transpose()?;
+        let (list, ways_out) = list(scene, self.settings, prepared, team.clone())?;
         if let Some(step) = self.own_step {
             return Ok(step(self.assembly(prepared, list)));
         }
@@ -59,7 +53,7 @@ impl Listed<'_> {
                     flow,
                     numerics: own,
                     conduction: numerics.conduction,
-                    passes: prepared.of_places(scene.random.permeability.as_ref(), pool.as_ref()),
+                    passes: prepared.of_places(scene.random.permeability.as_ref(), team.as_ref()),
                 };
                 Box::new(AdvectedHeat::new(parts, &prepared.enthalpies())?)
             }

@@ -18,13 +18,13 @@ use frazil_core::space::domain::{Domain, Sector, Surface};
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::random_field::{RandomField, Variation};
 use frazil_core::space::volumes::Volumes;
+use frazil_core::team::Team;
 use frazil_scene::Scene;
 use frazil_scene::method::{MethodSettings, Stepper};
 use frazil_scene::settings::{Arrangement, Front, Numerics};
 use glam::DVec2;
 use rand::SeedableRng;
 use rand_distr::{Distribution, Uniform};
-use rayon::ThreadPool;
 
 use crate::cut_cells::blend;
 use crate::open_volumes::open_volumes;
@@ -73,7 +73,7 @@ impl Prepared {
         settings: &MethodSettings,
         reference: Option<&Arc<dyn Reference>>,
         seed: u64,
-        pool: Option<&Arc<ThreadPool>>,
+        team: Option<&Team>,
     ) -> Result<Self, Refused> {
         let MethodSettings { numerics, discretisation, .. } = settings;
         let lattice = Arc::new(Lattice::new(&scene.domain, numerics.spacing));
@@ -140,13 +140,13 @@ impl Prepared {
             narrow,
             differences,
         };
-        prepared.factors = prepared.of_places(scene.random.conductivity.as_ref(), pool);
+        prepared.factors = prepared.of_places(scene.random.conductivity.as_ref(), team);
         Ok(prepared)
     }
 
     /// What varies at random, at the places of all particles; nothing where nothing varies.
-    pub(super) fn of_places(&self, variation: Option<&Variation>, pool: Option<&Arc<ThreadPool>>) -> Arc<[f64]> {
-        variation.map_or_else(Arc::default, |varied| RandomField::new(varied).at_all(&self.positions(), pool))
+    pub(super) fn of_places(&self, variation: Option<&Variation>, team: Option<&Team>) -> Arc<[f64]> {
+        variation.map_or_else(Arc::default, |varied| RandomField::new(varied).at_all(&self.positions(), team))
     }
 
     /// Number of particles.
@@ -192,7 +192,7 @@ impl Prepared {
         &self,
         scene: &Scene,
         settings: &MethodSettings,
-        pool: Option<Arc<ThreadPool>>,
+        team: Option<Team>,
     ) -> Result<LatticeParts, Refused> {
         let selection = irregular::select(scene, self);
         let front = (settings.numerics.front == Front::SubCell).then(|| {
@@ -206,7 +206,7 @@ impl Prepared {
         });
         let boundary = selection.as_ref().map_or_else(|| self.boundary.clone(), |rows| rows.swept.clone());
         let rows =
-            |selection, surfaces: &[Surface]| bonds::rows(scene, settings, self, selection, surfaces, pool.clone());
+            |selection, surfaces: &[Surface]| bonds::rows(scene, settings, self, selection, surfaces, team.clone());
         let observed = (!scene.watch.surfaces.is_empty()).then(|| irregular::at_surfaces(scene, self));
         Ok(LatticeParts {
             irregular: selection.map(|selection| rows(selection, &[])).transpose()?,
@@ -218,7 +218,7 @@ impl Prepared {
             boundary,
             sinks: self.sinks.clone(),
             rings: scene.rings.len(),
-            pool,
+            team,
             bound: settings.bound.clone(),
         })
     }

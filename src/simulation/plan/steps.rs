@@ -14,6 +14,7 @@ use frazil_core::solvers::implicit::Implicit;
 use frazil_core::solvers::rkl2::Rkl2;
 use frazil_core::solvers::solver::{Solver, SolverReport};
 use frazil_core::solvers::step::Bound;
+use frazil_core::team::Team;
 use frazil_scene::Scene;
 use frazil_scene::settings::{IntegratorChoice, Numerics, StepChoice};
 use rayon::ThreadPool;
@@ -110,6 +111,11 @@ pub(super) fn choose_step(numerics: &Numerics, bound: &Bound, scene: &Scene) -> 
         return Err(Refused::ManySteps { steps, step, most: MOST_STEPS, cause: bound.cause.clone() });
     }
     Ok(step.min(scene.duration))
+}
+
+/// The threads of a run whose particles stay in their places, if they are more than one.
+pub(super) fn team(threads: usize) -> Result<Option<Team>, Refused> {
+    Team::new(threads).map_err(|error| Refused::Threads { threads, cause: error.to_string() })
 }
 
 pub(super) fn pool(threads: usize) -> Result<Option<Arc<ThreadPool>>, Refused> {

@@ -11,11 +11,11 @@ use frazil_core::physics::latent_heat::{Materials, scheme};
 use frazil_core::solvers::heun::Heun;
 use frazil_core::solvers::solver::Solver;
 use frazil_core::solvers::transport::Transport;
+use frazil_core::team::Team;
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
 use frazil_scene::region::Cell;
 use glam::DVec2;
-use rayon::ThreadPool;
 
 use crate::plan::bonds::list;
 use crate::plan::prepared::Prepared;
@@ -27,13 +27,13 @@ pub(super) fn transport(
     settings: &MethodSettings,
     prepared: &mut Prepared,
     water: Box<dyn Solver>,
-    pool: Option<Arc<ThreadPool>>,
+    team: Option<Team>,
 ) -> Result<Box<dyn Solver>, Refused> {
     let Some((solute, own)) = scene.solute.as_ref().zip(settings.numerics.solute) else { return Ok(water) };
     if let Some(in_parts) = prepared.in_parts.take() {
         prepared.boundary = in_parts;
     }
-    let (parts, _) = list(scene, settings, prepared, pool)?;
+    let (parts, _) = list(scene, settings, prepared, team)?;
     let of = |patch: &Patch| {
         let own = solute.walls.iter().find(|wall| wall.patch == patch.id);
         // Rain brings what is dissolved in it, and nothing diffuses up into the air.

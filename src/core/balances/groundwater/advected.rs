@@ -85,7 +85,7 @@ impl AdvectedHeat {
         let kept = &carrier.kept[..enthalpy.len()];
         let kept = diagonals::sum(kept.len(), |i| kept[i] * (temperature[i] - zero));
         patches[patches.len() - 1] = -volume * capacity * kept;
-        let Groundwater { network, carrier, temperature, materials, pool, .. } = &mut self.water;
+        let Groundwater { network, carrier, temperature, materials, team, .. } = &mut self.water;
         let enthalpy_at = |particle: usize, temperature: f64| materials.of(particle).enthalpy(temperature);
         let state = State {
             temperature,
@@ -95,7 +95,7 @@ impl AdvectedHeat {
             enthalpy_at: &enthalpy_at,
             beside: &self.beside,
             openings: &self.opening_temperatures,
-            pool: pool.as_ref(),
+            team: team.as_ref(),
         };
         carrier.carry(network, &state, rate);
     }
@@ -237,8 +237,8 @@ impl Tangent for AdvectedHeat {
                 rate[i] -= self.water.capacity * mouth.inflow * self.changes[i];
             }
         }
-        let Groundwater { network, carrier, pool, .. } = &mut self.water;
-        carrier.carry_unlimited(network, &self.changes, pool.as_ref(), false, rate);
+        let Groundwater { network, carrier, team, .. } = &mut self.water;
+        carrier.carry_unlimited(network, &self.changes, team.as_ref(), false, rate);
     }
 
     fn steepest(&mut self) -> Vec<f64> {

@@ -157,7 +157,7 @@ impl Groundwater {
             lifts,
             heights,
             capacity: water.water_density * water.water_heat_capacity,
-            pool: list.pool.clone(),
+            team: list.team.clone(),
             temperature: vec![0.0; count],
             permeability: vec![1.0; count],
             passes: Arc::new([]),

@@ -15,10 +15,8 @@
 
 mod limit;
 
-use std::sync::Arc;
-
+use crate::team::Team;
 use glam::DVec2;
-use rayon::ThreadPool;
 
 use crate::balances::groundwater::diagonals::sum;
 use crate::balances::groundwater::network::{NONE, Network};
@@ -283,7 +281,7 @@ impl Carrier {
             self.slope(network, state);
         }
         if !self.limits_now && self.conducted.is_empty() {
-            return self.carry_unlimited(network, temperature, state.pool, self.bends, rate);
+            return self.carry_unlimited(network, temperature, state.team, self.bends, rate);
         }
         self.gather(network, state);
         let mut rows = std::mem::take(&mut self.rows);
@@ -291,7 +289,7 @@ impl Carrier {
         self.rows = rows;
         self.limit(network, state, rate);
         let (rows, limits, marked, this) = (&self.rows, &self.limits, &self.marked, &*self);
-        each(state.pool, rate, |i, rate| {
+        each(state.team, rate, |i, rate| {
             let row = rows[i];
             let back = if marked[i] {
                 let (own, (up, down)) = (temperature[i], limits[i]);
@@ -314,7 +312,7 @@ impl Carrier {
         &mut self,
         network: &Network,
         temperature: &[f64],
-        pool: Option<&Arc<ThreadPool>>,
+        team: Option<&Team>,
         bends: bool,
         rate: &mut [f64],
     ) {
@@ -324,11 +322,11 @@ impl Carrier {
                 let [column, ..] = &mut self.columns;
                 diagonals.places.spread(temperature, column);
                 let exchange = when(self.exchanges, &self.exchange);
-                tasks(pool, rate, |first, rates| {
+                tasks(team, rate, |first, rates| {
                     diagonals.carry(&self.carried, exchange, &self.columns[0], first, rates);
                 });
             }
-            _ => each(pool, rate, |i, rate| {
+            _ => each(team, rate, |i, rate| {
                 let own = temperature[i];
                 for (j, slot, later) in network.paths(i) {
                     *rate += self.factor(slot, later) * (temperature[j] - own);
@@ -400,7 +398,7 @@ impl Carrier {
 
     /// Gradients of the temperature: half of the sum, as the second moment of weights is twice the unit matrix.
     fn slope(&mut self, network: &Network, state: &State<'_>) {
-        each(state.pool, &mut self.gradients, |i, gradient| {
+        each(state.team, &mut self.gradients, |i, gradient| {
             let own = state.temperature[i];
             let paths = network.starts[i]..network.starts[i + 1];
             let rise = |k: usize| state.temperature[network.partners[k] as usize] - own;
@@ -432,5 +430,5 @@ pub struct State<'a> {
     /// Particles next to walls, with the temperatures that those hold.
     pub beside: &'a [(u32, f64)],
     /// Threads, if more than one.
-    pub pool: Option<&'a Arc<ThreadPool>>,
+    pub team: Option<&'a Team>,
 }

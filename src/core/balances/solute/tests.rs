@@ -102,7 +102,7 @@ impl Body {
             surfaces: Vec::new(),
             up: None,
             exchange: Exchange::Potential,
-            pool: None,
+            team: None,
             bound: None,
         };
         Body { list, lattice }

@@ -61,7 +61,7 @@ fn body(
         surfaces: Vec::new(),
         up: None,
         exchange,
-        pool: None,
+        team: None,
         bound: None,
     }
 }

@@ -8,17 +8,18 @@
 use super::lanes::{Avx2, Avx512};
 use super::lanes::{LANES, Lanes, Portable};
 use super::{WIDEST, Weights};
+use crate::kernels::target::Taken;
 
 /// Rates of some particles of a row, into their slots. Only the reach and the processor's vectors are compiled into it: laws and targets
 /// have their potentials and slots ready before.
-pub(super) type BlockRates = unsafe fn(&Near<'_>, &mut [f64], Option<f64>);
+pub(super) type BlockRates = unsafe fn(&Near<'_>, &mut [f64], Taken<'_>);
 
 /// What lies around the particles of a block.
 pub(super) struct Near<'a> {
     pub(super) weights: &'a Weights,
     /// Rows of potentials, from the lowest to the highest, each from a group before its first particle on, and as long as a
     /// group after the one that the last particle is in.
-    pub(super) rows: &'a [&'a [f64]; 2 * WIDEST + 1],
+    pub(super) rows: &'a [&'a [f64]],
     /// First column.
     pub(super) column: usize,
 }
@@ -31,19 +32,19 @@ macro_rules! blocks {
     ($blocks:ident, $lanes:ty $(, $feature:literal)?) => {
         pub(super) const $blocks: Blocks = {
             $(#[target_feature(enable = $feature)])?
-            fn line<const REACH: usize>(near: &Near<'_>, slots: &mut [f64], step: Option<f64>) {
+            fn line<const REACH: usize>(near: &Near<'_>, slots: &mut [f64], taken: Taken<'_>) {
                 // SAFETY: this is compiled for the instructions of these lanes.
-                unsafe { block::<$lanes, REACH, 0, true>(near, slots, step) }
+                unsafe { block::<$lanes, REACH, 0, true>(near, slots, taken) }
             }
 
             $(#[target_feature(enable = $feature)])?
-            fn plane<const REACH: usize>(near: &Near<'_>, slots: &mut [f64], step: Option<f64>) {
+            fn plane<const REACH: usize>(near: &Near<'_>, slots: &mut [f64], taken: Taken<'_>) {
                 // SAFETY: as above.
                 unsafe {
                     if near.weights.disc {
-                        block::<$lanes, REACH, REACH, true>(near, slots, step);
+                        block::<$lanes, REACH, REACH, true>(near, slots, taken);
                     } else {
-                        block::<$lanes, REACH, REACH, false>(near, slots, step);
+                        block::<$lanes, REACH, REACH, false>(near, slots, taken);
                     }
                 }
             }
@@ -156,26 +157,60 @@ struct Window<'a, V: Lanes, const REACH: usize, const ROWS: usize, const DISC: b
     rows: [&'a [[f64; LANES]]; 2 * WIDEST + 1],
     before: Sums<V>,
     here: Sums<V>,
-    step: Option<f64>,
 }
 
 impl<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool> Window<'_, V, REACH, ROWS, DISC> {
-    /// Takes the rates of the next group into its slots.
+    /// Rates of the next group.
     ///
     /// # Safety
     /// As [`Lanes`].
     #[inline(always)]
-    unsafe fn settle(&mut self, group: usize, slots: &mut [f64; LANES]) {
+    unsafe fn next(&mut self, group: usize) -> V {
         // SAFETY: as the caller says.
         unsafe {
             let after = column_sums::<V, REACH, ROWS, DISC>(&self.factors, &self.rows, group + 2);
             let rates = rates::<V, REACH, ROWS, DISC>(&self.factors, [&self.before, &self.here, &after]);
             (self.before, self.here) = (self.here, after);
-            match self.step {
-                Some(step) => rates.times_plus(V::factor(step), V::load(slots)).store(slots),
-                None => rates.store(slots),
+            rates
+        }
+    }
+
+    /// Hands on the rates of all groups with their slots, those of the last, which may be too few for a group, to another.
+    ///
+    /// # Safety
+    /// As [`Lanes`].
+    #[inline(always)]
+    unsafe fn settle(
+        mut self,
+        slots: &mut [f64],
+        mut whole: impl FnMut(usize, V, &mut [f64; LANES]),
+        some: impl FnOnce(V, &mut [f64]),
+    ) {
+        let (groups, rest) = slots.as_chunks_mut::<LANES>();
+        let count = groups.len();
+        // SAFETY: as the caller says.
+        unsafe {
+            for (group, slots) in groups.iter_mut().enumerate() {
+                whole(group, self.next(group), slots);
+            }
+            if !rest.is_empty() {
+                some(self.next(count), rest);
             }
         }
+    }
+}
+
+/// Contents and what rounding keeps from them after a change by a rate, as [`crate::solvers::kept`] has it.
+///
+/// # Safety
+/// As [`Lanes`].
+#[inline(always)]
+unsafe fn kept<V: Lanes>(rates: V, step: V::Factor, content: V, lost: V) -> (V, V) {
+    // SAFETY: as the caller says.
+    unsafe {
+        let change = rates.times(step).plus(lost);
+        let next = content.plus(change);
+        (next, change.minus(next.minus(content)))
     }
 }
 
@@ -185,11 +220,11 @@ impl<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool> Window<'
 unsafe fn block<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool>(
     near: &Near<'_>,
     slots: &mut [f64],
-    step: Option<f64>,
+    taken: Taken<'_>,
 ) {
     let (at, groups) = (near.column, slots.len().div_ceil(LANES));
     let mut rows = [&[][..]; 2 * WIDEST + 1];
-    for (row, near) in rows.iter_mut().zip(near.rows).take(2 * ROWS + 1) {
+    for (row, near) in rows.iter_mut().zip(&near.rows[..2 * ROWS + 1]) {
         *row = &near[at..].as_chunks::<LANES>().0[..groups + 2];
     }
     // SAFETY: as the caller says.
@@ -203,16 +238,36 @@ unsafe fn block<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: boo
         }
         let before = column_sums::<V, REACH, ROWS, DISC>(&factors, &rows, 0);
         let here = column_sums::<V, REACH, ROWS, DISC>(&factors, &rows, 1);
-        let mut window: Window<'_, V, REACH, ROWS, DISC> = Window { factors, rows, before, here, step };
-        let (whole, rest) = slots.as_chunks_mut::<LANES>();
-        for (group, slots) in whole.iter_mut().enumerate() {
-            window.settle(group, slots);
-        }
-        if !rest.is_empty() {
-            let mut last = [0.0; LANES];
-            last[..rest.len()].copy_from_slice(rest);
-            window.settle(groups - 1, &mut last);
-            rest.copy_from_slice(&last[..rest.len()]);
+        let window: Window<'_, V, REACH, ROWS, DISC> = Window { factors, rows, before, here };
+        match taken {
+            Taken::Replacing => {
+                window.settle(slots, |_, rates, slots| rates.store(slots), |rates, slots| rates.store_some(slots));
+            }
+            Taken::Adding(step) => {
+                let step = V::factor(step);
+                window.settle(
+                    slots,
+                    |_, rates, slots| rates.times_plus(step, V::load(slots)).store(slots),
+                    |rates, slots| rates.times_plus(step, V::load_some(slots)).store_some(slots),
+                );
+            }
+            Taken::Keeping { step, lost } => {
+                let step = V::factor(step);
+                let (lost, lost_rest) = lost.as_chunks_mut::<LANES>();
+                window.settle(
+                    slots,
+                    |group, rates, slots| {
+                        let (next, left) = kept(rates, step, V::load(slots), V::load(&lost[group]));
+                        next.store(slots);
+                        left.store(&mut lost[group]);
+                    },
+                    |rates, slots| {
+                        let (next, left) = kept(rates, step, V::load_some(slots), V::load_some(lost_rest));
+                        next.store_some(slots);
+                        left.store_some(lost_rest);
+                    },
+                );
+            }
         }
     }
 }

@@ -20,8 +20,26 @@ pub(super) trait Lanes: Copy {
     unsafe fn load(from: &[f64; LANES]) -> Self;
     /// Numbers into memory.
     unsafe fn store(self, into: &mut [f64; LANES]);
+    /// Numbers from memory, fewer than there is room for, and zeros behind them.
+    #[inline(always)]
+    unsafe fn load_some(from: &[f64]) -> Self {
+        let mut all = [0.0; LANES];
+        all[..from.len()].copy_from_slice(from);
+        // SAFETY: as the caller says.
+        unsafe { Self::load(&all) }
+    }
+    /// As many of the numbers into memory as it takes, fewer than there are.
+    #[inline(always)]
+    unsafe fn store_some(self, into: &mut [f64]) {
+        let mut all = [0.0; LANES];
+        // SAFETY: as the caller says.
+        unsafe { self.store(&mut all) };
+        into.copy_from_slice(&all[..into.len()]);
+    }
     /// Sums.
     unsafe fn plus(self, other: Self) -> Self;
+    /// Differences.
+    unsafe fn minus(self, other: Self) -> Self;
     /// Products.
     unsafe fn times(self, factor: Self::Factor) -> Self;
     /// `self * factor + sum`, rounded once.
@@ -60,6 +78,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    unsafe fn minus(self, other: Self) -> Self {
+        Portable(std::array::from_fn(|lane| self.0[lane] - other.0[lane]))
+    }
+
+    #[inline(always)]
     unsafe fn times(self, factor: f64) -> Self {
         Portable(std::array::from_fn(|lane| self.0[lane] * factor))
     }
@@ -88,8 +111,9 @@ pub(super) use x86::{Avx2, Avx512};
 mod x86 {
     use std::arch::x86_64::{
         __m256d, __m512d, _mm256_add_pd, _mm256_fmadd_pd, _mm256_loadu_pd, _mm256_mul_pd, _mm256_permute2f128_pd,
-        _mm256_set1_pd, _mm256_shuffle_pd, _mm256_storeu_pd, _mm512_add_pd, _mm512_alignr_epi64, _mm512_castpd_si512,
-        _mm512_castsi512_pd, _mm512_fmadd_pd, _mm512_loadu_pd, _mm512_mul_pd, _mm512_set1_pd, _mm512_storeu_pd,
+        _mm256_set1_pd, _mm256_shuffle_pd, _mm256_storeu_pd, _mm256_sub_pd, _mm512_add_pd, _mm512_alignr_epi64,
+        _mm512_castpd_si512, _mm512_castsi512_pd, _mm512_fmadd_pd, _mm512_loadu_pd, _mm512_mask_storeu_pd,
+        _mm512_maskz_loadu_pd, _mm512_mul_pd, _mm512_set1_pd, _mm512_storeu_pd, _mm512_sub_pd,
     };
 
     use super::{LANES, Lanes};
@@ -121,6 +145,12 @@ mod x86 {
         }
     }
 
+    /// A bit for each of the first numbers, of which there are so many.
+    #[inline(always)]
+    fn first(count: usize) -> u8 {
+        (1 << count.min(LANES - 1)) - 1
+    }
+
     impl Lanes for Avx512 {
         type Factor = __m512d;
 
@@ -146,8 +176,28 @@ mod x86 {
 
         #[inline]
         #[target_feature(enable = "avx512f")]
+        unsafe fn load_some(from: &[f64]) -> Self {
+            // SAFETY: no more numbers are read than there are.
+            Avx512(unsafe { _mm512_maskz_loadu_pd(first(from.len()), from.as_ptr()) })
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx512f")]
+        unsafe fn store_some(self, into: &mut [f64]) {
+            // SAFETY: no more numbers are written than there is room for.
+            unsafe { _mm512_mask_storeu_pd(into.as_mut_ptr(), first(into.len()), self.0) }
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx512f")]
         unsafe fn plus(self, other: Self) -> Self {
             Avx512(_mm512_add_pd(self.0, other.0))
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx512f")]
+        unsafe fn minus(self, other: Self) -> Self {
+            Avx512(_mm512_sub_pd(self.0, other.0))
         }
 
         #[inline]
@@ -228,6 +278,12 @@ mod x86 {
         #[target_feature(enable = "avx2,fma")]
         unsafe fn plus(self, other: Self) -> Self {
             Avx2([_mm256_add_pd(self.0[0], other.0[0]), _mm256_add_pd(self.0[1], other.0[1])])
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn minus(self, other: Self) -> Self {
+            Avx2([_mm256_sub_pd(self.0[0], other.0[0]), _mm256_sub_pd(self.0[1], other.0[1])])
         }
 
         #[inline]

@@ -3,6 +3,8 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::kernels::target::Taken;
+use crate::solvers::kept::add_one;
 
 /// Potentials, weights and slots of any block.
 fn drawn(numbers: &[f64], length: usize, from: usize) -> Vec<f64> {
@@ -21,16 +23,31 @@ proptest! {
     ) {
         let width = column + count.next_multiple_of(LANES) + 2 * LANES;
         let rows: Vec<Vec<f64>> = (0..2 * WIDEST + 1).map(|row| drawn(&numbers, width, row)).collect();
-        let rows = std::array::from_fn(|row| rows[row].as_slice());
+        let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
         let by_distance = std::array::from_fn(|k| std::array::from_fn(|dy| numbers[(9 * k + dy) % 64]));
         let weights = Weights { by_distance, sum: numbers[7], disc };
         let near = Near { weights: &weights, rows: &rows, column };
         let made = |block: BlockRates| {
             let mut slots = drawn(&numbers, count, 3);
             // SAFETY: asked for below, where a block needs more than every processor has.
-            unsafe { block(&near, &mut slots, step) };
+            unsafe { block(&near, &mut slots, step.map_or(Taken::Replacing, Taken::Adding)) };
             slots
         };
+        let kept = |block: BlockRates| {
+            let (mut slots, mut lost) = (drawn(&numbers, count, 3), drawn(&numbers, count, 4));
+            let taken = Taken::Keeping { step: step.unwrap_or(1.0), lost: &mut lost };
+            // SAFETY: as above.
+            unsafe { block(&near, &mut slots, taken) };
+            (slots, lost)
+        };
+        if step.is_none() {
+            let (mut slots, mut lost) = (drawn(&numbers, count, 3), drawn(&numbers, count, 4));
+            let rates = made(block::PORTABLE[plane][reach]);
+            for ((slot, lost), rate) in slots.iter_mut().zip(&mut lost).zip(rates) {
+                add_one(slot, rate, lost);
+            }
+            prop_assert_eq!(kept(block::PORTABLE[plane][reach]), (slots, lost));
+        }
         let portable = made(block::PORTABLE[plane][reach]);
         let reach_rows = plane * reach;
         for (place, slot) in portable.iter().enumerate() {
@@ -55,9 +72,11 @@ proptest! {
             let widest = InstructionSet::widest();
             if widest >= InstructionSet::Avx2 {
                 prop_assert_eq!(&made(block::AVX2[plane][reach]), &portable);
+                prop_assert_eq!(kept(block::AVX2[plane][reach]), kept(block::PORTABLE[plane][reach]));
             }
             if widest >= InstructionSet::Avx512 {
                 prop_assert_eq!(&made(block::AVX512[plane][reach]), &portable);
+                prop_assert_eq!(kept(block::AVX512[plane][reach]), kept(block::PORTABLE[plane][reach]));
             }
         }
     }

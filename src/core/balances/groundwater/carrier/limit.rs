@@ -39,11 +39,11 @@ impl Carrier {
             bends: [when(self.bends, &self.bent[0]), when(self.bends, &self.bent[1])],
         };
         let fields = Fields { temperature, enthalpy, conducted, gradients: [x, y] };
-        tasks(state.pool, rows, |first, rows| diagonals.gather(&carried, &fields, first, rows));
+        tasks(state.team, rows, |first, rows| diagonals.gather(&carried, &fields, first, rows));
     }
 
     fn gather_paths(&self, network: &Network, state: &State<'_>, rows: &mut [Row]) {
-        each(state.pool, rows, |i, row| {
+        each(state.team, rows, |i, row| {
             let (own, enthalpy) = (state.temperature[i], state.enthalpy[i]);
             *row = Row::around(enthalpy);
             let mut warmest = (own, i);

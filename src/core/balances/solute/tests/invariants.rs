@@ -5,6 +5,7 @@ use crate::solvers::balance::{Balance, Update};
 use crate::solvers::heun::Heun;
 use crate::solvers::passenger::{Interval, Passenger};
 use crate::space::symmetry::Symmetry;
+use crate::team::Team;
 
 /// A plate with an inflow on the left, a part of it of another concentration, an outflow on the right without one, and a pond
 /// on the top.
@@ -197,7 +198,7 @@ fn layers_keep_the_range_on_any_number_of_threads() {
     let flows = body.even_flow(DVec2::new(1.0, 0.2));
     let run = |threads: usize| {
         let mut list = body.list.clone();
-        list.pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok().map(Arc::new);
+        list.team = Team::new(threads).expect("threads");
         let walls = [Some(0.0), None, None, None, Some(1.0)].map(|wall| wall.map(held)).to_vec();
         let parts = SoluteParts { list, materials: vec![plain(0.01)], walls, advection: Advection::Limited };
         let mut solute = Solute::new(parts, &full).expect("parts that fit");

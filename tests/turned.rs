@@ -297,8 +297,8 @@ const ROUNDING: f64 = 1e-12;
 /// What of the heat reaches walls a ninth of whose distance it spreads, over pairs of three spacings.
 const TAIL: f64 = 1e-9;
 
-/// Pressures are found to 1e-11 of what drives the water, some hundred ways between particles away from where it is known.
-const PRESSURE: f64 = 1e-7;
+/// Balances of water are met to 1e-7 of what passes a particle, some hundred ways between particles away from where pressure is known.
+const PRESSURE: f64 = 1e-6;
 
 const CASES: [Case; 16] = [
     Case { name: "line", extent: (0.5, 0.0), ways: MIRRORED, sketch: line, tolerance: ROUNDING },

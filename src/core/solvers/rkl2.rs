@@ -360,6 +360,7 @@ impl Saved for Rkl2 {
             &mut self.patches.first,
             &mut self.work.evaluations,
             &mut self.work.rejected_steps,
+            &mut self.work.limited_steps,
         ]);
         match &mut self.pace {
             Pace::Fixed { steps, .. } => steps.pass(pass),

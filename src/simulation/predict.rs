@@ -179,18 +179,20 @@ impl Forecast {
 struct Trial {
     /// Time (s) after which it has told enough, however long the run takes.
     longest: f64,
-    /// Blocks at least, unless even the shortest says that they take [`SLOW`] times as long.
+    /// Blocks at least, unless even the shortest says that they take longer than `most`.
     blocks: usize,
+    /// The longest that blocks that are wanted may take (s).
+    most: f64,
 }
 
 /// Of steps.
-const STEPS: Trial = Trial { longest: 0.03, blocks: 7 };
+const STEPS: Trial = Trial { longest: 0.03, blocks: 7, most: 0.15 };
+/// Of steps by error, of which it takes some to tell how many there will be.
+const STEPS_BY_ERROR: Trial = Trial { blocks: course::FEWEST, most: 1.0, ..STEPS };
 /// Of each other kind of work.
-const BESIDES: Trial = Trial { longest: 0.004, blocks: 3 };
+const BESIDES: Trial = Trial { longest: 0.004, blocks: 3, most: 0.02 };
 /// Length of a block that is timed as a whole (s): long against the clock, short against whatever interrupts.
 const BLOCK: f64 = 0.1e-3;
-/// How many times the longest time of a trial some work takes of which no more blocks are made.
-const SLOW: f64 = 5.0;
 /// Share of the time that a run takes of some work after which the trial of it has told enough: nobody waits longer to hear of a run
 /// of milliseconds than for the run.
 const SHARE: f64 = 0.005;
@@ -253,7 +255,8 @@ fn try_out(
     // How many steps there will be under error control is told by those of the trial, and the more the better.
     let planned = summary.steps.number().map(|steps| Work::of(scene, steps, looks));
     let times_of = |count: fn(&Work) -> u64| planned.as_ref().map(count);
-    let stepped = timed(STEPS, times_of(|work| work.steps), now, &mut || {
+    let trial = if controlled { STEPS_BY_ERROR } else { STEPS };
+    let stepped = timed(trial, times_of(|work| work.steps), now, &mut || {
         clock.step = step.min(method.wanted_step());
         match method.advance(&mut particles, &clock) {
             Ok(made) => clock.time += made,
@@ -326,8 +329,7 @@ fn timed(trial: Trial, times: Option<u64>, now: &mut dyn FnMut() -> f64, work: &
     let enough = |spent: f64, count: u64, blocks: &[f64]| {
         let shortest = blocks.iter().copied().fold(f64::INFINITY, f64::min);
         let all = times.map_or(f64::INFINITY, |times| spent / count as f64 * times as f64);
-        shortest * count as f64 >= SLOW * trial.longest
-            || blocks.len() >= trial.blocks && spent >= trial.longest.min(SHARE * all)
+        shortest * count as f64 >= trial.most || blocks.len() >= trial.blocks && spent >= trial.longest.min(SHARE * all)
     };
     work();
     let began = now();

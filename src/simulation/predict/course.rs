@@ -1,7 +1,7 @@
 //! Steps by error to the end of a run, from those of a trial.
 
 /// Steps of a trial that tell how the others will be.
-const FEWEST: usize = 16;
+pub(super) const FEWEST: usize = 16;
 
 /// Parts in which the rest of a run is summed, each so many times as long as the one before as all are alike.
 const PARTS: u32 = 512;

@@ -68,7 +68,7 @@ pub struct Fields<'a> {
 }
 
 /// The sum of so many terms, in as many sums as vectors are wide.
-#[inline]
+#[inline(always)]
 pub fn sum(count: usize, term: impl Fn(usize) -> f64) -> f64 {
     let mut sums = [0.0; LANES];
     let whole = count / LANES * LANES;

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use crate::balances::groundwater::diagonals::sum;
 use crate::balances::groundwater::network::Network;
+use crate::instruction_set::widest;
 use crate::memory::{HeapSize, total};
 
 /// Particles of a block, as far as the number of blocks allows.
@@ -100,28 +101,7 @@ impl Coarse {
                 self.factor[row + self.columns[entry] as usize] += self.values[entry];
             }
         }
-        self.factorise();
-    }
-
-    /// Cholesky's factor in place.
-    fn factorise(&mut self) {
-        let n = self.count;
-        let most = (0..n).map(|i| self.factor[i * n + i]).fold(0.0, f64::max);
-        for column in 0..n {
-            let (done, below) = self.factor.split_at_mut((column + 1) * n);
-            let own = &mut done[column * n..];
-            let done = &own[..column];
-            let left = sum(column, |k| done[k] * done[k]);
-            let pivot = own[column] - left;
-            // An empty block, or one that balances by itself, takes no part.
-            let root = if pivot > PIVOT * most { pivot.sqrt() } else { f64::INFINITY };
-            own[column] = root;
-            for row in below.chunks_exact_mut(n) {
-                let (a, b) = (&row[..column], &own[..column]);
-                let left = sum(column, |k| a[k] * b[k]);
-                row[column] = (row[column] - left) / root;
-            }
-        }
+        factorise(self.count, &mut self.factor);
     }
 
     /// Solves for the blocks, in place.
@@ -168,6 +148,29 @@ impl Coarse {
             for entry in self.starts[i]..self.starts[i + 1] {
                 residual[i] -= self.values[entry] * self.work[self.columns[entry] as usize];
             }
+        }
+    }
+}
+
+widest!(factorise, factorise_rows, (count: usize, factor: &mut [f64]));
+
+/// Cholesky's factor in place.
+#[inline(always)]
+fn factorise_rows(count: usize, factor: &mut [f64]) {
+    let most = (0..count).map(|i| factor[i * count + i]).fold(0.0, f64::max);
+    for column in 0..count {
+        let (done, below) = factor.split_at_mut((column + 1) * count);
+        let own = &mut done[column * count..];
+        let done = &own[..column];
+        let left = sum(column, |k| done[k] * done[k]);
+        let pivot = own[column] - left;
+        // An empty block, or one that balances by itself, takes no part.
+        let root = if pivot > PIVOT * most { pivot.sqrt() } else { f64::INFINITY };
+        own[column] = root;
+        for row in below.chunks_exact_mut(count) {
+            let (a, b) = (&row[..column], &own[..column]);
+            let left = sum(column, |k| a[k] * b[k]);
+            row[column] = (row[column] - left) / root;
         }
     }
 }

@@ -10,8 +10,8 @@ use crate::sketch::bundled;
 
 const METHODS: [&str; 3] = ["local", "sph", "pd"];
 
-/// Gaps of the ring of `frozen-wall-sand`, turned (radians) and moved (m), at a spacing (m).
-fn gaps(method: &str, spacing: &str, turn: f64, moved: (f64, f64)) -> Vec<LinkRow> {
+/// Gaps of the ring of `frozen-wall-sand`, turned (radians) and moved (m), at a spacing (m) by an integrator.
+fn gaps(method: &str, (spacing, integrator): (&str, &str), turn: f64, moved: (f64, f64)) -> Vec<LinkRow> {
     let place = |k: usize| {
         let angle = turn + TAU * k as f64 / 26.0;
         format!("[{}, {}]", 5.0 * angle.cos() + moved.0, 5.0 * angle.sin() + moved.1)
@@ -27,8 +27,9 @@ fn gaps(method: &str, spacing: &str, turn: f64, moved: (f64, f64)) -> Vec<LinkRo
         ("time.profiles_days", "[17]"),
         ("reference.kind", "\"none\""),
     ];
-    let own = (format!("method.{method}.spacing_m"), spacing.to_owned());
-    let scene = bundled("frozen-wall-sand", &[&changes[..], &[(own.0.as_str(), own.1.as_str())]].concat());
+    let own = ["spacing_m", "integrator"].map(|key| format!("method.{method}.{key}"));
+    let own = [(own[0].as_str(), spacing), (own[1].as_str(), integrator)];
+    let scene = bundled("frozen-wall-sand", &[&changes[..], &own].concat());
     let links = march::run(&scene, method, None, &Options::default()).expect("a run").links;
     assert_eq!(links.len(), 26);
     links
@@ -38,52 +39,55 @@ fn gaps(method: &str, spacing: &str, turn: f64, moved: (f64, f64)) -> Vec<LinkRo
 const DAY_OF_TABLE: f64 = 15.398;
 const ERROR_OF_TABLE: f64 = 0.002;
 
+/// What steps by error may add, which do not see that fronts meet.
+const ERROR_OF_STEPS: f64 = 0.005;
+
 /// Each gap closes within 1 % of the table's day, as far as that is known, at two fifths of the scene's spacing.
-fn each_gap_is_right(method: &str, rings: usize) {
+fn each_gap_is_right(method: &str, integrator: &str, rings: usize) {
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     for ring in 0..rings {
         // Turned by up to a gap, and moved by up to a spacing, evenly and not alike.
         let part = |step: f64| (0.5 + step * ring as f64).fract() - 0.5;
         let (turn, moved) = (TAU / 26.0 * part(0.618_034), (0.04 * part(0.754_878), 0.04 * part(0.569_84)));
-        for link in gaps(method, "0.04", turn, moved) {
+        for link in gaps(method, ("0.04", integrator), turn, moved) {
             let day = link.closure_s.expect("closed") / DAY;
             (least, most) = (least.min(day), most.max(day));
         }
     }
-    eprintln!("{method}: days {least:.3} to {most:.3} of {rings} rings");
-    let within = 0.01 + ERROR_OF_TABLE;
+    eprintln!("{method}, {integrator}: days {least:.3} to {most:.3} of {rings} rings");
+    let within = 0.01 + ERROR_OF_TABLE + if integrator == "euler" { 0.0 } else { ERROR_OF_STEPS };
     let off = (least / DAY_OF_TABLE - 1.0).abs().max((most / DAY_OF_TABLE - 1.0).abs());
-    assert!(off <= within, "{method}: {least} to {most}");
+    assert!(off <= within, "{method}, {integrator}: {least} to {most}");
 }
 
 #[test]
 fn each_gap_of_a_ring_closes_on_the_day_of_the_table_wherever_it_stands() {
-    METHODS.iter().for_each(|method| each_gap_is_right(method, 2));
+    METHODS.iter().for_each(|method| each_gap_is_right(method, "euler", 2));
 }
 
 #[test]
 #[ignore = "minutes"]
 fn each_gap_of_26_rings_closes_on_the_day_of_the_table_under_local() {
-    each_gap_is_right("local", 26);
+    ["euler", "rkl2"].iter().for_each(|integrator| each_gap_is_right("local", integrator, 26));
 }
 
 #[test]
 #[ignore = "minutes"]
 fn each_gap_of_26_rings_closes_on_the_day_of_the_table_under_sph() {
-    each_gap_is_right("sph", 26);
+    ["euler", "rkl2"].iter().for_each(|integrator| each_gap_is_right("sph", integrator, 26));
 }
 
 #[test]
 #[ignore = "minutes"]
 fn each_gap_of_26_rings_closes_on_the_day_of_the_table_under_pd() {
-    each_gap_is_right("pd", 26);
+    ["euler", "rkl2"].iter().for_each(|integrator| each_gap_is_right("pd", integrator, 26));
 }
 
 /// Gaps that symmetry makes equal are told as one: the closure is their mean, of which a coarse lattice tells less than 2 % wrong.
 #[test]
 fn an_even_ring_closes_with_the_mean_of_its_gaps() {
     for method in METHODS {
-        let links = gaps(method, "0.1", 0.1, (0.0, 0.0));
+        let links = gaps(method, ("0.1", "euler"), 0.1, (0.0, 0.0));
         let own: Vec<f64> = links.iter().map(|link| link.closure_s.expect("closed")).collect();
         let mean = own.iter().sum::<f64>() / own.len() as f64;
         assert!((mean / (DAY_OF_TABLE * DAY) - 1.0).abs() < 0.02, "{method}: {}", mean / DAY);
@@ -93,7 +97,7 @@ fn an_even_ring_closes_with_the_mean_of_its_gaps() {
             assert!((told / mean - 1.0).abs() < 1e-12, "{method}: {told} {mean}");
         }
         // Moved, it is no ring about the centre any more.
-        let moved = gaps(method, "0.2", 0.1, (0.03, 0.01));
+        let moved = gaps(method, ("0.2", "euler"), 0.1, (0.03, 0.01));
         assert!(moved.iter().enumerate().all(|(k, link)| link.alike == k + 1));
     }
 }

@@ -21,6 +21,9 @@ use frazil_core::space::domain::Domain;
 /// Error of one step where a scene does not say, by integrator: heat in the wrong place over the heat held (see
 /// docs/theory/time.md for what it costs and gives).
 const RKL2_TOLERANCE: f64 = 1e-2;
+/// The same around pipes: the days on which single gaps of a ring close, at any place on the lattice, then lie as close to each other as
+/// with Euler's steps.
+const RKL2_TOLERANCE_AROUND_PIPES: f64 = 3e-3;
 /// The same beside water, which carries what an error moves away from where it is made good again.
 const RKL2_TOLERANCE_BESIDE_WATER: f64 = 1e-3;
 const IMPLICIT_TOLERANCE: f64 = 1e-3;
@@ -246,7 +249,13 @@ fn preset_integrator(
 
 /// Error of one step of RKL2 where a scene does not say.
 fn rkl2_tolerance(features: &[Feature]) -> f64 {
-    if features.contains(&Feature::Groundwater) { RKL2_TOLERANCE_BESIDE_WATER } else { RKL2_TOLERANCE }
+    if features.contains(&Feature::Groundwater) {
+        RKL2_TOLERANCE_BESIDE_WATER
+    } else if features.contains(&Feature::Pipes) || features.contains(&Feature::Ring) {
+        RKL2_TOLERANCE_AROUND_PIPES
+    } else {
+        RKL2_TOLERANCE
+    }
 }
 
 fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, features: &[Feature]) -> IntegratorChoice {

@@ -131,8 +131,10 @@ impl<'a> Trials<'a> {
         let first =
             |day: fn(&Answers) -> Option<f64>| parts.iter().filter_map(|(answers, _)| day(answers)).reduce(f64::min);
         let (closure_days, design_days) = (last(|answers| answers.closure), last(|answers| answers.design));
-        let (reopened_days, design_left_days) =
-            (first(|answers| answers.reopening), first(|answers| answers.design_left));
+        let (reopened_days, design_left_days) = (
+            first(|answers| answers.reopening),
+            first(|answers| answers.design_left).filter(|_| design_days.is_some()),
+        );
         let energy = |answers: &Answers| between(&answers.energy, DAY * search.last_day()).unwrap_or(f64::NAN);
         let depth: f64 = parts.iter().map(|(_, thick)| thick).sum();
         let energy_mj_per_m = parts.iter().map(|(answers, thick)| thick * energy(answers)).sum::<f64>() / depth;

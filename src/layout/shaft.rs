@@ -70,6 +70,11 @@ impl<'a> Shaft<'a> {
         self.parts.iter().filter_map(|(one, _)| one.fine.reopening).reduce(f64::min)
     }
 
+    /// Day on which one of them first was as designed no more: of a shaft that was so in all.
+    fn design_left(&self) -> Option<f64> {
+        self.parts.iter().filter_map(|(one, _)| one.fine.design_left).reduce(f64::min)
+    }
+
     /// Its closure at twice the spacing.
     fn coarse_closure(&self) -> Option<f64> {
         let days: Option<Vec<f64>> = self.parts.iter().map(|(one, _)| one.coarse.as_ref()?.closure).collect();
@@ -132,8 +137,8 @@ impl<'a> Shaft<'a> {
             weakest_from: weakest.fine.weakest.as_ref().map(|link| link.from.as_str()),
             weakest_to: weakest.fine.weakest.as_ref().map(|link| link.to.as_str()),
             open_strata: self.parts.iter().filter(|(one, _)| one.fine.closure.is_none()).count(),
+            design_left_days: self.design_left().filter(|_| design.is_some()),
             design_days: design.and_then(|days| days.into_iter().reduce(f64::max)),
-            design_left_days: self.parts.iter().filter_map(|(one, _)| one.fine.design_left).reduce(f64::min),
             thinnest_stratum: Shaft::stratum(study, thin.0),
             thickness_weakest_m: thin.2.thickness_weakest_m,
             warmest_stratum: warm.map(|warm| Shaft::stratum(study, warm.0)),

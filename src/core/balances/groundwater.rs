@@ -8,7 +8,6 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use crate::team::Team;
 use glam::DVec2;
 
 use crate::balances::groundwater::aquifer::{Aquifer, Warmth};
@@ -27,6 +26,7 @@ use crate::particles::Particles;
 use crate::physics::latent_heat::Materials;
 use crate::saved::{Pass, Saved};
 use crate::solvers::solver::Water;
+use crate::team::Team;
 
 pub mod advected;
 pub mod aquifer;

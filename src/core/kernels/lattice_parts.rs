@@ -3,8 +3,6 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::team::Team;
-
 use crate::bonds::stencil::Stencil;
 use crate::boundary::patch::{Boundary, Side};
 use crate::boundary::pipe::Sink;
@@ -17,6 +15,7 @@ use crate::physics::laws::Laws;
 use crate::physics::sub_cell::SubCellFront;
 use crate::solvers::step::Bound;
 use crate::space::lattice::Lattice;
+use crate::team::Team;
 
 /// Everything an operator on a lattice is made from.
 pub struct LatticeParts {

@@ -4,7 +4,6 @@ use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::team::Team;
 use glam::DVec2;
 
 use crate::bonds::exchange::Exchange;
@@ -21,6 +20,7 @@ use crate::saved::{Pass, Saved};
 use crate::solvers::step::Bound;
 use crate::space::domain::Surface;
 use crate::space::volumes::Volumes;
+use crate::team::Team;
 
 /// Everything a list operator is made from.
 #[derive(Clone)]

@@ -4,8 +4,6 @@
 //! its pairs is met once, for both ends, in vectors. Bands of particles of fixed number gather what their own particles
 //! receive, so neither threads nor vectors change a bit.
 
-use crate::team::Team;
-
 use crate::bonds::exchange::{Exchange, Mean};
 use crate::bonds::pair_list::PairList;
 use crate::instruction_set::InstructionSet;
@@ -13,6 +11,7 @@ use crate::kernels::list_parts::ListParts;
 use crate::kernels::term::PairTerm;
 use crate::memory::{HeapSize, total};
 use crate::physics::latent_heat::Fields;
+use crate::team::Team;
 
 /// Fewest pairs of a run: shorter ones stay on the list.
 const FEWEST: usize = 8;

@@ -8,11 +8,12 @@
 use std::f64::consts::{SQRT_2, TAU};
 use std::sync::Arc;
 
-use crate::team::Team;
 use glam::DVec2;
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
+
+use crate::team::Team;
 
 /// Places that are looked at together.
 const TASK: usize = 256;

@@ -15,7 +15,6 @@
 
 mod limit;
 
-use crate::team::Team;
 use glam::DVec2;
 
 use crate::balances::groundwater::diagonals::sum;
@@ -27,6 +26,7 @@ use crate::balances::groundwater::velocity::velocities;
 use crate::balances::row::Row;
 use crate::memory::{HeapSize, total};
 use crate::saved::{Pass, Saved};
+use crate::team::Team;
 
 /// Heat that water carries along a path over what the path conducts, from which the bend of profiles counts.
 const FAST: f64 = 1.0;

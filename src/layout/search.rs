@@ -1,8 +1,7 @@
-//! Search over one key: the least whole number that is in time, by halving, or the value of least energy that is, by Brent's
-//! method.
+//! Search over one key: the least whole number that is in time, or the value of least energy that is, by Brent's method.
 //!
-//! Halving takes for granted that more is earlier, as more pipes are. Runs at twice the spacing, which each layout needs anyway and
-//! which take an eighth of the time, say where the least is about; it and the one below it are then run as layouts are, and others
+//! The least number takes for granted that more is earlier, as more pipes are. Runs at twice the spacing, which each layout needs anyway
+//! and which take an eighth of the time, say where the least is about; it and the one below it are then run as layouts are, and others
 //! from there on where the coarse runs were wrong. What is tried is kept, so a search that was stopped goes on where it stood: it
 //! asks for the same values again and finds them.
 
@@ -196,7 +195,8 @@ impl CostFunction for &Trials<'_> {
 fn values(search: &Search) -> ((usize, usize), usize) {
     let range = search.to - search.from;
     match search.goal {
-        // The least and the one below it; or ever longer strides from there, and their halvings.
+        // The least and the one below it; or ever longer strides from there, and their halvings. Coarse runs are hardly more than
+        // halvings would be.
         Goal::Least => {
             let halvings = range.log2().ceil() as usize;
             ((2, 2 + 2 * halvings), 2 + halvings)
@@ -278,28 +278,48 @@ fn halve(trials: &Trials<'_>) -> Result<(), Stop> {
     }
 }
 
-/// The least value that is in time at twice the spacing, by halving; none if there is none, or that is too coarse.
+/// The least value that is in time at twice the spacing; none if there is none, or that is too coarse. Between a value that is late and
+/// one that is in time the next is where the lateness of both, by powers of the value, tells; where that did not halve what is left, or
+/// days are missing, the middle is.
 fn least_coarse(trials: &Trials<'_>) -> Result<Option<f64>, Stop> {
-    let in_time = |value: f64| Ok(trials.coarse(value)?.map(|one| one.in_time));
-    let (mut late, mut least) = (trials.search.from, trials.search.to);
-    match in_time(least)? {
-        Some(true) => {}
-        Some(false) | None => return Ok(None),
-    }
-    match in_time(late)? {
-        Some(true) => return Ok(Some(late)),
-        Some(false) => {}
+    let (from, to) = (trials.search.from, trials.search.to);
+    let Some(mut least) = trials.coarse(to)?.filter(|one| one.in_time) else { return Ok(None) };
+    let mut late = match trials.coarse(from)? {
+        Some(one) if one.in_time => return Ok(Some(from)),
+        Some(one) => one,
         None => return Ok(None),
-    }
-    while least - late > 1.0 {
-        let middle = late + ((least - late) / 2.0).floor();
-        match in_time(middle)? {
-            Some(true) => least = middle,
-            Some(false) => late = middle,
-            None => return Ok(None),
+    };
+    let mut is_told = true;
+    while least.value - late.value > 1.0 {
+        let left = least.value - late.value;
+        let told = crossing(trials.search, [&late, &least]).filter(|_| is_told);
+        let middle = late.value + (left / 2.0).floor();
+        let next = told.map_or(middle, |told| told.ceil().clamp(late.value + 1.0, least.value - 1.0));
+        let Some(one) = trials.coarse(next)? else { return Ok(None) };
+        if one.in_time {
+            least = one
+        } else {
+            late = one
         }
+        // From a value that is too late by little, the next one is looked at, not the middle.
+        is_told = least.value - late.value <= left / 2.0 + 1.0;
     }
-    Ok(Some(least))
+    Ok(Some(least.value))
+}
+
+/// Where two values, one late and one in time, tell that what is asked for is met just in time: days go with a power of the value.
+fn crossing(search: &Search, [late, in_time]: [&Tried; 2]) -> Option<f64> {
+    let behind = |asked: Option<f64>, day: fn(&Tried) -> Option<f64>| {
+        let Some(asked) = asked else { return Some(f64::NEG_INFINITY) };
+        let [before, after] = [day(late)?, day(in_time)?].map(|day| (day / asked).ln());
+        let share = before / (before - after);
+        let is_met = before <= 0.0;
+        let crossing = late.value * (in_time.value / late.value).powf(share);
+        Some(if is_met { f64::NEG_INFINITY } else { crossing }).filter(|value| !value.is_nan())
+    };
+    let closure = behind(search.closure_days, |one| one.closure_days)?;
+    let design = behind(search.design_days, |one| one.design_days)?;
+    Some(closure.max(design)).filter(|value| value.is_finite())
 }
 
 /// The least energy, where the lateness of what is not in time counts as energy.

@@ -87,7 +87,9 @@ struct Groundwater {
     permeability: Vec<f64>,
     /// How much better water passes the ground of each particle than its material; empty where it passes all as its material.
     passes: Arc<[f64]>,
+    /// Permeabilities that the pressure was solved for, and how steep it then was.
     solved: Vec<f64>,
+    steepness: Vec<f64>,
     conductivity: Vec<f64>,
     walls: Vec<f64>,
     /// Unfrozen fractions at the start, water asked for by volume so far, and what is asked for now (1/s): empty where
@@ -157,7 +159,9 @@ impl Groundwater {
     /// Whether permeabilities, walls or ice have changed enough for another solution by this time (s).
     fn is_due(&mut self, time: f64) -> bool {
         let since = time - self.last_solution;
-        let changed: f64 = self.permeability.iter().zip(&self.solved).map(|(now, then)| (now - then).abs()).sum();
+        let permeability = self.permeability.iter().zip(&self.solved);
+        let changed: f64 =
+            permeability.zip(&self.steepness).map(|((now, then), steep)| (now - then).abs() * steep).sum();
         let allowed = self.numerics.pressure_change * self.across;
         let lasts = if changed > 0.0 { since * allowed / changed } else { f64::INFINITY };
         self.lasts = lasts.min(self.numerics.pressure_interval);
@@ -198,6 +202,7 @@ impl Groundwater {
         let Groundwater { network, conductivity, walls, carrier, numerics, .. } = self;
         self.pressure.solve(network, conductivity, walls, asking, carrier.passing, numerics.mean)?;
         self.solved.clone_from(&self.permeability);
+        self.pressure.steepness(&self.network, &self.permeability, &mut self.steepness);
         let warm: Vec<bool> = (0..self.walls.len()).map(|wall| self.wall_temperature(wall).is_some()).collect();
         let ground = Ground { capacity: self.capacity, warm: &warm };
         self.carrier.take(&self.network, &self.pressure, &ground, self.numerics.advection);
@@ -295,6 +300,7 @@ impl Saved for Groundwater {
             &mut self.pressure,
             &mut self.carrier,
             &mut self.solved,
+            &mut self.steepness,
             &mut self.walls,
             &mut self.asked,
             &mut self.asking,
@@ -310,8 +316,15 @@ impl Saved for Groundwater {
 
 impl HeapSize for Groundwater {
     fn heap_size(&self) -> usize {
-        let columns =
-            [&self.temperature, &self.permeability, &self.solved, &self.conductivity, &self.started, &self.heights];
+        let columns = [
+            &self.temperature,
+            &self.permeability,
+            &self.solved,
+            &self.steepness,
+            &self.conductivity,
+            &self.started,
+            &self.heights,
+        ];
         let more = [&self.asked, &self.asking];
         let columns: usize = columns.iter().chain(&more).map(|column| column.heap_size()).sum();
         let parts = self.network.heap_size() + self.pressure.heap_size() + self.carrier.heap_size();

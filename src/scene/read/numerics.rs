@@ -30,7 +30,7 @@ const IMPLICIT_TOLERANCE: f64 = 1e-3;
 
 /// Change of permeabilities from which the pressure is solved for again, where a scene does not say: a twentieth of the
 /// particles across the body.
-const PRESSURE_CHANGE: f64 = 0.05;
+const PRESSURE_CHANGE: f64 = 0.07;
 
 const INTERVAL: (&str, &str) = ("interval", "K");
 

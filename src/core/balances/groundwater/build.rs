@@ -162,6 +162,7 @@ impl Groundwater {
             permeability: vec![1.0; count],
             passes: Arc::new([]),
             solved: Vec::new(),
+            steepness: vec![1.0; count],
             conductivity: vec![0.0; count],
             walls: vec![0.0; flow.walls.len()],
             started: Vec::new(),

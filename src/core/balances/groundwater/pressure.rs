@@ -17,13 +17,18 @@ use crate::bonds::exchange::Mean;
 use crate::memory::{HeapSize, total};
 use crate::saved::{Pass, Saved};
 
-/// What remains of a particle's balance over the water that passes through it, in the root of the mean of squares.
-const TOLERANCE: f64 = 1e-7;
+/// What remains of a particle's balance over the water that passes through it, in the root of the mean of squares. From one solution to
+/// the next ice changes balances by a hundred times as much; what remains is booked as kept, and an even temperature stays even.
+const TOLERANCE: f64 = 1e-5;
 
 /// The same over what drives water, for the first solution and others before which none has passed.
 const FIRST_TOLERANCE: f64 = 1e-11;
 /// The same where hardly any water passed before, as far as numbers tell it from none.
 const ROUNDING: f64 = 1e-15;
+
+/// How steep the pressure counts at most, over its mean in open ground: that in the last gap of a ring of pipes, whose whole head is lost
+/// over a tenth of its width. Ice itself may hold it a thousand times as steep, and lets no more water through when it thaws.
+const STEEPEST: f64 = 10.0;
 
 /// Iterations of one solution, beyond which there is none.
 const MOST_ITERATIONS: usize = 10_000;
@@ -178,6 +183,18 @@ impl Pressure {
         self.solutions += 1;
         self.iterations += count as u64;
         Ok(())
+    }
+
+    /// Fills in how steep the pressure is at each particle, over the mean of all ground that water passes as it does its own: how
+    /// much a change of a particle's permeability changes the flow around it. One everywhere where water stands.
+    pub fn steepness(&mut self, network: &Network, permeability: &[f64], steepness: &mut [f64]) {
+        let Pressure { pressure, rest, places, .. } = self;
+        network.by_path(&network.weights, pressure, places, |weight, i, j| weight * (i - j).abs(), rest);
+        network.sums([rest; 3], |[driven, ..], _| driven, steepness);
+        let mean = dot(steepness, permeability) / permeability.iter().sum::<f64>();
+        for steep in steepness {
+            *steep = if mean > 0.0 { (*steep / mean).min(STEEPEST) } else { 1.0 };
+        }
     }
 
     /// The part of a ghost's pressure (Pa) that walls held in the last solution.

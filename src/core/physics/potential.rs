@@ -12,9 +12,6 @@ use crate::physics::curve::Curve;
 use crate::physics::curved::Curved;
 use crate::physics::retention::tabulated::Tabulated;
 
-/// Neighbours whose potentials are taken together: four vectors of AVX2, which hide each other's latency.
-const TOGETHER: usize = 16;
-
 /// The function of the inner loop: enthalpy to potential, both counted from the initial state.
 pub trait PotentialLaw: Clone + Send + Sync + 'static {
     /// Potential (W/m) less the initial potential, at an enthalpy (J/m3) less the initial enthalpy.
@@ -28,25 +25,6 @@ pub trait PotentialLaw: Clone + Send + Sync + 'static {
             *potential = self.potential(*enthalpy);
         }
     }
-}
-
-/// [`PotentialLaw::fill`] by whole groups: what is left over is taken first, as the last group that is whole, over some of the one
-/// before. One by one it would cost a short line as much as several groups.
-#[inline(always)]
-fn fill_in_groups<L: PotentialLaw + Copy>(law: L, enthalpy: &[f64], potentials: &mut [f64]) {
-    let each = |enthalpy: &[f64], potentials: &mut [f64]| {
-        for (potential, enthalpy) in potentials.iter_mut().zip(enthalpy) {
-            *potential = law.potential(*enthalpy);
-        }
-    };
-    let whole = enthalpy.len() - enthalpy.len() % TOGETHER;
-    if whole < enthalpy.len() {
-        match (enthalpy.last_chunk::<TOGETHER>(), potentials.last_chunk_mut::<TOGETHER>()) {
-            (Some(last), Some(potentials)) => each(last, potentials),
-            _ => return each(enthalpy, potentials),
-        }
-    }
-    each(&enthalpy[..whole], &mut potentials[..whole]);
 }
 
 /// The law of numbers that are potentials already: what the linearised operator is swept with.
@@ -91,11 +69,6 @@ impl PotentialLaw for Kinked {
         let unfrozen = if enthalpy >= self.unfrozen_above { self.unfrozen_slope } else { 0.0 };
         if frozen > unfrozen { frozen } else { unfrozen }
     }
-
-    #[inline(always)]
-    fn fill(&self, enthalpy: &[f64], potentials: &mut [f64]) {
-        fill_in_groups(*self, enthalpy, potentials);
-    }
 }
 
 /// A law without any change: potential and enthalpy in proportion.
@@ -113,11 +86,6 @@ impl PotentialLaw for Straight {
     #[inline(always)]
     fn slope(&self, _enthalpy: f64) -> f64 {
         self.slope
-    }
-
-    #[inline(always)]
-    fn fill(&self, enthalpy: &[f64], potentials: &mut [f64]) {
-        fill_in_groups(*self, enthalpy, potentials);
     }
 }
 

@@ -24,6 +24,9 @@ pub const WIDEST: usize = 8;
 /// Columns whose slots are made ready together: these stay in the first cache.
 const BLOCK: usize = 1024;
 
+/// Particles of a line whose potentials are taken together: four vectors of AVX2, which hide each other's latency.
+const TOGETHER: usize = 16;
+
 /// Bytes of a cache line: the first particles of rows stand on one, so that a group of eight does not straddle two.
 const CACHE_LINE: usize = 64;
 
@@ -242,7 +245,14 @@ fn line<L: Laws, S: Surroundings, T: Target>(
 ) {
     let (reach, count) = (frame.shape.reach, frame.lattice.len());
     let potentials = band.ring.row(0);
-    frame.laws.fill(0, target.enthalpy(0..count), &mut potentials[reach..reach + count]);
+    // What is left over of whole groups first, as the last group that is whole, over some of the one before: one by one it would cost
+    // a short line as much as several groups.
+    let whole = if count < TOGETHER { count } else { count - count % TOGETHER };
+    let last = if whole < count { count - TOGETHER..count } else { 0..0 };
+    for particles in [last, 0..whole] {
+        let (first, end) = (particles.start, particles.end);
+        frame.laws.fill(first, target.enthalpy(particles), &mut potentials[reach + first..reach + end]);
+    }
     frame.surroundings.complete(0, potentials);
     if frame.surroundings.has_patches() {
         frame.surroundings.patches(0, &[potentials], &mut patches[0]);

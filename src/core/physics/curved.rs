@@ -1,7 +1,11 @@
 //! The law of a material that freezes along a curve, in tables.
 
+#[cfg(target_arch = "x86_64")]
+mod rows;
+
 use std::sync::Arc;
 
+use crate::instruction_set::InstructionSet;
 use crate::memory::HeapSize;
 use crate::physics::curve::{Curve, TABLE_INTERVALS};
 use crate::physics::integral::simpson;
@@ -163,7 +167,12 @@ impl PotentialLaw for Curved {
                     potentials[lane] = self.frozen(absolute(enthalpy[lane])) - self.initial.1;
                 }
             } else {
-                self.look_up_group(enthalpy, potentials);
+                match InstructionSet::widest() {
+                    #[cfg(target_arch = "x86_64")]
+                    // SAFETY: the processor has just been asked for these features.
+                    InstructionSet::Avx2 => unsafe { rows::look_up_group(self, enthalpy, potentials) },
+                    _ => self.look_up_group(enthalpy, potentials),
+                }
             }
         }
         for (potential, enthalpy) in into_rest.iter_mut().zip(rest) {

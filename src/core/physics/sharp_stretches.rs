@@ -67,26 +67,40 @@ pub(super) fn find(enthalpy: &[f64], first: u32, range: (f64, f64), freezing: &m
 }
 
 #[inline(always)]
-fn find_each(enthalpy: &[f64], first: u32, (frozen, unfrozen): (f64, f64), freezing: &mut Vec<u32>) {
-    let freezes = |own: &f64| (*own > frozen) & (*own < unfrozen);
+fn find_each(enthalpy: &[f64], first: u32, range: (f64, f64), freezing: &mut Vec<u32>) {
     let (looks, rest) = enthalpy.as_chunks::<LOOK>();
     for (look, first) in looks.iter().zip((first..).step_by(LOOK)) {
-        if look.iter().fold(false, |any, own| any | freezes(own)) {
-            find_closely(look, first, freezes, freezing);
+        if any_freezes(look, range) {
+            find_closely(look, first, range, freezing);
         }
     }
-    find_closely(rest, first + (enthalpy.len() - rest.len()) as u32, freezes, freezing);
+    // Those left over together with some before them, as long as none of all these freezes.
+    if enthalpy.last_chunk::<LOOK>().is_none_or(|look| any_freezes(look, range)) {
+        find_closely(rest, first + (enthalpy.len() - rest.len()) as u32, range, freezing);
+    }
 }
 
-/// The same, mostly of particles of which some freeze.
+/// Whether an enthalpy lies within a range.
 #[inline(always)]
-fn find_closely(enthalpy: &[f64], first: u32, freezes: impl Fn(&f64) -> bool, freezing: &mut Vec<u32>) {
+fn freezes(own: f64, (frozen, unfrozen): (f64, f64)) -> bool {
+    (own > frozen) & (own < unfrozen)
+}
+
+/// Whether any does. Answers as wide as enthalpies stay where these are compared.
+#[inline(always)]
+fn any_freezes<const COUNT: usize>(look: &[f64; COUNT], range: (f64, f64)) -> bool {
+    look.iter().fold(0, |any, own| any | u64::from(freezes(*own, range))) != 0
+}
+
+/// The same as [`find`], mostly of particles of which some freeze.
+#[inline(always)]
+fn find_closely(enthalpy: &[f64], first: u32, range: (f64, f64), freezing: &mut Vec<u32>) {
     let (groups, rest) = enthalpy.as_chunks::<8>();
     let one_by_one = |own: &[f64], first: u32, freezing: &mut Vec<u32>| {
-        freezing.extend((first..).zip(own).filter(|(_, own)| freezes(own)).map(|(particle, _)| particle));
+        freezing.extend((first..).zip(own).filter(|(_, own)| freezes(**own, range)).map(|(particle, _)| particle));
     };
     for (group, first) in groups.iter().zip((first..).step_by(8)) {
-        if group.iter().fold(false, |any, own| any | freezes(own)) {
+        if any_freezes(group, range) {
             one_by_one(group, first, freezing);
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! Groups of eight columns are visited from left to right. Of each, rows +dy and -dy are added first (`s_dy`), then each
 //! distance k gathers its rows (`v_k = sum_dy w(k, dy) s_dy`). These column sums stay in registers until the group behind
-//! is known too, and a particle adds `v_k` from its left and right.
+//! is known too, and a particle adds `v_k` from its left and right. On a line potentials are all there is to be added.
 
 #[cfg(target_arch = "x86_64")]
 use super::lanes::{Avx2, Avx512};
@@ -151,6 +151,31 @@ unsafe fn rates<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: boo
     }
 }
 
+/// Rates of a group of the only row of a line: what stands beside particles is read where it stands, which takes less than shifts
+/// between registers where there are no sums to be shifted.
+///
+/// # Safety
+/// As [`Lanes`], and there must be a group on either side.
+#[inline(always)]
+unsafe fn line_rates<V: Lanes, const REACH: usize>(
+    factors: &Factors<V::Factor>,
+    row: &[[f64; LANES]],
+    group: usize,
+) -> V {
+    // SAFETY: as the caller says: distances are no longer than a group.
+    unsafe {
+        let from = row.as_ptr().add(group).cast::<f64>();
+        let mut total = V::load(&*from.cast()).times(factors.own);
+        for_each_distance!(K, {
+            if K <= REACH {
+                let pair = V::load(&*from.sub(K).cast()).plus(V::load(&*from.add(K).cast()));
+                total = pair.times_plus(factors.by_distance[K][0], total);
+            }
+        });
+        total
+    }
+}
+
 /// Column sums of three groups, one after the other, of which rates of the one in the middle follow.
 struct Window<'a, V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool> {
     factors: Factors<V::Factor>,
@@ -163,11 +188,14 @@ impl<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool> Window<'
     /// Rates of the next group.
     ///
     /// # Safety
-    /// As [`Lanes`].
+    /// As [`Lanes`], and there must be a group after the next.
     #[inline(always)]
     unsafe fn next(&mut self, group: usize) -> V {
         // SAFETY: as the caller says.
         unsafe {
+            if ROWS == 0 {
+                return line_rates::<V, REACH>(&self.factors, self.rows[0], group + 1);
+            }
             let after = column_sums::<V, REACH, ROWS, DISC>(&self.factors, &self.rows, group + 2);
             let rates = rates::<V, REACH, ROWS, DISC>(&self.factors, [&self.before, &self.here, &after]);
             (self.before, self.here) = (self.here, after);
@@ -198,6 +226,24 @@ impl<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: bool> Window<'
             }
         }
     }
+}
+
+/// Numbers of the last group, which are too few for one.
+///
+/// # Safety
+/// As [`Lanes`].
+#[inline(always)]
+unsafe fn load_rest<V: Lanes, const ROWS: usize>(from: &[f64]) -> V {
+    // SAFETY: as the caller says.
+    unsafe { if ROWS == 0 { V::load_end(from) } else { V::load_some(from) } }
+}
+
+/// # Safety
+/// As [`Lanes`].
+#[inline(always)]
+unsafe fn store_rest<V: Lanes, const ROWS: usize>(numbers: V, into: &mut [f64]) {
+    // SAFETY: as the caller says.
+    unsafe { if ROWS == 0 { numbers.store_end(into) } else { numbers.store_some(into) } }
 }
 
 /// Contents and what rounding keeps from them after a change by a rate, as [`crate::solvers::kept`] has it.
@@ -241,14 +287,18 @@ unsafe fn block<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: boo
         let window: Window<'_, V, REACH, ROWS, DISC> = Window { factors, rows, before, here };
         match taken {
             Taken::Replacing => {
-                window.settle(slots, |_, rates, slots| rates.store(slots), |rates, slots| rates.store_some(slots));
+                window.settle(
+                    slots,
+                    |_, rates, slots| rates.store(slots),
+                    |rates, slots| store_rest::<V, ROWS>(rates, slots),
+                );
             }
             Taken::Adding(step) => {
                 let step = V::factor(step);
                 window.settle(
                     slots,
                     |_, rates, slots| rates.times_plus(step, V::load(slots)).store(slots),
-                    |rates, slots| rates.times_plus(step, V::load_some(slots)).store_some(slots),
+                    |rates, slots| store_rest::<V, ROWS>(rates.times_plus(step, load_rest::<V, ROWS>(slots)), slots),
                 );
             }
             Taken::Keeping { step, lost } => {
@@ -262,9 +312,10 @@ unsafe fn block<V: Lanes, const REACH: usize, const ROWS: usize, const DISC: boo
                         left.store(&mut lost[group]);
                     },
                     |rates, slots| {
-                        let (next, left) = kept(rates, step, V::load_some(slots), V::load_some(lost_rest));
-                        next.store_some(slots);
-                        left.store_some(lost_rest);
+                        let (content, lost) = (load_rest::<V, ROWS>(slots), load_rest::<V, ROWS>(lost_rest));
+                        let (next, left) = kept(rates, step, content, lost);
+                        store_rest::<V, ROWS>(next, slots);
+                        store_rest::<V, ROWS>(left, lost_rest);
                     },
                 );
             }

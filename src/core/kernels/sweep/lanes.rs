@@ -36,6 +36,19 @@ pub(super) trait Lanes: Copy {
         unsafe { self.store(&mut all) };
         into.copy_from_slice(&all[..into.len()]);
     }
+    /// [`Lanes::load_some`] on a line, which may be as short as what is left over: without a call, which would cost the loops over
+    /// rows of a plane registers.
+    #[inline(always)]
+    unsafe fn load_end(from: &[f64]) -> Self {
+        // SAFETY: as the caller says.
+        unsafe { Self::load_some(from) }
+    }
+    /// [`Lanes::store_some`], likewise.
+    #[inline(always)]
+    unsafe fn store_end(self, into: &mut [f64]) {
+        // SAFETY: as the caller says.
+        unsafe { self.store_some(into) };
+    }
     /// Sums.
     unsafe fn plus(self, other: Self) -> Self;
     /// Differences.
@@ -110,10 +123,12 @@ pub(super) use x86::{Avx2, Avx512};
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use std::arch::x86_64::{
-        __m256d, __m512d, _mm256_add_pd, _mm256_fmadd_pd, _mm256_loadu_pd, _mm256_mul_pd, _mm256_permute2f128_pd,
-        _mm256_set1_pd, _mm256_shuffle_pd, _mm256_storeu_pd, _mm256_sub_pd, _mm512_add_pd, _mm512_alignr_epi64,
-        _mm512_castpd_si512, _mm512_castsi512_pd, _mm512_fmadd_pd, _mm512_loadu_pd, _mm512_mask_storeu_pd,
-        _mm512_maskz_loadu_pd, _mm512_mul_pd, _mm512_set1_pd, _mm512_storeu_pd, _mm512_sub_pd,
+        __m256d, __m512d, _mm_cvtsd_f64, _mm_load_sd, _mm_loadu_pd, _mm_setzero_pd, _mm_storeu_pd, _mm256_add_pd,
+        _mm256_castpd256_pd128, _mm256_cvtsd_f64, _mm256_extractf128_pd, _mm256_fmadd_pd, _mm256_loadu_pd,
+        _mm256_mul_pd, _mm256_permute2f128_pd, _mm256_set_m128d, _mm256_set1_pd, _mm256_setzero_pd, _mm256_shuffle_pd,
+        _mm256_storeu_pd, _mm256_sub_pd, _mm512_add_pd, _mm512_alignr_epi64, _mm512_castpd_si512, _mm512_castsi512_pd,
+        _mm512_fmadd_pd, _mm512_loadu_pd, _mm512_mask_storeu_pd, _mm512_maskz_loadu_pd, _mm512_mul_pd, _mm512_set1_pd,
+        _mm512_storeu_pd, _mm512_sub_pd,
     };
 
     use super::{LANES, Lanes};
@@ -246,6 +261,42 @@ mod x86 {
         }
     }
 
+    /// Fewer than four numbers from memory, and zeros behind them.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn some_of_four(from: &[f64]) -> __m256d {
+        // SAFETY: no more numbers are read than there are.
+        unsafe {
+            let start = from.as_ptr();
+            match from.len() {
+                0 => _mm256_setzero_pd(),
+                1 => _mm256_set_m128d(_mm_setzero_pd(), _mm_load_sd(start)),
+                2 => _mm256_set_m128d(_mm_setzero_pd(), _mm_loadu_pd(start)),
+                _ => _mm256_set_m128d(_mm_load_sd(start.add(2)), _mm_loadu_pd(start)),
+            }
+        }
+    }
+
+    /// Fewer than four of the numbers into memory.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    fn store_some_of_four(numbers: __m256d, into: &mut [f64]) {
+        let (low, high) = (_mm256_castpd256_pd128(numbers), _mm256_extractf128_pd::<1>(numbers));
+        match into {
+            [] => {}
+            [first] => *first = _mm256_cvtsd_f64(numbers),
+            [_, _] => {
+                // SAFETY: there is room for two numbers.
+                unsafe { _mm_storeu_pd(into.as_mut_ptr(), low) }
+            }
+            [.., third] => {
+                *third = _mm_cvtsd_f64(high);
+                // SAFETY: as above.
+                unsafe { _mm_storeu_pd(into.as_mut_ptr(), low) }
+            }
+        }
+    }
+
     impl Lanes for Avx2 {
         type Factor = __m256d;
 
@@ -271,6 +322,29 @@ mod x86 {
             unsafe {
                 _mm256_storeu_pd(into, self.0[0]);
                 _mm256_storeu_pd(into.add(LANES / 2), self.0[1]);
+            }
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn load_end(from: &[f64]) -> Self {
+            match from.split_first_chunk::<{ LANES / 2 }>() {
+                // SAFETY: there are as many numbers as are read.
+                Some((low, rest)) => Avx2([unsafe { _mm256_loadu_pd(low.as_ptr()) }, some_of_four(rest)]),
+                None => Avx2([some_of_four(from), _mm256_setzero_pd()]),
+            }
+        }
+
+        #[inline]
+        #[target_feature(enable = "avx2,fma")]
+        unsafe fn store_end(self, into: &mut [f64]) {
+            match into.split_first_chunk_mut::<{ LANES / 2 }>() {
+                Some((low, rest)) => {
+                    // SAFETY: there is room for as many numbers as are written.
+                    unsafe { _mm256_storeu_pd(low.as_mut_ptr(), self.0[0]) };
+                    store_some_of_four(self.0[1], rest);
+                }
+                None => store_some_of_four(self.0[0], into),
             }
         }
 

@@ -5,6 +5,7 @@ use std::error::Error;
 use frazil_studies::failure::Failure;
 
 use super::goals::{Critical, Design, Goal, Search};
+use super::spacing;
 use super::strata::Stratum;
 use super::variants::{Ground, Layout, Role};
 
@@ -30,6 +31,8 @@ pub struct Study<'a> {
     pub search: Option<Search>,
     /// What is sought of each layout.
     pub critical: Option<Critical>,
+    /// The error for which its spacing was chosen.
+    pub error: Option<spacing::Goal>,
     /// What all layouts change.
     pub(super) ground: Ground<'a>,
 }

@@ -49,6 +49,11 @@ impl Estimate {
     }
 }
 
+/// What is promised of a run, by what it differs from one at so many times its spacing, at an order that is known.
+pub fn of_two(difference: f64, ratio: f64, order: f64) -> f64 {
+    SAFETY * difference / (ratio.powf(order) - 1.0)
+}
+
 /// The order at which differences of three runs are in a ratio, up to the formal one; none below what is believed.
 fn order(spacings: [f64; 3], ratio: f64, formal: f64) -> Option<f64> {
     let of = |order: f64| {
@@ -103,6 +108,7 @@ mod tests {
         // Differences that grow.
         let grown = Estimate::of(&[4.0, 2.0, 1.0], &[0.1, 0.2], 2.0).expect("three runs");
         assert_eq!((grown.order, grown.promised[2]), (1.0, 0.2 * SAFETY_WITHOUT_ORDER));
+        assert_eq!(of_two(0.1, 2.0, 1.0), 0.1 * SAFETY);
         // Better than is believed.
         assert_eq!(Estimate::of(&[4.0, 2.0, 1.0], &[1.0, 0.01], 1.0).expect("three runs").order, 1.0);
     }

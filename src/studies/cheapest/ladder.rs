@@ -393,7 +393,7 @@ impl<'a> Ladder<'a> {
     }
 
     /// Time (s) of a run at a spacing, by the two runs that are nearest to it: between them it follows a power of the spacing; beyond
-    /// them particle updates do, and time follows particle updates.
+    /// them particles and evaluations do, and an evaluation takes some time by itself and some for each particle.
     fn forecast(&self, spacing: f64) -> f64 {
         let Some(last) = self.rungs.len().checked_sub(2) else { return 0.0 };
         let finer = self.rungs.partition_point(|rung| rung.spacing > spacing);
@@ -404,11 +404,13 @@ impl<'a> Ladder<'a> {
         if fine.spacing <= spacing && spacing <= coarse.spacing {
             return along(coarse.cost_s, fine.cost_s);
         }
-        let updates = |rung: &Rung| rung.result.record.particle_updates as f64;
-        let each = (fine.cost_s - coarse.cost_s) / (updates(fine) - updates(coarse));
-        let each = if each > 0.0 { each } else { fine.cost_s / updates(fine) };
-        let wanted = along(updates(coarse), updates(fine));
-        (fine.cost_s + each * (wanted - updates(fine))).max(each * wanted)
+        let evaluations = |rung: &Rung| rung.result.record.work.evaluations.max(1) as f64;
+        let particles = |rung: &Rung| rung.result.record.particles as f64;
+        let one = |rung: &Rung| rung.cost_s / evaluations(rung);
+        let by_particle = (one(fine) - one(coarse)) / (particles(fine) - particles(coarse)).max(1.0);
+        let by_particle = by_particle.clamp(0.0, one(fine) / particles(fine));
+        let wanted = along(particles(coarse), particles(fine));
+        along(evaluations(coarse), evaluations(fine)) * (one(fine) + by_particle * (wanted - particles(fine)))
     }
 }
 

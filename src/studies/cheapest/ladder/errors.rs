@@ -6,14 +6,18 @@ use frazil_core::physics::material::Material;
 use frazil_record::RunResult;
 use frazil_scene::{Front, Scene};
 use frazil_simulation::measure;
+use frazil_simulation::measure::front::Judged;
 
-use super::{Ladder, NOISE};
+use super::{Ladder, NOISE, Rung};
 use crate::cheapest::estimate::Estimate;
 use crate::compare::reference::{LocalReference, judge_alike};
 use crate::ensemble::runs::Headline;
 
 /// Ratio of spacings from which on two runs tell of an order.
 pub(super) const APART: f64 = 1.5;
+
+/// Part of a particle to which a front stands between two.
+const WHOLE: f64 = 1e-6;
 
 /// What a run differs from a finer one, over what the finer one says; none where one of both does not say.
 pub type Differ<'a> = dyn Fn(&RunResult, &RunResult) -> Option<f64> + Sync + 'a;
@@ -63,6 +67,22 @@ impl Ladder<'_> {
         let mut judged = self.base.clone();
         judge_alike(&mut judged, spacing, &truth);
         headline.of(&measure::errors(&judged, spacing, coarse, &truth)).map(f64::abs)
+    }
+
+    /// What a sharp front may be off while it stands between a particle that is frozen and one that is not, as in a steady state: wherever
+    /// it is, it is told to be midway, and finer runs may tell the same for long.
+    fn standing(&self, quantity: Quantity<'_>, rung: &Rung) -> f64 {
+        if !matches!(quantity, Quantity::Headline(Headline::Front)) || !is_sharp(&self.base) {
+            return 0.0;
+        }
+        let own = LocalReference::new(&self.base, rung.result.clone());
+        let window = measure::front::window(&self.base, rung.spacing, &rung.result.front, &own);
+        let stands = |row: &&Judged| {
+            let particles = row.own / rung.spacing;
+            (particles - particles.round()).abs() < WHOLE
+        };
+        let squares = window.iter().filter(stands).map(|row| (0.5 * rung.spacing / row.far).powi(2)).sum::<f64>();
+        (squares / window.len().max(1) as f64).sqrt()
     }
 
     /// The noise of one run at the finest spacing.
@@ -118,17 +138,22 @@ impl Ladder<'_> {
                 Some(place) => Some(estimate.promised[place]),
                 None => between(k, finest).zip(estimate.promised.last()).map(|(apart, own)| apart + own),
             };
-            space.map_or(f64::INFINITY, |space| (by_more(k) * space + steps).hypot(noise))
+            let space = space.map(|space| (by_more(k) * space).max(self.standing(quantity, &self.rungs[k])));
+            space.map_or(f64::INFINITY, |space| (space + steps).hypot(noise))
         });
         Some(Promised { errors: errors.collect(), order: estimate.order })
     }
 }
 
+/// Whether ground freezes at one temperature.
+fn is_sharp(scene: &Scene) -> bool {
+    !scene.of_water && scene.materials.iter().any(Material::is_sharp)
+}
+
 /// The order that the error of the spacing has: a sharp front that is felt at the centres of particles is of the first.
 fn formal_order(scene: &Scene, method: &str, quantity: Quantity<'_>) -> f64 {
-    let sharp = !scene.of_water && scene.materials.iter().any(Material::is_sharp);
     let front = scene.method(method).map(|own| own.numerics.front);
     // A closure is that of fronts that meet, at any angle to the lattice.
     let meets = matches!(quantity, Quantity::Headline(Headline::Closure) | Quantity::Answer(_));
-    if sharp && (meets || front != Some(Front::SubCell)) { 1.0 } else { 2.0 }
+    if is_sharp(scene) && (meets || front != Some(Front::SubCell)) { 1.0 } else { 2.0 }
 }

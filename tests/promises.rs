@@ -86,10 +86,10 @@ fn promises_on(scene: &str) {
             late += usize::from(forecast.is_some_and(|forecast| !(0.5..=2.0).contains(&(forecast / took))));
             let percent = |error: f64| format!("{:.3} %", 100.0 * error);
             let found = found.map_or("takes too long".to_owned(), percent);
-            let forecast = forecast.map_or("none".to_owned(), |forecast| format!("{forecast:.3} s"));
+            let forecast = forecast.map_or("none".to_owned(), |forecast| format!("{forecast:.2e} s"));
             let (method, promised) = (&row["method"], percent(promised));
             eprintln!(
-                "| {scene} | {error} | {method} | {spacing} m | {promised} | {found} | {forecast} | {took:.3} s |"
+                "| {scene} | {error} | {method} | {spacing} m | {promised} | {found} | {forecast} | {took:.2e} s |"
             );
         }
     }

@@ -165,18 +165,18 @@ fn spaced<'a>(
     let Some(error) = request.error else { return Ok(Some(study)) };
     let folder = Folder::make(&folder_of(request, &study), Owner::Alone)?;
     let campaign = Campaign::open(folder.path(), Shard::WHOLE, request.threads, parts.interrupt)?;
-    let (mut overrides, mut goals) = (request.overrides.clone(), Vec::new());
+    let (mut overrides, mut promises) = (request.overrides.clone(), Vec::new());
     for method in methods {
         let chosen = spacing::choose(request, &study, (*method, error), &campaign);
-        let Some((own, goal)) = chosen.inspect_err(|_| folder.take_back())? else {
+        let Some((own, promise)) = chosen.inspect_err(|_| folder.take_back())? else {
             complain("interrupted: the same command goes on from here");
             return Ok(None);
         };
         overrides.push(own);
-        goals.push(goal);
+        promises.push(promise);
     }
     let again = read::study(&request.study, &overrides, parts)?;
-    Ok(Some(Study { error: goals.first().copied(), ..again }))
+    Ok(Some(Study { error: promises.into_iter().next(), ..again }))
 }
 
 fn folder_of(request: &LayoutRequest, study: &Study<'_>) -> PathBuf {
@@ -287,7 +287,7 @@ fn finish(
             answer(&format!("  {}\n", search::words(search, &tried)))?;
         }
     }
-    let missed = study.error.map_or(Vec::new(), |goal| goal.missed(&found));
+    let missed = study.error.as_ref().map_or(Vec::new(), |promise| spacing::missed(promise, &found));
     missed.iter().for_each(|words| complain(&format!("WARNING: {words}")));
     let reached = if missed.is_empty() { Verdict::Done } else { Verdict::CheckFailed };
     Ok(Verdict::worst(found.iter().map(|one| one.fine.outcome)).max(reached))

@@ -1,10 +1,11 @@
-//! The spacing at which the answers of all layouts reach an error, and what they reached of it.
+//! The spacing at which the answers of all layouts reach an error.
+
+use std::collections::BTreeMap;
 
 use frazil_plots::style::percent;
 use frazil_record::{RunResult, WallRow};
 use frazil_simulation::reference::Truth;
 use frazil_studies::campaign::Campaign;
-use frazil_studies::cheapest::estimate::of_two;
 use frazil_studies::cheapest::{CheapestRequest, Differ, Ladder, Quantity, Reached, Short};
 use frazil_studies::compare::plan::spacing_override;
 use frazil_studies::failure::{Failure, complain};
@@ -13,60 +14,23 @@ use frazil_studies::words::length_words;
 
 use super::LayoutRequest;
 use super::execute::made_of;
-use super::found::Found;
+use super::found::{Attained, Found};
+use super::goals::Promise;
 use super::study::Study;
-use super::tables::{closure_error, error};
 use super::variants::{Layout, Role};
 
-/// An error that all layouts were asked to reach.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Goal {
-    /// Relative error of the day of closure, and of the thickness at the end.
-    pub error: f64,
-    /// The least order at which errors of a layout fall with the spacing.
-    order: f64,
-}
-
-/// What a layout has reached: relative errors, where its wall has closed.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Attained {
-    /// Of the day of closure.
-    pub(super) closure: Option<f64>,
-    /// Of the thickness at the end.
-    pub(super) thickness: Option<f64>,
-}
-
-impl Goal {
-    /// What a layout has reached, by what it differs from itself at twice the spacing.
-    pub(super) fn attained(&self, one: &Found<'_>) -> Attained {
-        let last = |days: &[super::answers::Day]| days.last().map(|day| day.thickness_weakest_m);
-        let thickness = last(&one.fine.days).filter(|thickness| *thickness > 0.0);
-        let coarse = one.coarse.as_ref().and_then(|coarse| last(&coarse.days)).filter(|thickness| *thickness > 0.0);
-        // What cannot be told from the run at twice the spacing may be wrong altogether.
-        let relative =
-            |value: f64, error: Option<f64>| error.map_or(1.0, |error| of_two(error, 2.0, self.order) / value);
-        Attained {
-            closure: one.fine.closure.map(|day| relative(day, closure_error(one))),
-            thickness: thickness.map(|thickness| relative(thickness, error(Some(thickness), coarse))),
-        }
-    }
-
-    /// Which of the layouts that are compared have not reached it, each in words.
-    pub(super) fn missed(&self, found: &[Found<'_>]) -> Vec<String> {
-        let compared = found.iter().filter(|one| one.layout.role == Role::Compared);
-        let words = |one: &Found<'_>| {
-            let Attained { closure, thickness } = self.attained(one);
-            let all = [("day of closure", closure), ("thickness at the end", thickness)];
-            let over =
-                all.into_iter().filter_map(|(name, reached)| Some((name, reached.filter(|own| *own > self.error)?)));
-            let over: Vec<String> = over.map(|(name, own)| format!("{name} to {}", percent(own, 2))).collect();
-            let asked = percent(self.error, 3);
-            (!over.is_empty()).then(|| {
-                format!("layout \"{}\": {} instead of {asked}; set a smaller spacing", one.layout.name, over.join(", "))
-            })
-        };
-        compared.filter_map(words).collect()
-    }
+/// Which of the layouts that are compared have not reached an error, each in words.
+pub(super) fn missed(promise: &Promise, found: &[Found<'_>]) -> Vec<String> {
+    let words = |one: &Found<'_>| {
+        let Attained { closure, thickness } = one.attained(promise);
+        let all = [("day of closure", closure), ("thickness at the end", thickness)];
+        let over = all.into_iter().filter_map(|(name, own)| Some((name, own.filter(|own| *own > promise.error)?)));
+        let over: Vec<String> = over.map(|(name, own)| format!("{name} to {}", percent(own, 2))).collect();
+        let (name, asked) = (&one.layout.name, percent(promise.error, 3));
+        (!over.is_empty())
+            .then(|| format!("layout \"{name}\": {} instead of {asked}; set a smaller spacing", over.join(", ")))
+    };
+    found.iter().filter(|one| one.layout.role == Role::Compared).filter_map(words).collect()
 }
 
 /// A layout that does not reach the error.
@@ -88,8 +52,9 @@ pub(super) fn choose(
     study: &Study<'_>,
     (method, error): (&'static str, f64),
     campaign: &Campaign<'_>,
-) -> Result<Option<(Override, Goal)>, Failure> {
-    let (mut spacing, mut order, mut promised) = (f64::INFINITY, f64::INFINITY, 0.0_f64);
+) -> Result<Option<(Override, Promise)>, Failure> {
+    let (mut spacing, mut promise) =
+        (f64::INFINITY, Promise { error, order: f64::INFINITY, promised: BTreeMap::new() });
     for layout in study.compared() {
         let reached = climb(request, study, layout, (method, error), campaign)?;
         let chosen = match reached.chosen {
@@ -100,19 +65,20 @@ pub(super) fn choose(
             }
         };
         spacing = spacing.min(reached.rungs[chosen].spacing);
-        order = order.min(reached.order);
-        promised = promised.max(reached.promised[chosen]);
+        promise.order = promise.order.min(reached.order);
+        promise.promised.insert(layout.name.clone(), reached.promised[chosen]);
     }
     let units = study.layouts[0].scene.units;
     if !request.quiet {
-        let (length, promised) = (length_words(units, spacing), percent(promised, 2));
+        let worst = promise.promised.values().copied().fold(0.0, f64::max);
+        let (length, promised) = (length_words(units, spacing), percent(worst, 2));
         let method = if request.method.is_some() { format!(" under {method}") } else { String::new() };
         complain(&format!(
             "{}: a spacing of {length}{method}: days of closure and thickness at the end at most {promised} off, by runs at larger ones",
             study.name
         ));
     }
-    Ok(Some((spacing_override(units, method, spacing), Goal { error, order })))
+    Ok(Some((spacing_override(units, method, spacing), promise)))
 }
 
 /// Runs of a layout from coarse to fine.

@@ -8,10 +8,9 @@ use frazil_studies::failure::Failure;
 use serde::Serialize;
 
 use super::answers::Answers;
-use super::found::Found;
+use super::found::{Attained, Found};
 use super::rows::write_rows;
 use super::shaft::{self, shafts};
-use super::spacing::Attained;
 use super::study::Study;
 use super::variants::Role;
 use super::{dug, reference};
@@ -212,7 +211,7 @@ fn row<'a>(study: &'a Study<'_>, method: &'a str, one: &'a Found<'_>) -> Option<
     let far = coarse.and_then(|coarse| coarse.days.last());
     let load = end.heat_per_pipe_w_per_m * fine.pipes as f64;
     let stratum = study.ground.stratum(one.layout.stratum);
-    let attained = study.error.map(|goal| goal.attained(one));
+    let attained = study.error.as_ref().map(|promise| one.attained(promise));
     Some(LayoutRow {
         layout: &one.layout.name,
         of: match &one.layout.role {
@@ -376,7 +375,7 @@ pub(super) fn summary(study: &Study<'_>, method: &str, found: &[Found<'_>], fold
         let load = format!(", load at most {:.0} W/m", fine.peak);
         let outcome =
             if fine.outcome == Outcome::Ok { String::new() } else { format!(", outcome {}", fine.outcome.name()) };
-        let attained = study.error.map_or(String::new(), |goal| attained(goal.attained(one)));
+        let attained = study.error.as_ref().map_or(String::new(), |promise| attained(one.attained(promise)));
         let near = if fine.far.is_some_and(|far| far.matters()) { ", outer wall too near" } else { "" };
         text.push_str(&format!("  {}: {closure}{designed}{weakest}{load}{attained}{near}{outcome}\n", one.layout.name));
     }

@@ -18,6 +18,8 @@ const HALVINGS: usize = 60;
 pub struct Estimate {
     /// Observed order, within those that are believed.
     pub order: f64,
+    /// Factor from what runs differ by to what is promised.
+    pub safety: f64,
     /// Error that is promised of each run, from coarse to fine.
     pub promised: Vec<f64>,
 }
@@ -42,7 +44,7 @@ impl Estimate {
             promised.push(safety * error);
         }
         promised.reverse();
-        Some(Estimate { order, promised })
+        Some(Estimate { order, safety, promised })
     }
 
     /// The spacing at which an error is promised, by the finest run.

@@ -61,6 +61,8 @@ pub struct Rung {
     pub forecast_s: Option<f64>,
     /// Time (s) that it took: CPU time of setup and solve.
     pub cost_s: f64,
+    /// That of the setup.
+    setup_s: f64,
     /// What it left.
     pub result: RunResult,
     /// The same with another seed, where there is noise.
@@ -265,7 +267,7 @@ impl<'a> Ladder<'a> {
                 None => {
                     // A smaller spacing leaves the part of the steps as it is.
                     let steps = self.steps_alone();
-                    let space = Estimate { order, promised: vec![promised[finest] - steps] };
+                    let space = Estimate { order, safety: 1.0, promised: vec![promised[finest] - steps] };
                     let wanted = space.spacing_for(spacings[finest], AIM * error - steps);
                     wanted.clamp(FARTHEST * spacings[finest], spacings[finest] / APART)
                 }
@@ -382,18 +384,20 @@ impl<'a> Ladder<'a> {
         };
         let Some(result) = of_seed(1)? else { return Ok(None) };
         let cost = |result: &RunResult| result.record.setup_cpu_s + result.record.solve_cpu_s;
-        let mut costs = vec![cost(&result)];
+        let (mut costs, mut setups) = (vec![cost(&result)], vec![result.record.setup_cpu_s]);
         let second = if self.kind.stochastic { of_seed(2)? } else { None };
         while costs[0] < SHORT_S && (costs.len() as u64) < REPEATS {
             let Some(again) = of_seed(1)? else { return Ok(None) };
             costs.push(cost(&again));
+            setups.push(again.record.setup_cpu_s);
         }
         let cost_s = median(&costs).unwrap_or(costs[0]);
-        Ok(Some(Rung { spacing, forecast_s, cost_s, result, second }))
+        let setup_s = median(&setups).unwrap_or(setups[0]).min(cost_s);
+        Ok(Some(Rung { spacing, forecast_s, cost_s, setup_s, result, second }))
     }
 
     /// Time (s) of a run at a spacing, by the two runs that are nearest to it: between them it follows a power of the spacing; beyond
-    /// them particles and evaluations do, and an evaluation takes some time by itself and some for each particle.
+    /// them particles and evaluations do. The setup and an evaluation take some time by themselves and some for each particle.
     fn forecast(&self, spacing: f64) -> f64 {
         let Some(last) = self.rungs.len().checked_sub(2) else { return 0.0 };
         let finer = self.rungs.partition_point(|rung| rung.spacing > spacing);
@@ -406,11 +410,14 @@ impl<'a> Ladder<'a> {
         }
         let evaluations = |rung: &Rung| rung.result.record.work.evaluations.max(1) as f64;
         let particles = |rung: &Rung| rung.result.record.particles as f64;
-        let one = |rung: &Rung| rung.cost_s / evaluations(rung);
-        let by_particle = (one(fine) - one(coarse)) / (particles(fine) - particles(coarse)).max(1.0);
-        let by_particle = by_particle.clamp(0.0, one(fine) / particles(fine));
+        let setup = |rung: &Rung| rung.setup_s;
+        let one = |rung: &Rung| (rung.cost_s - rung.setup_s) / evaluations(rung);
         let wanted = along(particles(coarse), particles(fine));
-        along(evaluations(coarse), evaluations(fine)) * (one(fine) + by_particle * (wanted - particles(fine)))
+        let at_wanted = |of: &dyn Fn(&Rung) -> f64| {
+            let by_particle = (of(fine) - of(coarse)) / (particles(fine) - particles(coarse)).max(1.0);
+            of(fine) + by_particle.clamp(0.0, of(fine) / particles(fine)) * (wanted - particles(fine))
+        };
+        at_wanted(&setup) + along(evaluations(coarse), evaluations(fine)) * at_wanted(&one)
     }
 }
 

@@ -136,7 +136,9 @@ impl Ladder<'_> {
         let errors = (0..=finest).map(|k| {
             let space = match apart.iter().position(|own| *own == k) {
                 Some(place) => Some(estimate.promised[place]),
-                None => between(k, finest).zip(estimate.promised.last()).map(|(apart, own)| apart + own),
+                None => {
+                    between(k, finest).zip(estimate.promised.last()).map(|(apart, own)| estimate.safety * apart + own)
+                }
             };
             let space = space.map(|space| (by_more(k) * space).max(self.standing(quantity, &self.rungs[k])));
             space.map_or(f64::INFINITY, |space| (space + steps).hypot(noise))

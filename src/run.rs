@@ -8,18 +8,17 @@ use std::time::Duration;
 use frazil_core::particles::Particles;
 use frazil_plots::canvas::Formats;
 use frazil_plots::run::drawings;
-use frazil_record::{Outcome, Record, RunResult};
+use frazil_record::{EstimatedError, Outcome, Record, RunResult};
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Checkpoints, Going, Options, Progress, Refused, Standing};
 use frazil_simulation::reduce::{self, Finding};
 use frazil_simulation::reference::Reference;
-use frazil_studies::cheapest::{self, CheapestRequest};
+use frazil_studies::cheapest::{self, CheapestRequest, Settled};
 use frazil_studies::ensemble::{self, EnsembleRequest};
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
 use frazil_studies::fields::{self, Snapshots};
 use frazil_studies::figures::Figures;
 use frazil_studies::output::{self, Folder, Owner};
-use frazil_studies::parts::Override;
 use frazil_studies::progress::{Reporter, bearable, clock, forewarn};
 use frazil_studies::{answers, campaign, expect, figure_options, method};
 
@@ -43,6 +42,8 @@ pub struct RunRequest {
     pub out: Option<PathBuf>,
     /// Whether a smaller scene that gives the same answer is to be run instead.
     pub reduce: bool,
+    /// What is estimated of its error, where its spacing was chosen for one.
+    pub estimated: Option<EstimatedError>,
     /// Whether to write whole states at outputs.
     pub fields: bool,
     /// Whether to draw a map at each output.
@@ -107,7 +108,10 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     };
     reporter.finish();
     let result = match result {
-        Ok(result) => result,
+        Ok(mut result) => {
+            result.record.estimated_error = request.estimated.clone();
+            result
+        }
         Err(refused) => {
             if let Some(snapshots) = snapshots {
                 snapshots.give_up();
@@ -155,16 +159,16 @@ fn checkpoints<'a>(request: &RunRequest, folder: &'a Path) -> Option<Checkpoints
     request.checkpoints.map(|every| Checkpoints::new(folder, every, (&campaign::build, going), &complain))
 }
 
-/// The spacing at which a run promises an error, which is said.
+/// The spacing at which a run promises an error, which is said, and what the error is made of.
 ///
 /// # Errors
 /// Where it cannot be promised.
-pub fn for_error(request: &CheapestRequest) -> Result<Override, Failure> {
-    let (spacing, promised) = cheapest::settings(request, &parts(false))?;
+pub fn for_error(request: &CheapestRequest) -> Result<Settled, Failure> {
+    let settled = cheapest::settings(request, &parts(false))?;
     if !request.quiet {
-        complain(&format!("{}: {promised}", request.scene));
+        complain(&format!("{}: {}", request.scene, settled.words));
     }
-    Ok(spacing)
+    Ok(settled)
 }
 
 /// How a run begins.
@@ -335,6 +339,9 @@ fn summary(scene: &Scene, result: &RunResult, folder: &Path) -> String {
     let record = &result.record;
     let cause = record.cause.as_ref().map_or_else(String::new, |cause| format!(": {cause}"));
     let mut lines = answers::answers(scene, result);
+    if let Some(estimated) = &record.estimated_error {
+        lines.push(("estimated error".into(), answers::estimated(estimated)));
+    }
     if let Some(reference) = &record.reference {
         lines.extend(answers::errors(&record.errors, record.water.as_ref()));
         let own = 100.0 * reference.error_estimate_rel;

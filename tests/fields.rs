@@ -20,6 +20,7 @@ fn request(scene: &Path, out: &Path, fields: bool, frames: bool) -> RunRequest {
         seed: 1,
         out: Some(out.to_owned()),
         reduce: false,
+        estimated: None,
         fields,
         frames,
         formats: if fields { Formats::SvgAndPng } else { Formats::Svg },

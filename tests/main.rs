@@ -32,6 +32,7 @@ mod interfaces;
 mod invariants;
 mod irregular;
 mod isotherms;
+mod layout_errors;
 mod layout_references;
 mod layouts;
 mod limits;

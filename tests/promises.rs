@@ -5,7 +5,7 @@ use std::path::Path;
 use std::process::Command;
 
 use frazil_simulation::march::{self, Options};
-use frazil_simulation::measure;
+use frazil_simulation::{measure, predict};
 use frazil_studies::compare::reference::{LocalReference, judge_alike};
 use frazil_studies::ensemble::runs::Headline;
 
@@ -32,7 +32,10 @@ fn found(row: &Row) -> Option<f64> {
         let scene =
             frazil::load::scene(&row["scene"], &[(format!("method.{method}.spacing_m"), spacing.to_string())]).ok()?;
         let reference = frazil_cases::truth(&scene).ok()?.reference.map(Into::into);
-        let options = Options { time_limit_s: Some(300.0), ..Options::default() };
+        if predict::forecast(&scene, method, None, 1, 1).ok()?.seconds().is_some_and(|seconds| seconds > LONGEST_S) {
+            return None;
+        }
+        let options = Options { time_limit_s: Some(2.0 * LONGEST_S), ..Options::default() };
         let result = march::run(&scene, method, reference.as_ref(), &options).ok()?;
         Some((scene, result)).filter(|(_, result)| result.record.outcome == frazil_record::Outcome::Ok)
     };
@@ -43,6 +46,8 @@ fn found(row: &Row) -> Option<f64> {
     headline.of(&measure::errors(&scene, spacing, &coarse, &truth)).map(f64::abs)
 }
 
+/// Time (s) of the longest run that a promise is held against.
+const LONGEST_S: f64 = 90.0;
 /// What a promise does not count in: differences of two runs are told to a twentieth, however they are measured.
 const ALMOST: f64 = 1.05;
 
@@ -60,38 +65,77 @@ fn what_is_promised_is_kept_against_the_closed_form() {
     }
 }
 
-/// Minutes: `cargo test --release --test frazil promises -- --ignored --nocapture`.
-#[test]
-#[ignore = "minutes"]
-fn promises_are_kept_on_six_scenes() {
+/// Each promise on a scene beside a run four times finer, and each forecast beside the time that the run took. What the program
+/// promises of one scene, `cargo test --release --test frazil promises::kept_on_copper_sphere -- --ignored --nocapture` measures, and of
+/// all, in a quarter of an hour each, `cargo test --release --test frazil promises -- --ignored --nocapture --test-threads 1`.
+fn promises_on(scene: &str) {
     let folder = tempfile::tempdir().expect("a folder");
-    let (mut all, mut kept, mut forecast, mut in_time) = (0, 0, 0, 0);
-    for scene in
-        ["stefan-water", "soil-column", "frozen-wall-sand", "thawing-inclusion", "wetting-column", "copper-sphere"]
-    {
-        for error in ["5%", "2%", "1%", "0.5%"] {
-            let out = folder.path().join(scene).join(error);
-            for row in chosen(&format!("{scene} --error {error} --budget-s 30"), &out) {
-                let Some(found) = found(&row) else {
-                    eprintln!("{scene} {error} {}: a run four times finer takes too long", row["method"]);
-                    continue;
-                };
-                let promised = number(&row, "promised_error").expect("a promise");
-                let cost = number(&row, "cpu_s").expect("a cost");
-                let ratio = number(&row, "forecast_cpu_s").map(|forecast| forecast / cost);
-                all += 1;
-                kept += usize::from(found <= ALMOST * promised);
-                forecast += usize::from(ratio.is_some());
-                in_time += usize::from(ratio.is_some_and(|ratio| (0.5..=2.0).contains(&ratio)));
-                eprintln!(
-                    "{scene} {error} {}: promised {promised:.2e}, found {found:.2e}, forecast {ratio:.2?} of the time",
-                    row["method"]
-                );
-            }
+    let (mut broken, mut held, mut late, mut told) = (0, 0, 0, 0);
+    // Several errors may lead to the same run.
+    let mut finer: HashMap<[String; 2], Option<f64>> = HashMap::new();
+    for error in ["5%", "2%", "1%", "0.5%"] {
+        for row in chosen(&format!("{scene} --error {error} --budget-s 60"), folder.path()) {
+            let [spacing, promised, took] =
+                ["spacing_m", "promised_error", "cpu_s"].map(|name| number(&row, name).expect(name));
+            let forecast = number(&row, "forecast_cpu_s");
+            let run = ["method", "spacing_m"].map(|name| row[name].clone());
+            let found = *finer.entry(run).or_insert_with(|| found(&row));
+            held += usize::from(found.is_some());
+            broken += usize::from(found.is_some_and(|found| found > ALMOST * promised));
+            told += usize::from(forecast.is_some());
+            late += usize::from(forecast.is_some_and(|forecast| !(0.5..=2.0).contains(&(forecast / took))));
+            let percent = |error: f64| format!("{:.3} %", 100.0 * error);
+            let found = found.map_or("takes too long".to_owned(), percent);
+            let forecast = forecast.map_or("none".to_owned(), |forecast| format!("{forecast:.2e} s"));
+            let (method, promised) = (&row["method"], percent(promised));
+            eprintln!(
+                "| {scene} | {error} | {method} | {spacing} m | {promised} | {found} | {forecast} | {took:.2e} s |"
+            );
         }
     }
-    eprintln!("{kept} of {all} promises kept; {in_time} of {forecast} forecasts within a factor of 2");
-    assert!(kept as f64 >= 0.95 * f64::from(all), "{kept} of {all}");
+    eprintln!(
+        "{scene}: {} of {held} promises kept; {} of {told} forecasts within a factor of 2",
+        held - broken,
+        told - late
+    );
+    assert!(held > 0 && 20 * broken <= held, "{broken} of {held} promises broken");
+    assert!(20 * late <= told, "{late} of {told} forecasts off by more than 2");
+}
+
+#[test]
+#[ignore = "minutes"]
+fn kept_on_stefan_water() {
+    promises_on("stefan-water");
+}
+
+#[test]
+#[ignore = "minutes"]
+fn kept_on_soil_column() {
+    promises_on("soil-column");
+}
+
+#[test]
+#[ignore = "minutes"]
+fn kept_on_frozen_wall_sand() {
+    promises_on("frozen-wall-sand");
+}
+
+#[test]
+#[ignore = "minutes"]
+fn kept_on_thawing_inclusion() {
+    promises_on("thawing-inclusion");
+}
+
+#[test]
+#[ignore = "minutes"]
+fn kept_on_wetting_column() {
+    promises_on("wetting-column");
+}
+
+#[test]
+#[ignore = "minutes"]
+fn kept_on_copper_sphere() {
+    promises_on("copper-sphere");
 }
 
 #[test]

@@ -8,7 +8,8 @@ use frazil_studies::campaign::Shard;
 use frazil_studies::failure::{Failure, Verdict};
 
 use super::values::{
-    BetweenCheckpoints, MemoryLimit, MustBe, between_checkpoints, command_line, key_and_value, threads,
+    BetweenCheckpoints, MemoryLimit, MustBe, between_checkpoints, command_line, error, key_and_value, positive_seconds,
+    threads,
 };
 use crate::parts::parts;
 
@@ -22,6 +23,13 @@ pub struct LayoutArguments {
     /// Overrides a key of the scene of all layouts; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     set: Vec<(String, String)>,
+    /// Chooses the spacing at which the day of closure and the thickness at the end of all layouts promise this error, as 1% or 0.01, from
+    /// coarse runs, and says what each reached.
+    #[arg(long, value_name = "ERROR", value_parser = error, conflicts_with_all = ["shard", "check"])]
+    error: Option<f64>,
+    /// Wall time, in seconds, that the runs of each layout may take by which the spacing is chosen.
+    #[arg(long, value_name = "S", default_value = "120", value_parser = positive_seconds, requires = "error")]
+    budget_s: f64,
     /// Layouts that run at once; by default one for each core.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -60,6 +68,8 @@ impl LayoutArguments {
             method: self.method,
             overrides: self.set,
             threads: threads(self.threads),
+            error: self.error,
+            budget_s: self.budget_s,
             shard: self.shard.unwrap_or(Shard::WHOLE),
             check: self.check,
             frames: self.frames,

@@ -89,6 +89,7 @@ impl RunArguments {
             let (method, overrides) = load::paper(&self.scene, self.method.as_slice(), self.set)?;
             (self.method, self.set) = (Some(method), overrides);
         }
+        let mut estimated = None;
         if let Some(error) = self.error {
             let request = CheapestRequest {
                 methods: self.method.iter().cloned().collect(),
@@ -102,7 +103,9 @@ impl RunArguments {
                 quiet: self.quiet,
                 command_line: command_line(),
             };
-            self.set.push(run::for_error(&request)?);
+            let settled = run::for_error(&request)?;
+            self.set.push(settled.spacing);
+            estimated = Some(settled.estimated);
         }
         let request = RunRequest {
             scene: self.scene,
@@ -112,6 +115,7 @@ impl RunArguments {
             seed: self.seed,
             out: self.out,
             reduce: self.reduce,
+            estimated,
             fields: self.fields,
             frames: self.frames,
             formats: if self.png { Formats::SvgAndPng } else { Formats::Svg },

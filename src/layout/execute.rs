@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use frazil_core::particles::Particles;
+use frazil_core::space::domain::Domain;
 use frazil_plots::canvas::Formats;
 use frazil_plots::ground_plan::ShaftMark;
 use frazil_plots::{FigureOptions, run_figures};
@@ -18,6 +19,7 @@ use frazil_studies::machine::Machine;
 use frazil_studies::{figure_options, output, parallel};
 use serde::{Deserialize, Serialize};
 
+use super::Overrides;
 use super::answers::Kept;
 use super::study::{Study, named};
 use super::variants::{Layout, Role};
@@ -68,6 +70,17 @@ pub(super) fn seconds_of(scene: &Scene, method: &str) -> Option<f64> {
     let fine = predict::forecast(scene, method, None, 1, 1).ok()?.seconds()?;
     // Also at twice the spacing: an eighth, or less where steps are few.
     Some(1.125 * fine)
+}
+
+/// What makes the scene of a layout out of that of its study, the part of the plan that is run included.
+pub(super) fn made_of(layout: &Layout) -> Overrides {
+    let sector = match layout.scene.domain {
+        Domain::Ring { sector, .. } => sector.name(),
+        _ => "whole",
+    };
+    let whole = [("domain.ring.sector", sector), ("watch.frozen_wall", "true")];
+    let whole = whole.map(|(key, value)| (key.to_owned(), value.to_owned()));
+    whole.into_iter().chain(layout.overrides.iter().cloned()).collect()
 }
 
 /// Runs of a study.
@@ -304,15 +317,7 @@ impl Work<'_> {
     /// The scene of a layout at twice the spacing.
     fn coarser(&self, layout: &Layout) -> Result<Scene, Failure> {
         let spacing = layout.scene.method(self.method).map_or(0.0, |settings| settings.numerics.spacing);
-        let sector = match layout.scene.domain {
-            frazil_core::space::domain::Domain::Ring { sector, .. } => sector.name(),
-            _ => "whole",
-        };
-        let mut overrides = vec![
-            ("domain.ring.sector".to_owned(), sector.to_owned()),
-            ("watch.frozen_wall".to_owned(), "true".to_owned()),
-        ];
-        overrides.extend(layout.overrides.iter().cloned());
+        let mut overrides = made_of(layout);
         overrides.push((format!("method.{}.spacing_m", self.method), format!("{}", 2.0 * spacing)));
         let ground = &self.study.ground;
         (ground.parts.scene_at)(&ground.scene, &overrides)

@@ -1,6 +1,19 @@
 //! What a study asks of its layouts: a design, what is searched or sought, and how layouts are varied.
 
+use std::collections::BTreeMap;
+
 use frazil_scene::{Range, Read, Section, Spot};
+
+/// A relative error of days of closure and of thicknesses at the end for which a spacing was chosen.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Promise {
+    /// The error.
+    pub error: f64,
+    /// The least order at which errors of a layout fall with the spacing.
+    pub order: f64,
+    /// What coarse and fine runs of each layout promise of it, by its name.
+    pub promised: BTreeMap<String, f64>,
+}
 
 /// What a wall must come to.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use frazil_core::memory;
 use frazil_plots::page::Block;
+use frazil_scene::Scene;
 use frazil_simulation::predict;
 use frazil_studies::campaign::{Campaign, Shard};
 use frazil_studies::failure::{Failure, Verdict, answer, complain};
@@ -42,6 +43,7 @@ mod rows;
 pub mod search;
 pub mod shaft;
 pub mod soils;
+pub mod spacing;
 pub mod strata;
 pub mod study;
 pub mod tables;
@@ -70,6 +72,11 @@ pub struct LayoutRequest {
     pub overrides: Overrides,
     /// Layouts that run at once.
     pub threads: usize,
+    /// Relative error of the day of closure and of the thickness at the end for which the spacing is chosen; the study's own spacing
+    /// if absent.
+    pub error: Option<f64>,
+    /// Wall time (s) that the runs of each layout may take by which it is chosen.
+    pub budget_s: f64,
     /// Which part of the layouts is to be run.
     pub shard: Shard,
     /// Whether only to say what would be run.
@@ -95,17 +102,15 @@ pub struct LayoutRequest {
 pub fn layout(request: &LayoutRequest, parts: &Parts<'_>) -> Result<Verdict, Failure> {
     let study = read::study(&request.study, &request.overrides, parts)?;
     let Some(first) = study.layouts.first() else { return Ok(Verdict::Done) };
-    let all = request.method.as_deref() == Some(methods::ALL);
-    let asked = request.method.as_deref().filter(|_| !all).or(study.method.as_deref());
-    let method = method::asked(&first.scene, asked)?;
-    let references = references(&study, method, &request.overrides)?;
+    let methods = methods_of(request, &study, &first.scene)?;
+    let method = methods[0];
+    references(&study, method, &request.overrides)?;
     for doubt in doubts::of(&study) {
         complain(&format!("warning: {doubt}"));
     }
-    // Under all methods, one is that of the tables and figures, and the others stand beside it.
-    let others = first.scene.methods.iter().map(|settings| settings.method).filter(|other| all && *other != method);
-    let methods: Vec<&'static str> = std::iter::once(method).chain(others).collect();
     memory::share(request.threads.min(study.layouts.len()));
+    let Some(study) = spaced(request, study, &methods, parts)? else { return Ok(Verdict::Broken) };
+    let references = references(&study, method, &request.overrides)?;
     for layout in &study.layouts {
         let fits = predict::fits(&layout.scene, method);
         fits.map_err(|refused| Failure::of(format!("layout \"{}\"", layout.name), refused))?;
@@ -114,7 +119,7 @@ pub fn layout(request: &LayoutRequest, parts: &Parts<'_>) -> Result<Verdict, Fai
         check::print(&study, &methods, request.threads)?;
         return Ok(Verdict::Done);
     }
-    let path = request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name));
+    let path = folder_of(request, &study);
     let owner = if request.shard == Shard::WHOLE { Owner::Alone } else { Owner::WithOthers };
     let folder = Folder::make(&path, owner)?;
     let campaign = Campaign::open(&path, request.shard, request.threads, parts.interrupt)?;
@@ -137,6 +142,45 @@ pub fn layout(request: &LayoutRequest, parts: &Parts<'_>) -> Result<Verdict, Fai
     let made = works.iter().try_fold(true, |made, work| Ok(made && work.make()?.is_some()));
     let made = made.inspect_err(|_: &Failure| folder.take_back())?;
     finish(request, &works, &references, made)
+}
+
+/// The methods that layouts are run under. Under all of them, the first is that of the tables and figures, and the others stand beside
+/// it.
+fn methods_of(request: &LayoutRequest, study: &Study<'_>, scene: &Scene) -> Result<Vec<&'static str>, Failure> {
+    let all = request.method.as_deref() == Some(methods::ALL);
+    let asked = request.method.as_deref().filter(|_| !all).or(study.method.as_deref());
+    let method = method::asked(scene, asked)?;
+    let others = scene.methods.iter().map(|settings| settings.method).filter(|other| all && *other != method);
+    Ok(std::iter::once(method).chain(others).collect())
+}
+
+/// The study at the spacing at which its answers reach the error that is asked for, or as it is where none is; none if that was
+/// interrupted.
+fn spaced<'a>(
+    request: &LayoutRequest,
+    study: Study<'a>,
+    methods: &[&'static str],
+    parts: &Parts<'a>,
+) -> Result<Option<Study<'a>>, Failure> {
+    let Some(error) = request.error else { return Ok(Some(study)) };
+    let folder = Folder::make(&folder_of(request, &study), Owner::Alone)?;
+    let campaign = Campaign::open(folder.path(), Shard::WHOLE, request.threads, parts.interrupt)?;
+    let (mut overrides, mut promises) = (request.overrides.clone(), Vec::new());
+    for method in methods {
+        let chosen = spacing::choose(request, &study, (*method, error), &campaign);
+        let Some((own, promise)) = chosen.inspect_err(|_| folder.take_back())? else {
+            complain("interrupted: the same command goes on from here");
+            return Ok(None);
+        };
+        overrides.push(own);
+        promises.push(promise);
+    }
+    let again = read::study(&request.study, &overrides, parts)?;
+    Ok(Some(Study { error: promises.into_iter().next(), ..again }))
+}
+
+fn folder_of(request: &LayoutRequest, study: &Study<'_>) -> PathBuf {
+    request.out.clone().unwrap_or_else(|| Path::new("out").join(&study.name))
 }
 
 /// Says what is run and that it takes long, if it does, and refuses what would not end.
@@ -243,7 +287,10 @@ fn finish(
             answer(&format!("  {}\n", search::words(search, &tried)))?;
         }
     }
-    Ok(Verdict::worst(found.iter().map(|one| one.fine.outcome)))
+    let missed = study.error.as_ref().map_or(Vec::new(), |promise| spacing::missed(promise, &found));
+    missed.iter().for_each(|words| complain(&format!("WARNING: {words}")));
+    let reached = if missed.is_empty() { Verdict::Done } else { Verdict::CheckFailed };
+    Ok(Verdict::worst(found.iter().map(|one| one.fine.outcome)).max(reached))
 }
 
 /// What a search has tried, with its table; nothing without a search, none if it was interrupted.

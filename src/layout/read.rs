@@ -90,6 +90,7 @@ pub fn parse<'a>(
             layouts,
             search: file.search,
             critical: file.critical,
+            error: None,
             ground,
         })
     })?)

@@ -4,7 +4,7 @@ use std::error::Error;
 
 use frazil_studies::failure::Failure;
 
-use super::goals::{Critical, Design, Goal, Search};
+use super::goals::{Critical, Design, Goal, Promise, Search};
 use super::strata::Stratum;
 use super::variants::{Ground, Layout, Role};
 
@@ -30,6 +30,8 @@ pub struct Study<'a> {
     pub search: Option<Search>,
     /// What is sought of each layout.
     pub critical: Option<Critical>,
+    /// The error for which its spacing was chosen.
+    pub error: Option<Promise>,
     /// What all layouts change.
     pub(super) ground: Ground<'a>,
 }

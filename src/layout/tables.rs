@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use frazil_plots::style::percent;
 use frazil_record::Outcome;
 use frazil_studies::failure::Failure;
 use serde::Serialize;
 
 use super::answers::Answers;
-use super::found::Found;
+use super::found::{Attained, Found};
 use super::rows::write_rows;
 use super::shaft::{self, shafts};
 use super::study::Study;
@@ -67,6 +68,8 @@ struct LayoutRow<'a> {
     spacing_m: f64,
     particles: u64,
     part_of_plan: &'a str,
+    closure_reached_rel: Option<f64>,
+    thickness_reached_rel: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -208,6 +211,7 @@ fn row<'a>(study: &'a Study<'_>, method: &'a str, one: &'a Found<'_>) -> Option<
     let far = coarse.and_then(|coarse| coarse.days.last());
     let load = end.heat_per_pipe_w_per_m * fine.pipes as f64;
     let stratum = study.ground.stratum(one.layout.stratum);
+    let attained = study.error.as_ref().map(|promise| one.attained(promise));
     Some(LayoutRow {
         layout: &one.layout.name,
         of: match &one.layout.role {
@@ -265,6 +269,8 @@ fn row<'a>(study: &'a Study<'_>, method: &'a str, one: &'a Found<'_>) -> Option<
         spacing_m: one.layout.scene.method(method).map_or(0.0, |settings| settings.numerics.spacing),
         particles: one.pair.fine.record.particles,
         part_of_plan: &one.layout.sector,
+        closure_reached_rel: attained.and_then(|attained| attained.closure),
+        thickness_reached_rel: attained.and_then(|attained| attained.thickness),
     })
 }
 
@@ -333,6 +339,14 @@ fn spread<'a>(layout: &'a str, members: &[(Option<f64>, Option<f64>)]) -> Option
     })
 }
 
+/// What a layout has reached of the error that was asked for, in words.
+fn attained(Attained { closure, thickness }: Attained) -> String {
+    let all = [("day", closure), ("thickness at the end", thickness)];
+    let told = all.into_iter().filter_map(|(name, own)| Some(format!("{name} to {}", percent(own?, 2))));
+    let told: Vec<String> = told.collect();
+    if told.is_empty() { String::new() } else { format!(", {}", told.join(" and ")) }
+}
+
 /// The answer in a few lines.
 pub(super) fn summary(study: &Study<'_>, method: &str, found: &[Found<'_>], folder: &Path) -> String {
     let mut text = format!("{} under {method}: {} layouts\n", study.name, found.len());
@@ -361,8 +375,9 @@ pub(super) fn summary(study: &Study<'_>, method: &str, found: &[Found<'_>], fold
         let load = format!(", load at most {:.0} W/m", fine.peak);
         let outcome =
             if fine.outcome == Outcome::Ok { String::new() } else { format!(", outcome {}", fine.outcome.name()) };
+        let attained = study.error.as_ref().map_or(String::new(), |promise| attained(one.attained(promise)));
         let near = if fine.far.is_some_and(|far| far.matters()) { ", outer wall too near" } else { "" };
-        text.push_str(&format!("  {}: {closure}{designed}{weakest}{load}{near}{outcome}\n", one.layout.name));
+        text.push_str(&format!("  {}: {closure}{designed}{weakest}{load}{attained}{near}{outcome}\n", one.layout.name));
     }
     for row in shafts(study, found).iter().filter(|one| one.compared()).filter_map(|shaft| shaft.row(study, found)) {
         text.push_str(&format!("  {}\n", shaft::words(&row)));

@@ -12,7 +12,7 @@ mod water;
 mod work;
 mod write;
 
-pub use record::{Errors, Outcome, Record, ReferenceInfo, Value};
+pub use record::{Errors, EstimatedError, Outcome, Record, ReferenceInfo, Value};
 pub use result::RunResult;
 pub use shown::{brief, is_hidden, quoted, shown, shown_lines};
 pub use stream::{SectionRow, StreamRecord, StreamRow};

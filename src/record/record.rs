@@ -106,6 +106,29 @@ pub struct Errors {
     pub events: BTreeMap<String, f64>,
 }
 
+/// The error that was estimated of a run from others of the same method, and what it is made of, all relative and in the terms of one
+/// measure. A part that could not be measured is absent.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct EstimatedError {
+    /// The measure: `front`, `closure`, `volume`, `temperature`, `saturation` or `concentration`.
+    pub measure: String,
+    /// Error that was asked for.
+    pub asked_rel: f64,
+    /// Error that is promised, all that counts in it.
+    pub promised_rel: f64,
+    /// That of the spacing, by coarser runs; of steps, too, where they shrink with the spacing.
+    pub space_rel: f64,
+    /// That of the steps, by the same run with finer ones.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub time_rel: Option<f64>,
+    /// What fronts felt where they are and at the centres of particles make of it; in the error of the spacing as far as it is one.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub front_rel: Option<f64>,
+    /// Standard deviation of one run between seeds.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub noise_rel: Option<f64>,
+}
+
 /// Where the truth came from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceInfo {
@@ -216,6 +239,9 @@ pub struct Record {
     pub setback_rel: Option<f64>,
     /// Errors against the reference.
     pub errors: Errors,
+    /// The error that was estimated of it, where one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub estimated_error: Option<EstimatedError>,
     /// The reference.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub reference: Option<ReferenceInfo>,

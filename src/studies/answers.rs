@@ -3,7 +3,7 @@
 use frazil_core::space::domain::Domain;
 use frazil_core::space::symmetry::Symmetry;
 use frazil_plots::style::{length, number};
-use frazil_record::{Errors, GapRow, RunResult, WallRecord};
+use frazil_record::{Errors, EstimatedError, GapRow, RunResult, WallRecord};
 use frazil_record::{WaterRecord, WaterRow};
 use frazil_scene::{Scene, Units};
 
@@ -69,6 +69,15 @@ pub fn errors(errors: &Errors, water: Option<&WaterRecord>) -> Vec<Line> {
     let own = HEADLINES.into_iter().filter_map(|(title, name)| Some((title, *all.get(name)?)));
     let of_water = OF_WATER.into_iter().filter_map(|(title, name)| Some((title, *water?.errors.get(name)?)));
     own.chain(of_water).map(|(title, error)| (format!("{title} error"), format!("{:.3} %", 100.0 * error))).collect()
+}
+
+/// The error that was estimated of a run, and its parts as far as they were measured.
+pub fn estimated(estimated: &EstimatedError) -> String {
+    let percent = |error: f64| format!("{:.3} %", 100.0 * error);
+    let parts = [("steps", estimated.time_rel), ("front", estimated.front_rel), ("noise", estimated.noise_rel)];
+    let measured = parts.into_iter().filter_map(|(part, error)| Some(format!(", {part} {}", percent(error?))));
+    let (promised, space) = (percent(estimated.promised_rel), percent(estimated.space_rel));
+    format!("{} at most {promised}: spacing {space}{}", estimated.measure, measured.collect::<String>())
 }
 
 /// How a scene speaks of its numbers.

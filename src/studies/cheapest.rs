@@ -4,6 +4,7 @@
 use std::path::Path;
 
 use frazil_plots::style::{duration, percent};
+use frazil_record::EstimatedError;
 use frazil_scene::Scene;
 use frazil_scene::method::MethodKind;
 
@@ -21,7 +22,7 @@ mod ladder;
 mod report;
 mod request;
 
-use ladder::{Ladder, Reached, Short};
+pub use ladder::{Differ, Ladder, Quantity, Reached, Short};
 pub use request::CheapestRequest;
 
 /// A scene without settings for any of the methods.
@@ -68,13 +69,15 @@ pub fn cheapest(request: &CheapestRequest, parts: &Parts<'_>) -> Result<Verdict,
     let path = request.out.clone().unwrap_or_else(|| Path::new("out/cheapest").join(&scene.name));
     let folder = Folder::make(&path, Owner::Alone)?;
     let campaign = Campaign::open(folder.path(), Shard::WHOLE, request.threads, parts.interrupt)?;
-    let (mut headline, mut all) = (request.measure, Vec::new());
+    let (mut of_one, mut all) = (request.clone(), Vec::new());
     for kind in kinds {
         if !request.quiet {
             complain(&format!("{}: {}", scene.name, kind.name));
         }
-        let reached = Ladder::new(request, parts, Some(&campaign), (&scene, kind)).climb(&mut headline);
+        let reached = Ladder::new(&of_one, parts, Some(&campaign), (&scene, kind)).climb();
         let reached = reached.unwrap_or_else(|failure| Reached::refused(&failure));
+        // All methods are held against each other by the same.
+        of_one.measure = of_one.measure.or(reached.headline);
         campaign.check()?;
         if campaign.is_interrupted() {
             complain("interrupted: the same command goes on from here");
@@ -86,41 +89,51 @@ pub fn cheapest(request: &CheapestRequest, parts: &Parts<'_>) -> Result<Verdict,
         let cost = |of: &Of| of.cost().unwrap_or(f64::INFINITY);
         cost(one).total_cmp(&cost(other))
     });
-    let study = Study { scene, headline, all };
+    let study = Study { scene, headline: of_one.measure, all };
     report::write(request, folder.path(), &study)?;
     answer(&words(request, &study))?;
     let is_reached = study.all.iter().any(|of| of.reached.chosen.is_ok());
     Ok(if is_reached { Verdict::Done } else { Verdict::CheckFailed })
 }
 
-/// The spacing at which the first method that is asked for reaches the error, and what is promised of it, in words.
+/// What reaches an error.
+pub struct Settled {
+    /// The spacing.
+    pub spacing: Override,
+    /// What is promised of it, in words.
+    pub words: String,
+    /// The error, and what it is made of.
+    pub estimated: EstimatedError,
+}
+
+/// The spacing at which the first method that is asked for reaches the error, and what is promised of it.
 ///
 /// # Errors
 /// As [`cheapest`], and where the error is not reached.
-pub fn settings(request: &CheapestRequest, parts: &Parts<'_>) -> Result<(Override, String), Failure> {
+pub fn settings(request: &CheapestRequest, parts: &Parts<'_>) -> Result<Settled, Failure> {
     let (scene, kinds) = asked(request, parts)?;
     let name = method::asked(&scene, request.methods.first().map(String::as_str))?;
     let found = kinds.into_iter().find(|kind| kind.name == name);
     let kind = found.ok_or_else(|| Failure::request(NoMethod(scene.name.clone())))?;
-    let mut headline = request.measure;
-    let reached = Ladder::new(request, parts, None, (&scene, kind)).climb(&mut headline)?;
-    match reached.chosen {
-        Ok(chosen) => {
-            let spacing = reached.rungs[chosen].spacing;
-            let promised = format!(
-                "a spacing of {}: {} at most {}, by runs at {}",
-                length_words(scene.units, spacing),
-                headline.map_or("error", Headline::label),
-                percent(reached.promised[chosen], 2),
-                spacings(&scene, &reached)
-            );
-            Ok((spacing_override(scene.units, kind.name, spacing), promised))
-        }
+    let mut ladder = Ladder::new(request, parts, None, (&scene, kind));
+    let reached = ladder.climb()?;
+    let chosen = match &reached.chosen {
+        Ok(chosen) => *chosen,
         Err(cause) => {
-            let (error, method, scene) = (request.error, kind.name, scene.name);
-            Err(Failure::request(OutOfReach { error, method, scene, cause }))
+            let (error, method, scene, cause) = (request.error, kind.name, scene.name, cause.clone());
+            return Err(Failure::request(OutOfReach { error, method, scene, cause }));
         }
-    }
+    };
+    let spacing = reached.rungs[chosen].spacing;
+    let words = format!(
+        "a spacing of {}: {} at most {}, by runs at {}",
+        length_words(scene.units, spacing),
+        reached.headline.map_or("error", Headline::label),
+        percent(reached.promised[chosen], 2),
+        spacings(&scene, &reached)
+    );
+    let estimated = ladder.parts_of(chosen, &reached)?;
+    Ok(Settled { spacing: spacing_override(scene.units, kind.name, spacing), words, estimated })
 }
 
 /// The scene, and the methods.

@@ -7,6 +7,9 @@ const SAFETY: f64 = 1.25;
 const SAFETY_WITHOUT_ORDER: f64 = 3.0;
 /// The least order that is believed.
 const LEAST: f64 = 0.5;
+/// How much more than the formal order asks for differences may fall and still show it: beyond that, the first is of a run that is too
+/// coarse for any order, or the last is small by luck.
+const LUCK: f64 = 2.0;
 /// Halvings of the range of orders.
 const HALVINGS: usize = 60;
 
@@ -15,6 +18,8 @@ const HALVINGS: usize = 60;
 pub struct Estimate {
     /// Observed order, within those that are believed.
     pub order: f64,
+    /// Factor from what runs differ by to what is promised.
+    pub safety: f64,
     /// Error that is promised of each run, from coarse to fine.
     pub promised: Vec<f64>,
 }
@@ -39,7 +44,7 @@ impl Estimate {
             promised.push(safety * error);
         }
         promised.reverse();
-        Some(Estimate { order, promised })
+        Some(Estimate { order, safety, promised })
     }
 
     /// The spacing at which an error is promised, by the finest run.
@@ -49,14 +54,20 @@ impl Estimate {
     }
 }
 
-/// The order at which differences of three runs are in a ratio, up to the formal one; none below what is believed.
+/// What is promised of a run, by what it differs from one at so many times its spacing, at an order that is known.
+pub fn of_two(difference: f64, ratio: f64, order: f64) -> f64 {
+    SAFETY * difference / (ratio.powf(order) - 1.0)
+}
+
+/// The order at which differences of three runs are in a ratio, up to the formal one; none where they fall slower or faster than is
+/// believed.
 fn order(spacings: [f64; 3], ratio: f64, formal: f64) -> Option<f64> {
     let of = |order: f64| {
         let [coarse, middle, fine] = spacings.map(|spacing| spacing.powf(order));
         (coarse - middle) / (middle - fine)
     };
     let (mut low, mut high) = (LEAST, formal);
-    if !(ratio.is_finite() && ratio >= of(low)) {
+    if !(of(low)..=LUCK * of(high)).contains(&ratio) {
         return None;
     }
     if ratio >= of(high) {
@@ -103,7 +114,11 @@ mod tests {
         // Differences that grow.
         let grown = Estimate::of(&[4.0, 2.0, 1.0], &[0.1, 0.2], 2.0).expect("three runs");
         assert_eq!((grown.order, grown.promised[2]), (1.0, 0.2 * SAFETY_WITHOUT_ORDER));
+        assert_eq!(of_two(0.1, 2.0, 1.0), 0.1 * SAFETY);
         // Better than is believed.
-        assert_eq!(Estimate::of(&[4.0, 2.0, 1.0], &[1.0, 0.01], 1.0).expect("three runs").order, 1.0);
+        assert_eq!(Estimate::of(&[4.0, 2.0, 1.0], &[0.3, 0.1], 1.0).expect("three runs").order, 1.0);
+        // So much better that it shows nothing.
+        let lucky = Estimate::of(&[4.0, 2.0, 1.0], &[1.0, 0.01], 2.0).expect("three runs");
+        assert_eq!((lucky.order, lucky.promised[2]), (1.0, 0.01 * SAFETY_WITHOUT_ORDER));
     }
 }

@@ -3,13 +3,11 @@
 use std::iter;
 use std::sync::Arc;
 
-use frazil_core::physics::material::Material;
 use frazil_core::statistics::median;
 use frazil_record::{Outcome, RunResult};
 use frazil_scene::method::MethodKind;
-use frazil_scene::{Front, Scene, spacing_at_most};
+use frazil_scene::{Scene, spacing_at_most};
 use frazil_simulation::march::{Options, Refused};
-use frazil_simulation::measure;
 use frazil_simulation::reference::Reference;
 use serde::{Deserialize, Serialize};
 
@@ -17,13 +15,18 @@ use super::estimate::Estimate;
 use super::request::CheapestRequest;
 use crate::campaign::{self, Campaign};
 use crate::compare::plan::spacing_override;
-use crate::compare::reference::{LocalReference, judge_alike};
 use crate::ensemble::runs::Headline;
 use crate::failure::Failure;
 use crate::machine;
-use crate::parts::Parts;
+use crate::parts::{Override, Parts};
 use crate::progress::clock;
 use crate::words::length_words;
+
+mod errors;
+mod parts;
+
+use errors::{APART, Promised};
+pub use errors::{Differ, Quantity};
 
 /// Spacing of the first run, over the scene's own.
 const COARSEST: f64 = 8.0;
@@ -34,8 +37,6 @@ const FINER: f64 = 4.0;
 /// Share of the budget, and time (s), from which on a run is long: then it is made only if it is needed.
 const LONG: f64 = 0.05;
 const LONG_S: f64 = 1.0;
-/// Ratio of spacings from which on two runs tell of an order.
-const APART: f64 = 1.5;
 /// Share of the error that is aimed at: what is chosen is checked, and a miss costs a run.
 const AIM: f64 = 0.9;
 /// The finest next spacing over the finest so far: estimates do not reach farther.
@@ -60,6 +61,8 @@ pub struct Rung {
     pub forecast_s: Option<f64>,
     /// Time (s) that it took: CPU time of setup and solve.
     pub cost_s: f64,
+    /// That of the setup.
+    setup_s: f64,
     /// What it left.
     pub result: RunResult,
     /// The same with another seed, where there is noise.
@@ -71,13 +74,38 @@ pub struct Rung {
 pub enum Short {
     /// It would take too long.
     #[error("a run at {spacing} takes about {}, and the budget is {}; promised so far: {:.2} %", clock(*forecast_s), clock(*budget_s), 100.0 * promised)]
-    TooLong { spacing: String, forecast_s: f64, budget_s: f64, promised: f64 },
+    TooLong {
+        /// Spacing of the run, in words.
+        spacing: String,
+        /// Its time (s).
+        forecast_s: f64,
+        /// All that there is (s).
+        budget_s: f64,
+        /// The best promise so far.
+        promised: f64,
+    },
     /// Noise alone is greater.
     #[error("noise alone is {:.2} % of one run; the mean of {seeds} seeds would do", 100.0 * noise)]
-    Noise { noise: f64, seeds: u64 },
+    Noise {
+        /// What a promise has of it.
+        noise: f64,
+        /// Runs whose mean has no more than the error.
+        seeds: u64,
+    },
+    /// Steps that do not follow the spacing alone are worse.
+    #[error("its steps alone make {:.2} %, whatever the spacing: set a smaller {key}", 100.0 * steps)]
+    Steps {
+        /// Their error.
+        steps: f64,
+        /// What makes it smaller.
+        key: &'static str,
+    },
     /// Ever finer runs do not come nearer to each other.
     #[error("ever finer runs come no nearer to each other; promised so far: {:.2} %", 100.0 * promised)]
-    Stalled { promised: f64 },
+    Stalled {
+        /// The best promise.
+        promised: f64,
+    },
     /// No two runs can be held against each other.
     #[error("{0}")]
     Unknown(String),
@@ -90,19 +118,31 @@ pub enum Short {
 pub struct Reached {
     /// Its runs, from coarse to fine.
     pub rungs: Vec<Rung>,
-    /// Errors that are promised of them.
+    /// Errors that are promised of them; infinite where a run is too coarse to say anything of what is promised.
     pub promised: Vec<f64>,
     /// Observed order.
     pub order: f64,
+    /// The part of all promises that the steps make, where no smaller spacing makes it smaller.
+    pub steps_alone: f64,
+    /// The noise of one run.
+    pub noise: Option<f64>,
+    /// The headline that the errors are of.
+    pub headline: Option<Headline>,
     /// The one that is cheapest, or why there is none.
     pub chosen: Result<usize, Short>,
 }
 
 impl Reached {
+    /// What is promised of a run, if anything is.
+    pub fn promise(&self, rung: usize) -> Option<f64> {
+        self.promised.get(rung).copied().filter(|promised| promised.is_finite())
+    }
+
     /// Of a method that the scene does not take.
     pub fn refused(failure: &Failure) -> Reached {
         let chosen = Err(Short::Unknown(failure.to_string()));
-        Reached { rungs: Vec::new(), promised: Vec::new(), order: f64::NAN, chosen }
+        let (rungs, promised, order) = (Vec::new(), Vec::new(), f64::NAN);
+        Reached { rungs, promised, order, steps_alone: 0.0, noise: None, headline: None, chosen }
     }
 }
 
@@ -114,8 +154,12 @@ pub struct Ladder<'a> {
     kind: &'static MethodKind,
     own: f64,
     base: Scene,
-    headline: Option<Headline>,
+    coarsest: f64,
+    most: f64,
+    quantities: Vec<Quantity<'a>>,
     rungs: Vec<Rung>,
+    /// Error of the steps, where it is measured.
+    steps: Option<f64>,
     spent_s: f64,
 }
 
@@ -128,32 +172,63 @@ impl<'a> Ladder<'a> {
         (base, kind): (&Scene, &'static MethodKind),
     ) -> Self {
         let own = base.method(kind.name).or(base.methods.first()).map_or(f64::NAN, |own| own.numerics.spacing);
-        let (headline, base) = (request.measure, base.clone());
-        Ladder { request, parts, campaign, kind, own, base, headline, rungs: Vec::new(), spent_s: 0.0 }
+        let quantities = request.measure.map(Quantity::Headline).into_iter().collect();
+        let (coarsest, base) = (COARSEST * own, base.clone());
+        let (most, rungs, steps, spent_s) = (f64::INFINITY, Vec::new(), None, 0.0);
+        Ladder { request, parts, campaign, kind, own, base, coarsest, most, quantities, rungs, steps, spent_s }
+    }
+
+    /// The same of other quantities, at no coarser spacing (m) than this.
+    pub fn of(self, quantities: Vec<Quantity<'a>>, coarsest: f64) -> Self {
+        Ladder { quantities, coarsest: self.coarsest.min(coarsest), most: coarsest, ..self }
     }
 
     /// Makes the runs.
     ///
     /// # Errors
     /// Where the scene does not take the method at its own spacing, or a run is refused there.
-    pub fn climb(mut self, headline: &mut Option<Headline>) -> Result<Reached, Failure> {
-        self.headline = *headline;
-        let chosen = match self.begin()? {
+    pub fn climb(&mut self) -> Result<Reached, Failure> {
+        let mut short = self.begin()?;
+        if short.is_none() && self.steps_stand_alone() && !self.rungs.is_empty() {
+            self.measure_steps(self.rungs.len() - 1)?;
+            short = self.steps_too_long();
+        }
+        let chosen = match short {
             Some(short) => Err(short),
             None => self.choose()?,
         };
-        *headline = headline.or(self.headline);
-        let (promised, order) = self.promised().map_or((Vec::new(), f64::NAN), |(promised, order)| (promised, order));
-        Ok(Reached { rungs: self.rungs, promised, order, chosen })
+        let Promised { errors, order } = self.promised().unwrap_or(Promised { errors: Vec::new(), order: f64::NAN });
+        let headline = self.quantities.iter().find_map(|quantity| match quantity {
+            Quantity::Headline(headline) => Some(*headline),
+            Quantity::Answer(_) => None,
+        });
+        Ok(Reached {
+            rungs: self.rungs.clone(),
+            promised: errors,
+            order,
+            steps_alone: self.steps_alone(),
+            noise: self.noise(),
+            headline,
+            chosen,
+        })
+    }
+
+    fn steps_too_long(&self) -> Option<Short> {
+        let (steps, error) = (self.steps_alone(), self.request.error);
+        let key = if self.base.method(self.kind.name)?.numerics.integrator.tolerance().is_some() {
+            "tolerance"
+        } else {
+            "step"
+        };
+        (steps >= AIM * error).then_some(Short::Steps { steps, key })
     }
 
     /// Runs at halved spacings until the finest can stand for the truth of those that will do, or takes long.
     fn begin(&mut self) -> Result<Option<Short>, Failure> {
-        let mut spacing = COARSEST * self.own;
+        let mut spacing = self.coarsest;
         loop {
             if self.rungs.len() >= RUNGS {
-                let exact =
-                    self.promised().is_some_and(|(promised, _)| promised.last() <= Some(&(self.request.error / FINER)));
+                let exact = self.promised().is_some_and(|all| all.errors.last() <= Some(&(self.request.error / FINER)));
                 if exact
                     || !self.has_time(spacing)
                     || self.forecast(spacing) > (LONG * self.request.budget_s).max(LONG_S)
@@ -170,10 +245,7 @@ impl<'a> Ladder<'a> {
                 }
                 other => return other,
             }
-            if let (None, [coarse, fine]) = (self.headline, &self.rungs[..]) {
-                let known = |headline: &Headline| self.difference(*headline, &coarse.result, &fine.result).is_some();
-                self.headline = Headline::ALL.into_iter().find(known);
-            }
+            self.find_headline();
             spacing *= 0.5;
         }
     }
@@ -181,7 +253,7 @@ impl<'a> Ladder<'a> {
     /// Runs at ever better spacings until the coarsest that reaches the error is known.
     fn choose(&mut self) -> Result<Result<usize, Short>, Failure> {
         for _ in 0..MOST_MORE {
-            let Some((promised, order)) = self.promised() else {
+            let Some(Promised { errors: promised, order }) = self.promised() else {
                 return Ok(Err(Short::Unknown("no two runs can be held against each other".into())));
             };
             if let Some(noise) = self.noise().map(|noise| NOISE * noise).filter(|noise| *noise > self.request.error) {
@@ -193,10 +265,13 @@ impl<'a> Ladder<'a> {
             let good = promised.iter().position(|promised| *promised <= error);
             let wanted = match good {
                 None => {
-                    let wanted =
-                        Estimate { order, promised: promised.clone() }.spacing_for(spacings[finest], AIM * error);
+                    // A smaller spacing leaves the part of the steps as it is.
+                    let steps = self.steps_alone();
+                    let space = Estimate { order, safety: 1.0, promised: vec![promised[finest] - steps] };
+                    let wanted = space.spacing_for(spacings[finest], AIM * error - steps);
                     wanted.clamp(FARTHEST * spacings[finest], spacings[finest] / APART)
                 }
+                Some(0) if 2.0 * spacings[0] > self.most => return Ok(Ok(0)),
                 Some(0) => 2.0 * spacings[0],
                 Some(good) => {
                     between((spacings[good - 1], promised[good - 1]), (spacings[good], promised[good]), AIM * error)
@@ -224,7 +299,7 @@ impl<'a> Ladder<'a> {
                 Err(failure) => return Err(failure),
             }
         }
-        let promised = self.promised().map_or(Vec::new(), |(promised, _)| promised);
+        let promised = self.promised().map_or(Vec::new(), |all| all.errors);
         let good = promised.iter().position(|promised| *promised <= self.request.error);
         Ok(good.ok_or(Short::Stalled { promised: promised.last().copied().unwrap_or(f64::INFINITY) }))
     }
@@ -236,40 +311,25 @@ impl<'a> Ladder<'a> {
 
     /// A run at a spacing.
     fn try_at(&mut self, spacing: f64) -> Result<Option<Short>, Failure> {
-        let scene = self.scene_at(spacing)?;
+        let scene = self.scene_at(spacing, None)?;
         self.run(&scene, spacing)
     }
 
-    fn scene_at(&self, spacing: f64) -> Result<Scene, Failure> {
+    fn scene_at(&self, spacing: f64, key: Option<Override>) -> Result<Scene, Failure> {
         let own = spacing_override(self.base.units, self.kind.name, spacing);
-        (self.parts.scene_at)(&self.request.scene, &[self.request.overrides.as_slice(), &[own]].concat())
+        let own: Vec<Override> = iter::once(own).chain(key).collect();
+        (self.parts.scene_at)(&self.request.scene, &[self.request.overrides.as_slice(), &own].concat())
     }
 
     /// Makes a run and takes it into the ladder.
     fn run(&mut self, scene: &Scene, spacing: f64) -> Result<Option<Short>, Failure> {
         let forecast_s = (self.rungs.len() >= 2).then(|| self.forecast(spacing));
-        let study = format!("cheapest {} {}", self.request.threads, machine::identity());
-        let key = campaign::key(&study, scene, self.kind.name, 1);
-        let rung = match self.campaign.and_then(|campaign| campaign.known::<Rung>(&key)) {
-            Some(known) => known,
-            None => {
-                let Some(rung) = self.make(scene, spacing, forecast_s)? else { return Ok(Some(Short::Interrupted)) };
-                // A run that ran out of time is made again where there is more.
-                let is_whole = rung.result.record.outcome != Outcome::TimedOut;
-                if let Some(campaign) = self.campaign.filter(|_| is_whole) {
-                    campaign.keep(&key, &rung);
-                }
-                rung
-            }
-        };
-        for result in iter::once(&rung.result).chain(&rung.second) {
-            self.spent_s += result.record.setup_wall_s + result.record.solve_wall_s;
-        }
+        let Some(rung) = self.known_or_made(scene, spacing, forecast_s)? else { return Ok(Some(Short::Interrupted)) };
         match rung.result.record.outcome {
             Outcome::Ok => {}
             Outcome::TimedOut => {
                 let (budget_s, spacing) = (self.request.budget_s, length_words(self.base.units, spacing));
-                let promised = self.promised().and_then(|(promised, _)| promised.last().copied()).unwrap_or(1.0);
+                let promised = self.promised().and_then(|all| all.errors.last().copied()).unwrap_or(1.0);
                 let forecast_s = forecast_s.unwrap_or(self.request.budget_s);
                 return Ok(Some(Short::TooLong { spacing, forecast_s, budget_s, promised }));
             }
@@ -284,6 +344,28 @@ impl<'a> Ladder<'a> {
         let place = self.rungs.partition_point(|other| other.spacing > spacing);
         self.rungs.insert(place, rung);
         Ok(None)
+    }
+
+    /// A run that the campaign knows, or that is made; none if it was interrupted.
+    fn known_or_made(&mut self, scene: &Scene, spacing: f64, forecast_s: Option<f64>) -> Result<Option<Rung>, Failure> {
+        let study = format!("cheapest {} {}", self.request.threads, machine::identity());
+        let key = campaign::key(&study, scene, self.kind.name, 1);
+        let rung = match self.campaign.and_then(|campaign| campaign.known::<Rung>(&key)) {
+            Some(known) => known,
+            None => {
+                let Some(rung) = self.make(scene, spacing, forecast_s)? else { return Ok(None) };
+                // A run that ran out of time is made again where there is more.
+                let is_whole = rung.result.record.outcome != Outcome::TimedOut;
+                if let Some(campaign) = self.campaign.filter(|_| is_whole) {
+                    campaign.keep(&key, &rung);
+                }
+                rung
+            }
+        };
+        for result in iter::once(&rung.result).chain(&rung.second) {
+            self.spent_s += result.record.setup_wall_s + result.record.solve_wall_s;
+        }
+        Ok(Some(rung))
     }
 
     fn make(&self, scene: &Scene, spacing: f64, forecast_s: Option<f64>) -> Result<Option<Rung>, Failure> {
@@ -302,18 +384,20 @@ impl<'a> Ladder<'a> {
         };
         let Some(result) = of_seed(1)? else { return Ok(None) };
         let cost = |result: &RunResult| result.record.setup_cpu_s + result.record.solve_cpu_s;
-        let mut costs = vec![cost(&result)];
+        let (mut costs, mut setups) = (vec![cost(&result)], vec![result.record.setup_cpu_s]);
         let second = if self.kind.stochastic { of_seed(2)? } else { None };
         while costs[0] < SHORT_S && (costs.len() as u64) < REPEATS {
             let Some(again) = of_seed(1)? else { return Ok(None) };
             costs.push(cost(&again));
+            setups.push(again.record.setup_cpu_s);
         }
         let cost_s = median(&costs).unwrap_or(costs[0]);
-        Ok(Some(Rung { spacing, forecast_s, cost_s, result, second }))
+        let setup_s = median(&setups).unwrap_or(setups[0]).min(cost_s);
+        Ok(Some(Rung { spacing, forecast_s, cost_s, setup_s, result, second }))
     }
 
     /// Time (s) of a run at a spacing, by the two runs that are nearest to it: between them it follows a power of the spacing; beyond
-    /// them particle updates do, and time follows particle updates.
+    /// them particles and evaluations do. The setup and an evaluation take some time by themselves and some for each particle.
     fn forecast(&self, spacing: f64) -> f64 {
         let Some(last) = self.rungs.len().checked_sub(2) else { return 0.0 };
         let finer = self.rungs.partition_point(|rung| rung.spacing > spacing);
@@ -324,61 +408,16 @@ impl<'a> Ladder<'a> {
         if fine.spacing <= spacing && spacing <= coarse.spacing {
             return along(coarse.cost_s, fine.cost_s);
         }
-        let updates = |rung: &Rung| rung.result.record.particle_updates as f64;
-        let each = (fine.cost_s - coarse.cost_s) / (updates(fine) - updates(coarse));
-        let each = if each > 0.0 { each } else { fine.cost_s / updates(fine) };
-        let wanted = along(updates(coarse), updates(fine));
-        (fine.cost_s + each * (wanted - updates(fine))).max(each * wanted)
-    }
-
-    /// What a run differs from a finer one.
-    fn difference(&self, headline: Headline, coarse: &RunResult, fine: &RunResult) -> Option<f64> {
-        let truth = LocalReference::new(&self.base, fine.clone());
-        let mut judged = self.base.clone();
-        judge_alike(&mut judged, self.rungs.first()?.spacing, &truth);
-        headline.of(&measure::errors(&judged, self.rungs.first()?.spacing, coarse, &truth)).map(f64::abs)
-    }
-
-    /// The order that the error of the spacing has: a sharp front that is felt at the centres of particles is of the first.
-    fn formal_order(&self) -> f64 {
-        let sharp = !self.base.of_water && self.base.materials.iter().any(Material::is_sharp);
-        let front = self.base.method(self.kind.name).map(|own| own.numerics.front);
-        // A closure is that of fronts that meet, at any angle to the lattice.
-        let meets = self.headline == Some(Headline::Closure);
-        if sharp && (meets || front != Some(Front::SubCell)) { 1.0 } else { 2.0 }
-    }
-
-    /// The noise of one run at the finest spacing.
-    fn noise(&self) -> Option<f64> {
-        let finest = self.rungs.last()?;
-        let apart = self.difference(self.headline?, finest.second.as_ref()?, &finest.result)?;
-        Some(apart / std::f64::consts::SQRT_2)
-    }
-
-    /// Errors that are promised of all runs, and the order: by those that are apart, and of the others by what they differ from
-    /// the finest.
-    fn promised(&self) -> Option<(Vec<f64>, f64)> {
-        let headline = self.headline?;
-        let mut apart: Vec<usize> = Vec::new();
-        for k in (0..self.rungs.len()).rev() {
-            if apart.last().is_none_or(|finer| self.rungs[k].spacing >= APART * self.rungs[*finer].spacing) {
-                apart.push(k);
-            }
-        }
-        apart.reverse();
-        let between = |coarse: usize, fine: usize| {
-            self.difference(headline, &self.rungs[coarse].result, &self.rungs[fine].result)
+        let evaluations = |rung: &Rung| rung.result.record.work.evaluations.max(1) as f64;
+        let particles = |rung: &Rung| rung.result.record.particles as f64;
+        let setup = |rung: &Rung| rung.setup_s;
+        let one = |rung: &Rung| (rung.cost_s - rung.setup_s) / evaluations(rung);
+        let wanted = along(particles(coarse), particles(fine));
+        let at_wanted = |of: &dyn Fn(&Rung) -> f64| {
+            let by_particle = (of(fine) - of(coarse)) / (particles(fine) - particles(coarse)).max(1.0);
+            of(fine) + by_particle.clamp(0.0, of(fine) / particles(fine)) * (wanted - particles(fine))
         };
-        let differences: Option<Vec<f64>> = apart.windows(2).map(|pair| between(pair[0], pair[1])).collect();
-        let spacings: Vec<f64> = apart.iter().map(|k| self.rungs[*k].spacing).collect();
-        let estimate = Estimate::of(&spacings, &differences?, self.formal_order())?;
-        let finest = self.rungs.len() - 1;
-        let noise = NOISE * self.noise().unwrap_or(0.0);
-        let promised = (0..self.rungs.len()).map(|k| match apart.iter().position(|own| *own == k) {
-            Some(place) => Some(estimate.promised[place].hypot(noise)),
-            None => Some((between(k, finest)? + estimate.promised.last()?).hypot(noise)),
-        });
-        Some((promised.collect::<Option<Vec<f64>>>()?, estimate.order))
+        at_wanted(&setup) + along(evaluations(coarse), evaluations(fine)) * at_wanted(&one)
     }
 }
 

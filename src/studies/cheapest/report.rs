@@ -35,6 +35,8 @@ struct Row {
     cpu_s: f64,
     chosen: bool,
     why_not: String,
+    steps_error: Option<f64>,
+    noise: Option<f64>,
     command: String,
 }
 
@@ -87,13 +89,15 @@ fn rows(request: &CheapestRequest, study: &Study, of: &Of) -> Vec<Row> {
             spacing_m: rung.spacing,
             particles: record.particles,
             steps: record.steps,
-            promised_error: of.reached.promised.get(number).copied(),
+            promised_error: of.reached.promise(number),
             error_against_reference: study.headline.and_then(|headline| headline.of(&record.errors)),
             order: Some(of.reached.order).filter(|order| order.is_finite()),
             forecast_cpu_s: rung.forecast_s,
             cpu_s: rung.cost_s,
             chosen,
             why_not: why_not.unwrap_or_default(),
+            steps_error: Some(of.reached.steps_alone).filter(|error| *error > 0.0),
+            noise: of.reached.noise,
             command: format!("frazil run {} --method {} --set {key}={value}", request.scene, of.kind.name),
         }
     };
@@ -103,7 +107,7 @@ fn rows(request: &CheapestRequest, study: &Study, of: &Of) -> Vec<Row> {
 fn figure(request: &CheapestRequest, study: &Study) -> WorkFigure {
     let curve = |of: &Of| {
         let point = |(number, rung): (usize, &Rung)| WorkPoint {
-            error: of.reached.promised.get(number).copied(),
+            error: of.reached.promise(number),
             cost: Some(rung.cost_s),
             error_range: None,
             cost_range: None,

@@ -124,7 +124,7 @@ impl Reference for LocalReference {
     }
 
     fn temperature(&self, x: f64, t: f64) -> Option<f64> {
-        self.profile("line", x, t)
+        self.profile("line", x, t).or_else(|| self.profile("radius", x, t))
     }
 
     fn cut_temperature(&self, cut: Cut, x: f64, t: f64) -> Option<f64> {

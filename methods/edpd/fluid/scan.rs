@@ -34,7 +34,29 @@ pub trait Scan {
     ) -> usize;
 }
 
-/// In a form that a compiler may turn into vectors.
+/// Places that are told apart at once where there is no instruction that packs the near ones together.
+const GROUP: usize = 8;
+
+/// For each set of near places in a group, which they are, the first ones first, and how many.
+const PACKED: [([u8; GROUP], u8); 1 << GROUP] = {
+    let mut packed = [([0; GROUP], 0); 1 << GROUP];
+    let mut set = 0;
+    while set < packed.len() {
+        let (mut lane, mut count) = (0, 0);
+        while lane < GROUP {
+            if set >> lane & 1 == 1 {
+                packed[set].0[count] = lane as u8;
+                count += 1;
+            }
+            lane += 1;
+        }
+        packed[set].1 = count as u8;
+        set += 1;
+    }
+    packed
+};
+
+/// By what all processors have.
 #[derive(Debug)]
 pub struct Portable;
 
@@ -48,24 +70,49 @@ impl Scan for Portable {
         mut count: usize,
         found: &mut FoundPartners,
     ) -> usize {
-        for at in (from..to).step_by(LANES) {
-            let mut squares = [0.0; LANES];
+        for at in (from..to).step_by(GROUP) {
+            let mut squares = [0.0; GROUP];
             for axis in 0..D {
-                if let Some(places) = columns[axis][at..].first_chunk::<LANES>() {
-                    for lane in 0..LANES {
+                if let Some(places) = columns[axis][at..].first_chunk::<GROUP>() {
+                    for lane in 0..GROUP {
                         let way = place[axis] - places[lane];
-                        squares[lane] = way.mul_add(way, squares[lane]);
+                        squares[lane] += way * way;
                     }
                 }
             }
-            // Whether a place is near cannot be guessed: each is noted, and the next one over it if it is not.
-            for lane in 0..LANES.min(to - at) {
-                found[count] = (at + lane) as u32;
-                count += usize::from(squares[lane] < square);
+            let near = below(&squares, square) & ((1 << (to - at).min(GROUP)) - 1);
+            // Whether a place is near cannot be guessed: all of the group are written, and what is beyond the near ones is
+            // written over by the next.
+            let (lanes, some) = &PACKED[near];
+            if let Some(noted) = found[count..].first_chunk_mut::<GROUP>() {
+                for lane in 0..GROUP {
+                    noted[lane] = at as u32 + u32::from(lanes[lane]);
+                }
             }
+            count += usize::from(*some);
         }
         count
     }
+}
+
+/// Which of the squares are below another, as bits.
+#[inline(always)]
+fn below(squares: &[f32; GROUP], square: f32) -> usize {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_mm_cmplt_ps, _mm_movemask_ps, _mm_set1_ps, _mm_setr_ps};
+        let [a, b, c, d, e, f, g, h] = *squares;
+        // SAFETY: all processors of this architecture have these instructions.
+        #[allow(unused_unsafe)]
+        unsafe {
+            let square = _mm_set1_ps(square);
+            let low = _mm_movemask_ps(_mm_cmplt_ps(_mm_setr_ps(a, b, c, d), square));
+            let high = _mm_movemask_ps(_mm_cmplt_ps(_mm_setr_ps(e, f, g, h), square));
+            (low | high << 4) as usize
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    (0..GROUP).fold(0, |set, lane| set | usize::from(squares[lane] < square) << lane)
 }
 
 /// By the instructions of AVX-512, which a caller must know to be there.
@@ -85,8 +132,8 @@ impl Scan for Avx512 {
         found: &mut FoundPartners,
     ) -> usize {
         use std::arch::x86_64::{
-            _CMP_LT_OQ, _mm512_add_epi32, _mm512_cmp_ps_mask, _mm512_fmadd_ps, _mm512_loadu_ps,
-            _mm512_maskz_compress_epi32, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setr_epi32, _mm512_setzero_ps,
+            _CMP_LT_OQ, _mm512_add_epi32, _mm512_add_ps, _mm512_cmp_ps_mask, _mm512_loadu_ps,
+            _mm512_maskz_compress_epi32, _mm512_mul_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setr_epi32, _mm512_setzero_ps,
             _mm512_storeu_si512, _mm512_sub_ps,
         };
         assert!(columns.iter().all(|column| column.len() >= to + LANES) && count + to.saturating_sub(from) <= MOST);
@@ -102,7 +149,7 @@ impl Scan for Avx512 {
                 let mut squares = _mm512_setzero_ps();
                 for axis in 0..D {
                     let way = _mm512_sub_ps(place[axis], _mm512_loadu_ps(columns[axis].as_ptr().add(at)));
-                    squares = _mm512_fmadd_ps(way, way, squares);
+                    squares = _mm512_add_ps(squares, _mm512_mul_ps(way, way));
                 }
                 let near = _mm512_cmp_ps_mask::<_CMP_LT_OQ>(squares, square);
                 let near = near & ((1u32 << (to - at).min(LANES)) - 1) as u16;

@@ -133,8 +133,8 @@ impl Scan for Avx512 {
     ) -> usize {
         use std::arch::x86_64::{
             _CMP_LT_OQ, _mm512_add_epi32, _mm512_add_ps, _mm512_cmp_ps_mask, _mm512_loadu_ps,
-            _mm512_maskz_compress_epi32, _mm512_mul_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setr_epi32, _mm512_setzero_ps,
-            _mm512_storeu_si512, _mm512_sub_ps,
+            _mm512_maskz_compress_epi32, _mm512_mul_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setr_epi32,
+            _mm512_setzero_ps, _mm512_storeu_si512, _mm512_sub_ps,
         };
         assert!(columns.iter().all(|column| column.len() >= to + LANES) && count + to.saturating_sub(from) <= MOST);
         // SAFETY: the processor has these instructions (see the type). Places are read from `from` up to less than

@@ -32,8 +32,8 @@ pub struct Attained {
 }
 
 impl Found<'_> {
-    /// What it has reached of an error: what coarse and fine runs promised of it or, where that says more, what it differs by from
-    /// itself at twice the spacing.
+    /// What it has reached of an error: what coarse and fine runs promised of it or, where that bounds it closer, the error that is
+    /// left if what it differs by from itself at twice the spacing falls at the least order that they showed.
     pub fn attained(&self, promise: &Promise) -> Attained {
         let promised = promise.promised.get(&self.layout.name).copied().unwrap_or(1.0);
         let relative = |fine: f64, coarse: Option<f64>| {

@@ -104,13 +104,14 @@ pub fn layout(request: &LayoutRequest, parts: &Parts<'_>) -> Result<Verdict, Fai
     let Some(first) = study.layouts.first() else { return Ok(Verdict::Done) };
     let methods = methods_of(request, &study, &first.scene)?;
     let method = methods[0];
-    references(&study, method, &request.overrides)?;
+    let as_read = references(&study, method, &request.overrides)?;
     for doubt in doubts::of(&study) {
         complain(&format!("warning: {doubt}"));
     }
     memory::share(request.threads.min(study.layouts.len()));
     let Some(study) = spaced(request, study, &methods, parts)? else { return Ok(Verdict::Broken) };
-    let references = references(&study, method, &request.overrides)?;
+    // At another spacing not all that fitted may fit.
+    let references = if request.error.is_some() { references(&study, method, &request.overrides)? } else { as_read };
     for layout in &study.layouts {
         let fits = predict::fits(&layout.scene, method);
         fits.map_err(|refused| Failure::of(format!("layout \"{}\"", layout.name), refused))?;

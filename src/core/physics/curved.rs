@@ -262,6 +262,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::instruction_set;
     use crate::physics::freezing_curve::weibull::Weibull;
     use crate::physics::material::{Material, Mixing, Phase};
 
@@ -284,7 +285,8 @@ mod tests {
     }
 
     proptest! {
-        /// Groups in one phase, in both and at their ends, and what is left over, as each particle by itself.
+        /// Groups in one phase, in both and at their ends, and what is left over, as each particle by itself, by the vectors of each
+        /// processor.
         #[test]
         fn neighbours_together_have_the_potentials_of_each_alone(
             (from, to) in (-4.5_f64..0.5, -4.5_f64..0.5),
@@ -300,10 +302,13 @@ mod tests {
                     *enthalpy = end - law.initial.0;
                 }
             }
-            let mut together = vec![0.0; enthalpy.len()];
-            PotentialLaw::fill(&law, &enthalpy, &mut together);
-            for (together, enthalpy) in together.iter().zip(&enthalpy) {
-                prop_assert_eq!(together.to_bits(), law.potential(*enthalpy).to_bits(), "{}", enthalpy);
+            for set in InstructionSet::ALL {
+                instruction_set::limit(set);
+                let mut together = vec![0.0; enthalpy.len()];
+                PotentialLaw::fill(&law, &enthalpy, &mut together);
+                for (together, enthalpy) in together.iter().zip(&enthalpy) {
+                    prop_assert_eq!(together.to_bits(), law.potential(*enthalpy).to_bits(), "{} {}", set, enthalpy);
+                }
             }
         }
     }

@@ -8,10 +8,11 @@ use crate::instruction_set::widest;
 use crate::memory::{HeapSize, total};
 
 /// Particles of a block, as far as the number of blocks allows.
-const PARTICLES: f64 = 64.0;
+const PARTICLES: f64 = 16.0;
 
-/// Blocks, at most: their matrix is full.
-const MOST_BLOCKS: f64 = 256.0;
+/// Blocks over the root of the number of particles, at most: their matrix, whose rows reach as far as the shorter side has blocks, is then
+/// factorised in about the time of two iterations.
+const MOST_BLOCKS: f64 = 8.0;
 
 /// A pivot over the largest below which a block has no balance of its own.
 const PIVOT: f64 = 1e-14;
@@ -20,7 +21,6 @@ const PIVOT: f64 = 1e-14;
 #[derive(Debug, Clone)]
 pub(super) struct Coarse {
     blocks: Vec<u32>,
-    count: usize,
     /// Rows of the matrix times the blocks: start of each particle's entries.
     starts: Vec<usize>,
     /// Block of each entry.
@@ -29,15 +29,42 @@ pub(super) struct Coarse {
     /// Entries of each path, from its earlier end and from its later, by slot; and of each particle itself.
     of_path: Vec<[u32; 2]>,
     of_particle: Vec<u32>,
-    /// Lower triangle of the factor, row by row.
-    factor: Vec<f64>,
+    factor: Envelope,
     work: Vec<f64>,
+}
+
+/// A lower triangle, row by row, each from its first entry that is not zero.
+#[derive(Debug, Clone, Default)]
+struct Envelope {
+    /// First column of each row.
+    firsts: Vec<usize>,
+    /// Start of each row's entries, and the end of the last.
+    starts: Vec<usize>,
+    entries: Vec<f64>,
+}
+
+impl Envelope {
+    /// Room for rows that begin at these columns.
+    fn new(firsts: Vec<usize>) -> Self {
+        let mut starts = vec![0];
+        for (row, first) in firsts.iter().enumerate() {
+            starts.push(starts[row] + row + 1 - first);
+        }
+        let entries = vec![0.0; starts[firsts.len()]];
+        Envelope { firsts, starts, entries }
+    }
+
+    /// The entry of a row at a column that it reaches.
+    fn entry(&mut self, row: usize, column: usize) -> &mut f64 {
+        &mut self.entries[self.starts[row] + column - self.firsts[row]]
+    }
 }
 
 impl HeapSize for Coarse {
     fn heap_size(&self) -> usize {
         let indices = total(&[&self.blocks, &self.columns, &self.of_particle, &self.of_path, &self.starts]);
-        indices + total(&[&self.values, &self.factor, &self.work])
+        let factor = total(&[&self.factor.firsts, &self.factor.starts, &self.factor.entries]);
+        indices + factor + total(&[&self.values, &self.work])
     }
 }
 
@@ -46,15 +73,18 @@ impl Coarse {
         let low = positions.iter().copied().fold(DVec2::INFINITY, DVec2::min);
         let high = positions.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
         let extent = (high - low).max(DVec2::splat(f64::MIN_POSITIVE));
-        let wanted = (positions.len() as f64 / PARTICLES).clamp(1.0, MOST_BLOCKS);
+        let particles = positions.len() as f64;
+        let wanted = (particles / PARTICLES).min(MOST_BLOCKS * particles.sqrt()).max(1.0);
         let flat = extent.y < 1e-9 * extent.x;
         let across = if flat { 1.0 } else { (wanted * extent.y / extent.x).sqrt().round().clamp(1.0, wanted.floor()) };
         let along = (wanted / across).floor().max(1.0);
         let cell = |part: f64, cells: f64| ((part * cells) as usize).min(cells as usize - 1);
         let block = |place: &DVec2| {
             let part = (*place - low) / extent;
-            let row = if flat { 0 } else { cell(part.y, across) };
-            (row * along as usize + cell(part.x, along)) as u32
+            let (column, row) = (cell(part.x, along), if flat { 0 } else { cell(part.y, across) });
+            // Rows of the matrix reach as far as the shorter side.
+            let number = if along > across { column * across as usize + row } else { row * along as usize + column };
+            number as u32
         };
         let blocks: Vec<u32> = positions.iter().map(block).collect();
         let count = along as usize * across as usize;
@@ -77,14 +107,19 @@ impl Coarse {
             starts.push(columns.len());
         }
         let values = vec![0.0; columns.len()];
-        let (factor, work) = (vec![0.0; count * count], vec![0.0; count]);
-        Coarse { blocks, count, starts, columns, values, of_path, of_particle, factor, work }
+        let mut firsts: Vec<usize> = (0..count).collect();
+        for i in 0..network.len() {
+            let first = &mut firsts[blocks[i] as usize];
+            *first = columns[starts[i]..starts[i + 1]].iter().fold(*first, |first, column| first.min(*column as usize));
+        }
+        let (factor, work) = (Envelope::new(firsts), vec![0.0; count]);
+        Coarse { blocks, starts, columns, values, of_path, of_particle, factor, work }
     }
 
     /// Takes a matrix by its diagonal and the entries of slots.
     pub(super) fn assemble(&mut self, network: &Network, diagonal: &[f64], rest: &[f64]) {
         self.values.fill(0.0);
-        self.factor.fill(0.0);
+        self.factor.entries.fill(0.0);
         for i in 0..network.len() {
             self.values[self.of_particle[i] as usize] += diagonal[i];
         }
@@ -96,30 +131,15 @@ impl Coarse {
             }
         });
         for i in 0..network.len() {
-            let row = self.blocks[i] as usize * self.count;
+            let row = self.blocks[i] as usize;
             for entry in self.starts[i]..self.starts[i + 1] {
-                self.factor[row + self.columns[entry] as usize] += self.values[entry];
+                let column = self.columns[entry] as usize;
+                if column <= row {
+                    *self.factor.entry(row, column) += self.values[entry];
+                }
             }
         }
-        factorise(self.count, &mut self.factor);
-    }
-
-    /// Solves for the blocks, in place.
-    fn solve(&mut self) {
-        let n = self.count;
-        for row in 0..n {
-            let entries = &self.factor[row * n..row * n + row + 1];
-            let (a, b) = (&entries[..row], &self.work[..row]);
-            let left = sum(row, |k| a[k] * b[k]);
-            self.work[row] = (self.work[row] - left) / entries[row];
-        }
-        for row in (0..n).rev() {
-            let value = self.work[row] / self.factor[row * n + row];
-            self.work[row] = value;
-            for column in 0..row {
-                self.work[column] -= self.factor[row * n + column] * value;
-            }
-        }
+        factorise(&mut self.factor);
     }
 
     /// Takes out of a direction what a column holds of each block, as the matrix sees it.
@@ -130,7 +150,7 @@ impl Coarse {
                 self.work[self.columns[entry] as usize] += self.values[entry] * value;
             }
         }
-        self.solve();
+        back_substitute(&self.factor, &mut self.work);
         for (direction, block) in direction.iter_mut().zip(&self.blocks) {
             *direction -= self.work[*block as usize];
         }
@@ -142,7 +162,7 @@ impl Coarse {
         for (i, value) in residual.iter().enumerate() {
             self.work[self.blocks[i] as usize] += value;
         }
-        self.solve();
+        back_substitute(&self.factor, &mut self.work);
         for i in 0..solution.len() {
             solution[i] += self.work[self.blocks[i] as usize];
             for entry in self.starts[i]..self.starts[i + 1] {
@@ -152,25 +172,47 @@ impl Coarse {
     }
 }
 
-widest!(factorise, factorise_rows, (count: usize, factor: &mut [f64]));
+widest!(factorise, factorise_rows, (factor: &mut Envelope));
+widest!(back_substitute, substitute_rows, (factor: &Envelope, work: &mut [f64]));
 
 /// Cholesky's factor in place.
 #[inline(always)]
-fn factorise_rows(count: usize, factor: &mut [f64]) {
-    let most = (0..count).map(|i| factor[i * count + i]).fold(0.0, f64::max);
-    for column in 0..count {
-        let (done, below) = factor.split_at_mut((column + 1) * count);
-        let own = &mut done[column * count..];
-        let done = &own[..column];
-        let left = sum(column, |k| done[k] * done[k]);
-        let pivot = own[column] - left;
+fn factorise_rows(factor: &mut Envelope) {
+    let Envelope { firsts, starts, entries } = factor;
+    let most = (0..firsts.len()).map(|row| entries[starts[row + 1] - 1]).fold(0.0, f64::max);
+    for row in 0..firsts.len() {
+        let (done, own) = entries.split_at_mut(starts[row]);
+        let first = firsts[row];
+        for column in first..row {
+            let from = first.max(firsts[column]);
+            let above = &done[starts[column] + from - firsts[column]..starts[column + 1]];
+            let (root, above) = (above[column - from], &above[..column - from]);
+            let left = &own[from - first..column - first];
+            let left = sum(above.len(), |k| left[k] * above[k]);
+            own[column - first] = (own[column - first] - left) / root;
+        }
+        let own = &mut own[..=row - first];
+        let pivot = own[row - first] - sum(row - first, |k| own[k] * own[k]);
         // An empty block, or one that balances by itself, takes no part.
-        let root = if pivot > PIVOT * most { pivot.sqrt() } else { f64::INFINITY };
-        own[column] = root;
-        for row in below.chunks_exact_mut(count) {
-            let (a, b) = (&row[..column], &own[..column]);
-            let left = sum(column, |k| a[k] * b[k]);
-            row[column] = (row[column] - left) / root;
+        own[row - first] = if pivot > PIVOT * most { pivot.sqrt() } else { f64::INFINITY };
+    }
+}
+
+/// Solves for the blocks, in place.
+#[inline(always)]
+fn substitute_rows(factor: &Envelope, work: &mut [f64]) {
+    let rows = || factor.firsts.iter().zip(factor.starts.windows(2)).enumerate();
+    for (row, (first, place)) in rows() {
+        let (own, before) = (&factor.entries[place[0]..place[1]], &work[*first..row]);
+        let left = sum(before.len(), |k| own[k] * before[k]);
+        work[row] = (work[row] - left) / own[row - first];
+    }
+    for (row, (first, place)) in rows().rev() {
+        let own = &factor.entries[place[0]..place[1]];
+        let value = work[row] / own[row - first];
+        work[row] = value;
+        for (before, own) in work[*first..row].iter_mut().zip(own) {
+            *before -= own * value;
         }
     }
 }

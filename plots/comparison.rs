@@ -103,7 +103,7 @@ fn notes<'a, I: Iterator<Item = &'a WorkPoint>>(points: impl Fn() -> I) -> Vec<E
         notes.push(Entry::mark(text, Marker::Circle, REFERENCE, true));
     }
     if points().any(|point| point.ringed) {
-        notes.push(Entry::note("ringed (○): may be low by luck"));
+        notes.push(Entry::note("ringed (○): perhaps low by chance"));
     }
     if points().any(|point| point.error.is_none() && point.cost.is_some()) {
         notes.push(Entry::note("× at the edge: failed, or cut off for lack of time"));

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 pub mod axes;
 pub mod calibration;
 pub mod canvas;
+pub mod chart;
 pub mod comparison;
 pub mod convergence;
 pub mod ensemble;
@@ -53,4 +54,7 @@ pub enum PlotError {
     /// The page could not be filled in.
     #[error("cannot fill in the page: {0}")]
     Page(#[from] minijinja::Error),
+    /// What its chart shows could not be written down.
+    #[error("cannot fill in the page: {0}")]
+    Chart(#[from] serde_json::Error),
 }

@@ -1,12 +1,19 @@
-//! The page of a comparison: one file that opens offline, figures first, numbers under each.
+//! The page of a report: one file that opens offline, the answer first, then figures with their numbers.
+//!
+//! Scripts are part of the page and allowed by their hashes alone, so a text of a user that looked like one would not run. The page
+//! says the same without them: drawings stand where the chart would.
 
 use std::path::Path;
+
+use base64::Engine;
+use sha2::{Digest, Sha256};
 
 use minijinja::Environment;
 use serde::Serialize;
 
 use crate::PlotError;
 use crate::canvas::{self, Canvas};
+use crate::chart::Chart;
 
 /// A whole page.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -15,6 +22,10 @@ pub struct Page {
     pub title: String,
     /// What the page shows, in a sentence or two.
     pub lead: Vec<String>,
+    /// What came out, a sentence each.
+    pub answers: Vec<String>,
+    /// The chart that answers hands, in the place of the first figures of the opening.
+    pub chart: Option<Chart>,
     /// The command that makes it again.
     pub command: String,
     /// What comes first of all, before the scenes.
@@ -75,6 +86,8 @@ pub struct Block {
     pub tables: Vec<Table>,
     /// A list after the tables.
     pub list: Vec<String>,
+    /// Whether only its heading is seen until it is asked for.
+    pub folded: bool,
 }
 
 /// A figure on a page.
@@ -110,12 +123,52 @@ pub struct Table {
     pub csv: Option<String>,
 }
 
+/// The chart library, as it was published.
+const LIBRARY: &str = include_str!("vendor/uplot/uPlot.iife.min.js");
+/// Its look.
+const LIBRARY_STYLE: &str = include_str!("vendor/uplot/uPlot.min.css");
+/// The chart of a comparison.
+const CHART: &str = include_str!("page/chart.js");
+/// Sorting, light and dark.
+const PAGE: &str = include_str!("page/page.js");
+
+/// What the page runs, and what allows that and nothing else.
+#[derive(Serialize)]
+struct Scripts {
+    /// Scripts in their order.
+    texts: Vec<&'static str>,
+    /// Their hashes as a policy names them.
+    policy: String,
+    /// Look of the chart.
+    style: &'static str,
+    /// What the chart shows, as JSON that ends no element.
+    data: Option<String>,
+}
+
+impl Scripts {
+    fn of(page: &Page) -> Result<Self, PlotError> {
+        let texts = if page.chart.is_some() { vec![LIBRARY, CHART, PAGE] } else { vec![PAGE] };
+        let hash = |text: &&str| base64::engine::general_purpose::STANDARD.encode(Sha256::digest(text.as_bytes()));
+        let policy: Vec<String> = texts.iter().map(|text| format!("'sha256-{}'", hash(text))).collect();
+        let data = page.chart.as_ref().map(Chart::json).transpose()?;
+        let style = if data.is_some() { LIBRARY_STYLE } else { "" };
+        Ok(Scripts { texts, policy: policy.join(" "), style, data })
+    }
+}
+
 /// Fills in the page.
 fn render(page: &Page) -> Result<String, PlotError> {
+    #[derive(Serialize)]
+    struct Filled<'a> {
+        #[serde(flatten)]
+        page: &'a Page,
+        scripts: Scripts,
+    }
     let mut environment = Environment::new();
     // The ending of the name switches escaping on.
     environment.add_template("report.html", include_str!("report.html"))?;
-    Ok(environment.get_template("report.html")?.render(minijinja::value::Serde(page))?)
+    let filled = Filled { page, scripts: Scripts::of(page)? };
+    Ok(environment.get_template("report.html")?.render(minijinja::value::Serde(filled))?)
 }
 
 /// Writes the page.
@@ -130,6 +183,7 @@ pub fn write(page: &Page, path: &Path) -> Result<(), PlotError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chart::ChartScene;
 
     #[test]
     fn every_table_is_there_and_texts_are_escaped() {
@@ -152,9 +206,11 @@ mod tests {
         canvas.text((1.0, 1.0), "5 < 6 & 7", 16.0, canvas::Align::Start);
         let figure = Figure::new(&canvas, "caption", "work_precision");
         let summary = vec![Block { figures: vec![figure], ..Block::default() }];
+        let named = ChartScene { title: "</script><script>alert(1)</script>".into(), ..ChartScene::default() };
         let page = Page {
             title: "T".into(),
             command: "frazil compare \"x\"".into(),
+            chart: Some(Chart { scenes: vec![named] }),
             scenes: vec![scene],
             summary,
             ..Page::default()
@@ -163,12 +219,24 @@ mod tests {
         for name in names {
             assert!(html.contains(&format!("<caption>{name}")), "{name}: {html}");
         }
-        assert!(!html.contains("<script>") && html.contains("a &lt;script&gt; &amp; more"));
+        // The library, the chart and the page itself; what a scene is called ends none of them.
+        assert_eq!(html.matches("<script>").count(), 3);
+        assert_eq!(html.matches("</script>").count(), 4);
+        assert!(!html.contains("alert(1)</script>") && html.contains("a &lt;script&gt; &amp; more"));
         assert!(html.contains("&lt;b&gt;pd&lt;") && html.contains("5 &lt; 6 &amp; 7"));
         assert!(html.contains("<svg") && html.contains("href=\"comparison.csv\""));
-        assert!(
-            !html.contains("http://")
-                || html.matches("://").count() == html.matches("http://www.w3.org/2000/svg").count()
-        );
+        // The names of a vocabulary and of a library, neither of which is asked for.
+        let known = ["http://www.w3.org/2000/svg", "https://github.com/leeoniya/uPlot"];
+        let count: usize = known.iter().map(|address| html.matches(address).count()).sum();
+        assert_eq!(html.matches("://").count(), count);
+    }
+
+    /// The library is what its authors published: `npm pack uplot@1.6.32` gives the same file.
+    #[test]
+    fn the_chart_library_is_as_it_was_published() {
+        let hash =
+            |text: &str| Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+        assert_eq!(hash(LIBRARY), "19c8d4c6ad88929a79f4ae49d6f7161566dfd0ba3d15cc495e974f787eb78f1f");
+        assert_eq!(hash(LIBRARY_STYLE), "df630c6a8d6f8eeaff264b50f73ce5b114f646ffd9a0bb74f049b0a00135fa04");
     }
 }

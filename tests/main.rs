@@ -6,6 +6,7 @@ mod bad_scenes;
 mod bond_rules;
 mod brine;
 mod broken_scenes;
+mod browser;
 mod bundled_scenes;
 mod calibration;
 mod capability;

@@ -56,7 +56,7 @@ pub fn write(request: &CheapestRequest, folder: &Path, study: &Study) -> Result<
             "cheapest",
         )],
         tables: vec![table(study)],
-        list: Vec::new(),
+        ..Block::default()
     };
     let page = Page {
         title: format!("The cheapest run: {}", study.scene.title),

@@ -57,7 +57,8 @@ pub fn work_figure(study: &Study, comparison: &Comparison, cost: Cost) -> WorkFi
     }
 }
 
-fn is_second(curve: &Curve) -> bool {
+/// Whether a curve is drawn thin: beside the best setting, or a single run beside the mean of several.
+pub(super) fn is_second(curve: &Curve) -> bool {
     !curve.setting.is_best() || curve.kind == Kind::Single
 }
 

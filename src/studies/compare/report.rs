@@ -1,5 +1,7 @@
-//! The page of a comparison: figures first, the numbers under each.
+//! The page of a comparison: the answer, one chart, and what lies behind them.
 
+mod answer;
+mod chart;
 mod numbers;
 mod words;
 
@@ -57,9 +59,10 @@ impl<'a> Report<'a> {
         for study in &studies[self.sections.len()..] {
             self.sections.push(section(self.folder, study, &mut figures)?);
         }
-        self.overview(studies.iter(), &mut figures);
+        let all: Vec<&Study> = studies.iter().collect();
+        let overview = self.overview(&all, &mut figures);
         figures.write(Formats::SvgAndPng, parallel::cores())?;
-        self.page(studies, None)
+        self.page(&all, studies, None, overview)
     }
 
     /// Writes what is known of a scene whose runs go on, with the page of those before it, unless that was done just now. Nothing
@@ -77,35 +80,48 @@ impl<'a> Report<'a> {
         }
         let mut figures = Figures::default();
         let section = under_way(self.folder, &study, &mut figures)?;
-        self.overview(finished.iter().chain([&study]), &mut figures);
+        let all: Vec<&Study> = finished.iter().chain([&study]).collect();
+        let overview = self.overview(&all, &mut figures);
         figures.write(Formats::Svg, parallel::cores())?;
-        self.page(finished, Some(section))?;
+        self.page(&all, finished, Some(section), overview)?;
         self.shown.set(Some(Instant::now()));
         Ok(())
     }
 
-    /// Adds the figure of all scenes side by side.
-    fn overview<'s>(&self, studies: impl Iterator<Item = &'s Study>, figures: &mut Figures) {
-        let panels: Vec<_> = studies
-            .filter_map(|study| Some(work_figure(study, study.comparisons.first()?, Cost::Time(study.clock))))
-            .collect();
-        if !panels.is_empty() {
-            figures.add(self.folder, "work_precision", work_precision_panels(&panels));
-        }
+    /// The figure of all scenes side by side, which stands where scripts do not run.
+    fn overview(&self, studies: &[&Study], figures: &mut Figures) -> Option<Figure> {
+        let of = |study: &&Study| Some(work_figure(study, study.comparisons.first()?, Cost::Time(study.clock)));
+        let panels: Vec<_> = studies.iter().filter_map(of).collect();
+        let clock = studies.first().map(|study| Cost::Time(study.clock)).filter(|_| !panels.is_empty())?;
+        let canvas = work_precision_panels(&panels);
+        let figure = Figure::new(&canvas, caption(studies[0], clock), "work_precision");
+        figures.add(self.folder, "work_precision", canvas);
+        Some(figure)
     }
 
     /// Writes the page of the finished scenes, and of one that is under way.
-    fn page(&self, studies: &[Study], current: Option<SceneSection>) -> Result<(), Failure> {
-        if studies.is_empty() && current.is_none() {
+    fn page(
+        &self,
+        all: &[&Study],
+        finished: &[Study],
+        current: Option<SceneSection>,
+        overview: Option<Figure>,
+    ) -> Result<(), Failure> {
+        if all.is_empty() {
             return Ok(());
         }
+        let studies = finished;
+        let answer = answer::table(all.iter().copied());
         let page = Page {
-            title: "Error against run time".into(),
+            title: "Which method reaches a given error soonest?".into(),
+            answers: all.iter().filter_map(|study| answer::sentence(study)).collect(),
             lead: vec![
-                "Each point is one method at one resolution: how wrong it is, and how long it takes. Read along a line of \
-                 equal error; nearer to the lower left corner is better."
+                "Each point below is one method at one particle spacing: how wrong it is, and how long it takes. Nearer to the \
+                 lower left corner is better."
                     .into(),
             ],
+            chart: chart::chart(all.iter().copied()),
+            opening: vec![Block { figures: overview.into_iter().collect(), ..Block::default() }, answer],
             command: self.request.command_line.clone(),
             summary: if studies.len() > 1 { vec![overall(studies)] } else { Vec::new() },
             scenes: self.sections.iter().cloned().chain(current).collect(),
@@ -122,12 +138,10 @@ fn section(folder: &Path, study: &Study, figures: &mut Figures) -> Result<SceneS
     let own = folder.join(study.name());
     make_folder(&own)?;
     let mut blocks = compared(&own, study, ALL_COSTS, figures);
-    blocks.extend(ensembles(study));
     blocks.push(run_table(study));
-    blocks.extend(finest_runs(&own, study)?);
-    blocks.push(gates(study));
-    blocks.extend(failures(study));
-    blocks.push(settings(study));
+    let further = ensembles(study).into_iter().chain(finest_runs(&own, study)?).chain([gates(study)]);
+    let further = further.chain(failures(study)).chain([settings(study)]);
+    blocks.extend(further.map(|block| Block { folded: true, ..block }));
     Ok(SceneSection { blocks, parameters: parameters(study), ..headed(study) })
 }
 
@@ -167,16 +181,20 @@ fn compared(own: &Path, study: &Study, costs: usize, figures: &mut Figures) -> V
         ];
         let mut block =
             Block { heading: format!("Error against cost: {}", comparison.headline.label()), ..Block::default() };
-        for (place, (cost, file)) in all.into_iter().take(costs).enumerate() {
+        for (place, (cost, file)) in all.iter().cloned().take(costs).enumerate() {
             let canvas = work_precision_panels(&[work_figure(study, comparison, cost)]);
-            // The second measure is shown by the clock that counts; its other figures lie beside the page.
-            if k == 0 || place == 0 {
+            // The chart at the head of the page shows the first measure, and all costs: their drawings lie beside the page.
+            if k > 0 && place == 0 {
                 block.figures.push(Figure::new(&canvas, caption(study, cost), format!("{name}/{file}")));
             }
             figures.add(own, file, canvas);
         }
         block.tables.push(equal_error_table(comparison));
         block.tables.push(equal_time_table(comparison));
+        if costs == ALL_COSTS {
+            let of = |(_, file): &(Cost, String)| format!("{name}/{file}.svg");
+            block.text.push(format!("Drawings of each cost: {}.", all.each_ref().map(of).join(", ")));
+        }
         blocks.push(block);
         let file = format!("convergence_{word}");
         let canvas = order_figure(study, comparison);
@@ -186,6 +204,7 @@ fn compared(own: &Path, study: &Study, costs: usize, figures: &mut Figures) -> V
             heading: format!("Convergence: {}", comparison.headline.label()),
             figures: vec![Figure::new(&canvas, caption, format!("{name}/{file}"))],
             tables: vec![order_table(study.runs.scene.units, comparison)],
+            folded: true,
             ..Block::default()
         });
         figures.add(own, file, canvas);
@@ -195,7 +214,8 @@ fn compared(own: &Path, study: &Study, costs: usize, figures: &mut Figures) -> V
 
 fn caption(study: &Study, cost: Cost) -> String {
     let bars = "Bars upward: 95 % interval of the median, or the range where fewer than six runs were timed; bars \
-                sideways: 95 % interval over seeds. Ringed points may be low by luck and are not read off.";
+                sideways: 95 % interval over seeds. Ringed points are lower than other runs lead to expect, perhaps by chance, and do \
+                not count.";
     match cost {
         Cost::Updates => "The same errors against particle updates, which no machine and no load changes.".into(),
         Cost::Time(clock) if clock == study.clock => format!("{bars} Setup is part of the time."),

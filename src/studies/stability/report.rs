@@ -309,6 +309,6 @@ fn facts(request: &StabilityRequest) -> Vec<Fact> {
             ),
         ),
         Fact::new("Boundaries", "from the map by bisection until two steps are within 2 %"),
-        Fact::new("Once more", "every row of the tables names the command that makes it"),
+        Fact::new("Run again", "every row of the tables names the command that makes it"),
     ]
 }

@@ -254,7 +254,7 @@ fn facts(request: &StabilityRequest) -> Vec<Fact> {
             "Runs",
             format!("the scene itself, at up to {} times its spacing but on its own axis", request.coarsen),
         ),
-        Fact::new("Once more", "every row of the table names the command that makes it"),
+        Fact::new("Run again", "every row of the table names the command that makes it"),
     ]
 }
 

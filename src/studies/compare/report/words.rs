@@ -83,7 +83,7 @@ pub(super) fn fairness(request: &CompareRequest, studies: &[Study]) -> Vec<Fact>
         Fact::new(
             "Excluded from speed-ups",
             format!(
-                "points below {REFERENCE_MARGIN} × the error of the reference (they are bounds: \"at most\"), points that may be low by luck (the next finer run is worse, or the ratio to another norm is lower by more than a factor 3), failed runs"
+                "points below {REFERENCE_MARGIN} × the error of the reference (they are bounds: \"at most\"), points that are perhaps low by chance (the next finer run is worse, or the ratio to another norm is lower by more than a factor 3), failed runs"
             ),
         ),
         Fact::new(

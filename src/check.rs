@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use frazil_core::memory::{self, Memory};
 use frazil_layouts::soils;
+use frazil_plots::style::number;
 use frazil_scene::Scene;
 use frazil_simulation::march::Refused;
 use frazil_simulation::predict::{self, Forecast};
@@ -211,13 +212,13 @@ fn reduction_text(finding: &Finding, asked: bool) -> String {
 fn plan_text(forecast: &Forecast) -> String {
     let summary = &forecast.summary;
     let mut text = format!(
-        "  particles    {}\n  pairs        {}\n  memory       {}\n  step         {:.4e} s\n  \
-         step limit   {:.4e} s: {}\n  steps        {}\n  time         {}\n",
+        "  particles    {}\n  pairs        {}\n  memory       {}\n  step         {} s\n  \
+         step limit   {} s: {}\n  steps        {}\n  time         {}\n",
         summary.particles,
         summary.pairs,
         memory_text(&summary.memory),
-        summary.step_s,
-        summary.step_bound_s,
+        number(summary.step_s, 4),
+        number(summary.step_bound_s, 4),
         summary.step_limit,
         summary.steps,
         time_text(forecast)

@@ -4,9 +4,13 @@ mod calibrate;
 mod cheapest;
 mod check;
 mod compare;
+mod completions;
 mod layout;
+mod new;
 mod properties;
+mod rerun;
 mod run;
+mod show;
 mod stability;
 mod status;
 mod values;
@@ -30,8 +34,12 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Writes a commented scene to change, or a copy of a bundled one.
+    New(new::NewArguments),
     /// Runs a scene under one method and writes its record, series and figures.
     Run(run::RunArguments),
+    /// Makes the run of a record again, and compares the states.
+    Rerun(rerun::RerunArguments),
     /// Sets methods against each other on the same scenes: error against run time.
     Compare(compare::CompareArguments),
     /// Finds under each method the cheapest run that reaches an error, and holds it against finer ones.
@@ -49,14 +57,20 @@ enum Command {
     /// Measures what the fluid that `calibrate` gives is really like, on moving particles: diffusivities, Schmidt and
     /// Prandtl numbers, with 95 % intervals over seeds.
     Properties(properties::PropertiesArguments),
-    /// Lists the bundled scenes, fluids and the methods.
+    /// Lists the bundled scenes, studies, fluids and the methods.
     List,
+    /// Prints the file of a bundled scene, study or fluid.
+    Show(show::ShowArguments),
+    /// Prints completions for a shell, or writes manual pages.
+    Completions(completions::CompletionsArguments),
 }
 
 impl Command {
     fn answer(self) -> Result<Verdict, Failure> {
         match self {
+            Command::New(arguments) => arguments.answer(),
             Command::Run(arguments) => arguments.answer(),
+            Command::Rerun(arguments) => arguments.answer(),
             Command::Compare(arguments) => arguments.answer(),
             Command::Cheapest(arguments) => arguments.answer(),
             Command::Stability(arguments) => arguments.answer(),
@@ -66,6 +80,8 @@ impl Command {
             Command::Calibrate(arguments) => arguments.answer(),
             Command::Properties(arguments) => arguments.answer(),
             Command::List => list::list(),
+            Command::Show(arguments) => arguments.answer(),
+            Command::Completions(arguments) => arguments.answer(),
         }
     }
 }

@@ -8,9 +8,12 @@ pub mod list;
 pub mod load;
 pub mod parts;
 pub mod properties;
+pub mod provenance;
 pub mod registry;
+pub mod rerun;
 pub mod run;
 pub mod status;
+pub mod templates;
 
 /// The example of the document is compiled and run with the tests.
 #[cfg(doctest)]

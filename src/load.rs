@@ -30,6 +30,16 @@ fn guess(near: &[&str]) -> String {
     }
 }
 
+/// Name and text of a scene given by a bundled name or a path.
+pub fn text(argument: &str) -> Result<(String, String), Failure> {
+    if let Some(bundled) = frazil_cases::scenes::find(argument) {
+        return Ok((bundled.name.to_owned(), bundled.text.to_owned()));
+    }
+    let path = Path::new(argument);
+    let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
+    Ok((name, input::text(path)?))
+}
+
 /// Reads a scene given by a bundled name or a path.
 pub fn scene(argument: &str, overrides: &[Override]) -> Result<Scene, Failure> {
     if let Some(bundled) = frazil_cases::scenes::find(argument) {

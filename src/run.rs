@@ -8,6 +8,7 @@ use std::time::Duration;
 use frazil_core::particles::Particles;
 use frazil_plots::canvas::Formats;
 use frazil_plots::run::drawings;
+use frazil_plots::style::{number, percent};
 use frazil_record::{EstimatedError, Outcome, Record, RunResult};
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Checkpoints, Going, Options, Progress, Refused, Standing};
@@ -23,7 +24,7 @@ use frazil_studies::progress::{Reporter, bearable, clock, forewarn};
 use frazil_studies::{answers, campaign, expect, figure_options, method};
 
 use crate::parts::parts;
-use crate::{interrupt, load};
+use crate::{interrupt, load, provenance};
 
 /// What is to be run.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,6 +59,8 @@ pub struct RunRequest {
     pub quiet: bool,
     /// Whether to begin what takes longer than 30 days.
     pub yes: bool,
+    /// The command as it was typed, for the record.
+    pub command_line: String,
 }
 
 /// Runs and writes the results, whole even if the run was interrupted.
@@ -66,6 +69,7 @@ pub struct RunRequest {
 /// Where the scene cannot be run, or a file cannot be written.
 pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let (scene, method, reference) = asked(request)?;
+    let provenance = provenance::of(request)?;
     let finding = request.reduce.then(|| reduce::find(&scene, method, reference.as_ref()));
     expected(request, &scene, method, reference.as_ref(), finding.as_ref())?;
     let path = request.out.clone().unwrap_or_else(|| folder_of(&scene, method));
@@ -88,9 +92,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let show = |progress: &Progress| reporter.show(progress);
     let checkpoints = checkpoints(request, folder.path());
     // Until its first step a run has nothing to write, and an interrupt ends it at once.
-    let watch = || {
-        interrupt::watch();
-    };
+    let watch = || _ = interrupt::watch();
     let options = Options {
         threads: request.threads,
         seed: request.seed,
@@ -110,6 +112,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let result = match result {
         Ok(mut result) => {
             result.record.estimated_error = request.estimated.clone();
+            result.record.provenance = Some(provenance);
             result
         }
         Err(refused) => {
@@ -344,8 +347,8 @@ fn summary(scene: &Scene, result: &RunResult, folder: &Path) -> String {
     }
     if let Some(reference) = &record.reference {
         lines.extend(answers::errors(&record.errors, record.water.as_ref()));
-        let own = 100.0 * reference.error_estimate_rel;
-        let words = format!("{}, {}; its own error about {own:.1e} %", reference.kind, reference.source);
+        let own = percent(reference.error_estimate_rel, 2);
+        let words = format!("{}, {}; its own error about {own}", reference.kind, reference.source);
         lines.push(("reference".into(), words));
     }
     let mut line = |title: &str, value: String| lines.push((title.to_owned(), value));
@@ -353,14 +356,14 @@ fn summary(scene: &Scene, result: &RunResult, folder: &Path) -> String {
         line("reduced", words.clone());
     }
     line("particles", format!("{}, pairs {}", record.particles, record.pairs));
-    let bound = format!("bound {:.3e} s, set by {}", record.step_bound_s, record.step_limit);
-    line("steps", format!("{} of {:.3e} s; {bound}", record.steps, record.step_s));
+    let bound = format!("bound {} s, set by {}", number(record.step_bound_s, 4), record.step_limit);
+    line("steps", format!("{} of {} s; {bound}", record.steps, number(record.step_s, 4)));
     let (setup, solve) = (clock(record.setup_wall_s), clock(record.solve_wall_s));
     line("time", format!("{solve}, and {setup} of preparation; threads {}", record.threads));
     let moved = if record.of_water { "water" } else { "heat" };
-    line(&format!("{moved} balance"), format!("{:.1e} of the {moved} exchanged", record.energy_balance_rel));
+    line(&format!("{moved} balance"), format!("{} of the {moved} exchanged", number(record.energy_balance_rel, 2)));
     if let Some(balance) = record.solute_balance_rel {
-        line("solute balance", format!("{balance:.1e} of the solute exchanged"));
+        line("solute balance", format!("{} of the solute exchanged", number(balance, 2)));
     }
     for difference in &record.differences {
         line("difference", difference.clone());

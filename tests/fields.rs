@@ -27,6 +27,7 @@ fn request(scene: &Path, out: &Path, fields: bool, frames: bool) -> RunRequest {
         checkpoints: None,
         resume: false,
         quiet: true,
+        command_line: String::new(),
         yes: false,
     }
 }

@@ -25,6 +25,7 @@ mod extreme;
 mod fields;
 mod forecasts;
 mod freezing_curves;
+mod front_door;
 mod fuzzed;
 mod gravity;
 mod groundwater;

@@ -123,6 +123,7 @@ impl RunArguments {
             resume: self.resume,
             quiet: self.quiet,
             yes: self.yes,
+            command_line: command_line(),
         };
         match self.seeds {
             Some(seeds) => run::ensemble(&request, seeds.into()),

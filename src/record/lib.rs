@@ -1,5 +1,6 @@
 //! What a run leaves behind: one record and the tables beside it. Figures and studies read these, never particles.
 
+mod provenance;
 mod record;
 mod result;
 mod shown;
@@ -12,6 +13,7 @@ mod water;
 mod work;
 mod write;
 
+pub use provenance::Provenance;
 pub use record::{Errors, EstimatedError, Outcome, Record, ReferenceInfo, Value};
 pub use result::RunResult;
 pub use shown::{brief, is_hidden, quoted, shown, shown_lines};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{StreamRecord, WallRecord, WaterRecord, Work};
+use crate::{Provenance, StreamRecord, WallRecord, WaterRecord, Work};
 
 /// A setting as it stands in a record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -267,4 +267,7 @@ pub struct Record {
     pub remarks: Vec<String>,
     /// Hash of the final enthalpies, as 16 hexadecimal digits.
     pub state_hash: String,
+    /// Where it comes from, of a run by itself: what `frazil rerun` makes it again from.
+    #[serde(skip_serializing_if = "Option::is_none", default)]
+    pub provenance: Option<Provenance>,
 }

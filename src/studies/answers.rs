@@ -199,7 +199,10 @@ impl Say<'_> {
         let (solutions, time) = (record.pressure_solutions, clock(record.pressure_wall_s));
         line("pressure", format!("{solutions} solutions, {} iterations, {time}", record.pressure_iterations));
         let (balance, owed) = (record.balance_rel, record.owed_rel);
-        line("water balance", format!("{balance:.1e} of the water exchanged, {owed:.1e} of it still to come"));
+        line(
+            "water balance",
+            format!("{} of the water exchanged, {} of it still to come", number(balance, 2), number(owed, 2)),
+        );
         lines
     }
 }

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use frazil_core::memory;
 use frazil_plots::canvas::Formats;
+use frazil_plots::style::{number, percent};
 use frazil_record::{Outcome, Record, RunResult};
 use frazil_scene::method::MethodSettings;
 use frazil_scene::{Arrangement, Scene};
@@ -269,13 +270,13 @@ impl Study {
             line(&format!("{title} error"), words);
         }
         if let Some(reference) = &record.reference {
-            let own = 100.0 * reference.error_estimate_rel;
-            line("reference", format!("{}, {}; its own error about {own:.1e} %", reference.kind, reference.source));
+            let own = percent(reference.error_estimate_rel, 2);
+            line("reference", format!("{}, {}; its own error about {own}", reference.kind, reference.source));
         }
         let moved = if scene.of_water { "water" } else { "heat" };
         line(
             &format!("{moved} balance"),
-            format!("at worst {:.1e} of the {moved} exchanged", record.energy_balance_rel),
+            format!("at worst {} of the {moved} exchanged", number(record.energy_balance_rel, 2)),
         );
         let (all, now) = (clock(record.cpu_s), clock(record.wall_s));
         line("time", format!("{all} of CPU in all, {now} now; threads {}", record.threads));

@@ -5,10 +5,25 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use frazil_core::compiled;
 use frazil_plots::page::Fact;
+use frazil_record::Provenance;
 
 /// What tells machines apart on which runs take other times.
 pub fn identity() -> String {
     format!("{}, {} cores", processor(), crate::parallel::cores())
+}
+
+/// What a record says of the machine and the build, and of the time now.
+pub fn provenance() -> Provenance {
+    let flags = if compiled::FLAGS.is_empty() { String::new() } else { format!(", {}", compiled::FLAGS) };
+    Provenance {
+        date: utc(SystemTime::now()),
+        compiler: compiled::COMPILER.into(),
+        compiled: format!("{}{flags}", compiled::optimisation()),
+        processor: processor(),
+        cores: crate::parallel::cores(),
+        system: system(),
+        ..Provenance::default()
+    }
 }
 
 fn processor() -> String {

@@ -1,0 +1,83 @@
+//! Files to start from: a commented scene, and everything that is bundled.
+
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write};
+use std::path::{Path, PathBuf};
+
+use frazil_studies::failure::{Failure, Verdict, answer};
+
+/// A scene that says what each of its parts is.
+const TEMPLATE: &str = include_str!("../cases/template.toml");
+
+/// What is not to be had.
+#[derive(Debug, thiserror::Error)]
+enum NoFile {
+    #[error("nothing of the name \"{0}\" is bundled{1}")]
+    Unknown(String, String),
+    #[error("{0}: there is a file of this name already; give another one: frazil new OTHER.toml{1}")]
+    Exists(String, String),
+}
+
+/// What is bundled under a name, and how it is run.
+struct Bundled {
+    text: &'static str,
+    command: &'static str,
+}
+
+fn bundled(name: &str) -> Result<Bundled, Failure> {
+    let own = |text, command| Bundled { text, command };
+    let scene = || frazil_cases::scenes::find(name).map(|scene| own(scene.text, "run"));
+    let study = || frazil_cases::studies::find(name).map(|study| own(study.text, "layout"));
+    let fluid = || frazil_cases::fluids::find(name).map(|fluid| own(fluid.text, "calibrate"));
+    scene().or_else(study).or_else(fluid).ok_or_else(|| {
+        let all = frazil_cases::scenes::all().iter().chain(frazil_cases::scenes::extreme());
+        let all = all.chain(frazil_cases::studies::all()).chain(frazil_cases::fluids::all());
+        let likeness = |other: &str| strsim::jaro_winkler(name, other);
+        let near = all.map(|one| one.name).max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
+        let guess = near.filter(|near| likeness(near) > 0.75).map(|near| format!(", did you mean \"{near}\"?"));
+        let guess = guess.unwrap_or_else(|| "; frazil list shows all names".into());
+        Failure::request(NoFile::Unknown(name.to_owned(), guess))
+    })
+}
+
+/// Prints what is bundled under a name.
+///
+/// # Errors
+/// Where nothing is.
+pub fn show(name: &str) -> Result<Verdict, Failure> {
+    answer(bundled(name)?.text)?;
+    Ok(Verdict::Done)
+}
+
+/// Writes a scene to change: a commented one, or a copy of what is bundled. No file is written over.
+///
+/// # Errors
+/// Where nothing of the name is bundled, or the file is there or cannot be written.
+pub fn new(file: Option<&Path>, like: Option<&str>) -> Result<Verdict, Failure> {
+    let (text, command) = match like {
+        None => (TEMPLATE.to_owned(), "run"),
+        Some(name) => {
+            let Bundled { text, command } = bundled(name)?;
+            (format!("# A copy of the bundled \"{name}\".\n{text}"), command)
+        }
+    };
+    let own = || PathBuf::from(format!("{}.toml", like.unwrap_or("scene")));
+    let path = file.map_or_else(own, Path::to_owned);
+    let name = path.display().to_string();
+    let made = OpenOptions::new().write(true).create_new(true).open(&path);
+    let written = made.and_then(|mut file| file.write_all(text.as_bytes()));
+    written.map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => {
+            let like = like.map_or(String::new(), |like| format!(" --like {like}"));
+            Failure::request(NoFile::Exists(name.clone(), like))
+        }
+        _ => Failure::file(&path, "cannot be written", error),
+    })?;
+    let next = match (command, like) {
+        ("run", None) => format!("frazil check {name}\n  frazil run {name} --method pd"),
+        ("run", _) => format!("frazil check {name}\n  frazil run {name}"),
+        (command, _) => format!("frazil {command} {name}"),
+    };
+    answer(&format!("{name} is written. Next:\n  {next}\n"))?;
+    Ok(Verdict::Done)
+}

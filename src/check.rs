@@ -188,13 +188,28 @@ pub fn plan(
     threads: usize,
     reduced: bool,
 ) -> Result<String, Refused> {
+    Ok(planned(scene, method, reference, threads, reduced)?.1)
+}
+
+/// The same as numbers, and in words.
+///
+/// # Errors
+/// What the plan of the run refuses.
+pub fn planned(
+    scene: &Scene,
+    method: &str,
+    reference: Option<&Arc<dyn Reference>>,
+    threads: usize,
+    reduced: bool,
+) -> Result<(Forecast, String), Refused> {
     let finding = reduce::find(scene, method, reference)?;
     let smaller = match &finding {
         Finding::Smaller(reduction) if reduced => &reduction.scene,
         _ => scene,
     };
     let forecast = predict::forecast(smaller, method, reference, threads, 1)?;
-    Ok(format!("{}{}", reduction_text(&finding, reduced), plan_text(&forecast)))
+    let text = format!("{}{}", reduction_text(&finding, reduced), plan_text(&forecast));
+    Ok((forecast, text))
 }
 
 /// What there is to be said of a smaller scene.

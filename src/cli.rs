@@ -16,7 +16,6 @@ mod status;
 mod values;
 
 use std::ffi::{OsStr, OsString};
-use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 use frazil_record::is_hidden;
@@ -86,22 +85,23 @@ impl Command {
     }
 }
 
-/// Runs the program on its arguments, the first of which is its own name.
-pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    match Cli::try_parse_from(arguments) {
+/// Runs the program on its arguments, the first of which is its own name, and says with what code it ends.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
+    let typed: Vec<OsString> = arguments.into_iter().collect();
+    values::keep_typed(&typed);
+    match Cli::try_parse_from(&typed) {
         Ok(cli) => exit_code(cli.command.answer()),
         Err(error) => {
-            say(&error);
-            if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS }
+            say(&error, &typed);
+            if error.use_stderr() { 2 } else { 0 }
         }
     }
 }
 
 /// Prints help, or what was not understood: in colours, unless arguments come with colours of their own.
-fn say(error: &clap::Error) {
+fn say(error: &clap::Error, typed: &[OsString]) {
     let text = error.render().to_string();
-    if text.chars().any(|letter| letter != '\n' && is_hidden(letter)) || std::env::args_os().any(|own| has_hidden(&own))
-    {
+    if text.chars().any(|letter| letter != '\n' && is_hidden(letter)) || typed.iter().any(|own| has_hidden(own)) {
         complain(text.trim_end());
     } else {
         // Help that nobody reads to its end is still help.

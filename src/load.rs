@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use frazil_layouts::file::Kind;
-use frazil_scene::Scene;
+use frazil_scene::{Problems, Scene};
 use frazil_studies::failure::Failure;
 use frazil_studies::input;
 use frazil_studies::parts::Override;
@@ -31,7 +31,7 @@ fn guess(near: &[&str]) -> String {
 }
 
 /// Name and text of a scene given by a bundled name or a path.
-pub fn text(argument: &str) -> Result<(String, String), Failure> {
+pub fn source(argument: &str) -> Result<(String, String), Failure> {
     if let Some(bundled) = frazil_cases::scenes::find(argument) {
         return Ok((bundled.name.to_owned(), bundled.text.to_owned()));
     }
@@ -43,8 +43,7 @@ pub fn text(argument: &str) -> Result<(String, String), Failure> {
 /// Reads a scene given by a bundled name or a path.
 pub fn scene(argument: &str, overrides: &[Override]) -> Result<Scene, Failure> {
     if let Some(bundled) = frazil_cases::scenes::find(argument) {
-        let file = format!("{argument}.toml");
-        return Ok(Scene::read(bundled.text, bundled.name, &file, overrides, registry::methods())?);
+        return Ok(text(bundled.text, (bundled.name, &format!("{argument}.toml")), overrides)?);
     }
     if frazil_cases::studies::find(argument).is_some() {
         return Err(Failure::request(NoScene::Study(argument.to_owned())));
@@ -53,12 +52,20 @@ pub fn scene(argument: &str, overrides: &[Override]) -> Result<Scene, Failure> {
     if !path.exists() && path.extension().is_none() && path.components().count() == 1 {
         return Err(Failure::request(NoScene::Unknown { asked: argument.to_owned(), near: near(argument) }));
     }
-    let text = input::text(path)?;
+    let own = input::text(path)?;
     let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
-    Scene::read(&text, &name, argument, overrides, registry::methods()).map_err(|problems| match Kind::of(&text) {
+    text(&own, (&name, argument), overrides).map_err(|problems| match Kind::of(&own) {
         Some(Kind::Study) => Failure::request(NoScene::Study(argument.to_owned())),
         _ => problems.into(),
     })
+}
+
+/// Reads a scene from its text, of a name and from a file as messages show it.
+///
+/// # Errors
+/// With all problems of it.
+pub fn text(text: &str, (name, file): (&str, &str), overrides: &[Override]) -> Result<Scene, Problems> {
+    Scene::read(text, name, file, overrides, registry::methods())
 }
 
 /// What `--paper` stands for on a bundled scene: the method whose discretisation its paper prints, and overrides, with those

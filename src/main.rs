@@ -8,5 +8,5 @@ use std::process::ExitCode;
 static ALLOCATOR: allocator::OrEnd = allocator::OrEnd;
 
 fn main() -> ExitCode {
-    frazil::cli::main(std::env::args_os())
+    ExitCode::from(frazil::cli::main(std::env::args_os()))
 }

@@ -18,13 +18,17 @@ pub fn machine() -> Provenance {
 /// # Errors
 /// Where the scene's file cannot be read any more.
 pub fn of(request: &RunRequest) -> Result<Provenance, Failure> {
-    let (scene, scene_file) = load::text(&request.scene)?;
-    Ok(Provenance {
+    Ok(with(request, load::source(&request.scene)?))
+}
+
+/// The same, of a scene whose name and text are known.
+pub fn with(request: &RunRequest, (scene, scene_file): (String, String)) -> Provenance {
+    Provenance {
         command: request.command_line.clone(),
         scene,
         scene_file,
         overrides: request.overrides.clone(),
         reduce: request.reduce,
         ..machine()
-    })
+    }
 }

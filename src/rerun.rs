@@ -30,14 +30,14 @@ pub struct RerunRequest {
 #[derive(Debug, thiserror::Error)]
 enum NoRerun {
     #[error("{0}: no record of a run: {1}")]
-    NoRecord(String, serde_json::Error),
+    Record(String, serde_json::Error),
     #[error(
         "{0}: does not hold the scene that was run; `frazil run` writes it since version 0.1.0, runs of studies and members of \
          ensembles have the command in their tables"
     )]
-    NoScene(String),
+    Scene(String),
     #[error("{0}: holds no hash of a state: the run did not come to its end")]
-    NoEnd(String),
+    End(String),
 }
 
 /// Makes the run of a record again, and compares.
@@ -92,10 +92,10 @@ fn read(path: &Path) -> Result<(Record, Provenance), Failure> {
     let name = file.display().to_string();
     let text = fs::read_to_string(&file).map_err(|error| Failure::file(&file, "cannot be read", error))?;
     let record: Record =
-        serde_json::from_str(&text).map_err(|error| Failure::request(NoRerun::NoRecord(name.clone(), error)))?;
-    let Some(provenance) = record.provenance.clone() else { return Err(Failure::request(NoRerun::NoScene(name))) };
+        serde_json::from_str(&text).map_err(|error| Failure::request(NoRerun::Record(name.clone(), error)))?;
+    let Some(provenance) = record.provenance.clone() else { return Err(Failure::request(NoRerun::Scene(name))) };
     if record.state_hash.is_empty() {
-        return Err(Failure::request(NoRerun::NoEnd(name)));
+        return Err(Failure::request(NoRerun::End(name)));
     }
     Ok((record, provenance))
 }

@@ -3,13 +3,14 @@
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use frazil_core::particles::Particles;
-use frazil_plots::canvas::Formats;
+use frazil_plots::canvas::{Canvas, Formats};
 use frazil_plots::run::drawings;
 use frazil_plots::style::{number, percent};
-use frazil_record::{EstimatedError, Outcome, Record, RunResult};
+use frazil_record::{EstimatedError, Outcome, Provenance, Record, RunResult};
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Checkpoints, Going, Options, Progress, Refused, Standing};
 use frazil_simulation::reduce::{self, Finding};
@@ -63,52 +64,107 @@ pub struct RunRequest {
     pub command_line: String,
 }
 
+/// What a run tells whoever asked for it, and what stops it.
+pub struct Host<'a> {
+    /// Set to stop after the step at hand.
+    pub interrupt: &'a AtomicBool,
+    /// Called when the run is prepared, before its first step.
+    pub prepared: &'a (dyn Fn() + Sync),
+    /// Called now and then while steps are made.
+    pub progress: &'a (dyn Fn(&Progress) + Sync),
+    /// Called when no more steps are made.
+    pub marched: &'a (dyn Fn() + Sync),
+}
+
+/// What has become of a request.
+pub enum Made {
+    /// Nothing was left to run: how the run ended that the folder holds.
+    Before(Outcome),
+    /// A run, in its folder.
+    Now {
+        /// What it left.
+        result: Box<RunResult>,
+        /// The folder.
+        folder: PathBuf,
+        /// Whether all figures could be drawn.
+        drawn: bool,
+    },
+}
+
 /// Runs and writes the results, whole even if the run was interrupted.
 ///
 /// # Errors
 /// Where the scene cannot be run, or a file cannot be written.
 pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
-    let (scene, method, reference) = asked(request)?;
+    let asked = asked(request)?;
     let provenance = provenance::of(request)?;
-    let finding = request.reduce.then(|| reduce::find(&scene, method, reference.as_ref()));
-    expected(request, &scene, method, reference.as_ref(), finding.as_ref())?;
-    let path = request.out.clone().unwrap_or_else(|| folder_of(&scene, method));
+    let reporter = Reporter::new(request.quiet);
+    let host = Host {
+        interrupt: interrupt::asked(),
+        // Until its first step a run has nothing to write, and an interrupt ends it at once.
+        prepared: &|| {
+            interrupt::watch();
+        },
+        progress: &|progress| reporter.show(progress),
+        marched: &|| reporter.finish(),
+    };
+    let scene = &asked.0;
+    let (result, folder, drawn) = match make(request, &asked, provenance, &host)? {
+        Made::Before(outcome) => {
+            answer(&format!("{} under {}: at its end already: {}", scene.name, asked.1, outcome.name()))?;
+            return Ok(Verdict::of(outcome));
+        }
+        Made::Now { result, folder, drawn } => (result, folder, drawn),
+    };
+    if let Some(said) = frazil_layouts::beside_open(scene, &result.record) {
+        complain(&format!("WARNING: {}: {said}", scene.name));
+    }
+    if !request.quiet {
+        answer(&summary(scene, &result, &folder))?;
+    }
+    let verdict = Verdict::of(result.record.outcome);
+    Ok(if drawn { verdict } else { verdict.max(Verdict::Broken) })
+}
+
+/// Makes the run of a request whose scene has been read, and writes its results and where they come from.
+///
+/// # Errors
+/// Where the scene cannot be run, or a file cannot be written.
+pub fn make(
+    request: &RunRequest,
+    (scene, method, reference): &Asked,
+    provenance: Provenance,
+    host: &Host<'_>,
+) -> Result<Made, Failure> {
+    let reference = reference.as_ref();
+    let finding = request.reduce.then(|| reduce::find(scene, method, reference));
+    expected(request, scene, method, reference, finding.as_ref())?;
+    let path = request.out.clone().unwrap_or_else(|| folder_of(scene, method));
     let folder = Folder::make(&path, Owner::Alone)?;
-    let goes_on = match begin(request, folder.path(), &scene, method)? {
-        Begin::AtItsEnd(outcome) => return Ok(Verdict::of(outcome)),
+    let goes_on = match begin(request, folder.path(), scene, method)? {
+        Begin::AtItsEnd(outcome) => return Ok(Made::Before(outcome)),
         Begin::GoesOn => true,
         Begin::Anew => false,
     };
     let wanted = (request.fields, request.frames);
-    let snapshots =
-        (wanted != (false, false)).then(|| Snapshots::new(&scene, method, wanted, (folder.path(), goes_on)));
+    let snapshots = (wanted != (false, false)).then(|| Snapshots::new(scene, method, wanted, (folder.path(), goes_on)));
     let snapshots = snapshots.transpose().inspect_err(|_| folder.take_back())?;
     let see = |particles: &Particles, time: f64| {
         if let Some(snapshots) = &snapshots {
             snapshots.see(particles, time);
         }
     };
-    let reporter = Reporter::new(request.quiet);
-    let show = |progress: &Progress| reporter.show(progress);
     let checkpoints = checkpoints(request, folder.path());
-    // Until its first step a run has nothing to write, and an interrupt ends it at once.
-    let watch = || _ = interrupt::watch();
     let options = Options {
-        threads: request.threads,
-        seed: request.seed,
-        interrupt: Some(interrupt::asked()),
-        prepared: Some(&watch),
-        progress: Some(&show),
-        time_limit_s: None,
-        fields: true,
         each_output: snapshots.is_some().then_some(&see),
         checkpoints: checkpoints.as_ref(),
+        ..options(host, (request.threads, request.seed))
     };
     let result = match finding {
-        Some(finding) => finding.and_then(|finding| reduced(&finding, &scene, method, reference.as_ref(), &options)),
-        None => march::run(&scene, method, reference.as_ref(), &options),
+        Some(finding) => finding.and_then(|finding| reduced(&finding, scene, method, reference, &options)),
+        None => march::run(scene, method, reference, &options),
     };
-    reporter.finish();
+    (host.marched)();
     let result = match result {
         Ok(mut result) => {
             result.record.estimated_error = request.estimated.clone();
@@ -126,7 +182,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let drawn = Cell::new(true);
     let also = || {
         snapshots.map_or(Ok(()), |snapshots| snapshots.finish(folder.path()))?;
-        if let Err(error) = figures(&scene, &result, folder.path()).write(request.formats, request.threads) {
+        if let Err(error) = figures(scene, &result, folder.path()).write(request.formats, request.threads) {
             // The numbers are what counts: a figure that cannot be drawn does not undo them.
             complain(&format!("figures: {error}"));
             drawn.set(false);
@@ -137,23 +193,36 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     if let Some(checkpoints) = checkpoints.filter(|_| result.record.outcome != Outcome::Interrupted && drawn.get()) {
         checkpoints.clear().map_err(|error| Failure::file(folder.path(), "cannot be cleared of checkpoints", error))?;
     }
-    if let Some(said) = frazil_layouts::beside_open(&scene, &result.record) {
-        complain(&format!("WARNING: {}: {said}", scene.name));
+    Ok(Made::Now { result: Box::new(result), folder: path, drawn: drawn.get() })
+}
+
+/// How a run is made for its host, on so many threads and from a seed.
+pub fn options<'a>(host: &Host<'a>, (threads, seed): (usize, u64)) -> Options<'a> {
+    Options {
+        threads,
+        seed,
+        interrupt: Some(host.interrupt),
+        prepared: Some(host.prepared),
+        progress: Some(host.progress),
+        time_limit_s: None,
+        fields: true,
+        each_output: None,
+        checkpoints: None,
     }
-    if !request.quiet {
-        answer(&summary(&scene, &result, folder.path()))?;
-    }
-    let verdict = Verdict::of(result.record.outcome);
-    Ok(if drawn.get() { verdict } else { verdict.max(Verdict::Broken) })
 }
 
 /// Every figure of a run.
 fn figures(scene: &Scene, result: &RunResult, folder: &Path) -> Figures {
     let mut figures = Figures::default();
-    for (name, canvas) in drawings(result, &figure_options::of_run(scene, &result.fields)) {
+    for (name, canvas) in drawn(scene, result) {
         figures.add(folder, name, canvas);
     }
     figures
+}
+
+/// Every figure of a run, by its name.
+pub fn drawn(scene: &Scene, result: &RunResult) -> Vec<(String, Canvas)> {
+    drawings(result, &figure_options::of_run(scene, &result.fields))
 }
 
 /// The checkpoints of a run in its folder, if it is to have any.
@@ -202,10 +271,7 @@ fn begin(request: &RunRequest, folder: &Path, scene: &Scene, method: &str) -> Re
             Begin::Anew
         }
         None => match ended(folder, scene, method, request.seed).filter(|_| request.resume) {
-            Some(record) => {
-                answer(&format!("{} under {method}: at its end already: {}", scene.name, record.outcome.name()))?;
-                Begin::AtItsEnd(record.outcome)
-            }
+            Some(record) => Begin::AtItsEnd(record.outcome),
             None => Begin::Anew,
         },
     };
@@ -279,16 +345,25 @@ pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> 
 }
 
 /// Scene, method and reference.
-type Asked = (Scene, &'static str, Option<Arc<dyn Reference>>);
+pub type Asked = (Scene, &'static str, Option<Arc<dyn Reference>>);
 
 /// What a request is about; warns of what is not taken as the scene has it.
 fn asked(request: &RunRequest) -> Result<Asked, Failure> {
-    let mut scene = load::scene(&request.scene, &request.overrides)?;
-    let method = method::asked(&scene, request.method.as_deref())?;
-    let reference = told_reference(&mut scene)?;
+    let scene = load::scene(&request.scene, &request.overrides)?;
+    let (scene, method, reference) = asked_of(scene, request.method.as_deref())?;
     for remark in scene.remarks.iter().filter(|_| !request.quiet) {
         complain(&format!("{}: warning: {remark}", scene.name));
     }
+    Ok((scene, method, reference))
+}
+
+/// The same of a scene: its method of a name, or its first one, and its reference.
+///
+/// # Errors
+/// Where it has no such method, or its reference cannot be had.
+pub fn asked_of(mut scene: Scene, method: Option<&str>) -> Result<Asked, Failure> {
+    let method = method::asked(&scene, method)?;
+    let reference = told_reference(&mut scene)?;
     Ok((scene, method, reference))
 }
 

@@ -8,7 +8,7 @@ use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 
 /// Packages with their folder and the packages of the workspace that they may name.
-const PACKAGES: [(&str, &str, &[&str]); 12] = [
+const PACKAGES: [(&str, &str, &[&str]); 13] = [
     ("frazil_record", "src/record", &[]),
     ("frazil_core", "src/core", &["frazil_record"]),
     ("frazil_scene", "src/scene", &["frazil_record", "frazil_core"]),
@@ -35,6 +35,20 @@ const PACKAGES: [(&str, &str, &[&str]); 12] = [
             "frazil_cases",
             "frazil_plots",
             "frazil_studies",
+        ],
+    ),
+    (
+        "frazil_python",
+        "python",
+        &[
+            "frazil",
+            "frazil_record",
+            "frazil_scene",
+            "frazil_simulation",
+            "frazil_cases",
+            "frazil_plots",
+            "frazil_studies",
+            "frazil_layouts",
         ],
     ),
 ];

@@ -1,6 +1,8 @@
 //! Values of options, as several commands take them.
 
 use std::borrow::Cow;
+use std::ffi::OsString;
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use clap::Args;
@@ -9,10 +11,19 @@ use frazil_record::shown;
 use frazil_studies::ensemble::runs::Headline;
 use frazil_studies::parallel;
 
+/// The arguments of the program. Those of the process are others where another program runs it.
+static TYPED: Mutex<Vec<OsString>> = Mutex::new(Vec::new());
+
+/// Keeps the arguments of the program, the first of which is its own name.
+pub fn keep_typed(arguments: &[OsString]) {
+    *TYPED.lock().unwrap_or_else(PoisonError::into_inner) = arguments.to_vec();
+}
+
 /// The command as it was typed, for a page of results, on which what is hidden is seen.
 pub fn command_line() -> String {
-    let typed = std::env::args_os().map(|argument| shown(&argument.to_string_lossy()).into_owned());
-    typed.collect::<Vec<_>>().join(" ")
+    let typed = TYPED.lock().unwrap_or_else(PoisonError::into_inner);
+    let words = typed.iter().map(|argument| shown(&argument.to_string_lossy()).into_owned());
+    words.collect::<Vec<_>>().join(" ")
 }
 
 /// Threads that were asked for; by default one for each core.

@@ -4,7 +4,6 @@ use std::error::Error;
 use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 use frazil_plots::PlotError;
 use frazil_record::{Outcome, shown, shown_lines};
@@ -23,6 +22,15 @@ pub enum Verdict {
 }
 
 impl Verdict {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Done => "done",
+            Verdict::CheckFailed => "check_failed",
+            Verdict::Broken => "broken",
+        }
+    }
+
     /// A run that went to its end but against its own checks has failed a check; one that did not get there is broken.
     pub fn of(outcome: Outcome) -> Verdict {
         match outcome {
@@ -100,16 +108,16 @@ impl From<PlotError> for Failure {
 }
 
 /// Reports a failure on standard error, and says with what code the program ends.
-pub fn exit_code(result: Result<Verdict, Failure>) -> ExitCode {
+pub fn exit_code(result: Result<Verdict, Failure>) -> u8 {
     match result {
-        Ok(Verdict::Done) => ExitCode::SUCCESS,
-        Ok(Verdict::CheckFailed) => ExitCode::from(1),
-        Ok(Verdict::Broken) => ExitCode::from(2),
+        Ok(Verdict::Done) => 0,
+        Ok(Verdict::CheckFailed) => 1,
+        Ok(Verdict::Broken) => 2,
         // Whoever reads has seen enough.
-        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
+        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => 0,
         Err(failure) => {
             complain(&failure.to_string());
-            ExitCode::from(2)
+            2
         }
     }
 }

@@ -127,7 +127,6 @@ impl<'a> Report<'a> {
             scenes: self.sections.iter().cloned().chain(current).collect(),
             fairness: if studies.is_empty() { Vec::new() } else { fairness(self.request, studies) },
             machine: self.machine.facts(Fact::new("Threads of a timed run", self.request.threads.to_string())),
-            ..Page::default()
         };
         Ok(page::write(&page, &self.folder.join("report.html"))?)
     }
@@ -181,7 +180,7 @@ fn compared(own: &Path, study: &Study, costs: usize, figures: &mut Figures) -> V
         ];
         let mut block =
             Block { heading: format!("Error against cost: {}", comparison.headline.label()), ..Block::default() };
-        for (place, (cost, file)) in all.iter().cloned().take(costs).enumerate() {
+        for (place, (cost, file)) in all.iter().take(costs).cloned().enumerate() {
             let canvas = work_precision_panels(&[work_figure(study, comparison, cost)]);
             // The chart at the head of the page shows the first measure, and all costs: their drawings lie beside the page.
             if k > 0 && place == 0 {

@@ -1,0 +1,42 @@
+"""Freezing by particles: peridynamics, SPH, eDPD and a local baseline on the same scenes.
+
+    >>> import frazil
+    >>> run = frazil.run("stefan-water", "pd")
+    >>> run.front["time_s"], run.front["front_m"]
+    >>> run.errors["front_rms_rel"]
+
+`run` makes one run; `compare`, `stability` and `layout` make studies; `check` says what a run would do; `scenes` and
+`methods` say what there is. Numbers are in SI units, temperatures in degrees Celsius, unless a scene has others; the names of
+columns end in their units.
+"""
+
+from ._listed import MethodInfo, Plan, SceneInfo, check, methods, read, scenes
+from ._native import RunError, SceneError, __version__
+from ._run import Map, Progress, Run, run
+from ._studies import Study, compare, layout, stability
+from ._table import Figure, Figures, Table, Tables
+
+__all__ = [
+    "Figure",
+    "Figures",
+    "Map",
+    "MethodInfo",
+    "Plan",
+    "Progress",
+    "Run",
+    "RunError",
+    "SceneError",
+    "SceneInfo",
+    "Study",
+    "Table",
+    "Tables",
+    "__version__",
+    "check",
+    "compare",
+    "layout",
+    "methods",
+    "read",
+    "run",
+    "scenes",
+    "stability",
+]

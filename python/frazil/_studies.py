@@ -1,0 +1,173 @@
+"""Studies: many runs, made by the same functions as the commands, into a folder with tables, figures and one page."""
+
+from __future__ import annotations
+
+import functools
+import html
+import os
+from pathlib import Path
+from typing import Any, List, Mapping, Optional, Sequence, Tuple, Union
+
+from . import _native
+from ._run import Scene
+from ._table import Figures, Table, Tables
+
+_Folder = Union[str, "os.PathLike[str]", None]
+
+
+class Study:
+    """A study: its folder, its page and its tables, each also as an attribute by the name of its file."""
+
+    def __init__(self, kind: str, verdict: str, folder: "os.PathLike[str]") -> None:
+        self._kind = kind
+        #: ``done``; ``check_failed`` where results are there but a check on them failed; ``broken`` where some are missing.
+        self.verdict = verdict
+        #: Folder with all that was written.
+        self.folder = Path(folder)
+
+    @property
+    def report(self) -> Path:
+        """The page, for a browser."""
+        return self.folder / "report.html"
+
+    @functools.cached_property
+    def tables(self) -> Tables:
+        """The tables of the study; those of its runs lie in folders of their own."""
+        files = sorted(self.folder.glob("*.csv"))
+        return Tables({file.stem: Table(file.stem, _native.columns(file)) for file in files})
+
+    @functools.cached_property
+    def figures(self) -> Figures:
+        """The figures of the study, as SVG, by their paths in the folder without endings."""
+        files = sorted(self.folder.rglob("*.svg"))
+        named = {file.relative_to(self.folder).with_suffix("").as_posix(): file for file in files}
+        return Figures({name: file.read_text(encoding="utf-8") for name, file in named.items()})
+
+    def __getattr__(self, name: str) -> Table:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return self.tables.__getattr__(name)
+
+    def __dir__(self) -> List[str]:
+        return [*super().__dir__(), *self.tables]
+
+    def __repr__(self) -> str:
+        return f"<Study {self._kind}: {self.verdict}, in {self.folder}>"
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.report.as_posix())
+        tables = html.escape(", ".join(self.tables))
+        return f'<p>{html.escape(repr(self))}</p><p>page: <a href="{page}">{page}</a>; tables: {tables}</p>'
+
+
+def _many(given: Any) -> List[Any]:
+    """One or several of something."""
+    if given is None:
+        return []
+    if isinstance(given, (str, os.PathLike, Mapping)):
+        return [given]
+    return list(given)
+
+
+def _study(kind: str, made: Tuple[str, "os.PathLike[str]"]) -> Study:
+    return Study(kind, *made)
+
+
+def compare(
+    scenes: Union[Scene, Sequence[Scene]],
+    *,
+    methods: Union[str, Sequence[str], None] = None,
+    levels: int = 4,
+    budget_s: Optional[float] = None,
+    repeats: Optional[int] = None,
+    seeds: Optional[int] = None,
+    threads: int = 1,
+    set: Optional[Mapping[str, Any]] = None,
+    out: _Folder = None,
+    progress: bool = False,
+) -> Study:
+    """Sets methods against each other on the same scenes: error against run time (``frazil compare``).
+
+    Args:
+        scenes: one scene or several: paths, names of bundled ones, dictionaries (which are called by their titles).
+        methods: by default all that a scene has settings for.
+        levels: number of spacings, each half the one before, 1 to 8.
+        budget_s: wall time for one scene (s), 45 by default. Runs that would not fit are left out and listed.
+        repeats: timed repetitions of each run; by default seven of short ones and fewer of long ones.
+        seeds: seeds of each stochastic run; by default ten, or at least five where time is short.
+        threads: threads of each run.
+        set: keys that override those of every scene.
+        out: folder for the results; by default ``out/compare``. Runs that it holds already are not made again.
+        progress: whether to tell on standard error what is being run.
+
+    Raises:
+        SceneError, RunError, KeyboardInterrupt: as of `run`; the same call goes on where one was interrupted.
+    """
+    made = _native.compare(
+        _many(scenes), _many(methods), levels, budget_s, repeats, seeds, threads, set, out, not progress
+    )
+    return _study("compare", made)
+
+
+def stability(
+    scenes: Union[Scene, Sequence[Scene]],
+    *,
+    methods: Union[str, Sequence[str], None] = None,
+    axes: Union[str, Sequence[str], None] = None,
+    grid: int = 13,
+    values: int = 5,
+    seeds: int = 10,
+    coarsen: int = 2,
+    time_limit_s: float = 60.0,
+    threads: Optional[int] = None,
+    set: Optional[Mapping[str, Any]] = None,
+    out: _Folder = None,
+    progress: bool = False,
+) -> Study:
+    """Maps where methods break: the outcome over the step and one parameter (``frazil stability``).
+
+    Args:
+        scenes: one scene or several, as of `compare`.
+        methods: by default all that a scene has settings for.
+        axes: parameters of the maps, as ``stefan``, ``conductivity``, ``capacity``, ``reach``, or ``own``, the scene as it is;
+            by default all but ``own`` that mean anything.
+        grid: steps of a map, from a quarter of the bound to four times it, 2 to 200.
+        values: columns of a map, an odd number.
+        seeds: seeds of a noisy cell near a boundary.
+        coarsen: largest spacing over the scene's own, 1 to 16.
+        time_limit_s: wall time of one run (s); a cell that needs more has timed out.
+        threads: columns side by side; by default one for each core.
+        set: keys that override those of every scene.
+        out: folder for the results; by default ``out/stability``.
+        progress: whether to tell on standard error what is being run.
+    """
+    made = _native.stability(
+        _many(scenes), _many(methods), _many(axes), grid, values, seeds, coarsen, time_limit_s, threads, set, out,
+        not progress,
+    )  # fmt: skip
+    return _study("stability", made)
+
+
+def layout(
+    study: Scene,
+    method: Optional[str] = None,
+    *,
+    set: Optional[Mapping[str, Any]] = None,
+    threads: Optional[int] = None,
+    error: Optional[float] = None,
+    out: _Folder = None,
+    progress: bool = False,
+) -> Study:
+    """Sets layouts of freeze pipes beside each other (``frazil layout``).
+
+    Args:
+        study: a path, the name of a bundled study, or a dictionary, whose ``scene`` may be one too.
+        method: by default the study's, or the first that its scene has settings for; ``all`` for all of them.
+        set: keys that override those of the scene of all layouts.
+        threads: layouts at once; by default one for each core.
+        error: relative error of the day of closure and of the thickness at the end, for which the spacing is chosen; by
+            default the spacing is the scene's.
+        out: folder for the results; by default ``out/STUDY``. Layouts that it holds already are not run again.
+        progress: whether to tell on standard error what is being run.
+    """
+    return _study("layout", _native.layout(study, method, set, threads, error, out, not progress))

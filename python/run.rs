@@ -1,0 +1,173 @@
+//! One run.
+
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use frazil::provenance;
+use frazil::run::{Asked, Host, Made, RunRequest, asked_of, drawn, make, options};
+use frazil_plots::canvas::Formats;
+use frazil_record::{Field, Provenance, RunResult};
+use frazil_scene::Scene;
+use frazil_simulation::march::{self, Progress};
+use frazil_studies::failure::Failure;
+use frazil_studies::{output, parallel};
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict, PyMapping};
+
+use crate::errors::{RunError, SceneError, raised};
+use crate::source::{Scenes, Source};
+use crate::{table, value, work};
+
+/// Wall time between two checkpoints of a run in a folder, as the command has it.
+const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(60);
+
+/// Threads at most, as the command has it.
+pub const MOST_THREADS: usize = 1024;
+
+/// Threads that were asked for; by default as many as there are cores.
+///
+/// # Errors
+/// Where they are too many or none.
+pub fn threads(asked: Option<usize>) -> PyResult<usize> {
+    let threads = asked.unwrap_or_else(parallel::cores);
+    if !(1..=MOST_THREADS).contains(&threads) {
+        return Err(SceneError::new_err(format!("threads: found {threads}, must be from 1 to {MOST_THREADS}")));
+    }
+    Ok(threads)
+}
+
+/// A run that was made, with all that it left.
+#[pyclass(frozen, module = "frazil._native")]
+pub struct Run {
+    scene: Scene,
+    result: RunResult,
+    folder: Option<PathBuf>,
+}
+
+#[pymethods]
+impl Run {
+    /// The record as JSON.
+    fn record(&self) -> PyResult<String> {
+        serde_json::to_string(&self.result.record).map_err(|error| RunError::new_err(error.to_string()))
+    }
+
+    /// Where results were written, if they were.
+    fn folder(&self) -> Option<PathBuf> {
+        self.folder.clone()
+    }
+
+    /// The tables that have rows, by the names of their files without endings.
+    fn tables<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, Vec<table::Column<'py>>)>> {
+        let mut tables = Vec::new();
+        for (file, fill) in output::series(&self.result) {
+            let Some(fill) = fill else { continue };
+            let mut text = Vec::new();
+            fill(&mut text)?;
+            tables.push((file.trim_end_matches(".csv").to_owned(), table::of_text(py, &text)?));
+        }
+        Ok(tables)
+    }
+
+    /// The figures as SVG, by their names.
+    fn figures(&self, py: Python<'_>) -> Vec<(String, String)> {
+        let draw = || drawn(&self.scene, &self.result).into_iter().map(|(name, canvas)| (name, canvas.svg())).collect();
+        py.detach(draw)
+    }
+
+    /// The maps that it kept: their numbers, and the bytes of their values.
+    fn maps<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+        self.result.fields.iter().map(|field| map(py, field)).collect()
+    }
+}
+
+fn map<'py>(py: Python<'py>, field: &Field) -> PyResult<Bound<'py, PyDict>> {
+    let map = PyDict::new(py);
+    map.set_item("time_s", field.time_s)?;
+    map.set_item("shape", (field.ny, field.nx))?;
+    map.set_item("first_m", (field.x0_m, field.y0_m))?;
+    map.set_item("spacing_m", field.spacing_m)?;
+    let values = [
+        ("temperature_c", &field.temperature_c),
+        ("temperature_ref_c", &field.temperature_ref_c),
+        ("frozen_fraction", &field.frozen_fraction),
+        ("concentration", &field.concentration),
+    ];
+    for (name, values) in values.into_iter().filter(|(_, values)| !values.is_empty()) {
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_ne_bytes()).collect();
+        map.set_item(name, PyBytes::new(py, &bytes))?;
+    }
+    Ok(map)
+}
+
+/// Where a run stands: time and end (s), steps, wall time (s).
+type Standing = (f64, f64, u64, f64);
+
+/// Makes a run, and writes its results where there is a folder for them. `tell` is told where it stands.
+#[pyfunction]
+#[pyo3(signature = (scene, method, set, seed, threads, out, tell))]
+#[expect(clippy::too_many_arguments, reason = "the arguments of the function of Python")]
+pub fn run(
+    py: Python<'_>,
+    scene: &Bound<'_, PyAny>,
+    method: Option<&str>,
+    set: Option<&Bound<'_, PyMapping>>,
+    seed: u64,
+    threads: Option<usize>,
+    out: Option<PathBuf>,
+    tell: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Run> {
+    let source = Source::of(scene)?;
+    let (scenes, overrides) = (Scenes::of(std::slice::from_ref(&source))?, value::overrides(set)?);
+    let threads = self::threads(threads)?;
+    let request = RunRequest {
+        scene: source.name().to_owned(),
+        method: method.map(str::to_owned),
+        overrides,
+        threads,
+        seed,
+        out,
+        reduce: false,
+        estimated: None,
+        fields: false,
+        frames: false,
+        formats: Formats::Svg,
+        checkpoints: Some(BETWEEN_CHECKPOINTS),
+        resume: false,
+        quiet: true,
+        // Whoever waits can see how far it is, and stop it.
+        yes: true,
+        command_line: "frazil.run(...)".into(),
+    };
+    let (interrupt, standing) = (AtomicBool::new(false), Mutex::new(None::<Standing>));
+    let latest = || standing.lock().unwrap_or_else(PoisonError::into_inner);
+    let progress = |at: &Progress| *latest() = Some((at.time_s, at.duration_s, at.steps, at.elapsed_s));
+    let host = Host { interrupt: &interrupt, prepared: &|| {}, progress: &progress, marched: &|| {} };
+    let told = |_: Python<'_>| match (tell, latest().take()) {
+        (Some(tell), Some(standing)) => tell.call1(standing).map(drop),
+        _ => Ok(()),
+    };
+    let work = || {
+        let asked = asked_of(scenes.read(&request.scene, &request.overrides)?, request.method.as_deref())?;
+        made(&request, asked, provenance::with(&request, scenes.source(&request.scene)?), &host)
+    };
+    let (made, stopped) = work::beside(py, &interrupt, told, work)?;
+    match stopped {
+        Some(stopped) => Err(stopped),
+        None => made.map_err(|failure| raised(&failure)),
+    }
+}
+
+/// The run of a request: in its folder as the command makes it, or in memory alone.
+fn made(request: &RunRequest, asked: Asked, provenance: Provenance, host: &Host<'_>) -> Result<Run, Failure> {
+    if request.out.is_some()
+        && let Made::Now { result, folder, .. } = make(request, &asked, provenance.clone(), host)?
+    {
+        return Ok(Run { scene: asked.0, result: *result, folder: Some(folder) });
+    }
+    let (scene, method, reference) = asked;
+    let mut result = march::run(&scene, method, reference.as_ref(), &options(host, (request.threads, request.seed)))?;
+    result.record.provenance = Some(provenance);
+    Ok(Run { scene, result, folder: None })
+}

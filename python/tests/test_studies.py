@@ -1,0 +1,114 @@
+"""Studies, lists, checks, and the command."""
+
+import numpy as np
+import pytest
+
+import frazil
+
+
+def test_methods_are_compared(tmp_path):
+    study = frazil.compare("stefan-unit", methods=["local", "pd"], levels=2, budget_s=2.0, out=tmp_path / "compared")
+    assert study.verdict == "done" and study.folder == tmp_path / "compared"
+    assert study.report.read_text().startswith("<!DOCTYPE html>")
+    comparison = study.comparison
+    assert set(comparison["method"]) == {"local", "pd"} and comparison.rows == 4
+    assert comparison["particles"].dtype == np.int64 and comparison.units["total_wall_median_s"] == "s"
+    assert {"comparison", "convergence", "equal_error", "equal_time"} <= set(study.tables)
+    assert all(text.lstrip().startswith("<svg") for text in study.figures.values()) and study.figures
+    assert "report.html" in study._repr_html_()
+
+
+def test_a_dictionary_is_compared_under_its_title(scene, tmp_path):
+    scene["title"] = "Ice, thin"
+    scene["time"] = {"duration_h": 1, "outputs": 10}
+    del scene["watch"]["front_from_h"]
+    study = frazil.compare([scene], methods="local", levels=2, budget_s=1.0, out=tmp_path)
+    assert set(study.comparison["scene"]) == {"ice-thin"}
+
+
+def test_a_study_of_nothing_is_refused():
+    with pytest.raises(frazil.SceneError, match="--methods fem: there are local, pd, sph, edpd"):
+        frazil.compare("stefan-unit", methods="fem")
+    with pytest.raises(frazil.SceneError, match="levels: found 9, must be from 1 to 8"):
+        frazil.compare("stefan-unit", levels=9)
+    with pytest.raises(frazil.SceneError, match="axes: found .*must be of stefan, "):
+        frazil.stability("stefan-unit", axes="colour")
+
+
+def test_stability_is_mapped(tmp_path):
+    study = frazil.stability("stefan-unit", methods="pd", axes="own", grid=5, values=1, out=tmp_path)
+    assert study.verdict == "done" and study.report.exists()
+    (over,) = study.boundaries["sharp_over_bound"]
+    assert over >= 1.0, "the bound keeps what the sharp one would"
+    cells = study.stability
+    assert cells["step_over_bound"].max() == pytest.approx(4.0)
+    assert set(cells["class"][cells["step_over_bound"] <= 1.0]) == {"exact"}
+
+
+SHORT = {
+    "time.duration_days": 30,
+    "time.outputs": 30,
+    "time.profiles_days": [30],
+    "method.local.spacing_m": 0.16,
+}
+
+
+def test_layouts_stand_beside_each_other(tmp_path):
+    study = {
+        "title": "Warm and cold",
+        "source": "none",
+        "scene": "frozen-wall-sand",
+        "set": SHORT,
+        "layouts": [{"name": "cold"}, {"name": "warm", "set": {"pipes.1.temperature_c": -10}}],
+    }
+    made = frazil.layout(study, "local", out=tmp_path)
+    assert made.report.exists() and made.verdict in ("done", "check_failed")
+    layouts = made.layouts
+    assert list(layouts["layout"])[:2] == ["cold", "warm"]
+    cold, warm = layouts["load_w_per_m"][:2]
+    assert cold > warm > 0.0
+    assert layouts["weakest_from"].dtype == object
+
+
+def test_a_bad_study_is_told_by_its_keys():
+    study = {"title": "t", "source": "s", "scene": "frozen-wall-sand", "layouts": [{"name": "a", "st": {}}]}
+    with pytest.raises(frazil.SceneError) as told:
+        frazil.layout(study)
+    assert "layouts.1.st: unknown key" in str(told.value) and "/tmp" not in str(told.value)
+
+
+def test_a_check_tells_what_a_run_would_do(stefan):
+    plans = frazil.check("stefan-water")
+    assert list(plans) == ["local", "pd", "sph", "edpd"]
+    plan = frazil.check("stefan-water", "pd", threads=1)["pd"]
+    assert plan.particles == stefan.record["particles"] and plan.pairs == stefan.record["pairs"]
+    assert plan.steps == stefan.record["steps"]
+    assert 0.0 < plan.wall_s < 60.0 and plan.memory_bytes > 1000
+    assert "step limit" in str(plan)
+    with pytest.raises(frazil.SceneError):
+        frazil.check("stefan-water", "fem")
+
+
+def test_lists_name_what_there_is(command):
+    scenes = {scene.name: scene for scene in frazil.scenes()}
+    assert "stefan-water" in scenes and scenes["stefan-water"].source.startswith("Nikolaev")
+    assert {method.name: method.stochastic for method in frazil.methods()} == {
+        "local": False,
+        "pd": False,
+        "sph": False,
+        "edpd": True,
+    }
+    told = command("list").stdout
+    assert all(name in told for name in scenes)
+    assert any(study.name == "shaft-clay" for study in frazil.scenes("study"))
+    assert frazil.read("shaft-clay")["scene"] == "frozen-wall-clay"
+
+
+def test_the_command_came_along(command, tmp_path):
+    assert command("--version").stdout == f"frazil {frazil.__version__}\n"
+    told = command("run", "stefan-watr")
+    assert told.returncode == 2 and 'did you mean "stefan-water"' in told.stderr
+    told = command("compare", "stefan-unit", "--methods", "local", "--levels", "1", "--budget-s", "1", "--out", tmp_path)
+    assert told.returncode == 0
+    page = (tmp_path / "report.html").read_text()
+    assert "frazil compare stefan-unit --methods local" in page and "/bin/frazil" not in page

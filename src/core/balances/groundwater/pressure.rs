@@ -255,7 +255,7 @@ impl Pressure {
         for (inverse, diagonal) in self.inverse.iter_mut().zip(&self.diagonal) {
             *inverse = 1.0 / diagonal;
         }
-        self.seams.take_out(&mut self.inverse);
+        self.seams.take(&self.rest, &mut self.inverse);
     }
 
     /// Fills the residual of the pressure.
@@ -335,17 +335,17 @@ impl Pressure {
             }
             0.0
         });
-        seams.sweep(network, bands, [rest, residual, swept]);
+        seams.sweep(bands, [residual, swept]);
         let (parts, seams) = (bands.parts(swept).zip(swept_places), &*seams);
         bands.share(sums, parts, |band, (swept, places)| {
             let own = bands.part(band, inverse);
             if let Some(diagonals) = &network.diagonals {
-                seams.before(band.number, rest, inverse, places);
+                seams.before(band.number, inverse, places);
                 diagonals.back([own, rest], (band.first, band.base, swept.len()), places);
                 seams.after(band.number, places);
                 diagonals.places.collect_from(places, (band.first, band.base), swept);
             } else {
-                seams.before(band.number, rest, inverse, swept);
+                seams.before(band.number, inverse, swept);
                 back(network, band, [own, rest], swept);
                 seams.after(band.number, swept);
             }

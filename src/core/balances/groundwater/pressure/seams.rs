@@ -7,66 +7,89 @@ use crate::balances::groundwater::network::Network;
 use crate::balances::groundwater::pressure::bands::Bands;
 use crate::memory::{HeapSize, total};
 
-/// A particle with its paths to particles on seams.
+/// Paths of some particles to some others, with their entries of the matrix side by side: those are read in every sweep, and
+/// taken from all over the matrix once.
+#[derive(Debug, Clone, Default)]
+struct Links {
+    /// Start of each particle's paths, and the end of the last.
+    starts: Vec<usize>,
+    /// The other end, and the slot of each.
+    paths: Vec<[u32; 2]>,
+    entries: Vec<f64>,
+}
+
+impl Links {
+    /// Ends the paths of one particle.
+    fn close(&mut self) {
+        self.starts.push(self.paths.len());
+    }
+
+    fn take(&mut self, rest: &[f64]) {
+        self.entries.clear();
+        self.entries.extend(self.paths.iter().map(|[_, slot]| rest[*slot as usize]));
+    }
+
+    /// What the other ends of a particle's paths bring.
+    #[inline]
+    fn brought(&self, row: usize, value: impl Fn(usize) -> f64) -> f64 {
+        let range = self.starts[row]..self.starts[row + 1];
+        let paths = self.paths[range.clone()].iter().zip(&self.entries[range]);
+        paths.fold(0.0, |sum, ([end, _], entry)| sum + entry * value(*end as usize))
+    }
+}
+
+impl HeapSize for Links {
+    fn heap_size(&self) -> usize {
+        total(&[&self.starts, &self.paths, &self.entries])
+    }
+}
+
+/// A particle, and its place on the column of its band.
 #[derive(Debug, Clone, Copy)]
 struct Member {
     particle: u32,
-    /// Its place on the column of its band.
     at: u32,
-    /// Its first path, and the end of its last.
-    paths: [u32; 2],
 }
 
 /// All seams.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Seams {
-    /// Their particles, ascending, with the paths to others on the same seam.
+    /// Their particles, ascending, with the paths to particles of bands and to members of the same seam by their number.
     members: Vec<Member>,
+    outward: Links,
+    among: Links,
     /// The first of each band, and the end of the last.
     starts: Vec<usize>,
-    /// Other particles with paths to seams, in the same way.
+    /// Particles of bands beside seams, with the paths to members.
     beside: Vec<Member>,
+    to_seams: Links,
     beside_starts: Vec<usize>,
-    /// Number among the members of the other end, and slot of each path.
-    paths: Vec<[u32; 2]>,
     inverse: Vec<f64>,
     /// What the sweep found for each member.
-    pub(super) found: Vec<f64>,
+    found: Vec<f64>,
 }
 
 impl HeapSize for Seams {
     fn heap_size(&self) -> usize {
         let members = (self.members.capacity() + self.beside.capacity()) * size_of::<Member>();
-        members + total(&[&self.starts, &self.beside_starts, &self.paths, &self.inverse, &self.found])
+        let links = total(&[&self.outward, &self.among, &self.to_seams]);
+        members + links + total(&[&self.starts, &self.beside_starts, &self.inverse, &self.found])
     }
 }
 
 impl Seams {
     pub(super) fn new(network: &Network, bands: &Bands) -> Self {
         let sewn = |i: usize| network.paths(i).any(|(j, ..)| j < i && bands.number(j) != bands.number(i));
-        let on: Vec<u32> = (0..network.len()).filter(|i| sewn(*i)).map(|i| i as u32).collect();
+        let on: Vec<usize> = (0..network.len()).filter(|i| sewn(*i)).collect();
         let places = network.diagonals.as_ref().map(|diagonals| &diagonals.places);
         let mut seams = Seams { inverse: vec![0.0; on.len()], found: vec![0.0; on.len()], ..Seams::default() };
+        [&mut seams.outward, &mut seams.among, &mut seams.to_seams].into_iter().for_each(Links::close);
         for (number, band) in bands.iter().enumerate() {
             seams.starts.push(seams.members.len());
             seams.beside_starts.push(seams.beside.len());
             for i in (band.first..network.len()).take_while(|i| bands.number(*i) == number) {
-                let (first, is_on) = (seams.paths.len() as u32, on.binary_search(&(i as u32)).is_ok());
-                for (j, slot, _) in network.paths(i) {
-                    if let Ok(member) = on.binary_search(&(j as u32)) {
-                        // Two seams never meet but between bands that are too thin to tell.
-                        if !is_on || bands.number(j) == number {
-                            seams.paths.push([member as u32, slot as u32]);
-                        }
-                    }
-                }
                 let at = places.map_or(i, |places| places.of(i)) - band.base;
-                let member = Member { particle: i as u32, at: at as u32, paths: [first, seams.paths.len() as u32] };
-                if is_on {
-                    seams.members.push(member);
-                } else if member.paths[0] < member.paths[1] {
-                    seams.beside.push(member);
-                }
+                seams.add(network, bands, Member { particle: i as u32, at: at as u32 }, &on);
             }
         }
         seams.starts.push(seams.members.len());
@@ -74,16 +97,40 @@ impl Seams {
         seams
     }
 
-    /// Takes the inverse of the diagonal of its members, for which it leaves zeros: a sweep of a band then leaves them out.
-    pub(super) fn take_out(&mut self, inverse: &mut [f64]) {
-        for (own, member) in self.inverse.iter_mut().zip(&self.members) {
-            *own = std::mem::take(&mut inverse[member.particle as usize]);
+    /// Takes note of a particle, of which `on` are on seams.
+    fn add(&mut self, network: &Network, bands: &Bands, member: Member, on: &[usize]) {
+        let i = member.particle as usize;
+        let is_on = on.binary_search(&i).is_ok();
+        for (j, slot, _) in network.paths(i) {
+            match on.binary_search(&j) {
+                Ok(other) if !is_on => self.to_seams.paths.push([other as u32, slot as u32]),
+                // Two seams meet only where a band is thinner than paths are long; they then do not see each other.
+                Ok(other) if bands.number(i) == bands.number(j) => self.among.paths.push([other as u32, slot as u32]),
+                Err(_) if is_on => self.outward.paths.push([j as u32, slot as u32]),
+                _ => {}
+            }
+        }
+        if is_on {
+            self.members.push(member);
+            self.outward.close();
+            self.among.close();
+        } else if self.to_seams.starts.last() != Some(&self.to_seams.paths.len()) {
+            self.beside.push(member);
+            self.to_seams.close();
         }
     }
 
+    /// Takes the matrix, and the inverse of the diagonal of members, for which it leaves zeros: sweeps of bands then leave them out.
+    pub(super) fn take(&mut self, rest: &[f64], inverse: &mut [f64]) {
+        for (own, member) in self.inverse.iter_mut().zip(&self.members) {
+            *own = std::mem::take(&mut inverse[member.particle as usize]);
+        }
+        [&mut self.outward, &mut self.among, &mut self.to_seams].into_iter().for_each(|links| links.take(rest));
+    }
+
     /// Sweeps over each seam, after what was found for bands on the way there.
-    pub(super) fn sweep(&mut self, network: &Network, bands: &Bands, [rest, residual, swept]: [&[f64]; 3]) {
-        let Seams { members, starts, paths, inverse, found, .. } = self;
+    pub(super) fn sweep(&mut self, bands: &Bands, [residual, swept]: [&[f64]; 2]) {
+        let Seams { members, outward, among, starts, inverse, found, .. } = self;
         let mut left = &mut found[..];
         let parts = starts.windows(2).map(|ends| {
             let (part, after) = std::mem::take(&mut left).split_at_mut(ends[1] - ends[0]);
@@ -91,32 +138,27 @@ impl Seams {
             (ends[0], part)
         });
         bands.each(parts, |(first, found)| {
-            let among = |k: usize, earlier: bool, found: &[f64]| -> f64 {
-                let [from, to] = members[first + k].paths.map(|path| path as usize);
-                let others = paths[from..to].iter().map(|[member, slot]| (*member as usize - first, *slot as usize));
-                others.filter(|(other, _)| (*other < k) == earlier).map(|(other, slot)| rest[slot] * found[other]).sum()
-            };
             for k in 0..found.len() {
-                let i = members[first + k].particle as usize;
-                // Nothing was found for members on the way there.
-                let of_bands: f64 = network.paths(i).map(|(j, slot, _)| rest[slot] * swept[j]).sum();
-                found[k] = (residual[i] - of_bands - among(k, true, found)) * inverse[first + k];
+                let of_bands = outward.brought(first + k, |particle| swept[particle]);
+                let earlier = |member: usize| if member - first < k { found[member - first] } else { 0.0 };
+                let brought = of_bands + among.brought(first + k, earlier);
+                found[k] = (residual[members[first + k].particle as usize] - brought) * inverse[first + k];
             }
             for k in (0..found.len()).rev() {
-                found[k] -= among(k, false, found) * inverse[first + k];
+                let later = |member: usize| if member - first > k { found[member - first] } else { 0.0 };
+                found[k] -= among.brought(first + k, later) * inverse[first + k];
             }
         });
     }
 
     /// Takes from what was found for a band, on its column, what the seams beside it hold: before the way back. Members are zero.
-    pub(super) fn before(&self, number: usize, rest: &[f64], inverse: &[f64], column: &mut [f64]) {
-        for at in self.members(number).map(|(member, _)| member.at) {
-            column[at as usize] = 0.0;
+    pub(super) fn before(&self, number: usize, inverse: &[f64], column: &mut [f64]) {
+        for (member, _) in self.members(number) {
+            column[member.at as usize] = 0.0;
         }
-        for member in &self.beside[self.beside_starts[number]..self.beside_starts[number + 1]] {
-            let paths = self.paths[member.paths[0] as usize..member.paths[1] as usize].iter();
-            let held: f64 = paths.map(|[other, slot]| rest[*slot as usize] * self.found[*other as usize]).sum();
-            column[member.at as usize] -= held * inverse[member.particle as usize];
+        for row in self.beside_starts[number]..self.beside_starts[number + 1] {
+            let Member { particle, at } = self.beside[row];
+            column[at as usize] -= self.to_seams.brought(row, |member| self.found[member]) * inverse[particle as usize];
         }
     }
 

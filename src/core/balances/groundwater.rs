@@ -18,6 +18,7 @@ use crate::balances::groundwater::ground::Flow;
 use crate::balances::groundwater::network::Network;
 use crate::balances::groundwater::numerics::FlowNumerics;
 use crate::balances::groundwater::pressure::Pressure;
+use crate::balances::groundwater::tasks::each;
 use crate::balances::groundwater::velocity::velocities;
 use crate::boundary::patch::Face;
 use crate::ledger::Sum;
@@ -113,22 +114,24 @@ impl Groundwater {
 
     /// Fills the temperatures.
     fn warm(&mut self, enthalpy: &[f64]) {
-        for (i, (temperature, enthalpy)) in self.temperature.iter_mut().zip(enthalpy).enumerate() {
-            *temperature = self.aquifers[self.materials.index(i)].warmth.at(*enthalpy);
-        }
+        let Groundwater { temperature, aquifers, materials, team, .. } = self;
+        each(team.as_ref(), temperature, |i, temperature| {
+            *temperature = aquifers[materials.index(i)].warmth.at(enthalpy[i]);
+        });
     }
 
     /// Fills the relative permeabilities.
     fn permeate(&mut self, enthalpy: &[f64]) {
         let (law, least) = (self.flow.relative_permeability, self.flow.least_relative_permeability);
-        for i in 0..enthalpy.len() {
-            let aquifer = &self.aquifers[self.materials.index(i)];
-            self.permeability[i] = if enthalpy[i] + aquifer.thermal.zero_enthalpy >= 0.0 {
+        let Groundwater { permeability, temperature, aquifers, materials, team, .. } = self;
+        each(team.as_ref(), permeability, |i, permeability| {
+            let aquifer = &aquifers[materials.index(i)];
+            *permeability = if enthalpy[i] + aquifer.thermal.zero_enthalpy >= 0.0 {
                 1.0
             } else {
-                law.at(aquifer.unfrozen(enthalpy[i], self.temperature[i]), aquifer.pores.porosity).max(least)
+                law.at(aquifer.unfrozen(enthalpy[i], temperature[i]), aquifer.pores.porosity).max(least)
             };
-        }
+        });
     }
 
     /// Follows the state of heat at a time (s), where permeabilities, walls, ice or paths have changed enough; whether they
@@ -204,7 +207,7 @@ impl Groundwater {
         self.solved.clone_from(&self.permeability);
         self.pressure.steepness(&self.network, &self.permeability, &mut self.steepness);
         let warm: Vec<bool> = (0..self.walls.len()).map(|wall| self.wall_temperature(wall).is_some()).collect();
-        let ground = Ground { capacity: self.capacity, warm: &warm };
+        let ground = Ground { capacity: self.capacity, warm: &warm, team: self.team.as_ref() };
         self.carrier.take(&self.network, &self.pressure, &ground, self.numerics.advection);
         self.seconds += began.elapsed().as_secs_f64();
         Ok(())

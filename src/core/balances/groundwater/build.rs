@@ -145,7 +145,7 @@ impl Groundwater {
         let water = aquifers[0].pores;
         let (lifts, heights) = lifts(flow, water.water_density * flow.gravity, domain, positions);
         Ok(Groundwater {
-            pressure: Pressure::new(&network, positions),
+            pressure: Pressure::new(&network, positions, list.team.clone()),
             carrier: Carrier::new(&network, numerics.advection),
             cuts: cuts.map(Box::new),
             aquifers,

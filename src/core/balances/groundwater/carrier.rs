@@ -79,6 +79,8 @@ pub struct Carrier {
     columns: [Vec<f64>; 5],
     mouth_of: Vec<u32>,
     rows: Vec<Row>,
+    /// Where not all of the exchange is taken back, and what sees such places.
+    limited: Vec<bool>,
     marked: Vec<bool>,
     limits: Vec<(f64, f64)>,
 }
@@ -110,7 +112,7 @@ impl HeapSize for Carrier {
     fn heap_size(&self) -> usize {
         let rows = self.rows.capacity() * size_of::<Row>() + self.mouths.capacity() * size_of::<Mouth>();
         let more = self.bent.iter().chain(&self.columns).map(HeapSize::heap_size).sum::<usize>();
-        let beside = self.beside_walls.capacity() * size_of::<(u32, u32, u32)>() + self.marked.capacity();
+        let beside = self.beside_walls.capacity() * size_of::<(u32, u32, u32)>() + 2 * self.marked.capacity();
         let paths = total(&[&self.exchange, &self.sums, &self.beside, &self.carried, &self.conducted]);
         rows + paths + more + beside + total(&[&self.kept, &self.mouth_of, &self.limits])
     }
@@ -122,6 +124,8 @@ pub struct Ground<'a> {
     pub capacity: f64,
     /// Whether each pressure wall has a temperature of its own.
     pub warm: &'a [bool],
+    /// Threads, if more than one.
+    pub team: Option<&'a Team>,
 }
 
 impl Carrier {
@@ -152,6 +156,7 @@ impl Carrier {
         }
         if advection == Advection::Limited {
             carrier.rows = vec![Row::default(); count];
+            carrier.limited = vec![false; count];
             carrier.marked = vec![false; count];
             carrier.limits = vec![(1.0, 1.0); count];
         }
@@ -169,7 +174,7 @@ impl Carrier {
 
     /// Takes the water of a solution for the pressure.
     pub fn take(&mut self, network: &Network, pressure: &Pressure, ground: &Ground<'_>, advection: Advection) {
-        self.follow(network, pressure, ground.capacity, advection);
+        self.follow(network, pressure, (ground.capacity, ground.team), advection);
         for mouth in &mut self.mouths {
             (mouth.inflow, mouth.outflow) = (0.0, 0.0);
         }
@@ -208,7 +213,13 @@ impl Carrier {
     }
 
     /// The water of paths, and what particles keep of it.
-    fn follow(&mut self, network: &Network, pressure: &Pressure, capacity: f64, advection: Advection) {
+    fn follow(
+        &mut self,
+        network: &Network,
+        pressure: &Pressure,
+        (capacity, team): (f64, Option<&Team>),
+        advection: Advection,
+    ) {
         let Carrier { carried, kept, columns, .. } = self;
         let (half, values) = (0.5 * capacity, &pressure.pressure[..]);
         // Water along a path carries half of each end's temperature.
@@ -220,9 +231,9 @@ impl Carrier {
             });
         } else {
             let sent = |conductance: f64, i: f64, j: f64| half * (conductance * (i - j));
-            network.by_path(&pressure.conductances, values, &mut columns[0], sent, carried);
+            network.by_path(team, (&pressure.conductances, values), &mut columns[0], sent, carried);
         }
-        network.sums([carried; 3], |[carried, ..], earlier| if earlier { -carried } else { carried }, kept);
+        network.sums(team, [carried; 3], |[carried, ..], earlier| if earlier { -carried } else { carried }, kept);
         for kept in kept {
             *kept /= half;
         }
@@ -230,7 +241,7 @@ impl Carrier {
 
     /// Adds the exchange that keeps factors and conduction together from being negative, and finds the greatest sum.
     fn bound(&mut self, network: &Network, ground: &Ground<'_>, advection: Advection) {
-        let limited = advection == Advection::Limited;
+        let (limited, team) = (advection == Advection::Limited, ground.team);
         let may_bend = matches!(advection, Advection::Central | Advection::Limited);
         let conducted = &network.least_conductances;
         let Carrier { carried, exchange, beside, sums, .. } = self;
@@ -238,7 +249,7 @@ impl Carrier {
             let stiff = |[carried, beside, _]: [f64; 3], earlier: bool| {
                 if earlier { (beside - carried).abs() } else { (beside + carried).abs() }
             };
-            network.sums([carried, beside, beside], stiff, sums);
+            network.sums(team, [carried, beside, beside], stiff, sums);
         } else {
             let slots = carried.iter().zip(beside.iter()).zip(conducted);
             for (added, ((carried, beside), conducted)) in exchange.iter_mut().zip(slots) {
@@ -248,7 +259,7 @@ impl Carrier {
             let stiff = |[carried, beside, added]: [f64; 3], earlier: bool| {
                 (if earlier { beside - carried } else { beside + carried } + added).max(0.0)
             };
-            network.sums([carried, beside, exchange], stiff, sums);
+            network.sums(team, [carried, beside, exchange], stiff, sums);
         }
         self.exchanges = self.exchange.iter().any(|added| *added > 0.0);
         let outruns = |(carried, conducted): (&f64, &f64)| 2.0 * carried.abs() > FAST * conducted.abs();
@@ -268,7 +279,7 @@ impl Carrier {
         self.greatest =
             sums.iter().enumerate().fold((0.0, 0), |most, (i, sum)| if *sum > most.0 { (*sum, i) } else { most });
         // What passes, whichever way.
-        network.sums([&self.carried; 3], |[carried, ..], _| carried.abs(), sums);
+        network.sums(team, [&self.carried; 3], |[carried, ..], _| carried.abs(), sums);
         self.turning = sums.iter().copied().fold(0.0, f64::max);
         self.passing = sum(sums.len(), |i| sums[i] * sums[i]).sqrt() / (0.5 * ground.capacity);
     }

@@ -166,16 +166,22 @@ impl Diagonals {
         }
     }
 
-    /// Fills a column with the sums over the paths of each particle of a term of `columns`, as it is seen from the earlier end
-    /// (`true`) or from the later.
-    pub(super) fn sums(&self, columns: [&[f64]; 3], term: impl Fn([f64; 3], bool) -> f64, out: &mut [f64]) {
-        sums(self, term, columns, out);
+    /// Fills a column, from particle `first` on, with the sums over the paths of each particle of a term of `columns`, as it is seen
+    /// from the earlier end (`true`) or from the later.
+    pub(super) fn sums(
+        &self,
+        columns: [&[f64]; 3],
+        term: &impl Fn([f64; 3], bool) -> f64,
+        first: usize,
+        out: &mut [f64],
+    ) {
+        sums(self, term, columns, first, out);
     }
 }
 
 widest!(gather, gather_rows<EXCHANGE, BENDS, CORRECTED>, (own: &Diagonals, carried: &Carried<'_>, fields: &Fields<'_>, first: usize, rows: &mut [Row]));
 widest!(carry, carry_rows<EXCHANGE>, (own: &Diagonals, carried: &[f64], exchange: &[f64], temperature: &[f64], first: usize, rates: &mut [f64]));
-widest!(sums, sum_rows[F: Fn([f64; 3], bool) -> f64], (own: &Diagonals, term: F, columns: [&[f64]; 3], out: &mut [f64]));
+widest!(sums, sum_rows[F: Fn([f64; 3], bool) -> f64], (own: &Diagonals, term: &F, columns: [&[f64]; 3], first: usize, out: &mut [f64]));
 
 /// A particle's own part of [`Fields`].
 #[derive(Clone, Copy)]
@@ -348,8 +354,14 @@ fn carry_rows<const EXCHANGE: bool>(
 }
 
 #[inline(always)]
-fn sum_rows<F: Fn([f64; 3], bool) -> f64>(diagonals: &Diagonals, term: F, columns: [&[f64]; 3], sums: &mut [f64]) {
-    for Stretch { before, at, count } in diagonals.places.stretches(0, sums.len()).flat_map(blocks) {
+fn sum_rows<F: Fn([f64; 3], bool) -> f64>(
+    diagonals: &Diagonals,
+    term: &F,
+    columns: [&[f64]; 3],
+    first: usize,
+    sums: &mut [f64],
+) {
+    for Stretch { before, at, count } in diagonals.places.stretches(first, sums.len()).flat_map(blocks) {
         let mut sum = [0.0; LANES];
         for (number, offset) in diagonals.offsets.iter().enumerate() {
             let place = number * diagonals.stride + at;

@@ -5,26 +5,38 @@ use crate::balances::groundwater::places::Stretch;
 use crate::instruction_set::widest;
 
 impl Diagonals {
-    /// The product of a symmetric matrix with a column of particles, which is spread over `places` first.
-    pub fn multiply(&self, [diagonal, rest, column]: [&[f64]; 3], places: &mut [f64], image: &mut [f64]) {
-        self.places.spread(column, places);
-        multiply(self, diagonal, rest, places, image);
+    /// The product of a symmetric matrix, whose diagonal is given from particle `first` on, with a column of places.
+    pub fn multiply(&self, [diagonal, rest, column]: [&[f64]; 3], first: usize, image: &mut [f64]) {
+        multiply(self, diagonal, rest, column, first, image);
     }
 
-    /// Symmetric Gauss-Seidel for a residual: forward, then back. What lies along a row within a block follows to first
-    /// order alone, so that it needs no other. Whatever is no particle's stays zero on `places`.
-    pub fn sweep(&self, [inverse, rest, residual]: [&[f64]; 3], places: &mut [f64], swept: &mut [f64]) {
-        sweep(self, inverse, rest, residual, places);
-        self.places.collect(places, swept);
+    /// The first half of symmetric Gauss-Seidel for the residual from particle `first` on. What lies along a row within a block
+    /// follows to first order alone, so that it needs no other. `swept` begins at a place, so far before the particles as paths
+    /// reach; whatever is none of theirs must be zero, and stays it.
+    pub fn forward(&self, [inverse, rest, residual]: [&[f64]; 3], (first, base): (usize, usize), swept: &mut [f64]) {
+        forward(self, inverse, rest, residual, (first, base), swept);
+    }
+
+    /// The other half, for so many particles.
+    pub fn back(&self, [inverse, rest]: [&[f64]; 2], (first, base, count): (usize, usize, usize), swept: &mut [f64]) {
+        back(self, inverse, rest, (first, base, count), swept);
     }
 }
 
-widest!(multiply, multiply_rows, (own: &Diagonals, diagonal: &[f64], rest: &[f64], column: &[f64], image: &mut [f64]));
-widest!(sweep, sweep_rows, (own: &Diagonals, inverse: &[f64], rest: &[f64], residual: &[f64], swept: &mut [f64]));
+widest!(multiply, multiply_rows, (own: &Diagonals, diagonal: &[f64], rest: &[f64], column: &[f64], first: usize, image: &mut [f64]));
+widest!(forward, forward_rows, (own: &Diagonals, inverse: &[f64], rest: &[f64], residual: &[f64], start: (usize, usize), swept: &mut [f64]));
+widest!(back, back_rows, (own: &Diagonals, inverse: &[f64], rest: &[f64], start: (usize, usize, usize), swept: &mut [f64]));
 
 #[inline(always)]
-fn multiply_rows(diagonals: &Diagonals, diagonal: &[f64], rest: &[f64], column: &[f64], image: &mut [f64]) {
-    for Stretch { before, at, count } in diagonals.places.stretches(0, image.len()).flat_map(blocks) {
+fn multiply_rows(
+    diagonals: &Diagonals,
+    diagonal: &[f64],
+    rest: &[f64],
+    column: &[f64],
+    first: usize,
+    image: &mut [f64],
+) {
+    for Stretch { before, at, count } in diagonals.places.stretches(first, image.len()).flat_map(blocks) {
         let own = lanes(column, at);
         let mut sum = [0.0; LANES];
         for (number, offset) in diagonals.offsets.iter().enumerate() {
@@ -54,17 +66,25 @@ fn some(column: &[f64], from: usize, count: usize) -> Lanes {
 }
 
 #[inline(always)]
-fn sweep_rows(diagonals: &Diagonals, inverse: &[f64], rest: &[f64], residual: &[f64], swept: &mut [f64]) {
+fn forward_rows(
+    diagonals: &Diagonals,
+    inverse: &[f64],
+    rest: &[f64],
+    residual: &[f64],
+    (first, base): (usize, usize),
+    swept: &mut [f64],
+) {
     // Partners beyond a block are known, those within it by what is known without each other.
     let near = diagonals.offsets.partition_point(|offset| *offset < LANES);
     let (close, far) = diagonals.offsets.split_at(near);
     let stride = diagonals.stride;
-    for stretch in diagonals.places.stretches(0, residual.len()) {
+    for stretch in diagonals.places.stretches(first, residual.len()) {
         let mut alone = [0.0; 2 * LANES];
         for Stretch { before, at, count } in blocks(stretch) {
             let (own, mut left) = (some(inverse, before, count), some(residual, before, count));
             for (number, offset) in far.iter().enumerate() {
-                let (back, lower) = (lanes(rest, (near + number) * stride + at - offset), lanes(swept, at - offset));
+                let (back, lower) =
+                    (lanes(rest, (near + number) * stride + at - offset), lanes(swept, at - offset - base));
                 for lane in 0..LANES {
                     left[lane] -= back[lane] * lower[lane];
                 }
@@ -84,16 +104,29 @@ fn sweep_rows(diagonals: &Diagonals, inverse: &[f64], rest: &[f64], residual: &[
             for lane in 0..LANES {
                 found[lane] = alone[LANES + lane] - own[lane] * sum[lane];
             }
-            swept[at..at + count].copy_from_slice(&found[..count]);
+            swept[at - base..at - base + count].copy_from_slice(&found[..count]);
         }
     }
-    for stretch in diagonals.places.stretches(0, residual.len()).rev() {
+}
+
+#[inline(always)]
+fn back_rows(
+    diagonals: &Diagonals,
+    inverse: &[f64],
+    rest: &[f64],
+    (first, base, all): (usize, usize, usize),
+    swept: &mut [f64],
+) {
+    let near = diagonals.offsets.partition_point(|offset| *offset < LANES);
+    let (close, far) = diagonals.offsets.split_at(near);
+    let stride = diagonals.stride;
+    for stretch in diagonals.places.stretches(first, all).rev() {
         let mut alone = [0.0; 2 * LANES];
         for Stretch { before, at, count } in blocks(stretch).rev() {
-            let (own, here) = (some(inverse, before, count), some(swept, at, count));
+            let (own, here) = (some(inverse, before, count), some(swept, at - base, count));
             let mut sum = [0.0; LANES];
             for (number, offset) in far.iter().enumerate() {
-                let (forth, higher) = (lanes(rest, (near + number) * stride + at), lanes(swept, at + offset));
+                let (forth, higher) = (lanes(rest, (near + number) * stride + at), lanes(swept, at + offset - base));
                 for lane in 0..LANES {
                     sum[lane] += forth[lane] * higher[lane];
                 }
@@ -113,7 +146,7 @@ fn sweep_rows(diagonals: &Diagonals, inverse: &[f64], rest: &[f64], residual: &[
             for lane in 0..LANES {
                 found[lane] = alone[lane] - own[lane] * sum[lane];
             }
-            swept[at..at + count].copy_from_slice(&found[..count]);
+            swept[at - base..at - base + count].copy_from_slice(&found[..count]);
         }
     }
 }
@@ -153,13 +186,16 @@ mod tests {
             let (diagonal, mut column) = (drawn(count, 3), vec![0.0; own.padded()]);
             own.places.spread(&drawn(count, 11), &mut column);
             let (mut wide, mut plain) = (vec![0.0; count], vec![0.0; count]);
-            multiply(&own, &diagonal, &rest, &column, &mut wide);
-            multiply_rows(&own, &diagonal, &rest, &column, &mut plain);
+            multiply(&own, &diagonal, &rest, &column, 0, &mut wide);
+            multiply_rows(&own, &diagonal, &rest, &column, 0, &mut plain);
             prop_assert_eq!(wide, plain);
             let (mut wide, mut plain) = (vec![0.0; own.padded()], vec![0.0; own.padded()]);
             let inverse: Vec<f64> = diagonal.iter().map(|own| 1e-3 / (own.abs() + 1.0)).collect();
-            sweep(&own, &inverse, &rest, &drawn(count, 5), &mut wide);
-            sweep_rows(&own, &inverse, &rest, &drawn(count, 5), &mut plain);
+            forward(&own, &inverse, &rest, &drawn(count, 5), (0, 0), &mut wide);
+            forward_rows(&own, &inverse, &rest, &drawn(count, 5), (0, 0), &mut plain);
+            prop_assert_eq!(&wide, &plain);
+            back(&own, &inverse, &rest, (0, 0, count), &mut wide);
+            back_rows(&own, &inverse, &rest, (0, 0, count), &mut plain);
             prop_assert_eq!(wide, plain);
         }
     }

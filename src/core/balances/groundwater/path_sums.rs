@@ -1,6 +1,8 @@
 //! What all paths have, and what the paths of each particle have together.
 
 use crate::balances::groundwater::network::Network;
+use crate::balances::groundwater::tasks::{TASK, share, tasks};
+use crate::team::Team;
 
 impl Network {
     /// Fills a column by slot from another and what particles at the earlier and at the later end hold; `places` takes what they
@@ -8,33 +10,45 @@ impl Network {
     #[inline(always)]
     pub(super) fn by_path(
         &self,
-        column: &[f64],
-        field: &[f64],
+        team: Option<&Team>,
+        (column, field): (&[f64], &[f64]),
         places: &mut [f64],
-        value: impl Fn(f64, f64, f64) -> f64,
+        value: impl Fn(f64, f64, f64) -> f64 + Sync,
         out: &mut [f64],
     ) {
         let Some(diagonals) = &self.diagonals else {
             return self.each_path(|i, j, slot| out[slot] = value(column[slot], field[i], field[j]));
         };
         diagonals.places.spread(field, places);
-        let pad = diagonals.places.room;
-        for (number, offset) in diagonals.offsets.iter().enumerate() {
-            let (base, count) = (number * diagonals.stride + pad, diagonals.stride - pad);
-            let (column, out) = (&column[base..base + count], &mut out[base..base + count]);
-            let (earlier, later) = (&places[pad..pad + count], &places[pad + offset..pad + offset + count]);
+        let places = &*places;
+        let (pad, stride) = (diagonals.places.room, diagonals.stride);
+        let parts = diagonals.offsets.iter().zip(out.chunks_mut(stride)).zip(column.chunks(stride));
+        let parts = parts.flat_map(|((offset, out), column)| {
+            let pieces = out[pad..].chunks_mut(TASK).zip(column[pad..].chunks(TASK));
+            let later = places[pad + offset..].chunks(TASK);
+            pieces.zip(places[pad..].chunks(TASK)).zip(later)
+        });
+        share(team, self.len(), parts, |(((out, column), earlier), later)| {
+            let count = out.len();
+            let (column, earlier, later) = (&column[..count], &earlier[..count], &later[..count]);
             for i in 0..count {
                 out[i] = value(column[i], earlier[i], later[i]);
             }
-        }
+        });
     }
 
     /// Fills a column of particles with the sums over their paths of a term of `columns` by slot, as it is seen from the
     /// earlier end (`true`) or from the later. Without a path, where all columns are zero, the term must be zero.
     #[inline(always)]
-    pub(super) fn sums(&self, columns: [&[f64]; 3], term: impl Fn([f64; 3], bool) -> f64, sums: &mut [f64]) {
+    pub(super) fn sums(
+        &self,
+        team: Option<&Team>,
+        columns: [&[f64]; 3],
+        term: impl Fn([f64; 3], bool) -> f64 + Sync,
+        sums: &mut [f64],
+    ) {
         if let Some(diagonals) = &self.diagonals {
-            return diagonals.sums(columns, term, sums);
+            return tasks(team, sums, |first, sums| diagonals.sums(columns, &term, first, sums));
         }
         sums.fill(0.0);
         self.each_path(|i, j, slot| {

@@ -80,10 +80,17 @@ impl Places {
         }
     }
 
-    /// Takes the values of particles from a column.
-    pub fn collect(&self, column: &[f64], values: &mut [f64]) {
-        for Run { first, place, count } in &self.runs {
-            values[*first..first + count].copy_from_slice(&column[*place..place + count]);
+    /// Takes the values of particles, from `first` on, from a column that begins at a place.
+    pub fn collect_from(&self, column: &[f64], (first, base): (usize, usize), values: &mut [f64]) {
+        for Stretch { before, at, count } in self.stretches(first, values.len()) {
+            values[before..before + count].copy_from_slice(&column[at - base..at - base + count]);
+        }
+    }
+
+    /// Puts the values of particles, from `first` on, on a column that begins at a place.
+    pub fn spread_from(&self, values: &[f64], (first, base): (usize, usize), column: &mut [f64]) {
+        for Stretch { before, at, count } in self.stretches(first, values.len()) {
+            column[at - base..at - base + count].copy_from_slice(&values[before..before + count]);
         }
     }
 

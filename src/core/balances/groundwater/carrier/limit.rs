@@ -4,7 +4,7 @@
 use crate::balances::groundwater::carrier::{Carrier, State};
 use crate::balances::groundwater::diagonals::{Carried, Diagonals, Fields};
 use crate::balances::groundwater::network::Network;
-use crate::balances::groundwater::tasks::{each, tasks, when};
+use crate::balances::groundwater::tasks::{each, tasks, tasks_of_two, when};
 use crate::balances::row::Row;
 
 impl Carrier {
@@ -69,23 +69,26 @@ impl Carrier {
 
     /// How much of the exchange may be taken back at each particle; marks those where it is not all.
     pub(super) fn limit(&mut self, network: &Network, state: &State<'_>, rate: &[f64]) {
-        self.marked.fill(false);
         let nearest_only = network.diagonals.is_some() && !state.mixed;
-        for i in 0..network.len() {
-            let mut row = self.rows[i];
-            let low = state.enthalpy[i] + state.step * (rate[i] + row.gain);
-            let shares = |row: &Row| row.shares(row.most - low, low - row.least, state.step);
-            let (mut up, mut down) = shares(&row);
-            if nearest_only && (up < 1.0 || down < 1.0) {
-                network.paths(i).for_each(|(j, ..)| row.see(state.enthalpy[j]));
-                (up, down) = shares(&row);
-            }
-            self.limits[i] = (up, down);
-            if up < 1.0 || down < 1.0 {
-                self.marked[i] = true;
-                for j in &network.partners[network.starts[i]..network.starts[i + 1]] {
-                    self.marked[*j as usize] = true;
+        let Carrier { rows, limits, limited, marked, .. } = self;
+        tasks_of_two(state.team, (limits, limited), |first, limits, limited| {
+            for ((i, limits), limited) in (first..).zip(limits).zip(limited) {
+                let mut row = rows[i];
+                let low = state.enthalpy[i] + state.step * (rate[i] + row.gain);
+                let shares = |row: &Row| row.shares(row.most - low, low - row.least, state.step);
+                let (mut up, mut down) = shares(&row);
+                if nearest_only && (up < 1.0 || down < 1.0) {
+                    network.paths(i).for_each(|(j, ..)| row.see(state.enthalpy[j]));
+                    (up, down) = shares(&row);
                 }
+                (*limits, *limited) = ((up, down), up < 1.0 || down < 1.0);
+            }
+        });
+        marked.fill(false);
+        for i in (0..network.len()).filter(|i| limited[*i]) {
+            marked[i] = true;
+            for j in &network.partners[network.starts[i]..network.starts[i + 1]] {
+                marked[*j as usize] = true;
             }
         }
     }

@@ -4,6 +4,7 @@ use glam::DVec2;
 
 use crate::balances::groundwater::diagonals::sum;
 use crate::balances::groundwater::network::Network;
+use crate::balances::groundwater::pressure::bands::Bands;
 use crate::instruction_set::widest;
 use crate::memory::{HeapSize, total};
 
@@ -20,17 +21,22 @@ const PIVOT: f64 = 1e-14;
 /// The blocks.
 #[derive(Debug, Clone)]
 pub(super) struct Coarse {
-    blocks: Vec<u32>,
+    /// Block of each particle.
+    pub(super) blocks: Vec<u32>,
     /// Rows of the matrix times the blocks: start of each particle's entries.
     starts: Vec<usize>,
     /// Block of each entry.
     columns: Vec<u32>,
     values: Vec<f64>,
+    /// The same by blocks: start of each block's entries and the end of the last, and the particle and the place of each entry.
+    block_starts: Vec<usize>,
+    by_block: Vec<[u32; 2]>,
     /// Entries of each path, from its earlier end and from its later, by slot; and of each particle itself.
     of_path: Vec<[u32; 2]>,
     of_particle: Vec<u32>,
     factor: Envelope,
-    work: Vec<f64>,
+    /// What was found last for each block.
+    pub(super) work: Vec<f64>,
 }
 
 /// A lower triangle, row by row, each from its first entry that is not zero.
@@ -64,7 +70,7 @@ impl HeapSize for Coarse {
     fn heap_size(&self) -> usize {
         let indices = total(&[&self.blocks, &self.columns, &self.of_particle, &self.of_path, &self.starts]);
         let factor = total(&[&self.factor.firsts, &self.factor.starts, &self.factor.entries]);
-        indices + factor + total(&[&self.values, &self.work])
+        indices + factor + total(&[&self.values, &self.work, &self.block_starts, &self.by_block])
     }
 }
 
@@ -112,8 +118,14 @@ impl Coarse {
             let first = &mut firsts[blocks[i] as usize];
             *first = columns[starts[i]..starts[i + 1]].iter().fold(*first, |first, column| first.min(*column as usize));
         }
+        let particles = (0..network.len()).flat_map(|i| (starts[i]..starts[i + 1]).map(move |_| i as u32));
+        let mut by_block: Vec<[u32; 2]> = particles.zip(0..).map(|(particle, entry)| [particle, entry]).collect();
+        // As they stand within each block.
+        by_block.sort_by_key(|[_, entry]| columns[*entry as usize]);
+        let before = |block: usize| by_block.partition_point(|[_, entry]| (columns[*entry as usize] as usize) < block);
+        let block_starts = (0..=count).map(before).collect();
         let (factor, work) = (Envelope::new(firsts), vec![0.0; count]);
-        Coarse { blocks, starts, columns, values, of_path, of_particle, factor, work }
+        Coarse { blocks, starts, columns, values, block_starts, by_block, of_path, of_particle, factor, work }
     }
 
     /// Takes a matrix by its diagonal and the entries of slots.
@@ -142,18 +154,17 @@ impl Coarse {
         factorise(&mut self.factor);
     }
 
-    /// Takes out of a direction what a column holds of each block, as the matrix sees it.
-    pub(super) fn deflate(&mut self, column: &[f64], direction: &mut [f64]) {
-        self.work.fill(0.0);
-        for (i, value) in column.iter().enumerate() {
-            for entry in self.starts[i]..self.starts[i + 1] {
-                self.work[self.columns[entry] as usize] += self.values[entry] * value;
+    /// Finds what a column holds of each block, as the matrix sees it.
+    pub(super) fn find(&mut self, column: &[f64], bands: &Bands) {
+        let Coarse { block_starts, by_block, values, work, .. } = self;
+        bands.blocks(work, |first, found| {
+            for (block, found) in (first..).zip(found) {
+                let held = by_block[block_starts[block]..block_starts[block + 1]].iter();
+                let held = held.map(|[particle, entry]| values[*entry as usize] * column[*particle as usize]);
+                *found = held.fold(0.0, |sum, held| sum + held);
             }
-        }
+        });
         back_substitute(&self.factor, &mut self.work);
-        for (direction, block) in direction.iter_mut().zip(&self.blocks) {
-            *direction -= self.work[*block as usize];
-        }
     }
 
     /// Moves the blocks of a solution so that the residual of each sums to zero.

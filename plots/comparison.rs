@@ -18,7 +18,7 @@ pub struct WorkPoint {
     pub cost_range: Option<(f64, f64)>,
     /// Whether the error is below ten times that of the reference.
     pub hollow: bool,
-    /// Whether the error may be low by luck (a sign change in a finer run, or norms that disagree).
+    /// Whether the error may be low by chance (a sign change in a finer run, or norms that disagree).
     pub ringed: bool,
     /// Whether the point lies on the method's lower left envelope.
     pub on_front: bool,

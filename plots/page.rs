@@ -24,7 +24,7 @@ pub struct Page {
     pub lead: Vec<String>,
     /// What came out, a sentence each.
     pub answers: Vec<String>,
-    /// The chart that answers hands, in the place of the first figures of the opening.
+    /// The interactive chart, in the place of the first figures of the opening.
     pub chart: Option<Chart>,
     /// The command that makes it again.
     pub command: String,

@@ -1,4 +1,4 @@
-//! Pages as a browser shows them: hands on the chart, sorted tables, dark, narrow, and without scripts. Where no Chromium is installed
+//! Pages as a browser shows them: the interactive chart, sorted tables, dark, narrow, and without scripts. Where no Chromium is installed
 //! the tests say so and check nothing.
 
 mod devtools;
@@ -71,7 +71,7 @@ fn folder() -> TempDir {
 }
 
 #[test]
-fn a_comparison_answers_to_hands() {
+fn the_chart_of_a_comparison_is_interactive() {
     let Some(mut browser) = browser() else { return };
     let folder = folder();
     let path = comparison(folder.path());

@@ -1,6 +1,6 @@
 //! What every particle method of frazil shares.
 //!
-//! A method is a weight for each pair; the physics is what a particle makes of its enthalpy. For every
+//! A method is a weight for each pair; the physics is one function of a particle's enthalpy. For every
 //! deterministic method the heat balance of particle i reads
 //! `V_i dH_i/dt = sum_j w_ij (U_j - U_i) + sources`, with the enthalpy `H` (J/m3), the conduction potential
 //! `U(H) = integral of k dT` (W/m) and symmetric geometric weights `w_ij >= 0` (m^(d-2)).

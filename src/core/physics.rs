@@ -1,4 +1,4 @@
-//! What one particle makes of its content.
+//! Functions of one particle's content.
 
 pub mod blend;
 mod columns;

@@ -228,7 +228,7 @@ impl Ground<'_> {
         Ok(Layout { shaft: shaft.to_owned(), stratum: at, ..layout(self, self.name(shaft, at), role, overrides)? })
     }
 
-    /// A layout once more, with more overrides.
+    /// A layout again, with more overrides.
     ///
     /// # Errors
     /// Where its scene is refused.

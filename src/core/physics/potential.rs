@@ -1,4 +1,4 @@
-//! What a particle makes of its enthalpy: temperature, frozen fraction and the conduction potential.
+//! Temperature, frozen fraction and conduction potential of a particle, as functions of its enthalpy.
 //!
 //! A [`Curve`] knows a material's exact relations between temperature `T`, enthalpy `H` (J/m3, zero for unfrozen
 //! material at the freezing point) and conduction potential `U = integral of k dT` from the freezing point (W/m).

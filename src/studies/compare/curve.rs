@@ -7,7 +7,7 @@ use super::measured::{Measured, Status, Timing};
 use super::variant::Variant;
 use crate::ensemble::runs::Headline;
 
-/// Errors below this multiple of the reference's own are not read off: they are bounds.
+/// Errors below this multiple of the reference's own do not count: they are bounds.
 pub const REFERENCE_MARGIN: f64 = 10.0;
 /// Factor within which two norms must go together.
 const NORMS_AGREE: f64 = 3.0;
@@ -55,7 +55,7 @@ pub struct Point {
     pub status: Status,
     /// Below ten times the error of the reference.
     pub hollow: bool,
-    /// Possibly low by luck.
+    /// Perhaps low by chance.
     pub ringed: bool,
     /// What the true error does not exceed, as far as the reference, finer runs and the other norm tell; absent where
     /// nothing tells.
@@ -357,8 +357,8 @@ mod tests {
         }
         curve.judge(None);
         assert_eq!(curve.points.iter().map(|point| point.ringed).collect::<Vec<_>>(), [false, false, true, false]);
-        assert_eq!(curve.points[2].at_most, Some(0.02), "what the other norm makes of it");
-        // An error that is higher than the other norm makes expect is not low by luck.
+        assert_eq!(curve.points[2].at_most, Some(0.02), "as the other norm leads to expect");
+        // An error that is higher than the other norm makes expect is not low by chance.
         curve.points[0].signed = Some(0.8);
         curve.judge(None);
         assert!(!curve.points[0].ringed);

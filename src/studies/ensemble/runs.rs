@@ -123,7 +123,7 @@ impl Headline {
         matches!(self, Headline::Temperature | Headline::Saturation | Headline::Concentration)
     }
 
-    /// Another norm of errors, which one that is low by luck does not share.
+    /// Another norm of errors, which one that is low by chance does not share.
     pub fn second_of(self, errors: &Errors) -> Option<f64> {
         let others: &[Headline] = match self {
             Headline::Temperature | Headline::Saturation => &[Headline::Front],

@@ -9,6 +9,9 @@ pub struct BundledScene {
     pub text: &'static str,
 }
 
+/// A small scene to begin with, which says what each of its parts is.
+pub const TEMPLATE: &str = include_str!("template.toml");
+
 /// Files of a folder beside this one, by their names without ending.
 macro_rules! bundled {
     ($folder:literal: $($name:literal),* $(,)?) => {

@@ -6,9 +6,6 @@ use std::path::{Path, PathBuf};
 
 use frazil_studies::failure::{Failure, Verdict, answer};
 
-/// A scene that says what each of its parts is.
-const TEMPLATE: &str = include_str!("../cases/template.toml");
-
 /// What is not to be had.
 #[derive(Debug, thiserror::Error)]
 enum NoFile {
@@ -55,7 +52,7 @@ pub fn show(name: &str) -> Result<Verdict, Failure> {
 /// Where nothing of the name is bundled, or the file is there or cannot be written.
 pub fn new(file: Option<&Path>, like: Option<&str>) -> Result<Verdict, Failure> {
     let (text, command) = match like {
-        None => (TEMPLATE.to_owned(), "run"),
+        None => (frazil_cases::scenes::TEMPLATE.to_owned(), "run"),
         Some(name) => {
             let Bundled { text, command } = bundled(name)?;
             (format!("# A copy of the bundled \"{name}\".\n{text}"), command)

@@ -65,7 +65,7 @@ fn timeless(value: Value) -> Value {
     match value {
         Value::Object(map) => map
             .into_iter()
-            .filter(|(key, _)| !daily(key) && key != "taken_over" && key != "threads")
+            .filter(|(key, _)| !daily(key) && key != "taken_over" && key != "threads" && key != "provenance")
             .map(|(key, value)| (key, timeless(value)))
             .collect(),
         Value::Array(values) => values.into_iter().map(timeless).collect(),

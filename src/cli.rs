@@ -10,6 +10,7 @@ mod new;
 mod properties;
 mod rerun;
 mod run;
+mod schema;
 mod show;
 mod stability;
 mod status;
@@ -60,6 +61,8 @@ enum Command {
     List,
     /// Prints the file of a bundled scene, study or fluid.
     Show(show::ShowArguments),
+    /// Prints the JSON Schema of scene files, for editors that complete and check keys.
+    Schema,
     /// Prints completions for a shell, or writes manual pages.
     Completions(completions::CompletionsArguments),
 }
@@ -80,6 +83,7 @@ impl Command {
             Command::Properties(arguments) => arguments.answer(),
             Command::List => list::list(),
             Command::Show(arguments) => arguments.answer(),
+            Command::Schema => schema::answer(),
             Command::Completions(arguments) => arguments.answer(),
         }
     }

@@ -13,6 +13,7 @@ mod problem;
 mod random;
 mod range;
 mod regions;
+mod schema;
 mod section;
 mod shells;
 mod size;
@@ -137,6 +138,12 @@ pub fn read_section<T>(
 /// and numbers, as `("walls", "temperature_c")`.
 pub fn every_key(methods: &[&'static MethodKind]) -> Vec<(String, String)> {
     every_key::every_key(methods).iter().map(|known| (known.section.clone(), known.key.clone())).collect()
+}
+
+/// The JSON Schema (draft 7) of scene files under these methods, from what the reader asks for: keys, words, kinds and ranges of
+/// values. What depends on more than one key, a schema does not know.
+pub fn schema(methods: &[&'static MethodKind]) -> serde_json::Value {
+    schema::schema(every_key::every_shape(methods), &every_key::every_key(methods))
 }
 
 /// What was read of a file without problems. What could not be read has left one: `Noted` says so.

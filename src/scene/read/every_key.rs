@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::problem::{KeyOf, Log};
+use super::schema::Shape;
 use super::section::Section;
 use super::{read_root, tree};
 use crate::method::MethodKind;
@@ -49,6 +50,7 @@ temperature_c = 0
 [random.permeability]
 [watch]
 [stream]
+reset_m = [0, 1]
 [reference]
 kind = "table"
 "#;
@@ -65,6 +67,8 @@ balance = "water"
 [initial]
 [gravity]
 [walls.WALL]
+concentration = {}
+parts = [{}, { concentration = {} }]
 [walls.right]
 saturation = 1
 [[regions]]
@@ -90,7 +94,20 @@ pub(super) fn every_key(kinds: &[&'static MethodKind]) -> Arc<[KeyOf]> {
 }
 
 fn asked_for(kinds: &[&'static MethodKind]) -> Vec<KeyOf> {
-    let mut found: Vec<KeyOf> = Vec::new();
+    let mut found: Vec<KeyOf> = texts(kinds).iter().flat_map(|text| log_of(text, kinds).into_asked()).collect();
+    found.sort();
+    found.dedup();
+    found
+}
+
+/// What values of all keys may be.
+pub(super) fn every_shape(kinds: &[&'static MethodKind]) -> Vec<(KeyOf, Shape)> {
+    texts(kinds).iter().flat_map(|text| log_of(text, kinds).into_shapes()).collect()
+}
+
+/// Texts of scenes for which the reader asks for everything.
+fn texts(kinds: &[&'static MethodKind]) -> Vec<String> {
+    let mut texts = Vec::new();
     let methods: String = kinds.iter().map(|kind| format!("[method.{}]\n{NUMERICS}", kind.name)).collect();
     let curve = |kind: &CurveKind| {
         format!("[materials.{0}]\nfrozen = {{}}\nunfrozen = {{}}\nfreezing = {{ law = \"{0}\" }}\n", kind.word)
@@ -99,7 +116,7 @@ fn asked_for(kinds: &[&'static MethodKind]) -> Vec<KeyOf> {
     for (body, wall) in BODIES {
         for apart in APART {
             let text = format!("domain.{body}\n{SECTIONS}{curves}{apart}{methods}").replace("WALL", wall);
-            found.extend(asked_of(&text, kinds));
+            texts.push(text);
         }
     }
     let soil =
@@ -107,18 +124,17 @@ fn asked_for(kinds: &[&'static MethodKind]) -> Vec<KeyOf> {
     let soils: String = RETENTIONS.iter().map(soil).collect();
     for (body, wall) in BODIES {
         let text = format!("domain.{body}\n{WATER}{soils}").replace("WALL", wall);
-        found.extend(asked_of(&text, kinds));
+        texts.push(text);
     }
-    found.sort();
-    found.dedup();
-    found
+    texts
 }
 
-/// The keys that the reader asks a text for.
-fn asked_of(text: &str, kinds: &[&'static MethodKind]) -> Vec<KeyOf> {
-    let Ok(entries) = tree::parse(text) else { return Vec::new() };
+/// What the reader asks a text for.
+fn log_of(text: &str, kinds: &[&'static MethodKind]) -> Log {
     let log = Log::collecting();
-    // Its problems are those of an empty file.
-    let _ = read_root(Section::root(&entries, &log), "", String::new(), kinds);
-    log.into_asked()
+    if let Ok(entries) = tree::parse(text) {
+        // Its problems are those of an empty file.
+        let _ = read_root(Section::root(&entries, &log), "", String::new(), kinds);
+    }
+    log
 }

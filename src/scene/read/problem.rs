@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use frazil_record::{brief, shown, shown_lines};
 
+use super::schema::Shape;
 use crate::units::Units;
 
 /// Where a value was written.
@@ -99,6 +100,8 @@ pub(super) struct Log {
     known: RefCell<Option<KnownKeys>>,
     /// All keys that are read, where they are collected.
     asked: Option<RefCell<Vec<KeyOf>>>,
+    /// What values of them may be, in the same case.
+    shapes: RefCell<Vec<(KeyOf, Shape)>>,
 }
 
 impl Log {
@@ -122,6 +125,17 @@ impl Log {
         if let Some(asked) = &self.asked {
             asked.borrow_mut().extend(keys());
         }
+    }
+
+    /// Takes note of what the value of a key may be.
+    pub(super) fn expect(&self, expected: impl FnOnce() -> (KeyOf, Shape)) {
+        if self.asked.is_some() {
+            self.shapes.borrow_mut().push(expected());
+        }
+    }
+
+    pub(super) fn into_shapes(self) -> Vec<(KeyOf, Shape)> {
+        self.shapes.into_inner()
     }
 
     pub(super) fn into_asked(self) -> Vec<KeyOf> {

@@ -67,6 +67,11 @@ impl Range {
         Range { low: end(low), high: end(high) }
     }
 
+    /// The ends of the range, and whether they are in it.
+    pub(super) fn ends(&self) -> [Option<(f64, bool)>; 2] {
+        [self.low, self.high].map(|end| end.map(|end| (end.value, end.included)))
+    }
+
     /// Whether a number is finite and in the range.
     pub fn contains(&self, number: f64) -> bool {
         number.is_finite()

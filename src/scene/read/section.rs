@@ -1,6 +1,7 @@
 //! A cursor over one table of a scene file.
 
 mod changes;
+mod expected;
 mod lists;
 mod pipes;
 mod unknown;
@@ -11,6 +12,7 @@ use frazil_record::{is_hidden, quoted};
 
 use super::problem::{Log, Noted, Place, Problem, Read};
 use super::range::{Range, one_of, unfit};
+use super::schema::Shape;
 use super::tree::{Entry, Node};
 use crate::units::Units;
 
@@ -216,7 +218,8 @@ impl<'a> Section<'a> {
 
     /// A required number.
     pub fn number(&mut self, key: impl Into<Key>, range: Range) -> Read<f64> {
-        self.required(key.into(), &range.to_string(), |section, entry| section.check_number(entry, range))
+        let key = self.expect(key, || Shape::Number(range));
+        self.required(key, &range.to_string(), |section, entry| section.check_number(entry, range))
     }
 
     /// A number with a default.
@@ -226,7 +229,8 @@ impl<'a> Section<'a> {
 
     /// A number that may be absent.
     pub fn optional_number(&mut self, key: impl Into<Key>, range: Range) -> Option<f64> {
-        self.optional(key.into(), |section, entry| section.check_number(entry, range))
+        let key = self.expect(key, || Shape::Number(range));
+        self.optional(key, |section, entry| section.check_number(entry, range))
     }
 
     /// A required number greater than zero.
@@ -241,17 +245,20 @@ impl<'a> Section<'a> {
 
     /// A required integer.
     pub fn integer(&mut self, key: impl Into<Key>, range: RangeInclusive<usize>) -> Read<usize> {
-        self.required(key.into(), &integers(&range), |section, entry| section.check_integer(entry, &range))
+        let key = self.expect(key, || Shape::Integer(range.clone()));
+        self.required(key, &integers(&range), |section, entry| section.check_integer(entry, &range))
     }
 
     /// An integer with a default.
     pub fn integer_or(&mut self, key: impl Into<Key>, default: usize, range: RangeInclusive<usize>) -> usize {
-        self.optional(key.into(), |section, entry| section.check_integer(entry, &range)).unwrap_or(default)
+        let key = self.expect(key, || Shape::Integer(range.clone()));
+        self.optional(key, |section, entry| section.check_integer(entry, &range)).unwrap_or(default)
     }
 
     /// A required text that is not empty.
     pub fn text(&mut self, key: impl Into<Key>) -> Read<String> {
-        self.required(key.into(), "a text", Self::check_text)
+        let key = self.expect(key, || Shape::Text);
+        self.required(key, "a text", Self::check_text)
     }
 
     /// A text with a default.
@@ -261,13 +268,15 @@ impl<'a> Section<'a> {
 
     /// A text that may be absent.
     pub fn optional_text(&mut self, key: impl Into<Key>) -> Option<String> {
-        self.optional(key.into(), Self::check_text)
+        let key = self.expect(key, || Shape::Text);
+        self.optional(key, Self::check_text)
     }
 
     /// A required word out of a list, with what each stands for.
     pub fn choice<T: Clone>(&mut self, key: impl Into<Key>, choices: &[(&str, T)]) -> Read<T> {
+        let key = self.expect(key, || Shape::words(choices));
         let allowed = one_of(choices.iter().map(|(word, _)| *word));
-        self.required(key.into(), &allowed, |section, entry| section.check_choice(entry, choices))
+        self.required(key, &allowed, |section, entry| section.check_choice(entry, choices))
     }
 
     /// A word out of a list, with a default.
@@ -277,17 +286,20 @@ impl<'a> Section<'a> {
 
     /// A word out of a list, or none.
     pub fn optional_choice<T: Clone>(&mut self, key: impl Into<Key>, choices: &[(&str, T)]) -> Option<T> {
-        self.optional(key.into(), |section, entry| section.check_choice(entry, choices))
+        let key = self.expect(key, || Shape::words(choices));
+        self.optional(key, |section, entry| section.check_choice(entry, choices))
     }
 
     /// A required `true` or `false`.
     pub fn flag(&mut self, key: impl Into<Key>) -> Read<bool> {
-        self.required(key.into(), "true or false", Self::check_flag)
+        let key = self.expect(key, || Shape::Flag);
+        self.required(key, "true or false", Self::check_flag)
     }
 
     /// `true` or `false`, with a default.
     pub fn flag_or(&mut self, key: impl Into<Key>, default: bool) -> bool {
-        self.optional(key.into(), Self::check_flag).unwrap_or(default)
+        let key = self.expect(key, || Shape::Flag);
+        self.optional(key, Self::check_flag).unwrap_or(default)
     }
 
     /// `true`, `false` or a word, or none of them.
@@ -297,8 +309,9 @@ impl<'a> Section<'a> {
         flags: [T; 2],
         (word, meaning): (&str, T),
     ) -> Option<T> {
+        let key = self.expect(key, || Shape::FlagOr(word.to_owned()));
         let [yes, no] = flags;
-        self.optional(key.into(), |section, entry| match &entry.node {
+        self.optional(key, |section, entry| match &entry.node {
             Node::Flag(true) => Ok(yes),
             Node::Flag(false) => Ok(no),
             Node::Text(text) if text == word => Ok(meaning),
@@ -308,36 +321,19 @@ impl<'a> Section<'a> {
 
     /// A required table.
     pub fn section(&mut self, key: &'static str) -> Read<Section<'a>> {
-        self.required(key.into(), "a table", Self::check_section)
+        let key = self.expect(key, || Shape::Table);
+        self.required(key, "a table", Self::check_section)
     }
 
     /// A table that may be absent.
     pub fn optional_section(&mut self, key: &'static str) -> Option<Section<'a>> {
-        self.optional(key.into(), Self::check_section)
-    }
-
-    /// The tables of a list of tables (`[[pipes]]`), or none.
-    pub fn sections(&mut self, key: &'static str) -> Vec<Section<'a>> {
-        let Some(entry) = self.ask(key.into()) else { return Vec::new() };
-        let Node::List(items) = &entry.node else {
-            self.wrong(&entry.key, &entry.node, &format!("a list of tables, as [[{key}]]"));
-            return Vec::new();
-        };
-        let mut sections = Vec::with_capacity(items.len());
-        for (number, item) in (1..).zip(items) {
-            let path = format!("{}.{number}", entry.key);
-            match &item.node {
-                Node::Table(entries) => sections.push(self.child(&path, item.place.clone(), entries)),
-                other => {
-                    self.note_at(&item.place, &path, format!("found {}, must be a table", other.found()));
-                }
-            }
-        }
-        sections
+        let key = self.expect(key, || Shape::Table);
+        self.optional(key, Self::check_section)
     }
 
     /// All tables of this section by their names, where the names are free.
     pub fn named_sections(&mut self) -> Vec<(String, Section<'a>)> {
+        self.log.expect(|| (self.key_of("".into()), Shape::Named));
         let mut sections = Vec::new();
         for entry in self.entries {
             self.names.push(entry.key.clone());

@@ -2,6 +2,7 @@
 
 use super::super::problem::{Noted, Read};
 use super::super::range::{Range, plain};
+use super::super::schema::Shape;
 use super::super::tree::{Entry, Item, Node};
 use super::{Asked, Key, Section, Spot};
 use crate::TimeUnit;
@@ -30,19 +31,43 @@ fn beyond_period(end: f64, period: &Duration) -> Option<String> {
 }
 
 impl<'a> Section<'a> {
+    /// The tables of a list of tables (`[[pipes]]`), or none.
+    pub fn sections(&mut self, key: &'static str) -> Vec<Section<'a>> {
+        let _ = self.expect(key, || Shape::Tables);
+        let Some(entry) = self.ask(key.into()) else { return Vec::new() };
+        let Node::List(items) = &entry.node else {
+            self.wrong(&entry.key, &entry.node, &format!("a list of tables, as [[{key}]]"));
+            return Vec::new();
+        };
+        let mut sections = Vec::with_capacity(items.len());
+        for (number, item) in (1..).zip(items) {
+            let path = format!("{}.{number}", entry.key);
+            match &item.node {
+                Node::Table(entries) => sections.push(self.child(&path, item.place.clone(), entries)),
+                other => {
+                    self.note_at(&item.place, &path, format!("found {}, must be a table", other.found()));
+                }
+            }
+        }
+        sections
+    }
+
     /// A required list of numbers.
     pub fn numbers(&mut self, key: impl Into<Key>, range: Range) -> Read<Vec<f64>> {
-        self.required(key.into(), "a list of numbers", |section, entry| section.check_numbers(entry, range))
+        let key = self.expect(key, || Shape::Numbers(range));
+        self.required(key, "a list of numbers", |section, entry| section.check_numbers(entry, range))
     }
 
     /// A list of numbers that may be absent.
     pub fn optional_numbers(&mut self, key: impl Into<Key>, range: Range) -> Option<Vec<f64>> {
-        self.optional(key.into(), |section, entry| section.check_numbers(entry, range))
+        let key = self.expect(key, || Shape::Numbers(range));
+        self.optional(key, |section, entry| section.check_numbers(entry, range))
     }
 
     /// The texts of a list, each with its place; none where the list is absent.
     pub fn texts(&mut self, key: impl Into<Key>) -> Vec<(String, Spot)> {
-        let found = self.optional(key.into(), |section, entry| {
+        let key = self.expect(key, || Shape::Texts);
+        let found = self.optional(key, |section, entry| {
             let Node::List(items) = &entry.node else {
                 return Err(section.wrong(&entry.key, &entry.node, "a list of texts"));
             };
@@ -73,17 +98,20 @@ impl<'a> Section<'a> {
 
     /// A list of points with this many coordinates, or any number from one; it may be absent.
     pub fn optional_points(&mut self, key: impl Into<Key>, dimension: Option<usize>) -> Option<Vec<Vec<f64>>> {
-        self.optional(key.into(), |section, entry| section.check_points(entry, dimension))
+        let key = self.expect(key, || Shape::Points);
+        self.optional(key, |section, entry| section.check_points(entry, dimension))
     }
 
     /// A required list of points.
     pub fn points(&mut self, key: impl Into<Key>, dimension: Option<usize>) -> Read<Vec<Vec<f64>>> {
-        self.required(key.into(), "a list of points", |section, entry| section.check_points(entry, dimension))
+        let key = self.expect(key, || Shape::Points);
+        self.required(key, "a list of points", |section, entry| section.check_points(entry, dimension))
     }
 
     /// A required point of the plane.
     pub fn point(&mut self, key: impl Into<Key>) -> Read<(f64, f64)> {
-        self.required(key.into(), "a point, as [0.1, 0.2]", |section, entry| {
+        let key = self.expect(key, || Shape::Point);
+        self.required(key, "a point, as [0.1, 0.2]", |section, entry| {
             let numbers = section.check_numbers(entry, Range::ANY)?;
             match numbers[..] {
                 [x, y] => Ok((x, y)),
@@ -94,7 +122,8 @@ impl<'a> Section<'a> {
 
     /// A required length, or one along each axis of a plane.
     pub fn along_axes(&mut self, key: impl Into<Key>, dimension: usize) -> Read<DVec2> {
-        self.required(key.into(), "a length, or in a plane one along each axis, as [0.2, 0.1]", |section, entry| {
+        let key = self.expect(key, || Shape::Along);
+        self.required(key, "a length, or in a plane one along each axis, as [0.2, 0.1]", |section, entry| {
             let Node::List(items) = &entry.node else {
                 return section.check_number(entry, Range::POSITIVE).map(DVec2::splat);
             };
@@ -121,12 +150,14 @@ impl<'a> Section<'a> {
     /// A required quantity that is constant or a table in time: `5` or `{ times_h = [0, 10], values = [5, -20] }`, which a
     /// `period_h` repeats.
     pub fn series(&mut self, key: impl Into<Key>, range: Range) -> Read<Series> {
-        self.required(key.into(), "a number or a table in time", |section, entry| section.check_series(entry, range))
+        let key = self.expect(key, || Shape::Series(range));
+        self.required(key, "a number or a table in time", |section, entry| section.check_series(entry, range))
     }
 
     /// When something works, as intervals of time that may repeat: `on_h = [[0, 8], [12, 20]]`, `on_period_h = 24`. An
     /// interval of one instant begins there and never ends. Absent, it always works.
     pub fn optional_schedule(&mut self) -> Option<Schedule> {
+        self.expect_time("on", || Shape::Schedule);
         let found = self.ask_time("on");
         if found.is_none() {
             self.refuse_time("on_period", "only intervals of work repeat");
@@ -137,24 +168,28 @@ impl<'a> Section<'a> {
 
     /// A required time, given in seconds, hours or days (`duration_s`, `duration_h`, `duration_days`).
     pub fn duration(&mut self, base: &'static str, range: Range) -> Read<Duration> {
+        self.expect_time(base, || Shape::Number(range));
         let (entry, unit) = self.required_time(base)?;
         self.check_duration(entry, unit, range)
     }
 
     /// A time that may be absent.
     pub fn optional_duration(&mut self, base: &'static str, range: Range) -> Option<Duration> {
+        self.expect_time(base, || Shape::Number(range));
         let (entry, unit) = self.ask_time(base)?;
         self.check_duration(entry, unit, range).ok()
     }
 
     /// A required list of times, none negative, strictly increasing.
     pub fn times(&mut self, base: &'static str) -> Read<Vec<Duration>> {
+        self.expect_time(base, || Shape::Numbers(Range::NOT_NEGATIVE));
         let (entry, unit) = self.required_time(base)?;
         self.check_times(entry, unit)
     }
 
     /// A list of times that may be absent.
     pub fn optional_times(&mut self, base: &'static str) -> Option<Vec<Duration>> {
+        self.expect_time(base, || Shape::Numbers(Range::NOT_NEGATIVE));
         let (entry, unit) = self.ask_time(base)?;
         self.check_times(entry, unit).ok()
     }
@@ -179,6 +214,13 @@ impl<'a> Section<'a> {
                 .to_vec()
         } else {
             vec![(base.to_owned(), TimeUnit::Second)]
+        }
+    }
+
+    /// Takes note of what the value of a time may be, under each of its keys.
+    fn expect_time(&mut self, base: &'static str, shape: impl Fn() -> Shape) {
+        for unit in ["s", "h", "days"] {
+            self.expect((base, unit), &shape);
         }
     }
 

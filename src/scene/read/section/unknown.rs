@@ -101,7 +101,7 @@ fn nearest<'k, K: Copy>(
 }
 
 /// The path of a section without names that are free and numbers of lists.
-fn section_of(path: &str) -> String {
+pub(super) fn section_of(path: &str) -> String {
     let free = |(at, part): &(usize, &str)| {
         part.parse::<usize>().is_ok() || (*at == 1 && (path.starts_with("materials.") || path.starts_with("walls.")))
     };

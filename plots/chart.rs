@@ -32,7 +32,7 @@ pub struct ChartScene {
 pub struct Measure {
     /// Words of its axis.
     pub label: String,
-    /// Error of the reference: points below ten times that are bounds.
+    /// Error of the reference.
     pub reference: Option<f32>,
 }
 
@@ -97,6 +97,8 @@ pub struct ChartError {
     pub value: f32,
     /// 95 % interval of its size.
     pub range: Option<[f32; 2]>,
+    /// Whether it is below ten times the error of the reference: a bound.
+    pub hollow: bool,
     /// Whether it is lower than other runs lead to expect: it may be so by chance.
     pub doubtful: bool,
 }

@@ -87,7 +87,8 @@ fn panel(canvas: &mut Canvas, figure: &WorkFigure, (left, top): (f64, f64), (wid
         let (x, _) = frame.spot(error, frame.y.low);
         canvas
             .line(vec![(x, frame.top), (x, frame.bottom)], Stroke { colour: REFERENCE, width: 1.6, dash: &[3.0, 4.0] });
-        let at = (x + 6.0, frame.top + LABEL + 2.0);
+        // What is as exact as the reference is dear: below nothing stands in the way.
+        let at = (x + 6.0, frame.bottom - 10.0);
         canvas.text(at, words, LABEL - 2.0, Align::Start);
     }
     for curve in &figure.curves {

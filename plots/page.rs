@@ -217,7 +217,7 @@ mod tests {
         };
         let html = render(&page).unwrap_or_else(|error| error.to_string());
         for name in names {
-            assert!(html.contains(&format!("<caption>{name}")), "{name}: {html}");
+            assert!(html.contains(&format!("<p class=\"caption\">{name}")), "{name}: {html}");
         }
         // The library, the chart and the page itself; what a scene is called ends none of them.
         assert_eq!(html.matches("<script>").count(), 3);

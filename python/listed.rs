@@ -70,7 +70,7 @@ pub fn check<'py>(
     let (scenes, overrides) = (Scenes::of(std::slice::from_ref(&source))?, value::overrides(set)?);
     let threads = self::threads(threads)?;
     let planned = || {
-        let mut scene = scenes.read(source.name(), &overrides)?;
+        let mut scene = scenes.read(source.name(), &overrides)?.0;
         let reference = told_reference(&mut scene)?;
         let mut methods =
             methods.iter().map(|asked| method::asked(&scene, Some(asked))).collect::<Result<Vec<_>, _>>()?;

@@ -149,8 +149,8 @@ pub fn run(
         _ => Ok(()),
     };
     let work = || {
-        let asked = asked_of(scenes.read(&request.scene, &request.overrides)?, request.method.as_deref())?;
-        made(&request, asked, provenance::with(&request, scenes.source(&request.scene)?), &host)
+        let (scene, source) = scenes.read(&request.scene, &request.overrides)?;
+        made(&request, asked_of(scene, request.method.as_deref())?, provenance::of(&request, source), &host)
     };
     let (made, stopped) = work::beside(py, &interrupt, told, work)?;
     match stopped {

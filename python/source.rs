@@ -99,23 +99,17 @@ impl Scenes {
         Ok(Scenes { texts })
     }
 
-    /// Name and text of a scene by what it is called in a request.
-    ///
-    /// # Errors
-    /// Where its file cannot be read.
-    pub fn source(&self, name: &str) -> Result<(String, String), Failure> {
-        let text = self.texts.get(name);
-        text.map_or_else(|| load::source(name), |text| Ok((name.to_owned(), text.clone())))
-    }
-
-    /// A scene by what it is called in a request.
+    /// A scene by what it is called in a request, with what it was read from.
     ///
     /// # Errors
     /// With what is wrong with it, by its keys.
-    pub fn read(&self, name: &str, overrides: &[Override]) -> Result<Scene, Failure> {
+    pub fn read(&self, name: &str, overrides: &[Override]) -> Result<(Scene, load::Source), Failure> {
         match self.texts.get(name) {
-            Some(text) => Ok(load::text(text, (name, name), overrides).map_err(without_lines)?),
-            None => load::scene(name, overrides),
+            Some(text) => {
+                let scene = load::text(text, (name, name), overrides).map_err(without_lines)?;
+                Ok((scene, (name.to_owned(), text.clone())))
+            }
+            None => load::read(name, overrides),
         }
     }
 }

@@ -41,7 +41,7 @@ fn study(
 ) -> PyResult<Studied> {
     let interrupt = AtomicBool::new(false);
     let work = || {
-        let scene_at = |name: &str, overrides: &[(String, String)]| scenes.read(name, overrides);
+        let scene_at = |name: &str, overrides: &[(String, String)]| Ok(scenes.read(name, overrides)?.0);
         make(&Parts { scene_at: &scene_at, ..parts_until(false, &interrupt) })
     };
     let (made, stopped) = work::beside(py, &interrupt, |_| Ok(()), work)?;

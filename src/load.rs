@@ -23,27 +23,27 @@ enum NoScene {
     OtherMethod { asked: String, scene: String, printed: String },
 }
 
-fn guess(near: &[&str]) -> String {
+/// What may have been meant, at the end of a message.
+pub(crate) fn guess(near: &[&str]) -> String {
     match near {
-        [] => "; frazil list shows the scenes".into(),
+        [] => "; frazil list shows all names".into(),
         near => format!(", did you mean \"{}\"?", near.join("\" or \"")),
     }
 }
 
-/// Name and text of a scene given by a bundled name or a path.
-pub fn source(argument: &str) -> Result<(String, String), Failure> {
-    if let Some(bundled) = frazil_cases::scenes::find(argument) {
-        return Ok((bundled.name.to_owned(), bundled.text.to_owned()));
-    }
-    let path = Path::new(argument);
-    let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
-    Ok((name, input::text(path)?))
-}
+/// Name and text of a scene.
+pub type Source = (String, String);
 
 /// Reads a scene given by a bundled name or a path.
 pub fn scene(argument: &str, overrides: &[Override]) -> Result<Scene, Failure> {
+    Ok(read(argument, overrides)?.0)
+}
+
+/// The same, with what it was read from.
+pub fn read(argument: &str, overrides: &[Override]) -> Result<(Scene, Source), Failure> {
     if let Some(bundled) = frazil_cases::scenes::find(argument) {
-        return Ok(text(bundled.text, (bundled.name, &format!("{argument}.toml")), overrides)?);
+        let scene = text(bundled.text, (bundled.name, &format!("{argument}.toml")), overrides)?;
+        return Ok((scene, (bundled.name.to_owned(), bundled.text.to_owned())));
     }
     if frazil_cases::studies::find(argument).is_some() {
         return Err(Failure::request(NoScene::Study(argument.to_owned())));
@@ -54,10 +54,11 @@ pub fn scene(argument: &str, overrides: &[Override]) -> Result<Scene, Failure> {
     }
     let own = input::text(path)?;
     let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
-    text(&own, (&name, argument), overrides).map_err(|problems| match Kind::of(&own) {
+    let scene = text(&own, (&name, argument), overrides).map_err(|problems| match Kind::of(&own) {
         Some(Kind::Study) => Failure::request(NoScene::Study(argument.to_owned())),
         _ => problems.into(),
-    })
+    })?;
+    Ok((scene, (name, own)))
 }
 
 /// Reads a scene from its text, of a name and from a file as messages show it.
@@ -82,14 +83,16 @@ pub fn paper(scene: &str, asked: &[String], overrides: Vec<Override>) -> Result<
     Ok((method, [printed, overrides].concat()))
 }
 
-/// The bundled scenes whose names are most like one, three at most.
+/// The bundled scenes whose names are most like one.
 fn near(asked: &str) -> Vec<&'static str> {
-    let mut near: Vec<(f64, &str)> = frazil_cases::scenes::all()
-        .iter()
-        .chain(frazil_cases::scenes::extreme())
-        .map(|scene| (strsim::jaro_winkler(asked, scene.name), scene.name))
-        .filter(|(likeness, _)| *likeness > 0.75)
-        .collect();
+    let scenes = frazil_cases::scenes::all().iter().chain(frazil_cases::scenes::extreme());
+    nearest(asked, scenes.map(|scene| scene.name))
+}
+
+/// The names that are most like one, three at most.
+pub(crate) fn nearest(asked: &str, names: impl Iterator<Item = &'static str>) -> Vec<&'static str> {
+    let mut near: Vec<(f64, &str)> =
+        names.map(|name| (strsim::jaro_winkler(asked, name), name)).filter(|(likeness, _)| *likeness > 0.75).collect();
     near.sort_by(|a, b| b.0.total_cmp(&a.0));
     near.into_iter().take(3).map(|(_, name)| name).collect()
 }

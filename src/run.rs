@@ -24,6 +24,7 @@ use frazil_studies::output::{self, Folder, Owner};
 use frazil_studies::progress::{Reporter, bearable, clock, forewarn};
 use frazil_studies::{answers, campaign, expect, figure_options, method};
 
+use crate::load::Source;
 use crate::parts::parts;
 use crate::{interrupt, load, provenance};
 
@@ -96,8 +97,8 @@ pub enum Made {
 /// # Errors
 /// Where the scene cannot be run, or a file cannot be written.
 pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
-    let asked = asked(request)?;
-    let provenance = provenance::of(request)?;
+    let (asked, source) = asked(request)?;
+    let provenance = provenance::of(request, source);
     let reporter = Reporter::new(request.quiet);
     let host = Host {
         interrupt: interrupt::asked(),
@@ -327,7 +328,7 @@ fn expected(
 /// # Errors
 /// Where the scene cannot be run, members would be the same, or a file cannot be written.
 pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
-    let (scene, method, reference) = asked(request)?;
+    let ((scene, method, reference), _) = asked(request)?;
     let ensemble = EnsembleRequest {
         scene: &scene,
         method,
@@ -348,13 +349,13 @@ pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> 
 pub type Asked = (Scene, &'static str, Option<Arc<dyn Reference>>);
 
 /// What a request is about; warns of what is not taken as the scene has it.
-fn asked(request: &RunRequest) -> Result<Asked, Failure> {
-    let scene = load::scene(&request.scene, &request.overrides)?;
+fn asked(request: &RunRequest) -> Result<(Asked, Source), Failure> {
+    let (scene, source) = load::read(&request.scene, &request.overrides)?;
     let (scene, method, reference) = asked_of(scene, request.method.as_deref())?;
     for remark in scene.remarks.iter().filter(|_| !request.quiet) {
         complain(&format!("{}: warning: {remark}", scene.name));
     }
-    Ok((scene, method, reference))
+    Ok(((scene, method, reference), source))
 }
 
 /// The same of a scene: its method of a name, or its first one, and its reference.

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use frazil_studies::failure::{Failure, Verdict, answer};
 
+use crate::load::{guess, nearest};
+
 /// What is not to be had.
 #[derive(Debug, thiserror::Error)]
 enum NoFile {
@@ -29,11 +31,8 @@ fn bundled(name: &str) -> Result<Bundled, Failure> {
     scene().or_else(study).or_else(fluid).ok_or_else(|| {
         let all = frazil_cases::scenes::all().iter().chain(frazil_cases::scenes::extreme());
         let all = all.chain(frazil_cases::studies::all()).chain(frazil_cases::fluids::all());
-        let likeness = |other: &str| strsim::jaro_winkler(name, other);
-        let near = all.map(|one| one.name).max_by(|a, b| likeness(a).total_cmp(&likeness(b)));
-        let guess = near.filter(|near| likeness(near) > 0.75).map(|near| format!(", did you mean \"{near}\"?"));
-        let guess = guess.unwrap_or_else(|| "; frazil list shows all names".into());
-        Failure::request(NoFile::Unknown(name.to_owned(), guess))
+        let near = nearest(name, all.map(|one| one.name));
+        Failure::request(NoFile::Unknown(name.to_owned(), guess(&near)))
     })
 }
 

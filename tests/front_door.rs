@@ -60,7 +60,10 @@ fn what_is_bundled_is_shown_and_copied_and_no_file_is_written_over() {
         "stefan-water.toml: there is a file of this name already; give another one: frazil new OTHER.toml --like stefan-water\n"
     );
     let (_, told) = said(&frazil(own, &["show", "stefan-wter"]));
-    assert_eq!(told, "nothing of the name \"stefan-wter\" is bundled, did you mean \"stefan-water\"?\n");
+    assert_eq!(
+        told,
+        "nothing of the name \"stefan-wter\" is bundled, did you mean \"stefan-water\" or \"stefan-water-mushy\" or \"stefan-unit\"?\n"
+    );
 }
 
 #[test]

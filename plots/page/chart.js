@@ -5,7 +5,6 @@
   const { scenes } = JSON.parse(document.getElementById("chart-data").textContent);
   const chosen = { scene: 0, measure: 0, cost: 0, hidden: new Set() };
   const REACH = 28; // How far the pointer may be from a point that it names (px).
-  const HOLLOW = 10; // Errors below this multiple of the reference's own are bounds.
   let plot = null;
 
   const make = (name, set, ...children) => {
@@ -38,16 +37,15 @@
   }
 
   /** The points of a curve that have an error and a cost, from coarse to fine, and which of them no other one beats. */
-  function seen(curve, reference) {
+  function seen(curve) {
     const points = [];
     for (const point of curve.points) {
       const error = point.errors[chosen.measure];
       const cost = point.costs[chosen.cost];
       if (!error || !cost || error.value === 0 || !(cost.value > 0)) continue;
-      const x = Math.abs(error.value);
-      points.push({ point, error, cost, x, y: cost.value, hollow: reference !== null && x < HOLLOW * reference });
+      points.push({ point, error, cost, x: Math.abs(error.value), y: cost.value });
     }
-    const counted = points.filter((one) => !one.hollow && !one.error.doubtful && !one.point.trouble);
+    const counted = points.filter((one) => !one.error.hollow && !one.error.doubtful && !one.point.trouble);
     const beaten = (one) => counted.some((other) => other !== one && other.x <= one.x && other.y <= one.y && (other.x < one.x || other.y < one.y));
     const front = counted.filter((one) => !beaten(one)).sort((a, b) => a.x - b.x);
     return { points, front };
@@ -103,7 +101,7 @@
       if (one.cost.range) line(context, one.cost.range.map((value) => [x, u.valToPos(value, "y", true)]));
       if (one.error.range && one.error.range[0] > 0) line(context, one.error.range.map((value) => [u.valToPos(value, "x", true), y]));
       shape(context, curve.marker, x, y, (curve.second ? 3.5 : 5) * ratio);
-      context.fillStyle = one.hollow || one.point.trouble ? colourOf("--ground") : colour;
+      context.fillStyle = one.error.hollow || one.point.trouble ? colourOf("--ground") : colour;
       context.fill();
       context.stroke();
       if (one.error.doubtful) {
@@ -127,7 +125,7 @@
     const facts = make("dl", {});
     for (const [name, value] of rows) if (value) facts.append(make("dt", { textContent: name }), make("dd", { textContent: value }));
     const notes = [];
-    if (one.hollow) notes.push("below ten times the error of the reference: a bound");
+    if (error.hollow) notes.push("below ten times the error of the reference: a bound");
     if (error.doubtful) notes.push("lower than other runs lead to expect: perhaps by chance");
     if (point.trouble) notes.push(point.trouble);
     return [
@@ -200,16 +198,9 @@
     const scene = scenes[chosen.scene];
     const { reference, label } = scene.measures[chosen.measure];
     const cost = scene.costs[chosen.cost];
-    const curves = scene.curves.filter((curve) => seen(curve, reference).points.length > 0);
-    const drawn = curves.map((curve) => seen(curve, reference));
+    const curves = scene.curves.filter((curve) => seen(curve).points.length > 0);
+    const drawn = curves.map(seen);
     const none = { stroke: new Path2D(), fill: null, clip: null, band: null, gaps: null, flags: 0 };
-    const ranges = { low: [Infinity, Infinity], high: [0, 0] };
-    for (const { points } of drawn) {
-      for (const { x, y } of points) {
-        ranges.low = [Math.min(ranges.low[0], x), Math.min(ranges.low[1], y)];
-        ranges.high = [Math.max(ranges.high[0], x), Math.max(ranges.high[1], y)];
-      }
-    }
     const ink = colourOf("--ink");
     const thin = { stroke: colourOf("--grid"), width: 1 };
     const names = (scale, words) => (u, values) => {

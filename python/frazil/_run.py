@@ -14,7 +14,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Uni
 import numpy as np
 
 from . import _native
-from ._table import Figures, Table, Tables
+from ._table import Figures, HasTables, Table, Tables
 
 #: A scene: a path, the name of a bundled one, or a dictionary that says what a file would.
 Scene = Union[str, "os.PathLike[str]", Mapping[str, Any]]
@@ -45,7 +45,7 @@ class Map(NamedTuple):
     concentration: Optional[np.ndarray]
 
 
-class Run:
+class Run(HasTables):
     """A run: its record, its tables and its figures.
 
     Each table is an attribute, by the name of the file that the command would write: ``front``, ``profiles``,
@@ -97,14 +97,6 @@ class Run:
     def maps(self) -> List[Map]:
         """Fields at the instants of profiles; none on a line."""
         return [_map(fields) for fields in self._native.maps()]
-
-    def __getattr__(self, name: str) -> Table:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        return self.tables.__getattr__(name)
-
-    def __dir__(self) -> List[str]:
-        return [*super().__dir__(), *self.tables]
 
     def __repr__(self) -> str:
         record = self.record

@@ -10,12 +10,12 @@ from typing import Any, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _native
 from ._run import Scene
-from ._table import Figures, Table, Tables
+from ._table import Figures, HasTables, Table, Tables
 
 _Folder = Union[str, "os.PathLike[str]", None]
 
 
-class Study:
+class Study(HasTables):
     """A study: its folder, its page and its tables, each also as an attribute by the name of its file."""
 
     def __init__(self, kind: str, verdict: str, folder: "os.PathLike[str]") -> None:
@@ -42,14 +42,6 @@ class Study:
         files = sorted(self.folder.rglob("*.svg"))
         named = {file.relative_to(self.folder).with_suffix("").as_posix(): file for file in files}
         return Figures({name: file.read_text(encoding="utf-8") for name, file in named.items()})
-
-    def __getattr__(self, name: str) -> Table:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        return self.tables.__getattr__(name)
-
-    def __dir__(self) -> List[str]:
-        return [*super().__dir__(), *self.tables]
 
     def __repr__(self) -> str:
         return f"<Study {self._kind}: {self.verdict}, in {self.folder}>"

@@ -172,6 +172,20 @@ class Tables(Mapping[str, Table]):
         return f"<Tables {', '.join(self._tables)}>"
 
 
+class HasTables:
+    """What has tables, of which each is an attribute too."""
+
+    tables: Tables
+
+    def __getattr__(self, name: str) -> Table:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        return self.tables.__getattr__(name)
+
+    def __dir__(self) -> List[str]:
+        return [*super().__dir__(), *self.tables]
+
+
 class Figure(str):
     """A figure: the text of an SVG, which a notebook shows."""
 

@@ -110,7 +110,6 @@ impl<'a> Report<'a> {
         if all.is_empty() {
             return Ok(());
         }
-        let studies = finished;
         let answer = answer::table(all.iter().copied());
         let page = Page {
             title: "Which method reaches a given error soonest?".into(),
@@ -123,9 +122,9 @@ impl<'a> Report<'a> {
             chart: chart::chart(all.iter().copied()),
             opening: vec![Block { figures: overview.into_iter().collect(), ..Block::default() }, answer],
             command: self.request.command_line.clone(),
-            summary: if studies.len() > 1 { vec![overall(studies)] } else { Vec::new() },
+            summary: if finished.len() > 1 { vec![overall(finished)] } else { Vec::new() },
             scenes: self.sections.iter().cloned().chain(current).collect(),
-            fairness: if studies.is_empty() { Vec::new() } else { fairness(self.request, studies) },
+            fairness: if finished.is_empty() { Vec::new() } else { fairness(self.request, finished) },
             machine: self.machine.facts(Fact::new("Threads of a timed run", self.request.threads.to_string())),
         };
         Ok(page::write(&page, &self.folder.join("report.html"))?)

@@ -143,7 +143,12 @@ impl Ladder<'_> {
             let space = space.map(|space| (by_more(k) * space).max(self.standing(quantity, &self.rungs[k])));
             space.map_or(f64::INFINITY, |space| (space + steps).hypot(noise))
         });
-        Some(Promised { errors: errors.collect(), order: estimate.order })
+        let mut errors: Vec<f64> = errors.collect();
+        // Where a coarser run seems better than a finer one, it is so by chance.
+        for k in (0..finest).rev() {
+            errors[k] = errors[k].max(errors[k + 1]);
+        }
+        Some(Promised { errors, order: estimate.order })
     }
 }
 

@@ -4,6 +4,7 @@ use frazil_plots::page::{Block, Table};
 use frazil_plots::style::{duration, method_title, number, percent};
 
 use super::chart::is_first;
+use super::numbers::reached;
 use crate::compare::analysis::{AtError, Comparison, Reached, Study, TARGETS};
 use crate::compare::curve::{Curve, Kind};
 
@@ -70,17 +71,6 @@ fn times(entry: &Entry<'_>, quickest: &Entry<'_>) -> Option<String> {
     }
 }
 
-/// The time at which a method is there.
-fn time_words(reached: Reached) -> String {
-    match reached {
-        Reached::At(time) => duration(time),
-        Reached::Within(time) => format!("at most {}", duration(time)),
-        Reached::Untold(time) => format!("perhaps {}", duration(time)),
-        Reached::LeftOut => "left out".into(),
-        Reached::Not => "not reached".into(),
-    }
-}
-
 /// The answer of a scene in a sentence.
 pub(super) fn sentence(study: &Study) -> Option<String> {
     let comparison = study.comparisons.first()?;
@@ -97,14 +87,14 @@ pub(super) fn sentence(study: &Study) -> Option<String> {
         "{title}: {} reaches an {label} of {} in {}{interval}",
         quickest.name(),
         percent(target, 2),
-        time_words(quickest.at.time)
+        reached(quickest.at.time, duration, "at most")
     );
     for entry in others {
         let name = entry.name();
         text += &match entry.at.time {
             Reached::At(_) | Reached::Within(_) => {
-                let ratio = times(entry, quickest).map_or(String::new(), |ratio| format!(", {ratio}"));
-                format!("; {name} in {}{ratio}", time_words(entry.at.time))
+                let ratio = times(entry, quickest).map_or(String::new(), |ratio| format!(", {ratio} as long"));
+                format!("; {name} in {}{ratio}", reached(entry.at.time, duration, "at most"))
             }
             Reached::Not => format!("; {name} does not reach it"),
             Reached::Untold(_) => format!("; whether {name} does is not known"),
@@ -124,7 +114,7 @@ pub(super) fn table<'s>(studies: impl Iterator<Item = &'s Study>) -> Block {
             let interval = interval
                 .map_or(String::new(), |interval| format!("{} to {}", duration(interval.low), duration(interval.high)));
             let ratio = if place == 0 { Some("1 ×".into()) } else { times(entry, &all[0]) };
-            let (name, time) = (study.name().to_owned(), time_words(entry.at.time));
+            let (name, time) = (study.name().to_owned(), reached(entry.at.time, duration, "at most"));
             rows.push(vec![name, entry.name(), percent(target, 2), time, interval, ratio.unwrap_or_default()]);
         }
     }

@@ -51,7 +51,7 @@ fn scene(study: &Study) -> ChartScene {
 
 fn error(point: &Point) -> Option<ChartError> {
     let range = point.error_interval.map(|interval| [interval.low as f32, interval.high as f32]);
-    Some(ChartError { value: point.signed? as f32, range, doubtful: point.ringed })
+    Some(ChartError { value: point.signed? as f32, range, hollow: point.hollow, doubtful: point.ringed })
 }
 
 fn point(study: &Study, one: &Measured, timed: [&Point; 2]) -> ChartPoint {

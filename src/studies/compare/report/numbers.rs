@@ -11,7 +11,8 @@ use crate::compare::curve::Point;
 use crate::compare::measured::{Measured, Timing};
 use crate::words::length_words;
 
-fn reached(value: Reached, show: fn(f64) -> String, within: &str) -> String {
+/// What a curve reaches, in words: a time, or an error.
+pub(super) fn reached(value: Reached, show: fn(f64) -> String, within: &str) -> String {
     match value {
         Reached::At(value) => show(value),
         Reached::Within(value) => format!("{within} {}", show(value)),

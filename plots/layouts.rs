@@ -2,6 +2,7 @@
 
 mod critical;
 mod curves;
+mod days;
 mod depth;
 mod methods;
 mod plan;
@@ -12,6 +13,7 @@ mod view;
 
 pub use critical::{CriticalView, critical_map};
 pub use curves::{axis, load, mean_temperature, planes, thickness};
+pub use days::{Days, days};
 pub use depth::{LayerView, ShaftView, over_depth};
 pub use methods::{Answer, MethodView, MethodsView, methods};
 pub use plan::{maps, sketches};

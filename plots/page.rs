@@ -14,6 +14,7 @@ use serde::Serialize;
 use crate::PlotError;
 use crate::canvas::{self, Canvas};
 use crate::chart::Chart;
+use crate::layouts::Days;
 
 /// A whole page.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
@@ -26,6 +27,8 @@ pub struct Page {
     pub answers: Vec<String>,
     /// The interactive chart, in the place of the first figures of the opening.
     pub chart: Option<Chart>,
+    /// The plans of layouts day by day, before the opening.
+    pub plan: Option<Days>,
     /// The command that makes it again.
     pub command: String,
     /// What comes first of all, before the scenes.
@@ -129,6 +132,8 @@ const LIBRARY: &str = include_str!("vendor/uplot/uPlot.iife.min.js");
 const LIBRARY_STYLE: &str = include_str!("vendor/uplot/uPlot.min.css");
 /// The chart of a comparison.
 const CHART: &str = include_str!("page/chart.js");
+/// The plans of layouts day by day.
+const PLAN: &str = include_str!("page/plan.js");
 /// Sorting, light and dark.
 const PAGE: &str = include_str!("page/page.js");
 
@@ -143,16 +148,20 @@ struct Scripts {
     style: &'static str,
     /// What the chart shows, as JSON that ends no element.
     data: Option<String>,
+    /// What the plans show.
+    plan: Option<String>,
 }
 
 impl Scripts {
     fn of(page: &Page) -> Result<Self, PlotError> {
-        let texts = if page.chart.is_some() { vec![LIBRARY, CHART, PAGE] } else { vec![PAGE] };
+        let chart = page.chart.is_some().then_some([LIBRARY, CHART]).into_iter().flatten();
+        let texts: Vec<&str> = chart.chain(page.plan.is_some().then_some(PLAN)).chain([PAGE]).collect();
         let hash = |text: &&str| base64::engine::general_purpose::STANDARD.encode(Sha256::digest(text.as_bytes()));
         let policy: Vec<String> = texts.iter().map(|text| format!("'sha256-{}'", hash(text))).collect();
         let data = page.chart.as_ref().map(Chart::json).transpose()?;
+        let plan = page.plan.as_ref().map(Days::json).transpose()?;
         let style = if data.is_some() { LIBRARY_STYLE } else { "" };
-        Ok(Scripts { texts, policy: policy.join(" "), style, data })
+        Ok(Scripts { texts, policy: policy.join(" "), style, data, plan })
     }
 }
 

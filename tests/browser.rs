@@ -39,6 +39,28 @@ fn comparison(folder: &Path) -> PathBuf {
     page(folder, &[&scenes[..], &["--methods", "local,sph,pd", "--levels", "3", "--repeats", "1"]].concat())
 }
 
+/// Layouts of freeze pipes, of which one has a name that would run something.
+fn layouts(folder: &Path) -> PathBuf {
+    let study = r#"
+        title = "</script><script>document.title = 'ran'</script>"
+        source = "none"
+        scene = "frozen-wall-sand"
+        shaft_radius_m = 3.5
+
+        [set]
+        "time.duration_days" = 60
+
+        [[layouts]]
+        name = "all pipes"
+
+        [[layouts]]
+        name = "<img src=x onerror='document.title = 1'>"
+        set = { "pipes.1.missing" = ["1.1", "1.2"] }
+    "#;
+    fs::write(folder.join("rings.toml"), study).expect("a file");
+    page(folder, &["layout", "rings.toml"])
+}
+
 /// Moves over the chart until the numbers of a run are shown; where that was.
 fn hover(browser: &mut Browser) -> (f64, f64) {
     let [x, y, width, height] = browser.place("#chart .u-over");
@@ -162,6 +184,71 @@ fn tables_are_sorted_by_numbers_and_pages_fit_dark_and_narrow_screens() {
     let wide = browser.value("document.scrollingElement.scrollWidth");
     assert!(wide.as_f64().is_some_and(|wide| wide <= 400.0), "{wide}");
     hover(&mut browser);
+}
+
+#[test]
+fn plans_of_layouts_follow_the_day() {
+    let Some(mut browser) = browser() else { return };
+    let folder = folder();
+    let path = layouts(folder.path());
+    assert!(fs::metadata(&path).expect("a page").len() <= 700_000);
+    browser.resize(1280);
+    browser.open(&path);
+    assert!(browser.value("document.title.startsWith('</script><script>')") == true);
+    assert!(browser.asked_for.iter().all(|address| address.starts_with("file://") && address.ends_with("report.html")));
+    assert!(
+        browser.value("document.querySelector('#plan input[type=range]').getBoundingClientRect().bottom < innerHeight")
+            == true
+    );
+    assert_eq!(browser.value("document.querySelectorAll('.layout svg').length"), 2);
+
+    // It begins on the day on which the first wall stands; a day earlier none does.
+    let facts = |browser: &mut Browser, layout: usize| {
+        let value = browser.value(&format!("document.querySelectorAll('.layout dl')[{layout}].textContent"));
+        value.as_str().map(String::from).unwrap_or_default()
+    };
+    let closed = facts(&mut browser, 0);
+    assert!(closed.contains("closed, 26 of 26 gaps closed") && closed.contains("m thick"), "{closed}");
+    assert!(facts(&mut browser, 1).contains("open, "));
+    let day = "Number(document.getElementById('plan').dataset.day)";
+    let (began, ground) = (browser.value(day), "document.querySelector('.ice').getAttribute('d')");
+    let then = browser.value(ground);
+    let [x, y, width, _] = browser.place("#plan input[type=range]");
+    for kind in ["mousePressed", "mouseReleased"] {
+        browser.mouse(kind, (x - 0.45 * width, y), 1);
+    }
+    assert!(browser.value(day).as_f64() < began.as_f64());
+    assert_ne!(browser.value(ground), then);
+    assert!(facts(&mut browser, 0).contains("open, 0 of 26 gaps closed"));
+    assert_eq!(browser.value("document.querySelectorAll('.layout')[0].querySelectorAll('.gap.open').length"), 26);
+
+    // Played to the end, where the gap of the two missing pipes is still the widest one.
+    browser.click("#plan .play", 1);
+    browser.wait("document.querySelector('#plan .play').textContent === 'Play'");
+    assert_eq!(browser.value(day), 60);
+    // Of gaps that are all alike none is the weakest.
+    assert_eq!(browser.value("document.querySelectorAll('.gap.weakest').length"), 1);
+    assert!(facts(&mut browser, 0).contains("all gaps are alike, "));
+
+    // Layouts that are switched off and on.
+    browser.click("#plan input[type=checkbox]", 1);
+    assert_eq!(browser.value("document.querySelectorAll('.layout svg').length"), 1);
+    browser.click("#plan input[type=checkbox]", 1);
+    assert_eq!(browser.value("document.querySelectorAll('.layout svg').length"), 2);
+
+    browser.resize(400);
+    browser.open(&path);
+    let wide = browser.value("document.scrollingElement.scrollWidth");
+    assert!(wide.as_f64().is_some_and(|wide| wide <= 400.0), "{wide}");
+
+    browser.call("Emulation.setScriptExecutionDisabled", json!({ "value": true }));
+    browser.open(&path);
+    assert_eq!(browser.value("document.getElementById('plan').hidden"), true);
+    assert!(
+        browser.value(
+            "document.querySelectorAll('figure svg').length > 3 && document.querySelectorAll('.answer').length > 0"
+        ) == true
+    );
 }
 
 #[test]

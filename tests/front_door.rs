@@ -3,8 +3,11 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use frazil_record::Record;
+
+use crate::commands;
 
 fn frazil(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_frazil")).args(arguments).current_dir(folder).output().expect("the program starts")
@@ -78,10 +81,21 @@ fn shells_complete_every_command_and_each_has_a_manual_page() {
     }
 }
 
+/// Makes a run, and again from its record on one thread and on two; the command is there for what it says of a difference.
+fn run_and_rerun(own: &Path, run: &[&str]) {
+    let made = frazil(own, &[run, &["--quiet", "--out", "out"]].concat());
+    assert!(made.status.code().is_some_and(|code| code < 2), "{run:?}: {made:?}");
+    // Also once the file is gone.
+    fs::write(own.join("own.toml"), "").expect("written");
+    for threads in ["1", "2"] {
+        let again = frazil(own, &["rerun", "out", "--threads", threads, "--out", "again"]);
+        assert_eq!(again.status.code(), made.status.code(), "{run:?}: {again:?}");
+        assert!(said(&again).0.contains("the same state: "), "{run:?}: {again:?}");
+    }
+}
+
 #[test]
 fn runs_are_made_again_from_their_records_to_the_same_bits() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let own = folder.path();
     let runs: [&[&str]; 5] = [
         &["stefan-water", "--method", "pd"],
         &["stefan-dpd-1", "--method", "edpd", "--seed", "3", "--set", "time.duration=5"],
@@ -89,19 +103,33 @@ fn runs_are_made_again_from_their_records_to_the_same_bits() {
         &["copper-sphere", "--method", "local"],
         &["soil-column-printed", "--method", "pd", "--reduce", "--set", "time.duration_h=2"],
     ];
-    for (number, run) in runs.iter().enumerate() {
-        let out = format!("out/{number}");
-        fs::write(own.join("own.toml"), frazil_cases::scenes::all()[0].text).expect("written");
-        let made = frazil(own, &[&["run"], *run, &["--quiet", "--out", &out]].concat());
-        assert!(made.status.code().is_some_and(|code| code < 2), "{run:?}: {made:?}");
-        // Also once the file is gone.
-        fs::write(own.join("own.toml"), "").expect("written");
-        for threads in ["1", "2"] {
-            let again = frazil(own, &["rerun", &out, "--threads", threads, "--out", "again"]);
-            assert_eq!(again.status.code(), made.status.code(), "{run:?}: {again:?}");
-            assert!(said(&again).0.contains("the same state: "), "{run:?}: {again:?}");
-        }
+    for run in runs {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("own.toml"), frazil_cases::scenes::all()[0].text).expect("written");
+        run_and_rerun(folder.path(), &[&["run"], run].concat());
     }
+}
+
+/// Every bundled scene under every method that runs it, those that take long cut short.
+/// Minutes: `cargo test --release --test frazil every_bundled_scene_is_made_again -- --ignored`.
+#[test]
+#[ignore = "minutes"]
+fn every_bundled_scene_is_made_again_from_its_record_to_the_same_bits() {
+    let all: Vec<String> = commands::all().into_iter().filter(|command| command.starts_with("run ")).collect();
+    for scene in frazil_cases::scenes::all() {
+        assert!(all.iter().any(|command| command.starts_with(&format!("run {} ", scene.name))), "{}", scene.name);
+    }
+    let next = AtomicUsize::new(0);
+    let work = || {
+        while let Some(command) = all.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let folder = tempfile::tempdir().expect("a folder");
+            run_and_rerun(folder.path(), &command.split_whitespace().collect::<Vec<_>>());
+        }
+    };
+    std::thread::scope(|scope| {
+        let workers = std::thread::available_parallelism().map_or(1, usize::from);
+        (0..workers).for_each(|_| drop(scope.spawn(work)));
+    });
 }
 
 #[test]

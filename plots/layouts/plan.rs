@@ -27,7 +27,7 @@ pub fn sketches(layouts: &[LayoutView<'_>]) -> Vec<Canvas> {
 }
 
 /// How far from the centre anything is drawn (m).
-fn reach(layout: &LayoutView<'_>) -> f64 {
+pub(super) fn reach(layout: &LayoutView<'_>) -> f64 {
     let pipes = layout.pipes.iter().map(|pipe| pipe.x_m.hypot(pipe.y_m) + pipe.radius_m);
     let missing = layout.missing.iter().map(|(x, y)| x.hypot(*y));
     pipes.chain(missing).chain(layout.shaft_radius_m).filter(|far| far.is_finite()).fold(0.0, f64::max)

@@ -8,7 +8,7 @@ use frazil_core::space::domain::Domain;
 use frazil_plots::canvas::Formats;
 use frazil_plots::ground_plan::ShaftMark;
 use frazil_plots::{FigureOptions, run_figures};
-use frazil_record::{Field, Outcome};
+use frazil_record::{Field, FrontLineRow, Outcome};
 use frazil_scene::{Scene, names};
 use frazil_simulation::march::{self, Checkpoints, EachOutput, Options};
 use frazil_simulation::predict;
@@ -33,6 +33,9 @@ pub struct Pair {
     pub coarse: Option<Kept>,
     /// Why not.
     pub refused: Option<String>,
+    /// The front of the run, where the layout has maps.
+    #[serde(default)]
+    pub front_lines: Vec<FrontLineRow>,
 }
 
 /// What is kept of a layout at twice the spacing.
@@ -267,7 +270,13 @@ impl Work<'_> {
             complain(&format!("figures: {error}"));
         }
         let Coarse { kept, refused } = coarse;
-        Ok(Some(Finding::Ran(Box::new(Pair { fine: Kept::of(&layout.scene, &fine), coarse: kept, refused }))))
+        let front_lines = fine.front_lines.clone();
+        Ok(Some(Finding::Ran(Box::new(Pair {
+            fine: Kept::of(&layout.scene, &fine),
+            coarse: kept,
+            refused,
+            front_lines,
+        }))))
     }
 
     fn coarse_key(&self, layout: &Layout) -> String {

@@ -4,7 +4,7 @@ use std::fs;
 
 use frazil_core::space::domain::Domain;
 use frazil_plots::canvas::Formats;
-use frazil_plots::layouts::{LayoutView, PipeView, drawings};
+use frazil_plots::layouts::{self, LayoutView, PipeView, drawings};
 use frazil_plots::page::{self, Block, Fact, Figure, Page, Table};
 use frazil_plots::style::number;
 use frazil_record::RunResult;
@@ -22,10 +22,12 @@ use super::study::Study;
 use super::variants::Role;
 use super::{dug, reference};
 
+mod answer;
 mod depth;
 mod overview;
 mod vary;
 
+use answer::answers;
 use depth::over_depth;
 use overview::overview;
 use vary::what_if;
@@ -46,12 +48,8 @@ pub(super) struct Told<'a> {
 }
 
 /// Writes figures and page.
-pub(super) fn write(
-    command: &str,
-    study: &Study<'_>,
-    work: &Work<'_>,
-    Told { found, tried, beside, critical }: Told<'_>,
-) -> Result<(), Failure> {
+pub(super) fn write(command: &str, study: &Study<'_>, work: &Work<'_>, told: Told<'_>) -> Result<(), Failure> {
+    let Told { found, tried, beside, .. } = told;
     let compared: Vec<&Found<'_>> = found.iter().filter(|one| one.layout.role == Role::Compared).collect();
     let mut page = Page {
         title: study.title.clone(),
@@ -62,13 +60,16 @@ pub(super) fn write(
             work.method,
             study.ground.scene
         )],
+        answers: answers(study, &told, &compared),
         command: command.to_owned(),
         machine: work.machine.facts(Fact::new("Layouts at once", work.threads.to_string())),
         ..Page::default()
     };
     page.opening.extend(over_depth(study, work, found)?);
-    let runs: Vec<RunResult> = compared.iter().map(|one| one.pair.fine.run()).collect();
+    let run = |one: &&Found<'_>| RunResult { front_lines: one.pair.front_lines.clone(), ..one.pair.fine.run() };
+    let runs: Vec<RunResult> = compared.iter().map(run).collect();
     let views: Vec<LayoutView<'_>> = compared.iter().zip(&runs).map(|(one, run)| view(study, one, run)).collect();
+    page.plan = layouts::days(&views);
     let freezing = compared.first().map_or(0.0, |one| one.layout.scene.materials[0].freezing_point);
     let (mut first, mut figures) = (Vec::new(), Vec::new());
     let drawings = drawings(&views, freezing);
@@ -89,10 +90,11 @@ pub(super) fn write(
     page.opening.push(Block { figures, ..Block::default() });
     page.opening.extend(dug::block(found));
     page.opening.extend(reference::block(found));
-    page.opening.extend(critical);
+    page.opening.extend(told.critical);
     if compared.len() <= SHOWN {
         page.opening.push(Block {
             heading: "Temperatures".into(),
+            text: vec!["At the last instant; maps of the others lie in the folder of each layout.".into()],
             figures: compared.iter().flat_map(|one| maps(work, one)).collect(),
             ..Block::default()
         });
@@ -164,11 +166,11 @@ fn view<'a>(study: &Study<'_>, one: &Found<'_>, run: &'a RunResult) -> LayoutVie
     }
 }
 
-/// The maps that stand in a layout's folder.
+/// The last maps that stand in a layout's folder: all of them would be most of the page.
 fn maps(work: &Work<'_>, one: &Found<'_>) -> Vec<Figure> {
     let folder = work.folder_of(one.layout);
     let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let instants = one.fine.days.iter().map(|day| day.day);
+    let last = one.fine.days.last().map(|day| day.day);
     let figure = |kind: &str, words: &str, day: f64| {
         let stem = format!("{kind}_{day}d");
         let svg = fs::read_to_string(folder.join(format!("{stem}.svg"))).ok()?;
@@ -176,7 +178,7 @@ fn maps(work: &Work<'_>, one: &Found<'_>) -> Vec<Figure> {
         Some(Figure { svg, caption, file: format!("layouts/{name}/{stem}") })
     };
     let water = ": pressure and velocity of the water";
-    instants.flat_map(|day| [figure("map", "", day), figure("pressure", water, day)]).flatten().collect()
+    last.into_iter().flat_map(|day| [figure("map", "", day), figure("pressure", water, day)]).flatten().collect()
 }
 
 /// The same layouts under several methods.
@@ -185,7 +187,7 @@ fn methods_block(work: &Work<'_>, beside: &[Beside<'_>]) -> Result<Option<Block>
         return Ok(None);
     }
     let views: Vec<_> = beside.iter().map(Beside::view).collect();
-    let drawing = frazil_plots::layouts::methods(&views);
+    let drawing = layouts::methods(&views);
     drawing.write(&work.folder, "methods", Formats::SvgAndPng)?;
     let caption = "Day of closure, thickness and mean temperature where the wall is weakest, and load at the end, as each method has them.";
     let figures = vec![Figure::new(&drawing, caption, "methods")];

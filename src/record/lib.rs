@@ -23,7 +23,7 @@ pub use tables::{
     BesideRow, BudgetRow, Field, FrontRow, FrozenRow, MeanOver, PhaseRow, ProbeRow, ProfileRow, Start, SurfaceRow,
 };
 pub use time_unit::TimeUnit;
-pub use wall::{GapRow, LinkRow, PlaneRow, WallRecord, WallRow};
+pub use wall::{FrontLineRow, GapRow, LinkRow, PlaneRow, WallRecord, WallRow};
 pub use water::{CutRow, FlowPoint, WaterRecord, WaterRow, WaterSeries};
 pub use work::Work;
 pub use write::{UNFINISHED, write_whole};

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    BesideRow, BudgetRow, Field, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow, ProfileRow,
-    Record, SectionRow, Start, StreamRow, SurfaceRow, Table, WallRow, WaterSeries,
+    BesideRow, BudgetRow, Field, FrontLineRow, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow,
+    ProfileRow, Record, SectionRow, Start, StreamRow, SurfaceRow, Table, WallRow, WaterSeries,
 };
 
 /// Everything one run leaves.
@@ -44,6 +44,9 @@ pub struct RunResult {
     pub links: Vec<LinkRow>,
     /// Sections of the frozen wall, where the scene asks for them.
     pub planes: Vec<PlaneRow>,
+    /// The front of a frozen wall as lines, where the scene asks for its wall and maps are kept.
+    #[serde(default)]
+    pub front_lines: Vec<FrontLineRow>,
     /// Temperature fields at the profile instants; empty on a line.
     pub fields: Vec<Field>,
     /// Water over time, where it flows.

@@ -112,6 +112,20 @@ impl LinkRow {
     }
 }
 
+/// One row of `front_lines.csv`: a point of the lines on which half is frozen, at an output; of the whole plan, also where a part of it
+/// is run.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct FrontLineRow {
+    /// Time (s).
+    pub time_s: f64,
+    /// Number of its line at this time, counted from 1. Of a closed line the first point is the last again.
+    pub line: usize,
+    /// Its place (m).
+    pub x_m: f64,
+    /// Its place (m).
+    pub y_m: f64,
+}
+
 /// One row of `planes.csv`: a section of the frozen wall at an output.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct PlaneRow {

@@ -6,6 +6,7 @@ mod budget;
 mod corners;
 mod fields;
 mod front;
+mod front_lines;
 mod front_shape;
 mod frozen;
 mod gaps;
@@ -42,7 +43,7 @@ use observer::{End, Maker, Observer, Setup, View};
 pub use fields::map;
 
 /// Makes each observer, where a scene needs it; and the table that says itself what is in it, if it leaves one.
-const OBSERVERS: [(Maker, Option<&str>); 16] = [
+const OBSERVERS: [(Maker, Option<&str>); 17] = [
     (monotonicity::of, None),
     (front::of, None),
     (frozen::of, None),
@@ -55,6 +56,7 @@ const OBSERVERS: [(Maker, Option<&str>); 16] = [
     (gaps::of, None),
     (wall::of, None),
     (fields::of, None),
+    (front_lines::of, None),
     (water::of, None),
     (moisture::of, Some(moisture::TABLE)),
     (isotherms::of, Some(isotherms::TABLE)),

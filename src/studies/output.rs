@@ -204,6 +204,7 @@ pub fn series(result: &RunResult) -> Vec<(&'static str, Option<Fill<'_>>)> {
         ("gaps.csv", rows(&result.gaps)),
         ("links.csv", rows(&result.links)),
         ("planes.csv", rows(&result.planes)),
+        ("front_lines.csv", rows(&result.front_lines)),
         ("water.csv", water.and_then(|water| rows(&water.rows))),
         ("cut.csv", water.and_then(|water| rows(&water.cut))),
         ("flow.csv", water.and_then(|water| rows(&water.maps))),

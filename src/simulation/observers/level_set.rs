@@ -160,9 +160,15 @@ fn cut(corners: [(DVec2, f64); 3]) -> (f64, Option<(DVec2, DVec2)>) {
     };
     let (own, others) = (corners[k], [corners[(k + 1) % 3], corners[(k + 2) % 3]]);
     let parts = others.map(|other| own.1 / (own.1 - other.1));
-    let ends = [0, 1].map(|side| own.0.lerp(others[side].0, parts[side]));
+    let ends = others.map(|other| crossing(own, other));
     let tip = parts[0] * parts[1];
     (if negative == 1 { tip } else { 1.0 - tip }, Some((ends[0], ends[1])))
+}
+
+/// Where a linear field passes zero between two places, from the lower on: the same to the bit for all triangles beside an edge.
+fn crossing(a: (DVec2, f64), b: (DVec2, f64)) -> DVec2 {
+    let (low, high) = if a.1 < 0.0 { (a, b) } else { (b, a) };
+    low.0.lerp(high.0, low.1 / (low.1 - high.1))
 }
 
 impl HeapSize for LevelSet {

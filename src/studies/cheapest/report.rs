@@ -49,7 +49,6 @@ pub fn write(request: &CheapestRequest, folder: &Path, study: &Study) -> Result<
     let label = study.headline.map_or("error", Headline::label);
     let block = Block {
         heading: format!("{} of {label}", percent(request.error, 3)),
-        text: super::words(request, study).lines().skip(1).map(|line| line.trim().to_owned()).collect(),
         figures: vec![Figure::new(
             &figure,
             "Error that is promised of each run against its CPU time. The line is the error that was asked for.",
@@ -60,6 +59,7 @@ pub fn write(request: &CheapestRequest, folder: &Path, study: &Study) -> Result<
     };
     let page = Page {
         title: format!("The cheapest run: {}", study.scene.title),
+        answers: vec![answer(request, study)],
         lead: vec![
             "Nothing but runs of the same method tells these errors: ever finer runs differ ever less, and what they still differ \
              by gives the order and the error (Richardson), with the factors of safety of Roache: 1.25 where three spacings show \
@@ -72,6 +72,23 @@ pub fn write(request: &CheapestRequest, folder: &Path, study: &Study) -> Result<
         ..Page::default()
     };
     Ok(page::write(&page, &folder.join("report.html"))?)
+}
+
+/// The methods in the order of their cost, and what keeps the others from it.
+fn answer(request: &CheapestRequest, study: &Study) -> String {
+    let label = study.headline.map_or("error", Headline::label).trim_start_matches("rms ");
+    let least = study.all.first().and_then(Of::cost);
+    let said = |of: &Of| {
+        let name = method_title(of.kind.name);
+        let Ok(chosen) = of.reached.chosen else { return format!("{name} does not reach it") };
+        let rung = &of.reached.rungs[chosen];
+        let ratio = least
+            .filter(|least| *least < rung.cost_s)
+            .map_or_else(String::new, |least| format!(", {} × as long", number(rung.cost_s / least, 2)));
+        format!("{name} in {} at {}{ratio}", duration(rung.cost_s), length_words(study.scene.units, rung.spacing))
+    };
+    let all: Vec<String> = study.all.iter().map(said).collect();
+    format!("{} of {label} or less: {}.", percent(request.error, 3), all.join("; "))
 }
 
 fn rows(request: &CheapestRequest, study: &Study, of: &Of) -> Vec<Row> {

@@ -126,6 +126,7 @@ impl<'a> Report<'a> {
             scenes: self.sections.iter().cloned().chain(current).collect(),
             fairness: if finished.is_empty() { Vec::new() } else { fairness(self.request, finished) },
             machine: self.machine.facts(Fact::new("Threads of a timed run", self.request.threads.to_string())),
+            ..Page::default()
         };
         Ok(page::write(&page, &self.folder.join("report.html"))?)
     }

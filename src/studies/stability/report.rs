@@ -66,10 +66,40 @@ pub fn write(
     for name in &request.scenes {
         let own: Vec<&Mapped> = columns.iter().filter(|mapped| mapped.job.scene == *name).collect();
         // Columns have values of their own in place of the scene's.
-        page.scenes.extend(section(folder, &(parts.scene_at)(name, &request.overrides)?, &own, &mut figures)?);
+        let scene = (parts.scene_at)(name, &request.overrides)?;
+        page.answers.extend(answer(&scene, &own));
+        page.scenes.extend(section(folder, &scene, &own, &mut figures)?);
     }
     figures.write(Formats::SvgAndPng, parallel::cores())?;
     Ok(page::write(&page, &folder.join("report.html"))?)
+}
+
+/// How far the steps of each method go on a scene, over all its maps; none where no column has a boundary.
+fn answer(scene: &Scene, columns: &[&Mapped]) -> Option<String> {
+    let mut methods: Vec<&str> = Vec::new();
+    for mapped in columns {
+        if !methods.contains(&mapped.job.method) {
+            methods.push(mapped.job.method);
+        }
+    }
+    let said = |method: &&str| {
+        let own = columns.iter().filter(|mapped| mapped.job.method == *method && mapped.job.axis != Axis::Stages);
+        let ladders = own.filter_map(|mapped| Some(&mapped.found.as_ref().ok()?.ladder));
+        let steps = ladders.filter_map(|ladder| ladder.last_exact.middle().or(ladder.last_exact.low));
+        let (least, most) =
+            steps.fold((f64::INFINITY, 0.0f64), |(least, most), step| (least.min(step), most.max(step)));
+        let range = if most > least { format!("{} to {}", number(least, 3), number(most, 3)) } else { number(most, 3) };
+        (most > 0.0).then(|| format!("{} {range}", method_title(method)))
+    };
+    let told: Vec<String> = methods.iter().filter_map(said).collect();
+    let broken = columns.iter().flat_map(|mapped| broken_promises(mapped)).count();
+    let stated = match broken {
+        0 => "no run refutes a stated step".to_owned(),
+        1 => "one run refutes the step that its method states".to_owned(),
+        _ => format!("{broken} runs refute the steps that their methods state"),
+    };
+    let longest = format!("Longest exact step over the bound, on all maps: {}", told.join("; "));
+    (!told.is_empty()).then(|| format!("{}: {stated}. {longest}.", scene.title))
 }
 
 fn section(

@@ -1,5 +1,6 @@
 //! Scenes and fluids by name, exact solutions and reference tables.
 
+pub mod atlas;
 pub mod column;
 pub mod corner;
 pub mod exact;

@@ -1,5 +1,6 @@
 //! From what was typed to a checked request, and to the command that answers it: a file a command.
 
+mod atlas;
 mod calibrate;
 mod cheapest;
 mod check;
@@ -57,6 +58,8 @@ enum Command {
     /// Measures what the fluid that `calibrate` gives is really like, on moving particles: diffusivities, Schmidt and
     /// Prandtl numbers, with 95 % intervals over seeds.
     Properties(properties::PropertiesArguments),
+    /// Sets what the papers show beside what the program finds: every section, figure and table.
+    Atlas(atlas::AtlasArguments),
     /// Lists the bundled scenes, studies, fluids and the methods.
     List,
     /// Prints the file of a bundled scene, study or fluid.
@@ -81,6 +84,7 @@ impl Command {
             Command::Layout(arguments) => arguments.answer(),
             Command::Calibrate(arguments) => arguments.answer(),
             Command::Properties(arguments) => arguments.answer(),
+            Command::Atlas(arguments) => arguments.answer(),
             Command::List => list::list(),
             Command::Show(arguments) => arguments.answer(),
             Command::Schema => schema::answer(),

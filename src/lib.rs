@@ -1,5 +1,6 @@
 //! The program `frazil`: what a user runs, as functions.
 
+pub mod atlas;
 pub mod calibrate;
 pub mod check;
 pub mod cli;

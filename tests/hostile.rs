@@ -171,18 +171,19 @@ fn results_stay_in_their_folder_whatever_a_file_is_called() {
     }
 }
 
-/// A page without the scripts that are its own to the letter, and without what its chart shows, which ends no element.
+/// A page without the scripts that are its own to the letter, and without what its chart or plans show, which ends no element.
 fn without_its_scripts(page: &str) -> String {
     let mut rest = page.to_owned();
-    for own in ["vendor/uplot/uPlot.iife.min.js", "page/chart.js", "page/page.js"] {
+    for own in ["vendor/uplot/uPlot.iife.min.js", "page/chart.js", "page/plan.js", "page/page.js"] {
         let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("plots").join(own)).expect("a script");
         rest = rest.replacen(&format!("<script>{text}</script>"), "", 1);
     }
-    let data = "<script type=\"application/json\" id=\"chart-data\">";
-    if let Some((before, after)) = rest.split_once(data) {
+    for data in ["chart-data", "plan-data"] {
+        let data = format!("<script type=\"application/json\" id=\"{data}\">");
+        let Some((before, after)) = rest.split_once(&data) else { continue };
         let (shown, after) = after.split_once("</script>").expect("an end");
         assert!(!shown.contains('<') && serde_json::from_str::<serde_json::Value>(shown).is_ok());
-        return format!("{before}{after}");
+        rest = format!("{before}{after}");
     }
     rest
 }

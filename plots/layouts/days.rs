@@ -11,7 +11,7 @@ use super::plan::reach;
 use super::view::{DAY, LayoutView, ROUNDING};
 
 /// Days of all layouts together, and the fewest of one of many: a page stays below some hundred kB.
-const DAYS: usize = 160;
+const DAYS: usize = 120;
 const FEWEST: usize = 6;
 
 /// Outlines are drawn to a part of the plan's radius: well below a pixel of a screen.

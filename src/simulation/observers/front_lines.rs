@@ -13,7 +13,7 @@ use super::series::series;
 use crate::march::instants::outputs;
 
 /// How far a line may be from the front that it stands for, in spacings: below what the lattice shows of the front itself.
-const TOLERANCE: f64 = 0.2;
+const TOLERANCE: f64 = 0.1;
 
 /// At how many outputs lines are kept at the most: all of them would be more than all other tables of a run together.
 const MOST: usize = 40;

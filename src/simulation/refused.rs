@@ -9,6 +9,7 @@ use frazil_core::boundary::wall_layers::NoFreeParticle;
 use frazil_core::memory::{self, Allowed, Memory};
 use frazil_core::solvers::step::Bound;
 use frazil_core::space::wall::PatchId;
+use frazil_record::plain;
 use frazil_scene::method::Unrepresented;
 use glam::DVec2;
 use rand_distr::uniform;
@@ -41,8 +42,8 @@ pub enum Refused {
     /// More than the memory that a run may take, before any of it is taken.
     #[error(
         "a spacing of {spacing} makes {particles:.1e} particles, which with {what} need at least {}, and a run may take \
-         {allowed}: set a spacing of at least {fits:.2e}",
-        memory::words(*.needed)
+         {allowed}: set a spacing of at least {}",
+        memory::words(*.needed), plain(*.fits, 3)
     )]
     Memory {
         /// Spacing (m).
@@ -66,7 +67,7 @@ pub enum Refused {
         if held.observers > held.particles + held.method {
             "fewer outputs and profiles hold less, and so does a larger spacing".into()
         } else {
-            format!("a spacing of about {fits:.2e} fits")
+            format!("a spacing of about {} fits", plain(*fits, 3))
         }
     )]
     Held {
@@ -223,7 +224,8 @@ pub enum Refused {
     },
     /// Steps that never end.
     #[error(
-        "the run would take {steps:.1e} steps of {step:.1e} s, must be at most {most:.0e}: the bound is set by {cause}"
+        "the run would take {steps:.1e} steps of {} s, must be at most {most:.0e}: the bound is set by {cause}",
+        plain(*.step, 2)
     )]
     ManySteps {
         /// How many.

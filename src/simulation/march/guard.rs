@@ -5,6 +5,7 @@ use frazil_core::particles::Particles;
 use frazil_core::physics::retention::scale::{DRY, head};
 use frazil_core::saved::{Pass, Saved};
 use frazil_core::solvers::step::{Bound, Clock};
+use frazil_record::plain;
 use frazil_scene::Scene;
 use glam::DVec2;
 
@@ -49,8 +50,8 @@ fn words(place: f64) -> String {
 /// A particle that cannot be, and the step that made it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "particle {particle} at ({:.6}, {:.6}) m {fault} by step {} of {:.6e} s (bound {:.6e} s, set by {})",
-    .place.x, .place.y, .clock.index, .clock.step, .bound.step, .bound.cause
+    "particle {particle} at ({:.6}, {:.6}) m {fault} by step {} of {} s (bound {} s, set by {})",
+    .place.x, .place.y, .clock.index, plain(.clock.step, 6), plain(.bound.step, 6), .bound.cause
 )]
 pub struct Absurd {
     particle: usize,

@@ -2,7 +2,7 @@
 
 use frazil_core::particles::Particles;
 use frazil_core::physics::latent_heat::LatentHeatScheme;
-use frazil_record::Outcome;
+use frazil_record::{Outcome, plain};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
 
@@ -49,7 +49,7 @@ pub(super) fn judge(
 ) -> (Outcome, Option<String>) {
     if balance.abs() > BALANCE_TOLERANCE {
         let moved = if of_water { "water" } else { "heat" };
-        let cause = format!("the {moved} balance misses {balance:.3e} of the {moved} exchanged");
+        let cause = format!("the {moved} balance is off by {} of the {moved} exchanged", plain(balance, 4));
         return match latent_heat_scheme {
             LatentHeatScheme::ApparentCapacity { .. } => {
                 (Outcome::PhaseSkipped, Some(format!("{cause}: particles stepped over the freezing interval")))

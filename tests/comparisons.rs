@@ -128,7 +128,7 @@ fn a_bundled_scene_can_be_varied() {
     assert!(output.status.success(), "{output:?}");
     let said_of = said(&output);
     assert!(said_of.contains("the latent heat is 33500 there and 50000 here"), "{said_of}");
-    assert!(said_of.contains("time.profiles_h: 35, 60 left out, after the end of the run at 20"), "{said_of}");
+    assert!(said_of.contains("time.profiles_h: 35, 60 skipped, after the end of the run at 20"), "{said_of}");
     let found = record(&folder.path().join("out/compare/soil-column/local_best/record.json"));
     assert_eq!(found.reference.map(|info| info.kind).as_deref(), Some("local"));
     assert!(found.remarks.iter().any(|remark| remark.contains("50000 here")), "{:?}", found.remarks);

@@ -193,7 +193,7 @@ fn a_run_of_more_than_thirty_days_is_not_begun() {
         let output = frazil(folder.path(), &command);
         let said = said(&output);
         assert_eq!(output.status.code(), Some(2), "{command}: {said}");
-        assert!(said.contains(" on this machine, more than 30 days, and is begun with --yes alone: "), "{said}");
+        assert!(said.contains(" on this machine, more than 30 days; --yes starts it anyway; "), "{said}");
         assert!(said.contains("shorter by "), "{said}");
         assert!(is_empty(folder.path()), "{command}");
     }

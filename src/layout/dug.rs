@@ -73,16 +73,16 @@ pub fn beside_open(scene: &Scene, record: &Record) -> Option<String> {
     let (shaft, wall) =
         (scene.excavation.as_ref().filter(|shaft| shaft.start < scene.duration)?, record.wall.as_ref()?);
     let day = |time: f64| format!("day {:.2}", time / DAY);
-    let dug = format!("the shaft is dug on {} ", day(shaft.start));
+    let dug = format!("the shaft is excavated on {} ", day(shaft.start));
     let standing =
         wall.standing_s.iter().find(|(from, to)| *from <= shaft.start && to.is_none_or(|to| to > shaft.start));
     let next = wall.standing_s.iter().map(|period| period.0).find(|from| *from > shaft.start);
     match (standing, next, wall.closure_s) {
         (Some((_, None)), ..) => None,
-        (Some((_, Some(to))), ..) => Some(format!("{dug}and the wall beside it opens on {}", day(*to))),
-        (None, _, None) => Some(format!("{dug}beside a wall that does not close")),
-        (None, Some(from), Some(_)) => Some(format!("{dug}beside an open wall, which closes on {} only", day(from))),
-        (None, None, Some(_)) => Some(format!("{dug}beside a wall that has opened again")),
+        (Some((_, Some(to))), ..) => Some(format!("{dug}and the wall around it opens on {}", day(*to))),
+        (None, _, None) => Some(format!("{dug}within a wall that does not close")),
+        (None, Some(from), Some(_)) => Some(format!("{dug}within an open wall, which closes only on {}", day(from))),
+        (None, None, Some(_)) => Some(format!("{dug}within a wall that has opened again")),
     }
 }
 

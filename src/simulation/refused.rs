@@ -31,7 +31,7 @@ pub enum Refused {
     #[error("{0}")]
     Reference(String),
     /// A method, by its name, has no bound to go beyond.
-    #[error("[method.{0}]: steps that follow a tolerance have no bound to go beyond")]
+    #[error("[method.{0}]: adaptive steps have no step bound to exceed")]
     NoBound(&'static str),
     /// What a method that makes its own particles says that it cannot represent.
     #[error("{0}")]
@@ -65,7 +65,7 @@ pub enum Refused {
         memory::words(held.total() as f64),
         memory::words(held.observers as f64),
         if held.observers > held.particles + held.method {
-            "fewer outputs and profiles hold less, and so does a larger spacing".into()
+            "fewer outputs and profiles need less, and so does a larger spacing".into()
         } else {
             format!("a spacing of about {} fits", plain(*fits, 3))
         }
@@ -79,7 +79,7 @@ pub enum Refused {
         fits: f64,
     },
     /// A stream of particles at rest.
-    #[error("a driven liquid needs particles that move: method.edpd.motion = true")]
+    #[error("a stream needs moving particles: method.edpd.motion = true")]
     StillStream,
     /// A shaft is dug before a wall can stand.
     #[error(transparent)]
@@ -91,10 +91,10 @@ pub enum Refused {
     #[error("front = \"sub-cell\" needs a lattice without a neighbour list, but {0}")]
     FrontOnList(&'static str),
     /// A sweep over a lattice that is too narrow for it.
-    #[error("search = \"lattice\" needs a body at least as wide as pairs reach: set \"auto\"")]
+    #[error("search = \"lattice\" needs a body at least as wide as the reach of pairs: set \"auto\"")]
     NarrowLattice,
     /// Cracks in a body that is too narrow for them.
-    #[error("cracks and impermeable parts need a body at least as wide as pairs reach")]
+    #[error("cracks and impermeable parts need a body at least as wide as the reach of pairs")]
     NarrowCracks,
     /// A crack comes too near to the curved wall.
     #[error(
@@ -111,7 +111,7 @@ pub enum Refused {
     },
     /// A crack cuts what stands for a pipe.
     #[error(
-        "crack {number} cuts the particles that stand for the pipe at ({:.4}, {:.4}) m, must stay {half:.6} m away from it",
+        "crack {number} cuts the particles under the regularised delta of the pipe at ({:.4}, {:.4}) m, must stay {half:.6} m away from it",
         .centre.x,
         .centre.y
     )]
@@ -156,7 +156,7 @@ pub enum Refused {
     Closed(f64),
     /// An impermeable part covers what stands for a pipe.
     #[error(
-        "impermeable part {number} covers particles that stand for the pipe at ({:.4}, {:.4}) m, must stay {half:.6} m away \
+        "impermeable part {number} covers particles under the regularised delta of the pipe at ({:.4}, {:.4}) m, must stay {half:.6} m away \
          from it",
         .centre.x,
         .centre.y
@@ -191,7 +191,7 @@ pub enum Refused {
     #[error("{0} walls and parts of walls, must be at most {MOST_PATCHES}")]
     TooManyPatches(usize),
     /// Particles without partners.
-    #[error("no pair of particles has a weight: the reach is shorter than the spacing")]
+    #[error("no pair of particles has a weight: the reach is smaller than the spacing")]
     NoPair,
     /// A wall follows an exact solution that there is not.
     #[error("wall `{0}` asks for the exact solution, but this scene has none")]

@@ -49,7 +49,7 @@ fn shorter(forecast: &Forecast, work: &Work) -> String {
     let lengths = match summary.steps {
         StepCount::Planned(_) => {
             format!("of at most {} s, limited by {},", plain(summary.step_s, 2), summary.step_limit)
-        },
+        }
         StepCount::ByErrorControl { .. } => {
             format!("with error control, of several stages because {} limits an Euler step,", summary.step_limit)
         }

@@ -16,7 +16,7 @@ pub enum Fault {
     #[error("is not finite")]
     NotFinite,
     /// Its head of unsaturated water is far from all data.
-    #[error("has a pressure head far out of the range of the data: {}, and those are {} to {}", words(*.found), words(*.low), words(*.high))]
+    #[error("has a pressure head far outside the range of the data: {}, range {} to {}", words(*.found), words(*.low), words(*.high))]
     HeadOutOfRange {
         /// Its place on the scale of heads.
         found: f64,
@@ -26,7 +26,7 @@ pub enum Fault {
         high: f64,
     },
     /// Its temperature is far from all data.
-    #[error("has the temperature {temperature}, ten times out of the range {low} to {high}")]
+    #[error("has the temperature {temperature}, outside {low} to {high} by ten times this range")]
     OutOfRange {
         /// What it has.
         temperature: f64,
@@ -175,7 +175,7 @@ mod tests {
         let fault = Fault::HeadOutOfRange { found: -2e4, low: DRY, high: -0.0 };
         assert_eq!(
             fault.to_string(),
-            "has a pressure head far out of the range of the data: drier than dry, and those are dry to 0 m"
+            "has a pressure head far outside the range of the data: drier than dry, range dry to 0 m"
         );
     }
 }

@@ -52,7 +52,7 @@ pub fn write(request: &CheapestRequest, folder: &Path, study: &Study) -> Result<
         text: super::words(request, study).lines().skip(1).map(|line| line.trim().to_owned()).collect(),
         figures: vec![Figure::new(
             &figure,
-            "Error that is promised of each run against its CPU time. The line is the error that was asked for.",
+            "Promised error of each run against its CPU time. The line is the requested error.",
             "cheapest",
         )],
         tables: vec![table(study)],
@@ -126,7 +126,7 @@ fn figure(request: &CheapestRequest, study: &Study) -> WorkFigure {
         title: format!("{}: what an error costs", study.scene.title),
         error_label: format!("promised {}", study.headline.map_or("error", Headline::label)),
         cost_label: "CPU time, setup and solve (s)".into(),
-        marked: Some((request.error, "error that was asked for")),
+        marked: Some((request.error, "requested error")),
         curves: study.all.iter().map(curve).collect(),
     }
 }

@@ -230,7 +230,7 @@ pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<
         tables::write(folder.path(), &grids)?;
         report::write(request, &machine, folder.path(), &grids)?;
         if campaign.is_interrupted() {
-            complain("interrupted: the same command goes on from here");
+            complain("interrupted: the same command resumes from here");
             return Ok(Verdict::Broken);
         }
     }

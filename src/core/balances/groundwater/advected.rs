@@ -47,7 +47,8 @@ impl AdvectedHeat {
         };
         let cause = format!(
             "conduction ({} s alone) and {carries}; latent heat can only increase it: {}",
-            plain(self.own_bound.step, 4), self.own_bound.cause
+            plain(self.own_bound.step, 4),
+            self.own_bound.cause
         );
         self.facts.bound = Bound { step, cause };
         self.facts.turning = carrier.turning / least;

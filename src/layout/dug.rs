@@ -101,7 +101,7 @@ pub(super) fn block(found: &[Found<'_>]) -> Option<Block> {
     let heads = [
         "layout",
         "radius (m)",
-        "dug (day)",
+        "excavated (day)",
         "wall closes (day)",
         "thickness before (m)",
         "least after (m)",
@@ -133,7 +133,7 @@ pub(super) fn block(found: &[Found<'_>]) -> Option<Block> {
         ]
     };
     let table = Table {
-        caption: "Thickness where the wall is weakest, 0 while it is open. Ground that is dug out counts no more; heat through the \
+        caption: "Thickness at the weakest gap, 0 while the wall is open. Excavated ground is not included; heat through the \
                   face is positive into the ground."
             .into(),
         heads: heads.map(String::from).into(),
@@ -141,5 +141,5 @@ pub(super) fn block(found: &[Found<'_>]) -> Option<Block> {
         words: 1,
         csv: Some("shaft.csv".into()),
     };
-    Some(Block { heading: "The shaft dug inside the wall".into(), tables: vec![table], ..Block::default() })
+    Some(Block { heading: "Excavation of the shaft".into(), tables: vec![table], ..Block::default() })
 }

@@ -61,7 +61,7 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
     facts.extend(scene.excavation.iter().map(|shaft| {
         let days = words.with(shaft.start / scene.time_unit.seconds(), scene.time_unit.symbol());
         let (radius, face) = (words.with(shaft.radius, "m"), words.condition(&shaft.condition));
-        Fact::new("Shaft", format!("of radius {radius}, dug after {days}; face: {face}"))
+        Fact::new("Shaft", format!("of radius {radius}, excavated after {days}; face: {face}"))
     }));
     facts.extend(scene.rings.iter().map(|ring| Fact::new("Pipes", words.ring(ring))));
     let materials = scene.materials.iter();

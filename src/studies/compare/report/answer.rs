@@ -97,8 +97,8 @@ pub(super) fn sentence(study: &Study) -> Option<String> {
                 format!("; {name} in {}{ratio}", reached(entry.at.time, duration, "at most"))
             }
             Reached::Not => format!("; {name} does not reach it"),
-            Reached::Untold(_) => format!("; whether {name} does is not known"),
-            Reached::LeftOut => format!("; for {name} the time did not suffice"),
+            Reached::Untold(_) => format!("; not known for {name}"),
+            Reached::LeftOut => format!("; not enough time for {name}"),
         };
     }
     Some(text + ".")

@@ -32,15 +32,12 @@ fn a_scene_is_no_study_and_a_study_no_scene() {
     fs::write(folder.path().join("ring.toml"), text("frozen-wall-sand")).expect("written");
     fs::write(folder.path().join("two.toml"), "title = \"t\"\nscene = \"frozen-wall-sand\"\n").expect("written");
     for (arguments, expected) in [
-        (
-            ["layout", "frozen-wall-sand"],
-            "is a scene and no study of layouts, which names one: frazil run frozen-wall-sand",
-        ),
-        (["layout", "ring.toml"], "is a scene and no study of layouts, which names one: frazil run ring.toml"),
-        (["run", "shaft-sweep"], "is a study of layouts and no scene: frazil layout shaft-sweep"),
-        (["run", "two.toml"], "is a study of layouts and no scene: frazil layout two.toml"),
-        (["check", "two.toml"], "is a study of layouts and no scene: frazil layout two.toml"),
-        (["compare", "two.toml"], "is a study of layouts and no scene: frazil layout two.toml"),
+        (["layout", "frozen-wall-sand"], "is a scene, not a layout study: frazil run frozen-wall-sand"),
+        (["layout", "ring.toml"], "is a scene, not a layout study: frazil run ring.toml"),
+        (["run", "shaft-sweep"], "is a layout study, not a scene: frazil layout shaft-sweep"),
+        (["run", "two.toml"], "is a layout study, not a scene: frazil layout two.toml"),
+        (["check", "two.toml"], "is a layout study, not a scene: frazil layout two.toml"),
+        (["compare", "two.toml"], "is a layout study, not a scene: frazil layout two.toml"),
     ] {
         let output = frazil(folder.path(), &arguments);
         assert_eq!(said(&output).1, format!("\"{}\" {expected}", arguments[1]));
@@ -224,8 +221,7 @@ fn what_is_hardly_meant_is_told_before_anything_runs() {
     let found = warned("[[layouts]]\nname = \"a\"\nset = { \"materials.sand.frozen.conductivity_W_per_m_K\" = 2560 }");
     assert!(found.starts_with("warning: materials.sand: its frozen conductivity is 2560.0000 W/mK"), "{found}");
     let strata = "[[strata]]\nname = \"a\"\nfrom_m = 0\nto_m = 80\n[[strata]]\nname = \"b\"\nfrom_m = 90\nto_m = 120";
-    let expected = "warning: strata: \"a\" ends at 80 m and \"b\" begins at 90 m: nothing is known of the ground between them, and \
-                    the load of the shaft is without it";
+    let expected = "warning: strata: \"a\" ends at 80 m and \"b\" begins at 90 m: the ground between them is not defined, and the load of the shaft excludes it";
     assert_eq!(warned(strata), expected);
     let found = warned("[[layouts]]\nname = \"a\"\nset = { \"domain.ring.outer_radius_m\" = 8 }");
     let expected =
@@ -240,8 +236,7 @@ fn what_cannot_be_meant_is_an_error() {
     let borehole = "boreholes = [{ pipe = \"1.6\", inclination_deg = 0.05, azimuth_deg = 170, depth_m = 200 }]";
     let deviation = "[deviation]\ndepth_m = 200\npercent = 0.1\nmembers = 2\nseed = 1";
     let found = refused(&format!("{plain}[[layouts]]\nname = \"a\"\n{borehole}\n{deviation}"));
-    let expected = "s.toml:6: deviation: beside known boreholes (pipes.1.moved_m): they do not deviate by chance, give them a \
-                    study of their own (layout \"a\")";
+    let expected = "s.toml:6: deviation: beside known boreholes (pipes.1.moved_m): they do not deviate at random, use a study of their own (layout \"a\")";
     assert_eq!(found, expected);
     // A spacing at which there is no run at twice the spacing to tell the error from.
     let found = refused(&format!("{plain}[[layouts]]\nname = \"a\"\nset = {{ \"method.local.spacing_m\" = 0.6 }}"));

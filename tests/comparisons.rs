@@ -50,7 +50,7 @@ fn every_cell_that_a_finished_run_reaches_says_so() {
     let output = frazil(folder.path(), &arguments);
     assert!(output.status.success(), "{output:?}");
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(told.contains("time to an error of the time of closure, by a reference that is known to 0.2 %"), "{told}");
+    assert!(told.contains("time to an error of the time of closure, with a reference accurate to 0.2 %"), "{told}");
     assert!(told.lines().any(|line| line.contains("local best") && line.contains("at most")), "{told}");
     let runs = rows(folder.path(), "comparison.csv");
     let cells = rows(folder.path(), "equal_error.csv");

@@ -152,7 +152,7 @@ fn results_are_counted_before_they_are_there() {
     let refused = said(&output);
     assert_eq!(output.status.code(), Some(2), "{refused}");
     assert!(
-        refused.contains("of it results, and may take 2.0 MB (--memory): fewer outputs and profiles hold less"),
+        refused.contains("of it results, and may take 2.0 MB (--memory): fewer outputs and profiles need less"),
         "{refused}"
     );
     assert!(is_empty(folder.path()));

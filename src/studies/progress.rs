@@ -184,7 +184,7 @@ mod tests {
                 assert!(!said.contains(" 0.") && !said.contains("years"), "{elapsed_s} {share}: {said}");
             }
         }
-        assert!(words(61.0, 1e-12).ends_with("is this the scene that was meant?"));
+        assert!(words(61.0, 1e-12).ends_with("is this the intended scene?"));
     }
 
     #[test]

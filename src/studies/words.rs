@@ -29,10 +29,7 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
     let mut facts = vec![
         Fact::new("Body", words.body(scene.domain)),
         Fact::new("Duration", duration),
-        Fact::new(
-            if scene.of_water { "Start" } else { "Temperature at the start" },
-            words.state(scene.initial_temperature),
-        ),
+        Fact::new(if scene.of_water { "Start" } else { "Initial temperature" }, words.state(scene.initial_temperature)),
     ];
     facts.extend(scene.regions.iter().enumerate().map(|(number, region)| {
         let material = region.material.map(|index| format!(", of {}", scene.materials[index].name));

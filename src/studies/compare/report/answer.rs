@@ -118,7 +118,7 @@ pub(super) fn table<'s>(studies: impl Iterator<Item = &'s Study>) -> Block {
             rows.push(vec![name, entry.name(), percent(target, 2), time, interval, ratio.unwrap_or_default()]);
         }
     }
-    let heads = ["scene", "method", "error asked for", "time to reach it", "95 % interval", "times the quickest"];
+    let heads = ["scene", "method", "requested error", "time to reach it", "95 % interval", "ratio to the fastest"];
     let table = Table {
         caption: "Time to reach one error, under the best setting of each method. \"At most\": its coarsest run is \
                   there already, or lies below what the reference resolves."

@@ -90,7 +90,7 @@ pub(super) fn equal_time_table(comparison: &Comparison) -> Table {
         let cell = |time: &f64| {
             let entry = comparison.equal_time.iter().find(|(other, curve, _)| other == time && *curve == k);
             entry.map_or(String::new(), |(.., error)| match error {
-                Reached::Not => "no run so quick".into(),
+                Reached::Not => "no run this fast".into(),
                 error => reached(*error, |error| percent(error, 2), "at most"),
             })
         };

@@ -184,16 +184,32 @@ fn help() -> Vec<Passage> {
     paths.map(comments).collect()
 }
 
-/// Texts of code, but those of comments.
+/// Whether an attribute, without its brackets, is `cfg(test)`.
+fn is_for_tests(attribute: Cursor<'_>) -> bool {
+    let is = |cursor: Cursor<'_>, word: &str| cursor.ident().is_some_and(|(name, _)| name == word);
+    let arguments = attribute.ident().and_then(|(_, rest)| rest.any_group());
+    is(attribute, "cfg") && arguments.is_some_and(|(inside, ..)| is(inside, "test"))
+}
+
+/// Texts of code, but those of comments and of tests.
 fn literals(mut cursor: Cursor<'_>, found: &mut Vec<String>) {
+    let mut of_tests = false;
     while !cursor.eof() {
-        cursor = if let Some((inside, _, _, rest)) = cursor.any_group() {
-            if !inside.ident().is_some_and(|(name, _)| name == "doc") {
+        cursor = if let Some((inside, delimiter, _, rest)) = cursor.any_group() {
+            if of_tests {
+                of_tests = format!("{delimiter:?}") != "Brace";
+            } else if is_for_tests(inside) {
+                of_tests = true;
+            } else if !inside.ident().is_some_and(|(name, _)| name == "doc") {
                 literals(inside, found);
             }
             rest
         } else if let Some((literal, rest)) = cursor.literal() {
-            found.extend(syn::parse_str::<LitStr>(&literal.to_string()).ok().map(|literal| literal.value()));
+            let text = syn::parse_str::<LitStr>(&literal.to_string()).ok().map(|literal| literal.value());
+            found.extend(text.filter(|_| !of_tests));
+            rest
+        } else if let Some((mark, rest)) = cursor.punct() {
+            of_tests &= mark.as_char() != ';';
             rest
         } else if let Some((_, rest)) = cursor.token_tree() {
             rest
@@ -220,9 +236,7 @@ fn messages() -> Vec<Passage> {
         if place.contains("tests") {
             continue;
         }
-        let text = read(&path);
-        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
-        let tokens = code.parse().unwrap_or_else(|error| unreachable!("{place}: {error}"));
+        let tokens = read(&path).parse().unwrap_or_else(|error| unreachable!("{place}: {error}"));
         let mut texts = Vec::new();
         literals(TokenBuffer::new2(tokens).begin(), &mut texts);
         let texts = texts.into_iter().map(|text| said(&text)).filter(|text| text.trim().contains(' '));
@@ -290,7 +304,7 @@ fn unwanted_words_are_found() {
     assert_eq!(prose("a `bond`\n```sh\nbond\n```\nand [a link](bond.md)").matches("bond").count(), 0);
     assert_eq!(said("found \"bond\", {bond} and `bond`").matches("bond").count(), 0);
     let mut texts = Vec::new();
-    let code = "/// bond\n#[error(\"a bond {0}\")] fn f() { let g = format!(\"two {}\", [\"bond\"]); }";
+    let code = "/// bond\n#[error(\"a bond {0}\")] fn f() { let g = format!(\"two {}\", [\"bond\"]); } #[cfg(test)] mod t { const A: &str = \"b\"; }";
     literals(TokenBuffer::new2(code.parse().expect("code")).begin(), &mut texts);
     assert_eq!(texts, ["a bond {0}", "two {}", "bond"]);
 }

@@ -92,10 +92,10 @@ pub(crate) fn shaft_differences(
     let found = [
         (!scene.cracks.is_empty(), "there are no cracks there"),
         (!scene.impermeable.is_empty(), "no part is impermeable there"),
-        (scene.excavation.is_some(), "no shaft is dug there"),
+        (scene.excavation.is_some(), "there is no excavation there"),
         (is_any(|ring| ring.schedule.is_some()), "the pipes always work there"),
         (is_any(|ring| ring.film.is_some()), "the pipes' walls have the temperature given there"),
-        (is_any(|ring| !ring.is_even()), "all pipes stand in their places there"),
+        (is_any(|ring| !ring.is_even()), "all pipes are at their design positions there"),
     ];
     note(&mut differences, &found);
     let mut number = |what: &str, own: Option<f64>, expected: f64| compare(&mut differences, what, own, expected);

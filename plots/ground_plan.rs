@@ -100,7 +100,7 @@ fn draw_shaft(canvas: &mut Canvas, frame: &Frame, scale: f64, shaft: ShaftMark, 
             frame.curve(canvas, [point(k), point(k + 1), point(k + 2)], Stroke::whole(INK, 1.6));
         }
     }
-    let text = if is_dug { "shaft, dug out" } else { "shaft" };
+    let text = if is_dug { "shaft, excavated" } else { "shaft" };
     // In the part of the shaft that is drawn.
     let aside = |low: f64, share: f64| if low >= -1e-9 * shaft.radius { share * shaft.radius } else { 0.0 };
     let (x, y) = frame.spot(aside(frame.x.low, 0.48), aside(frame.y.low, 0.4));

@@ -11,7 +11,7 @@ fn or_end(pointer: *mut u8, bytes: usize) -> *mut u8 {
         // Nothing here takes memory itself.
         let _ = writeln!(
             std::io::stderr(),
-            "the system has no {bytes} bytes of memory left: a larger spacing, or a lesser --memory"
+            "the system has no {bytes} bytes of memory left: use a larger spacing, or a smaller --memory"
         );
         std::process::exit(2);
     }

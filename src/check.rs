@@ -88,7 +88,7 @@ type Read = (Scene, Option<Arc<dyn Reference>>);
 
 /// A scene that is not read, or has no reference, within the time that a check has.
 #[derive(Debug, thiserror::Error)]
-#[error("{0}: reading it and solving for its reference takes longer than the {LONGEST} s that a check has")]
+#[error("{0}: reading it and solving for its reference takes longer than the time limit of check, {LONGEST} s")]
 struct NotRead(String);
 
 /// Time (s) after which a check ends.
@@ -174,7 +174,7 @@ fn unplanned(scene: &Scene, method: &str) -> String {
         )
     });
     let reason = format!(
-        "planning and trying it takes longer than the {LONGEST} s that a check has; a larger spacing is planned sooner"
+        "planning and trying it takes longer than the time limit of check, {LONGEST} s; a larger spacing is planned faster"
     );
     format!("{}  not planned  {reason}\n", words.unwrap_or_default())
 }
@@ -217,7 +217,7 @@ fn reduction_text(finding: &Finding, asked: bool) -> String {
     match (finding, asked) {
         (Finding::Smaller(reduction), true) => format!("  reduced      {}\n", reduction.words()),
         (Finding::Smaller(reduction), false) => {
-            format!("  reduction    {} gives the same answer: {} (--reduce)\n", reduction.body(), reduction.why())
+            format!("  reduction    {} has the same solution: {} (--reduce)\n", reduction.body(), reduction.why())
         }
         (Finding::Kept(_), _) | (Finding::Whole, true) => format!("  reduction    none: {}\n", why_not(finding)),
         (Finding::Whole, false) => String::new(),
@@ -270,15 +270,15 @@ fn time_text(forecast: &Forecast) -> String {
     match (forecast.seconds(), &forecast.work) {
         (Some(seconds), Some(work)) => {
             format!(
-                "{} on {threads}: {step}; {} for outputs and looks",
+                "{} on {threads}: {step}; {} for outputs and observers",
                 clock(seconds),
                 short(forecast.cost.beside(work))
             )
         }
         _ if forecast.summary.steps.number().is_some() => {
-            format!("unknown: the first steps leave the numbers; {threads}")
+            format!("unknown: the first steps give values that are not finite; {threads}")
         }
-        _ => format!("unknown, as the number of steps is: {step}, {threads}"),
+        _ => format!("unknown, like the number of steps: {step}, {threads}"),
     }
 }
 

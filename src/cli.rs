@@ -25,7 +25,7 @@ use frazil_studies::failure::{Failure, Verdict, complain, exit_code};
 
 use crate::list;
 
-/// Freezing by particles: peridynamics, SPH, eDPD and a local baseline on the same scenes.
+/// Freezing problems solved with peridynamics, SPH, eDPD and a local baseline.
 #[derive(Debug, Parser)]
 #[command(name = "frazil", version, arg_required_else_help = true)]
 struct Cli {
@@ -35,38 +35,38 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Writes a commented scene to change, or a copy of a bundled one.
+    /// Writes a commented scene to edit, or a copy of a bundled one.
     New(new::NewArguments),
-    /// Runs a scene under one method and writes its record, series and figures.
+    /// Runs a scene with one method and writes its record, time series and figures.
     Run(run::RunArguments),
-    /// Makes the run of a record again, and compares the states.
+    /// Repeats the run of a record and compares the final states.
     Rerun(rerun::RerunArguments),
-    /// Sets methods against each other on the same scenes: error against run time.
+    /// Compares methods on the same scenes: error against run time.
     Compare(compare::CompareArguments),
-    /// Finds under each method the cheapest run that reaches an error, and holds it against finer ones.
+    /// Finds the fastest run of each method that reaches a given error.
     Cheapest(cheapest::CheapestArguments),
-    /// Maps where methods break: the outcome over the step and one parameter, with its boundaries.
+    /// Maps the outcome of runs over the time step and one parameter, with stability boundaries.
     Stability(stability::StabilityArguments),
-    /// Checks a scene and prints what a run of it would do.
+    /// Checks a scene and plans a run: particles, memory, time step, run time.
     Check(check::CheckArguments),
-    /// Tells where the runs stand that a folder holds: at their end, or on their way.
+    /// Prints the progress of the runs and studies in a folder.
     Status(status::StatusArguments),
-    /// Sets layouts of freeze pipes beside each other: the day the wall closes, its weakest gap, thickness, load.
+    /// Compares layouts of freeze pipes: day of closure, weakest gap, thickness, load.
     Layout(layout::LayoutArguments),
-    /// Finds the constants of an eDPD fluid from the Schmidt and Prandtl numbers of a real one.
+    /// Computes the parameters of an eDPD fluid from the Schmidt and Prandtl numbers of a real one.
     Calibrate(calibrate::CalibrateArguments),
-    /// Measures what the fluid that `calibrate` gives is really like, on moving particles: diffusivities, Schmidt and
-    /// Prandtl numbers, with 95 % intervals over seeds.
+    /// Measures the fluid of `calibrate` with moving particles: diffusivities, Schmidt and
+    /// Prandtl numbers, with 95 % confidence intervals over seeds.
     Properties(properties::PropertiesArguments),
-    /// Sets what the papers show beside what the program finds: every section, figure and table.
+    /// Compares every section, figure and table of the five papers with the results of the program.
     Atlas(atlas::AtlasArguments),
-    /// Lists the bundled scenes, studies, fluids and the methods.
+    /// Lists bundled scenes, studies and fluids, and the methods.
     List,
     /// Prints the file of a bundled scene, study or fluid.
     Show(show::ShowArguments),
-    /// Prints the JSON Schema of scene files, for editors that complete and check keys.
+    /// Prints the JSON Schema of scene files, for completion and checks in editors.
     Schema,
-    /// Prints completions for a shell, or writes manual pages.
+    /// Prints shell completions, or writes manual pages.
     Completions(completions::CompletionsArguments),
 }
 

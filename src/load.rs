@@ -13,7 +13,7 @@ use crate::registry;
 /// What is no scene, or not one that is asked for.
 #[derive(Debug, thiserror::Error)]
 enum NoScene {
-    #[error("\"{0}\" is a study of layouts and no scene: frazil layout {0}")]
+    #[error("\"{0}\" is a layout study, not a scene: frazil layout {0}")]
     Study(String),
     #[error("\"{asked}\" is neither a file nor a bundled scene{}", guess(near))]
     Unknown { asked: String, near: Vec<&'static str> },

@@ -59,7 +59,7 @@ fn measure(
     }
     let found = execute::jobs(request, jobs, &campaign)?;
     if campaign.is_interrupted() {
-        complain("interrupted: the same command goes on from here");
+        complain("interrupted: the same command resumes from here");
         return Ok(Verdict::Broken);
     }
     let rows = tables::rows(calibrated, jobs, &found);

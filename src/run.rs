@@ -112,7 +112,7 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let scene = &asked.0;
     let (result, folder, drawn) = match make(request, &asked, provenance, &host)? {
         Made::Before(outcome) => {
-            answer(&format!("{} under {}: at its end already: {}", scene.name, asked.1, outcome.name()))?;
+            answer(&format!("{} with {}: finished already: {}", scene.name, asked.1, outcome.name()))?;
             return Ok(Verdict::of(outcome));
         }
         Made::Now { result, folder, drawn } => (result, folder, drawn),
@@ -266,7 +266,7 @@ fn begin(request: &RunRequest, folder: &Path, scene: &Scene, method: &str) -> Re
         Some(standing) => {
             let from = words(&standing);
             complain(&format!(
-                "{}: starts again from the beginning; --resume would have gone on from {from}",
+                "{}: starts from the beginning; --resume would have resumed from {from}",
                 folder.display()
             ));
             Begin::Anew
@@ -313,7 +313,7 @@ fn expected(
         _ => scene,
     };
     let Some(expected) = expect::run(planned, method, reference, request.threads)? else { return Ok(()) };
-    let what = format!("{} under {method}", scene.name);
+    let what = format!("{} with {method}", scene.name);
     if !request.yes {
         bearable(&what, expected.seconds, expected.shorter)?;
     }
@@ -394,7 +394,7 @@ fn reduced(
 pub fn why_not(finding: &Finding) -> &str {
     match finding {
         Finding::Kept(reason) => reason,
-        Finding::Whole | Finding::Smaller(_) => "no symmetry of the scene makes it smaller",
+        Finding::Whole | Finding::Smaller(_) => "the scene has no symmetry for a reduction",
     }
 }
 
@@ -424,7 +424,7 @@ fn summary(scene: &Scene, result: &RunResult, folder: &Path) -> String {
     if let Some(reference) = &record.reference {
         lines.extend(answers::errors(&record.errors, record.water.as_ref()));
         let own = percent(reference.error_estimate_rel, 2);
-        let words = format!("{}, {}; its own error about {own}", reference.kind, reference.source);
+        let words = format!("{}, {}; accuracy about {own}", reference.kind, reference.source);
         lines.push(("reference".into(), words));
     }
     let mut line = |title: &str, value: String| lines.push((title.to_owned(), value));
@@ -435,7 +435,7 @@ fn summary(scene: &Scene, result: &RunResult, folder: &Path) -> String {
     let bound = format!("bound {} s, set by {}", number(record.step_bound_s, 4), record.step_limit);
     line("steps", format!("{} of {} s; {bound}", record.steps, number(record.step_s, 4)));
     let (setup, solve) = (clock(record.setup_wall_s), clock(record.solve_wall_s));
-    line("time", format!("{solve}, and {setup} of preparation; threads {}", record.threads));
+    line("time", format!("{solve}, plus {setup} of setup; threads {}", record.threads));
     let moved = if record.of_water { "water" } else { "heat" };
     line(&format!("{moved} balance"), format!("{} of the {moved} exchanged", number(record.energy_balance_rel, 2)));
     if let Some(balance) = record.solute_balance_rel {
@@ -446,5 +446,5 @@ fn summary(scene: &Scene, result: &RunResult, folder: &Path) -> String {
     }
     line("results", folder.display().to_string());
     let outcome = record.outcome.name();
-    format!("{} under {}: {outcome}{cause}\n{}", record.scene, record.method, answers::text(&lines))
+    format!("{} with {}: {outcome}{cause}\n{}", record.scene, record.method, answers::text(&lines))
 }

@@ -26,7 +26,7 @@ pub fn status(folder: &Path) -> Result<Verdict, Failure> {
 
 /// A folder holds no results.
 #[derive(Debug, thiserror::Error)]
-#[error("{}: holds no run, and no study", .0.display())]
+#[error("{}: contains no run and no study", .0.display())]
 struct NoRun(PathBuf);
 
 /// Adds a line for each run in a folder and those in it.
@@ -38,7 +38,7 @@ fn look(folder: &Path, depth: usize, lines: &mut Vec<String>) -> Result<(), Fail
     let mut say = |words: String| lines.push(format!("{}: {words}", folder.display()));
     if let Some(standing) = march::standing(folder).map_err(unreadable)? {
         let state = if is_running { "running, last kept" } else { "stopped" };
-        say(format!("{} under {}: {state} at {}", standing.scene, standing.method, run::words(&standing)));
+        say(format!("{} with {}: {state} at {}", standing.scene, standing.method, run::words(&standing)));
     } else if is_running {
         say("running".into());
     } else if let Some(record) = record_in(folder) {
@@ -60,5 +60,5 @@ fn look(folder: &Path, depth: usize, lines: &mut Vec<String>) -> Result<(), Fail
 fn ended(record: &Record) -> String {
     let Record { scene, method, outcome, steps, .. } = record;
     let cause = record.cause.as_ref().map_or_else(String::new, |cause| format!(": {cause}"));
-    format!("{scene} under {method}: ended, {}{cause} ({steps} steps)", outcome.name())
+    format!("{scene} with {method}: ended, {}{cause} ({steps} steps)", outcome.name())
 }

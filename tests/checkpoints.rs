@@ -159,7 +159,7 @@ fn a_checkpoint_of_another_run_is_refused() {
     let stopped = kept(&small(), folder.path(), (often, Going::Anew), (1, Some(3))).expect("a run");
     assert_eq!(stopped.record.outcome, Outcome::Interrupted);
     for (command, difference) in [
-        ("run stefan-unit --method sph", "its method is pd, and that of this run is sph"),
+        ("run stefan-unit --method sph", "its method is pd, that of this run is sph"),
         ("run stefan-unit --method pd --set time.outputs=7", "its scene is stefan-unit ("),
         ("run stefan-water --method pd", "its scene is stefan-unit ("),
     ] {

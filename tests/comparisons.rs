@@ -50,7 +50,7 @@ fn every_cell_that_a_finished_run_reaches_says_so() {
     let output = frazil(folder.path(), &arguments);
     assert!(output.status.success(), "{output:?}");
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(told.contains("time to an error of the time of closure, by a reference that is known to 0.2 %"), "{told}");
+    assert!(told.contains("time to an error of the time of closure, with a reference accurate to 0.2 %"), "{told}");
     assert!(told.lines().any(|line| line.contains("local best") && line.contains("at most")), "{told}");
     let runs = rows(folder.path(), "comparison.csv");
     let cells = rows(folder.path(), "equal_error.csv");
@@ -128,7 +128,7 @@ fn a_bundled_scene_can_be_varied() {
     assert!(output.status.success(), "{output:?}");
     let said_of = said(&output);
     assert!(said_of.contains("the latent heat is 33500 there and 50000 here"), "{said_of}");
-    assert!(said_of.contains("time.profiles_h: 35, 60 left out, after the end of the run at 20"), "{said_of}");
+    assert!(said_of.contains("time.profiles_h: 35, 60 skipped, after the end of the run at 20"), "{said_of}");
     let found = record(&folder.path().join("out/compare/soil-column/local_best/record.json"));
     assert_eq!(found.reference.map(|info| info.kind).as_deref(), Some("local"));
     assert!(found.remarks.iter().any(|remark| remark.contains("50000 here")), "{:?}", found.remarks);

@@ -356,7 +356,7 @@ fn what_older_files_mean_now_is_told() {
 #[test]
 fn commands_of_the_readme_that_take_long_say_so() {
     let readme = read(&root().join("README.md"));
-    assert!(readme.contains("more than ten\nminutes on the machine at hand says so before it starts"));
+    assert!(readme.contains("more than ten\nminutes on your machine says so before it starts"));
     let lines = blocks(&readme, "sh").concat();
     let long =
         ["layout shaft-strata --method all", "layout shaft-seepage", "compare stefan-water frozen", "cargo test"];

@@ -235,8 +235,8 @@ fn what_has_no_chance_is_refused_and_writes_nothing() {
     let folder = tempfile::tempdir().expect("a folder");
     let same = |method: &str| {
         format!(
-            "--seeds 3: the method \"{method}\" has no noise with these settings and its particles stand on a lattice, so \
-             all members would be the same; layout = \"jittered\" or \"random\" would tell them apart\n"
+            "--seeds 3: the method \"{method}\" has no noise with these settings and its particles are on a lattice, so \
+             all members would be equal; use layout = \"jittered\" or \"random\"\n"
         )
     };
     for (arguments, message) in [

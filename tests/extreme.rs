@@ -140,7 +140,7 @@ fn methods_without_a_section_are_refused() {
             let found = Scene::read(bundled.text, bundled.name, bundled.name, &overrides, methods());
             let reason = found.err().map(|problems| problems.to_string()).unwrap_or_default();
             assert!(
-                reason.contains("must ") || reason.contains("does not go with"),
+                reason.contains("must ") || reason.contains("cannot be combined with"),
                 "{} could run under {}: {reason}",
                 bundled.name,
                 kind.name

@@ -83,7 +83,7 @@ fn every_curve_is_a_material_that_freezes_over_an_interval() {
             let text = slab(&law, 0.005).with("scheme = \"flags\"").text(kind.name);
             let refused =
                 Scene::read(&text, "slab", "slab", &[], &[kind]).map(drop).map_err(|problems| problems.to_string());
-            let reason = "does not go with a material that freezes over an interval";
+            let reason = "cannot be combined with a material that freezes over an interval";
             assert!(refused.as_ref().is_err_and(|problems| problems.contains(reason)), "{law}: {refused:?}");
         }
     }

@@ -50,7 +50,7 @@ fn an_error_that_is_out_of_reach_is_refused_with_its_reason() {
     let output = layout(folder.path(), "--error 0.01% --budget-s 1");
     let told = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{told}");
-    assert!(told.contains("--error 0.01 %: layout \"") && told.contains("does not reach it under local: "), "{told}");
+    assert!(told.contains("--error 0.01 %: layout \"") && told.contains("does not reach it with local: "), "{told}");
     assert!(!folder.path().join("out/layouts.csv").exists());
     for words in ["--error 1% --check", "--error 1% --shard 1/2", "--budget-s 5"] {
         assert_eq!(layout(folder.path(), words).status.code(), Some(2), "{words}");

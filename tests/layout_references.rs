@@ -83,7 +83,7 @@ fn references_of_other_problems_are_refused_with_the_first_difference() {
         ("shaft-single-sand-80mm", "", "the pipe radius is 0.08 there and 0.054 here"),
         ("shaft-three-sand-54mm", "", "the number of pipe circles is 2 there and 1 here"),
         ("shaft-single-sand-54mm", "\"pipes.1.count\" = 24", "the number of pipes is 26 there and 24 here"),
-        ("shaft-single-sand-54mm", "\"pipes.1.missing\" = [\"1.4\"]", "all pipes stand in their places there"),
+        ("shaft-single-sand-54mm", "\"pipes.1.missing\" = [\"1.4\"]", "all pipes are at their design positions there"),
         ("shaft-single-sand-54mm", "\"domain.ring.outer_radius_m\" = 8", "the outer radius is 15 there and 8 here"),
         ("shaft-single-sand-54mm", "\"initial.temperature_c\" = 12", "the initial temperature is 15 there and 12 here"),
         ("shaft-groundwater", "", "water flows across the ring there"),

@@ -245,7 +245,7 @@ fn layouts_that_cannot_be_meant_are_refused_before_any_run() {
     assert_eq!(found, format!("{layout}{expected}"));
     let found = refused(&["method.local.spacing_m=0.75"]);
     let expected = "method.local.spacing_m: found 0.75, must be at most 0.4018: pipes stand 1.2054 m apart, and with less \
-                    than 3 spacings between them nothing says how wrong the answer is";
+                    than 3 spacings between them the error cannot be estimated";
     assert_eq!(found, format!("{layout}{expected}"));
     let found = refused(&["pipes.1.moved_m=[[\"1.1\", -0.14, 1.15]]"]);
     let expected = "pipes 1.1 and 1.2 overlap: their axes are 0.0469 apart, must be more than 0.108";
@@ -350,8 +350,7 @@ fn strata_and_boreholes_that_cannot_be_are_refused() {
     let found = refused(&strata(&layout(
         "{ pipe = \"1.1\", surveyed_m = [[0, 0, 0], [100, -0.14529091, 1.19657832], [200, 0, 0]] }",
     )));
-    let expected =
-        "pipes 1.1 and 1.2 meet at a depth of 100.0 m: their axes are 0.0000 m apart, must be more than 0.108";
+    let expected = "boreholes of pipes 1.1 and 1.2 intersect at a depth of 100.0 m: their axes are 0.0000 m apart, must be more than 0.108";
     assert_eq!(found, format!("s.toml:19: layouts.1.boreholes: {expected} (3 layouts, such as \"a, upper\")"));
     let single = "title = \"t\"\nscene = \"frozen-wall-sand\"\n";
     let found = refused(&format!("{single}{}", layout("{ pipe = \"1.2\", inclination_deg = 0.1, azimuth_deg = 50 }")));

@@ -152,7 +152,7 @@ fn results_are_counted_before_they_are_there() {
     let refused = said(&output);
     assert_eq!(output.status.code(), Some(2), "{refused}");
     assert!(
-        refused.contains("of it results, and may take 2.0 MB (--memory): fewer outputs and profiles hold less"),
+        refused.contains("of it results, and may take 2.0 MB (--memory): fewer outputs and profiles need less"),
         "{refused}"
     );
     assert!(is_empty(folder.path()));
@@ -193,7 +193,7 @@ fn a_run_of_more_than_thirty_days_is_not_begun() {
         let output = frazil(folder.path(), &command);
         let said = said(&output);
         assert_eq!(output.status.code(), Some(2), "{command}: {said}");
-        assert!(said.contains(" on this machine, more than 30 days, and is begun with --yes alone: "), "{said}");
+        assert!(said.contains(" on this machine, more than 30 days; --yes starts it anyway; "), "{said}");
         assert!(said.contains("shorter by "), "{said}");
         assert!(is_empty(folder.path()), "{command}");
     }

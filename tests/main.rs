@@ -27,6 +27,7 @@ mod forecasts;
 mod freezing_curves;
 mod front_door;
 mod fuzzed;
+mod glossary;
 mod gravity;
 mod groundwater;
 mod hostile;

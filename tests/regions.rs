@@ -284,7 +284,7 @@ fn a_volume_that_centres_miss_is_told() {
     // 5 x 5 particles in place of 4.6 x 4.6: 25 / 21.16.
     let more = "the material of region 0 fills 18.1 % more than the region: particles belong to it by their centres";
     assert_eq!(said(&box_of(0.12, 0.35)), [more]);
-    let none = "region 0 holds no centre of a particle: its material is nowhere";
+    let none = "region 0 contains no particle centre: its material is not represented";
     assert_eq!(said(&box_of(0.13, 0.17)), [none]);
     // A start alone needs no centre.
     let mut warm = Sketch::new(BODY, 0.05);

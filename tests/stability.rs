@@ -150,9 +150,7 @@ fn a_refuted_bound_fails_the_check_and_refused_columns_are_listed() {
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     let out = folder.path().join("out/stability");
     assert_eq!(rows(&out.join("stability.csv"))[0]["class"], "phase_skipped");
-    assert!(
-        fs::read_to_string(out.join("report.html")).expect("the page").contains("stepped over the freezing interval")
-    );
+    assert!(fs::read_to_string(out.join("report.html")).expect("the page").contains("skipped the freezing interval"));
     // A horizon of eight spacings cannot be doubled.
     let output = stability(
         folder.path(),
@@ -204,5 +202,5 @@ fn tolerances_of_unsaturated_water_are_swept() {
         assert!(row["command"].contains("--set method.local.tolerance="), "{row:?}");
     }
     let both = stability(folder.path(), &["column.toml", "stefan-water", "--axes", "own"]);
-    assert!(String::from_utf8_lossy(&both.stderr).contains("make a study of each"), "{both:?}");
+    assert!(String::from_utf8_lossy(&both.stderr).contains("use a separate study for each"), "{both:?}");
 }

@@ -379,7 +379,7 @@ fn a_shaft_is_not_dug_before_its_wall_can_have_closed() {
     };
     let early = refused("1", &[]);
     assert!(
-        early.starts_with("excavation: the shaft is dug on day 1.0, but the wall cannot close before day 1.9"),
+        early.starts_with("excavation: the shaft is excavated on day 1.0, but the wall cannot close before day 1.9"),
         "{early}"
     );
     assert!(refused("12", &[("pipes.1.on_days", "[[12]]")]).contains("cannot close before day 13.9"));

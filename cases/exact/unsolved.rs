@@ -25,7 +25,7 @@ pub enum Unsolved {
     NotInsulated(WallId),
     /// The body is no half space.
     #[error(
-        "the far wall is felt: at {length} m the half space changes by {change:.1e} of the range of temperatures before the \
+        "the far wall affects the solution: at {length} m the half space changes by {change:.1e} of the range of temperatures before the \
          end (limit {limit:.0e}); lengthen the body, shorten the run or let the far wall follow the exact solution"
     )]
     FarWallFelt {
@@ -61,7 +61,7 @@ pub enum Unsolved {
     #[error("the ground freezes")]
     Freezes,
     /// The column of water is no half space.
-    #[error("the far wall is felt: the half space changes by {0:.1e} there")]
+    #[error("the far wall affects the solution: the half space changes by {0:.1e} there")]
     ColumnEnds(f64),
     /// Latent heat is released along a curve.
     #[error("{0} does not freeze at one temperature")]

@@ -31,7 +31,7 @@ pub struct Constants {
     pub dimension: usize,
     /// Particles by volume.
     pub density: f64,
-    /// Friction of a pair, gamma.
+    /// Friction coefficient of a pair, gamma.
     pub friction: f64,
     /// Cut-off radius of the conservative force.
     pub conservative_cutoff: f64,

@@ -107,9 +107,9 @@ fn set_flowing(stream: &Stream, map: &DpdUnits, width: f64, particles: &mut [Par
 fn words(fluid: &Fluid<2, SceneMatter>, count: usize) -> String {
     let behind = fluid.particles().len() - count;
     match &fluid.parameters().exponent {
-        Exponent::Constant(value) => format!("{behind} particles stand behind walls; exponent of friction {value}"),
+        Exponent::Constant(value) => format!("{behind} particles behind walls; exponent of friction {value}"),
         Exponent::Table(rows) => {
-            format!("{behind} particles stand behind walls; exponent of friction from a table of {} rows", rows.len())
+            format!("{behind} particles behind walls; exponent of friction from a table of {} rows", rows.len())
         }
     }
 }

@@ -308,7 +308,7 @@ fn a_map_names_its_layout_and_shows_shaft_and_water() {
     for words in ["26 pipes, dug late", ">shaft<", "groundwater, 0.1 m/day"] {
         assert!(early.contains(words), "{words} in {early}");
     }
-    assert!(map(Some(0.0), true).contains("shaft, dug out"));
+    assert!(map(Some(0.0), true).contains("shaft, excavated"));
 }
 
 /// Where the reference has a map, it stands beside that of the run, and the difference beside both.

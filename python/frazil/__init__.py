@@ -1,4 +1,4 @@
-"""Freezing by particles: peridynamics, SPH, eDPD and a local baseline on the same scenes.
+"""Freezing problems solved with peridynamics, SPH, eDPD and a local baseline.
 
     >>> import frazil
     >>> run = frazil.run("stefan-water", "pd")

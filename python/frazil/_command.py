@@ -9,7 +9,7 @@ from . import _native
 
 
 def main() -> int:
-    """Runs the program on the arguments of this process, and gives the code with which it ends."""
+    """Runs the program with the arguments of this process and returns its exit code."""
     # An interrupt before the first step ends the program at once; from then on the program has a handler of its own.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return int(_native.command(["frazil", *sys.argv[1:]]))

@@ -1,4 +1,4 @@
-"""What there is to run, and what a run would do."""
+"""Listing of scenes and methods, and checks of scenes."""
 
 from __future__ import annotations
 
@@ -12,54 +12,54 @@ class SceneInfo(NamedTuple):
     """A bundled scene or study."""
 
     name: str
-    """What functions and commands take."""
+    """Name in functions and commands."""
     title: str
-    """What it is."""
+    """Title."""
     source: str
-    """Where its parameters come from."""
+    """Source of its parameters."""
 
 
 class MethodInfo(NamedTuple):
     """A method."""
 
     name: str
-    """What functions and commands take."""
+    """Name in functions and commands."""
     title: str
-    """What it is."""
+    """Title."""
     stochastic: bool
     """Whether its results depend on a seed."""
 
 
 class Plan(NamedTuple):
-    """What a run would do."""
+    """Plan of a run."""
 
     method: str
     """The method."""
     particles: int
     """Particles."""
     pairs: int
-    """Pairs that one evaluation visits."""
+    """Pairs per evaluation."""
     memory_bytes: int
     """Memory to the end of the run (bytes)."""
     step_s: float
-    """The step that will be made (s), before it is shortened to land on outputs."""
+    """Time step (s), before it is shortened to land on outputs."""
     step_bound_s: float
-    """The bound of the explicit step (s)."""
+    """Step bound (s)."""
     step_limit: str
-    """What sets the bound."""
+    """Cause of the step bound."""
     steps: Optional[int]
-    """Number of steps, where the first ones tell."""
+    """Number of steps, if known from the first ones."""
     wall_s: Optional[float]
-    """Time that the run will take on this machine (s), from a trial of its first steps, where that tells."""
+    """Run time on this machine (s), from a trial of its first steps, if known."""
     text: str
-    """The same in words, as the command prints it."""
+    """The text that the command prints."""
 
     def __str__(self) -> str:
         return f"{self.method}\n{self.text}"
 
 
 def scenes(kind: str = "scene") -> List[SceneInfo]:
-    """The bundled scenes; with ``kind = "extreme"`` those at the ends of what methods bear, with ``"study"`` the studies of
+    """The bundled scenes; with ``kind = "extreme"`` those at the limits of the methods, with ``"study"`` the studies of
     layouts."""
     if kind not in ("scene", "extreme", "study"):
         raise ValueError(f'kind: found {kind!r}, must be "scene", "extreme" or "study"')
@@ -73,7 +73,7 @@ def methods() -> List[MethodInfo]:
 
 
 def read(scene: Scene) -> Dict[str, Any]:
-    """What a scene or a study says, as a dictionary: a beginning for one of your own. What it means is not looked at.
+    """Returns a scene or a study as a dictionary, for example as a start for your own. Its content is not checked.
 
     Raises:
         SceneError: where there is no such file, or it is no TOML.
@@ -88,7 +88,7 @@ def check(
     set: Optional[Mapping[str, Any]] = None,
     threads: Optional[int] = None,
 ) -> Dict[str, Plan]:
-    """Checks a scene, and plans and tries its run for some milliseconds under a method, or under all that it has settings for.
+    """Checks a scene, plans its run and times the first steps, with one method or with all methods of the scene.
 
     Args:
         scene, method, set, threads: as of `run`.

@@ -1,4 +1,4 @@
-"""One run of a scene under one method."""
+"""One run of a scene with one method."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ import numpy as np
 from . import _native
 from ._table import Figures, HasTables, Table, Tables
 
-#: A scene: a path, the name of a bundled one, or a dictionary that says what a file would.
+#: A scene: a path, the name of a bundled one, or a dictionary with the content of a scene file.
 Scene = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 
 
 class Progress(NamedTuple):
-    """Where a run stands."""
+    """Progress of a run."""
 
     time_s: float
     """Simulated time (s)."""
@@ -34,7 +34,7 @@ class Progress(NamedTuple):
 
 
 class Map(NamedTuple):
-    """Fields of a plane at an instant: arrays of rows from the lowest y on, ``nan`` outside the body."""
+    """Fields of a plane at one time: arrays with rows in order of increasing y, ``nan`` outside the body."""
 
     time_s: float
     x_m: np.ndarray
@@ -48,8 +48,8 @@ class Map(NamedTuple):
 class Run(HasTables):
     """A run: its record, its tables and its figures.
 
-    Each table is an attribute, by the name of the file that the command would write: ``front``, ``profiles``,
-    ``probes``, ``budget``, ``wall``, ``gaps``, ...; ``tables`` has those that this run has.
+    Each table is an attribute, with the name of the file that the command writes: ``front``, ``profiles``,
+    ``probes``, ``budget``, ``wall``, ``gaps``, ...; ``tables`` contains those of this run.
     """
 
     front: Table
@@ -79,23 +79,23 @@ class Run(HasTables):
 
     @property
     def state_hash(self) -> str:
-        """Hash of the final state: that of the command, bit for bit."""
+        """Hash of the final state, equal to that of the command."""
         return str(self.record["state_hash"])
 
     @functools.cached_property
     def tables(self) -> Tables:
-        """All tables that it has."""
+        """All tables of the run."""
         units = self.record["units"]
         return Tables({name: Table(name, columns, units) for name, columns in self._native.tables()})
 
     @functools.cached_property
     def figures(self) -> Figures:
-        """All figures that it has, as SVG, drawn once they are asked for."""
+        """All figures of the run as SVG, drawn on first use."""
         return Figures(dict(self._native.figures()))
 
     @functools.cached_property
     def maps(self) -> List[Map]:
-        """Fields at the instants of profiles; none on a line."""
+        """Fields at the times of profiles; none on a line."""
         return [_map(fields) for fields in self._native.maps()]
 
     def __repr__(self) -> str:
@@ -150,11 +150,11 @@ def run(
     out: Union[str, "os.PathLike[str]", None] = None,
     progress: Union[bool, Callable[[Progress], None], None] = None,
 ) -> Run:
-    """Runs a scene under one method.
+    """Runs a scene with one method.
 
     Args:
-        scene: a path, the name of a bundled scene, or a dictionary that says what a file would.
-        method: ``local``, ``pd``, ``sph`` or ``edpd``; by default the first that the scene has settings for.
+        scene: a path, the name of a bundled scene, or a dictionary with the content of a scene file.
+        method: ``local``, ``pd``, ``sph`` or ``edpd``; by default the first method of the scene.
         set: keys that override the scene's, as ``{"method.pd.spacing_m": 0.001}``.
         seed: seed of noise and of uneven placement.
         threads: threads; by default one for each core. The result does not depend on it.
@@ -186,7 +186,7 @@ def run(
 
 
 class _Line:
-    """A line on standard error that says how far a run is."""
+    """A progress line on standard error."""
 
     def __init__(self) -> None:
         self._written = False

@@ -1,4 +1,4 @@
-"""Studies: many runs, made by the same functions as the commands, into a folder with tables, figures and one page."""
+"""Studies: many runs with the functions of the commands; results are a folder with tables, figures and a page."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ _Folder = Union[str, "os.PathLike[str]", None]
 
 
 class Study(HasTables):
-    """A study: its folder, its page and its tables, each also as an attribute by the name of its file."""
+    """A study: its folder, its page and its tables, each also as an attribute with the name of its file."""
 
     def __init__(self, kind: str, verdict: str, folder: "os.PathLike[str]") -> None:
         self._kind = kind
-        #: ``done``; ``check_failed`` where results are there but a check on them failed; ``broken`` where some are missing.
+        #: ``done``; ``check_failed`` if results are complete but fail a check; ``broken`` if some are missing.
         self.verdict = verdict
         #: Folder with all that was written.
         self.folder = Path(folder)
@@ -32,13 +32,13 @@ class Study(HasTables):
 
     @functools.cached_property
     def tables(self) -> Tables:
-        """The tables of the study; those of its runs lie in folders of their own."""
+        """The tables of the study; those of its runs are in separate folders."""
         files = sorted(self.folder.glob("*.csv"))
         return Tables({file.stem: Table(file.stem, _native.columns(file)) for file in files})
 
     @functools.cached_property
     def figures(self) -> Figures:
-        """The figures of the study, as SVG, by their paths in the folder without endings."""
+        """The figures of the study as SVG, by their paths in the folder without extensions."""
         files = sorted(self.folder.rglob("*.svg"))
         named = {file.relative_to(self.folder).with_suffix("").as_posix(): file for file in files}
         return Figures({name: file.read_text(encoding="utf-8") for name, file in named.items()})
@@ -78,15 +78,15 @@ def compare(
     out: _Folder = None,
     progress: bool = False,
 ) -> Study:
-    """Sets methods against each other on the same scenes: error against run time (``frazil compare``).
+    """Compares methods on the same scenes: error against run time (``frazil compare``).
 
     Args:
-        scenes: one scene or several: paths, names of bundled ones, dictionaries (which are called by their titles).
-        methods: by default all that a scene has settings for.
+        scenes: one scene or several: paths, names of bundled ones, dictionaries (named after their titles).
+        methods: by default all methods of a scene.
         levels: number of spacings, each half the one before, 1 to 8.
-        budget_s: wall time for one scene (s), 45 by default. Runs that would not fit are left out and listed.
-        repeats: timed repetitions of each run; by default seven of short ones and fewer of long ones.
-        seeds: seeds of each stochastic run; by default ten, or at least five where time is short.
+        budget_s: wall time for one scene (s), 45 by default. Runs that do not fit are left out and listed.
+        repeats: timed repetitions of each run; by default seven for short ones and fewer for long ones.
+        seeds: seeds of each stochastic run; by default ten, or at least five if time is short.
         threads: threads of each run.
         set: keys that override those of every scene.
         out: folder for the results; by default ``out/compare``. Runs that it holds already are not made again.
@@ -116,13 +116,13 @@ def stability(
     out: _Folder = None,
     progress: bool = False,
 ) -> Study:
-    """Maps where methods break: the outcome over the step and one parameter (``frazil stability``).
+    """Maps the outcome of runs over the time step and one parameter (``frazil stability``).
 
     Args:
-        scenes: one scene or several, as of `compare`.
-        methods: by default all that a scene has settings for.
-        axes: parameters of the maps, as ``stefan``, ``conductivity``, ``capacity``, ``reach``, or ``own``, the scene as it is;
-            by default all but ``own`` that mean anything.
+        scenes: one scene or several, as in `compare`.
+        methods: by default all methods of a scene.
+        axes: parameters of the maps: ``stefan``, ``conductivity``, ``capacity``, ``reach``, or ``own``, the scene as it is;
+            by default all applicable ones except ``own``.
         grid: steps of a map, from a quarter of the bound to four times it, 2 to 200.
         values: columns of a map, an odd number.
         seeds: seeds of a noisy cell near a boundary.
@@ -150,13 +150,13 @@ def layout(
     out: _Folder = None,
     progress: bool = False,
 ) -> Study:
-    """Sets layouts of freeze pipes beside each other (``frazil layout``).
+    """Compares layouts of freeze pipes (``frazil layout``).
 
     Args:
         study: a path, the name of a bundled study, or a dictionary, whose ``scene`` may be one too.
-        method: by default the study's, or the first that its scene has settings for; ``all`` for all of them.
-        set: keys that override those of the scene of all layouts.
-        threads: layouts at once; by default one for each core.
+        method: by default that of the study, or the first method of its scene; ``all`` for all of them.
+        set: overrides keys of the scene for all layouts.
+        threads: concurrent layouts; by default one for each core.
         error: relative error of the day of closure and of the thickness at the end, for which the spacing is chosen; by
             default the spacing is the scene's.
         out: folder for the results; by default ``out/STUDY``. Layouts that it holds already are not run again.

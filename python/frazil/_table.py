@@ -50,7 +50,7 @@ _ENDS = {
 
 
 def unit_of(name: str) -> str:
-    """The unit in which the name of a column ends, ``""`` where it ends in none."""
+    """The unit at the end of a column name, ``""`` if there is none."""
     for end, unit in _ENDS.items():
         # A column may be called by its unit alone, as `day`.
         if f"_{name}".endswith(end):
@@ -62,8 +62,8 @@ class Table(Mapping[str, np.ndarray]):
     """A table: NumPy arrays by the names of its columns, all of one length.
 
     Numbers are floats, ``nan`` where a cell is empty; counts are integers, flags booleans, and texts objects.
-    ``units`` has the unit of each column, ``""`` for none and for texts. In a scene without units of its own
-    (``units = "dpd"`` or ``"dimensionless"``), that word stands for all units.
+    ``units`` has the unit of each column, ``""`` for none and for texts. In a scene without units
+    (``units = "dpd"`` or ``"dimensionless"``), that word is used for all columns.
     """
 
     def __init__(self, name: str, columns: List[Tuple[str, str, Any]], units: str = "si") -> None:
@@ -173,7 +173,7 @@ class Tables(Mapping[str, Table]):
 
 
 class HasTables:
-    """What has tables, of which each is an attribute too."""
+    """Base class with tables, each also as an attribute."""
 
     tables: Tables
 
@@ -187,7 +187,7 @@ class HasTables:
 
 
 class Figure(str):
-    """A figure: the text of an SVG, which a notebook shows."""
+    """A figure: SVG text, displayed in notebooks."""
 
     def _repr_svg_(self) -> str:
         return str(self)
@@ -197,7 +197,7 @@ class Figure(str):
 
 
 class Figures(Mapping[str, Figure]):
-    """Figures by name; a notebook shows the first."""
+    """Figures by name; notebooks display the first."""
 
     def __init__(self, figures: Dict[str, str]) -> None:
         self._figures = {name: Figure(text) for name, text in figures.items()}

@@ -100,7 +100,7 @@ def test_a_seed_decides_the_noise():
     [
         ("stefan-watr", {}, r'did you mean "stefan-water"'),
         ("no/such.toml", {}, "no/such.toml: cannot be read"),
-        ("shaft-clay", {}, "is a study of layouts"),
+        ("shaft-clay", {}, "is a layout study"),
         ("stefan-water", {"method": "fem"}, "has settings for local, pd, sph, edpd"),
         ("stefan-water", {"set": {"method.pd.spacin_m": 1.0}}, 'did you mean "spacing_m"'),
         ("stefan-water", {"threads": 0}, "threads: found 0"),

@@ -86,14 +86,14 @@ fn limits(calibrated: &Calibrated<'_>) -> String {
     let mut text = String::new();
     if let Some((cutoff, row)) = critical {
         text.push_str(&format!(
-            "  critical      cut-off {cutoff:.4} of friction, where s = 0 at {:.2} K: a shorter one cannot reach Sc = {}\n",
+            "  critical      cut-off {cutoff:.4} of friction, where s = 0 at {:.2} K: a smaller one cannot reach Sc = {}\n",
             row.temperature_k, row.schmidt
         ));
     }
     if let Some(row) = rows.iter().max_by(|a, b| a.friction_rate.total_cmp(&b.friction_rate)) {
         text.push_str(&format!(
-            "  steps         friction takes velocities at a rate of at most {:.4} ({:.2} K): explicit steps must stay below \
-             2 over it, {:.5}\n",
+            "  steps         greatest relaxation rate by friction {:.4} ({:.2} K): explicit steps must stay below 2 over it, \
+             {:.5}\n",
             row.friction_rate,
             row.temperature_k,
             2.0 / row.friction_rate
@@ -102,7 +102,7 @@ fn limits(calibrated: &Calibrated<'_>) -> String {
     let repulsion = constants.printed_repulsion(1.0);
     text.push_str(&format!(
         "  repulsion     75 T / rho = {repulsion} makes the fluid {:.2} times as stiff as an ideal gas (mean field); {:.5} \
-         would make it {MOLECULAR_STIFFNESS} times, to which Groot and Warren fit\n",
+         would make it {MOLECULAR_STIFFNESS} times, the value fitted by Groot and Warren\n",
         constants.stiffness(repulsion, 1.0),
         constants.repulsion(MOLECULAR_STIFFNESS, 1.0)
     ));

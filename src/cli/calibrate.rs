@@ -17,40 +17,40 @@ pub struct CalibrateArguments {
     /// Dimensions of space, 2 or 3.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(2..=3))]
     dimension: u8,
-    /// Particles by volume, in DPD units as all that has no unit in its name.
+    /// Number density of particles, in DPD units like all options without a unit.
     #[arg(long, value_name = "N", default_value = "4", value_parser = sized)]
     number_density: f64,
-    /// Friction of a pair, gamma.
+    /// Friction coefficient of a pair, gamma.
     #[arg(long, value_name = "X", default_value = "8", value_parser = sized)]
     gamma: f64,
-    /// Cut-off radius of all forces and of the exchange of heat.
+    /// Cut-off radius of all forces and of heat exchange.
     #[arg(long, value_name = "R", default_value = "1.96", value_parser = sized)]
     cutoff: f64,
-    /// Cut-off radius of the conservative force alone.
+    /// Cut-off radius of the conservative force only.
     #[arg(long, value_name = "R", value_parser = sized)]
     conservative_cutoff: Option<f64>,
-    /// Cut-off radius of friction and random force alone.
+    /// Cut-off radius of the dissipative and random forces only.
     #[arg(long, value_name = "R", value_parser = sized)]
     dissipative_cutoff: Option<f64>,
-    /// Cut-off radius of the exchange of heat alone.
+    /// Cut-off radius of heat exchange only.
     #[arg(long, value_name = "R", value_parser = sized)]
     thermal_cutoff: Option<f64>,
     /// Heat capacity of a particle in k_B.
     #[arg(long, value_name = "X", default_value = "1e5", value_parser = sized)]
     heat_capacity: f64,
-    /// Temperature that is 1 in DPD units, in K.
+    /// Reference temperature, 1 in DPD units, in K.
     #[arg(long, value_name = "K", default_value = "300", value_parser = sized)]
     reference_temperature_k: f64,
-    /// One Prandtl number in place of those of the fluid.
+    /// Constant Prandtl number instead of those of the fluid.
     #[arg(long, value_name = "X", value_parser = sized, conflicts_with = "diffusivity")]
     prandtl: Option<f64>,
-    /// One thermal diffusivity in place of Prandtl numbers.
+    /// Constant thermal diffusivity instead of Prandtl numbers.
     #[arg(long, value_name = "X", value_parser = sized)]
     diffusivity: Option<f64>,
-    /// Leaves out rows that are colder, in K.
+    /// Skips rows below this temperature, in K.
     #[arg(long, value_name = "K", value_parser = positive)]
     from_k: Option<f64>,
-    /// Leaves out rows that are warmer, in K.
+    /// Skips rows above this temperature, in K.
     #[arg(long, value_name = "K", value_parser = positive)]
     to_k: Option<f64>,
     /// Folder for the results; by default out/calibrate.

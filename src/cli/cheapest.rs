@@ -14,13 +14,13 @@ use crate::parts::parts;
 pub struct CheapestArguments {
     /// A scene file, or the name of a bundled scene.
     scene: String,
-    /// The error that is to be reached, as 1% or 0.01.
+    /// The requested relative error, such as 1% or 0.01.
     #[arg(long, value_name = "ERROR", value_parser = error)]
     error: f64,
-    /// Of what: front, closure, frozen_volume, temperature, saturation or concentration; by default the first that the scene has.
+    /// Quantity of the error: front, closure, frozen_volume, temperature, saturation or concentration; by default the first that the scene has.
     #[arg(long, value_name = "NAME", value_parser = measure)]
     measure: Option<Headline>,
-    /// The methods; by default all that the scene has settings for.
+    /// The methods; by default all methods of the scene.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     methods: Vec<String>,
     /// Overrides a key of the scene; may be repeated.
@@ -29,13 +29,13 @@ pub struct CheapestArguments {
     /// Threads of each run.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
-    /// Wall time that the runs of each method may take together, in seconds.
+    /// Wall time for all runs of one method, in seconds.
     #[arg(long, value_name = "S", default_value = "120", value_parser = positive_seconds)]
     budget_s: f64,
-    /// Folder for the results; by default out/cheapest/SCENE. Runs that it holds already are not made again.
+    /// Folder for the results; by default out/cheapest/SCENE. Finished runs in it are not repeated.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Says nothing but the answer and errors.
+    /// Prints only the answer and errors.
     #[arg(long)]
     quiet: bool,
     #[command(flatten)]

@@ -11,19 +11,19 @@ use crate::load;
 pub struct CheckArguments {
     /// A scene file, or the name of a bundled scene.
     scene: String,
-    /// A method; may be repeated. By default all that the scene has settings for.
+    /// A method; may be repeated. By default all methods of the scene.
     #[arg(long, value_name = "NAME")]
     method: Vec<String>,
     /// Overrides a key of the file; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     set: Vec<(String, String)>,
-    /// Takes the discretisation that the scene's paper prints, where one is bundled; `--set` goes over it.
+    /// Uses the discretisation printed in the scene's paper, where one is bundled; `--set` takes precedence.
     #[arg(long)]
     paper: bool,
     /// Threads of the run; by default one for each core.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Plans the smaller scene that gives the same answer, if there is one.
+    /// Plans the reduced scene with the same solution, if there is one.
     #[arg(long)]
     reduce: bool,
     #[command(flatten)]

@@ -20,7 +20,7 @@ pub struct CompareArguments {
     /// Scene files, or names of bundled scenes.
     #[arg(required = true)]
     scenes: Vec<String>,
-    /// The methods; by default all that a scene has settings for.
+    /// The methods; by default all methods of a scene.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     methods: Vec<String>,
     /// Number of spacings, each half the one before.
@@ -29,23 +29,23 @@ pub struct CompareArguments {
     /// Folder for the results; by default out/compare.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Timed repetitions of each run; by default seven of short runs and fewer of long ones.
+    /// Timed repetitions of each run; by default seven for short runs and fewer for long ones.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeats: Option<u16>,
-    /// Seeds of each stochastic run; by default ten, or at least five where time is short.
+    /// Seeds of each stochastic run; by default ten, or at least five if time is short.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=1000))]
     seeds: Option<u16>,
     /// Threads of each run.
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: u16,
-    /// Wall time for one scene, in seconds; 45 by default. Runs that would not fit are left out and listed.
+    /// Wall time for one scene, in seconds; 45 by default. Runs that do not fit are left out and listed.
     #[arg(long, value_name = "S", value_parser = positive_seconds)]
     budget_s: Option<f64>,
-    /// Varies the spacing and one key of the methods together, as in `spacing,horizon_ratio`, and gives errors with their
-    /// signs in place of times.
+    /// Varies the spacing and one key of the methods, as in `spacing,horizon_ratio`, and gives signed errors
+    /// instead of times.
     #[arg(long, value_name = "spacing,KEY", value_parser = varied)]
     vary: Option<String>,
-    /// Values of the varied key; by default from two thirds of the scene's own to eight thirds.
+    /// Values of the varied key; by default from two thirds to eight thirds of the scene's own.
     #[arg(long, value_name = "VALUES", value_delimiter = ',', value_parser = positive, requires = "vary")]
     ratios: Vec<f64>,
     /// Settings of the methods: best, paper or both.
@@ -58,13 +58,13 @@ pub struct CompareArguments {
     /// Overrides a key of every scene, as in `time.duration_h=2`; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     set: Vec<(String, String)>,
-    /// Runs smaller scenes that give the same answer, where there are any.
+    /// Runs reduced scenes with the same solution, where there are any.
     #[arg(long)]
     reduce: bool,
-    /// Wall time in seconds between two checkpoints of each run, from which it goes on if the study is stopped; 0 for none.
+    /// Wall time in seconds between two checkpoints of each run, from which a stopped study is resumed; 0 for none.
     #[arg(long, value_name = "S", default_value = "60", value_parser = between_checkpoints)]
     checkpoint_s: BetweenCheckpoints,
-    /// Says nothing but errors.
+    /// Prints only errors.
     #[arg(long)]
     quiet: bool,
     #[command(flatten)]

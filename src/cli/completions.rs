@@ -15,7 +15,7 @@ pub struct CompletionsArguments {
     /// The shell whose completions are printed.
     #[arg(required_unless_present = "manual")]
     shell: Option<Shell>,
-    /// A folder for manual pages, of the program and of each command, in place of completions.
+    /// A folder for manual pages of the program and of each command, instead of completions.
     #[arg(long, value_name = "FOLDER", conflicts_with = "shell")]
     manual: Option<PathBuf>,
 }

@@ -17,50 +17,50 @@ use crate::parts::parts;
 pub struct LayoutArguments {
     /// A study file, or the name of a bundled study.
     study: String,
-    /// The method; by default the study's, or the first that the scene has settings for.
+    /// The method; by default that of the study, or the first method of the scene.
     #[arg(long, value_name = "NAME")]
     method: Option<String>,
     /// Overrides a key of the scene of all layouts; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     set: Vec<(String, String)>,
-    /// Chooses the spacing at which the day of closure and the thickness at the end of all layouts promise this error, as 1% or 0.01, from
-    /// coarse runs, and says what each reached.
+    /// Chooses the spacing at which the day of closure and the final thickness of all layouts have this promised error, such as 1% or 0.01, from
+    /// coarse runs, and prints the error that each reached.
     #[arg(long, value_name = "ERROR", value_parser = error, conflicts_with_all = ["shard", "check"])]
     error: Option<f64>,
-    /// Wall time, in seconds, that the runs of each layout may take by which the spacing is chosen.
+    /// Wall time, in seconds, for the coarse runs of each layout that determine the spacing.
     #[arg(long, value_name = "S", default_value = "120", value_parser = positive_seconds, requires = "error")]
     budget_s: f64,
-    /// Layouts that run at once; by default one for each core.
+    /// Concurrent layouts; by default one for each core.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Runs the layouts K, K + N, K + 2 N, ... alone; the same command without it takes all over that the folder holds,
+    /// Runs only the layouts K, K + N, K + 2 N, ...; the same command without it reuses all results in the folder
     /// and writes the tables.
     #[arg(long, value_name = "K/N", value_parser = shard)]
     shard: Option<Shard>,
-    /// Folder for the results; by default out/STUDY. Layouts that it holds already are not run again.
+    /// Folder for the results; by default out/STUDY. Finished layouts in it are not run again.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Says what would be run, on which part of the plan and why, and runs nothing.
+    /// Prints the layouts, the part of the plan that is simulated and why, and the expected time; runs nothing.
     #[arg(long, conflicts_with_all = ["shard", "out", "frames"])]
     check: bool,
     /// Draws a temperature map of each layout at every output, for an animation: layouts/*/frames/*.png.
     #[arg(long)]
     frames: bool,
-    /// Wall time in seconds between two checkpoints of each run, from which it goes on if the study is stopped; 0 for none.
+    /// Wall time in seconds between two checkpoints of each run, from which a stopped study is resumed; 0 for none.
     #[arg(long, value_name = "S", default_value = "60", value_parser = between_checkpoints)]
     checkpoint_s: BetweenCheckpoints,
-    /// Says nothing but errors.
+    /// Prints only errors.
     #[arg(long)]
     quiet: bool,
     #[command(flatten)]
     memory: MemoryLimit,
-    /// Begins even what takes longer than 30 days.
+    /// Starts even if the run takes longer than 30 days.
     #[arg(long)]
     yes: bool,
 }
 
 impl LayoutArguments {
-    /// Sets the layouts beside each other.
+    /// Compares the layouts.
     pub fn answer(self) -> Result<Verdict, Failure> {
         self.memory.set();
         let request = LayoutRequest {

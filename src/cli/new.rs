@@ -9,9 +9,9 @@ use crate::templates;
 
 #[derive(Debug, Args)]
 pub struct NewArguments {
-    /// The file; scene.toml, or that of the bundled name, if absent. A file that is there is not written over.
+    /// The file; by default scene.toml, or the bundled name. Existing files are not overwritten.
     file: Option<PathBuf>,
-    /// A bundled scene, study or fluid to begin with, in place of a small commented scene.
+    /// A bundled scene, study or fluid to copy, instead of a small commented scene.
     #[arg(long, value_name = "NAME")]
     like: Option<String>,
 }

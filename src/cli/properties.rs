@@ -9,9 +9,9 @@ use frazil_studies::failure::{Failure, Verdict};
 use super::values::{MustBe, number, sized, threads};
 use crate::properties::{PropertiesRequest, Rows, properties};
 
-/// At the defaults, 13 temperatures of water and 5 seeds, it makes 1.8 thousand million steps of particles: some 15 minutes
-/// on two idle cores, less with more of them. Finished jobs are taken down, so a study that was stopped goes on when it is
-/// started again.
+/// The default, 13 temperatures of water and 5 seeds, takes 1.8e9 particle steps: some 15 minutes
+/// on two idle cores, less with more cores. Finished jobs are stored, so a stopped study is resumed by the same
+/// command.
 #[derive(Debug, Args)]
 pub struct PropertiesArguments {
     /// A bundled fluid (water), or a TOML or CSV file, as for calibrate.
@@ -26,37 +26,37 @@ pub struct PropertiesArguments {
     /// Runs of each measurement.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
     seeds: u16,
-    /// Height of the periodic boxes: squares for displacements, two thirds as wide for flow and heat. The drives are scaled
+    /// Height of the periodic boxes: squares for displacements, two thirds as wide for flow and heat. The driving is scaled
     /// so that profiles are as high as in the paper's boxes, times with the square of the height.
     #[arg(long = "box", value_name = "L", default_value = "20", value_parser = sized)]
     height: f64,
-    /// Times that are watched, over the default ones; intervals shrink with the root of it.
+    /// Sampling time over the default; confidence intervals decrease with its root.
     #[arg(long, value_name = "X", default_value = "1", value_parser = effort)]
     effort: f64,
-    /// Boxes and steps of the paper: 30 x 30 with 280000 steps, 20 x 30 with 220000. At the default rows some 16 hours on
+    /// Boxes and steps of the paper: 30 x 30 with 280000 steps, 20 x 30 with 220000. The default rows take some 16 hours on
     /// two idle cores.
     #[arg(long, conflicts_with_all = ["height", "effort"])]
     paper: bool,
     /// Time step.
     #[arg(long, value_name = "X", default_value = "0.007", value_parser = sized)]
     step: f64,
-    /// Friction of a pair, gamma.
+    /// Friction coefficient of a pair, gamma.
     #[arg(long, value_name = "X", default_value = "8", value_parser = sized)]
     gamma: f64,
-    /// Cut-off radius of all forces and of the exchange of heat.
+    /// Cut-off radius of all forces and of heat exchange.
     #[arg(long, value_name = "R", default_value = "1.96", value_parser = sized)]
     cutoff: f64,
-    /// Checks instead that a fluid left alone keeps energy, momentum and one temperature: 100000 steps of 1500 particles in the
-    /// plane and in space, at the step and at three times the step.
+    /// Checks instead that a fluid at equilibrium conserves energy and momentum and has one temperature: 100000 steps of 1500 particles in
+    /// two and three dimensions, with the time step and with three times the time step.
     #[arg(long, conflicts_with_all = ["temperatures_c", "all_rows", "seeds", "height", "paper"])]
     equilibrium: bool,
-    /// Jobs side by side; by default one for each core. The result does not depend on it.
+    /// Concurrent jobs; by default one for each core. Results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Folder for the results; by default out/properties-FLUID. Jobs that a study there has made already are not made again.
+    /// Folder for the results; by default out/properties-FLUID. Finished jobs in it are not repeated.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Says nothing but errors on standard error.
+    /// Prints only errors on standard error.
     #[arg(long)]
     quiet: bool,
 }

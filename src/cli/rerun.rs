@@ -12,13 +12,13 @@ use crate::rerun::{RerunRequest, rerun};
 pub struct RerunArguments {
     /// The record.json of a run, or its folder.
     record: PathBuf,
-    /// Threads; by default one for each core. The result does not depend on it.
+    /// Threads; by default one for each core. Results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Folder for the results; by default out/rerun/SCENE.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Says nothing but errors and what differs.
+    /// Prints only errors and differences.
     #[arg(long)]
     quiet: bool,
     #[command(flatten)]

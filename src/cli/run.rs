@@ -19,40 +19,40 @@ use crate::{load, run};
 pub struct RunArguments {
     /// A scene file, or the name of a bundled scene.
     scene: String,
-    /// The method; by default the first one that the scene has settings for.
+    /// The method; by default the first method of the scene.
     #[arg(long, value_name = "NAME")]
     method: Option<String>,
     /// Overrides a key of the file, as in `method.pd.horizon_ratio=4`; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     set: Vec<(String, String)>,
-    /// Takes the discretisation that the scene's paper prints, where one is bundled; `--set` goes over it.
+    /// Uses the discretisation printed in the scene's paper, where one is bundled; `--set` takes precedence.
     #[arg(long)]
     paper: bool,
-    /// Chooses the spacing at which runs of the method promise this error, as 1% or 0.01, from coarse runs, says so, and refuses what it
+    /// Chooses the spacing with this promised error, such as 1% or 0.01, from coarse runs, prints it, and refuses an error that it
     /// cannot promise.
     #[arg(long, value_name = "ERROR", value_parser = error, conflicts_with_all = ["paper", "seeds", "reduce"])]
     error: Option<f64>,
-    /// Of what the error is: front, closure, frozen_volume, temperature, saturation or concentration; by default the first that the
+    /// Quantity of the error: front, closure, frozen_volume, temperature, saturation or concentration; by default the first that the
     /// scene has.
     #[arg(long, value_name = "NAME", value_parser = measure, requires = "error")]
     measure: Option<Headline>,
-    /// Wall time, in seconds, that the runs may take by which the spacing is chosen.
+    /// Wall time, in seconds, for the coarse runs that determine the spacing.
     #[arg(long, value_name = "S", default_value = "120", value_parser = positive_seconds, requires = "error")]
     budget_s: f64,
-    /// Threads; by default one for each core. The result does not depend on it.
+    /// Threads; by default one for each core. Results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Seed of noise and of uneven placement; with --seeds that of the first member.
+    /// Seed of noise and of irregular layouts; with --seeds that of the first member.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Runs an ensemble of N members whose seeds follow each other, side by side and each on one thread: means with
-    /// intervals. Members that the folder holds already are not run again.
+    /// Runs an ensemble of N members with consecutive seeds, concurrently and each on one thread: means with
+    /// confidence intervals. Finished members in the folder are not run again.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000), conflicts_with_all = ["reduce", "fields", "frames"])]
     seeds: Option<u16>,
     /// Folder for the results; by default out/SCENE/METHOD.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Runs the smaller scene that gives the same answer, if there is one.
+    /// Runs the reduced scene with the same solution, if there is one.
     #[arg(long, conflicts_with_all = ["fields", "frames"])]
     reduce: bool,
     /// Writes the state of all particles at every output, for ParaView: fields.pvd and fields/*.vtu.
@@ -64,19 +64,19 @@ pub struct RunArguments {
     /// Also draws each figure as PNG, beside its SVG.
     #[arg(long)]
     png: bool,
-    /// Wall time in seconds between two checkpoints, from which a run that was killed goes on; 0 for none.
+    /// Wall time in seconds between two checkpoints, from which a killed run can be resumed; 0 for none.
     #[arg(long, value_name = "S", default_value = "60", value_parser = between_checkpoints)]
     checkpoint_s: BetweenCheckpoints,
-    /// Goes on from the last checkpoint in the folder, to the same bits as a run that was never stopped; from the start if there is
+    /// Resumes from the last checkpoint in the folder, with the same bits as an uninterrupted run; from the start if there is
     /// none.
     #[arg(long)]
     resume: bool,
-    /// Says nothing but errors.
+    /// Prints only errors.
     #[arg(long)]
     quiet: bool,
     #[command(flatten)]
     memory: MemoryLimit,
-    /// Begins even what takes longer than 30 days.
+    /// Starts even if the run takes longer than 30 days.
     #[arg(long)]
     yes: bool,
 }

@@ -15,41 +15,41 @@ pub struct StabilityArguments {
     /// Scene files, or names of bundled scenes.
     #[arg(required = true)]
     scenes: Vec<String>,
-    /// The methods; by default all that a scene has settings for.
+    /// The methods; by default all methods of a scene.
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     methods: Vec<String>,
     /// Parameters of the maps: stefan, conductivity, capacity, reach, disorder, noise, rkl2 (stages), of unsaturated water
-    /// spacing, saturation, alpha, n; or own, the scene as it is. By default all but the last that mean anything to a scene and a method.
+    /// spacing, saturation, alpha, n; or own, the scene as it is. By default all applicable ones except own.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = axis)]
     axes: Vec<Axis>,
     /// Overrides a key of every scene; may be repeated.
     #[arg(long, value_name = "KEY=VALUE", value_parser = key_and_value)]
     set: Vec<(String, String)>,
-    /// Runs these steps over the bound alone, and looks for no boundary; of unsaturated water, these tolerances over the scene's.
+    /// Runs only these steps over the step bound, without boundaries; for unsaturated water, these tolerances over the scene's.
     #[arg(long, value_name = "RATIOS", value_delimiter = ',', value_parser = positive)]
     steps: Vec<f64>,
     /// Number of steps of a map, from a quarter of the bound to four times it.
     #[arg(long, value_name = "N", default_value_t = 13, value_parser = clap::value_parser!(u16).range(2..=200))]
     grid: u16,
-    /// Number of columns of a map; odd, so that the scene's own value stands in the middle.
+    /// Number of columns of a map; odd, with the scene's own value in the middle.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = odd)]
     values: u16,
     /// Seeds of a noisy cell near a boundary.
     #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u16).range(1..=1000))]
     seeds: u16,
-    /// Largest spacing over the scene's own; as much of it is taken as the scene allows.
+    /// Largest spacing over the scene's own, as far as the scene allows.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=16))]
     coarsen: u8,
     /// Wall time of one run, in seconds; a cell that needs more has timed out.
     #[arg(long, value_name = "S", default_value = "60", value_parser = positive_seconds)]
     time_limit_s: f64,
-    /// Columns that are worked on side by side; by default one for each core. The result does not depend on it.
+    /// Concurrent columns; by default one for each core. Results do not depend on it.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Folder for the results; by default out/stability. Runs that a study there has made already are not made again.
+    /// Folder for the results; by default out/stability. Finished runs in it are not repeated.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Says nothing but errors.
+    /// Prints only errors.
     #[arg(long)]
     quiet: bool,
     #[command(flatten)]
@@ -57,7 +57,7 @@ pub struct StabilityArguments {
 }
 
 impl StabilityArguments {
-    /// Maps where the methods break.
+    /// Maps the stability of the methods.
     pub fn answer(self) -> Result<Verdict, Failure> {
         self.memory.set();
         let request = StabilityRequest {

@@ -14,7 +14,7 @@ pub struct StatusArguments {
 }
 
 impl StatusArguments {
-    /// Tells where the runs of the folder stand.
+    /// Prints the progress of the runs in the folder.
     pub fn answer(self) -> Result<Verdict, Failure> {
         status::status(&self.folder)
     }

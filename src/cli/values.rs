@@ -81,7 +81,7 @@ pub fn positive_seconds(text: &str) -> Result<f64, MustBe> {
 /// What runs may hold, of every command that makes or plans some.
 #[derive(Debug, Args)]
 pub struct MemoryLimit {
-    /// Memory that all runs at once may hold, as 500MB or 4GB; by default four fifths of what is free.
+    /// Memory limit of all concurrent runs together, such as 500MB or 4GB; by default four fifths of the free memory.
     #[arg(long, value_name = "SIZE", value_parser = size)]
     memory: Option<u64>,
 }

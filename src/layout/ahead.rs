@@ -67,8 +67,8 @@ impl Ahead {
 
     /// How many, in words.
     pub(super) fn words(&self) -> String {
-        let rule = if self.likely < self.most { format!(" (as a rule some {})", self.likely) } else { String::new() };
-        format!("at most {}{rule} to be tried on the way to what is sought", self.most)
+        let rule = if self.likely < self.most { format!(" (typically about {})", self.likely) } else { String::new() };
+        format!("at most {}{rule} search candidates", self.most)
     }
 }
 

@@ -49,7 +49,7 @@ pub enum Misplaced {
     },
     /// Two boreholes meet on their way down.
     #[error(
-        "pipes {first} and {second} meet at a depth of {depth:.1} m: their axes are {distance:.4} m apart, must be more than \
+        "boreholes of pipes {first} and {second} intersect at a depth of {depth:.1} m: their axes are {distance:.4} m apart, must be more than \
          {least}"
     )]
     Meet {
@@ -66,7 +66,7 @@ pub enum Misplaced {
     },
     /// Boreholes that deviate by chance meet however they are drawn.
     #[error(
-        "percent: found {percent}, so far do boreholes deviate that pipe {pipe} meets others in {MOST_DRAWS} draws"
+        "percent: found {percent}, boreholes deviate so far that pipe {pipe} intersects others in {MOST_DRAWS} draws"
     )]
     Crowded {
         /// How far boreholes deviate (% of their depth).

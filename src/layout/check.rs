@@ -26,7 +26,7 @@ pub(super) fn print(study: &Study<'_>, methods: &[&'static str], threads: usize)
     for layout in compared.iter().take(TRIED) {
         let radius = super::reference::effective_radius(&layout.scene, methods[0]);
         answer(&format!(
-            "\n{}\n  runs on      {}\n  pipes        {}, acting as of radius {radius:.4} m\n",
+            "\n{}\n  runs on      {}\n  pipes        {}, effective radius {radius:.4} m\n",
             layout.name,
             layout.sector,
             working(&layout.scene.rings),
@@ -36,7 +36,7 @@ pub(super) fn print(study: &Study<'_>, methods: &[&'static str], threads: usize)
                 Ok(forecast) => forecast,
                 // Under all methods one that cannot run a layout is named with its reason, and the others run it.
                 Err(refused) if *method != methods[0] => {
-                    answer(&format!("  {method:<12} refuses it: {refused}\n"))?;
+                    answer(&format!("  {method:<12} not possible: {refused}\n"))?;
                     continue;
                 }
                 Err(refused) => return Err(refused.into()),
@@ -44,8 +44,8 @@ pub(super) fn print(study: &Study<'_>, methods: &[&'static str], threads: usize)
             if let Some(seconds) = forecast.seconds() {
                 rates.entry(method).or_default().push(seconds / size(layout, method));
             }
-            let time = forecast.seconds().map_or("unknown, as the number of steps is".to_owned(), clock);
-            let under = if methods.len() > 1 { format!(" under {method}") } else { String::new() };
+            let time = forecast.seconds().map_or("unknown, like the number of steps".to_owned(), clock);
+            let under = if methods.len() > 1 { format!(" with {method}") } else { String::new() };
             let particles = forecast.summary.particles;
             answer(&format!("  particles    {particles}{under}\n  time         {time} on 1 thread{under}\n"))?;
         }
@@ -60,7 +60,7 @@ pub(super) fn print(study: &Study<'_>, methods: &[&'static str], threads: usize)
 pub(super) fn heading(study: &Study<'_>, methods: &[&'static str], ahead: &Ahead) -> String {
     let mut text = format!("{}: {}\n", study.name, study.title);
     let under = methods.join(", ");
-    text.push_str(&format!("  {} under {under}, each also at twice the spacing\n", layouts(study.layouts.len())));
+    text.push_str(&format!("  {} with {under}, each also at twice the spacing\n", layouts(study.layouts.len())));
     let mut others: BTreeMap<&str, usize> = BTreeMap::new();
     for layout in &study.layouts {
         let kind = match layout.role {
@@ -110,18 +110,18 @@ fn total(
         }
     }
     let at_once = threads.min(study.layouts.len()).max(1);
-    let mut text = format!("all of it     some {} of 1 thread", clock(seconds + ahead.likely_s));
+    let mut text = format!("total         about {} of 1 thread", clock(seconds + ahead.likely_s));
     if at_once > 1 {
-        text += &format!(", {} with {at_once} layouts at once", clock(seconds / at_once as f64 + ahead.wall_s));
+        text += &format!(", {} with {at_once} concurrent layouts", clock(seconds / at_once as f64 + ahead.wall_s));
     }
     if ahead.most > 0 {
-        text += &format!(", {} of it for those to be tried on the way to what is sought", clock(ahead.likely_s));
+        text += &format!(", {} of it for search candidates", clock(ahead.likely_s));
         if ahead.most > ahead.likely {
             text += &format!(", at most {}", clock(ahead.most_s));
         }
     }
     if !unknown.is_empty() {
-        text += &format!(", and without {}, whose steps are not known beforehand", unknown.join(", "));
+        text += &format!(", excluding {}, whose steps are not known in advance", unknown.join(", "));
     }
     text
 }

@@ -20,8 +20,8 @@ pub fn of(study: &Study<'_>) -> Vec<String> {
         let (above, below) = (&pair[0], &pair[1]);
         if below.from > above.to + strata::SAME {
             found.push(format!(
-                "strata: \"{}\" ends at {} m and \"{}\" begins at {} m: nothing is known of the ground between them, \
-                 and the load of the shaft is without it",
+                "strata: \"{}\" ends at {} m and \"{}\" begins at {} m: the ground between them is not defined, \
+                 and the load of the shaft excludes it",
                 above.name, above.to, below.name, below.from
             ));
         }
@@ -31,7 +31,7 @@ pub fn of(study: &Study<'_>) -> Vec<String> {
         let freezing = layout.scene.materials[0].freezing_point;
         if let Some(design) = study.design_of(layout).filter(|design| design.mean_temperature_c >= freezing) {
             doubts.push(format!(
-                "design: mean_temperature_c: found {}, which any frozen ground is colder than: it freezes at {freezing}",
+                "design: mean_temperature_c: found {}, all frozen ground is colder: it freezes at {freezing}",
                 design.mean_temperature_c
             ));
         }
@@ -60,8 +60,8 @@ fn near_wall(scene: &Scene) -> Option<String> {
     let reach = REACH * (diffusivity * scene.duration).sqrt();
     (outer_radius - farthest < reach).then(|| {
         format!(
-            "domain.ring.outer_radius_m: found {outer_radius}, {:.1} m from the pipes, but cold reaches some {reach:.1} m in \
-             {:.0} days: the wall will be felt, set {:.0} or more",
+            "domain.ring.outer_radius_m: found {outer_radius}, {:.1} m from the pipes, but the cooled zone extends \
+             about {reach:.1} m in {:.0} days: the wall affects the result, set {:.0} or more",
             outer_radius - farthest,
             scene.duration / super::answers::DAY,
             (farthest + reach).ceil()

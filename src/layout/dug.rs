@@ -73,16 +73,16 @@ pub fn beside_open(scene: &Scene, record: &Record) -> Option<String> {
     let (shaft, wall) =
         (scene.excavation.as_ref().filter(|shaft| shaft.start < scene.duration)?, record.wall.as_ref()?);
     let day = |time: f64| format!("day {:.2}", time / DAY);
-    let dug = format!("the shaft is dug on {} ", day(shaft.start));
+    let dug = format!("the shaft is excavated on {} ", day(shaft.start));
     let standing =
         wall.standing_s.iter().find(|(from, to)| *from <= shaft.start && to.is_none_or(|to| to > shaft.start));
     let next = wall.standing_s.iter().map(|period| period.0).find(|from| *from > shaft.start);
     match (standing, next, wall.closure_s) {
         (Some((_, None)), ..) => None,
-        (Some((_, Some(to))), ..) => Some(format!("{dug}and the wall beside it opens on {}", day(*to))),
-        (None, _, None) => Some(format!("{dug}beside a wall that does not close")),
-        (None, Some(from), Some(_)) => Some(format!("{dug}beside an open wall, which closes on {} only", day(from))),
-        (None, None, Some(_)) => Some(format!("{dug}beside a wall that has opened again")),
+        (Some((_, Some(to))), ..) => Some(format!("{dug}and the wall around it opens on {}", day(*to))),
+        (None, _, None) => Some(format!("{dug}within a wall that does not close")),
+        (None, Some(from), Some(_)) => Some(format!("{dug}within an open wall, which closes only on {}", day(from))),
+        (None, None, Some(_)) => Some(format!("{dug}within a wall that has opened again")),
     }
 }
 
@@ -101,7 +101,7 @@ pub(super) fn block(found: &[Found<'_>]) -> Option<Block> {
     let heads = [
         "layout",
         "radius (m)",
-        "dug (day)",
+        "excavated (day)",
         "wall closes (day)",
         "thickness before (m)",
         "least after (m)",
@@ -133,7 +133,7 @@ pub(super) fn block(found: &[Found<'_>]) -> Option<Block> {
         ]
     };
     let table = Table {
-        caption: "Thickness where the wall is weakest, 0 while it is open. Ground that is dug out counts no more; heat through the \
+        caption: "Thickness at the weakest gap, 0 while the wall is open. Excavated ground is not included; heat through the \
                   face is positive into the ground."
             .into(),
         heads: heads.map(String::from).into(),
@@ -141,5 +141,5 @@ pub(super) fn block(found: &[Found<'_>]) -> Option<Block> {
         words: 1,
         csv: Some("shaft.csv".into()),
     };
-    Some(Block { heading: "The shaft dug inside the wall".into(), tables: vec![table], ..Block::default() })
+    Some(Block { heading: "Excavation of the shaft".into(), tables: vec![table], ..Block::default() })
 }

@@ -79,11 +79,11 @@ impl Search {
         let closure_days = section.optional_number(CLOSURE, Range::POSITIVE);
         let design_days = section.optional_number(DESIGN, Range::POSITIVE);
         if design_days.is_some() && !designed {
-            section.problem(DESIGN, "needs a \"design\" that the wall comes to");
+            section.problem(DESIGN, "needs a \"design\"");
         }
         let within = match goal {
             Goal::Least => {
-                section.refuse("within", "the least whole number is exact");
+                section.refuse("within", "the smallest whole number is exact");
                 None
             }
             Goal::Energy => {
@@ -95,8 +95,10 @@ impl Search {
         if goal == Goal::Least {
             for (key, value) in [("from", from), ("to", to)] {
                 if value.fract() != 0.0 {
-                    section
-                        .problem(key, format!("found {value}, must be whole, as the least whole number is searched"));
+                    section.problem(
+                        key,
+                        format!("found {value}, must be whole, because the smallest whole number is searched"),
+                    );
                 }
             }
             if to - from > WIDEST {
@@ -146,7 +148,8 @@ impl Critical {
         }
         let critical = Critical { key: key?, values, within: within? };
         if critical.halvings() > MOST {
-            let message = format!("found {}, must be reached by {MOST} halvings between two values", critical.within);
+            let message =
+                format!("found {}, must be reachable by {MOST} bisections between two values", critical.within);
             section.problem("within", message);
         }
         Ok(critical)
@@ -201,7 +204,7 @@ impl Deviation {
 pub(super) fn depth(section: &mut Section<'_>, layered: bool, range: Range) -> Read<Option<f64>> {
     const DEPTH: (&str, &str) = ("depth", "m");
     if layered {
-        section.refuse(DEPTH, "boreholes are read at the depth of each stratum");
+        section.refuse(DEPTH, "boreholes are evaluated at the depth of each stratum");
         return Ok(None);
     }
     section.number(DEPTH, range).map(Some)

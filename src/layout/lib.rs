@@ -170,7 +170,7 @@ fn spaced<'a>(
     for method in methods {
         let chosen = spacing::choose(request, &study, (*method, error), &campaign);
         let Some((own, promise)) = chosen.inspect_err(|_| folder.take_back())? else {
-            complain("interrupted: the same command goes on from here");
+            complain("interrupted: the same command resumes from here");
             return Ok(None);
         };
         overrides.push(own);
@@ -260,7 +260,7 @@ fn finish(
     let others = beside.iter().map(|one| works.len() - one.said.len()).sum::<usize>();
     let missing = study.layouts.len() - found.len() + others;
     if !made {
-        complain(&format!("interrupted: the same command runs the other {missing} layouts"));
+        complain(&format!("interrupted: the same command runs the remaining {missing} layouts"));
         return Ok(Verdict::Broken);
     }
     if missing > 0 {
@@ -298,7 +298,7 @@ fn finish(
 fn searched(work: &Work<'_>) -> Result<Option<Vec<Tried>>, Failure> {
     let Some(search) = &work.study.search else { return Ok(Some(Vec::new())) };
     let Some(tried) = search::search(work.study, search, work)? else {
-        complain("interrupted: the same command goes on with the search");
+        complain("interrupted: the same command resumes the search");
         return Ok(None);
     };
     write_rows(&work.folder, "search.csv", &tried)?;
@@ -309,7 +309,7 @@ fn searched(work: &Work<'_>) -> Result<Option<Vec<Tried>>, Failure> {
 fn sought(work: &Work<'_>) -> Result<Option<Vec<Block>>, Failure> {
     let Some(wanted) = &work.study.critical else { return Ok(Some(Vec::new())) };
     let Some(outcome) = critical::seek(work.study, wanted, work)? else {
-        complain("interrupted: the same command goes on with the halving");
+        complain("interrupted: the same command resumes the bisection");
         return Ok(None);
     };
     write_rows(&work.folder, "critical.csv", &outcome.found)?;

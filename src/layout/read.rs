@@ -30,7 +30,7 @@ const SECTIONS: &str = "strata = [{ design = {} }]\nlayouts = [{ boreholes = [{ 
 /// What is no study.
 #[derive(Debug, thiserror::Error)]
 enum NoStudy {
-    #[error("\"{0}\" is a scene and no study of layouts, which names one: frazil run {0}")]
+    #[error("\"{0}\" is a scene, not a layout study: frazil run {0}")]
     Scene(String),
     #[error("\"{asked}\" is neither a file nor a bundled study; those are {}", known.join(", "))]
     Unknown { asked: String, known: Vec<&'static str> },
@@ -222,7 +222,7 @@ impl File {
         names.sort_unstable();
         // Those without a name are told of as such.
         for twice in names.windows(2).filter(|pair| pair[0] == pair[1] && !pair[0].is_empty()) {
-            root.problem("layouts", format!("two have the name \"{}\"", twice[0]));
+            root.problem("layouts", format!("two layouts have the name \"{}\"", twice[0]));
         }
         for (problem, layouts) in refusals.told() {
             let message = format!("{} ({layouts})", problem.message);
@@ -401,8 +401,7 @@ mod tests {
         assert_eq!(found, format!("s.toml:7: layouts.1.boreholes: found pipe 2.5, must be at most 2.4 {whom}"));
         // The pipe of the inner ring on the x axis goes out to that of the outer one.
         let found = refused("{ pipe = \"2.1\", surveyed_m = [[0, 0, 0], [50, 1, 0]], depth_m = 50 }");
-        let expected =
-            "pipes 1.1 and 2.1 meet at a depth of 50.0 m: their axes are 0.0000 m apart, must be more than 0.084";
+        let expected = "boreholes of pipes 1.1 and 2.1 intersect at a depth of 50.0 m: their axes are 0.0000 m apart, must be more than 0.084";
         assert_eq!(found, format!("s.toml:7: layouts.1.boreholes: {expected} {whom}"));
     }
 
@@ -411,7 +410,7 @@ mod tests {
         let refused = |text: &str| study(text).map_or_else(|failure| failure.to_string(), |_| String::new());
         let head = "title = \"t\"\nscene = \"frozen-wall-sand\"\n";
         let found = refused(&format!("{head}[[layouts]]\nname = \"a\"\n[[layouts]]\nname = \"a\""));
-        assert_eq!(found, "s.toml:3: layouts: two have the name \"a\"");
+        assert_eq!(found, "s.toml:3: layouts: two layouts have the name \"a\"");
         let found = refused(&format!("{head}[sensitivity]\npercent = 20\nkeys = [\"pipes.1.colour\"]"));
         assert_eq!(found, "s.toml:5: sensitivity.keys.1: the scene has no number \"pipes.1.colour\"");
         // As older files have it, which count from 0.

@@ -204,13 +204,13 @@ pub(super) fn block(found: &[Found<'_>]) -> Option<Block> {
     for one in found {
         if let Some(Compared::Set(difference)) = &one.reference {
             list.push(format!(
-                "{}: not compared with its table, since --set made it another problem: {difference}.",
+                "{}: not compared with its table, because --set changed the problem: {difference}.",
                 one.layout.name
             ));
         }
         let rows = rows(one);
         if rows.is_empty() && matches!(&one.reference, Some(Compared::With(_))) {
-            list.push(format!("{}: its table does not reach as far as its pipes.", one.layout.name));
+            list.push(format!("{}: its table does not cover its pipe radius.", one.layout.name));
         }
         for row in rows.iter().filter(|row| row.day.is_none()) {
             largest.push(cells(row, row.quantity.clone(), 2));

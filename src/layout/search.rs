@@ -350,9 +350,9 @@ pub(super) fn words(search: &Search, tried: &[Tried]) -> String {
     let days = day("closed", one.closure_days.filter(|_| search.closure_days.is_some()))
         + &day("as designed", one.design_days.filter(|_| search.design_days.is_some()));
     match search.goal {
-        Goal::Least => format!("{key} = {} is the least from {from} to {to} that {asked}{days}", one.value),
+        Goal::Least => format!("{key} = {} is the smallest value from {from} to {to} that {asked}{days}", one.value),
         Goal::Energy => format!(
-            "{key} = {:.4} takes the least energy from {from} to {to} of all that {asked}{days}: {:.0} MJ/m to day {}, {} values \
+            "{key} = {:.4} needs the least energy from {from} to {to} of all values that {asked}{days}: {:.0} MJ/m to day {}, {} values \
              tried",
             one.value,
             one.energy_mj_per_m,

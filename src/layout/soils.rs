@@ -46,8 +46,8 @@ pub fn odd(scene: &Scene) -> Vec<String> {
         for ((least, most), what, unit, value) in values {
             if !(least..=most).contains(&value) {
                 found.push(format!(
-                    "materials.{}: its {what} is {value:.4} {unit}, soils have {least:e} to {most:e}: is it in the units of its \
-                     key, J and not kJ?",
+                    "materials.{}: its {what} is {value:.4} {unit}, soils have {least:e} to {most:e}: check its unit, J \
+                     and not kJ?",
                     material.name
                 ));
             }

@@ -35,7 +35,7 @@ pub(super) fn missed(promise: &Promise, found: &[Found<'_>]) -> Vec<String> {
 
 /// A layout that does not reach the error.
 #[derive(Debug, thiserror::Error)]
-#[error("--error {}: layout \"{layout}\" does not reach it under {method}: {cause}", percent(*error, 3))]
+#[error("--error {}: layout \"{layout}\" does not reach it with {method}: {cause}", percent(*error, 3))]
 struct OutOfReach {
     error: f64,
     layout: String,
@@ -72,7 +72,7 @@ pub(super) fn choose(
     if !request.quiet {
         let worst = promise.promised.values().copied().fold(0.0, f64::max);
         let (length, promised) = (length_words(units, spacing), percent(worst, 2));
-        let method = if request.method.is_some() { format!(" under {method}") } else { String::new() };
+        let method = if request.method.is_some() { format!(" with {method}") } else { String::new() };
         complain(&format!(
             "{}: a spacing of {length}{method}: days of closure and thickness at the end at most {promised} off, by runs at larger ones",
             study.name

@@ -34,7 +34,7 @@ impl Stratum {
 
 /// Reads the strata of a study, downwards, and holds them against its frozen depth (m).
 pub(super) fn read(root: &mut Section<'_>, depth: Option<f64>) -> Vec<Stratum> {
-    root.renamed("horizons", "strata", "a horizon is how far the bonds of peridynamics reach");
+    root.renamed("horizons", "strata", "a horizon is the reach of peridynamics");
     let sections = root.sections("strata");
     let count = sections.len();
     let mut found: Vec<Stratum> = Vec::with_capacity(count);

@@ -339,7 +339,7 @@ fn spread<'a>(layout: &'a str, members: &[(Option<f64>, Option<f64>)]) -> Option
     })
 }
 
-/// What a layout has reached of the error that was asked for, in words.
+/// What a layout has reached of the requested error, in words.
 fn attained(Attained { closure, thickness }: Attained) -> String {
     let all = [("day", closure), ("thickness at the end", thickness)];
     let told = all.into_iter().filter_map(|(name, own)| Some(format!("{name} to {}", percent(own?, 2))));
@@ -349,7 +349,7 @@ fn attained(Attained { closure, thickness }: Attained) -> String {
 
 /// The answer in a few lines.
 pub(super) fn summary(study: &Study<'_>, method: &str, found: &[Found<'_>], folder: &Path) -> String {
-    let mut text = format!("{} under {method}: {} layouts\n", study.name, found.len());
+    let mut text = format!("{} with {method}: {} layouts\n", study.name, found.len());
     for one in found.iter().filter(|one| one.layout.role == Role::Compared) {
         let fine = &one.fine;
         let closure = match fine.closure {

@@ -157,7 +157,7 @@ pub enum UnfitLayout {
     /// There are too few spacings between neighbours of a ring.
     #[error(
         "method.{method}.spacing_m: found {spacing}, must be at most {:.4}: pipes stand {across:.4} m apart, and with less than \
-         {FEWEST_ACROSS} spacings between them nothing says how wrong the answer is",
+         {FEWEST_ACROSS} spacings between them the error cannot be estimated",
         across / FEWEST_ACROSS
     )]
     FewAcross {
@@ -275,7 +275,7 @@ fn layout(ground: &Ground<'_>, name: String, role: Role, overrides: Overrides) -
         None
     };
     let (sector, scene) = match other {
-        Some(what) => (format!("the whole plan: {what} need no image"), whole),
+        Some(what) => (format!("the whole plan: {what} need not be symmetric"), whole),
         None => match at("quarter") {
             Ok(quarter) => ("a quarter: both axes are mirror planes of all pipes".into(), quarter),
             Err(_) => match at("half") {
@@ -294,7 +294,7 @@ pub(super) enum Undrilled {
     #[error("beside {0}, must be one of them")]
     Beside(String),
     /// They are to deviate by chance, and are known.
-    #[error("beside known boreholes ({0}): they do not deviate by chance, give them a study of their own")]
+    #[error("beside known boreholes ({0}): they do not deviate at random, use a study of their own")]
     Known(String),
     /// They cannot stand there.
     #[error(transparent)]

@@ -95,7 +95,7 @@ pub fn equilibrium(request: &PropertiesRequest, calibrated: &Calibrated<'_>, pat
     meter.finish();
     let (rows, explicit) = (rows?, explicit(request, &own, row.temperature, &campaign)?);
     if campaign.is_interrupted() {
-        complain("interrupted: the same command goes on from here");
+        complain("interrupted: the same command resumes from here");
         return Ok(Verdict::Broken);
     }
     let (rows, explicit): (Vec<Row>, Vec<ExplicitRow>) =

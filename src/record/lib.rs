@@ -16,7 +16,7 @@ mod write;
 pub use provenance::Provenance;
 pub use record::{Errors, EstimatedError, Outcome, Record, ReferenceInfo, Value};
 pub use result::RunResult;
-pub use shown::{brief, is_hidden, quoted, shown, shown_lines};
+pub use shown::{brief, is_hidden, plain, quoted, shown, shown_lines};
 pub use stream::{SectionRow, StreamRecord, StreamRow};
 pub use table::{Column, Head, Role, Table, Unit};
 pub use tables::{

@@ -225,9 +225,9 @@ pub struct Record {
     /// Why, if not `ok`.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub cause: Option<String>,
-    /// (stored - in) / exchanged, the greatest over all outputs.
+    /// (stored - in) / exchanged, the largest over all outputs.
     pub energy_balance_rel: f64,
-    /// (taken up - in) / exchanged of a solute, the greatest over all outputs.
+    /// (taken up - in) / exchanged of a solute, the largest over all outputs.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub solute_balance_rel: Option<f64>,
     /// How far temperatures left the range of the scene's data, over that range.

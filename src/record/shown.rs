@@ -48,6 +48,12 @@ pub fn brief(text: &str) -> Cow<'_, str> {
     }
 }
 
+/// A number as people write it: so many digits, and a power of ten only far from one.
+pub fn plain(number: f64, digits: usize) -> String {
+    let short = format!("{number:.*e}", digits.saturating_sub(1)).parse().unwrap_or(number);
+    if short == 0.0 || (1e-4..1e7).contains(&short.abs()) { format!("{short}") } else { format!("{short:e}") }
+}
+
 fn escaped(text: &str, hidden: impl Fn(char) -> bool) -> Cow<'_, str> {
     if !text.chars().any(&hidden) {
         return Cow::Borrowed(text);
@@ -69,6 +75,22 @@ fn escaped(text: &str, hidden: impl Fn(char) -> bool) -> Cow<'_, str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_as_people_write_them() {
+        let cases = [
+            (1.155_49, 4, "1.155"),
+            (5_184_000.0, 4, "5184000"),
+            (0.013_33, 3, "0.0133"),
+            (7.66e7, 2, "7.7e7"),
+            (2e-9, 3, "2e-9"),
+            (0.0, 3, "0"),
+            (f64::INFINITY, 3, "inf"),
+        ];
+        for (number, digits, words) in cases {
+            assert_eq!(plain(number, digits), words);
+        }
+    }
 
     #[test]
     fn what_is_not_seen_is_shown_as_an_escape() {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Water of a run: `water` in `record.json`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct WaterRecord {
-    /// (in - asked for by freezing and thawing) / exchanged, the greatest over all outputs.
+    /// (in - asked for by freezing and thawing) / exchanged, the largest over all outputs.
     pub balance_rel: f64,
     /// (taken up by thawing - asked for) / exchanged at the end: what the next solutions would bring.
     pub owed_rel: f64,

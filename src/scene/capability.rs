@@ -106,13 +106,13 @@ const fn row(asked: Feature, beside: Feature, because: &'static str) -> Exclusio
     Exclusion { asked, beside, because }
 }
 
-const OWN_NOISE: &str = "its noise is exchanged at explicit steps of its own";
-const NO_ENTHALPY: &str = "the scheme advances unknowns of its own by explicit steps";
-const LIMITED: &str = "what gradients mend is limited by what one explicit step may do";
-const AT_ONCE: &str = "pressure spreads through saturated ground at once";
-const BY_PAIRS: &str = "the sweep over a lattice knows no such rows";
-const WHOLE_LATTICE: &str = "the front in a cell is seen along the rows of a lattice";
-const FIXED_LAYERS: &str = "layers of particles stand for the wall, whatever cuts them off";
+const OWN_NOISE: &str = "its noise needs its own explicit steps";
+const NO_ENTHALPY: &str = "the scheme advances its own unknowns with explicit steps";
+const LIMITED: &str = "the limiter of the gradient correction is defined for one explicit step";
+const AT_ONCE: &str = "saturated ground has no explicit step bound";
+const BY_PAIRS: &str = "the lattice sweep does not support it";
+const WHOLE_LATTICE: &str = "sub-cell fronts are located along the rows of a lattice";
+const FIXED_LAYERS: &str = "the layers of the wall cannot be cut";
 
 /// All pairs that exclude each other.
 pub const EXCLUSIONS: [Exclusion; 69] = {
@@ -123,64 +123,64 @@ pub const EXCLUSIONS: [Exclusion; 69] = {
         SubCellFronts, Surfaces, UnevenParticles, UnsaturatedWater, WallParts, WholePhases,
     };
     [
-        row(Groundwater, UnsaturatedWater, "heat beside unsaturated water would have to freeze it in its pores"),
-        row(Pipes, UnsaturatedWater, "a pipe freezes ground, and heat beside unsaturated water is not computed"),
-        row(Excavation, UnsaturatedWater, "the face of a shaft exchanges heat"),
-        row(OwnSteps, UnsaturatedWater, "its noise is that of heat"),
-        row(Flags, UnsaturatedWater, "water has no latent heat"),
-        row(ApparentCapacity, UnsaturatedWater, "water has no latent heat"),
-        row(WholePhases, UnsaturatedWater, "water has no phases"),
-        row(SubCellFronts, UnsaturatedWater, "a front of water is as wide as its pores make it"),
+        row(Groundwater, UnsaturatedWater, "freezing of unsaturated ground is not implemented"),
+        row(Pipes, UnsaturatedWater, "freezing of unsaturated ground is not implemented"),
+        row(Excavation, UnsaturatedWater, "the shaft condition is one of heat, which is not solved for"),
+        row(OwnSteps, UnsaturatedWater, "its noise is thermal noise"),
+        row(Flags, UnsaturatedWater, "unsaturated water has no latent heat"),
+        row(ApparentCapacity, UnsaturatedWater, "unsaturated water has no latent heat"),
+        row(WholePhases, UnsaturatedWater, "unsaturated water does not freeze"),
+        row(SubCellFronts, UnsaturatedWater, "a wetting front is not sharp"),
         row(ExplicitSteps, UnsaturatedWater, AT_ONCE),
         row(Rkl2, UnsaturatedWater, AT_ONCE),
-        row(Gravity, Shells, "shells lie around an axis, and gravity pulls one way"),
-        row(Gravity, Ring, "water through a curved wall is not told by pairs"),
-        row(PairMeans, Gravity, "a mean of conductivities is taken along with heads alone"),
-        row(InnerLayers, Gravity, "a wall of particles stands at no height of its own"),
+        row(Gravity, Shells, "gravity does not have the symmetry of shells"),
+        row(Gravity, Ring, "water flow through a curved wall is not implemented"),
+        row(PairMeans, Gravity, "means of conductivities are implemented for pressure heads only"),
+        row(InnerLayers, Gravity, "the layers of the wall have no elevation"),
         row(LatticeSearch, Gravity, BY_PAIRS),
-        row(Solute, Shells, "walls touch shells, and water through touching walls is not told by pairs"),
-        row(Solute, Ring, "water through a curved wall is not told by pairs"),
-        row(Groundwater, Shells, "water flows through a line, a rectangle or a ring"),
-        row(RandomConductivity, Shells, "a shell is even all around"),
-        row(Groundwater, WallParts, "what water brings through a wall has one temperature"),
-        row(OwnSteps, Groundwater, "its noise is balanced against conduction, and not against what water carries"),
-        row(OwnSteps, Shells, "its particles are of one volume"),
-        row(OwnSteps, Surfaces, "its random heat is not counted through surfaces"),
+        row(Solute, Shells, "water flow through walls of shells is not implemented"),
+        row(Solute, Ring, "water flow through a curved wall is not implemented"),
+        row(Groundwater, Shells, "groundwater is implemented for a line, a rectangle or a ring"),
+        row(RandomConductivity, Shells, "a random field does not have the symmetry of shells"),
+        row(Groundwater, WallParts, "inflow through a wall has one temperature"),
+        row(OwnSteps, Groundwater, "its noise balances conduction only, not advection"),
+        row(OwnSteps, Shells, "its particles have equal volumes"),
+        row(OwnSteps, Surfaces, "random heat fluxes through surfaces are not counted"),
         row(Stages, OwnSteps, OWN_NOISE),
         row(Stages, ApparentCapacity, NO_ENTHALPY),
-        row(Stages, WholePhases, "the phase that a particle last was is known at whole steps alone"),
+        row(Stages, WholePhases, "the last complete phase is known only after complete steps"),
         row(GradientAdvection, Implicit, LIMITED),
-        row(Flags, FreezingCurve, "the accumulator of latent heat fills at one temperature"),
+        row(Flags, FreezingCurve, "the latent-heat accumulator needs a single freezing temperature"),
         row(ApparentCapacity, Groundwater, NO_ENTHALPY),
-        row(WholePhases, Groundwater, "the phase that a particle last was is known at whole steps alone"),
-        row(UnevenParticles, Shells, "shells stand evenly along the radius"),
-        row(UnevenParticles, Pipes, "a pipe acts on particles that stand evenly around it"),
-        row(UnevenParticles, LatticeWeights, "it has weights for the nearest neighbours on a lattice alone"),
+        row(WholePhases, Groundwater, "the last complete phase is known only after complete steps"),
+        row(UnevenParticles, Shells, "shells are evenly spaced along the radius"),
+        row(UnevenParticles, Pipes, "the regularised delta of a pipe needs a lattice"),
+        row(UnevenParticles, LatticeWeights, "its weights are defined for nearest neighbours on a lattice only"),
         row(SubCellFronts, OwnSteps, OWN_NOISE),
         row(SubCellFronts, Shells, WHOLE_LATTICE),
-        row(SubCellFronts, RandomConductivity, "the front in a cell lies in ground that conducts evenly"),
+        row(SubCellFronts, RandomConductivity, "sub-cell fronts need a uniform conductivity"),
         row(SubCellFronts, WallParts, WHOLE_LATTICE),
         row(SubCellFronts, UnevenParticles, WHOLE_LATTICE),
         row(SubCellFronts, ListSearch, WHOLE_LATTICE),
-        row(SubCellFronts, PairMeans, "a front has a potential, and no conductivity of its own"),
+        row(SubCellFronts, PairMeans, "sub-cell fronts exchange heat by the conduction potential"),
         row(SubCellFronts, ApparentCapacity, NO_ENTHALPY),
-        row(SubCellFronts, WholePhases, "a front lies where the frozen fraction says"),
-        row(SubCellFronts, NothingSharp, "there is no front where everything freezes over an interval"),
+        row(SubCellFronts, WholePhases, "sub-cell fronts need the frozen fraction"),
+        row(SubCellFronts, NothingSharp, "materials with a freezing interval have no sharp front"),
         row(SubCellFronts, FittedWalls, WHOLE_LATTICE),
         row(SubCellFronts, InnerLayers, WHOLE_LATTICE),
         row(SubCellFronts, NaiveOpenWalls, WHOLE_LATTICE),
-        row(FittedWalls, Shells, "a body of shells knows its walls by the steady profile"),
-        row(FittedWalls, Groundwater, "a fit leaks water"),
-        row(FittedWalls, Cracks, "a fit reaches across them"),
-        row(FittedWalls, Excavation, "a fit reaches across its face"),
-        row(InnerLayers, Ring, "no layers lie along its curved wall"),
+        row(FittedWalls, Shells, "walls of shells use the steady profile"),
+        row(FittedWalls, Groundwater, "the fit does not conserve water"),
+        row(FittedWalls, Cracks, "the fit extends across cracks"),
+        row(FittedWalls, Excavation, "the fit extends across the face of the shaft"),
+        row(InnerLayers, Ring, "layers cannot follow the curved wall"),
         row(InnerLayers, Cracks, FIXED_LAYERS),
-        row(InnerLayers, Groundwater, "water enters through walls that lie between particles"),
-        row(InnerLayers, OwnSteps, "its noise crosses mirrored walls alone"),
-        row(NaiveOpenWalls, Ring, "no layers lie along its curved wall"),
+        row(InnerLayers, Groundwater, "water needs walls half-way between particles"),
+        row(InnerLayers, OwnSteps, "its noise is implemented for mirrored walls only"),
+        row(NaiveOpenWalls, Ring, "layers cannot follow the curved wall"),
         row(NaiveOpenWalls, Cracks, FIXED_LAYERS),
-        row(NaiveOpenWalls, Groundwater, "water enters through walls that lie between particles"),
-        row(NaiveOpenWalls, OwnSteps, "its noise crosses mirrored walls alone"),
+        row(NaiveOpenWalls, Groundwater, "water needs walls half-way between particles"),
+        row(NaiveOpenWalls, OwnSteps, "its noise is implemented for mirrored walls only"),
         row(LatticeSearch, OwnSteps, BY_PAIRS),
         row(LatticeSearch, Shells, BY_PAIRS),
         row(LatticeSearch, WallParts, BY_PAIRS),
@@ -198,7 +198,7 @@ pub const EXCLUSIONS: [Exclusion; 69] = {
 impl Exclusion {
     /// What is wrong, in words.
     pub fn message(&self) -> String {
-        format!("{} does not go with {}: {}", self.asked.words(), self.beside.words(), self.because)
+        format!("{} cannot be combined with {}: {}", self.asked.words(), self.beside.words(), self.because)
     }
 }
 
@@ -222,9 +222,9 @@ const FEATURES: [(Feature, &str, Place); 32] = [
     (Feature::Ring, "the domain \"ring\"", Place::Scene("domain")),
     (Feature::WallParts, "a wall in parts", Place::Scene("walls")),
     (Feature::FreezingCurve, "a material that freezes over an interval", Place::Scene("materials")),
-    (Feature::NothingSharp, "materials of which none freezes at one temperature", Place::Scene("materials")),
-    (Feature::OwnSteps, "a method that makes its own steps", Place::Method),
-    (Feature::LatticeWeights, "a method of the lattice", Place::Method),
+    (Feature::NothingSharp, "materials without a sharp freezing point", Place::Scene("materials")),
+    (Feature::OwnSteps, "a method with its own time steps", Place::Method),
+    (Feature::LatticeWeights, "a lattice-only method", Place::Method),
     (Feature::UnevenParticles, "a layout other than \"lattice\"", Place::Setting("layout")),
     (Feature::PairMeans, "a mean of conductivities", Place::Setting("mean")),
     (Feature::Flags, "scheme = \"flags\"", Place::Setting("scheme")),

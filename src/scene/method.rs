@@ -52,7 +52,7 @@ pub type MakeParticleSet = dyn Fn(&Scene, &MethodSettings, Option<Arc<ThreadPool
     + Send
     + Sync;
 
-/// Makes a method that makes its own steps.
+/// Makes a method with its own time steps.
 pub type OwnStep = dyn Fn(Assembly) -> Box<dyn Solver> + Send + Sync;
 
 /// Who makes the step.

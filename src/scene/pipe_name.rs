@@ -27,7 +27,7 @@ impl fmt::Display for PipeName {
 
 /// A text that is no name of a pipe.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("must be the name of a pipe as results have it, of its ring and its number on it from 1, as \"1.10\"")]
+#[error("must be the name of a pipe as in results, its ring and its number on the ring, both from 1, such as \"1.10\"")]
 pub struct NoPipeName;
 
 impl FromStr for PipeName {

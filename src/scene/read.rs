@@ -198,7 +198,7 @@ struct Asked {
     in_parts: bool,
 }
 
-/// What a scene has that does not go with everything.
+/// What a scene has that cannot be combined with everything.
 fn features(root: &Section<'_>, domain: Option<&Domain>, materials: &[Material], asked: &Asked) -> Vec<Feature> {
     let own = [
         (asked.of_water, Feature::UnsaturatedWater),

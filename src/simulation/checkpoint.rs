@@ -212,7 +212,7 @@ pub(crate) fn found(
             Err(error) => return Err(Refused::Checkpoint(path.display().to_string(), error.to_string())),
         };
         let Some((header, fields)) = parts(&bytes) else {
-            (kept.tell)(&format!("{}: is not whole and is not used", path.display()));
+            (kept.tell)(&format!("{}: is incomplete and is not used", path.display()));
             continue;
         };
         let own = identity();
@@ -221,7 +221,7 @@ pub(crate) fn found(
             continue;
         }
         if let Some(((name, own), (_, other))) = other {
-            let difference = format!("is of another run: its {name} is {other}, and that of this run is {own}");
+            let difference = format!("is of another run: its {name} is {other}, that of this run is {own}");
             return Err(Refused::Checkpoint(path.display().to_string(), difference));
         }
         let start = bytes.len() - CHECKSUM - fields.len();

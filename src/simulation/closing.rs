@@ -26,7 +26,7 @@ pub enum DugTooEarly {
     NotAround,
     /// The wall is known to be open then.
     #[error(
-        "excavation: the shaft is dug on day {:.1}, but the wall {}: two pipes stand {apart:.2} m apart, and columns that take \
+        "excavation: the shaft is excavated on day {:.1}, but the wall {}: two pipes stand {apart:.2} m apart, and columns that take \
          up nothing but latent heat reach {reach:.2} m",
         .start / DAY,
         .closes.map_or("cannot close in this run".to_owned(), |time| format!("cannot close before day {:.1}", time / DAY))

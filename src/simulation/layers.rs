@@ -45,8 +45,8 @@ pub fn unresolved(
                 let error = CHANGING / (cells * cells);
                 if error > TOLD_CHANGING {
                     told.push(format!(
-                        "{layer}: {moved} through it is right at rest, and while it changes within about {:.0} %; two \
-                         spacings make that 2 %",
+                        "{layer}: {moved} through it is exact in the steady state, and within about {:.0} % in transients; \
+                         with two spacings within 2 %",
                         100.0 * error
                     ));
                 }
@@ -58,7 +58,7 @@ pub fn unresolved(
                 let error = heat_through(&stencil.collapsed(), lattice.spacing, ground, (from, cells), mean);
                 if error.abs() > TOLD {
                     told.push(format!(
-                        "{layer}: under a mean of conductivities heat through it is off by {:+.1} % at rest",
+                        "{layer}: with a mean of conductivities the steady heat flux through it is off by {:+.1} %",
                         100.0 * error
                     ));
                 }

@@ -146,7 +146,7 @@ enum Stop {
     #[error(transparent)]
     Absurd(#[from] Absurd),
     /// At a time (s).
-    #[error("the time allowed ran out at {0:.6} s")]
+    #[error("the time limit was reached at {0:.6} s")]
     TimedOut(f64),
     /// At a time (s) of a duration.
     #[error("interrupted at {0:.6} s of {1} s")]

@@ -173,11 +173,11 @@ pub(crate) fn build_for(
     let why_list = why_list(scene.flow.is_some());
     let (terms, spared, relaxed_by) = prepared.terms(scene, settings, why_list.is_some());
     let mut used = vec![prepared.words(numerics)];
-    let said = "flags of latent heat as enthalpies, which they are in other words";
+    let said = "flags of latent heat stored as enthalpies, which is equivalent";
     used.extend(as_enthalpies.iter().map(|_| said.into()));
     let method: Box<dyn Solver> = match why_list {
         None => {
-            used.push(format!("one fused sweep a step, {} neighbours a particle", prepared.stencil.neighbours()));
+            used.push(format!("one fused sweep per step, {} neighbours per particle", prepared.stencil.neighbours()));
             let (range, largest_slope) = (prepared.range(scene), prepared.largest_slope());
             let sums = (prepared.count(), Some(scene.duration));
             let parts = prepared.lattice_parts(scene, settings, team.clone())?;
@@ -188,7 +188,7 @@ pub(crate) fn build_for(
             used.push(format!("a neighbour list, because {reason}"));
             let listed = Listed { scene, settings, own_step, conducts_on_lattice, seed };
             let swept = conducts_on_lattice && own_step.is_none() && scene.flow.is_some();
-            used.extend(swept.then(|| "heat is conducted by a sweep over the lattice".into()));
+            used.extend(swept.then(|| "conduction by a lattice sweep".into()));
             listed.solver(&mut prepared, team.clone())?
         }
     };

@@ -61,7 +61,7 @@ impl fmt::Display for StepCount {
                 write!(f, "by error control; about {steps}, estimated from a trial of the first {trial} steps")
             }
             StepCount::ByErrorControl { estimate: None, trial } => {
-                write!(f, "by error control; the first {trial} steps do not tell how many")
+                write!(f, "by error control; not known after a trial of the first {trial} steps")
             }
         }
     }
@@ -428,7 +428,7 @@ mod tests {
     fn what_is_not_known_is_said() {
         let open = |estimate| StepCount::ByErrorControl { estimate, trial: 40 }.to_string();
         assert_eq!(open(Some(900)), "by error control; about 900, estimated from a trial of the first 40 steps");
-        assert_eq!(open(None), "by error control; the first 40 steps do not tell how many");
+        assert_eq!(open(None), "by error control; not known after a trial of the first 40 steps");
         assert_eq!(StepCount::Planned(12).to_string(), "12");
     }
 }

@@ -106,19 +106,19 @@ fn obstacle(scene: &Scene, settings: &MethodSettings) -> Option<String> {
     let numerics = &settings.numerics;
     if !matches!(settings.discretisation.stepper, Stepper::Shared) {
         let method = settings.method;
-        return Some(format!("the method {method} makes its own steps: each particle has noise of its own"));
+        return Some(format!("the method {method} has its own time steps: each particle has its own noise"));
     }
     let fitted = numerics.walls == WallModel::MovingLeastSquares && !matches!(scene.domain, Domain::Ring { .. });
     let reasons = [
         (scene.flow.is_some(), "water flows"),
         (scene.gravity.is_some(), "water falls"),
         (!scene.random.is_even(), "the ground varies at random"),
-        (numerics.arrangement != Arrangement::Lattice, "particles stand unevenly"),
-        (fitted, "fits of wall_model = \"moving-least-squares\" know no mirror planes"),
+        (numerics.arrangement != Arrangement::Lattice, "particles are irregular"),
+        (fitted, "fits of wall_model = \"moving-least-squares\" have no mirror planes"),
         (numerics.walls == WallModel::InnerLayers, "inner layers hold particles of the body itself"),
         (
             numerics.walls == WallModel::Naive && scene.brings_heat(),
-            "naive layers at a flux or film follow the particles of the whole body",
+            "naive layers at a flux or film depend on all particles of the body",
         ),
     ];
     reasons.into_iter().find(|reason| reason.0).map(|reason| reason.1.to_owned())
@@ -129,7 +129,7 @@ fn front_across(scene: &Scene, settings: &MethodSettings, fold: Fold) -> Option<
     let Fold::Line { along_y, .. } = fold else { return None };
     let known = scene.freezing_direction().is_some_and(|direction| direction.along_y == along_y);
     (settings.numerics.front == Front::SubCell && !known)
-        .then(|| "fronts inside particles are plane only beside regions that are boxes from wall to wall".to_owned())
+        .then(|| "sub-cell fronts are plane only for regions that are boxes from wall to wall".to_owned())
 }
 
 /// What only a plan of the larger body knows.

@@ -9,6 +9,7 @@ use frazil_core::boundary::wall_layers::NoFreeParticle;
 use frazil_core::memory::{self, Allowed, Memory};
 use frazil_core::solvers::step::Bound;
 use frazil_core::space::wall::PatchId;
+use frazil_record::plain;
 use frazil_scene::method::Unrepresented;
 use glam::DVec2;
 use rand_distr::uniform;
@@ -30,7 +31,7 @@ pub enum Refused {
     #[error("{0}")]
     Reference(String),
     /// A method, by its name, has no bound to go beyond.
-    #[error("[method.{0}]: steps that follow a tolerance have no bound to go beyond")]
+    #[error("[method.{0}]: adaptive steps have no step bound to exceed")]
     NoBound(&'static str),
     /// What a method that makes its own particles says that it cannot represent.
     #[error("{0}")]
@@ -41,8 +42,8 @@ pub enum Refused {
     /// More than the memory that a run may take, before any of it is taken.
     #[error(
         "a spacing of {spacing} makes {particles:.1e} particles, which with {what} need at least {}, and a run may take \
-         {allowed}: set a spacing of at least {fits:.2e}",
-        memory::words(*.needed)
+         {allowed}: set a spacing of at least {}",
+        memory::words(*.needed), plain(*.fits, 3)
     )]
     Memory {
         /// Spacing (m).
@@ -64,9 +65,9 @@ pub enum Refused {
         memory::words(held.total() as f64),
         memory::words(held.observers as f64),
         if held.observers > held.particles + held.method {
-            "fewer outputs and profiles hold less, and so does a larger spacing".into()
+            "fewer outputs and profiles need less, and so does a larger spacing".into()
         } else {
-            format!("a spacing of about {fits:.2e} fits")
+            format!("a spacing of about {} fits", plain(*fits, 3))
         }
     )]
     Held {
@@ -78,7 +79,7 @@ pub enum Refused {
         fits: f64,
     },
     /// A stream of particles at rest.
-    #[error("a driven liquid needs particles that move: method.edpd.motion = true")]
+    #[error("a stream needs moving particles: method.edpd.motion = true")]
     StillStream,
     /// A shaft is dug before a wall can stand.
     #[error(transparent)]
@@ -90,10 +91,10 @@ pub enum Refused {
     #[error("front = \"sub-cell\" needs a lattice without a neighbour list, but {0}")]
     FrontOnList(&'static str),
     /// A sweep over a lattice that is too narrow for it.
-    #[error("search = \"lattice\" needs a body at least as wide as pairs reach: set \"auto\"")]
+    #[error("search = \"lattice\" needs a body at least as wide as the reach of pairs: set \"auto\"")]
     NarrowLattice,
     /// Cracks in a body that is too narrow for them.
-    #[error("cracks and impermeable parts need a body at least as wide as pairs reach")]
+    #[error("cracks and impermeable parts need a body at least as wide as the reach of pairs")]
     NarrowCracks,
     /// A crack comes too near to the curved wall.
     #[error(
@@ -110,7 +111,7 @@ pub enum Refused {
     },
     /// A crack cuts what stands for a pipe.
     #[error(
-        "crack {number} cuts the particles that stand for the pipe at ({:.4}, {:.4}) m, must stay {half:.6} m away from it",
+        "crack {number} cuts the particles under the regularised delta of the pipe at ({:.4}, {:.4}) m, must stay {half:.6} m away from it",
         .centre.x,
         .centre.y
     )]
@@ -155,7 +156,7 @@ pub enum Refused {
     Closed(f64),
     /// An impermeable part covers what stands for a pipe.
     #[error(
-        "impermeable part {number} covers particles that stand for the pipe at ({:.4}, {:.4}) m, must stay {half:.6} m away \
+        "impermeable part {number} covers particles under the regularised delta of the pipe at ({:.4}, {:.4}) m, must stay {half:.6} m away \
          from it",
         .centre.x,
         .centre.y
@@ -190,7 +191,7 @@ pub enum Refused {
     #[error("{0} walls and parts of walls, must be at most {MOST_PATCHES}")]
     TooManyPatches(usize),
     /// Particles without partners.
-    #[error("no pair of particles has a weight: the reach is shorter than the spacing")]
+    #[error("no pair of particles has a weight: the reach is smaller than the spacing")]
     NoPair,
     /// A wall follows an exact solution that there is not.
     #[error("wall `{0}` asks for the exact solution, but this scene has none")]
@@ -223,7 +224,8 @@ pub enum Refused {
     },
     /// Steps that never end.
     #[error(
-        "the run would take {steps:.1e} steps of {step:.1e} s, must be at most {most:.0e}: the bound is set by {cause}"
+        "the run would take {steps:.1e} steps of {} s, must be at most {most:.0e}: the bound is set by {cause}",
+        plain(*.step, 2)
     )]
     ManySteps {
         /// How many.

@@ -82,7 +82,7 @@ pub fn volume_errors(scene: &Scene, lattice: &Lattice, cloud: Option<&[DVec2]>) 
         let error = assigned / covered - 1.0;
         (error.is_nan() || error.abs() > TOLD).then(|| {
             if assigned == 0.0 {
-                return format!("region {number} holds no centre of a particle: its material is nowhere");
+                return format!("region {number} contains no particle centre: its material is not represented");
             }
             format!(
                 "the material of region {number} fills {:.1} % {} than the region: particles belong to it by their centres",

@@ -99,14 +99,14 @@ impl Parts<'_> {
             };
             used.push(format!("latent heat, by {scheme}"));
             if self.numerics.front == Front::SubCell {
-                used.push("fronts inside particles".into());
+                used.push("sub-cell fronts".into());
             }
         }
         if self.materials.mixed() {
-            used.push(format!("{} materials, whose interfaces are solved for", self.scene.materials.len()));
+            used.push(format!("{} materials, with interfaces", self.scene.materials.len()));
         }
         used.extend(self.scene.random.variations().map(|(name, varied)| {
-            format!("a {name} that varies at random, its logarithm by {}", varied.log_deviation)
+            format!("a random {name}, standard deviation of its logarithm {}", varied.log_deviation)
         }));
         if !self.scene.cracks.is_empty() {
             used.push(format!("{} cracks, which cut pairs", self.scene.cracks.len()));
@@ -115,7 +115,7 @@ impl Parts<'_> {
             used.push(format!("{} impermeable parts, which cut pairs and cells", self.scene.impermeable.len()));
         }
         if self.scene.excavation.is_some() {
-            used.push("a shaft, at whose face pairs are cut".to_string());
+            used.push("an excavation, whose face cuts pairs".to_string());
         }
         let walls = self.open_walls();
         if !walls.is_empty() {
@@ -138,21 +138,21 @@ impl Parts<'_> {
             (!self.materials.mixed(), "no material column"),
             (!self.list && self.is_explicit(), "no second pass: potentials, sums and update are one"),
             (self.has_shared_steps(), "no random numbers"),
-            (true, "no motion: velocities, forces and cells sorted anew"),
+            (true, "no motion: no velocities, forces and sorting into cells"),
             (self.pipes == 0, "no pipes"),
             (!self.scene.has_barriers(), "no cracks"),
             (self.open_walls().is_empty() && !self.scene.of_water, "no heat through walls"),
             (self.open_walls().is_empty() && self.scene.of_water, "no water through walls"),
             (self.scene.domain.dimension() == 1, "one dimension: no rows"),
             (!self.freezes() && !self.scene.of_water, "no phase change"),
-            (straight, "no law: potential and enthalpy are in proportion"),
+            (straight, "no law: potential proportional to enthalpy"),
         ];
         said.into_iter().filter(|said| said.0).map(|said| said.1.to_string()).collect()
     }
 
     /// What would allow longer steps.
     pub fn relaxed_by(&self) -> Vec<String> {
-        let mut found = vec!["a coarser lattice: the bound goes with the square of the spacing".to_string()];
+        let mut found = vec!["a larger spacing: the bound is proportional to its square".to_string()];
         if let StepChoice::Fraction(fraction) = self.numerics.step
             && fraction < 1.0
             && self.numerics.integrator.tolerance().is_none()

@@ -45,14 +45,14 @@ pub fn answers(scene: &Scene, result: &RunResult) -> Vec<Line> {
         line("frozen wall", say.closure(result));
         let (between, through) = (say.length(row.thickness_interface_mean_m), say.length(row.thickness_main_mean_m));
         let after = say.time(row.time_s);
-        line("frozen lengths", format!("{between} between pipes, {through} through them (means) after {after}"));
+        line("frozen lengths", format!("{between} between pipes, {through} through pipes (means) after {after}"));
         line("frozen area", format!("{} after {after}", say.with(row.frozen_area_m2, "m²")));
     }
     if let Some((record, last)) = result.record.water.as_ref().zip(result.water.as_ref().and_then(|w| w.rows.last())) {
         lines.extend(say.water(record, last));
     }
     if let Some(stream) = &result.record.stream {
-        lines.push(("stream".into(), format!("{} at its fastest", say.with(stream.greatest_speed_m_per_s, "m/s"))));
+        lines.push(("stream".into(), format!("{} at most", say.with(stream.greatest_speed_m_per_s, "m/s"))));
     }
     lines
 }
@@ -115,7 +115,7 @@ impl Say<'_> {
     fn volume(&self, volume: f64) -> String {
         match self.scene.domain {
             Domain::Axial { .. } | Domain::Radial { symmetry: Symmetry::Spherical, .. } => self.with(volume, "m³"),
-            _ => self.with(volume, "m³ by metre"),
+            _ => self.with(volume, "m³ per metre"),
         }
     }
 
@@ -143,12 +143,12 @@ impl Say<'_> {
             wall.reopening_s.map_or(String::new(), |time| format!(", opened again after {}", self.time(time)));
         let between = wall.weakest_gap.as_ref().map_or(String::new(), |[a, b]| format!(" between {a} and {b}"));
         let end = match wall.closed {
-            true => format!("at the end {} at its weakest{between}", self.length(wall.thickness_m)),
+            true => format!("at the end {} at its weakest gap{between}", self.length(wall.thickness_m)),
             false => format!("OPEN at the end{between}"),
         };
         let alike = match wall.last_gap_spread_s {
             Some(spread) if wall.last_gap_alike > 1 => {
-                format!(" (mean of {} gaps that are alike, ± {})", wall.last_gap_alike, self.time(spread))
+                format!(" (mean of {} equivalent gaps, ± {})", wall.last_gap_alike, self.time(spread))
             }
             _ => String::new(),
         };
@@ -169,9 +169,9 @@ impl Say<'_> {
         }
         if let Some(row) = result.budget.last() {
             let unit = match self.scene.domain {
-                Domain::Line { .. } => "m³ by square metre",
+                Domain::Line { .. } => "m³ per square metre",
                 Domain::Axial { .. } | Domain::Radial { symmetry: Symmetry::Spherical, .. } => "m³",
-                _ => "m³ by metre",
+                _ => "m³ per metre",
             };
             line("water taken up", format!("{} after {}", self.with(row.stored_j, unit), self.time(row.time_s)));
         }
@@ -190,18 +190,18 @@ impl Say<'_> {
         } else {
             String::new()
         };
-        let unit = if self.scene.domain.dimension() == 1 { "m³ by square metre" } else { "m³ by metre" };
+        let unit = if self.scene.domain.dimension() == 1 { "m³ per square metre" } else { "m³ per metre" };
         line("ice", format!("{}{share}, after {after}", self.with(last.ice_m3, unit)));
         let (inflow, outflow) = (last.inflow_m3_per_s, last.outflow_m3_per_s);
         line("water", format!("{} in, {} out after {after}", self.with(inflow, "m³/s"), self.with(outflow, "m³/s")));
         let heat = self.with(last.heat_in_w, "W");
-        line("heat of walls", format!("{heat} in, conducted and carried by water, after {after}"));
+        line("heat of walls", format!("{heat} in, conducted and advected, after {after}"));
         let (solutions, time) = (record.pressure_solutions, clock(record.pressure_wall_s));
         line("pressure", format!("{solutions} solutions, {} iterations, {time}", record.pressure_iterations));
         let (balance, owed) = (record.balance_rel, record.owed_rel);
         line(
             "water balance",
-            format!("{} of the water exchanged, {} of it still to come", number(balance, 2), number(owed, 2)),
+            format!("{} of the water exchanged, {} of it still to be supplied", number(balance, 2), number(owed, 2)),
         );
         lines
     }
@@ -233,7 +233,7 @@ mod tests {
         let even = WallRecord { last_gap_alike: 26, last_gap_spread_s: Some(day(0.25)), ..wall.clone() };
         assert_eq!(
             say.watched(&even),
-            "closed after 30 d (mean of 26 gaps that are alike, ± 0.25 d); at the end 1.25 m at its weakest between 1.3 and 1.4"
+            "closed after 30 d (mean of 26 equivalent gaps, ± 0.25 d); at the end 1.25 m at its weakest gap between 1.3 and 1.4"
         );
         let open = WallRecord { closed: false, reopening_s: Some(day(50.0)), thickness_m: 0.0, ..wall.clone() };
         assert_eq!(

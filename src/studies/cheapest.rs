@@ -80,7 +80,7 @@ pub fn cheapest(request: &CheapestRequest, parts: &Parts<'_>) -> Result<Verdict,
         of_one.measure = of_one.measure.or(reached.headline);
         campaign.check()?;
         if campaign.is_interrupted() {
-            complain("interrupted: the same command goes on from here");
+            complain("interrupted: the same command resumes from here");
             return Ok(Verdict::Broken);
         }
         all.push(Of { kind, reached });

@@ -93,7 +93,7 @@ fn by_time(request: &CompareRequest, parts: &Parts<'_>) -> Result<Verdict, Failu
         tables::write_all(folder.path(), &finished)?;
         report.finish(&finished)?;
         if campaign.is_interrupted() {
-            complain("interrupted: the same command goes on from here");
+            complain("interrupted: the same command resumes from here");
             return Ok(Verdict::Broken);
         }
     }

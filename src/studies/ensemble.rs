@@ -65,8 +65,8 @@ enum NoEnsemble {
     #[error("--method {0}: the scene has no settings for it")]
     Unset(String),
     #[error(
-        "--seeds {count}: the method \"{method}\" has no noise with these settings and its particles stand on a lattice, so all \
-         members would be the same; layout = \"jittered\" or \"random\" would tell them apart"
+        "--seeds {count}: the method \"{method}\" has no noise with these settings and its particles are on a lattice, so all \
+         members would be equal; use layout = \"jittered\" or \"random\""
     )]
     Alike { count: usize, method: &'static str },
     #[error("--seed {first}: {count} seeds go beyond {}", u64::MAX)]
@@ -121,7 +121,7 @@ fn expected(request: &EnsembleRequest<'_>, members: &Members<'_>, threads: usize
     let expected = expect::run(request.scene, request.method, request.reference, 1)?;
     let Some(one) = expected.filter(|_| open > 0) else { return Ok(()) };
     let seconds = open.div_ceil(threads.max(1)) as f64 * one.seconds;
-    let what = format!("{} under {}, {open} members", request.scene.name, request.method);
+    let what = format!("{} with {}, {open} members", request.scene.name, request.method);
     if !request.yes {
         bearable(&what, seconds, one.shorter)?;
     }
@@ -242,7 +242,7 @@ impl Study {
         let count = record.seeds.len();
         let ends = record.seeds.first().zip(record.seeds.last()).map(|(first, last)| format!("{first} to {last}"));
         let head = format!(
-            "{} under {}: {count} members, seeds {}, {} of them taken over\n",
+            "{} with {}: {count} members, seeds {}, {} of them reused\n",
             record.scene,
             record.method,
             ends.unwrap_or_default(),
@@ -263,7 +263,7 @@ impl Study {
             }
             if let Some(split) = record.curves.get(title) {
                 words.push_str(&match split.bias {
-                    Some(bias) => format!(", {:.3} % of the mean of endlessly many", 100.0 * bias),
+                    Some(bias) => format!(", {:.3} % of the mean of infinitely many", 100.0 * bias),
                     None => ", bias not resolved".into(),
                 });
             }
@@ -271,7 +271,7 @@ impl Study {
         }
         if let Some(reference) = &record.reference {
             let own = percent(reference.error_estimate_rel, 2);
-            line("reference", format!("{}, {}; its own error about {own}", reference.kind, reference.source));
+            line("reference", format!("{}, {}; accuracy about {own}", reference.kind, reference.source));
         }
         let moved = if scene.of_water { "water" } else { "heat" };
         line(
@@ -279,7 +279,7 @@ impl Study {
             format!("at worst {} of the {moved} exchanged", number(record.energy_balance_rel, 2)),
         );
         let (all, now) = (clock(record.cpu_s), clock(record.wall_s));
-        line("time", format!("{all} of CPU in all, {now} now; threads {}", record.threads));
+        line("time", format!("{all} of CPU time in total, {now} now; threads {}", record.threads));
         for difference in &record.differences {
             line("difference", difference.clone());
         }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use frazil_core::space::lattice::Lattice;
+use frazil_record::plain;
 use frazil_scene::method::Stepper;
 use frazil_scene::{Scene, StepChoice};
 use frazil_simulation::march::Refused;
@@ -46,9 +47,11 @@ pub fn run(
 fn shorter(forecast: &Forecast, work: &Work) -> String {
     let summary = &forecast.summary;
     let lengths = match summary.steps {
-        StepCount::Planned(_) => format!("of at most {:.1e} s, which {} bounds,", summary.step_s, summary.step_limit),
+        StepCount::Planned(_) => {
+            format!("of at most {} s, limited by {},", plain(summary.step_s, 2), summary.step_limit)
+        }
         StepCount::ByErrorControl { .. } => {
-            format!("by their error, of many stages as {} bounds a step of one,", summary.step_limit)
+            format!("with error control, of several stages because {} limits an Euler step,", summary.step_limit)
         }
     };
     let steps = format!("{:.1e} steps {lengths} and {:.1e} particles", work.steps as f64, summary.particles as f64);

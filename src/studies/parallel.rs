@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use frazil_core::memory;
 
-/// Runs side by side, as [`in_order`]; they share the memory that there is.
+/// Concurrent runs, as [`in_order`]; they share the memory that there is.
 pub fn runs<T: Send>(tasks: usize, workers: usize, work: impl Fn(usize) -> Option<T> + Sync) -> Vec<Option<T>> {
     memory::share(workers.clamp(1, tasks.max(1)));
     let answers = in_order(tasks, workers, work);

@@ -96,7 +96,7 @@ pub fn countdown(elapsed_s: f64, share: f64) -> String {
 /// What is left (s), as the end of a sentence.
 pub fn left(seconds: f64) -> String {
     if seconds > ENDLESS {
-        ", more than a month left at this pace: is this the scene that was meant?".into()
+        ", more than a month left at this rate: is this the intended scene?".into()
     } else {
         // It is not over before it is over.
         format!(", about {} left", clock(seconds.max(1.0)))
@@ -122,7 +122,7 @@ fn warning(what: &str, seconds: f64) -> Option<String> {
 /// What would take longer than anyone waits for.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "{what}: this would take {} on this machine, more than {} days, and is begun with --yes alone: {shorter}",
+    "{what}: this would take {} on this machine, more than {} days; --yes starts it anyway; {shorter}",
     clock(*.seconds),
     ENDLESS / 86_400.0
 )]
@@ -184,7 +184,7 @@ mod tests {
                 assert!(!said.contains(" 0.") && !said.contains("years"), "{elapsed_s} {share}: {said}");
             }
         }
-        assert!(words(61.0, 1e-12).ends_with("is this the scene that was meant?"));
+        assert!(words(61.0, 1e-12).ends_with("is this the intended scene?"));
     }
 
     #[test]

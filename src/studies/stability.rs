@@ -28,13 +28,13 @@ pub use request::StabilityRequest;
 
 /// No axis that was asked for means anything to what it was asked of.
 #[derive(Debug, thiserror::Error)]
-#[error("none of the axes means anything to these scenes and methods")]
+#[error("none of the axes applies to these scenes and methods")]
 struct NoAxis;
 
 /// Scenes that do not go into one study.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "scenes of unsaturated water and of heat were asked for: their steps break in other ways, make a study of each"
+    "scenes of unsaturated water and of heat were asked for: their stability limits differ, use a separate study for each"
 )]
 struct Apart;
 
@@ -69,7 +69,7 @@ pub fn stability(request: &StabilityRequest, parts: &Parts<'_>) -> Result<Verdic
     }
     let columns = execute::columns(request, parts, jobs, &campaign)?;
     if campaign.is_interrupted() {
-        complain("interrupted: the same command goes on from here");
+        complain("interrupted: the same command resumes from here");
         return Ok(Verdict::Broken);
     }
     tables::write(request, folder.path(), &columns)?;
@@ -89,7 +89,7 @@ fn tolerances(
 ) -> Result<Verdict, Failure> {
     let cells = tolerances::cells(request, parts, jobs, campaign)?;
     if campaign.is_interrupted() {
-        complain("interrupted: the same command goes on from here");
+        complain("interrupted: the same command resumes from here");
         return Ok(Verdict::Broken);
     }
     tolerances::write(request, parts, machine, folder, &cells)?;

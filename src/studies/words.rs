@@ -29,10 +29,7 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
     let mut facts = vec![
         Fact::new("Body", words.body(scene.domain)),
         Fact::new("Duration", duration),
-        Fact::new(
-            if scene.of_water { "Start" } else { "Temperature at the start" },
-            words.state(scene.initial_temperature),
-        ),
+        Fact::new(if scene.of_water { "Start" } else { "Initial temperature" }, words.state(scene.initial_temperature)),
     ];
     facts.extend(scene.regions.iter().enumerate().map(|(number, region)| {
         let material = region.material.map(|index| format!(", of {}", scene.materials[index].name));
@@ -61,7 +58,7 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
     facts.extend(scene.excavation.iter().map(|shaft| {
         let days = words.with(shaft.start / scene.time_unit.seconds(), scene.time_unit.symbol());
         let (radius, face) = (words.with(shaft.radius, "m"), words.condition(&shaft.condition));
-        Fact::new("Shaft", format!("of radius {radius}, dug after {days}; face: {face}"))
+        Fact::new("Shaft", format!("of radius {radius}, excavated after {days}; face: {face}"))
     }));
     facts.extend(scene.rings.iter().map(|ring| Fact::new("Pipes", words.ring(ring))));
     let materials = scene.materials.iter();

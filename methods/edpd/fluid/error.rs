@@ -12,7 +12,7 @@ pub enum FluidError {
     #[error("{0}: found {1}, must be at least 0")]
     Negative(&'static str, f64),
     /// The table of exponents is empty or does not grow.
-    #[error("exponent: the rows must have growing temperatures, and there must be one")]
+    #[error("exponent: the rows must have increasing temperatures, and there must be one")]
     Rows,
     /// An exponent that must not be below zero.
     #[error("exponent: found {0}, must be at least 0: friction would grow towards the cut-off")]
@@ -56,6 +56,6 @@ pub enum FluidError {
         step: f64,
     },
     /// What was watched has left the numbers.
-    #[error("displacements that are no numbers")]
+    #[error("displacements that are not finite")]
     NoNumbers,
 }

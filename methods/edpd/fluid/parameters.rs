@@ -45,7 +45,7 @@ pub struct Parameters {
     pub density: f64,
     /// Largest conservative force of a pair, a.
     pub repulsion: f64,
-    /// Friction of a pair, gamma.
+    /// Friction coefficient of a pair, gamma.
     pub friction: f64,
     /// Exponent of the dissipative weight.
     pub exponent: Exponent,

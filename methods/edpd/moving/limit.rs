@@ -60,6 +60,6 @@ fn limits(
     [
         (conduction, "conduction in its best conducting phase".to_string()),
         (friction, format!("friction of the coldest liquid, at {coldest:.4}")),
-        (swing, "the swing of particles between their neighbours".to_string()),
+        (swing, "the oscillation of particles between their neighbours".to_string()),
     ]
 }

@@ -1,5 +1,6 @@
 //! Units of a scene and of its particles.
 
+use frazil_record::plain;
 use frazil_scene::Units;
 
 use super::Motion;
@@ -49,8 +50,10 @@ impl DpdUnits {
             Units::Dpd | Units::Dimensionless => ("", "", ""),
         };
         format!(
-            "scales: one DPD length is {:.6e}{length}, one DPD time {:.6e}{time}, a temperature of 1 is {}{degree}",
-            self.length, self.time, self.degree
+            "scales: one DPD length is {}{length}, one DPD time {}{time}, a temperature of 1 is {}{degree}",
+            plain(self.length, 7),
+            plain(self.time, 7),
+            self.degree
         )
     }
 }

@@ -10,11 +10,11 @@ use crate::fluid::FluidError;
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum MotionError {
     /// The scene has what moving particles know nothing of.
-    #[error("motion = true knows no {0}: the liquid itself moves")]
+    #[error("motion = true cannot be combined with {0}")]
     Unknown(&'static str),
     /// A wall with a condition that moving particles cannot meet.
     #[error(
-        "the wall \"{wall}\" has {kind}, but walls of moving particles have a temperature or none: motion = true needs \
+        "the wall \"{wall}\" has {kind}, but with motion = true walls need \
          \"temperature\" or condition = \"symmetry\""
     )]
     Wall {

@@ -78,7 +78,7 @@ pub fn read(section: &mut Section<'_>, numerics: &Numerics, cutoff_ratio: f64) -
     let table = section.optional_points("exponent_table", Some(2));
     if !motion {
         for key in given {
-            section.problem(key, "has no effect, particles rest without motion = true");
+            section.problem(key, "has no effect, particles are at rest without motion = true");
         }
         return None;
     }
@@ -88,8 +88,8 @@ pub fn read(section: &mut Section<'_>, numerics: &Numerics, cutoff_ratio: f64) -
     let own = friction != FRICTION || number_density != DENSITY || (cutoff_ratio - CUTOFF_RATIO).abs() > 1e-9;
     if own && constant.is_none() && table.is_none() {
         let message = format!(
-            "needs \"exponent\" or \"exponent_table\" beside it: that of water is known for friction {FRICTION}, \
-             number_density {DENSITY} and cutoff_ratio {CUTOFF_RATIO} alone, frazil calibrate solves for others"
+            "needs \"exponent\" or \"exponent_table\" beside it: that of water is known only for friction \
+             {FRICTION}, number_density {DENSITY} and cutoff_ratio {CUTOFF_RATIO}, frazil calibrate solves for others"
         );
         section.problem("motion", message);
     }
@@ -99,7 +99,8 @@ pub fn read(section: &mut Section<'_>, numerics: &Numerics, cutoff_ratio: f64) -
             let rows: Vec<(f64, f64)> = rows.iter().map(|row| (row[0], row[1])).collect();
             let grows = rows.windows(2).all(|pair| pair[1].0 > pair[0].0);
             if rows.is_empty() || !grows || rows.iter().any(|row| row.1 < 0.0) {
-                let message = "must be rows [temperature, exponent] with growing temperatures and no exponent below 0";
+                let message =
+                    "must be rows [temperature, exponent] with increasing temperatures and no exponent below 0";
                 section.problem("exponent_table", message);
             }
             Exponent::Table(rows)
@@ -119,12 +120,12 @@ const KEYS: [&str; 7] =
 /// Settings of particles at rest that motion excludes.
 fn exclude(section: &mut Section<'_>, numerics: &Numerics) {
     let excluded = [
-        ("layout", numerics.arrangement != Arrangement::Lattice, "particles that move find their places themselves"),
-        ("scheme", numerics.latent_heat_scheme != LatentHeatScheme::Enthalpy, "particles that move carry enthalpy"),
+        ("layout", numerics.arrangement != Arrangement::Lattice, "moving particles have no layout"),
+        ("scheme", numerics.latent_heat_scheme != LatentHeatScheme::Enthalpy, "moving particles use the enthalpy"),
         (
             "wall_model",
             !matches!(numerics.walls, WallModel::Mirror | WallModel::MovingLeastSquares),
-            "walls of particles that move are fitted by moving least squares",
+            "walls of moving particles are fitted by moving least squares",
         ),
     ];
     for (key, wrong, reason) in excluded {

@@ -92,7 +92,7 @@ impl<L: Laws> LatticeBalance<L> {
         let mut derived = stiffness.bound();
         let front_rate = parts.front.as_ref().map_or(0.0, SubCellFront::own_rate);
         if front_rate * derived.step > 1.0 {
-            derived = Bound { step: 1.0 / front_rate, cause: "the front inside a particle".to_string() };
+            derived = Bound { step: 1.0 / front_rate, cause: "the sub-cell front of a particle".to_string() };
         }
         let bands = bands(&around.lattice, threads(&team, &around), shape);
         let potential = |sink: &Sink| around.thermal_at_sink(sink).potential_at(sink.temperature.at(0.0));

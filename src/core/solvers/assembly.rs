@@ -1,4 +1,4 @@
-//! Particles, neighbours and walls, ready for a method that makes its own steps.
+//! Particles, neighbours and walls, ready for a method with its own time steps.
 
 use std::sync::Arc;
 

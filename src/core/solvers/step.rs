@@ -1,5 +1,7 @@
 //! A step: where it stands, how long it may be, and why it could not be made.
 
+use frazil_record::plain;
+
 use crate::balances::groundwater::error::GroundwaterError;
 
 /// Where a run stands in time.
@@ -28,10 +30,13 @@ pub struct Bound {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StepError {
     /// The shortest step of those by error (s) gives numbers that are none.
-    #[error("a step of {0:e} s gives numbers that are not finite")]
+    #[error("a step of {} s gives values that are not finite", plain(*.0, 6))]
     NotFinite(f64),
     /// What is carried would need far more steps within one (s) of what carries it than it was to make.
-    #[error("what water carries needs {needed:.1e} steps within one of {step:e} s of water, its bound is {:e} s: {}", .bound.step, .bound.cause)]
+    #[error(
+        "the solute needs {needed:.1e} substeps within a water step of {} s, its step bound is {} s: {}",
+        plain(*.step, 6), plain(.bound.step, 6), .bound.cause
+    )]
     Passenger {
         /// The step of water.
         step: f64,

@@ -118,7 +118,7 @@ pub(super) fn walls(
     if let Some(domain) = domain {
         let all = walls_of(domain);
         for wall in all.iter().filter(|wall| !given.iter().any(|given| given == wall.name())) {
-            section.note(wall.name(), "missing, must have a condition as every wall of the domain");
+            section.note(wall.name(), "missing, every wall of the domain must have a condition");
         }
         walls.sort_by_key(|wall| all.iter().position(|known| *known == wall.wall));
     }
@@ -157,7 +157,7 @@ pub(super) fn condition(wall: &mut Section<'_>) -> Read<Condition> {
         wall.refuse(AMBIENT, &format!("only a wall with {words} has surroundings"));
     }
     for rain in super::water::RAINS {
-        wall.refuse(rain, "rain falls on the ground of balance = \"water\" alone");
+        wall.refuse(rain, "rain needs balance = \"water\"");
     }
     let allowed = temperatures(wall.units().absolute_zero());
     match (found?, film) {
@@ -268,7 +268,7 @@ fn circle(section: &mut Section<'_>) -> Read<Circle> {
         return Ok((count?, radius?, first_angle.to_radians(), Vec::new()));
     }
     for key in [Key::from("count"), ("ring_radius", "m").into(), ("first_angle", "deg").into()] {
-        section.refuse(key, "the places of all pipes are given");
+        section.refuse(key, "the positions of all pipes are given");
     }
     let places: Vec<DVec2> =
         section.points(PLACES, Some(2))?.iter().map(|place| DVec2::new(place[0], place[1])).collect();
@@ -287,7 +287,7 @@ fn ring(section: &mut Section<'_>, number: usize) -> Read<PipeRing> {
     let circle = circle(section);
     let one_particle = section.flag_or("one_particle", false);
     let pipe_radius = if one_particle {
-        section.refuse(("pipe_radius", "m"), "a pipe of one particle has the radius that the lattice gives it");
+        section.refuse(("pipe_radius", "m"), "the radius of a pipe of one particle follows from the lattice");
         Ok(0.0)
     } else {
         section.positive(("pipe_radius", "m"))
@@ -322,7 +322,7 @@ fn as_built(section: &mut Section<'_>, number: usize, ring: &mut PipeRing) {
     let names = Names { ring: number, count: ring.count };
     ring.missing = section.optional_pipes("missing", names).unwrap_or_default();
     if ring.missing.len() == ring.count {
-        section.problem("missing", "found all pipes, one must be left");
+        section.problem("missing", "found all pipes, at least one must remain");
     }
     for (k, [x, y]) in section.optional_pipe_points(("moved", "m"), names).unwrap_or_default() {
         match ring.moved.iter_mut().find(|(other, _)| *other == k) {

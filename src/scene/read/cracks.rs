@@ -20,7 +20,7 @@ pub(super) fn cracks(root: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Cra
         _ => None,
     };
     if let (Some(first), Some(found)) = (sections.first_mut(), not_a_plane) {
-        first.section_problem(format!("a crack needs a plane, the domain is {found}"));
+        first.section_problem(format!("a crack needs a two-dimensional domain, found {found}"));
     }
     sections.iter_mut().flat_map(|section| crack(section, domain)).collect()
 }
@@ -31,7 +31,7 @@ fn crack(section: &mut Section<'_>, domain: Option<&Domain>) -> Read<Crack> {
     let growth = growth(section);
     let (from, to) = (from?, to?);
     if from == to {
-        return Err(section.problem(("to", "m"), "found the point where the crack begins, must be another"));
+        return Err(section.problem(("to", "m"), "found the same point as \"from_m\", must be another"));
     }
     if let Some(domain) = domain.filter(|domain| domain.dimension() == 2) {
         match [from, to].map(|end| wall_before(domain, end)) {
@@ -65,12 +65,12 @@ fn crack(section: &mut Section<'_>, domain: Option<&Domain>) -> Read<Crack> {
 /// How a crack comes to be, which is all at once unless a speed or a table says otherwise.
 fn growth(section: &mut Section<'_>) -> Read<Growth> {
     if section.has(LENGTH) {
-        section.refuse(SPEED, "the table of lengths says how the crack grows");
-        section.refuse_time("start", "the table of lengths says when the crack grows");
+        section.refuse(SPEED, "the growth of the crack is given by the table of lengths");
+        section.refuse_time("start", "the time of growth is given by the table of lengths");
         return match section.series(LENGTH, Range::NOT_NEGATIVE)? {
             Series::Table(rows) => Ok(Growth::Table(rows)),
             Series::Constant(_) | Series::Repeated { .. } => {
-                Err(section.problem(LENGTH, "must be a table in time that does not repeat"))
+                Err(section.problem(LENGTH, "must be a time table without a period"))
             }
         };
     }

@@ -22,7 +22,7 @@ pub(super) fn excavation(
     let start = section.duration("start", Range::NOT_NEGATIVE);
     let condition = body::condition(&mut section);
     if domain.is_some_and(|domain| !matches!(domain, Domain::Ring { .. })) {
-        return Err(section.section_problem("a shaft is dug in the domain \"ring\" alone"));
+        return Err(section.section_problem("an excavation needs the domain \"ring\""));
     }
     if condition == Ok(Condition::Exact) {
         return Err(section.problem("condition", "found \"exact\", the face of a shaft has no exact solution"));

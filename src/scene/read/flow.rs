@@ -53,7 +53,7 @@ pub(super) fn flow(
     let gravity = match domain {
         Some(Domain::Rectangle { .. }) => section.number_or(("gravity", "m_per_s2"), 0.0, Range::NOT_NEGATIVE),
         _ => {
-            let level = if crosses { "the plan of a ring lies level" } else { "a line lies level" };
+            let level = if crosses { "the plan of a ring is horizontal" } else { "a line is horizontal" };
             section.refuse(("gravity", "m_per_s2"), level);
             0.0
         }
@@ -113,11 +113,11 @@ fn open(
     viscosity: Read<f64>,
 ) -> Read<(Vec<PressureWall>, Option<Across>)> {
     let Some(Domain::Ring { outer_radius, sector }) = domain else {
-        section.refuse(VELOCITY, "only in a ring water comes from afar");
-        section.refuse(DIRECTION, "only in a ring water comes from afar");
+        section.refuse(VELOCITY, "only the domain \"ring\" has an undisturbed velocity");
+        section.refuse(DIRECTION, "only the domain \"ring\" has an undisturbed velocity");
         return Ok((walls(section, domain), None));
     };
-    section.refuse("walls", "in a ring water comes from afar, with velocity_m_per_day");
+    section.refuse("walls", "a ring has an undisturbed velocity, velocity_m_per_day");
     let (velocity, across) = across(section, *outer_radius, *sector)?;
     // Darcy's law in the first material; one without permeability has been told of.
     let Some(ground) = materials.first().and_then(|material| material.pores?.permeability) else {
@@ -135,7 +135,7 @@ fn across(section: &mut Section<'_>, radius: f64, sector: Sector) -> Read<(Serie
     match sector {
         Sector::Quarter => {
             section.section_problem(
-                "must not be in a quarter, whose mirror planes water crosses: set domain.ring.sector = \"half\" or \
+                "cannot be solved in a quarter, as water crosses its mirror planes: set domain.ring.sector = \"half\" or \
                  \"whole\"",
             );
         }

@@ -23,7 +23,7 @@ pub(super) fn gravity(
         wall_named(domain, &name).ok_or_else(|| section.problem("towards", message()))
     });
     if towards.is_some() && !of_water {
-        return Err(root.problem("gravity", "only a scene with balance = \"water\" has gravity of its own"));
+        return Err(root.problem("gravity", "the section \"gravity\" needs balance = \"water\""));
     }
     if towards.is_some() && materials.len() > 1 {
         let message = format!("found {} materials, water that falls has one soil", materials.len());
@@ -34,7 +34,7 @@ pub(super) fn gravity(
     let all = walls.chain(parts.iter().map(|part| (part.wall, &part.condition)));
     let mut drains = all.filter(|(_, condition)| **condition == Condition::FreeDrainage);
     if let Some((wall, _)) = drains.find(|(wall, _)| towards != Some(*wall)) {
-        let message = format!("the wall \"{wall}\" drains freely, which only the wall does that gravity pulls towards");
+        let message = format!("the wall \"{wall}\" has free drainage, which only the wall at the lower end can have");
         return Err(root.problem("walls", message));
     }
     Ok(towards)

@@ -100,7 +100,7 @@ fn material(name: &str, section: &mut Section<'_>) -> Read<Material> {
     }
     section.refuse(
         ("permeability", "m2"),
-        "only a material given by porosity, solid, ice and water has pores; others have it in a table \"groundwater\"",
+        "only a material given by porosity, solid, ice and water has it here; others have it in a table \"groundwater\"",
     );
     let density = section.positive(("density", "kg_per_m3"));
     let frozen = section.section("frozen").and_then(phase);

@@ -83,7 +83,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     let flags = [Mushy::Fraction, Mushy::LastPhase];
     if let Some(mushy) = section.optional_flag_or_word("mushy", flags, ("mean", Mushy::Mean)) {
         if numerics.exchange == Exchange::Potential {
-            section.problem("mushy", "has no effect, only the means of conductivities read it");
+            section.problem("mushy", "has no effect, only means of conductivities use it");
         }
         numerics.mushy = mushy;
     }
@@ -143,7 +143,7 @@ fn layout(section: &mut Section<'_>, preset: Arrangement) -> Arrangement {
     let words = [("lattice", Arrangement::Lattice), ("jittered", jittered), ("random", Arrangement::Random)];
     let found = section.choice_or("layout", &words, preset);
     if !matches!(found, Arrangement::Jittered { .. }) {
-        section.refuse("jitter_fraction", "only the layout \"jittered\" reads it");
+        section.refuse("jitter_fraction", "only the layout \"jittered\" uses it");
         return found;
     }
     let range = Range::above_to(0.0, 0.5);
@@ -194,7 +194,7 @@ fn latent_heat_scheme(section: &mut Section<'_>, preset: LatentHeatScheme, mater
     let words = [("enthalpy", Enthalpy), ("flags", Flags), ("apparent-capacity", apparent)];
     let found = section.choice_or("scheme", &words, preset);
     if !matches!(found, ApparentCapacity { .. }) {
-        section.refuse(INTERVAL, "only the scheme \"apparent-capacity\" reads it");
+        section.refuse(INTERVAL, "only the scheme \"apparent-capacity\" uses it");
         return found;
     }
     if !materials.iter().any(Material::is_sharp) {
@@ -269,7 +269,7 @@ fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, features: &[F
         section.refuse("stages", "only the integrator \"rkl2\" has stages");
     }
     if found.is_monotone() {
-        section.refuse("tolerance", "explicit steps of Euler and Heun do not estimate their error");
+        section.refuse("tolerance", "Euler and Heun steps have no error estimate");
         return found;
     }
     if in_stages && section.has("stages") {

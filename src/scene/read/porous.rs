@@ -53,7 +53,7 @@ pub(super) fn porous(section: &mut Section<'_>, freezes: bool) -> Read<Porous> {
         water
     };
     let solid = if porosity == Ok(1.0) {
-        section.refuse("solid", "pores of porosity 1 are all there is");
+        section.refuse("solid", "a material of porosity 1 has no solid");
         None
     } else {
         Some(section.section("solid").and_then(part))

@@ -193,7 +193,7 @@ impl fmt::Display for Problems {
         }
         match self.problems.len().saturating_sub(TOLD) {
             0 => Ok(()),
-            more => write!(f, "\n{file}: {more} problems more"),
+            more => write!(f, "\n{file}: {more} more problems"),
         }
     }
 }

@@ -42,7 +42,7 @@ pub(super) fn regions(
     for mut section in root.sections("regions") {
         if section.flag_or("impermeable", false) {
             for key in [Key::from("material"), TEMPERATURE.into()] {
-                section.refuse(key, "nothing enters the region");
+                section.refuse(key, "the region is impermeable");
             }
             let Some(domain) = domain else {
                 section.abandon();
@@ -93,7 +93,7 @@ pub(super) fn regions(
         }
     }
     for (name, _) in names.iter().zip(&used).filter(|(_, used)| !**used) {
-        materials_section.note(name, "is used nowhere: the first material fills the body, regions name the others");
+        materials_section.note(name, "is not used: the first material fills the body, regions name the others");
     }
     (regions, impermeable)
 }
@@ -179,7 +179,7 @@ fn fault(corners: &[DVec2]) -> Option<String> {
             return Some(format!("points {} and {} are the same, must differ", k + 1, (k + 1) % count + 1));
         }
         if side(*edge, next.1).is_eq() && (edge.1 - edge.0).dot(next.1 - next.0) < 0.0 {
-            return Some(format!("the polygon turns back on itself at point {}", (k + 1) % count + 1));
+            return Some(format!("the polygon reverses its direction at point {}", (k + 1) % count + 1));
         }
     }
     for (k, edge) in edges.iter().enumerate() {

@@ -21,7 +21,7 @@ pub use lists::Duration;
 pub(super) use pipes::Names;
 
 /// What texts and names are, which go into messages, figures, tables and pages.
-const VISIBLE: &str = "of one line, without characters that are not seen";
+const VISIBLE: &str = "of one line, without invisible characters";
 
 /// The name of a key. A quantity is given as `("spacing", "m")`: it is written `spacing_m` in SI scenes and
 /// `spacing` in scenes without units. A pure number or a word is given as `"horizon_ratio"`.

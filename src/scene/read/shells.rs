@@ -94,7 +94,9 @@ pub(super) fn surfaces(section: &mut Section<'_>, domain: Option<&Domain>) -> Ve
         let round = domain.symmetry().is_some();
         let keys: [(&str, &str); 2] = if round { [("r", "m"), ("z", "m")] } else { [("x", "m"), ("y", "m")] };
         if let Domain::Ring { .. } = domain {
-            surface.section_problem("the domain \"ring\" has no surfaces: pipes and the outer wall tell their heat");
+            surface.section_problem(
+                "the domain \"ring\" has no surfaces: the heat of pipes and of the outer wall is recorded anyway",
+            );
             surface.abandon();
             continue;
         }

@@ -36,7 +36,7 @@ pub(super) fn reaches(section: &mut Section<'_>, spacing: f64, reach: f64, domai
     let shortest = shortest(domain);
     if reach > shortest * (1.0 + WHOLE) {
         let message = format!(
-            "found {}, with which pairs reach {}, must reach at most {}, the shortest extent of the domain",
+            "found {}, for which the reach of pairs is {}, must be at most {}, the shortest extent of the domain",
             plain(spacing),
             plain(reach),
             plain(shortest)
@@ -73,9 +73,9 @@ pub(super) fn divides(section: &mut Section<'_>, spacing: f64, domain: &Domain) 
     }
     let lengths: Vec<String> = extents.iter().map(|extent| plain(*extent)).collect();
     let nearest = match nearest_spacings(spacing, &extents).as_slice() {
-        [] => "no spacing near it does".to_owned(),
-        [only] => format!("the nearest that does is {}", plain(*only)),
-        [below, above, ..] => format!("the nearest that do are {} and {}", plain(*below), plain(*above)),
+        [] => "there is none near it".to_owned(),
+        [only] => format!("the nearest is {}", plain(*only)),
+        [below, above, ..] => format!("the nearest are {} and {}", plain(*below), plain(*above)),
     };
     let message =
         format!("found {}, must divide {} into whole parts: {nearest}", plain(spacing), lengths.join(" and "));

@@ -25,15 +25,14 @@ pub(super) fn stream(
         Some(Domain::Rectangle { width, .. }) => *width,
         Some(_) => {
             section.abandon();
-            return Err(section.section_problem("a liquid is driven along the domain \"rectangle\" alone"));
+            return Err(section.section_problem("a stream needs the domain \"rectangle\""));
         }
         None => f64::INFINITY,
     };
     for name in WallId::ends(false) {
         if walls.iter().any(|wall| wall.wall == name && wall.condition != Condition::Symmetry) {
             section.section_problem(format!(
-                "the wall \"{name}\" must have condition = \"symmetry\": what leaves on the right enters on the left, and no \
-                 heat with it"
+                "the wall \"{name}\" must have condition = \"symmetry\": the stream is periodic along x"
             ));
         }
     }
@@ -44,7 +43,7 @@ pub(super) fn stream(
         match ends[..] {
             [from, to] if from < to && from >= 0.0 && to <= length => Some((from, to)),
             _ => {
-                let message = format!("must be two places from 0 to {}, the lesser one first", plain(length));
+                let message = format!("must be two positions from 0 to {}, in increasing order", plain(length));
                 section.problem(key, message);
                 None
             }

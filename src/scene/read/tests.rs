@@ -233,7 +233,7 @@ fn pairs_reach_beyond_a_body_only_between_straight_walls() {
     assert_eq!(message(GOOD, &[("method.plain.spacing_m", "0.2")]), "no problem");
     assert_eq!(
         message(&half_ring(), &[("method.plain.spacing_m", "7.5")]),
-        "--set method.plain.spacing_m=7.5: found 7.5, with which pairs reach 22.5, must reach at most 15, the \
+        "--set method.plain.spacing_m=7.5: found 7.5, for which the reach of pairs is 22.5, must be at most 15, the \
          shortest extent of the domain"
     );
 }

@@ -46,7 +46,7 @@ pub(super) fn time(root: &mut Section<'_>) -> Read<Time> {
             let all: Vec<String> = late.iter().map(|late| plain(late.seconds / late.unit.seconds())).collect();
             let end = plain(duration.seconds / first.unit.seconds());
             let key = section.time_key("profiles");
-            remarks.push(format!("time.{key}: {} left out, after the end of the run at {end}", all.join(", ")));
+            remarks.push(format!("time.{key}: {} skipped, after the end of the run at {end}", all.join(", ")));
         }
         // A run whose profiles all lie after its end keeps its end, as one that names none.
         if !kept.is_empty() {
@@ -112,7 +112,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Read<
     if let Some(from) = front_from.take_if(|from| from.seconds > time.duration.seconds) {
         let (found, end) = (from.seconds / from.unit.seconds(), time.duration.seconds / from.unit.seconds());
         let (found, end) = (plain(found), plain(end));
-        time.remarks.push(format!("watch.{front_key}: {found} left out, after the end of the run at {end}"));
+        time.remarks.push(format!("watch.{front_key}: {found} ignored, after the end of the run at {end}"));
     }
     let front_from = front_from.map(|from| from.seconds);
     let (outputs, profiles) = (time.outputs, time.profiles.clone());
@@ -186,7 +186,7 @@ fn phases(section: &mut Section<'_>, domain: Option<&Domain>) -> Option<(f64, f6
     match between[..] {
         [from, to] if from < to && from >= -extent && to <= extent => Some((from, to)),
         _ => {
-            section.problem(BETWEEN, "must be two places along x in the body, the lesser one first");
+            section.problem(BETWEEN, "must be two positions along x in the body, in increasing order");
             None
         }
     }
@@ -211,7 +211,7 @@ pub(super) fn reference(root: &mut Section<'_>, domain: Option<&Domain>) -> Refe
         // The table of the file, which another kind stands in for.
         section.optional_text("table");
     } else {
-        section.refuse("table", "only the kind \"table\" reads one");
+        section.refuse("table", "only the kind \"table\" uses one");
     }
     if let (Ok(0), Some(Domain::Ring { .. })) = (kind, domain) {
         section.problem("kind", "found \"exact\", but a ring has no exact solution");

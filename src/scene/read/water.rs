@@ -130,7 +130,7 @@ impl Heads {
     pub(super) fn condition(&self, wall: &mut Section<'_>) -> Read<Condition> {
         let found = wall.only_one(&Self::conditions());
         if !matches!(found, Ok(3 | 4)) {
-            wall.refuse(PONDING, "water stands on walls with rain alone");
+            wall.refuse(PONDING, "only walls with rain have a ponding depth");
         }
         match found? {
             0 => {
@@ -181,9 +181,9 @@ impl Heads {
     /// What of a wall or a part of one is said of a solute: its concentration.
     pub(super) fn concentration(&mut self, section: &mut Section<'_>, patch: PatchId, condition: &Read<Condition>) {
         let nothing_enters = match condition {
-            Ok(Condition::Symmetry) => Some("no water crosses the wall, so no solute does"),
+            Ok(Condition::Symmetry) => Some("the wall is impermeable, so no solute crosses it"),
             Ok(Condition::Runoff { rain, .. }) if rain.constant() == Some(0.0) => {
-                Some("no water enters where it seeps out, so no solute does")
+                Some("no water enters at a seepage face, so no solute does")
             }
             _ => None,
         };
@@ -219,7 +219,7 @@ impl Heads {
         match (with.first(), without.first(), named) {
             (None, Some((name, _)), true) => Err(root.problem(
                 "materials",
-                format!("a concentration is given, but \"{name}\" has no table \"solute\" that says what becomes of it"),
+                format!("a concentration is given, but \"{name}\" has no table \"solute\""),
             )),
             (Some((one, _)), Some((other, _)), _) => Err(root.problem(
                 "materials",

@@ -5,6 +5,7 @@ use frazil_core::particles::Particles;
 use frazil_core::physics::retention::scale::{DRY, head};
 use frazil_core::saved::{Pass, Saved};
 use frazil_core::solvers::step::{Bound, Clock};
+use frazil_record::plain;
 use frazil_scene::Scene;
 use glam::DVec2;
 
@@ -15,7 +16,7 @@ pub enum Fault {
     #[error("is not finite")]
     NotFinite,
     /// Its head of unsaturated water is far from all data.
-    #[error("has a pressure head far out of the range of the data: {}, and those are {} to {}", words(*.found), words(*.low), words(*.high))]
+    #[error("has a pressure head far outside the range of the data: {}, range {} to {}", words(*.found), words(*.low), words(*.high))]
     HeadOutOfRange {
         /// Its place on the scale of heads.
         found: f64,
@@ -25,7 +26,7 @@ pub enum Fault {
         high: f64,
     },
     /// Its temperature is far from all data.
-    #[error("has the temperature {temperature}, ten times out of the range {low} to {high}")]
+    #[error("has the temperature {temperature}, outside {low} to {high} by ten times this range")]
     OutOfRange {
         /// What it has.
         temperature: f64,
@@ -49,8 +50,8 @@ fn words(place: f64) -> String {
 /// A particle that cannot be, and the step that made it.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
-    "particle {particle} at ({:.6}, {:.6}) m {fault} by step {} of {:.6e} s (bound {:.6e} s, set by {})",
-    .place.x, .place.y, .clock.index, .clock.step, .bound.step, .bound.cause
+    "particle {particle} at ({:.6}, {:.6}) m {fault} by step {} of {} s (bound {} s, set by {})",
+    .place.x, .place.y, .clock.index, plain(.clock.step, 6), plain(.bound.step, 6), .bound.cause
 )]
 pub struct Absurd {
     particle: usize,
@@ -174,7 +175,7 @@ mod tests {
         let fault = Fault::HeadOutOfRange { found: -2e4, low: DRY, high: -0.0 };
         assert_eq!(
             fault.to_string(),
-            "has a pressure head far out of the range of the data: drier than dry, and those are dry to 0 m"
+            "has a pressure head far outside the range of the data: drier than dry, range dry to 0 m"
         );
     }
 }

@@ -2,7 +2,7 @@
 
 use frazil_core::particles::Particles;
 use frazil_core::physics::latent_heat::LatentHeatScheme;
-use frazil_record::Outcome;
+use frazil_record::{Outcome, plain};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
 
@@ -49,10 +49,10 @@ pub(super) fn judge(
 ) -> (Outcome, Option<String>) {
     if balance.abs() > BALANCE_TOLERANCE {
         let moved = if of_water { "water" } else { "heat" };
-        let cause = format!("the {moved} balance misses {balance:.3e} of the {moved} exchanged");
+        let cause = format!("the {moved} balance is off by {} of the {moved} exchanged", plain(balance, 4));
         return match latent_heat_scheme {
             LatentHeatScheme::ApparentCapacity { .. } => {
-                (Outcome::PhaseSkipped, Some(format!("{cause}: particles stepped over the freezing interval")))
+                (Outcome::PhaseSkipped, Some(format!("{cause}: particles skipped the freezing interval")))
             }
             LatentHeatScheme::Enthalpy | LatentHeatScheme::Flags => (Outcome::EnergyDrift, Some(cause)),
         };
@@ -62,8 +62,8 @@ pub(super) fn judge(
         let mut cause = format!("{what} left the range of the data by {:.2} % of it", 100.0 * violation);
         if noise > 0.0 {
             cause.push_str(&format!(
-                ": noise may do so by {:.2} %, eight standard deviations of one particle or half of the range; particles \
-                 that store more heat fluctuate less",
+                ": noise may do so by {:.2} %, eight standard deviations of one particle or half of the range; a larger \
+                 heat capacity of particles makes less noise",
                 100.0 * noise
             ));
         }
@@ -72,7 +72,7 @@ pub(super) fn judge(
     // Noise may push a front or a flow back for a moment.
     if let Some(setback) = setback.filter(|setback| *setback > SETBACK_TOLERANCE && noise == 0.0) {
         let cause = format!(
-            "the front, or the heat through the coldest or warmest pipes, went back by {:.2} %",
+            "the front, or the heat through the coldest or warmest pipes, decreased by {:.2} %",
             100.0 * setback
         );
         return (Outcome::Oscillating, Some(cause));

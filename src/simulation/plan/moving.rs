@@ -49,8 +49,8 @@ pub(super) fn plan(scene: &Scene, settings: &MethodSettings, set: ParticleSet) -
         step_limit: bound.cause.clone(),
         steps: StepCount::Planned(planned_steps(scene, step, None)),
         used: vec![
-            format!("{count} particles that move, {} m apart in the mean", numerics.spacing),
-            "columns of enthalpy, place and velocity; partners are looked for in cells, without a list".into(),
+            format!("{count} moving particles, {} m apart on average", numerics.spacing),
+            "columns of enthalpy, position and velocity; neighbours from cells, without a list".into(),
         ],
         spared: Vec::new(),
         relaxed_by: Vec::new(),

@@ -5,6 +5,7 @@ use frazil_core::boundary::green::Green;
 use frazil_core::boundary::patch::{Boundary, Side};
 use frazil_core::boundary::pipe::{Sink, green_reach, immerse, radius_of_one_particle};
 use frazil_core::space::lattice::Lattice;
+use frazil_record::plain;
 use frazil_scene::Scene;
 
 use crate::refused::Refused;
@@ -41,9 +42,9 @@ pub(super) fn pipes(
         let green = Green::new(stencil, lattice.spacing, green_reach(ring.pipe_radius, lattice.spacing));
         if ring.one_particle {
             acting.push(format!(
-                "each pipe of ring {} is one particle, which acts as one of radius {:.3e} m",
+                "each pipe of ring {} is one particle with an effective radius of {} m",
                 number + 1,
-                radius_of_one_particle(&green, lattice.spacing)
+                plain(radius_of_one_particle(&green, lattice.spacing), 4)
             ));
         }
         for pipe in ring.pipes() {

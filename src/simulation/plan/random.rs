@@ -1,5 +1,6 @@
 //! What particles make of ground that varies at random in place.
 
+use frazil_record::plain;
 use frazil_scene::Scene;
 
 /// Spacings in a correlation length below which neighbours have little to do with each other.
@@ -13,6 +14,7 @@ pub(super) fn unresolved(scene: &Scene, spacing: f64) -> impl Iterator<Item = St
     });
     short.map(move |(name, length)| {
         let number = length / spacing;
-        format!("the {name} is correlated over {length:.3e} m, {number:.1} spacings: its particles do not resolve how it varies")
+        let length = plain(length, 4);
+        format!("the correlation length of the {name}, {length} m, is {number:.1} spacings, which do not resolve it")
     })
 }

@@ -52,7 +52,7 @@ pub(crate) fn count(scene: &Scene, settings: &MethodSettings, stencil: &Stencil)
     let pairs = 0.5 * particles * stencil.neighbours() as f64;
     let [still, moving, listed, watered] = BYTES;
     let (bytes, what) = match (&discretisation.stepper, scene.flow.is_some()) {
-        (Stepper::Moving(_), _) => (moving * particles, "what moving ones meet"),
+        (Stepper::Moving(_), _) => (moving * particles, "their neighbours in motion"),
         (_, true) => ((still * particles) + watered * pairs, "the pairs along which water flows"),
         _ if why_list(scene, numerics, discretisation, stencil, false, false).is_some() => {
             (still * particles + listed * pairs, "their list of neighbours")
@@ -103,7 +103,7 @@ pub(super) fn why_list(
     flows: bool,
 ) -> Option<&'static str> {
     let reasons = [
-        (numerics.arrangement != Arrangement::Lattice, "particles stand unevenly"),
+        (numerics.arrangement != Arrangement::Lattice, "particles are irregular"),
         (numerics.exchange != Exchange::Potential, "pairs exchange by a mean of conductivities"),
         (
             numerics.latent_heat_scheme != LatentHeatScheme::Enthalpy || numerics.mushy != Mushy::Fraction,
@@ -116,7 +116,10 @@ pub(super) fn why_list(
         (scene.gravity.is_some(), "gravity pulls water along the pairs"),
         (numerics.walls == WallModel::MovingLeastSquares, "walls are fitted by moving least squares"),
         (numerics.walls == WallModel::InnerLayers, "the outermost particles are the walls"),
-        (numerics.walls == WallModel::Naive && scene.brings_heat(), "naive layers at a flux or film follow particles"),
+        (
+            numerics.walls == WallModel::Naive && scene.brings_heat(),
+            "naive layers at a flux or film depend on particles",
+        ),
         (matches!(discretisation.stepper, Stepper::Own(_)), "the method makes its own step"),
         (narrow, "pairs reach farther than the body is wide"),
         (stencil.reach > WIDEST, "the reach is wider than any compiled stencil"),

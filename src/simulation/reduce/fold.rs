@@ -202,7 +202,7 @@ impl Fold {
         };
         let (cells, direction) = if along_y { (lattice.rows, "y") } else { (lattice.columns, "x") };
         if halved && !cells.is_multiple_of(2) {
-            return Some(format!("the middle of {direction} cuts through particles, of which there is an odd number"));
+            return Some(format!("the middle of {direction} cuts through particles, as their number is odd"));
         }
         // A particle that sees both walls of a body feels them together.
         (cells < 2 * reach).then(|| format!("along {direction} the body is narrower than twice the reach of its pairs"))

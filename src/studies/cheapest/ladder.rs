@@ -73,7 +73,7 @@ pub struct Rung {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Short {
     /// It would take too long.
-    #[error("a run at {spacing} takes about {}, and the budget is {}; promised so far: {:.2} %", clock(*forecast_s), clock(*budget_s), 100.0 * promised)]
+    #[error("a run at {spacing} takes about {}, more than the budget of {}; promised so far: {:.2} %", clock(*forecast_s), clock(*budget_s), 100.0 * promised)]
     TooLong {
         /// Spacing of the run, in words.
         spacing: String,
@@ -85,7 +85,7 @@ pub enum Short {
         promised: f64,
     },
     /// Noise alone is greater.
-    #[error("noise alone is {:.2} % of one run; the mean of {seeds} seeds would do", 100.0 * noise)]
+    #[error("the noise of one run alone is {:.2} %; the mean of {seeds} seeds would be sufficient", 100.0 * noise)]
     Noise {
         /// What a promise has of it.
         noise: f64,
@@ -93,7 +93,7 @@ pub enum Short {
         seeds: u64,
     },
     /// Steps that do not follow the spacing alone are worse.
-    #[error("its steps alone make {:.2} %, whatever the spacing: set a smaller {key}", 100.0 * steps)]
+    #[error("the error of its time steps alone is {:.2} %, independent of the spacing: set a smaller {key}", 100.0 * steps)]
     Steps {
         /// Their error.
         steps: f64,
@@ -101,7 +101,7 @@ pub enum Short {
         key: &'static str,
     },
     /// Ever finer runs do not come nearer to each other.
-    #[error("ever finer runs come no nearer to each other; promised so far: {:.2} %", 100.0 * promised)]
+    #[error("the differences between runs do not decrease; promised so far: {:.2} %", 100.0 * promised)]
     Stalled {
         /// The best promise.
         promised: f64,
@@ -254,7 +254,7 @@ impl<'a> Ladder<'a> {
     fn choose(&mut self) -> Result<Result<usize, Short>, Failure> {
         for _ in 0..MOST_MORE {
             let Some(Promised { errors: promised, order }) = self.promised() else {
-                return Ok(Err(Short::Unknown("no two runs can be held against each other".into())));
+                return Ok(Err(Short::Unknown("there are no two runs to compare".into())));
             };
             if let Some(noise) = self.noise().map(|noise| NOISE * noise).filter(|noise| *noise > self.request.error) {
                 let seeds = (noise / self.request.error).powi(2).ceil() as u64;

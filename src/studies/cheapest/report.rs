@@ -51,7 +51,7 @@ pub fn write(request: &CheapestRequest, folder: &Path, study: &Study) -> Result<
         heading: format!("{} of {label}", percent(request.error, 3)),
         figures: vec![Figure::new(
             &figure,
-            "Error that is promised of each run against its CPU time. The line is the error that was asked for.",
+            "Promised error of each run against its CPU time. The line is the requested error.",
             "cheapest",
         )],
         tables: vec![table(study)],
@@ -61,9 +61,8 @@ pub fn write(request: &CheapestRequest, folder: &Path, study: &Study) -> Result<
         title: format!("The cheapest run: {}", study.scene.title),
         answers: vec![answer(request, study)],
         lead: vec![
-            "Nothing but runs of the same method tells these errors: ever finer runs differ ever less, and what they still differ \
-             by gives the order and the error (Richardson), with the factors of safety of Roache: 1.25 where three spacings show \
-             an order, 3 where they do not."
+            "Errors are estimated from runs of the same method by Richardson extrapolation, with the factors of safety \
+             of Roache: 1.25 if three spacings show an order of convergence, 3 otherwise."
                 .into(),
         ],
         command: request.command_line.clone(),
@@ -140,10 +139,10 @@ fn figure(request: &CheapestRequest, study: &Study) -> WorkFigure {
         }
     };
     WorkFigure {
-        title: format!("{}: what an error costs", study.scene.title),
+        title: format!("{}: time to reach an error", study.scene.title),
         error_label: format!("promised {}", study.headline.map_or("error", Headline::label)),
         cost_label: "CPU time, setup and solve (s)".into(),
-        marked: Some((request.error, "error that was asked for")),
+        marked: Some((request.error, "requested error")),
         curves: study.all.iter().map(curve).collect(),
     }
 }
@@ -171,12 +170,23 @@ fn table(study: &Study) -> Table {
         ]
     };
     Table {
-        caption: "The cheapest run under each method that reaches the error, by finer runs of its own; beside it the error against \
-                  the reference of the scene, which took no part, and the time that was forecast before the run."
+        caption: "The fastest run of each method with the promised error, from finer runs of the method. For \
+                  comparison: the error against the reference of the scene, which was not used, and the forecast of \
+                  the time before the run."
             .into(),
-        heads: ["method", "spacing", "particles", "steps", "promised", "against the reference", "order", "forecast", "CPU time"]
-            .map(String::from)
-            .into(),
+        heads: [
+            "method",
+            "spacing",
+            "particles",
+            "steps",
+            "promised",
+            "against the reference",
+            "order",
+            "forecast",
+            "CPU time",
+        ]
+        .map(String::from)
+        .into(),
         rows: study.all.iter().map(row).collect(),
         words: 1,
         csv: Some("cheapest.csv".into()),

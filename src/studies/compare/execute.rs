@@ -128,7 +128,7 @@ pub fn scene(
 
 /// What a reference is, in words.
 fn words(info: Option<&ReferenceInfo>) -> String {
-    let Some(info) = info else { return "none: errors are not known".into() };
+    let Some(info) = info else { return "none: no errors".into() };
     let of = |(measure, error): (&String, &f64)| format!("{} ({measure})", percent(*error, 2));
     let errors: Vec<String> = info.errors.iter().map(of).collect();
     let errors = if errors.is_empty() { percent(info.error_estimate_rel, 2) } else { errors.join(", ") };

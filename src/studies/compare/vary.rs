@@ -189,7 +189,7 @@ pub fn warnings(grid: &Grid) -> Vec<String> {
                 for (coarse, fine) in line.crossings(measure) {
                     found.push(format!(
                         "{method}, {}, at fixed {fixed}: the error changes its sign between spacings of {} and {} m. Its \
-                         magnitude passes through zero there, and says nothing of convergence",
+                         magnitude passes through zero there, which does not indicate convergence",
                         measure.name(),
                         number(coarse, 4),
                         number(fine, 4)
@@ -230,7 +230,7 @@ pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<
         tables::write(folder.path(), &grids)?;
         report::write(request, &machine, folder.path(), &grids)?;
         if campaign.is_interrupted() {
-            complain("interrupted: the same command goes on from here");
+            complain("interrupted: the same command resumes from here");
             return Ok(Verdict::Broken);
         }
     }
@@ -247,7 +247,7 @@ pub fn vary(request: &CompareRequest, vary: &Vary, parts: &Parts<'_>) -> Result<
 
 /// No method has the key that is to be varied.
 #[derive(Debug, thiserror::Error)]
-#[error("no method of scene `{scene}` that was asked for has the key \"{key}\"")]
+#[error("no requested method of scene `{scene}` has the key \"{key}\"")]
 struct NoKey {
     scene: String,
     key: String,
@@ -335,7 +335,7 @@ fn runs(
     for remark in &scene.remarks {
         say(&format!("{}: warning: {remark}", scene.name));
     }
-    let words = reference.as_ref().map_or("none: errors are not known".to_owned(), |reference| {
+    let words = reference.as_ref().map_or("none: no errors".to_owned(), |reference| {
         let info = reference.describe();
         format!("{}, {}", info.kind, info.source)
     });

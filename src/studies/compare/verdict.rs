@@ -22,7 +22,7 @@ fn table(text: &mut String, study: &Study, comparison: &Comparison) {
     let known = study
         .runs
         .reference_error(comparison.headline)
-        .map_or(String::new(), |error| format!(", by a reference that is known to {}", percent(error, 2)));
+        .map_or(String::new(), |error| format!(", with a reference accurate to {}", percent(error, 2)));
     let _ = writeln!(
         text,
         "{}: time to an {}{known}",

@@ -48,18 +48,19 @@ pub fn write(
     columns: &[Mapped],
 ) -> Result<(), Failure> {
     let mut page = Page {
-        title: "Where methods break".into(),
+        title: "Stability of the methods".into(),
         lead: vec![
             format!("Within tolerance means here: {}.", tolerance()),
-            "Each cell is one run: upwards the step over the bound that the row sums of the weights give, across one \
-             parameter of the scene. Up to the bound every run must be within tolerance. Above the linear stability limit \
-             none can be; between the two it depends on the scene. Tables and files call such a run, and such a step, \
-             exact: stable within tolerance, not free of the errors that spacing and step make."
+            "Each cell is one run, with the time step over the step bound (row sums of the weights) on the vertical \
+             axis and one parameter of the scene on the horizontal axis. Up to the bound every run must be within \
+             tolerance. Above the linear stability limit none can be; between the two it depends on the scene. Tables \
+             and files call such a run, and such a step, exact: stable within tolerance, but not free of \
+             discretisation errors."
                 .into(),
         ],
         command: request.command_line.clone(),
         fairness: facts(request),
-        machine: machine.facts(Fact::new("Columns side by side", request.threads.to_string())),
+        machine: machine.facts(Fact::new("Concurrent columns", request.threads.to_string())),
         ..Page::default()
     };
     let mut figures = Figures::default();
@@ -125,8 +126,8 @@ fn section(
             let caption = "Steps of RKL2 over the stated one, which is (s² + s − 2)/4 Euler bounds for s stages.";
             (figures::stages(&title, &along), caption, vec![stages_table(&along)])
         } else {
-            let caption = "Where the two triangles of a column lie on one height, tolerance is left once and for all. \
-                           A column without cells was refused.";
+            let caption = "If the two triangles of a column coincide, all larger steps are out of tolerance. A column \
+                           without cells was refused.";
             let tables = [Some(boundary_table(&along)), noise_table(&along)];
             (figures::map(&title, axis, &along), caption, tables.into_iter().flatten().collect())
         };
@@ -197,7 +198,8 @@ fn boundary_table(columns: &[&Mapped]) -> Table {
     ];
     Table {
         caption: "Boundaries, each enclosed within 2 % of the step. First loss: below it every run is within \
-                  tolerance. Last exact: above it none is. Sharp: two over the largest rate of decay of the linear operator."
+                  tolerance. Last exact: above it none is. Sharp: two over the largest decay rate of the linear \
+                  operator."
             .into(),
         heads: heads.map(Into::into).into(),
         rows: rows.collect(),
@@ -224,7 +226,8 @@ fn noise_table(columns: &[&Mapped]) -> Option<Table> {
         }
     }
     (!rows.is_empty()).then(|| Table {
-        caption: "Noisy cells: seeds that were not within tolerance, and the 95 % interval of their share (Wilson)."
+        caption: "Noisy cells: seeds that were not within tolerance, and the 95 % confidence interval of their \
+                  fraction (Wilson)."
             .into(),
         heads: ["method", "value", "step / bound", "class", "failed", "interval"].map(Into::into).into(),
         rows,
@@ -264,8 +267,9 @@ fn stages_table(columns: &[&Mapped]) -> Table {
     ];
     Table {
         caption:
-            "Limit: where the polynomial of the scheme leaves the unit interval, for the largest rate of decay. RKL2 \
-                  is stable below it, but not monotone: a run may overshoot, and leave tolerance, before."
+            "Limit: step at which the stability polynomial of the scheme leaves the unit interval, for the largest \
+             decay rate. RKL2 is stable below it, but not monotone: a run may overshoot, and exceed the tolerance, \
+             before."
                 .into(),
         heads: heads.map(Into::into).into(),
         rows: rows.collect(),
@@ -298,7 +302,7 @@ fn promises(columns: &[&Mapped]) -> Block {
         }
     }
     let text =
-        if list.is_empty() { vec!["No run refutes the step that its method states.".into()] } else { Vec::new() };
+        if list.is_empty() { vec!["No run contradicts the stated step of its method.".into()] } else { Vec::new() };
     Block { heading: "Stated steps that were refuted".into(), text, list, ..Block::default() }
 }
 
@@ -306,8 +310,8 @@ fn promises(columns: &[&Mapped]) -> Block {
 fn tolerance() -> String {
     format!(
         "temperatures within the range of the data to {} of it, the heat balance closed to {} of the heat exchanged at every \
-         output, and what can only go one way (the front of a body that is cooled from all sides, the heat through its \
-         coldest pipes) never back by more than {}; noise may take temperatures further, by eight of its standard deviations",
+         output, and no decrease of monotone quantities (the front of a body that is cooled from all sides, the heat \
+         through its coldest pipes) by more than {}; noise may exceed the range by eight of its standard deviations",
         percent(RANGE_TOLERANCE, 2),
         percent(BALANCE_TOLERANCE, 2),
         percent(SETBACK_TOLERANCE, 2)
@@ -318,10 +322,10 @@ fn facts(request: &StabilityRequest) -> Vec<Fact> {
     vec![
         Fact::new("Exact", format!("within tolerance: {}", tolerance())),
         Fact::new("Oscillating", "beyond these tolerances, but within ten ranges of the data"),
-        Fact::new("Energy drift", format!("the heat balance is open by more than {}", percent(BALANCE_TOLERANCE, 2))),
+        Fact::new("Energy drift", format!("the heat balance error exceeds {}", percent(BALANCE_TOLERANCE, 2))),
         Fact::new("Phase skipped", "the same where a latent-heat scheme can step over the freezing interval"),
-        Fact::new("Diverged", "a value that is not finite, or more than ten ranges out of the data"),
-        Fact::new("Timed out", format!("not at its end after {} s", number(request.time_limit_s, 3))),
+        Fact::new("Diverged", "a value that is not finite, or outside the data by more than ten ranges"),
+        Fact::new("Timed out", format!("not finished after {} s", number(request.time_limit_s, 3))),
         Fact::new(
             "Runs",
             format!(
@@ -333,12 +337,12 @@ fn facts(request: &StabilityRequest) -> Vec<Fact> {
         Fact::new(
             "Noise",
             format!(
-                "switched off but on its own axis; there three seeds, and {} near a boundary; a cell fails if half of \
-                 its seeds do",
+                "off except on its own axis, with three seeds, and {} near a boundary; a cell fails if half of its \
+                 seeds do",
                 request.seeds
             ),
         ),
         Fact::new("Boundaries", "from the map by bisection until two steps are within 2 %"),
-        Fact::new("Run again", "every row of the tables names the command that makes it"),
+        Fact::new("Run again", "every row of the tables contains its command"),
     ]
 }

@@ -94,7 +94,7 @@ fn cell(
         Ok(scene) => scene.method(job.method).and_then(|settings| settings.numerics.integrator.tolerance()),
         Err(failure) => return refused(failure.to_string()),
     };
-    let Some(own) = own else { return refused("its steps follow no tolerance".into()) };
+    let Some(own) = own else { return refused("its steps are not adaptive".into()) };
     let tolerance: f64 = format!("{:.3e}", own * ratio).parse().unwrap_or(own * ratio);
     if tolerance < ALLOWED.0 || tolerance > ALLOWED.1 {
         return Some(None);
@@ -179,15 +179,15 @@ pub fn write(
     let row = |cell| Row::of(cells, cell);
     write_rows(&folder.join("stability.csv"), &cells.iter().map(row).collect::<Vec<_>>())?;
     let mut page = Page {
-        title: "Where implicit steps break".into(),
+        title: "Robustness of implicit steps".into(),
         lead: vec![
-            "Each cell is one run of unsaturated water: how it ended with a tolerance of its steps, how many steps it made, and \
-             how much more water the ground took up than with the least tolerance of its row."
+            "Each cell is one run of unsaturated water: its outcome with a tolerance of the time steps, the number of \
+             steps, and the difference of the water taken up from that with the smallest tolerance of its row."
                 .into(),
         ],
         command: request.command_line.clone(),
         fairness: facts(request),
-        machine: machine.facts(Fact::new("Runs side by side", request.threads.to_string())),
+        machine: machine.facts(Fact::new("Concurrent runs", request.threads.to_string())),
         ..Page::default()
     };
     for name in &request.scenes {
@@ -239,7 +239,7 @@ impl<'a> Row<'a> {
 fn facts(request: &StabilityRequest) -> Vec<Fact> {
     let exact = format!(
         "pressure heads within the range of the data to {} of it, on a logarithmic scale, and the water balance closed to {} of \
-         the water exchanged at every output; not free of the errors that spacing and step make",
+         the water exchanged at every output; not free of discretisation errors",
         percent(RANGE_TOLERANCE, 2),
         percent(BALANCE_TOLERANCE, 2)
     );
@@ -247,14 +247,17 @@ fn facts(request: &StabilityRequest) -> Vec<Fact> {
         Fact::new("Exact", exact),
         Fact::new(
             "Diverged",
-            "a value that is not finite, or more than ten ranges out of the data, or a step that no equation solves",
+            "a value that is not finite, or outside the data by more than ten ranges, or a step without a solution",
         ),
-        Fact::new("Timed out", format!("not at its end after {} s", number(request.time_limit_s, 3))),
+        Fact::new("Timed out", format!("not finished after {} s", number(request.time_limit_s, 3))),
         Fact::new(
             "Runs",
-            format!("the scene itself, at up to {} times its spacing but on its own axis", request.coarsen),
+            format!(
+                "the scene itself, at up to {} times its spacing except on the axis of the spacing",
+                request.coarsen
+            ),
         ),
-        Fact::new("Run again", "every row of the table names the command that makes it"),
+        Fact::new("Run again", "every row of the table contains its command"),
     ]
 }
 
@@ -325,7 +328,7 @@ fn block(scene: &Scene, (name, axis): (&str, Axis), cells: &[Cell], folder: &Pat
     make_folder(&into)?;
     let canvas = map(&format!("{}: {}", scene.title, axis.label()), axis, &jobs, &own, &ratios);
     canvas.write(&into, &file, Formats::SvgAndPng)?;
-    let caption = "How runs ended. A cell with a line of its own below says why it is not within tolerance.";
+    let caption = "Outcomes of the runs. Reasons for cells that are not within tolerance are listed below.";
     let figure = Figure::new(&canvas, caption, format!("{}/{file}", scene.name));
     Ok(Block {
         heading: axis.label().into(),

@@ -31,10 +31,10 @@ pub(super) fn runoff(words: &Words<'_>, rain: &Series, ponding: &Series) -> Stri
         return "water seeps out where the ground is saturated".into();
     }
     let stands = match ponding.constant() {
-        Some(0.0) => "none stands".to_owned(),
-        _ => format!("stands {} at most", words.series(ponding, "m")),
+        Some(0.0) => "no ponding".to_owned(),
+        _ => format!("ponding up to {}", words.series(ponding, "m")),
     };
-    format!("rain {}, of which {stands} on the ground and the rest runs off", words.series(rain, "m/s"))
+    format!("rain {}, {stands}, the rest runs off", words.series(rain, "m/s"))
 }
 
 /// A soil.
@@ -74,7 +74,7 @@ fn material(words: &Words<'_>, solute: &SoluteMaterial) -> String {
     let parts = [
         (true, format!("diffusion {}{tortuosity}", words.with(solute.diffusion, "m²/s"))),
         (along > 0.0, format!("dispersivity {} along and {} across", words.with(along, "m"), words.with(across, "m"))),
-        (solute.sorption > 0.0, format!("grains hold {} times the concentration", number(solute.sorption, 4))),
+        (solute.sorption > 0.0, format!("sorbed: {} times the concentration", number(solute.sorption, 4))),
         (solute.decay > 0.0, format!("decay {}", words.with(solute.decay, "1/s"))),
     ];
     parts.into_iter().filter(|part| part.0).map(|part| part.1).collect::<Vec<_>>().join(", ")
@@ -89,7 +89,7 @@ pub(super) fn solute(words: &Words<'_>) -> Vec<Fact> {
         let name = format!("{}: concentration", words.patch(wall.patch));
         Fact::new(name, words.series(&wall.concentration, ""))
     };
-    let start = Fact::new("Concentration at the start", format!("{}{regions}", number(solute.initial, 4)));
+    let start = Fact::new("Initial concentration", format!("{}{regions}", number(solute.initial, 4)));
     [start].into_iter().chain(solute.walls.iter().map(wall)).collect()
 }
 

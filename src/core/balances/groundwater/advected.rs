@@ -1,5 +1,7 @@
 //! The balance of heat where water flows: conduction, and what water carries beside it.
 
+use frazil_record::plain;
+
 use crate::balances::groundwater::bend::Bend;
 use crate::balances::groundwater::carrier::State;
 use crate::balances::groundwater::network::MOST_WALLS;
@@ -39,13 +41,14 @@ impl AdvectedHeat {
         let carried = carrier.greatest.0 / least;
         let step = 1.0 / (1.0 / self.own_bound.step + carried);
         let carries = if carried > 0.0 {
-            format!("advection ({:.3e} s alone, at particle {})", 1.0 / carried, carrier.greatest.1)
+            format!("advection ({} s alone, at particle {})", plain(1.0 / carried, 4), carrier.greatest.1)
         } else {
             "no advection, as no water flows".to_owned()
         };
         let cause = format!(
-            "conduction ({:.3e} s alone) and {carries}; latent heat only lengthens it: {}",
-            self.own_bound.step, self.own_bound.cause
+            "conduction ({} s alone) and {carries}; latent heat can only increase it: {}",
+            plain(self.own_bound.step, 4),
+            self.own_bound.cause
         );
         self.facts.bound = Bound { step, cause };
         self.facts.turning = carrier.turning / least;

@@ -9,7 +9,7 @@ pub enum GroundwaterError {
     #[error("the body has no wall \"{0}\" for water")]
     NoWall(WallId),
     /// A ghost stands for several particles.
-    #[error("water needs walls that mirror particles one by one")]
+    #[error("water needs mirrored walls")]
     FittedWall,
     /// A particle sees another that does not see it.
     #[error("water would flow through a pair in one direction only")]

@@ -160,7 +160,7 @@ impl<'a> Section<'a> {
         self.expect_time("on", || Shape::Schedule);
         let found = self.ask_time("on");
         if found.is_none() {
-            self.refuse_time("on_period", "only intervals of work repeat");
+            self.refuse_time("on_period", "only operating times have a period");
         }
         let (entry, unit) = found?;
         self.check_schedule(entry, unit).ok()

@@ -55,7 +55,7 @@ impl fmt::Display for WrongPipe {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "found {}, must be {}", self.found, self.allowed)?;
         match &self.old {
-            Some((old, name)) => write!(f, ", as results have it: what was {old} is \"{name}\""),
+            Some((old, name)) => write!(f, ", as in results: the former {old} is \"{name}\""),
             None => Ok(()),
         }
     }

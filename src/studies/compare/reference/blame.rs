@@ -27,7 +27,7 @@ pub fn outputs(headline: Headline, scene: &Scene, spacing: f64, run: &RunResult,
 }
 
 /// What helps where no output is to blame.
-const FINER: &str = "a finer spacing may do, with more time (--budget-s)";
+const FINER: &str = "a finer spacing may be sufficient, with more time (--budget-s)";
 
 fn rms(errors: &[(f64, f64)]) -> f64 {
     (errors.iter().map(|(_, error)| error * error).sum::<f64>() / errors.len().max(1) as f64).sqrt()
@@ -52,7 +52,7 @@ fn front(scene: &Scene, errors: &Errors) -> String {
             let (last, ending) = instant(scene, errors[first - 1].0);
             let (from, _) = instant(scene, errors[first].0);
             format!(
-                "the outputs up to {last} are to blame, without them it is {}: set watch.front_from{ending} = {from}",
+                "the outputs up to {last} cause it, without them it is {}: set watch.front_from{ending} = {from}",
                 percent(rms(&errors[first..]), 2)
             )
         }
@@ -78,7 +78,7 @@ fn profiles(scene: &Scene, errors: &Errors) -> String {
             let ending = instant(scene, 0.0).1;
             let times: Vec<String> = times.into_iter().map(|time| instant(scene, time).0).collect();
             format!(
-                "the profiles at {} are to blame, without them it is {}: leave them out of time.profiles{ending}",
+                "the profiles at {} cause it, without them it is {}: remove them from time.profiles{ending}",
                 times.join(", "),
                 percent(rms(&sorted[left_out..]), 2)
             )
@@ -116,7 +116,7 @@ mod tests {
     fn first_outputs_of_a_front_are_named_with_the_key_that_leaves_them_out() {
         let errors: Errors = (1..=60).map(|k| (60.0 * f64::from(k), if k < 4 { 0.4 } else { 0.002 })).collect();
         let said = front(&scene(), &errors);
-        assert!(said.contains("up to 0.05 are to blame") && said.contains("watch.front_from_h = 0.06667"), "{said}");
+        assert!(said.contains("up to 0.05 cause it") && said.contains("watch.front_from_h = 0.06667"), "{said}");
         let even: Errors = (1..=60).map(|k| (60.0 * f64::from(k), 0.05)).collect();
         assert!(front(&scene(), &even).contains("--budget-s"), "{}", front(&scene(), &even));
     }

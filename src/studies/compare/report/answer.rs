@@ -97,8 +97,8 @@ pub(super) fn sentence(study: &Study) -> Option<String> {
                 format!("; {name} in {}{ratio}", reached(entry.at.time, duration, "at most"))
             }
             Reached::Not => format!("; {name} does not reach it"),
-            Reached::Untold(_) => format!("; whether {name} does is not known"),
-            Reached::LeftOut => format!("; for {name} the time did not suffice"),
+            Reached::Untold(_) => format!("; not known for {name}"),
+            Reached::LeftOut => format!("; not enough time for {name}"),
         };
     }
     Some(text + ".")
@@ -118,7 +118,7 @@ pub(super) fn table<'s>(studies: impl Iterator<Item = &'s Study>) -> Block {
             rows.push(vec![name, entry.name(), percent(target, 2), time, interval, ratio.unwrap_or_default()]);
         }
     }
-    let heads = ["scene", "method", "error asked for", "time to reach it", "95 % interval", "times the quickest"];
+    let heads = ["scene", "method", "requested error", "time to reach it", "95 % interval", "ratio to the fastest"];
     let table = Table {
         caption: "Time to reach one error, under the best setting of each method. \"At most\": its coarsest run is \
                   there already, or lies below what the reference resolves."

@@ -26,7 +26,7 @@ fn scene(study: &Study) -> ChartScene {
     };
     let count = |label: &str, unit| CostAxis { label: label.into(), unit };
     let mut costs: Vec<CostAxis> = clocks.map(clock).into();
-    costs.extend([count("particle updates", ""), count("greatest memory of the process so far", "B")]);
+    costs.extend([count("particle updates", ""), count("peak memory of the process so far", "B")]);
     let runs = group(&study.runs.measured);
     // A curve, or two of an ensemble, for each group of runs, in the order of the comparisons.
     let by_clock = clocks.map(|clock| {

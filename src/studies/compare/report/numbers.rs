@@ -70,7 +70,8 @@ pub(super) fn equal_error_table(comparison: &Comparison) -> Table {
     });
     let marks = "\"At most\": a run is there already, and its error is known to be no greater than said below it: it is the \
                  coarsest, or lies below what the reference resolves. \"Perhaps\": there as measured, but what is known for \
-                 sure is the error below it. \"Left out\": only finer runs would tell, for which the time did not suffice.";
+                 sure is the error below it. \"Left out\": only finer runs, which did not fit into the time, could \
+                 show it.";
     Table {
         caption: format!("Time to reach an error, by interpolation between neighbouring points. {marks}{against}"),
         heads: heads.collect(),
@@ -89,7 +90,7 @@ pub(super) fn equal_time_table(comparison: &Comparison) -> Table {
         let cell = |time: &f64| {
             let entry = comparison.equal_time.iter().find(|(other, curve, _)| other == time && *curve == k);
             entry.map_or(String::new(), |(.., error)| match error {
-                Reached::Not => "no run so quick".into(),
+                Reached::Not => "no run this fast".into(),
                 error => reached(*error, |error| percent(error, 2), "at most"),
             })
         };
@@ -158,8 +159,8 @@ pub(super) fn ensembles(study: &Study) -> Option<Block> {
     (!rows.is_empty()).then(|| Block {
         heading: "Ensembles".into(),
         text: vec![
-            "Three errors that answer different questions: that of one run, that of the mean of these runs, and the \
-             systematic one that no number of runs removes."
+            "Three different errors: that of one run, that of the mean of these runs, and the systematic one that \
+             remains for any number of runs."
                 .into(),
         ],
         tables: vec![Table {
@@ -248,7 +249,7 @@ pub(super) fn gates(study: &Study) -> Block {
     let heads = ["method", "spacing", missing, "beyond the data's range", "repeats to the bit", "outcome"];
     let table = Table {
         caption: format!(
-            "{accounts} balance: (stored − in) over exchanged, the greatest over all outputs. Bounds: how far {values} leave \
+            "{accounts} balance: (stored − in) over exchanged, the largest over all outputs. Bounds: how far {values} leave \
              the range of the scene's data, over that range."
         ),
         heads: heads.map(Into::into).into(),
@@ -276,14 +277,15 @@ pub(super) fn failures(study: &Study) -> Vec<Block> {
         ..Block::default()
     };
     vec![
-        block("Left out for lack of time", of(true), "Nothing: every run was made."),
-        block("Failed or refused", of(false), "Every run that was made ended as it should."),
+        block("Left out for lack of time", of(true), "None: every run was made."),
+        block("Failed or refused", of(false), "No run failed or was refused."),
     ]
 }
 
 pub(super) fn settings(study: &Study) -> Block {
     let mut table = Table {
-        caption: "Settings of each method after defaults, at its finest run, and what the method does not share with the scene.".into(),
+        caption: "Settings of each method including defaults, at its finest run, and its deviations from the scene."
+            .into(),
         heads: vec!["method".into(), "settings".into(), "differences".into()],
         words: 3,
         ..Table::default()

@@ -13,7 +13,7 @@ pub(super) fn parameters(study: &Study) -> Vec<Fact> {
     let mut facts = words::parameters(&study.runs.scene);
     facts.push(Fact::new("Reference", study.runs.reference_words.clone()));
     for remark in &study.runs.scene.remarks {
-        facts.push(Fact::new("Not as the file has it", remark.clone()));
+        facts.push(Fact::new("Differences from the file", remark.clone()));
     }
     facts.push(Fact::new("Wall time spent", duration(study.runs.spent)));
     facts
@@ -22,11 +22,9 @@ pub(super) fn parameters(study: &Study) -> Vec<Fact> {
 pub(super) fn fairness(request: &CompareRequest, studies: &[Study]) -> Vec<Fact> {
     let repeats = match request.repeats {
         Some(count) => format!("{count} of each configuration"),
-        None => {
-            "7 of runs below 10 s, 5 below 60 s, 3 above; fewer of the longest where the time for the scene did not \
-                 suffice; up to 15 where times scattered by more than 5 %"
-                .into()
-        }
+        None => "7 of runs below 10 s, 5 below 60 s, 3 above; fewer of the longest if the time for the scene was too \
+             short; up to 15 if times scattered by more than 5 %"
+            .into(),
     };
     let rounds: Vec<String> = studies.iter().map(|study| format!("{}: {}", study.name(), study.runs.rounds)).collect();
     let disturbed: Vec<String> = studies
@@ -42,7 +40,8 @@ pub(super) fn fairness(request: &CompareRequest, studies: &[Study]) -> Vec<Fact>
     let stochastic = studies.iter().flat_map(|study| &study.comparisons).flat_map(|comparison| &comparison.curves);
     let any_ensemble = stochastic.into_iter().any(|curve| matches!(curve.kind, Kind::MeanOf(_)));
     let ensembles = if any_ensemble {
-        "seeds run side by side on all cores for their errors; times come from runs that are alone on the machine; the \
+        "seeds run concurrently on all cores for their errors; times come from runs that have the machine to \
+         themselves; the \
          mean of K runs costs K times the CPU time of one"
     } else {
         "none in this comparison"
@@ -69,8 +68,8 @@ pub(super) fn fairness(request: &CompareRequest, studies: &[Study]) -> Vec<Fact>
         Fact::new(
             "Time allowed",
             format!(
-                "{} for each scene, of which {} for first runs, cheap ones first over all methods; what would not fit is \
-                 listed as left out",
+                "{} for each scene, of which {} for first runs, cheap ones first over all methods; runs that do not \
+                 fit are listed as left out",
                 duration(request.budget()),
                 percent(FIRST_RUNS, 2)
             ),

@@ -22,13 +22,13 @@ pub fn write(request: &CompareRequest, machine: &Machine, folder: &Path, grids: 
     let mut page = Page {
         title: "Convergence in two parameters".into(),
         lead: vec![if grids.iter().any(|grid| grid.scene.of_water) {
-            "Errors keep their signs: filled marks are too wet, too warm, or a front too far; hollow ones too dry, too cold, or \
-             not far enough. Where a line changes from one to the other, its magnitude passes through zero and says nothing \
-             of convergence."
+            "Errors are signed: filled marks are too wet, too warm, or a front too far; hollow ones too dry, too cold, \
+             or not far enough. Where a line changes from one to the other, its magnitude passes through zero, which \
+             does not indicate convergence."
         } else {
-            "Errors keep their signs: filled marks are too warm, or a front too far; hollow ones too cold, or not far \
-             enough. Where a line changes from one to the other, its magnitude passes through zero and says nothing of \
-             convergence."
+            "Errors are signed: filled marks are too warm, or a front too far; hollow ones too cold, or not far \
+             enough. Where a line changes from one to the other, its magnitude passes through zero, which does not \
+             indicate convergence."
         }
         .into()],
         command: request.command_line.clone(),
@@ -66,13 +66,13 @@ fn section(folder: &Path, grid: &Grid, figures: &mut Figures) -> Result<SceneSec
                 (
                     "ratio",
                     "particle spacing",
-                    "One line for each ratio: the reach shrinks with the spacing.",
+                    "One line for each ratio: the reach decreases with the spacing.",
                     curves(&by_ratio, measure, ratio, |run| run.spacing),
                 ),
                 (
                     "reach",
                     grid.key.as_str(),
-                    "One line for each reach: the ratio grows as the spacing shrinks.",
+                    "One line for each reach: the ratio increases as the spacing decreases.",
                     curves(&by_reach, measure, reach, |run| run.ratio),
                 ),
             ];

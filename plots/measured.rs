@@ -3,13 +3,15 @@
 use frazil_record::{MeasuredRow, RunResult};
 
 use crate::axes::{Axis, Entry, Frame, align};
-use crate::canvas::{Canvas, Stroke};
+use crate::canvas::{Align, Canvas, Stroke};
 use crate::sheet::{WIDTH, sheet};
-use crate::style::{INK, Marker, method_style, number};
+use crate::style::{INK, LABEL, Marker, method_style, number};
 use crate::words::{FigureOptions, Words};
 
 /// Height of one panel (px).
 const PANEL: f64 = 300.0;
+/// Height of the place of a probe above its frame (px).
+const CAPTION: f64 = 1.5 * LABEL;
 /// Panels at most: of more probes, the first are drawn.
 const MOST: usize = 6;
 /// Width of the ends of a bar and radius of a point (px).
@@ -22,6 +24,8 @@ pub type Named<'a> = (String, &'a RunResult);
 /// What is drawn in one frame.
 struct Panel<'a> {
     label: String,
+    /// Where it is of, above the frame; empty of what is of the whole body.
+    place: String,
     /// What values are multiplied by.
     scale: f64,
     points: Vec<&'a MeasuredRow>,
@@ -57,13 +61,15 @@ pub fn drawing(runs: &[Named<'_>], options: &FigureOptions) -> Option<Canvas> {
         let x = if place == last { words.time_label.clone() } else { String::new() };
         let x = Axis::linear(x, times.map(|time| words.time(time)).chain([0.0]));
         let y = Axis::linear(panel.label.as_str(), values.map(|value| panel.scale * value));
-        let (above, below) = (top + each * place as f64, top + each * (place + 1) as f64 - 8.0);
+        let caption = if panel.place.is_empty() { 0.0 } else { CAPTION };
+        let (above, below) = (top + each * place as f64 + caption, top + each * (place + 1) as f64 - 8.0);
         Frame::inside((0.0, above), (WIDTH, below), x, y)
     };
     let mut frames: Vec<Frame> = panels.iter().enumerate().map(frame).collect();
     align(&mut frames);
     for (frame, panel) in frames.iter().zip(&panels) {
         frame.draw(&mut canvas);
+        canvas.text((frame.left, frame.top - 0.4 * LABEL), panel.place.as_str(), LABEL, Align::Start);
         for (k, curve) in panel.curves.iter().enumerate() {
             frame.curve(&mut canvas, curve.iter().map(|(t, value)| (words.time(*t), panel.scale * value)), stroke(k));
         }
@@ -80,8 +86,10 @@ fn panels<'a>(runs: &[Named<'a>], words: &Words) -> Vec<Panel<'a>> {
     if !of_front.is_empty() {
         let curve = |(_, run): &Named<'_>| run.front.iter().map(|row| (row.time_s, row.front_m)).collect();
         let (label, scale) = (words.length_label(words.front.1), words.length(1.0));
-        panels.push(Panel { label, scale, points: of_front, curves: runs.iter().map(curve).collect() });
+        let place = String::new();
+        panels.push(Panel { label, place, scale, points: of_front, curves: runs.iter().map(curve).collect() });
     }
+    let moist = first.record.of_water;
     let probes = || first.measured.iter().filter(|row| row.is_of_probe());
     let mut places: Vec<(Option<f64>, Option<f64>)> = Vec::new();
     for place in probes().map(|row| (row.x_m, row.y_m)) {
@@ -96,7 +104,8 @@ fn panels<'a>(runs: &[Named<'a>], words: &Words) -> Vec<Panel<'a>> {
             there.map(|row| (row.time_s, row.temperature_c)).collect()
         };
         panels.push(Panel {
-            label: probe_label(place, words),
+            label: if moist { "saturation".into() } else { words.temperature_label.clone() },
+            place: named(place, words),
             scale: 1.0,
             points: probes().filter(|row| (row.x_m, row.y_m) == place).collect(),
             curves: runs.iter().map(curve).collect(),
@@ -105,14 +114,13 @@ fn panels<'a>(runs: &[Named<'a>], words: &Words) -> Vec<Panel<'a>> {
     panels
 }
 
-/// What the axis of a probe is called.
-fn probe_label((x, y): (Option<f64>, Option<f64>), words: &Words) -> String {
+/// What the place of a probe is called.
+fn named((x, y): (Option<f64>, Option<f64>), words: &Words) -> String {
     let unit = if words.length_unit.is_some() { " m" } else { "" };
     let place = [x.map(|x| (words.axes.0, x)), y.filter(|y| *y != 0.0).map(|y| (words.axes.1, y))];
     let place: Vec<String> =
         place.into_iter().flatten().map(|(axis, at)| format!("{axis} = {}{unit}", number(at, 3))).collect();
-    let what = if words.front.0.starts_with("Wetted") { "saturation" } else { words.temperature_label.as_str() };
-    format!("{what} at {}", place.join(", "))
+    place.join(", ")
 }
 
 /// Whether a measured value is of the front.

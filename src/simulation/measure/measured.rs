@@ -10,12 +10,12 @@ use super::events;
 /// Share of the duration by which two instants may differ and still be the same.
 pub const SAME_INSTANT: f64 = 1e-9;
 
-/// A row for each measured point.
+/// A row for each measured point. A mean of runs has no probes of its own: what its rows say already stays.
 pub(super) fn rows(scene: &Scene, result: &RunResult, measured: &Measured) -> Vec<MeasuredRow> {
     let near = SAME_INSTANT * scene.duration;
     let events = events(scene, result);
     let compared = |point: &&MeasuredPoint| point.time > 0.0;
-    let row = |point: &MeasuredPoint| {
+    let row = |(k, point): (usize, &MeasuredPoint)| {
         let MeasuredPoint { quantity, time, value: value_ref, sd: value_ref_sd } = *point;
         let is_then = |time_s: f64| (time_s - time).abs() <= near;
         let (name, place, value) = match quantity {
@@ -32,9 +32,11 @@ pub(super) fn rows(scene: &Scene, result: &RunResult, measured: &Measured) -> Ve
             Quantity::Event(event) => (format!("{}_s", event.name()), None, events.get(event.name()).copied()),
         };
         let (x_m, y_m) = (place.map(|place| place.0), place.map(|place| place.1));
+        let known = result.measured.get(k).filter(|row| row.quantity == name && row.time_s == time);
+        let value = value.or(known.and_then(|row| row.value));
         MeasuredRow { quantity: name, time_s: time, x_m, y_m, value, value_ref, value_ref_sd }
     };
-    measured.points.iter().filter(compared).map(row).collect()
+    measured.points.iter().filter(compared).enumerate().map(row).collect()
 }
 
 /// Rows from an instant (s) on, of rows in the order of time.

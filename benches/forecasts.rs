@@ -24,7 +24,7 @@ fn main() {
     let (mut right, mut all) = (0, 0);
     for name in SCENES {
         let Some(bundled) = frazil_cases::scenes::find(name) else { continue };
-        let scene = match Scene::read(bundled.text, name, name, &[], methods()) {
+        let scene = match Scene::read(bundled, name, name, &[], methods()) {
             Ok(scene) => scene,
             Err(problems) => {
                 println!("{problems}");

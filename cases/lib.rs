@@ -7,6 +7,7 @@ pub mod exact;
 pub mod fluids;
 pub mod groundwater;
 pub mod layouts;
+pub mod measured;
 pub mod paper;
 pub mod scenes;
 pub mod seepage;
@@ -57,6 +58,7 @@ pub fn truth(scene: &Scene) -> Result<Truth, NoReference> {
     match &scene.reference {
         ReferenceChoice::None | ReferenceChoice::Local => found(None),
         ReferenceChoice::Auto => found(fitting(scene)),
+        ReferenceChoice::Measured(points) => found(Some(Box::new(measured::Points::of_scene(scene, points)))),
         ReferenceChoice::Exact => match exact_solution(scene) {
             Ok(solution) => found(Some(solution)),
             // A wall that follows the solution cannot be without it.

@@ -1,5 +1,7 @@
 //! The scenes that come with the program.
 
+use frazil_scene::{Files, Source};
+
 /// A scene, study or fluid by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BundledScene {
@@ -7,15 +9,34 @@ pub struct BundledScene {
     pub name: &'static str,
     /// Text of its file.
     pub text: &'static str,
+    /// Files that it names, as name and text.
+    pub files: &'static [(&'static str, &'static str)],
+}
+
+impl From<&BundledScene> for Source<'static> {
+    fn from(scene: &BundledScene) -> Self {
+        Source { text: scene.text, files: scene.held() }
+    }
+}
+
+impl BundledScene {
+    /// The files that it names.
+    pub fn held(&self) -> Files {
+        Files::held(self.files.iter().map(|(name, text)| ((*name).to_owned(), (*text).to_owned())))
+    }
 }
 
 /// A small scene to begin with, which says what each of its parts is.
 pub const TEMPLATE: &str = include_str!("template.toml");
 
-/// Files of a folder beside this one, by their names without ending.
+/// Files of a folder beside this one, by their names without ending, each with files that it names.
 macro_rules! bundled {
-    ($folder:literal: $($name:literal),* $(,)?) => {
-        &[$($crate::scenes::BundledScene { name: $name, text: include_str!(concat!($folder, "/", $name, ".toml")) }),*]
+    ($folder:literal: $($name:literal $(with [$($file:literal),*])?),* $(,)?) => {
+        &[$($crate::scenes::BundledScene {
+            name: $name,
+            text: include_str!(concat!($folder, "/", $name, ".toml")),
+            files: &[$($(($file, include_str!(concat!($folder, "/", $file)))),*)?],
+        }),*]
     };
 }
 pub(crate) use bundled;
@@ -40,6 +61,7 @@ pub fn all() -> &'static [BundledScene] {
         "freezing-channel-090",
         "soil-column",
         "soil-column-printed",
+        "soil-column-measured" with ["soil-column-measured-events.csv"],
         "frozen-wall-sand",
         "frozen-wall-clay",
         "frozen-wall-seepage",
@@ -70,9 +92,11 @@ pub fn all() -> &'static [BundledScene] {
         "random-freezing-strip",
         "thawing-inclusion",
         "frozen-crack",
+        "interfrost-th1" with ["interfrost-th1-front.csv"],
         "interfrost-th2-0",
         "interfrost-th2-3",
         "interfrost-th2-9",
+        "interfrost-th2-9-codes" with ["interfrost-th2-9-codes-events.csv"],
         "interfrost-th2-15",
         "interfrost-th3-3",
         "interfrost-th3-6",

@@ -15,6 +15,7 @@ mod flow_map;
 pub mod ground_plan;
 pub mod layouts;
 pub mod map;
+pub mod measured;
 pub mod moisture_map;
 mod moisture_profiles;
 pub mod page;

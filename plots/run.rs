@@ -11,7 +11,7 @@ use crate::canvas::{Canvas, Colour, Formats, Stroke};
 use crate::sheet::{WIDTH, sheet};
 use crate::style::{INK, LABEL, REFERENCE, method_style, method_title, number};
 use crate::words::{DOTS, FigureOptions, Words, reference_entry, reference_stroke};
-use crate::{flow_map, map, moisture_map, moisture_profiles, rings, stream, table};
+use crate::{flow_map, map, measured, moisture_map, moisture_profiles, rings, stream, table};
 
 /// Draws every figure that a run has rows for and returns the files.
 ///
@@ -32,8 +32,9 @@ pub fn run_figures(
 }
 
 /// Names of figures without their endings, beside those of tables, and what others begin with before a time.
-const NAMES: [&str; 12] = [
+const NAMES: [&str; 13] = [
     "front",
+    "measured",
     "profiles",
     "ice",
     "cut",
@@ -79,6 +80,8 @@ pub fn drawings(result: &RunResult, options: &FigureOptions) -> Vec<(String, Can
     add("phases", !result.phases.is_empty(), &|| stream::phases(&result.phases, &words));
     add("stream", !result.stream.is_empty(), &|| stream::stream(result, &words));
     add("sections", !result.sections.is_empty(), &|| stream::sections(&result.sections, &words));
+    let run = [(method_title(&words.method), result)];
+    all.extend(measured::drawing(&run, options).map(|canvas| ("measured".into(), canvas)));
     all.extend(result.tables.iter().filter_map(|table| table::drawing(table, &words)));
     let ground = options.ground.iter();
     all.extend(ground.map(|(name, field)| (format!("random_{name}"), map::ground_map(name, field, &words))));
@@ -117,11 +120,14 @@ pub fn frame(
 fn front(result: &RunResult, words: &Words) -> Canvas {
     let style = method_style(&words.method);
     let stroke = style.stroke(2.2);
-    let referred = result.front.iter().any(|row| row.front_ref_m.is_some());
+    let points: Vec<_> = result.measured.iter().filter(|row| measured::is_of_front(row)).collect();
+    // What is known at single instants is no curve.
+    let referred = points.is_empty() && result.front.iter().any(|row| row.front_ref_m.is_some());
     let mut entries = vec![Entry::line(method_title(&words.method), stroke)];
     if referred {
         entries.push(reference_entry());
     }
+    entries.extend((!points.is_empty()).then(measured::entry));
     let beside = Stroke { colour: INK, width: 1.6, dash: &[7.0, 4.0] };
     if let Some(row) = result.beside.first() {
         entries.push(Entry::line(row.solution.as_str(), beside));
@@ -130,7 +136,8 @@ fn front(result: &RunResult, words: &Words) -> Canvas {
     let (mut canvas, top) = sheet(720.0, names, &entries, 6.0);
     let times = || result.front.iter().map(|row| words.time(row.time_s)).chain([0.0]);
     let heights = result.front.iter().flat_map(|row| [Some(row.front_m), row.front_ref_m]).flatten();
-    let heights = heights.chain(result.beside.iter().map(|row| row.front_m));
+    let bars = points.iter().map(|row| row.value_ref + row.value_ref_sd);
+    let heights = heights.chain(result.beside.iter().map(|row| row.front_m)).chain(bars);
     let y = Axis::linear(words.length_label(words.front.1), heights.map(|height| words.length(height)));
     let split = if referred { 445.0 } else { 720.0 };
     let below = referred.then(|| {
@@ -157,6 +164,7 @@ fn front(result: &RunResult, words: &Words) -> Canvas {
     above.curve(&mut canvas, rows, beside);
     let rows = result.front.iter().map(|row| (words.time(row.time_s), words.length(row.front_m)));
     above.curve(&mut canvas, rows, stroke);
+    measured::marks(&mut canvas, above, points.into_iter(), words.length(1.0), words);
     if let Some(below) = frames.get(1) {
         below.draw(&mut canvas);
         below.level(&mut canvas, 0.0, Stroke::whole(REFERENCE, 1.5));

@@ -150,7 +150,8 @@ pub fn run(
     };
     let work = || {
         let (scene, source) = scenes.read(&request.scene, &request.overrides)?;
-        made(&request, asked_of(scene, request.method.as_deref())?, provenance::of(&request, source), &host)
+        let provenance = provenance::of(&request, source, &scene.files);
+        made(&request, asked_of(scene, request.method.as_deref())?, provenance, &host)
     };
     let (made, stopped) = work::beside(py, &interrupt, told, work)?;
     match stopped {

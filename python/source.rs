@@ -1,7 +1,7 @@
 //! Scenes as they are given: by a path, a bundled name or a dictionary.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use frazil::load;
 use frazil_scene::{Problems, Scene};
@@ -103,10 +103,12 @@ impl Scenes {
     ///
     /// # Errors
     /// With what is wrong with it, by its keys.
-    pub fn read(&self, name: &str, overrides: &[Override]) -> Result<(Scene, load::Source), Failure> {
+    pub fn read(&self, name: &str, overrides: &[Override]) -> Result<(Scene, load::Origin), Failure> {
         match self.texts.get(name) {
             Some(text) => {
-                let scene = load::text(text, (name, name), overrides).map_err(without_lines)?;
+                // A dictionary lies in no folder: files that it names are looked for where Python works.
+                let source = frazil_scene::Source { text, files: load::beside(Path::new("")) };
+                let scene = load::text(source, (name, name), overrides).map_err(without_lines)?;
                 Ok((scene, (name.to_owned(), text.clone())))
             }
             None => load::read(name, overrides),
@@ -116,6 +118,7 @@ impl Scenes {
 
 /// Nobody has seen the lines of the text that a dictionary becomes.
 fn without_lines(mut problems: Problems) -> Problems {
-    problems.problems.iter_mut().for_each(|problem| problem.line = None);
+    let own = problems.problems.iter_mut().filter(|problem| problem.beside.is_none());
+    own.for_each(|problem| problem.line = None);
     problems
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use frazil_layouts::file::Kind;
-use frazil_scene::{Problems, Scene};
+use frazil_scene::{Files, Problems, Scene, Source};
 use frazil_studies::failure::Failure;
 use frazil_studies::input;
 use frazil_studies::parts::Override;
@@ -31,8 +31,8 @@ pub(crate) fn guess(near: &[&str]) -> String {
     }
 }
 
-/// Name and text of a scene.
-pub type Source = (String, String);
+/// What a scene was read from: its name and its text. The files that it names are with the scene.
+pub type Origin = (String, String);
 
 /// Reads a scene given by a bundled name or a path.
 pub fn scene(argument: &str, overrides: &[Override]) -> Result<Scene, Failure> {
@@ -40,9 +40,9 @@ pub fn scene(argument: &str, overrides: &[Override]) -> Result<Scene, Failure> {
 }
 
 /// The same, with what it was read from.
-pub fn read(argument: &str, overrides: &[Override]) -> Result<(Scene, Source), Failure> {
+pub fn read(argument: &str, overrides: &[Override]) -> Result<(Scene, Origin), Failure> {
     if let Some(bundled) = frazil_cases::scenes::find(argument) {
-        let scene = text(bundled.text, (bundled.name, &format!("{argument}.toml")), overrides)?;
+        let scene = text(bundled, (bundled.name, &format!("{argument}.toml")), overrides)?;
         return Ok((scene, (bundled.name.to_owned(), bundled.text.to_owned())));
     }
     if frazil_cases::studies::find(argument).is_some() {
@@ -54,19 +54,30 @@ pub fn read(argument: &str, overrides: &[Override]) -> Result<(Scene, Source), F
     }
     let own = input::text(path)?;
     let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy().into_owned());
-    let scene = text(&own, (&name, argument), overrides).map_err(|problems| match Kind::of(&own) {
+    let source = Source { text: &own, files: beside(path.parent().unwrap_or(Path::new(""))) };
+    let scene = text(source, (&name, argument), overrides).map_err(|problems| match Kind::of(&own) {
         Some(Kind::Study) => Failure::request(NoScene::Study(argument.to_owned())),
         _ => problems.into(),
     })?;
     Ok((scene, (name, own)))
 }
 
+/// The files of a folder, as scenes in it may name them.
+pub fn beside(folder: &Path) -> Files {
+    let folder = folder.to_owned();
+    Files::opened(move |name| input::text(&folder.join(name)).map_err(|failure| failure.to_string()))
+}
+
 /// Reads a scene from its text, of a name and from a file as messages show it.
 ///
 /// # Errors
 /// With all problems of it.
-pub fn text(text: &str, (name, file): (&str, &str), overrides: &[Override]) -> Result<Scene, Problems> {
-    Scene::read(text, name, file, overrides, registry::methods())
+pub fn text<'a>(
+    source: impl Into<Source<'a>>,
+    (name, file): (&str, &str),
+    overrides: &[Override],
+) -> Result<Scene, Problems> {
+    Scene::read(source, name, file, overrides, registry::methods())
 }
 
 /// What `--paper` stands for on a bundled scene: the method whose discretisation its paper prints, and overrides, with those

@@ -4,7 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use frazil_plots::canvas::Formats;
-use frazil_record::{Provenance, Record, write_whole};
+use frazil_record::{Provenance, Record, quoted};
+use frazil_scene::files::is_beside;
 use frazil_studies::failure::{Failure, Verdict, answer};
 use frazil_studies::output::{self, make_folder};
 
@@ -36,6 +37,8 @@ enum NoRerun {
          ensembles have the command in their tables"
     )]
     Scene(String),
+    #[error("{0}: names the file {name}, which does not lie beside the scene", name = quoted(.1))]
+    File(String, String),
     #[error("{0}: holds no hash of a state: the run did not come to its end")]
     End(String),
 }
@@ -49,8 +52,16 @@ pub fn rerun(request: &RerunRequest) -> Result<Verdict, Failure> {
     let out = request.out.clone().unwrap_or_else(|| Path::new("out/rerun").join(&provenance.scene));
     make_folder(&out)?;
     let scene = out.join(format!("{}.toml", provenance.scene));
-    let written = write_whole(&scene, |writer| writer.write_all(provenance.scene_file.as_bytes()));
-    written.map_err(|error| Failure::file(&scene, "cannot be written", error))?;
+    write(&scene, &provenance.scene_file)?;
+    for (name, text) in &provenance.files {
+        // A record is a file like any other: what it names may lead anywhere.
+        if !is_beside(name) {
+            return Err(Failure::request(NoRerun::File(request.record.display().to_string(), name.clone())));
+        }
+        let file = out.join(name);
+        file.parent().map_or(Ok(()), make_folder)?;
+        write(&file, text)?;
+    }
     let results = out.join(&record.method);
     let verdict = run::run(&RunRequest {
         scene: scene.display().to_string(),
@@ -84,6 +95,10 @@ pub fn rerun(request: &RerunRequest) -> Result<Verdict, Failure> {
         apart(&record, &again)
     ))?;
     Ok(verdict.max(Verdict::CheckFailed))
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    output::write_whole(path, |writer| writer.write_all(text.as_bytes()))
 }
 
 /// A record that can be run again, by its file or folder.

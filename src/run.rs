@@ -24,7 +24,7 @@ use frazil_studies::output::{self, Folder, Owner};
 use frazil_studies::progress::{Reporter, bearable, clock, forewarn};
 use frazil_studies::{answers, campaign, expect, figure_options, method};
 
-use crate::load::Source;
+use crate::load::Origin;
 use crate::parts::parts;
 use crate::{interrupt, load, provenance};
 
@@ -98,7 +98,7 @@ pub enum Made {
 /// Where the scene cannot be run, or a file cannot be written.
 pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let (asked, source) = asked(request)?;
-    let provenance = provenance::of(request, source);
+    let provenance = provenance::of(request, source, &asked.0.files);
     let reporter = Reporter::new(request.quiet);
     let host = Host {
         interrupt: interrupt::asked(),
@@ -349,7 +349,7 @@ pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> 
 pub type Asked = (Scene, &'static str, Option<Arc<dyn Reference>>);
 
 /// What a request is about; warns of what is not taken as the scene has it.
-fn asked(request: &RunRequest) -> Result<(Asked, Source), Failure> {
+fn asked(request: &RunRequest) -> Result<(Asked, Origin), Failure> {
     let (scene, source) = load::read(&request.scene, &request.overrides)?;
     let (scene, method, reference) = asked_of(scene, request.method.as_deref())?;
     for remark in scene.remarks.iter().filter(|_| !request.quiet) {
@@ -422,6 +422,7 @@ fn summary(scene: &Scene, result: &RunResult, folder: &Path) -> String {
         lines.push(("estimated error".into(), answers::estimated(estimated)));
     }
     if let Some(reference) = &record.reference {
+        lines.extend(answers::measured(scene, &record.measured));
         lines.extend(answers::errors(&record.errors, record.water.as_ref()));
         let own = percent(reference.error_estimate_rel, 2);
         let words = format!("{}, {}; accuracy about {own}", reference.kind, reference.source);

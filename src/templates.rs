@@ -4,6 +4,7 @@ use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
+use frazil_cases::scenes::BundledScene;
 use frazil_studies::failure::{Failure, Verdict, answer};
 
 use crate::load::{guess, nearest};
@@ -20,14 +21,16 @@ enum NoFile {
 /// What is bundled under a name, and how it is run.
 struct Bundled {
     text: &'static str,
+    /// Files that it names, as name and text.
+    files: &'static [(&'static str, &'static str)],
     command: &'static str,
 }
 
 fn bundled(name: &str) -> Result<Bundled, Failure> {
-    let own = |text, command| Bundled { text, command };
-    let scene = || frazil_cases::scenes::find(name).map(|scene| own(scene.text, "run"));
-    let study = || frazil_cases::studies::find(name).map(|study| own(study.text, "layout"));
-    let fluid = || frazil_cases::fluids::find(name).map(|fluid| own(fluid.text, "calibrate"));
+    let own = |one: &BundledScene, command| Bundled { text: one.text, files: one.files, command };
+    let scene = || frazil_cases::scenes::find(name).map(|scene| own(scene, "run"));
+    let study = || frazil_cases::studies::find(name).map(|study| own(study, "layout"));
+    let fluid = || frazil_cases::fluids::find(name).map(|fluid| own(fluid, "calibrate"));
     scene().or_else(study).or_else(fluid).ok_or_else(|| {
         let all = frazil_cases::scenes::all().iter().chain(frazil_cases::scenes::extreme());
         let all = all.chain(frazil_cases::studies::all()).chain(frazil_cases::fluids::all());
@@ -50,30 +53,36 @@ pub fn show(name: &str) -> Result<Verdict, Failure> {
 /// # Errors
 /// Where nothing of the name is bundled, or the file is there or cannot be written.
 pub fn new(file: Option<&Path>, like: Option<&str>) -> Result<Verdict, Failure> {
-    let (text, command) = match like {
-        None => (frazil_cases::scenes::TEMPLATE.to_owned(), "run"),
+    let (text, files, command) = match like {
+        None => (frazil_cases::scenes::TEMPLATE.to_owned(), [].as_slice(), "run"),
         Some(name) => {
-            let Bundled { text, command } = bundled(name)?;
-            (format!("# A copy of the bundled \"{name}\".\n{text}"), command)
+            let Bundled { text, files, command } = bundled(name)?;
+            (format!("# A copy of the bundled \"{name}\".\n{text}"), files, command)
         }
     };
     let own = || PathBuf::from(format!("{}.toml", like.unwrap_or("scene")));
     let path = file.map_or_else(own, Path::to_owned);
     let name = path.display().to_string();
-    let made = OpenOptions::new().write(true).create_new(true).open(&path);
-    let written = made.and_then(|mut file| file.write_all(text.as_bytes()));
-    written.map_err(|error| match error.kind() {
-        ErrorKind::AlreadyExists => {
-            let like = like.map_or(String::new(), |like| format!(" --like {like}"));
-            Failure::request(NoFile::Exists(name.clone(), like))
-        }
-        _ => Failure::file(&path, "cannot be written", error),
-    })?;
+    let beside = |file: &str| path.with_file_name(file);
+    let all = files.iter().map(|(file, text)| (beside(file), *text)).chain([(path.clone(), text.as_str())]);
+    let like_words = like.map_or(String::new(), |like| format!(" --like {like}"));
+    for (path, text) in all {
+        let made = OpenOptions::new().write(true).create_new(true).open(&path);
+        let written = made.and_then(|mut file| file.write_all(text.as_bytes()));
+        written.map_err(|error| match error.kind() {
+            ErrorKind::AlreadyExists => {
+                Failure::request(NoFile::Exists(path.display().to_string(), like_words.clone()))
+            }
+            _ => Failure::file(&path, "cannot be written", error),
+        })?;
+    }
     let next = match (command, like) {
         ("run", None) => format!("frazil check {name}\n  frazil run {name} --method pd"),
         ("run", _) => format!("frazil check {name}\n  frazil run {name}"),
         (command, _) => format!("frazil {command} {name}"),
     };
-    answer(&format!("{name} is written. Next:\n  {next}\n"))?;
+    let also: String = files.iter().map(|(file, _)| format!(" and {}", beside(file).display())).collect();
+    let are = if files.is_empty() { "is" } else { "are" };
+    answer(&format!("{name}{also} {are} written. Next:\n  {next}\n"))?;
     Ok(Verdict::Done)
 }

@@ -119,7 +119,7 @@ fn what_check_recommends_is_not_refused() {
     let mut recommended = 0;
     for bundled in frazil_cases::scenes::all().iter().chain(frazil_cases::scenes::extreme()) {
         let read = |overrides: &[(String, String)]| {
-            Scene::read(bundled.text, bundled.name, "s.toml", overrides, frazil::registry::methods())
+            Scene::read(bundled, bundled.name, "s.toml", overrides, frazil::registry::methods())
         };
         let scene = read(&[]).expect("a scene");
         for settings in &scene.methods {

@@ -1,11 +1,11 @@
-//! Every bad scene of `cases/bad` and every bad study of `cases/bad-studies` is refused with exactly the messages that it carries
+//! Every bad scene of `cases/bad`, every file of measured points of `cases/bad-measured` and every bad study of `cases/bad-studies` is refused with exactly the messages that it carries
 //! on its lines `#^ `.
 
 use std::fs;
 use std::path::Path;
 
 use frazil::parts::parts;
-use frazil_scene::Scene;
+use frazil_scene::{Files, Scene, Source};
 
 /// Holds the messages of all files of a folder of `cases` against their own lines.
 fn refused_with_their_messages(folder: &str, fewest: usize, read: impl Fn(&str, &str) -> Result<(), String>) {
@@ -31,6 +31,24 @@ fn refused_with_their_messages(folder: &str, fewest: usize, read: impl Fn(&str, 
 fn bad_scenes_are_refused_with_their_messages() {
     refused_with_their_messages("bad", 40, |text, file| {
         let read = Scene::read(text, "bad", file, &[], frazil::registry::methods());
+        read.map(drop).map_err(|problems| problems.to_string())
+    });
+}
+
+/// The files are named by the key that names them, and say on a line `# with ` which standard deviation stands beside them.
+#[test]
+fn bad_measured_points_are_refused_with_their_messages() {
+    refused_with_their_messages("bad-measured", 10, |points, file| {
+        let key = file.split('-').next().unwrap_or_default();
+        let sd =
+            points.lines().find_map(|line| line.strip_prefix("# with ")).map_or(String::new(), |sd| format!(", {sd}"));
+        let scene = include_str!("../cases/bad/measured-nothing.toml");
+        let text = scene.replace(
+            "kind = \"measured\"",
+            &format!("kind = \"measured\"\nsource = \"a logger\"\n{key} = {{ file = \"{file}\"{sd} }}"),
+        );
+        let files = Files::held([(file.to_owned(), points.to_owned())]);
+        let read = Scene::read(Source { text: &text, files }, "bad", "s.toml", &[], frazil::registry::methods());
         read.map(drop).map_err(|problems| problems.to_string())
     });
 }

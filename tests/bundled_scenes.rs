@@ -7,7 +7,7 @@ use frazil_scene::{Front, Scene};
 fn every_bundled_scene_is_good_under_every_method() {
     let kinds = frazil::registry::methods();
     for bundled in frazil_cases::scenes::all() {
-        let scene = Scene::read(bundled.text, bundled.name, bundled.name, &[], kinds);
+        let scene = Scene::read(bundled, bundled.name, bundled.name, &[], kinds);
         let scene = scene.unwrap_or_else(|problems| unreachable!("{problems}"));
         let named: Vec<&str> = scene.methods.iter().map(|settings| settings.method).collect();
         // Particles of one volume are no shells, and noise moves no water.

@@ -99,7 +99,7 @@ fn list_shows_every_scene_and_method() {
     };
     for scene in frazil_cases::scenes::all().iter().chain(frazil_cases::scenes::extreme()) {
         let name = scene.name;
-        let read = Scene::read(scene.text, name, name, &[], frazil::registry::methods()).expect("a scene");
+        let read = Scene::read(scene, name, name, &[], frazil::registry::methods()).expect("a scene");
         assert!(told(name, &format!("{} ({})", read.title, read.source)), "{name}: {said}");
     }
     for study in frazil_cases::studies::all() {

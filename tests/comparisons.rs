@@ -319,7 +319,7 @@ fn default_noise_is_below_the_error_of_the_discretisation() {
             let run = |key: &str, value: &str| {
                 let bundled = frazil_cases::scenes::find(name).expect("a scene");
                 let overrides = [(format!("method.{}.{key}", kind.name), value.to_owned())];
-                let scene = Scene::read(bundled.text, name, name, &overrides, methods());
+                let scene = Scene::read(bundled, name, name, &overrides, methods());
                 let scene = scene.unwrap_or_else(|problems| unreachable!("{problems}"));
                 let reference = frazil::run::reference(&scene).expect("a reference");
                 let result = march::run(&scene, kind.name, reference.as_ref(), &Options::default());

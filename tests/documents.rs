@@ -115,7 +115,7 @@ fn every_override_in_the_documents_is_good() {
                     .map(|(key, value)| (key.replace(".M.", &format!(".{method}.")), value.to_owned()))
                     .collect();
                 let kinds = frazil::registry::methods();
-                if let Err(problems) = Scene::read(bundled.text, scene, scene, &overrides, kinds) {
+                if let Err(problems) = Scene::read(bundled, scene, scene, &overrides, kinds) {
                     unreachable!("{}: {line}: {problems}", path.display());
                 }
                 count += 1;
@@ -243,7 +243,7 @@ fn every_method_is_in_the_readme_and_its_keys_are_in_the_guide() {
     // The record's names of settings that are not keys of the file.
     let derived = ["normalisation", "step", "spacing"];
     let scene = frazil_cases::scenes::find("frozen-wall-sand").expect("bundled");
-    let scene = Scene::read(scene.text, scene.name, scene.name, &[], frazil::registry::methods());
+    let scene = Scene::read(scene, scene.name, scene.name, &[], frazil::registry::methods());
     let scene = scene.unwrap_or_else(|problems| unreachable!("{problems}"));
     for settings in &scene.methods {
         assert!(in_readme.contains(settings.method), "{}", settings.method);

@@ -137,7 +137,7 @@ fn methods_without_a_section_are_refused() {
             }
             let overrides: Vec<(String, String)> =
                 keys.into_iter().map(|(key, value)| (format!("method.{}.{key}", kind.name), value)).collect();
-            let found = Scene::read(bundled.text, bundled.name, bundled.name, &overrides, methods());
+            let found = Scene::read(bundled, bundled.name, bundled.name, &overrides, methods());
             let reason = found.err().map(|problems| problems.to_string()).unwrap_or_default();
             assert!(
                 reason.contains("must ") || reason.contains("cannot be combined with"),

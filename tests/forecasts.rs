@@ -122,7 +122,7 @@ fn the_steps_of_a_run_are_counted_beforehand() {
 fn shortened(bundled: &BundledScene, kind: &MethodKind, finer: f64) -> Scene {
     const SHARE: f64 = 0.01;
     let read = |overrides: &[(String, String)]| {
-        Scene::read(bundled.text, bundled.name, bundled.name, overrides, methods())
+        Scene::read(bundled, bundled.name, bundled.name, overrides, methods())
             .unwrap_or_else(|problems| unreachable!("{problems}"))
     };
     let own = read(&[]);

@@ -39,6 +39,7 @@ mod layout_errors;
 mod layout_references;
 mod layouts;
 mod limits;
+mod measured;
 mod moving;
 mod order;
 mod pipes;

@@ -17,7 +17,7 @@ fn printed(name: &str, further: &[(&str, &str)]) -> Scene {
     let bundled = scenes::find(name).expect("bundled");
     let mut overrides = paper::overrides(name).expect("printed");
     overrides.extend(further.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())));
-    Scene::read(bundled.text, name, name, &overrides, methods()).unwrap_or_else(|problems| unreachable!("{problems}"))
+    Scene::read(bundled, name, name, &overrides, methods()).unwrap_or_else(|problems| unreachable!("{problems}"))
 }
 
 fn planned(scene: &Scene) -> Plan {

@@ -342,9 +342,8 @@ fn the_printed_soil_column_is_a_line() {
         let overrides = [("time.duration_h", "0.004"), ("time.outputs", "4"), ("time.profiles_h", "[0.004]")]
             .map(|(key, value)| (key.to_owned(), value.to_owned()));
         let watch = [("watch.front_from_h".to_owned(), "0.001".to_owned())];
-        let scene =
-            Scene::read(bundled.text, bundled.name, bundled.name, &[&overrides[..], &watch].concat(), methods())
-                .unwrap_or_else(|problems| unreachable!("{problems}"));
+        let scene = Scene::read(bundled, bundled.name, bundled.name, &[&overrides[..], &watch].concat(), methods())
+            .unwrap_or_else(|problems| unreachable!("{problems}"));
         let Ok(Finding::Smaller(reduction)) = reduce::find(&scene, kind.name, None) else {
             unreachable!("{}", kind.name)
         };

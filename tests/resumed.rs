@@ -173,8 +173,7 @@ fn whole_results_survive_being_kept() {
         ("advective-column", "local", Vec::new()),
     ] {
         let bundled = frazil_cases::scenes::find(name).expect("bundled");
-        let scene =
-            Scene::read(bundled.text, name, name, &overrides, frazil::registry::methods()).expect("a good scene");
+        let scene = Scene::read(bundled, name, name, &overrides, frazil::registry::methods()).expect("a good scene");
         let reference = frazil::run::reference(&scene).unwrap_or_else(|failure| unreachable!("{failure}"));
         let options = Options { fields: true, ..Options::default() };
         let made = march::run(&scene, method, reference.as_ref(), &options).expect("a run");

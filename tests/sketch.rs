@@ -254,7 +254,7 @@ pub fn bundled(name: &str, changes: &[(&str, &str)]) -> Scene {
     let bundled = frazil_cases::scenes::find(name).expect("bundled");
     let changes: Vec<(String, String)> =
         changes.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
-    Scene::read(bundled.text, bundled.name, bundled.name, &changes, methods()).expect("a scene")
+    Scene::read(bundled, bundled.name, bundled.name, &changes, methods()).expect("a scene")
 }
 
 /// Makes `count` steps of the length that was planned, from time zero.

@@ -70,6 +70,21 @@ def test_a_dictionary_is_the_same_scene(stefan, scene):
     assert set(colder.profiles["time_s"]) == {7200.0, 36000.0}
 
 
+def test_measured_points_of_a_dictionary_lie_where_python_works(tmp_path, scene):
+    (tmp_path / "front.csv").write_text("time_h,front_m\n0.5,0.02\n1,0.03\n", encoding="utf-8")
+    front = {"file": "front.csv", "sd_m": 0.001}
+    measured = {"kind": "measured", "source": "a logger", "front": front}
+    run = frazil.run({**scene, "reference": measured}, "local")
+    found = run.record["measured"]["front_m"]
+    assert (found["points"], found["sd_rms"]) == (2, 0.001)
+    off = run.measured["value"] - run.measured["value_ref"]
+    np.testing.assert_allclose(found["rms"], np.sqrt(np.mean(off**2)))
+    assert "measured" in run.figures
+    (tmp_path / "front.csv").write_text("time_h,front_m\n0.5,-1\n", encoding="utf-8")
+    with pytest.raises(frazil.SceneError, match="front.csv:2: front_m: found -1"):
+        frazil.run({**scene, "reference": measured}, "local")
+
+
 def test_keys_are_set_over_those_of_the_scene():
     run = frazil.run("stefan-water", "pd", set={"method.pd.spacing_m": 0.004, "method.pd.front": "cell"})
     assert run.record["particles"] == 100

@@ -214,11 +214,11 @@ fn substance(section: &mut Section<'_>) -> Read<(calibration::RealFluid, Option<
 fn from_csv(text: &str, name: &str, file: &str, judge: Judge<'_>) -> Result<Fluid, Problems> {
     let mut problems: Vec<Problem> = Vec::new();
     let rows = csv_rows(text, judge, &mut |line, key: &str, message| {
-        problems.push(Problem { key: key.to_owned(), line, set: None, message });
+        problems.push(Problem { key: key.to_owned(), line, set: None, beside: None, message });
     });
     if rows.is_empty() && problems.is_empty() {
         let message = "found no rows, must be a line of column names and at least one row".into();
-        problems.push(Problem { key: String::new(), line: None, set: None, message });
+        problems.push(Problem { key: String::new(), line: None, set: None, beside: None, message });
     }
     if !problems.is_empty() {
         return Err(Problems { file: file.to_owned(), problems });

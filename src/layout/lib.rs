@@ -332,8 +332,8 @@ mod bundled {
     static INTERRUPT: AtomicBool = AtomicBool::new(false);
 
     pub fn scene(name: &str, overrides: &[Override]) -> Result<Scene, Failure> {
-        let text = frazil_cases::scenes::find(name).expect("bundled").text;
-        Ok(Scene::read(text, name, name, overrides, &METHODS)?)
+        let bundled = frazil_cases::scenes::find(name).expect("bundled");
+        Ok(Scene::read(bundled, name, name, overrides, &METHODS)?)
     }
 
     pub fn parts() -> Parts<'static> {

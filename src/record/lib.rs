@@ -1,5 +1,6 @@
 //! What a run leaves behind: one record and the tables beside it. Figures and studies read these, never particles.
 
+mod measured;
 mod provenance;
 mod record;
 mod result;
@@ -13,6 +14,7 @@ mod water;
 mod work;
 mod write;
 
+pub use measured::{MeasuredErrors, MeasuredRow};
 pub use provenance::Provenance;
 pub use record::{Errors, EstimatedError, Outcome, Record, ReferenceInfo, Value};
 pub use result::RunResult;

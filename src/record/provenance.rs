@@ -1,5 +1,7 @@
 //! Where a record comes from: enough to make its run again.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 /// What was run, by what and on what.
@@ -27,6 +29,9 @@ pub struct Provenance {
     pub scene: String,
     /// Text of the scene's file.
     pub scene_file: String,
+    /// Files that it names, by their names, and their texts.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub files: BTreeMap<String, String>,
     /// Keys that were set over it, in their order.
     pub overrides: Vec<(String, String)>,
     /// Whether a smaller scene was to be run that gives the same answer.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Provenance, StreamRecord, WallRecord, WaterRecord, Work};
+use crate::{MeasuredErrors, Provenance, StreamRecord, WallRecord, WaterRecord, Work};
 
 /// A setting as it stands in a record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -132,7 +132,7 @@ pub struct EstimatedError {
 /// Where the truth came from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ReferenceInfo {
-    /// `exact`, `similarity`, `table` or `local`.
+    /// `exact`, `similarity`, `table`, `measured` or `local`.
     pub kind: String,
     /// Paper, file or spacings.
     pub source: String,
@@ -140,7 +140,7 @@ pub struct ReferenceInfo {
     /// `errors` does not name.
     pub error_estimate_rel: f64,
     /// Estimated error of the reference by measure, in the terms of that measure: `front`, `closure`, `volume`,
-    /// `temperature`, `thickness`.
+    /// `temperature`, `thickness`; of measured points also `thaw` and `saturation`.
     #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
     pub errors: BTreeMap<String, f64>,
 }
@@ -239,6 +239,9 @@ pub struct Record {
     pub setback_rel: Option<f64>,
     /// Errors against the reference.
     pub errors: Errors,
+    /// How far it is off what was measured, by quantity (`front_m`, `temperature_c`, `saturation`, `events_s`) and in its unit.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", default)]
+    pub measured: BTreeMap<String, MeasuredErrors>,
     /// The error that was estimated of it, where one was asked for.
     #[serde(skip_serializing_if = "Option::is_none", default)]
     pub estimated_error: Option<EstimatedError>,

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    BesideRow, BudgetRow, Field, FrontLineRow, FrontRow, FrozenRow, GapRow, LinkRow, PhaseRow, PlaneRow, ProbeRow,
-    ProfileRow, Record, SectionRow, Start, StreamRow, SurfaceRow, Table, WallRow, WaterSeries,
+    BesideRow, BudgetRow, Field, FrontLineRow, FrontRow, FrozenRow, GapRow, LinkRow, MeasuredRow, PhaseRow, PlaneRow,
+    ProbeRow, ProfileRow, Record, SectionRow, Start, StreamRow, SurfaceRow, Table, WallRow, WaterSeries,
 };
 
 /// Everything one run leaves.
@@ -30,6 +30,9 @@ pub struct RunResult {
     pub profiles: Vec<ProfileRow>,
     /// Probes.
     pub probes: Vec<ProbeRow>,
+    /// What was measured, beside what the run found then and there; mostly empty.
+    #[serde(default)]
+    pub measured: Vec<MeasuredRow>,
     /// Heat through surfaces; empty where the scene names none.
     pub surfaces: Vec<SurfaceRow>,
     /// Names of walls and pipe rings in the heat balance.

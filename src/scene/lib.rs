@@ -4,6 +4,8 @@
 //! temperature elsewhere. [`Units::absolute_zero`] maps them to an absolute scale where a law needs one.
 
 pub mod capability;
+pub mod files;
+mod measured;
 pub mod method;
 pub mod names;
 mod pipe_name;
@@ -17,7 +19,9 @@ mod solute;
 pub mod stream;
 mod units;
 
+pub use files::{Files, Source};
 pub use frazil_record::TimeUnit;
+pub use measured::{Event, Measured, MeasuredPoint, Quantity};
 pub use pipe_name::{NoPipeName, PipeName};
 pub use pipe_ring::PipeRing;
 pub use random::RandomGround;

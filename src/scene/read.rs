@@ -12,7 +12,9 @@ mod porous;
 mod problem;
 mod random;
 mod range;
+mod reference;
 mod regions;
+mod rows;
 mod schema;
 mod section;
 mod shells;
@@ -30,6 +32,7 @@ use frazil_core::physics::material::Material;
 use frazil_core::space::domain::Domain;
 
 use crate::capability::{self, Feature, Place};
+use crate::files::Source;
 use crate::method::MethodKind;
 use crate::names;
 use crate::region::{Region, Shape};
@@ -45,7 +48,7 @@ pub use size::MOST_BYTES;
 pub use spacing::at_most as spacing_at_most;
 
 impl Scene {
-    /// Reads a scene from the text of its file.
+    /// Reads a scene from the text of its file; a text alone has no files beside it ([`Source`]).
     ///
     /// `name` becomes the scene's short name as far as it can be one of a folder ([`names::of`]), `file` stands in messages, `overrides` are the pairs of key path and
     /// value of `--set`, and `methods` are the methods whose sections may occur. A value of `--set` that is no TOML
@@ -53,15 +56,16 @@ impl Scene {
     ///
     /// # Errors
     /// With all problems of the file and of what overrides it.
-    pub fn read(
-        text: &str,
+    pub fn read<'a>(
+        source: impl Into<Source<'a>>,
         name: &str,
         file: &str,
         overrides: &[(String, String)],
         methods: &[&'static MethodKind],
     ) -> Result<Scene, Problems> {
+        let Source { text, files } = source.into();
         let mut entries = tree::parse(text).map_err(|problems| Problems::new(file, problems))?;
-        let (log, kinds) = (Log::default(), methods.to_vec());
+        let (log, kinds) = (Log::beside(files), methods.to_vec());
         log.know(move || every_key::every_key(&kinds));
         for (key, value) in overrides {
             if let Err(problem) = tree::set(&mut entries, key, value) {
@@ -69,8 +73,11 @@ impl Scene {
             }
         }
         let folder = names::of(name);
-        let scene = read_root(Section::root(&entries, &log), &folder, hash(text, overrides), methods);
+        let scene = read_root(Section::root(&entries, &log), &folder, methods);
+        let files = log.files_read();
         let mut scene = finished(scene, log, file)?;
+        scene.hash = hash(text, overrides, &files);
+        scene.files = files;
         if folder != name {
             scene.remarks.push(format!("its name is not one of a folder on every system: it is called \"{folder}\""));
         }
@@ -155,11 +162,14 @@ fn finished<T>(read: Read<T>, log: Log, file: &str) -> Result<T, Problems> {
     }
 }
 
-/// The same physics and numerics have the same hash only if file and overrides are the same to the letter.
-fn hash(text: &str, overrides: &[(String, String)]) -> String {
+/// The same physics and numerics have the same hash only if file, overrides and the files it names are the same to the letter.
+fn hash(text: &str, overrides: &[(String, String)], files: &[(String, String)]) -> String {
     let mut effective = text.to_owned();
     for (key, value) in overrides {
         effective.push_str(&format!("\n{key}={value}"));
+    }
+    for (name, text) in files {
+        effective.push_str(&format!("\n{name}:\n{text}"));
     }
     format!("{:016x}", xxhash_rust::xxh3::xxh3_64(effective.as_bytes()))
 }
@@ -266,7 +276,7 @@ fn only_of_heat(root: &mut Section<'_>, watch: &Watch) {
     }
 }
 
-fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static MethodKind]) -> Read<Scene> {
+fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -> Read<Scene> {
     let units = units(&mut root);
     let (title, source) = (root.text("title"), root.text("source"));
     let domain = body::domain(&mut root);
@@ -284,9 +294,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let excavation = excavation::excavation(&mut root, body, &rings);
     let cracks = cracks::cracks(&mut root, body);
     let watch = watch::watch(&mut root, body, time.as_mut().map_err(|noted| *noted));
-    if let (true, Ok(watch)) = (of_water, &watch) {
-        only_of_heat(&mut root, watch);
-    }
+    watch.iter().filter(|_| of_water).for_each(|watch| only_of_heat(&mut root, watch));
     let surfaces = watch.as_ref().is_ok_and(|watch| !watch.surfaces.is_empty());
     let solute = match balance {
         Balance::Heat => Ok(None),
@@ -300,7 +308,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     let refused = refuse(&mut root, features);
     let flow = flow::flow(&mut root, body, known, refused);
     let stream = stream::stream(&mut root, body, &walls, time.as_ref().ok().map(|time| &time.duration));
-    let reference = watch::reference(&mut root, body);
+    let reference = reference::reference(&mut root, &reference::Around { domain: body, of_water });
     if let (Ok(section), Some(domain)) = (&mut wall_section, body) {
         body::exact_walls(section, domain, &walls, (known, &regions), &reference);
     }
@@ -314,7 +322,7 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
     root.set_temperatures(initial_temperature.ok().map(|initial| data.range(initial, conditions)));
     let methods = numerics::methods(&mut root, &setup, kinds);
     let time = time?;
-    let scene = Scene {
+    let mut scene = Scene {
         name: name.to_owned(),
         title: title?,
         source: source?,
@@ -340,9 +348,11 @@ fn read_root(mut root: Section<'_>, name: &str, hash: String, kinds: &[&'static 
         watch: watch?,
         reference,
         methods,
-        hash,
+        files: Vec::new(),
+        hash: String::new(),
         remarks: time.remarks,
     };
+    reference::settle(&mut root, &mut scene);
     ground::latent_heats(&mut root, &scene.materials, scene.temperature_range());
     Ok(scene)
 }

@@ -11,6 +11,7 @@ use frazil_core::space::wall::{PatchId, WallId};
 use glam::DVec2;
 
 use crate::TimeUnit;
+use crate::measured::Measured;
 use crate::method::MethodSettings;
 use crate::pipe_ring::PipeRing;
 use crate::random::RandomGround;
@@ -77,21 +78,32 @@ pub struct Watch {
     pub profile_length: Option<f64>,
     /// Start (s) of the window over which the front is judged; where it has come some spacings if absent.
     pub front_from: Option<f64>,
+    /// Instants (s) at which something was measured that a run is compared with: outputs beside the even ones, in order.
+    pub measured: Vec<f64>,
 }
 
 /// Where the truth about a scene comes from.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum ReferenceChoice {
     /// A closed form or a similarity solution, if the scene fits one.
     Exact,
     /// A table shipped with the program, by name.
     Table(String),
+    /// What instruments have measured.
+    Measured(Measured),
     /// The local method on finer lattices, accepted only if shown converged.
     Local,
     /// Whatever of the above fits first, in that order.
     Auto,
     /// Nothing: no errors are asked for.
     None,
+}
+
+impl ReferenceChoice {
+    /// Whether it may be the exact solution that a wall follows.
+    pub fn may_be_exact(&self) -> bool {
+        matches!(self, ReferenceChoice::Exact | ReferenceChoice::Auto)
+    }
 }
 
 /// Where a plane front runs.
@@ -168,7 +180,9 @@ pub struct Scene {
     pub reference: ReferenceChoice,
     /// Numerical settings for each method that the file names, in the order of the registry.
     pub methods: Vec<MethodSettings>,
-    /// Hash of the effective file (after `--set`), as 16 hexadecimal digits.
+    /// Files that it names, as name and text.
+    pub files: Vec<(String, String)>,
+    /// Hash of the effective file (after `--set`) and of the files that it names, as 16 hexadecimal digits.
     pub hash: String,
     /// What of the file was not taken as it stands, in words.
     pub remarks: Vec<String>,
@@ -240,6 +254,7 @@ impl Scene {
             watch: Watch { outputs: 10, ..Watch::default() },
             reference: ReferenceChoice::Auto,
             methods: Vec::new(),
+            files: Vec::new(),
             hash: String::new(),
             remarks: Vec::new(),
         }
@@ -292,6 +307,12 @@ impl Scene {
         let [near, far] = WallId::ends(along_y);
         // A wall that drives the front has a temperature of its own; the colder of two is the start.
         Some(FreezingDirection { along_y, length, across, from_end: self.drive(far) > self.drive(near) })
+    }
+
+    /// Whether it has one front, whose place is kept over time.
+    pub fn has_front(&self) -> bool {
+        let radial = matches!(self.domain, Domain::Radial { .. });
+        radial || self.watch.corner_front || self.freezing_direction().is_some()
     }
 
     /// How hard a wall drives the front: by its temperature, or that of its surroundings, against the start (K), or else by its

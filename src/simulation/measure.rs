@@ -4,6 +4,7 @@
 //! measure that does not apply, or that the reference does not know, is absent and never zero.
 
 pub mod front;
+pub mod measured;
 
 use std::collections::BTreeMap;
 
@@ -143,6 +144,10 @@ pub fn attach(scene: &Scene, spacing: f64, result: &mut RunResult, reference: &d
             field.temperature_ref_c = (0..count).map(|k| at(k).unwrap_or(f64::NAN)).collect();
         }
     }
+    if let Some(points) = reference.measured() {
+        result.measured = measured::rows(scene, result, points);
+        result.record.measured = measured::deviations(&result.measured);
+    }
     result.record.errors = errors(scene, spacing, result, reference);
     result.record.reference = Some(reference.describe());
 }
@@ -167,7 +172,9 @@ fn points(
     });
     // Where water flows, those of its cut, after the start.
     let cut = result.water.iter().flat_map(|water| &water.cut).filter(|row| row.time_s > 0.0);
-    rows.chain(cut.filter_map(|row| Some((row.temperature_c, reference.cut(row.x_m, row.time_s)?.0))))
+    let cut = cut.filter_map(|row| Some((row.temperature_c, reference.cut(row.x_m, row.time_s)?.0)));
+    let probes = result.measured.iter().filter(|row| row.is_of_probe());
+    rows.chain(cut).chain(probes.filter_map(|row| Some((row.value?, row.value_ref))))
 }
 
 /// What temperatures at many points come to beside those of a reference, one after the other.
@@ -260,7 +267,7 @@ pub fn errors(scene: &Scene, spacing: f64, result: &RunResult, reference: &dyn R
         thickness_interface_rms_rel: wall_error(thickness_from, |row| row.thickness_interface_mean_m, &|t| {
             reference.thickness(Plane::Interface, t)
         }),
-        events: closure_errors(&result.gaps, reference),
+        events: closure_errors(scene, result, reference),
         ..Errors::default()
     }
 }
@@ -351,28 +358,33 @@ fn frozen_volume(scene: &Scene, rows: &[FrozenRow], reference: &dyn Reference) -
     over(rms(window.map(|(_, own, expected)| own - expected)), greatest)
 }
 
-/// Signed relative errors of closure: of the mean over all gaps of the ring, and of the first and the last gap.
-/// While a gap is open there is neither mean nor last.
-fn closure_errors(gaps: &[GapRow], reference: &dyn Reference) -> BTreeMap<String, f64> {
+/// Times (s) of what came about in a run, by name: closure as the mean over all gaps of the ring, of the first and of the last gap,
+/// the latter and the mean only once all are closed; the thaw of the last ice; and when the front became steady.
+fn events(scene: &Scene, result: &RunResult) -> BTreeMap<&'static str, f64> {
+    let gaps = || result.gaps.iter().filter(|gap| gap.multiplicity > 0);
     let mut events = BTreeMap::new();
-    let mut note = |name: &str, own: Option<f64>| {
-        let expected = reference.event(name).or_else(|| reference.event("closure_day"));
-        let error = own.zip(expected.and_then(positive)).and_then(|(own, expected)| finite(own / expected - 1.0));
-        if let Some(error) = error {
-            events.insert(name.to_owned(), error);
-        }
-    };
-    let gaps = || gaps.iter().filter(|gap| gap.multiplicity > 0);
-    note("closure_day_first", gaps().filter_map(|gap| gap.closure_s).reduce(f64::min));
+    events.extend(gaps().filter_map(|gap| gap.closure_s).reduce(f64::min).map(|first| ("closure_day_first", first)));
     if gaps().all(|gap| gap.closure_s.is_some()) {
         let weighted = |gap: &GapRow| gap.closure_s.map(|closure| closure * gap.multiplicity as f64);
         let count: usize = gaps().map(|gap| gap.multiplicity).sum();
         if count > 0 {
-            note("closure_day", Some(gaps().filter_map(weighted).sum::<f64>() / count as f64));
+            events.insert("closure_day", gaps().filter_map(weighted).sum::<f64>() / count as f64);
         }
-        note("closure_day_last", gaps().filter_map(|gap| gap.closure_s).reduce(f64::max));
+        events.extend(gaps().filter_map(|gap| gap.closure_s).reduce(f64::max).map(|last| ("closure_day_last", last)));
     }
+    let thawed = result.record.water.as_ref().and_then(|water| water.events_s.get("thawed"));
+    events.extend(thawed.map(|thawed| ("thawed", *thawed)));
+    events.extend(front::steady(scene, &result.front).map(|steady| ("front_steady", steady)));
     events
+}
+
+/// Signed relative errors of the times of closure.
+fn closure_errors(scene: &Scene, result: &RunResult, reference: &dyn Reference) -> BTreeMap<String, f64> {
+    let error = |(name, own): (&str, f64)| {
+        let expected = reference.event(name).or_else(|| reference.event("closure_day"));
+        Some((name.to_owned(), finite(own / expected.and_then(positive)? - 1.0)?))
+    };
+    events(scene, result).into_iter().filter(|(name, _)| name.starts_with("closure")).filter_map(error).collect()
 }
 
 #[cfg(test)]

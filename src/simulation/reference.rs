@@ -1,6 +1,7 @@
 //! The truth about a scene, wherever it comes from.
 
 use frazil_record::ReferenceInfo;
+use frazil_scene::Measured;
 
 /// A plane of a pipe ring on which walls are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,6 +95,10 @@ pub trait Reference: Send + Sync {
     }
     /// Ice over the ice at the start, in a scene with water, at time `t` (s).
     fn ice(&self, _t: f64) -> Option<f64> {
+        None
+    }
+    /// Points that instruments measured, with which a run is compared where and when they were.
+    fn measured(&self) -> Option<&Measured> {
         None
     }
     /// Time (s) of a named event.

@@ -1,9 +1,11 @@
 //! What a run says first: where the front is, when the wall closed, what became of the ice. Errors are called errors.
 
+use std::collections::BTreeMap;
+
 use frazil_core::space::domain::Domain;
 use frazil_core::space::symmetry::Symmetry;
 use frazil_plots::style::{length, number};
-use frazil_record::{Errors, EstimatedError, GapRow, RunResult, WallRecord};
+use frazil_record::{Errors, EstimatedError, GapRow, MeasuredErrors, RunResult, WallRecord};
 use frazil_record::{WaterRecord, WaterRow};
 use frazil_scene::{Scene, Units};
 
@@ -69,6 +71,36 @@ pub fn errors(errors: &Errors, water: Option<&WaterRecord>) -> Vec<Line> {
     let own = HEADLINES.into_iter().filter_map(|(title, name)| Some((title, *all.get(name)?)));
     let of_water = OF_WATER.into_iter().filter_map(|(title, name)| Some((title, *water?.errors.get(name)?)));
     own.chain(of_water).map(|(title, error)| (format!("{title} error"), format!("{:.3} %", 100.0 * error))).collect()
+}
+
+/// What a quantity of measured points is called, and how its values are said.
+pub fn quantity<'a>(scene: &'a Scene, name: &str) -> (&'static str, Box<dyn Fn(f64) -> String + 'a>) {
+    let say = Say { scene };
+    match name {
+        "front_m" => ("front", Box::new(move |value| say.length(value))),
+        "saturation" => ("saturation", Box::new(|value| number(value, 3))),
+        "temperature_c" => ("temperature", Box::new(move |value| say.with(value, "K"))),
+        _ => ("events", Box::new(move |value| say.time(value))),
+    }
+}
+
+/// How far a run is off what was measured, of each quantity, beside what the instruments leave open.
+pub fn measured(scene: &Scene, measured: &BTreeMap<String, MeasuredErrors>) -> Vec<Line> {
+    let line = |(quantity, found): (&String, &MeasuredErrors)| {
+        let (title, with) = self::quantity(scene, quantity);
+        let MeasuredErrors { points, missing, rms, max, sd_rms, rms_over_sd, within_sd, .. } = *found;
+        let within = (within_sd * points as f64).round();
+        let missing = if missing > 0 { format!("; {missing} not reached") } else { String::new() };
+        let words = format!(
+            "{} off (rms, {} standard deviations of {}), at most {}; {within} of {points} points within one{missing}",
+            with(rms),
+            number(rms_over_sd, 3),
+            with(sd_rms),
+            with(max),
+        );
+        (format!("measured {title}"), words)
+    };
+    measured.iter().map(line).collect()
 }
 
 /// The error that was estimated of a run, and its parts as far as they were measured.

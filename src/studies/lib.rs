@@ -37,7 +37,7 @@ mod bundled {
     }
 
     pub fn scene(name: &str, overrides: &[(String, String)]) -> Result<Scene, Failure> {
-        let text = frazil_cases::scenes::find(name).expect("bundled").text;
-        Ok(Scene::read(text, name, name, overrides, methods())?)
+        let bundled = frazil_cases::scenes::find(name).expect("bundled");
+        Ok(Scene::read(bundled, name, name, overrides, methods())?)
     }
 }

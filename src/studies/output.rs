@@ -197,6 +197,7 @@ pub fn series(result: &RunResult) -> Vec<(&'static str, Option<Fill<'_>>)> {
         ("phases.csv", rows(&result.phases)),
         ("stream.csv", rows(&result.stream)),
         ("sections.csv", rows(&result.sections)),
+        ("measured.csv", rows(&result.measured)),
         ("surfaces.csv", rows(&result.surfaces)),
         ("profiles.csv", rows(&result.profiles)),
         ("probes.csv", rows(&result.probes)),

@@ -208,7 +208,7 @@ pub(super) fn exact_walls(
             Some("the body must start at one temperature".to_owned())
         } else if !regions.is_empty() || materials.len() > 1 {
             Some("the body must be of one material".to_owned())
-        } else if matches!(reference, ReferenceChoice::Table(_) | ReferenceChoice::Local | ReferenceChoice::None) {
+        } else if !reference.may_be_exact() {
             Some("the reference must be \"exact\" or \"auto\"".to_owned())
         } else {
             None

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::problem::{KeyOf, Log};
 use super::schema::Shape;
 use super::section::Section;
-use super::{read_root, tree};
+use super::{read_root, reference, tree};
 use crate::method::MethodKind;
 use frazil_core::physics::freezing_curve::{CURVES, CurveKind};
 use frazil_core::physics::retention::{RETENTIONS, RetentionKind};
@@ -51,8 +51,6 @@ temperature_c = 0
 [watch]
 [stream]
 reset_m = [0, 1]
-[reference]
-kind = "table"
 "#;
 
 /// Sections that exclude others.
@@ -119,6 +117,9 @@ fn texts(kinds: &[&'static MethodKind]) -> Vec<String> {
             texts.push(text);
         }
     }
+    for reference in reference::sketches() {
+        texts.extend(["", "balance = \"water\"\n"].map(|water| format!("{water}{reference}")));
+    }
     let soil =
         |kind: &RetentionKind| format!("[materials.{0}]\nsolute = {{}}\nretention = {{ law = \"{0}\" }}\n", kind.word);
     let soils: String = RETENTIONS.iter().map(soil).collect();
@@ -134,7 +135,7 @@ fn log_of(text: &str, kinds: &[&'static MethodKind]) -> Log {
     let log = Log::collecting();
     if let Ok(entries) = tree::parse(text) {
         // Its problems are those of an empty file.
-        let _ = read_root(Section::root(&entries, &log), "", String::new(), kinds);
+        let _ = read_root(Section::root(&entries, &log), "", kinds);
     }
     log
 }

@@ -2,11 +2,13 @@
 
 use std::cell::RefCell;
 use std::fmt;
+use std::path::Path;
 use std::sync::Arc;
 
 use frazil_record::{brief, shown, shown_lines};
 
 use super::schema::Shape;
+use crate::files::Files;
 use crate::units::Units;
 
 /// Where a value was written.
@@ -29,6 +31,8 @@ pub struct Problem {
     pub line: Option<usize>,
     /// The `KEY=VALUE` of `--set` that brought the value in, if one did.
     pub set: Option<String>,
+    /// The file beside the scene that it is a problem of, as the scene calls it; its keys are columns.
+    pub beside: Option<String>,
     /// What was found and what is allowed.
     pub message: String,
 }
@@ -40,11 +44,11 @@ impl Problem {
             Place::Line(line) => (Some(*line), None),
             Place::Set(text) => (None, Some(text.clone())),
         };
-        Problem { key: key.into(), line, set, message: message.into() }
+        Problem { key: key.into(), line, set, beside: None, message: message.into() }
     }
 }
 
-/// All problems of one scene file, in the order of its lines; those of `--set` come last.
+/// All problems of one scene file, in the order of its lines; those of files beside it, and then of `--set`, come last.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problems {
     /// Name of the file as messages show it.
@@ -58,7 +62,10 @@ const TOLD: usize = 100;
 
 impl Problems {
     pub(super) fn new(file: &str, mut problems: Vec<Problem>) -> Self {
-        problems.sort_by_key(|problem| (problem.set.is_some(), problem.line));
+        problems.sort_by(|a, b| {
+            let order = |problem: &Problem| (problem.set.is_some(), problem.beside.clone(), problem.line);
+            order(a).cmp(&order(b))
+        });
         problems.dedup();
         Problems { file: file.to_owned(), problems }
     }
@@ -102,12 +109,41 @@ pub(super) struct Log {
     asked: Option<RefCell<Vec<KeyOf>>>,
     /// What values of them may be, in the same case.
     shapes: RefCell<Vec<(KeyOf, Shape)>>,
+    /// Files that the scene may name.
+    files: Files,
+    /// Those that were read, as name and text.
+    read: RefCell<Vec<(String, String)>>,
 }
 
 impl Log {
     /// Says where all keys that the file may have are known from, once one is found that nobody asked for.
     pub(super) fn know(&self, known: impl Fn() -> Arc<[KeyOf]> + 'static) {
         *self.known.borrow_mut() = Some(Box::new(known));
+    }
+
+    /// One of a scene that may name these files.
+    pub(super) fn beside(files: Files) -> Self {
+        Log { files, ..Log::default() }
+    }
+
+    /// The text of a file that the scene names, or why it cannot be had.
+    pub(super) fn text_of(&self, name: &str) -> Result<String, String> {
+        let text = self.files.text(name)?;
+        let mut read = self.read.borrow_mut();
+        if !read.iter().any(|(known, _)| known == name) {
+            read.push((name.to_owned(), text.clone()));
+        }
+        Ok(text)
+    }
+
+    /// Files that were read so far, as name and text.
+    pub(super) fn files_read(&self) -> Vec<(String, String)> {
+        self.read.borrow().clone()
+    }
+
+    /// Whether one of the problems is of a key that is none of these.
+    pub(super) fn is_about_others(&self, keys: &[String]) -> bool {
+        self.problems.borrow().iter().flatten().any(|problem| !keys.contains(&problem.key))
     }
 
     /// One that collects keys and knows of none.
@@ -169,11 +205,13 @@ impl Log {
 
 impl fmt::Display for Problems {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let file = shown(&self.file);
+        let own = shown(&self.file);
         for (index, problem) in self.problems.iter().take(TOLD).enumerate() {
             if index > 0 {
                 writeln!(f)?;
             }
+            let beside = problem.beside.as_ref().map(|beside| Path::new(&self.file).with_file_name(beside));
+            let file = beside.map_or(own.clone(), |beside| shown(&beside.to_string_lossy()).into_owned().into());
             match (&problem.set, problem.line) {
                 (Some(set), _) => {
                     write!(f, "--set {}: ", brief(set))?;
@@ -193,7 +231,7 @@ impl fmt::Display for Problems {
         }
         match self.problems.len().saturating_sub(TOLD) {
             0 => Ok(()),
-            more => write!(f, "\n{file}: {more} more problems"),
+            more => write!(f, "\n{own}: {more} more problems"),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod changes;
 mod expected;
+mod files;
 mod lists;
 mod pipes;
 mod unknown;
@@ -181,6 +182,11 @@ impl<'a> Section<'a> {
             self.note(&written, format!("has no effect, {reason}"));
         }
         self.refused.push(written);
+    }
+
+    /// Passes over a key that has no effect here and is no mistake.
+    pub(super) fn pass_over(&mut self, key: &'static str) {
+        self.refused.push(key.to_owned());
     }
 
     /// Refuses a key that has another name now.

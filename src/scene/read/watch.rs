@@ -1,4 +1,4 @@
-//! Time, what is observed, and the reference.
+//! Time, and what is observed.
 
 use super::problem::Read;
 use super::range::{Range, plain, temperatures};
@@ -6,7 +6,7 @@ use super::regions::extent;
 use super::section::{Duration, Section};
 use super::shells;
 use crate::region::Cell;
-use crate::scene::{ReferenceChoice, Watch};
+use crate::scene::Watch;
 use frazil_core::space::domain::{Domain, Surface};
 use glam::DVec2;
 
@@ -20,9 +20,9 @@ pub(super) struct Time {
 }
 
 /// Instants of profiles, and places, cuts and temperatures that are watched, of each.
-const MOST_PLACES: usize = 1000;
+pub(super) const MOST_PLACES: usize = 1000;
 
-fn few(count: usize) -> String {
+pub(super) fn few(count: usize) -> String {
     format!("found {count}, must be at most {MOST_PLACES}")
 }
 
@@ -128,6 +128,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Read<
         frozen_wall,
         profile_length,
         front_from,
+        measured: Vec::new(),
     })
 }
 
@@ -192,37 +193,8 @@ fn phases(section: &mut Section<'_>, domain: Option<&Domain>) -> Option<(f64, f6
     }
 }
 
-fn inside(domain: &Domain, x: f64, y: f64) -> bool {
+pub(super) fn inside(domain: &Domain, x: f64, y: f64) -> bool {
     let (Cell { low, high }, place) = (extent(domain), DVec2::new(x, y));
     let beyond = matches!(domain, Domain::Ring { outer_radius, .. } if x.hypot(y) > *outer_radius);
     !beyond && place.cmpge(low).all() && place.cmple(high).all()
-}
-
-pub(super) fn reference(root: &mut Section<'_>, domain: Option<&Domain>) -> ReferenceChoice {
-    let Some(mut section) = root.optional_section("reference") else { return ReferenceChoice::Auto };
-    let kinds = [("exact", 0), ("table", 1), ("local", 2), ("auto", 3), ("none", 4)];
-    let kind = section.choice("kind", &kinds);
-    if kind == Ok(1) {
-        return section.text("table").map_or(ReferenceChoice::Auto, ReferenceChoice::Table);
-    }
-    if kind.is_err() {
-        section.abandon();
-    } else if section.is_set("kind") {
-        // The table of the file, which another kind stands in for.
-        section.optional_text("table");
-    } else {
-        section.refuse("table", "only the kind \"table\" uses one");
-    }
-    if let (Ok(0), Some(Domain::Ring { .. })) = (kind, domain) {
-        section.problem("kind", "found \"exact\", but a ring has no exact solution");
-    }
-    if kind == Ok(0) && domain.is_some_and(|domain| domain.symmetry().is_some()) {
-        section.problem("kind", "found \"exact\", but a body of shells has no exact solution");
-    }
-    match kind {
-        Ok(0) => ReferenceChoice::Exact,
-        Ok(2) => ReferenceChoice::Local,
-        Ok(4) => ReferenceChoice::None,
-        _ => ReferenceChoice::Auto,
-    }
 }

@@ -2,12 +2,13 @@
 
 use frazil_scene::Scene;
 
-/// Output and profile instants in order, the end included.
+/// Output and profile instants and those at which something was measured, in order, the end included.
 pub fn outputs(scene: &Scene) -> Vec<f64> {
     let outputs = scene.watch.outputs.max(1);
     let mut instants: Vec<f64> = (1..=outputs)
         .map(|k| if k == outputs { scene.duration } else { scene.duration * k as f64 / outputs as f64 })
         .chain(scene.watch.profiles.iter().copied())
+        .chain(scene.watch.measured.iter().copied())
         .filter(|instant| *instant > 0.0 && *instant <= scene.duration)
         .collect();
     instants.sort_by(f64::total_cmp);

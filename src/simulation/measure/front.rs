@@ -81,6 +81,22 @@ pub(super) fn last(scene: &Scene, rows: &[FrontRow], reference: &dyn Reference) 
     super::finite(judged.error())
 }
 
+/// How near (of where it is at the end) a front that counts as steady has come, and in which part of the run it must have.
+const STEADY: f64 = 0.02;
+const STEADY_BEFORE: f64 = 0.9;
+
+/// When a front came to stay near where it is at the end of the scene (s), between rows; absent where it still moves or the run did
+/// not get there.
+pub(super) fn steady(scene: &Scene, rows: &[FrontRow]) -> Option<f64> {
+    let end = rows.last().filter(|row| row.time_s >= scene.duration * (1.0 - AT_THE_END))?;
+    let off = |row: &FrontRow| (row.front_m - end.front_m).abs() - STEADY * end.front_m.abs();
+    let last = rows.iter().rposition(|row| off(row) > 0.0)?;
+    let [before, after] = rows.get(last..=last + 1)? else { return None };
+    let share = off(before) / (off(before) - off(after));
+    let time = before.time_s + share * (after.time_s - before.time_s);
+    (time <= STEADY_BEFORE * scene.duration).then_some(time)
+}
+
 /// Signed relative error of the constant in `front = constant sqrt(t)`, fitted to the squares over a window; absent
 /// unless the reference's own front follows the root of time.
 pub(super) fn constant(window: &[Judged]) -> Option<f64> {
@@ -132,6 +148,21 @@ mod tests {
             let constant = constant(&come(&rows, &truth)).expect("a root of time");
             assert!((constant - 0.02).abs() < 1e-10, "{length}: {constant}");
         }
+    }
+
+    #[test]
+    fn a_front_is_steady_once_it_stays_near_its_end() {
+        let line = frazil_core::space::domain::Domain::Line { length: 1.0 };
+        let scene = Scene::bare(line, 10.0, Vec::new());
+        let rows =
+            |fronts: &[f64]| -> Vec<FrontRow> { (1..).zip(fronts).map(|(t, s)| row(f64::from(t), *s)).collect() };
+        let grown = rows(&[0.5, 0.9, 0.96, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+        assert!((steady(&scene, &grown).expect("steady") - 3.5).abs() < 1e-9);
+        // It passes its end and comes back.
+        let back = rows(&[1.0, 1.1, 1.06, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
+        assert!((steady(&scene, &back).expect("steady") - (3.0 + 2.0 / 3.0)).abs() < 1e-9);
+        assert_eq!(steady(&scene, &rows(&[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])), None);
+        assert_eq!(steady(&scene, &grown[..9]), None);
     }
 
     #[test]

@@ -44,6 +44,10 @@ pub fn work_figure(study: &Study, comparison: &Comparison, cost: Cost) -> WorkFi
             })
             .collect(),
     };
+    let floor = match &study.runs.reference {
+        Some(reference) if reference.kind == "measured" => "standard deviation of the instruments",
+        _ => "error of the reference",
+    };
     WorkFigure {
         title: format!("{}: {}", study.runs.scene.title, comparison.headline.name()),
         error_label: comparison.headline.label().into(),
@@ -52,7 +56,7 @@ pub fn work_figure(study: &Study, comparison: &Comparison, cost: Cost) -> WorkFi
             Cost::Time(Clock::Cpu) => format!("CPU time, setup and solve, {threads} (s)"),
             Cost::Updates => "particle updates".into(),
         },
-        marked: study.runs.reference_error(comparison.headline).map(|error| (error, "error of the reference")),
+        marked: study.runs.reference_error(comparison.headline).map(|error| (error, floor)),
         curves: curves.iter().map(work_curve).collect(),
     }
 }

@@ -2,6 +2,7 @@
 
 mod answer;
 mod chart;
+mod measured;
 mod numbers;
 mod words;
 
@@ -137,6 +138,10 @@ fn section(folder: &Path, study: &Study, figures: &mut Figures) -> Result<SceneS
     let own = folder.join(study.name());
     make_folder(&own)?;
     let mut blocks = compared(&own, study, ALL_COSTS, figures);
+    if let Some((block, drawn)) = measured::block(study) {
+        blocks.push(block);
+        drawn.into_iter().for_each(|(file, canvas)| figures.add(&own, file, canvas));
+    }
     blocks.push(run_table(study));
     let further = ensembles(study).into_iter().chain(finest_runs(&own, study)?).chain([gates(study)]);
     let further = further.chain(failures(study)).chain([settings(study)]);

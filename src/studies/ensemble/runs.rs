@@ -21,7 +21,8 @@ use crate::output::of_water::SaturationRow;
 pub type Tables = BTreeMap<String, Table>;
 
 /// The series that errors are taken of.
-pub const JUDGED: [&str; 6] = ["front.csv", "frozen.csv", "profiles.csv", "wall.csv", "gaps.csv", "cut.csv"];
+pub const JUDGED: [&str; 7] =
+    ["front.csv", "frozen.csv", "profiles.csv", "measured.csv", "wall.csv", "gaps.csv", "cut.csv"];
 
 /// The series of a run that errors are taken of, as it would write them.
 fn judged(run: &RunResult) -> io::Result<Tables> {
@@ -78,6 +79,7 @@ pub fn result(record: Record, tables: &Tables) -> Result<RunResult, BadSeries> {
         front: typed(tables, "front.csv")?,
         frozen: typed(tables, "frozen.csv")?,
         profiles,
+        measured: typed(tables, "measured.csv")?,
         walls: typed(tables, "wall.csv")?,
         gaps: typed(tables, "gaps.csv")?,
         water,

@@ -201,6 +201,11 @@ impl<'a> Section<'a> {
         written.or(keys.first()).map_or_else(|| base.to_owned(), |(key, _)| key.clone())
     }
 
+    /// Whether a time is there, in whatever unit.
+    pub(in super::super) fn has_time(&self, base: &'static str) -> bool {
+        self.time_keys(base).iter().any(|(key, _)| self.find(key).is_some())
+    }
+
     /// Records a problem of a time.
     pub fn time_problem(&mut self, base: &'static str, message: impl Into<String>) -> Noted {
         let key = self.time_key(base);

@@ -4,7 +4,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use syn::LitStr;
 use syn::buffer::{Cursor, TokenBuffer};
 
 /// Phrases that say in a roundabout way what has a plain word.
@@ -191,6 +190,23 @@ fn is_for_tests(attribute: Cursor<'_>) -> bool {
     is(attribute, "cfg") && arguments.is_some_and(|(inside, ..)| is(inside, "test"))
 }
 
+/// The text of a literal, if it is one. Parsing it as code would keep it, and its place among all others, to the end.
+fn value(literal: &str) -> Option<String> {
+    if let Some(raw) = literal.strip_prefix('r') {
+        return Some(raw.trim_matches('#').trim_matches('"').to_owned());
+    }
+    let mut text = String::new();
+    let mut characters = literal.strip_prefix('"')?.strip_suffix('"')?.chars().peekable();
+    while let Some(character) = characters.next() {
+        match (character, characters.peek()) {
+            ('\\', Some('\n')) => while characters.next_if(|c| c.is_whitespace()).is_some() {},
+            ('\\', _) => text.extend(characters.next().map(|c| if matches!(c, 'n' | 't' | 'r') { ' ' } else { c })),
+            _ => text.push(character),
+        }
+    }
+    Some(text)
+}
+
 /// Texts of code, but those of comments and of tests.
 fn literals(mut cursor: Cursor<'_>, found: &mut Vec<String>) {
     let mut of_tests = false;
@@ -200,13 +216,12 @@ fn literals(mut cursor: Cursor<'_>, found: &mut Vec<String>) {
                 of_tests = format!("{delimiter:?}") != "Brace";
             } else if is_for_tests(inside) {
                 of_tests = true;
-            } else if !inside.ident().is_some_and(|(name, _)| name == "doc") {
+            } else if inside.ident().is_none_or(|(name, _)| name != "doc") {
                 literals(inside, found);
             }
             rest
         } else if let Some((literal, rest)) = cursor.literal() {
-            let text = syn::parse_str::<LitStr>(&literal.to_string()).ok().map(|literal| literal.value());
-            found.extend(text.filter(|_| !of_tests));
+            found.extend(value(&literal.to_string()).filter(|_| !of_tests));
             rest
         } else if let Some((mark, rest)) = cursor.punct() {
             of_tests &= mark.as_char() != ';';
@@ -307,6 +322,8 @@ fn unwanted_words_are_found() {
     let code = "/// bond\n#[error(\"a bond {0}\")] fn f() { let g = format!(\"two {}\", [\"bond\"]); } #[cfg(test)] mod t { const A: &str = \"b\"; }";
     literals(TokenBuffer::new2(code.parse().expect("code")).begin(), &mut texts);
     assert_eq!(texts, ["a bond {0}", "two {}", "bond"]);
+    assert_eq!(value("\"a \\\"b\\\"\\n c \\\n   d\"").as_deref(), Some("a \"b\"  c d"));
+    assert_eq!((value("1.5"), value("r#\"a\"#").as_deref()), (None, Some("a")));
 }
 
 /// Numbers in documents and messages are written as people do: 1.155 and not 1.155e0.

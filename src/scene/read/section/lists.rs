@@ -312,8 +312,8 @@ impl<'a> Section<'a> {
                 [from, to] if from < to => None,
                 [from, to] => Some(format!("found {} after {}, must be later", plain(*to), plain(*from))),
                 _ => Some(format!(
-                    "found {} instants, must be 2: when work begins and when it ends (or 1 in the last interval, for \
-                     work without end that does not repeat)",
+                    "found {} instants, must be 2: start and end of operation (or 1 in the last interval, for \
+                     operation without end and period)",
                     ends.len()
                 )),
             };

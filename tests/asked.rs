@@ -173,7 +173,7 @@ fn what_does_not_fit_into_memory_is_refused_in_words() {
     let err = said(&output).1;
     assert_eq!(output.status.code(), Some(2), "{err}");
     let expected = "a spacing of 0.0125 makes 7.7e6 particles, which with their list of neighbours need at least";
-    assert!(err.contains(expected) && err.contains("set a spacing of at least 2."), "{err}");
+    assert!(err.contains(expected) && err.contains("set a spacing of at least 0.02"), "{err}");
 }
 
 /// Particles that move come to rest before a run by steps that do not follow the fastest phase of the scene, and a plan does not
@@ -251,7 +251,7 @@ fn a_study_is_priced_as_a_whole() {
     assert_eq!((code, err.as_str()), (Some(0), ""), "{out}");
     assert!(out.contains("  1 layout with local, pd, sph, edpd, each also at twice the spacing\n"), "{out}");
     for method in ["local", "pd", "sph", "edpd"] {
-        assert!(out.contains(&format!(" on 1 thread under {method}\n")), "{method}: {out}");
+        assert!(out.contains(&format!(" on 1 thread with {method}\n")), "{method}: {out}");
     }
     assert!(out.contains("\ntotal         about ") && out.contains(" of 1 thread"), "{out}");
 }

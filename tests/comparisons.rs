@@ -133,7 +133,7 @@ fn a_bundled_scene_can_be_varied() {
     assert_eq!(found.reference.map(|info| info.kind).as_deref(), Some("local"));
     assert!(found.remarks.iter().any(|remark| remark.contains("50000 here")), "{:?}", found.remarks);
     let page = fs::read_to_string(folder.path().join("out/compare/report.html")).expect("a page");
-    assert!(page.contains("50000 here") && page.contains("35, 60 left out"));
+    assert!(page.contains("50000 here") && page.contains("35, 60 skipped"));
 
     // A run says it as well. Without the other end, a closed form stands in.
     let long = ["run", "soil-column", "--method", "local", "--set", "domain.line.length_m=4", "--out", "long"];
@@ -174,7 +174,7 @@ fn a_copy_of_a_bundled_scene_can_be_varied() {
     assert!(output.status.success(), "{output:?}");
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(told.contains("warning: another reference than the scene's"), "{told}");
-    assert!(told.contains("warning: time.profiles_h: 20, 35, 60 left out"), "{told}");
+    assert!(told.contains("warning: time.profiles_h: 20, 35, 60 skipped"), "{told}");
 }
 
 /// Frozen soil that thaws from one end, in a body of a length.

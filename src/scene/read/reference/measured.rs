@@ -161,7 +161,7 @@ pub(super) fn settle(root: &mut Section<'_>, scene: &mut Scene, mut measured: Me
     let thaws = |quantity| quantity == Quantity::Event(Event::Thaw);
     let steady = |quantity| quantity == Quantity::Event(Event::Steady);
     missing(of(&steady) && !scene.has_front(), "events", "the scene has no plane or round front to become steady");
-    missing(of(&thaws) && scene.flow.is_none(), "events", "\"thawed\" is told where groundwater flows");
+    missing(of(&thaws) && scene.flow.is_none(), "events", "\"thawed\" needs groundwater flow");
     let places = measured.places();
     if places.len() > MOST_PLACES {
         root.problem("reference", format!("probes: {} of places", few(places.len())));

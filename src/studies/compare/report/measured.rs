@@ -64,7 +64,7 @@ fn floors(study: &Study) -> Vec<String> {
         let (headline, error) = (comparison.headline, study.runs.reference_error(comparison.headline)?);
         Some(format!(
             "The standard deviation of the instruments is {} in the {}: errors that differ by less do not rank methods, and one \
-             below it says no more than that the method agrees with what was measured.",
+             below it shows only that the method agrees with the measurement.",
             percent(error, 2),
             headline.label().trim_start_matches("rms ")
         ))

@@ -70,8 +70,8 @@ pub(super) fn counts<'a, 'b: 'a>(judged: impl Iterator<Item = &'a Judged<'b>>) -
             Outcome::Missing(_) => missing += 1,
         }
     }
-    let lacks = if missing > 0 { format!(", {missing} lack their run") } else { String::new() };
-    format!("{all} rows: {agree} pass, {differ} fail, {none} have no number, for a reason that is given{lacks}")
+    let lacks = if missing > 0 { format!(", {missing} without their run") } else { String::new() };
+    format!("{all} rows: {agree} pass, {differ} fail, {none} without a number (reason given){lacks}")
 }
 
 fn command(atlas: &Atlas, one: &Judged<'_>) -> String {

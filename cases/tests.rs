@@ -149,7 +149,7 @@ fn the_cold_wall_may_be_any() {
 fn a_far_wall_that_is_felt_is_refused_unless_it_follows_the_solution() {
     let mut scene = half_space(FreezingLaw::Isothermal);
     scene.domain = Domain::Line { length: 0.3 };
-    assert!(refusal(&scene).contains("the far wall is felt"), "{}", refusal(&scene));
+    assert!(refusal(&scene).contains("the far wall affects"), "{}", refusal(&scene));
     scene.reference = ReferenceChoice::Auto;
     assert_eq!(kind(&scene), None);
     scene.walls[1].condition = Condition::Exact;

@@ -556,8 +556,8 @@ fn a_search_says_before_it_starts_how_many_layouts_it_tries_at_most() {
             let mut rest = total.split_once(words).map_or("", |(_, rest)| rest).split(' ');
             (rest.next().and_then(|number| number.parse::<f64>().ok()).expect("a number"), rest.next())
         };
-        let (all, tried) = (after("some "), after(" 1 thread, "));
-        assert!(total.contains(" of it for those to be tried on the way"), "{total}");
+        let (all, tried) = (after("about "), after(" 1 thread, "));
+        assert!(total.contains(" of it for search candidates"), "{total}");
         assert!(all.1 != tried.1 || tried.0 < all.0 && tried.0 > 0.3 * all.0, "{total}");
         let [_, before] = run(&[]);
         assert!(before.starts_with("s: t\n") && before.contains(&counted), "{before}");

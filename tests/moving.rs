@@ -147,7 +147,7 @@ fn what_motion_cannot_represent_is_refused() {
     let sand = refused(bundled("frozen-wall-sand"), &[("method.edpd.motion", "true")]);
     assert_eq!(sand, "motion = true needs the domain \"line\" or \"rectangle\"");
     let flux = refused(&LIQUID.replace("temperature = 1.2", "flux = 3"), &[]);
-    assert!(flux.starts_with("the wall \"top\" has a flux, but walls of moving particles"), "{flux}");
+    assert!(flux.starts_with("the wall \"top\" has a flux, but with motion = true walls need"), "{flux}");
     let step = refused(LIQUID, &[("method.edpd.step", "0.1")]);
     assert!(step.starts_with("step_s = 0.1 is above the stable bound of 0.0"), "{step}");
     let small = refused(LIQUID, &[("domain.rectangle.width", "5")]);

@@ -314,7 +314,7 @@ fn symmetric_bodies_whose_particles_are_not_are_left_whole_with_the_reason() {
     };
     let jittered = plane.clone().with("layout = \"jittered\"\njitter_fraction = 0.3");
     for (sketch, word) in [
-        (jittered, "unevenly"),
+        (jittered, "irregular"),
         (plane.clone().with("wall_model = \"moving-least-squares\""), "moving-least-squares"),
         (line(21.0), "odd number"),
         (line(4.0), "narrower"),

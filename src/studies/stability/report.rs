@@ -99,7 +99,7 @@ fn answer(scene: &Scene, columns: &[&Mapped]) -> Option<String> {
         1 => "one run refutes the step that its method states".to_owned(),
         _ => format!("{broken} runs refute the steps that their methods state"),
     };
-    let longest = format!("Longest exact step over the bound, on all maps: {}", told.join("; "));
+    let longest = format!("Longest step within tolerance over the bound, on all maps: {}", told.join("; "));
     (!told.is_empty()).then(|| format!("{}: {stated}. {longest}.", scene.title))
 }
 

@@ -174,6 +174,6 @@ mod tests {
     fn an_outline_is_drawn_in_steps() {
         let row = |line, x_m, y_m| FrontLineRow { time_s: 1.0, line, x_m, y_m };
         let rows = [row(1, 1.0, 2.0), row(1, 2.0, 1.0), row(1, 2.0, 1.001), row(1, -1.0, 4.0), row(2, -5.0, -5.0)];
-        assert_eq!(outline(&rows, 0.5), "M2 4l2-2-6 6zM-10-10z");
+        assert_eq!(outline(&rows, 0.5), "M2 4l2-2-6 6zM-10 -10z");
     }
 }

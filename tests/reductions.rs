@@ -316,7 +316,7 @@ fn symmetric_bodies_whose_particles_are_not_are_left_whole_with_the_reason() {
     for (sketch, word) in [
         (jittered, "irregular"),
         (plane.clone().with("wall_model = \"moving-least-squares\""), "moving-least-squares"),
-        (line(21.0), "odd number"),
+        (line(21.0), "number is odd"),
         (line(4.0), "narrower"),
     ] {
         let finding = pd(&sketch);

@@ -6,7 +6,7 @@
 //! left to the iteration, and no water is lost however early it ends.
 //!
 //! Threads share an iteration by bands of particles, whose number follows from that of the particles alone. Sweeps of bands see
-//! no other ([`seams`]), so that none waits, and sums are added band by band: any number of threads finds the same bits.
+//! no other (`seams`), so that none waits, and sums are added band by band: any number of threads finds the same bits.
 
 mod bands;
 mod coarse;

@@ -261,7 +261,7 @@ mod tests {
             last_gap_alike: 1,
             last_gap_spread_s: Some(0.0),
         };
-        assert_eq!(say.watched(&wall), "closed after 30 d; at the end 1.25 m at its weakest between 1.3 and 1.4");
+        assert_eq!(say.watched(&wall), "closed after 30 d; at the end 1.25 m at its weakest gap between 1.3 and 1.4");
         let even = WallRecord { last_gap_alike: 26, last_gap_spread_s: Some(day(0.25)), ..wall.clone() };
         assert_eq!(
             say.watched(&even),

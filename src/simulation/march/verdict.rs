@@ -89,8 +89,8 @@ mod tests {
         let cause = |of_water, balance, violation| {
             judge(of_water, LatentHeatScheme::Enthalpy, balance, violation, None, 0.0).1.expect("a cause")
         };
-        assert_eq!(cause(false, 0.01, None), "the heat balance misses 1.000e-2 of the heat exchanged");
-        assert_eq!(cause(true, 0.01, None), "the water balance misses 1.000e-2 of the water exchanged");
+        assert_eq!(cause(false, 0.01, None), "the heat balance is off by 0.01 of the heat exchanged");
+        assert_eq!(cause(true, 0.01, None), "the water balance is off by 0.01 of the water exchanged");
         let left = "left the range of the data by 20.00 % of it";
         assert_eq!(cause(false, 0.0, Some(0.2)), format!("temperatures {left}"));
         assert_eq!(cause(true, 0.0, Some(0.2)), format!("pressure heads, on a logarithmic scale, {left}"));

@@ -124,6 +124,6 @@ mod tests {
     #[test]
     fn profiles_that_differ_are_named() {
         let said = profiles(&scene(), &vec![(360.0, 0.2), (3600.0, 0.001), (7200.0, 0.001)]);
-        assert!(said.contains("profiles at 0.1 are") && said.contains("time.profiles_h"), "{said}");
+        assert!(said.contains("profiles at 0.1 cause") && said.contains("time.profiles_h"), "{said}");
     }
 }

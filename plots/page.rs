@@ -72,8 +72,8 @@ pub struct SceneSection {
     pub parameters: Vec<Fact>,
     /// Figures and tables.
     pub blocks: Vec<Block>,
-    /// Whether it is not finished: its figures are not there as PNG yet.
-    pub under_way: bool,
+    /// Whether its figures are there as SVG alone.
+    pub svg_alone: bool,
 }
 
 /// Figures and the tables under them.

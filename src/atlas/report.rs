@@ -136,8 +136,7 @@ fn section(folder: &Path, atlas: &Atlas, paper: &Paper, rows: &[Judged<'_>]) -> 
         words: 5,
         csv: Some("atlas.csv".into()),
     };
-    let mut named: Vec<&str> = rows.iter().filter_map(|one| one.row.run.as_deref()).collect();
-    named.dedup();
+    let named: Vec<&str> = rows.iter().filter_map(|one| one.row.run.as_deref()).collect();
     let mut figures = Vec::new();
     let mut commands: Vec<String> = Vec::new();
     for run in atlas.runs.iter().filter(|run| named.contains(&run.name.as_str())) {
@@ -156,7 +155,7 @@ fn section(folder: &Path, atlas: &Atlas, paper: &Paper, rows: &[Judged<'_>]) -> 
         name: paper.key.clone(),
         title: paper.title.clone(),
         blocks: vec![table, pictures, runs],
-        under_way: true,
+        svg_alone: true,
         ..SceneSection::default()
     }
 }

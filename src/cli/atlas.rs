@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{command_line, threads};
+use super::values::{Threads, command_line};
 use crate::atlas::{AtlasRequest, atlas};
 
 /// Runs that are there already are not made again, so an atlas that was stopped goes on when it is started again.
@@ -13,9 +13,8 @@ use crate::atlas::{AtlasRequest, atlas};
 pub struct AtlasArguments {
     /// Papers by their keys, as nikolaev-2021; by default all of them.
     papers: Vec<String>,
-    /// Threads of each run; by default one for each core. The result does not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Folder for the results; by default out/atlas.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -30,7 +29,7 @@ impl AtlasArguments {
         atlas(&AtlasRequest {
             papers: self.papers,
             out: self.out,
-            threads: threads(self.threads),
+            threads: self.threads.count(),
             command_line: command_line(),
             quiet: self.quiet,
         })

@@ -3,7 +3,7 @@
 use clap::Args;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{MemoryLimit, key_and_value, threads};
+use super::values::{MemoryLimit, Threads, key_and_value};
 use crate::check::{CheckRequest, check};
 use crate::load;
 
@@ -20,9 +20,8 @@ pub struct CheckArguments {
     /// Uses the discretisation printed in the scene's paper, where one is bundled; `--set` takes precedence.
     #[arg(long)]
     paper: bool,
-    /// Threads of the run; by default one for each core.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Plans the reduced scene with the same solution, if there is one.
     #[arg(long)]
     reduce: bool,
@@ -42,7 +41,7 @@ impl CheckArguments {
             scene: self.scene,
             methods: self.method,
             overrides: self.set,
-            threads: threads(self.threads),
+            threads: self.threads.count(),
             reduce: self.reduce,
         })
     }

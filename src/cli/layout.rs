@@ -8,8 +8,8 @@ use frazil_studies::campaign::Shard;
 use frazil_studies::failure::{Failure, Verdict};
 
 use super::values::{
-    BetweenCheckpoints, MemoryLimit, MustBe, between_checkpoints, command_line, error, key_and_value, positive_seconds,
-    threads,
+    BetweenCheckpoints, MemoryLimit, MustBe, Threads, between_checkpoints, command_line, error, key_and_value,
+    positive_seconds,
 };
 use crate::parts::parts;
 
@@ -30,9 +30,8 @@ pub struct LayoutArguments {
     /// Wall time, in seconds, for the coarse runs of each layout that determine the spacing.
     #[arg(long, value_name = "S", default_value = "120", value_parser = positive_seconds, requires = "error")]
     budget_s: f64,
-    /// Concurrent layouts; by default one for each core.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Runs only the layouts K, K + N, K + 2 N, ...; the same command without it reuses all results in the folder
     /// and writes the tables.
     #[arg(long, value_name = "K/N", value_parser = shard)]
@@ -67,7 +66,7 @@ impl LayoutArguments {
             study: self.study,
             method: self.method,
             overrides: self.set,
-            threads: threads(self.threads),
+            threads: self.threads.count(),
             error: self.error,
             budget_s: self.budget_s,
             shard: self.shard.unwrap_or(Shard::WHOLE),

@@ -6,7 +6,7 @@ use clap::Args;
 use frazil_edpd::calibration::Constants;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{MustBe, number, sized, threads};
+use super::values::{MustBe, Threads, number, sized};
 use crate::properties::{PropertiesRequest, Rows, properties};
 
 /// The default, 13 temperatures of water and 5 seeds, takes 1.8e9 particle steps: some 15 minutes
@@ -50,9 +50,8 @@ pub struct PropertiesArguments {
     /// two and three dimensions, with the time step and with three times the time step.
     #[arg(long, conflicts_with_all = ["temperatures_c", "all_rows", "seeds", "height", "paper"])]
     equilibrium: bool,
-    /// Concurrent jobs; by default one for each core. Results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Folder for the results; by default out/properties-FLUID. Finished jobs in it are not repeated.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -85,7 +84,7 @@ impl PropertiesArguments {
             step: self.step,
             paper: self.paper,
             equilibrium: self.equilibrium,
-            threads: threads(self.threads),
+            threads: self.threads.count(),
             out: self.out,
             quiet: self.quiet,
         })

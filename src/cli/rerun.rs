@@ -5,16 +5,15 @@ use std::path::PathBuf;
 use clap::Args;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{MemoryLimit, command_line, threads};
+use super::values::{MemoryLimit, Threads, command_line};
 use crate::rerun::{RerunRequest, rerun};
 
 #[derive(Debug, Args)]
 pub struct RerunArguments {
     /// The record.json of a run, or its folder.
     record: PathBuf,
-    /// Threads; by default one for each core. Results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Folder for the results; by default out/rerun/SCENE.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -32,7 +31,7 @@ impl RerunArguments {
         rerun(&RerunRequest {
             record: self.record,
             out: self.out,
-            threads: threads(self.threads),
+            threads: self.threads.count(),
             command_line: command_line(),
             quiet: self.quiet,
         })

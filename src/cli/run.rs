@@ -9,8 +9,8 @@ use frazil_studies::ensemble::runs::Headline;
 use frazil_studies::failure::{Failure, Verdict};
 
 use super::values::{
-    BetweenCheckpoints, MemoryLimit, between_checkpoints, command_line, error, key_and_value, measure,
-    positive_seconds, threads,
+    BetweenCheckpoints, MemoryLimit, Threads, between_checkpoints, command_line, error, key_and_value, measure,
+    positive_seconds,
 };
 use crate::run::RunRequest;
 use crate::{load, run};
@@ -39,9 +39,8 @@ pub struct RunArguments {
     /// Wall time, in seconds, for the coarse runs that determine the spacing.
     #[arg(long, value_name = "S", default_value = "120", value_parser = positive_seconds, requires = "error")]
     budget_s: f64,
-    /// Threads; by default one for each core. Results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Seed of noise and of irregular layouts; with --seeds that of the first member.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
@@ -111,7 +110,7 @@ impl RunArguments {
             scene: self.scene,
             method: self.method,
             overrides: self.set,
-            threads: threads(self.threads),
+            threads: self.threads.count(),
             seed: self.seed,
             out: self.out,
             reduce: self.reduce,

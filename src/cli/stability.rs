@@ -7,7 +7,7 @@ use frazil_studies::failure::{Failure, Verdict};
 use frazil_studies::stability::axis::Axis;
 use frazil_studies::stability::{StabilityRequest, stability};
 
-use super::values::{MemoryLimit, MustBe, command_line, key_and_value, positive, positive_seconds, threads};
+use super::values::{MemoryLimit, MustBe, Threads, command_line, key_and_value, positive, positive_seconds};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]
@@ -43,9 +43,8 @@ pub struct StabilityArguments {
     /// Wall time of one run, in seconds; a cell that needs more has timed out.
     #[arg(long, value_name = "S", default_value = "60", value_parser = positive_seconds)]
     time_limit_s: f64,
-    /// Concurrent columns; by default one for each core. Results do not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Folder for the results; by default out/stability. Finished runs in it are not repeated.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -71,7 +70,7 @@ impl StabilityArguments {
             seeds: self.seeds.into(),
             coarsen: self.coarsen.into(),
             time_limit_s: self.time_limit_s,
-            threads: threads(self.threads),
+            threads: self.threads.count(),
             out: self.out,
             quiet: self.quiet,
             command_line: command_line(),

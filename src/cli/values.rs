@@ -26,9 +26,19 @@ pub fn command_line() -> String {
     words.collect::<Vec<_>>().join(" ")
 }
 
-/// Threads that were asked for; by default one for each core.
-pub fn threads(asked: Option<u16>) -> usize {
-    asked.map_or_else(parallel::cores, usize::from)
+/// The threads of a command that takes all cores unless asked for less.
+#[derive(Debug, Args)]
+pub struct Threads {
+    /// Threads, or concurrent runs of a study; by default one for each core. Results do not depend on it.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl Threads {
+    /// How many.
+    pub fn count(&self) -> usize {
+        self.threads.map_or_else(parallel::cores, usize::from)
+    }
 }
 
 /// What a value of an option must be.

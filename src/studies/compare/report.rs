@@ -158,7 +158,7 @@ fn under_way(folder: &Path, study: &Study, figures: &mut Figures) -> Result<Scen
     // Which clock counts, and so what the figures by others are called, is known at the end.
     blocks.extend(compared(&own, study, 1, figures));
     blocks.push(run_table(study));
-    Ok(SceneSection { blocks, under_way: true, ..headed(study) })
+    Ok(SceneSection { blocks, svg_alone: true, ..headed(study) })
 }
 
 /// Name, title and source of a scene.

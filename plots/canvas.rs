@@ -102,13 +102,20 @@ impl Item {
     }
 }
 
-/// As what drawings are written.
+/// As what drawings are written beside SVG.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Formats {
+pub struct Formats {
+    /// PNG, which takes some hundredths of a second each.
+    pub png: bool,
+    /// PDF, which takes some milliseconds.
+    pub pdf: bool,
+}
+
+impl Formats {
     /// SVG alone, which costs next to nothing.
-    Svg,
-    /// SVG, and the same as PNG, which takes some hundredths of a second each.
-    SvgAndPng,
+    pub const SVG: Formats = Formats { png: false, pdf: false };
+    /// SVG, PNG and PDF.
+    pub const ALL: Formats = Formats { png: true, pdf: true };
 }
 
 /// A drawing.
@@ -212,7 +219,7 @@ impl Canvas {
         self.line(vec![(x - radius, y + radius), (x + radius, y - radius)], stroke);
     }
 
-    /// Writes `NAME.svg` and, where it is asked for, `NAME.png` into a folder, and returns what was written.
+    /// Writes `NAME.svg` and, where they are asked for, `NAME.png` and `NAME.pdf` into a folder, and returns what was written.
     ///
     /// # Errors
     ///
@@ -221,10 +228,17 @@ impl Canvas {
         let path = folder.join(format!("{name}.svg"));
         write(&path, self.svg().as_bytes())?;
         let mut paths = vec![path];
-        if formats == Formats::SvgAndPng {
-            let path = folder.join(format!("{name}.png"));
-            write(&path, &self.png()?)?;
+        let mut also = |ending: &str, bytes: Vec<u8>| {
+            let path = folder.join(format!("{name}.{ending}"));
+            write(&path, &bytes)?;
             paths.push(path);
+            Ok::<(), PlotError>(())
+        };
+        if formats.png {
+            also("png", self.png()?)?;
+        }
+        if formats.pdf {
+            also("pdf", self.pdf()?)?;
         }
         Ok(paths)
     }

@@ -18,7 +18,9 @@ pub mod map;
 pub mod measured;
 pub mod moisture_map;
 mod moisture_profiles;
+pub mod movie;
 pub mod page;
+mod pdf;
 mod png;
 pub mod properties;
 pub mod rings;
@@ -29,6 +31,7 @@ pub mod stability;
 mod stream;
 pub mod style;
 mod svg;
+pub mod sweep;
 mod table;
 pub mod words;
 

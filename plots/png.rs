@@ -74,7 +74,7 @@ fn font(size: f64, bold: bool) -> TextStyle<'static> {
 }
 
 /// A text in letters that the built-in font has: it lacks the raised minus sign, which a macron resembles.
-fn in_built_in_font(text: &str) -> String {
+pub(crate) fn in_built_in_font(text: &str) -> String {
     text.replace('⁻', "ˉ")
 }
 

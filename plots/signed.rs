@@ -1,9 +1,10 @@
 //! Magnitudes of signed errors on logarithmic axes: marks say the sign.
 
 use crate::axes::{Axis, Entry};
-use crate::canvas::{Canvas, Colour, Stroke};
+use crate::canvas::{Canvas, Stroke};
 use crate::sheet::framed;
 use crate::style::{MARKERS, Marker, REFERENCE};
+use crate::sweep::ramp;
 
 /// Errors along which one parameter changes.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,18 +28,11 @@ pub struct SignedFigure {
     pub curves: Vec<SignedCurve>,
 }
 
-/// The colour of a curve among others: from dark blue to light orange, which differ in a grey print too.
-fn colour(k: usize, count: usize) -> Colour {
-    let share = k as f64 / (count.max(2) - 1) as f64;
-    let mix = |from: f64, to: f64| (from + share * (to - from)).round() as u8;
-    Colour(mix(11.0, 240.0), mix(60.0, 160.0), mix(140.0, 50.0))
-}
-
 /// Draws magnitudes: filled marks where the error is positive, hollow ones where it is negative. Where the sign changes
 /// between two points the line is broken.
 pub fn signed(figure: &SignedFigure) -> Canvas {
     let count = figure.curves.len();
-    let look = |k: usize| (MARKERS[k % MARKERS.len()], colour(k, count));
+    let look = |k: usize| (MARKERS[k % MARKERS.len()], ramp(k, count));
     let mut entries: Vec<Entry> = figure
         .curves
         .iter()

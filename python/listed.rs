@@ -4,8 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use frazil::run::told_reference;
-use frazil::{check as checks, registry};
-use frazil_scene::heading;
+use frazil::{check as checks, list};
 use frazil_studies::{input, method};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping};
@@ -19,26 +18,11 @@ use crate::{value, work};
 /// Rows of a list: kind, name, title, and the source of a scene or whether a method is `stochastic`.
 type Listed = (&'static str, &'static str, String, String);
 
-/// The bundled scenes and studies, and the methods.
+/// The bundled scenes, studies and fluids, and the methods.
 #[pyfunction]
 pub fn listed() -> PyResult<Vec<Listed>> {
-    let mut rows = Vec::new();
-    let groups = [
-        ("scene", frazil_cases::scenes::all()),
-        ("extreme", frazil_cases::scenes::extreme()),
-        ("study", frazil_cases::studies::all()),
-    ];
-    for (kind, group) in groups {
-        for bundled in group {
-            let own = heading(bundled.text, bundled.name).map_err(|problems| raised(&problems.into()))?;
-            rows.push((kind, bundled.name, own.title, own.source));
-        }
-    }
-    for kind in registry::methods() {
-        let noise = if kind.stochastic { "stochastic" } else { "" };
-        rows.push(("method", kind.name, kind.title.to_owned(), noise.to_owned()));
-    }
-    Ok(rows)
+    let rows = list::listed().map_err(|failure| raised(&failure))?;
+    Ok(rows.into_iter().map(|row| (row.kind, row.name, row.title, row.source)).collect())
 }
 
 /// The file of a bundled scene or study, or one of its own, as a dictionary.
@@ -86,16 +70,16 @@ pub fn check<'py>(
         return Err(stopped);
     }
     let dictionary = |(method, (forecast, text)): (&str, (frazil_simulation::predict::Forecast, String))| {
-        let (plan, summary) = (PyDict::new(py), &forecast.summary);
+        let (plan, numbers) = (PyDict::new(py), checks::PlanNumbers::of(&forecast));
         plan.set_item("method", method)?;
-        plan.set_item("particles", summary.particles)?;
-        plan.set_item("pairs", summary.pairs)?;
-        plan.set_item("memory_bytes", summary.memory.total())?;
-        plan.set_item("step_s", summary.step_s)?;
-        plan.set_item("step_bound_s", summary.step_bound_s)?;
-        plan.set_item("step_limit", &summary.step_limit)?;
-        plan.set_item("steps", summary.steps.number())?;
-        plan.set_item("wall_s", forecast.seconds())?;
+        plan.set_item("particles", numbers.particles)?;
+        plan.set_item("pairs", numbers.pairs)?;
+        plan.set_item("memory_bytes", numbers.memory_bytes)?;
+        plan.set_item("step_s", numbers.step_s)?;
+        plan.set_item("step_bound_s", numbers.step_bound_s)?;
+        plan.set_item("step_limit", &numbers.step_limit)?;
+        plan.set_item("steps", numbers.steps)?;
+        plan.set_item("wall_s", numbers.wall_s)?;
         plan.set_item("text", text)?;
         Ok(plan)
     };

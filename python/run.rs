@@ -5,19 +5,24 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
+use frazil::parts::parts_until;
 use frazil::provenance;
 use frazil::run::{Asked, Host, Made, RunRequest, asked_of, drawn, make, options};
 use frazil_plots::canvas::Formats;
 use frazil_record::{Field, Provenance, RunResult};
 use frazil_scene::Scene;
 use frazil_simulation::march::{self, Progress};
+use frazil_studies::cheapest::{self, CheapestRequest};
+use frazil_studies::ensemble::runs::Headline;
 use frazil_studies::failure::Failure;
+use frazil_studies::parts::Parts;
 use frazil_studies::{output, parallel};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyMapping};
 
 use crate::errors::{RunError, SceneError, raised};
 use crate::source::{Scenes, Source};
+use crate::studies::{between, positive};
 use crate::{table, value, work};
 
 /// Wall time between two checkpoints of a run in a folder, as the command has it.
@@ -106,7 +111,7 @@ type Standing = (f64, f64, u64, f64);
 
 /// Makes a run, and writes its results where there is a folder for them. `tell` is told where it stands.
 #[pyfunction]
-#[pyo3(signature = (scene, method, set, seed, threads, out, tell))]
+#[pyo3(signature = (scene, method, set, seed, threads, error, measure, budget_s, out, tell))]
 #[expect(clippy::too_many_arguments, reason = "the arguments of the function of Python")]
 pub fn run(
     py: Python<'_>,
@@ -115,13 +120,21 @@ pub fn run(
     set: Option<&Bound<'_, PyMapping>>,
     seed: u64,
     threads: Option<usize>,
+    error: Option<f64>,
+    measure: Option<&str>,
+    budget_s: f64,
     out: Option<PathBuf>,
     tell: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Run> {
     let source = Source::of(scene)?;
     let (scenes, overrides) = (Scenes::of(std::slice::from_ref(&source))?, value::overrides(set)?);
     let threads = self::threads(threads)?;
-    let request = RunRequest {
+    let asked_error = error.map(|error| between("error", error, (1e-12, 1.0))).transpose()?;
+    let unknown =
+        |name: &str| SceneError::new_err(format!("measure: found {name:?}, must be one of {}", Headline::names()));
+    let measure = measure.map(|name| Headline::named(name).ok_or_else(|| unknown(name))).transpose()?;
+    let budget_s = positive("budget_s", budget_s)?;
+    let mut request = RunRequest {
         scene: source.name().to_owned(),
         method: method.map(str::to_owned),
         overrides,
@@ -132,10 +145,11 @@ pub fn run(
         estimated: None,
         fields: false,
         frames: false,
-        formats: Formats::Svg,
+        formats: Formats::SVG,
         checkpoints: Some(BETWEEN_CHECKPOINTS),
         resume: false,
         quiet: true,
+        json: false,
         // Whoever waits can see how far it is, and stop it.
         yes: true,
         command_line: "frazil.run(...)".into(),
@@ -149,6 +163,25 @@ pub fn run(
         _ => Ok(()),
     };
     let work = || {
+        if let Some(error) = asked_error {
+            let asked = CheapestRequest {
+                scene: request.scene.clone(),
+                methods: request.method.iter().cloned().collect(),
+                error,
+                measure,
+                overrides: request.overrides.clone(),
+                threads: 1,
+                budget_s,
+                out: None,
+                quiet: true,
+                command_line: request.command_line.clone(),
+            };
+            let scene_at = |name: &str, overrides: &[(String, String)]| Ok(scenes.read(name, overrides)?.0);
+            let parts = Parts { scene_at: &scene_at, ..parts_until(false, &interrupt) };
+            let settled = cheapest::settings(&asked, &parts)?;
+            request.overrides.push(settled.spacing);
+            request.estimated = Some(settled.estimated);
+        }
         let (scene, source) = scenes.read(&request.scene, &request.overrides)?;
         let provenance = provenance::of(&request, source, &scene.files);
         made(&request, asked_of(scene, request.method.as_deref())?, provenance, &host)
@@ -169,6 +202,7 @@ fn made(request: &RunRequest, asked: Asked, provenance: Provenance, host: &Host<
     }
     let (scene, method, reference) = asked;
     let mut result = march::run(&scene, method, reference.as_ref(), &options(host, (request.threads, request.seed)))?;
+    result.record.estimated_error = request.estimated.clone();
     result.record.provenance = Some(provenance);
     Ok(Run { scene, result, folder: None })
 }

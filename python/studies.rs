@@ -14,6 +14,7 @@ use frazil_studies::failure::{Failure, Verdict};
 use frazil_studies::parts::Parts;
 use frazil_studies::stability::StabilityRequest;
 use frazil_studies::stability::axis::Axis;
+use frazil_studies::sweep::{SweepRequest, VariedKey};
 use pyo3::prelude::*;
 use pyo3::types::PyMapping;
 use tempfile::TempDir;
@@ -57,14 +58,21 @@ fn sources(given: &[Bound<'_, PyAny>]) -> PyResult<(Scenes, Vec<String>)> {
 }
 
 /// A number that must lie between others.
-fn between<T: PartialOrd + std::fmt::Display>(name: &str, number: T, (least, most): (T, T)) -> PyResult<T> {
+///
+/// # Errors
+/// Where it does not.
+pub fn between<T: PartialOrd + std::fmt::Display>(name: &str, number: T, (least, most): (T, T)) -> PyResult<T> {
     if number >= least && number <= most {
         return Ok(number);
     }
     Err(SceneError::new_err(format!("{name}: found {number}, must be from {least} to {most}")))
 }
 
-fn positive(name: &str, number: f64) -> PyResult<f64> {
+/// A number that must be greater than 0.
+///
+/// # Errors
+/// Where it is not.
+pub fn positive(name: &str, number: f64) -> PyResult<f64> {
     if number.is_finite() && number > 0.0 {
         return Ok(number);
     }
@@ -155,6 +163,42 @@ pub fn stability(
         command_line: "frazil.stability(...)".into(),
     };
     study(py, (&scenes, out), |parts| frazil_studies::stability::stability(&request, parts))
+}
+
+/// A scene at all combinations of values of some of its keys.
+#[pyfunction]
+#[pyo3(signature = (scene, vary, methods, seed, threads, set, out, quiet))]
+#[expect(clippy::too_many_arguments, reason = "the arguments of the function of Python")]
+pub fn sweep(
+    py: Python<'_>,
+    scene: &Bound<'_, PyAny>,
+    vary: &Bound<'_, PyMapping>,
+    methods: Vec<String>,
+    seed: u64,
+    threads: Option<usize>,
+    set: Option<&Bound<'_, PyMapping>>,
+    out: Option<PathBuf>,
+    quiet: bool,
+) -> PyResult<Studied> {
+    let source = Source::of(scene)?;
+    let scenes = Scenes::of(std::slice::from_ref(&source))?;
+    let keys = value::varied(vary)?.into_iter().map(|(key, values)| VariedKey::new(key, values));
+    let keys = keys.collect::<Result<Vec<_>, _>>().map_err(|error| SceneError::new_err(format!("vary: {error}")))?;
+    let stem = Path::new(source.name()).file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy());
+    let out = out.unwrap_or_else(|| Path::new("out").join("sweep").join(names::of(&stem)));
+    let request = SweepRequest {
+        scene: source.name().to_owned(),
+        keys,
+        methods,
+        overrides: value::overrides(set)?,
+        threads: self::threads(threads)?,
+        seed,
+        out: Some(out.clone()),
+        checkpoints: BETWEEN_CHECKPOINTS,
+        quiet,
+        command_line: "frazil.sweep(...)".into(),
+    };
+    study(py, (&scenes, out), |parts| frazil_studies::sweep::sweep(&request, parts))
 }
 
 /// Layouts of freeze pipes beside each other.

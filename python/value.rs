@@ -75,6 +75,22 @@ pub fn overrides(set: Option<&Bound<'_, PyMapping>>) -> PyResult<Vec<(String, St
     Ok(table.into_iter().map(|(key, value)| (key, written(value))).collect())
 }
 
+/// Keys with lists of values, as `--vary` of the command has them.
+///
+/// # Errors
+/// Where a value is none of TOML, or a key has no list.
+pub fn varied(vary: &Bound<'_, PyMapping>) -> PyResult<Vec<(String, Vec<String>)>> {
+    // A table would sort the keys, whose order means something.
+    let key_of = |item: Bound<'_, PyAny>| {
+        let (key, values): (String, Bound<'_, PyAny>) = item.extract()?;
+        match of(&values, &key, 0)? {
+            Value::Array(values) => Ok((key, values.into_iter().map(written).collect())),
+            other => Err(wrong(&key, &format!("found {other}, must be a list of values"))),
+        }
+    };
+    vary.items()?.iter().map(key_of).collect()
+}
+
 /// A value as `--set` has it: words need no quotes, but what would be read as something else than a text does.
 fn written(value: Value) -> String {
     match value {

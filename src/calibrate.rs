@@ -81,7 +81,7 @@ pub fn calibrate(request: &CalibrateRequest) -> Result<Verdict, Failure> {
     write_rows(&folder.path().join("calibration.csv"), &calibrated.table.rows)?;
     let keys = words::keys(&calibrated);
     write_whole(&folder.path().join("calibration.toml"), |writer| writer.write_all(keys.as_bytes()))?;
-    calibration(&figure(&calibrated)).write(folder.path(), "calibration", Formats::SvgAndPng)?;
+    calibration(&figure(&calibrated)).write(folder.path(), "calibration", Formats::ALL)?;
     answer(&words::report(&calibrated, folder.path()))?;
     Ok(Verdict::Done)
 }

@@ -16,9 +16,10 @@ use frazil_simulation::march::Refused;
 use frazil_simulation::predict::{self, Forecast};
 use frazil_simulation::reduce::{self, Finding};
 use frazil_simulation::reference::Reference;
-use frazil_studies::failure::{Failure, Verdict, answer, complain};
+use frazil_studies::failure::{Failure, Verdict, answer, answer_json, complain};
 use frazil_studies::method;
 use frazil_studies::progress::clock;
+use serde::Serialize;
 
 use crate::load;
 use crate::run::{told_reference, why_not};
@@ -36,6 +37,8 @@ pub struct CheckRequest {
     pub threads: usize,
     /// Whether a smaller scene that gives the same answer is to be planned instead.
     pub reduce: bool,
+    /// Whether to print JSON.
+    pub json: bool,
 }
 
 /// Prints the plan of each method for a scene. A method that is refused does not hide the plans of the others, and neither does
@@ -55,10 +58,8 @@ pub fn check(request: &CheckRequest) -> Result<Verdict, Failure> {
     } else {
         request.methods.iter().map(|asked| method::asked(&scene, Some(asked))).collect::<Result<_, _>>()?
     };
-    answer(&format!("{}: {}\n", scene.name, scene.title))?;
-    for remark in &scene.remarks {
-        answer(&format!("warning: {remark}\n"))?;
-    }
+    let mut said = Said { json: request.json, checked: Checked::of(&scene) };
+    said.begin()?;
     for doubt in soils::odd(&scene) {
         complain(&format!("warning: {doubt}"));
     }
@@ -67,20 +68,123 @@ pub fn check(request: &CheckRequest) -> Result<Verdict, Failure> {
     for (k, method) in methods.into_iter().enumerate() {
         let (threads, reduce) = (request.threads, request.reduce);
         let (own, reference) = (scene.clone(), reference.clone());
-        let planned = patience.wait(count - k, move || plan(&own, method, reference.as_ref(), threads, reduce));
+        let planned = patience.wait(count - k, move || planned(&own, method, reference.as_ref(), threads, reduce));
         match planned {
-            Some(Ok(text)) => answer(&format!("\n{method}\n{text}"))?,
+            Some(Ok((forecast, text))) => said.planned(method, &forecast, &text)?,
             Some(Err(refused)) => {
-                complain(&format!("{method}: {refused}"));
+                said.refused(method, &refused);
                 verdict = Verdict::Broken;
             }
             None => {
-                answer(&format!("\n{method}\n{}", unplanned(&scene, method)))?;
+                said.unplanned(method, &scene)?;
                 verdict = verdict.max(Verdict::CheckFailed);
             }
         }
     }
+    said.end()?;
     Ok(verdict)
+}
+
+/// What a check found, as JSON has it.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+struct Checked {
+    scene: String,
+    title: String,
+    warnings: Vec<String>,
+    plans: Vec<Planned>,
+}
+
+/// What is known of the run of one method.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+struct Planned {
+    method: &'static str,
+    /// `planned`, `refused` or `not_planned`, where planning takes longer than a check has.
+    state: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cause: Option<String>,
+    #[serde(flatten)]
+    plan: Option<PlanNumbers>,
+}
+
+/// The plan of a run as numbers.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PlanNumbers {
+    /// Particles.
+    pub particles: u64,
+    /// Pairs.
+    pub pairs: u64,
+    /// What the run holds to its end (bytes).
+    pub memory_bytes: usize,
+    /// Step (s).
+    pub step_s: f64,
+    /// Step bound (s).
+    pub step_bound_s: f64,
+    /// What sets it.
+    pub step_limit: String,
+    /// Number of steps; absent where it is not known.
+    pub steps: Option<u64>,
+    /// Run time on this machine (s); absent where the number of steps is not known.
+    pub wall_s: Option<f64>,
+}
+
+impl PlanNumbers {
+    /// Of a forecast.
+    pub fn of(forecast: &Forecast) -> Self {
+        let summary = &forecast.summary;
+        PlanNumbers {
+            particles: summary.particles,
+            pairs: summary.pairs,
+            memory_bytes: summary.memory.total(),
+            step_s: summary.step_s,
+            step_bound_s: summary.step_bound_s,
+            step_limit: summary.step_limit.clone(),
+            steps: summary.steps.number(),
+            wall_s: forecast.seconds(),
+        }
+    }
+}
+
+impl Checked {
+    fn of(scene: &Scene) -> Self {
+        let (scene, title, warnings) = (scene.name.clone(), scene.title.clone(), scene.remarks.clone());
+        Checked { scene, title, warnings, plans: Vec::new() }
+    }
+}
+
+/// What is printed of a check: text as it is found, JSON at the end.
+struct Said {
+    json: bool,
+    checked: Checked,
+}
+
+impl Said {
+    fn begin(&self) -> Result<(), Failure> {
+        if self.json {
+            return Ok(());
+        }
+        answer(&format!("{}: {}\n", self.checked.scene, self.checked.title))?;
+        self.checked.warnings.iter().try_for_each(|remark| answer(&format!("warning: {remark}\n")))
+    }
+
+    fn planned(&mut self, method: &'static str, forecast: &Forecast, text: &str) -> Result<(), Failure> {
+        let plan = Some(PlanNumbers::of(forecast));
+        self.checked.plans.push(Planned { method, state: "planned", cause: None, plan });
+        if self.json { Ok(()) } else { answer(&format!("\n{method}\n{text}")) }
+    }
+
+    fn refused(&mut self, method: &'static str, refused: &Refused) {
+        complain(&format!("{method}: {refused}"));
+        self.checked.plans.push(Planned { method, state: "refused", cause: Some(refused.to_string()), plan: None });
+    }
+
+    fn unplanned(&mut self, method: &'static str, scene: &Scene) -> Result<(), Failure> {
+        self.checked.plans.push(Planned { method, state: "not_planned", cause: Some(too_long()), plan: None });
+        if self.json { Ok(()) } else { answer(&format!("\n{method}\n{}", unplanned(scene, method))) }
+    }
+
+    fn end(&self) -> Result<(), Failure> {
+        if self.json { answer_json(&self.checked) } else { Ok(()) }
+    }
 }
 
 /// A scene, and the truth about it if there is one.
@@ -173,25 +277,18 @@ fn unplanned(scene: &Scene, method: &str) -> String {
             memory::words(counted.bytes)
         )
     });
-    let reason = format!(
+    format!("{}  not planned  {}\n", words.unwrap_or_default(), too_long())
+}
+
+/// Why a run is not planned.
+fn too_long() -> String {
+    format!(
         "planning and trying it takes longer than the time limit of check, {LONGEST} s; a larger spacing is planned faster"
-    );
-    format!("{}  not planned  {reason}\n", words.unwrap_or_default())
+    )
 }
 
-/// What a run of a scene under a method would do, in words; of the smaller scene that gives the same answer, if asked for and
-/// there is one.
-pub fn plan(
-    scene: &Scene,
-    method: &str,
-    reference: Option<&Arc<dyn Reference>>,
-    threads: usize,
-    reduced: bool,
-) -> Result<String, Refused> {
-    Ok(planned(scene, method, reference, threads, reduced)?.1)
-}
-
-/// The same as numbers, and in words.
+/// What a run of a scene under a method would do, as numbers and in words; of the smaller scene that gives the same answer, if
+/// asked for and there is one.
 ///
 /// # Errors
 /// What the plan of the run refuses.

@@ -7,6 +7,7 @@ mod check;
 mod compare;
 mod completions;
 mod layout;
+mod list;
 mod new;
 mod properties;
 mod rerun;
@@ -15,6 +16,7 @@ mod schema;
 mod show;
 mod stability;
 mod status;
+mod sweep;
 mod values;
 
 use std::ffi::{OsStr, OsString};
@@ -22,8 +24,6 @@ use std::ffi::{OsStr, OsString};
 use clap::{Parser, Subcommand};
 use frazil_record::is_hidden;
 use frazil_studies::failure::{Failure, Verdict, complain, exit_code};
-
-use crate::list;
 
 /// Freezing problems solved with peridynamics, SPH, eDPD and a local baseline.
 #[derive(Debug, Parser)]
@@ -45,6 +45,8 @@ enum Command {
     Compare(compare::CompareArguments),
     /// Finds the fastest run of each method that reaches a given error.
     Cheapest(cheapest::CheapestArguments),
+    /// Runs a scene at all combinations of values of any of its keys.
+    Sweep(sweep::SweepArguments),
     /// Maps the outcome of runs over the time step and one parameter, with stability boundaries.
     Stability(stability::StabilityArguments),
     /// Checks a scene and plans a run: particles, memory, time step, run time.
@@ -61,7 +63,7 @@ enum Command {
     /// Compares every section, figure and table of the five papers with the results of the program.
     Atlas(atlas::AtlasArguments),
     /// Lists bundled scenes, studies and fluids, and the methods.
-    List,
+    List(list::ListArguments),
     /// Prints the file of a bundled scene, study or fluid.
     Show(show::ShowArguments),
     /// Prints the JSON Schema of scene files, for completion and checks in editors.
@@ -78,6 +80,7 @@ impl Command {
             Command::Rerun(arguments) => arguments.answer(),
             Command::Compare(arguments) => arguments.answer(),
             Command::Cheapest(arguments) => arguments.answer(),
+            Command::Sweep(arguments) => arguments.answer(),
             Command::Stability(arguments) => arguments.answer(),
             Command::Check(arguments) => arguments.answer(),
             Command::Status(arguments) => arguments.answer(),
@@ -85,7 +88,7 @@ impl Command {
             Command::Calibrate(arguments) => arguments.answer(),
             Command::Properties(arguments) => arguments.answer(),
             Command::Atlas(arguments) => arguments.answer(),
-            Command::List => list::list(),
+            Command::List(arguments) => arguments.answer(),
             Command::Show(arguments) => arguments.answer(),
             Command::Schema => schema::answer(),
             Command::Completions(arguments) => arguments.answer(),

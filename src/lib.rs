@@ -3,6 +3,7 @@
 pub mod atlas;
 pub mod calibrate;
 pub mod check;
+#[cfg(feature = "command-line")]
 pub mod cli;
 pub mod interrupt;
 pub mod list;

@@ -1,40 +1,82 @@
 //! What there is to run.
 
 use frazil_scene::heading;
-use frazil_studies::failure::{Failure, Verdict, answer};
+use frazil_studies::failure::{Failure, Verdict, answer, answer_json};
+use serde::Serialize;
 
 use crate::registry;
 
-/// Prints the bundled scenes by group, the studies, the fluids, and the methods with their titles.
-pub fn list() -> Result<Verdict, Failure> {
-    let kinds = registry::methods();
-    let groups = [("Scenes", frazil_cases::scenes::all()), ("Extreme scenes", frazil_cases::scenes::extreme())];
-    let names =
-        groups.iter().flat_map(|group| group.1).map(|scene| scene.name).chain(kinds.iter().map(|kind| kind.name));
-    let width = names.map(str::len).max().unwrap_or(0);
-    let mut text = String::new();
-    for (title, scenes) in groups {
-        text.push_str(&format!("{title}\n"));
-        for bundled in scenes {
+/// Something that there is.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Listed {
+    /// `scene`, `extreme` (a scene at the edge of what methods bear), `study`, `fluid` or `method`.
+    pub kind: &'static str,
+    /// Name.
+    pub name: &'static str,
+    /// Title; that of a fluid is empty.
+    pub title: String,
+    /// Where a scene or a study comes from; `stochastic` of a method with noise.
+    pub source: String,
+}
+
+/// Everything that there is, in the order in which it is listed.
+///
+/// # Errors
+/// Where a bundled file cannot be read.
+pub fn listed() -> Result<Vec<Listed>, Failure> {
+    let mut rows = Vec::new();
+    let groups = [
+        ("scene", frazil_cases::scenes::all()),
+        ("extreme", frazil_cases::scenes::extreme()),
+        ("study", frazil_cases::studies::all()),
+    ];
+    for (kind, group) in groups {
+        for bundled in group {
             let own = heading(bundled.text, bundled.name)?;
-            text.push_str(&format!("  {:width$}  {} ({})\n", bundled.name, own.title, own.source));
+            rows.push(Listed { kind, name: bundled.name, title: own.title, source: own.source });
         }
-        text.push('\n');
     }
-    text.push_str("Studies\n");
-    for bundled in frazil_cases::studies::all() {
-        let own = heading(bundled.text, bundled.name)?;
-        text.push_str(&format!("  {:width$}  {}, for layout\n", bundled.name, own.title));
+    let fluid = |name| Listed { kind: "fluid", name, title: String::new(), source: String::new() };
+    rows.extend(frazil_cases::fluids::all().iter().map(|bundled| fluid(bundled.name)));
+    for kind in registry::methods() {
+        let source = if kind.stochastic { "stochastic" } else { "" };
+        rows.push(Listed { kind: "method", name: kind.name, title: kind.title.to_owned(), source: source.to_owned() });
     }
-    text.push_str("\nFluids\n");
-    for fluid in frazil_cases::fluids::all() {
-        text.push_str(&format!("  {:width$}  for calibrate and properties\n", fluid.name));
+    Ok(rows)
+}
+
+/// Prints the bundled scenes by group, the studies, the fluids, and the methods with their titles; or all of it as JSON.
+///
+/// # Errors
+/// Where a bundled file cannot be read.
+pub fn list(json: bool) -> Result<Verdict, Failure> {
+    let rows = listed()?;
+    if json {
+        answer_json(&rows)?;
+        return Ok(Verdict::Done);
     }
-    text.push_str("\nMethods\n");
-    for kind in kinds {
-        let noise = if kind.stochastic { ", stochastic" } else { "" };
-        text.push_str(&format!("  {:width$}  {}{noise}\n", kind.name, kind.title));
-    }
-    answer(&text)?;
+    let width = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
+    let groups = [
+        ("scene", "Scenes"),
+        ("extreme", "Extreme scenes"),
+        ("study", "Studies"),
+        ("fluid", "Fluids"),
+        ("method", "Methods"),
+    ];
+    let line = |row: &Listed| {
+        let words = match row.kind {
+            "study" => format!("{}, for layout", row.title),
+            "fluid" => "for calibrate and properties".to_owned(),
+            "method" if row.source.is_empty() => row.title.clone(),
+            "method" => format!("{}, {}", row.title, row.source),
+            _ => format!("{} ({})", row.title, row.source),
+        };
+        format!("  {:width$}  {words}\n", row.name)
+    };
+    let group = |(kind, title): (&str, &str)| {
+        let own = rows.iter().filter(|row| row.kind == kind).map(line);
+        format!("{title}\n{}", own.collect::<String>())
+    };
+    answer(&groups.map(group).join("\n"))?;
     Ok(Verdict::Done)
 }

@@ -74,10 +74,11 @@ pub fn rerun(request: &RerunRequest) -> Result<Verdict, Failure> {
         estimated: None,
         fields: false,
         frames: false,
-        formats: Formats::Svg,
+        formats: Formats::SVG,
         checkpoints: None,
         resume: false,
         quiet: request.quiet,
+        json: false,
         yes: true,
         command_line: request.command_line.clone(),
     })?;

@@ -1,6 +1,7 @@
 //! One scene under one method.
 
 use std::cell::Cell;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -15,14 +16,16 @@ use frazil_scene::Scene;
 use frazil_simulation::march::{self, Checkpoints, Going, Options, Progress, Refused, Standing};
 use frazil_simulation::reduce::{self, Finding};
 use frazil_simulation::reference::Reference;
+use frazil_studies::answers::numbers::numbers;
 use frazil_studies::cheapest::{self, CheapestRequest, Settled};
 use frazil_studies::ensemble::{self, EnsembleRequest};
-use frazil_studies::failure::{Failure, Verdict, answer, complain};
+use frazil_studies::failure::{Failure, Verdict, answer, answer_json, complain};
 use frazil_studies::fields::{self, Snapshots};
 use frazil_studies::figures::Figures;
 use frazil_studies::output::{self, Folder, Owner};
 use frazil_studies::progress::{Reporter, bearable, clock, forewarn};
 use frazil_studies::{answers, campaign, expect, figure_options, method};
+use serde::Serialize;
 
 use crate::load::Origin;
 use crate::parts::parts;
@@ -59,6 +62,8 @@ pub struct RunRequest {
     pub resume: bool,
     /// Whether to say nothing but errors.
     pub quiet: bool,
+    /// Whether to print the results as JSON.
+    pub json: bool,
     /// Whether to begin what takes longer than 30 days.
     pub yes: bool,
     /// The command as it was typed, for the record.
@@ -112,7 +117,10 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     let scene = &asked.0;
     let (result, folder, drawn) = match make(request, &asked, provenance, &host)? {
         Made::Before(outcome) => {
-            answer(&format!("{} with {}: finished already: {}", scene.name, asked.1, outcome.name()))?;
+            match record_of(request, scene, asked.1).filter(|_| request.json) {
+                Some((folder, record)) => answer_json(&Printed::again(&folder, &record))?,
+                None => answer(&format!("{} with {}: finished already: {}", scene.name, asked.1, outcome.name()))?,
+            }
             return Ok(Verdict::of(outcome));
         }
         Made::Now { result, folder, drawn } => (result, folder, drawn),
@@ -120,7 +128,9 @@ pub fn run(request: &RunRequest) -> Result<Verdict, Failure> {
     if let Some(said) = frazil_layouts::beside_open(scene, &result.record) {
         complain(&format!("WARNING: {}: {said}", scene.name));
     }
-    if !request.quiet {
+    if request.json {
+        answer_json(&Printed::of(scene, &result, &folder))?;
+    } else if !request.quiet {
         answer(&summary(scene, &result, &folder))?;
     }
     let verdict = Verdict::of(result.record.outcome);
@@ -340,6 +350,7 @@ pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> 
         checkpoints: request.checkpoints,
         formats: request.formats,
         quiet: request.quiet,
+        json: request.json,
         yes: request.yes,
     };
     ensemble::ensemble(&ensemble, interrupt::watch())
@@ -411,6 +422,36 @@ pub fn told_reference(scene: &mut Scene) -> Result<Option<Arc<dyn Reference>>, F
             Ok(truth.reference.map(Arc::from))
         }
         Err(reason) => Err(Refused::Reference(format!("the reference of scene `{}`: {reason}", scene.name)).into()),
+    }
+}
+
+/// The folder of a request and the record in it.
+fn record_of(request: &RunRequest, scene: &Scene, method: &str) -> Option<(PathBuf, Record)> {
+    let folder = request.out.clone().unwrap_or_else(|| folder_of(scene, method));
+    let record = output::record_in(&folder)?;
+    Some((folder, record))
+}
+
+/// What is printed of a run as JSON.
+#[derive(Serialize)]
+struct Printed<'a> {
+    outcome: Outcome,
+    folder: &'a Path,
+    /// Results by their names, which end in their units, errors among them; absent where an earlier call made the run.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    results: Option<BTreeMap<String, f64>>,
+    record: &'a Record,
+}
+
+impl<'a> Printed<'a> {
+    fn of(scene: &Scene, result: &'a RunResult, folder: &'a Path) -> Self {
+        let results = numbers(scene, result).into_iter().map(|number| (number.name, number.value)).collect();
+        Printed { outcome: result.record.outcome, folder, results: Some(results), record: &result.record }
+    }
+
+    /// Of a run that is in its folder already.
+    fn again(folder: &'a Path, record: &'a Record) -> Self {
+        Printed { outcome: record.outcome, folder, results: None, record }
     }
 }
 

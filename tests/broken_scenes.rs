@@ -112,7 +112,7 @@ proptest! {
 /// Cases that are always made, and those that are made while there is time.
 const LEAST: u64 = 2000;
 const MOST: u64 = 100_000;
-const TIME: Duration = Duration::from_secs(40);
+const TIME: Duration = Duration::from_secs(20);
 
 /// Cases as `cargo bench --bench fuzz` makes them by the million.
 #[test]

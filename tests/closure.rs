@@ -1,6 +1,7 @@
 //! When the gaps of an even ring close, wherever it stands on the lattice.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use frazil_layouts::answers::DAY;
 use frazil_record::LinkRow;
@@ -43,9 +44,9 @@ const ERROR_OF_TABLE: f64 = 0.002;
 const ERROR_OF_STEPS: f64 = 0.005;
 
 /// Each gap closes within 1 % of the table's day, as far as that is known, at two fifths of the scene's spacing.
-fn each_gap_is_right(method: &str, integrator: &str, rings: usize) {
+fn each_gap_is_right(method: &str, integrator: &str, rings: Range<usize>) {
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-    for ring in 0..rings {
+    for ring in rings.clone() {
         // Turned by up to a gap, and moved by up to a spacing, evenly and not alike.
         let part = |step: f64| (0.5 + step * ring as f64).fract() - 0.5;
         let (turn, moved) = (TAU / 26.0 * part(0.618_034), (0.04 * part(0.754_878), 0.04 * part(0.569_84)));
@@ -54,7 +55,7 @@ fn each_gap_is_right(method: &str, integrator: &str, rings: usize) {
             (least, most) = (least.min(day), most.max(day));
         }
     }
-    eprintln!("{method}, {integrator}: days {least:.3} to {most:.3} of {rings} rings");
+    eprintln!("{method}, {integrator}: days {least:.3} to {most:.3} of rings {rings:?}");
     let within = 0.01 + ERROR_OF_TABLE + if integrator == "euler" { 0.0 } else { ERROR_OF_STEPS };
     let off = (least / DAY_OF_TABLE - 1.0).abs().max((most / DAY_OF_TABLE - 1.0).abs());
     assert!(off <= within, "{method}, {integrator}: {least} to {most}");
@@ -62,25 +63,26 @@ fn each_gap_is_right(method: &str, integrator: &str, rings: usize) {
 
 #[test]
 fn each_gap_of_a_ring_closes_on_the_day_of_the_table_wherever_it_stands() {
-    METHODS.iter().for_each(|method| each_gap_is_right(method, "euler", 2));
+    // One that is turned and moved; the others are in the tests below.
+    METHODS.iter().for_each(|method| each_gap_is_right(method, "euler", 1..2));
 }
 
 #[test]
 #[ignore = "minutes"]
 fn each_gap_of_26_rings_closes_on_the_day_of_the_table_under_local() {
-    ["euler", "rkl2"].iter().for_each(|integrator| each_gap_is_right("local", integrator, 26));
+    ["euler", "rkl2"].iter().for_each(|integrator| each_gap_is_right("local", integrator, 0..26));
 }
 
 #[test]
 #[ignore = "minutes"]
 fn each_gap_of_26_rings_closes_on_the_day_of_the_table_under_sph() {
-    ["euler", "rkl2"].iter().for_each(|integrator| each_gap_is_right("sph", integrator, 26));
+    ["euler", "rkl2"].iter().for_each(|integrator| each_gap_is_right("sph", integrator, 0..26));
 }
 
 #[test]
 #[ignore = "minutes"]
 fn each_gap_of_26_rings_closes_on_the_day_of_the_table_under_pd() {
-    ["euler", "rkl2"].iter().for_each(|integrator| each_gap_is_right("pd", integrator, 26));
+    ["euler", "rkl2"].iter().for_each(|integrator| each_gap_is_right("pd", integrator, 0..26));
 }
 
 /// Gaps that symmetry makes equal are told as one: the closure is their mean, of which a coarse lattice tells less than 2 % wrong.

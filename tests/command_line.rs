@@ -41,6 +41,8 @@ fn bad_input_ends_with_2_says_why_and_writes_nothing() {
         &["compare"],
         &["compare", "stefan-water", "--settings", "worst"],
         &["compare", "stefan-water", "--budget-s", "nan"],
+        &["sweep", "stefan-water"],
+        &["sweep", "--vary", "time.outputs=1,2"],
         &["stability"],
         &["stability", "stefan-watre"],
         &["stability", "stefan-water", "--axes", "peclet"],

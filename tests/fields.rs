@@ -23,10 +23,11 @@ fn request(scene: &Path, out: &Path, fields: bool, frames: bool) -> RunRequest {
         estimated: None,
         fields,
         frames,
-        formats: if fields { Formats::SvgAndPng } else { Formats::Svg },
+        formats: if fields { Formats::ALL } else { Formats::SVG },
         checkpoints: None,
         resume: false,
         quiet: true,
+        json: false,
         command_line: String::new(),
         yes: false,
     }
@@ -80,7 +81,10 @@ fn states_frames_and_pictures_are_whole_and_gone_when_not_asked_for() {
         let states: Vec<String> = (0..4).map(|k| format!("{k:05}.vtu")).collect();
         assert_eq!(names(&out.join("fields")), states);
         let stems = figures(&out, "svg");
-        assert!(stems.len() > 1 && figures(&out, "png") == stems, "{stems:?}");
+        // The movie of the frames is a PNG, too.
+        let pictures: Vec<String> = figures(&out, "png").into_iter().filter(|stem| stem != "movie.").collect();
+        assert!(stems.len() > 1 && pictures == stems, "{stems:?}");
+        assert!(out.join("movie.png").is_file());
         assert_eq!(names(&out.join("frames")), (0..4).map(|k| format!("{k:05}.png")).collect::<Vec<_>>());
         let list = fs::read_to_string(out.join("fields.pvd")).expect("the list");
         for (state, time) in states.iter().zip([0, 1200, 2400, 3600]) {
@@ -104,7 +108,10 @@ fn states_frames_and_pictures_are_whole_and_gone_when_not_asked_for() {
     run(&request(&scene, &out, false, false)).expect("a run");
     let left = names(&out);
     assert!(left.contains(&"record.json".to_owned()));
-    assert!(!left.iter().any(|name| name.contains("fields") || name.contains("frames")), "{left:?}");
+    assert!(
+        !left.iter().any(|name| name.contains("fields") || name.contains("frames") || name.contains("movie")),
+        "{left:?}"
+    );
     assert!(figures(&out, "svg").len() > 1 && figures(&out, "png").is_empty(), "{left:?}");
 }
 

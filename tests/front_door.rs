@@ -75,7 +75,7 @@ fn shells_complete_every_command_and_each_has_a_manual_page() {
     let own = folder.path();
     let (bash, _) = said(&frazil(own, &["completions", "bash"]));
     assert!(frazil(own, &["completions", "--manual", "man"]).status.success());
-    for command in ["new", "run", "rerun", "compare", "cheapest", "stability", "layout", "list", "show"] {
+    for command in ["new", "run", "rerun", "compare", "cheapest", "sweep", "stability", "layout", "list", "show"] {
         assert!(bash.contains(&format!("frazil__subcmd__{command}")) || bash.contains(&format!("frazil__{command}")));
         assert!(own.join(format!("man/frazil-{command}.1")).is_file(), "{command}");
     }

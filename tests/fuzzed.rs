@@ -437,8 +437,8 @@ fn through(case: &Case, seed: u64, number: u64) -> Result<End, String> {
     };
     let draw = random.random_range(0..RUN * CHECKED);
     if draw % CHECKED == 0 || moves {
-        return match frazil::check::plan(&scene, settings.method, reference.as_ref(), 1, random.random()) {
-            Ok(said) => finite(&said).map(|()| End::Checked),
+        return match frazil::check::planned(&scene, settings.method, reference.as_ref(), 1, random.random()) {
+            Ok((_, said)) => finite(&said).map(|()| End::Checked),
             Err(failure) => refused(&failure.to_string()),
         };
     }

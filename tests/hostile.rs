@@ -254,6 +254,7 @@ fn nothing_that_a_scene_says_is_run_by_its_pages_and_figures() {
         "o/vary",
     );
     at(&["stability", scene, "--axes", "stefan", "--methods", "local", "--values", "3", "--grid", "2"], "o/stability");
+    at(&[&["sweep", scene, "--vary", "initial.temperature_c=1,2"], &short[..]].concat(), "o/sweep");
     let ensemble = ["--set", "time.duration=14", "--set", "time.profiles=[7, 14]", "--set", "watch.front_from=5"];
     at(&[&["run", "noisy.toml", "--method", "edpd", "--seeds", "2"], &ensemble[..]].concat(), "o/ensemble");
     at(&["layout", "study.toml", "--method", "local"], "o/layout");

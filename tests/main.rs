@@ -61,6 +61,7 @@ mod sketch;
 mod soils;
 mod stability;
 mod steps_by_error;
+mod sweep;
 mod turned;
 mod unsaturated;
 mod wall_models;

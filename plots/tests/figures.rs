@@ -16,7 +16,7 @@ use frazil_record::{
 #[path = "figures/layouts.rs"]
 mod layouts;
 
-const BOTH: Formats = Formats::SvgAndPng;
+const ALL: Formats = Formats::ALL;
 
 fn record(title: &str, method: &str) -> Record {
     Record {
@@ -192,15 +192,15 @@ fn comparison() -> WorkFigure {
 fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn std::error::Error>> {
     let temporary = tempfile::tempdir()?;
     let folder = std::env::var_os("FRAZIL_FIGURES").map_or(temporary.path().to_path_buf(), Into::into);
-    let mut files = run_figures(&line_run(), &folder, &plain(TimeUnit::Hour), BOTH)?;
+    let mut files = run_figures(&line_run(), &folder, &plain(TimeUnit::Hour), ALL)?;
     files.extend(run_figures(
         &ring_run(),
         &folder,
         &FigureOptions { freezing_point: -0.5, ..plain(TimeUnit::Day) },
-        BOTH,
+        ALL,
     )?);
     let figure = comparison();
-    files.extend(work_precision_panels(std::slice::from_ref(&figure)).write(&folder, "work_precision", BOTH)?);
+    files.extend(work_precision_panels(std::slice::from_ref(&figure)).write(&folder, "work_precision", ALL)?);
     let orders: Vec<OrderCurve> = figure
         .curves
         .iter()
@@ -219,11 +219,11 @@ fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn s
     files.extend(convergence("Convergence", "particle spacing (mm)", 1e3, "rms error of the front", &orders).write(
         &folder,
         "convergence",
-        BOTH,
+        ALL,
     )?);
     let names: Vec<String> = files.iter().filter_map(|path| Some(path.file_stem()?.to_str()?.into())).collect();
     for name in ["front", "profiles", "wall", "heat", "gaps", "map_40d", "work_precision", "convergence"] {
-        assert_eq!(names.iter().filter(|other| *other == name).count(), 2, "{name} in {names:?}");
+        assert_eq!(names.iter().filter(|other| *other == name).count(), 3, "{name} in {names:?}");
     }
     for path in files {
         let size = std::fs::metadata(&path)?.len();
@@ -251,7 +251,7 @@ fn plain(time_unit: TimeUnit) -> FigureOptions {
 fn a_run_without_rows_has_no_figures() -> Result<(), Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let options = plain(TimeUnit::Second);
-    assert!(run_figures(&empty("nothing", "pd"), folder.path(), &options, BOTH)?.is_empty());
+    assert!(run_figures(&empty("nothing", "pd"), folder.path(), &options, ALL)?.is_empty());
     Ok(())
 }
 

@@ -23,6 +23,9 @@ def run(
     set: Optional[Mapping[str, Any]],
     seed: int,
     threads: Optional[int],
+    error: Optional[float],
+    measure: Optional[str],
+    budget_s: float,
     out: Optional[_Path],
     tell: Optional[Callable[[float, float, int, float], None]],
 ) -> Run: ...
@@ -47,6 +50,16 @@ def stability(
     seeds: int,
     coarsen: int,
     time_limit_s: float,
+    threads: Optional[int],
+    set: Optional[Mapping[str, Any]],
+    out: Optional[_Path],
+    quiet: bool,
+) -> _Studied: ...
+def sweep(
+    scene: Any,
+    vary: Mapping[str, Sequence[Any]],
+    methods: Sequence[str],
+    seed: int,
     threads: Optional[int],
     set: Optional[Mapping[str, Any]],
     out: Optional[_Path],

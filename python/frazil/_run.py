@@ -147,6 +147,9 @@ def run(
     set: Optional[Mapping[str, Any]] = None,
     seed: int = 1,
     threads: Optional[int] = None,
+    error: Optional[float] = None,
+    measure: Optional[str] = None,
+    budget_s: float = 120.0,
     out: Union[str, "os.PathLike[str]", None] = None,
     progress: Union[bool, Callable[[Progress], None], None] = None,
 ) -> Run:
@@ -158,6 +161,11 @@ def run(
         set: keys that override the scene's, as ``{"method.pd.spacing_m": 0.001}``.
         seed: seed of noise and of uneven placement.
         threads: threads; by default one for each core. The result does not depend on it.
+        error: chooses the spacing with this promised relative error, as ``0.01``, from coarse runs; ``record["estimated_error"]``
+            then has the promised error and its parts. An error that cannot be promised is refused.
+        measure: quantity of the error: ``front``, ``closure``, ``frozen_volume``, ``temperature``, ``saturation`` or
+            ``concentration``; by default the first that the scene has.
+        budget_s: wall time (s) for the coarse runs that determine the spacing.
         out: folder for the results, as the command writes them; by default nothing is written.
         progress: ``True`` for a line on standard error, or what is called with a `Progress` some times a second and at
             the end. What it raises stops the run.
@@ -172,7 +180,7 @@ def run(
     tell = progress if callable(progress) else line
     told = None if tell is None else lambda *standing: tell(Progress(*standing))
     try:
-        made = Run(_native.run(scene, method, set, seed, threads, out, told))
+        made = Run(_native.run(scene, method, set, seed, threads, error, measure, budget_s, out, told))
         if tell is not None:
             record = made.record
             duration = float(made.budget["time_s"][-1]) if "budget" in made.tables else 0.0

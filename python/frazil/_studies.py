@@ -101,6 +101,36 @@ def compare(
     return _study("compare", made)
 
 
+def sweep(
+    scene: Scene,
+    vary: Mapping[str, Sequence[Any]],
+    *,
+    methods: Union[str, Sequence[str], None] = None,
+    seed: int = 1,
+    threads: Optional[int] = None,
+    set: Optional[Mapping[str, Any]] = None,
+    out: _Folder = None,
+    progress: bool = False,
+) -> Study:
+    """Runs a scene at all combinations of values of some of its keys (``frazil sweep``).
+
+    Args:
+        scene: a path, the name of a bundled scene, or a dictionary.
+        vary: keys with their values, as ``{"initial.temperature_c": [1, 2, 3]}``; the first key is the horizontal axis of the
+            figures.
+        methods: by default the first method of the scene.
+        seed: seed of noise and of uneven placement.
+        threads: concurrent runs; by default one for each core.
+        set: keys that override those of the scene in all runs.
+        out: folder for the results; by default ``out/sweep/SCENE``. Runs that it holds already are not made again.
+        progress: whether to tell on standard error what is being run.
+
+    The result has one table, ``sweep``, with a row for each run: its values, its outcome, its results and its errors.
+    """
+    made = _native.sweep(scene, vary, _many(methods), seed, threads, set, out, not progress)
+    return _study("sweep", made)
+
+
 def stability(
     scenes: Union[Scene, Sequence[Scene]],
     *,

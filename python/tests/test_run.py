@@ -40,6 +40,17 @@ def test_a_scene_is_run_by_its_path(stefan, scene, tmp_path):
         assert run.record["particles"] == 40
 
 
+def test_a_run_has_the_error_that_was_asked_for():
+    run = frazil.run("stefan-water", "local", error=0.01)
+    promised = run.record["estimated_error"]
+    assert promised["measure"] == "front" and promised["promised_rel"] <= 0.01
+    assert run.errors["front_rms_rel"] <= promised["promised_rel"]
+    with pytest.raises(frazil.SceneError, match="measure: found .colour., must be one of front, "):
+        frazil.run("stefan-water", "local", error=0.01, measure="colour")
+    with pytest.raises((frazil.SceneError, frazil.RunError)):
+        frazil.run("stefan-water", "local", error=1e-9, budget_s=0.5)
+
+
 def bundled_text():
     return """
 title = "Ice"

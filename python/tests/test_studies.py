@@ -35,6 +35,29 @@ def test_a_study_of_nothing_is_refused():
         frazil.stability("stefan-unit", axes="colour")
 
 
+def test_a_scene_is_swept(tmp_path):
+    vary = {"initial.temperature_c": [2, 8], "walls.left.temperature_c": np.array([-10.0, -20.0])}
+    short = {"time.duration_h": 2, "time.profiles_h": [2], "watch.front_from_h": 1}
+    study = frazil.sweep("stefan-water", vary, methods=["local", "pd"], set=short, out=tmp_path)
+    assert study.verdict == "done" and study.report.exists()
+    runs = study.sweep
+    assert runs.rows == 8 and set(runs["outcome"]) == {"ok"}
+    fronts = {
+        (method, start, wall): front
+        for method, start, wall, front in zip(
+            runs["method"], runs["initial.temperature_c"], runs["walls.left.temperature_c"], runs["front_m"]
+        )
+    }
+    for method in ("local", "pd"):
+        assert fronts[method, 2, -20] > fronts[method, 8, -20] > fronts[method, 8, -10]
+    # The run of the scene itself is the same.
+    own = frazil.run("stefan-water", "pd", set=short)
+    assert own.state_hash in set(runs["state_hash"])
+    assert fronts["pd", 8, -20] == own.front["front_m"][-1]
+    with pytest.raises(frazil.SceneError, match="must be a list of values"):
+        frazil.sweep("stefan-water", {"initial.temperature_c": 2}, out=tmp_path)
+
+
 def test_stability_is_mapped(tmp_path):
     study = frazil.stability("stefan-unit", methods="pd", axes="own", grid=5, values=1, out=tmp_path)
     assert study.verdict == "done" and study.report.exists()

@@ -25,6 +25,9 @@ pub struct CheckArguments {
     /// Plans the reduced scene with the same solution, if there is one.
     #[arg(long)]
     reduce: bool,
+    /// Prints JSON: the scene, warnings, and for each method the numbers of its plan.
+    #[arg(long)]
+    json: bool,
     #[command(flatten)]
     memory: MemoryLimit,
 }
@@ -43,6 +46,7 @@ impl CheckArguments {
             overrides: self.set,
             threads: self.threads.count(),
             reduce: self.reduce,
+            json: self.json,
         })
     }
 }

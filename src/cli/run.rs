@@ -57,12 +57,15 @@ pub struct RunArguments {
     /// Writes the state of all particles at every output, for ParaView: fields.pvd and fields/*.vtu.
     #[arg(long)]
     fields: bool,
-    /// Draws a temperature map at every output, for an animation: frames/*.png. Needs a plane.
+    /// Draws a temperature map at every output, frames/*.png, and a moving PNG of all, movie.png. Needs a plane.
     #[arg(long)]
     frames: bool,
     /// Also draws each figure as PNG, beside its SVG.
     #[arg(long)]
     png: bool,
+    /// Also writes each figure as PDF, with text as text, for papers.
+    #[arg(long)]
+    pdf: bool,
     /// Wall time in seconds between two checkpoints, from which a killed run can be resumed; 0 for none.
     #[arg(long, value_name = "S", default_value = "60", value_parser = between_checkpoints)]
     checkpoint_s: BetweenCheckpoints,
@@ -70,8 +73,11 @@ pub struct RunArguments {
     /// none.
     #[arg(long)]
     resume: bool,
-    /// Prints only errors.
+    /// Prints JSON instead of text: the outcome, the folder, results, errors and the record; of an ensemble, its record.
     #[arg(long)]
+    json: bool,
+    /// Prints only errors.
+    #[arg(long, conflicts_with = "json")]
     quiet: bool,
     #[command(flatten)]
     memory: MemoryLimit,
@@ -117,10 +123,11 @@ impl RunArguments {
             estimated,
             fields: self.fields,
             frames: self.frames,
-            formats: if self.png { Formats::SvgAndPng } else { Formats::Svg },
+            formats: Formats { png: self.png, pdf: self.pdf },
             checkpoints: self.checkpoint_s.0,
             resume: self.resume,
             quiet: self.quiet,
+            json: self.json,
             yes: self.yes,
             command_line: command_line(),
         };

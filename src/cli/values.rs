@@ -79,8 +79,7 @@ pub fn error(text: &str) -> Result<f64, MustBe> {
 
 /// What an error is of.
 pub fn measure(text: &str) -> Result<Headline, MustBe> {
-    let names = Headline::ALL.map(Headline::name).join(", ");
-    Headline::ALL.into_iter().find(|measure| measure.name() == text).ok_or(MustBe(format!("one of {names}").into()))
+    Headline::named(text).ok_or_else(|| MustBe(format!("one of {}", Headline::names()).into()))
 }
 
 /// Seconds.

@@ -239,7 +239,7 @@ pub(super) fn block(critical: &Critical, outcome: &Outcome, work: &Work<'_>) -> 
         })
         .collect();
     let canvas = critical_map(&views, &critical.key);
-    canvas.write(&work.folder, "critical", Formats::SvgAndPng)?;
+    canvas.write(&work.folder, "critical", Formats::ALL)?;
     let figure = Figure::new(
         &canvas,
         format!(

@@ -264,8 +264,7 @@ impl Work<'_> {
         let Some(coarse) = known.or_else(|| self.run_coarse(layout)) else { return Ok(None) };
         output::write_run_and(&path, &fine, || frames.map_or(Ok(()), |frames| frames.finish(&path)))?;
         if self.has_maps(layout)
-            && let Err(error) =
-                run_figures(&fine, &path, &self.figure_options(layout, &fine.fields), Formats::SvgAndPng)
+            && let Err(error) = run_figures(&fine, &path, &self.figure_options(layout, &fine.fields), Formats::ALL)
         {
             complain(&format!("figures: {error}"));
         }

@@ -73,7 +73,7 @@ pub(super) fn write(command: &str, study: &Study<'_>, work: &Work<'_>, told: Tol
     let freezing = compared.first().map_or(0.0, |one| one.layout.scene.materials[0].freezing_point);
     let (mut first, mut figures) = (Vec::new(), Vec::new());
     let drawings = drawings(&views, freezing);
-    let draw = |k: usize| Some(drawings[k].canvas.write(&work.folder, &drawings[k].stem, Formats::SvgAndPng));
+    let draw = |k: usize| Some(drawings[k].canvas.write(&work.folder, &drawings[k].stem, Formats::ALL));
     for written in parallel::in_order(drawings.len(), work.threads, draw) {
         written.transpose()?;
     }
@@ -188,7 +188,7 @@ fn methods_block(work: &Work<'_>, beside: &[Beside<'_>]) -> Result<Option<Block>
     }
     let views: Vec<_> = beside.iter().map(Beside::view).collect();
     let drawing = layouts::methods(&views);
-    drawing.write(&work.folder, "methods", Formats::SvgAndPng)?;
+    drawing.write(&work.folder, "methods", Formats::ALL)?;
     let caption = "Day of closure, thickness and mean temperature where the wall is weakest, and load at the end, as each method has them.";
     let figures = vec![Figure::new(&drawing, caption, "methods")];
     let heads = ["layout", "methods", "wall closes (day)", "thickness (m)", "mean temperature (°C)", "load (W/m)"];

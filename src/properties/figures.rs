@@ -26,7 +26,7 @@ pub fn write(folder: &Path, title: &str, rows: &[Row], jobs: &[Job], found: &[Fi
         figures.add(folder, "prandtl", prandtl(title, rows));
     }
     figures.add(folder, "schmidt", schmidt(title, rows));
-    Ok(figures.write(Formats::SvgAndPng, parallel::cores())?)
+    Ok(figures.write(Formats::ALL, parallel::cores())?)
 }
 
 /// Some of the rows, ends included.

@@ -1,5 +1,7 @@
 //! What a run says first: where the front is, when the wall closed, what became of the ice. Errors are called errors.
 
+pub mod numbers;
+
 use std::collections::BTreeMap;
 
 use frazil_core::space::domain::Domain;

@@ -18,7 +18,7 @@ use frazil_simulation::measure;
 use frazil_simulation::reference::Reference;
 
 use crate::campaign::{Campaign, Shard};
-use crate::failure::{Failure, Verdict, answer, complain};
+use crate::failure::{Failure, Verdict, answer, answer_json, complain};
 use crate::output::{self, Folder, Owner};
 use crate::progress::{bearable, clock, forewarn};
 use crate::{answers, expect};
@@ -55,6 +55,8 @@ pub struct EnsembleRequest<'a> {
     pub formats: Formats,
     /// Whether to say nothing but errors.
     pub quiet: bool,
+    /// Whether to print the record as JSON.
+    pub json: bool,
     /// Whether to begin what takes longer than 30 days.
     pub yes: bool,
 }
@@ -108,7 +110,9 @@ pub fn ensemble(request: &EnsembleRequest<'_>, interrupt: &AtomicBool) -> Result
     if let Err(error) = figures::draw(&study, scene, out, request.formats, threads) {
         complain(&format!("figures: {error}"));
     }
-    if !request.quiet {
+    if request.json {
+        answer_json(&study.record)?;
+    } else if !request.quiet {
         answer(&study.summary(scene, out))?;
     }
     Ok(Verdict::worst(study.record.members.iter().map(|member| member.outcome)))

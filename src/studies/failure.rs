@@ -9,6 +9,7 @@ use frazil_plots::PlotError;
 use frazil_record::{Outcome, shown, shown_lines};
 use frazil_scene::Problems;
 use frazil_simulation::march::Refused;
+use serde::Serialize;
 
 /// The end of a command that did what it was asked, the better ones first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -126,6 +127,17 @@ pub fn exit_code(result: Result<Verdict, Failure>) -> u8 {
 pub fn complain(text: &str) {
     use io::Write;
     let _ = writeln!(io::stderr(), "{}", shown_lines(text));
+}
+
+/// Writes the answer to standard output as JSON, for programs: one document with a last line break.
+///
+/// # Errors
+/// Where it cannot be written.
+pub fn answer_json(value: &impl Serialize) -> Result<(), Failure> {
+    use io::Write;
+    let mut out = io::stdout().lock();
+    serde_json::to_writer_pretty(&mut out, value).map_err(|error| Failure::Output(error.into()))?;
+    out.write_all(b"\n").and_then(|()| out.flush()).map_err(Failure::Output)
 }
 
 /// Writes the answer to standard output, where what is hidden in texts of a user is seen.

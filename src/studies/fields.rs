@@ -11,6 +11,7 @@ use std::sync::{Mutex, PoisonError};
 use frazil_core::particles::Particles;
 use frazil_core::physics::retention::scale::head;
 use frazil_plots::frame;
+use frazil_plots::movie::movie;
 use frazil_scene::Scene;
 use frazil_simulation::march::outputs;
 use frazil_simulation::observers;
@@ -20,8 +21,8 @@ use crate::figure_options;
 use crate::output::{make_folder, remove as remove_file, write_whole};
 use vtu::Grid;
 
-/// Folder of states, the file that lists them with their times, and folder of frames.
-pub const NAMES: [&str; 3] = ["fields", "fields.pvd", "frames"];
+/// Folder of states, the file that lists them with their times, folder of frames, and the movie of them.
+pub const NAMES: [&str; 4] = ["fields", "fields.pvd", "frames", "movie.png"];
 
 /// Folder in which both are made: it stays after a run that was killed, for it to go on.
 const HIDDEN: &str = ".fields";
@@ -129,6 +130,9 @@ impl<'a> Snapshots<'a> {
             }
         }
         remove(&self.hidden)?;
+        if self.frames {
+            film(&folder.join(NAMES[2]), &folder.join(NAMES[3]))?;
+        }
         let times: Vec<(usize, f64)> = numbers.into_iter().map(|number| (number, self.times[number])).collect();
         if self.fields { write_whole(&folder.join(NAMES[1]), |writer| collection(&times, writer)) } else { Ok(()) }
     }
@@ -147,6 +151,15 @@ fn remove(hidden: &Path) -> Result<(), Failure> {
         Err(error) if error.kind() != ErrorKind::NotFound => Err(Failure::file(hidden, "cannot be removed", error)),
         _ => Ok(()),
     }
+}
+
+/// Makes the frames of a folder a movie.
+fn film(frames: &Path, path: &Path) -> Result<(), Failure> {
+    let unread = |error| Failure::file(frames, "cannot be read", error);
+    let entries = std::fs::read_dir(frames).and_then(Iterator::collect::<Result<Vec<_>, _>>).map_err(unread)?;
+    let mut pictures: Vec<PathBuf> = entries.into_iter().map(|entry| entry.path()).collect();
+    pictures.sort();
+    write_whole(path, |writer| movie(&pictures, writer).map_err(io::Error::other))
 }
 
 /// The name of a state, or of a frame, in its folder.

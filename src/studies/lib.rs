@@ -20,6 +20,7 @@ pub mod parallel;
 pub mod parts;
 pub mod progress;
 pub mod stability;
+pub mod sweep;
 pub mod words;
 
 /// The methods and bundled scenes, as the application has them.

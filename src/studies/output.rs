@@ -273,7 +273,7 @@ pub fn clear(folder: &Path) -> Result<(), Failure> {
         let name = |part: Option<&std::ffi::OsStr>| part.and_then(std::ffi::OsStr::to_str).map(str::to_owned);
         let (Some(stem), Some(ending)) = (name(path.file_stem()), name(path.extension())) else { continue };
         let of_table = || tables.iter().any(|(table, _)| table.strip_suffix(".csv") == Some(&stem));
-        if ["svg", "png"].contains(&ending.as_str()) && (is_figure(&stem) || of_table()) {
+        if ["svg", "png", "pdf"].contains(&ending.as_str()) && (is_figure(&stem) || of_table()) {
             remove(&path)?;
         }
     }

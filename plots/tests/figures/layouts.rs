@@ -402,7 +402,7 @@ fn figures_come_in_the_order_in_which_they_are_read() -> Result<(), Box<dyn std:
         wanted.iter().map(|stem| all.iter().position(|drawing| drawing.stem == *stem)).collect();
     assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{places:?}");
     for drawing in &all {
-        for path in drawing.canvas.write(&folder, &drawing.stem, crate::BOTH)? {
+        for path in drawing.canvas.write(&folder, &drawing.stem, crate::ALL)? {
             let size = std::fs::metadata(&path)?.len();
             assert!(size > 2000, "{}: {size} bytes", path.display());
         }

@@ -19,7 +19,7 @@ pub(super) fn over_depth(study: &Study<'_>, work: &Work<'_>, found: &[Found<'_>]
     }
     let views: Vec<_> = compared.iter().map(|shaft| shaft.view(study)).collect();
     let drawing = frazil_plots::layouts::over_depth(&views);
-    drawing.write(&work.folder, "depth", Formats::SvgAndPng)?;
+    drawing.write(&work.folder, "depth", Formats::ALL)?;
     let caption = "Each stratum of the layouts; boreholes are read at the depth that stands in the table of strata.";
     let figures = vec![Figure::new(&drawing, caption, "depth")];
     let heads =

@@ -45,7 +45,7 @@ pub fn write(request: &CheapestRequest, folder: &Path, study: &Study) -> Result<
     let rows: Vec<Row> = study.all.iter().flat_map(|of| rows(request, study, of)).collect();
     write_rows(&folder.join("cheapest.csv"), &rows)?;
     let figure = work_precision_panels(&[figure(request, study)]);
-    figure.write(folder, "cheapest", Formats::SvgAndPng)?;
+    figure.write(folder, "cheapest", Formats::ALL)?;
     let label = study.headline.map_or("error", Headline::label);
     let block = Block {
         heading: format!("{} of {label}", percent(request.error, 3)),

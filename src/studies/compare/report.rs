@@ -62,7 +62,7 @@ impl<'a> Report<'a> {
         }
         let all: Vec<&Study> = studies.iter().collect();
         let overview = self.overview(&all, &mut figures);
-        figures.write(Formats::SvgAndPng, parallel::cores())?;
+        figures.write(Formats::ALL, parallel::cores())?;
         self.page(&all, studies, None, overview)
     }
 
@@ -83,7 +83,7 @@ impl<'a> Report<'a> {
         let section = under_way(self.folder, &study, &mut figures)?;
         let all: Vec<&Study> = finished.iter().chain([&study]).collect();
         let overview = self.overview(&all, &mut figures);
-        figures.write(Formats::Svg, parallel::cores())?;
+        figures.write(Formats::SVG, parallel::cores())?;
         self.page(&all, finished, Some(section), overview)?;
         self.shown.set(Some(Instant::now()));
         Ok(())
@@ -251,7 +251,7 @@ fn finest_runs(folder: &Path, study: &Study) -> Result<Vec<Block>, Failure> {
             }
             figures.add(&own, file, canvas);
         }
-        write_run_and(&own, result, || Ok(figures.write(Formats::SvgAndPng, parallel::cores())?))?;
+        write_run_and(&own, result, || Ok(figures.write(Formats::ALL, parallel::cores())?))?;
         if !block.figures.is_empty() {
             blocks.push(block);
         }

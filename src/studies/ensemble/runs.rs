@@ -120,6 +120,16 @@ impl Headline {
         Headline::Concentration,
     ];
 
+    /// The one of a name, as of options.
+    pub fn named(name: &str) -> Option<Headline> {
+        Headline::ALL.into_iter().find(|measure| measure.name() == name)
+    }
+
+    /// Names of all.
+    pub fn names() -> String {
+        Headline::ALL.map(Headline::name).join(", ")
+    }
+
     /// Whether it is taken at all profile points.
     pub fn is_of_profiles(self) -> bool {
         matches!(self, Headline::Temperature | Headline::Saturation | Headline::Concentration)

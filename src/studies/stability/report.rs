@@ -71,7 +71,7 @@ pub fn write(
         page.answers.extend(answer(&scene, &own));
         page.scenes.extend(section(folder, &scene, &own, &mut figures)?);
     }
-    figures.write(Formats::SvgAndPng, parallel::cores())?;
+    figures.write(Formats::ALL, parallel::cores())?;
     Ok(page::write(&page, &folder.join("report.html"))?)
 }
 

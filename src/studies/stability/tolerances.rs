@@ -327,7 +327,7 @@ fn block(scene: &Scene, (name, axis): (&str, Axis), cells: &[Cell], folder: &Pat
     let (into, file) = (folder.join(&scene.name), format!("stability_{}", axis.word()));
     make_folder(&into)?;
     let canvas = map(&format!("{}: {}", scene.title, axis.label()), axis, &jobs, &own, &ratios);
-    canvas.write(&into, &file, Formats::SvgAndPng)?;
+    canvas.write(&into, &file, Formats::ALL)?;
     let caption = "Outcomes of the runs. Reasons for cells that are not within tolerance are listed below.";
     let figure = Figure::new(&canvas, caption, format!("{}/{file}", scene.name));
     Ok(Block {

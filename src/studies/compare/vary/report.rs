@@ -39,7 +39,7 @@ pub fn write(request: &CompareRequest, machine: &Machine, folder: &Path, grids: 
     for grid in grids {
         page.scenes.push(section(folder, grid, &mut figures)?);
     }
-    figures.write(Formats::SvgAndPng, parallel::cores())?;
+    figures.write(Formats::ALL, parallel::cores())?;
     Ok(page::write(&page, &folder.join("report.html"))?)
 }
 

@@ -10,7 +10,7 @@ const ROUND_SINGLE: f32 = 12_582_912.0;
 const LOGARITHM: [f32; 3] = [0.595_759_6, 0.961_588_9, 2.885_390_5];
 
 /// `2^x` from -1/2 to 1/2, in the same way, to 1e-7.
-const POWER: [f32; 6] = [0.001_339_086_4, 0.009_676_032, 0.055_503_57, 0.240_221_07, 0.693_147_2, 1.0];
+const POWER: [f32; 6] = [0.001_339_086_4, 0.009_676_032, 0.055_503_57, 0.240_221_07, std::f32::consts::LN_2, 1.0];
 
 /// Rounds to the nearest whole number, up to 2^51.
 #[inline(always)]

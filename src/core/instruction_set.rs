@@ -49,7 +49,8 @@ impl InstructionSet {
             {
                 return InstructionSet::Avx512;
             }
-            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+            if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") && is_x86_feature_detected!("popcnt")
+            {
                 return InstructionSet::Avx2;
             }
         }

@@ -1,7 +1,7 @@
 //! What a step does to the pairs of a slab.
 //!
 //! Pairs in reach are found (`scan`) and gathered, some hundred at a time; all that depends on places and temperatures alone is worked out
-//! for them at once, in vectors; then velocities and energies of both ends change, pair by pair. Friction and random force
+//! for them at once, in vectors (`coefficients`); then velocities and energies of both ends change, pair by pair. Friction and random force
 //! of a pair act on the velocity `u` of one end against the other along the line between them,
 //!
 //! `u -> c u + root(mu kT (1 - c^2)) xi`,  `c = 1/(1 + x + x^2/2)`,  `x = gamma w_D mu dt`,  `mu = 1/m_i + 1/m_j`
@@ -12,19 +12,12 @@
 
 #[cfg(target_arch = "x86_64")]
 use frazil_core::instruction_set::InstructionSet;
-use frazil_core::noise::StepNoise;
 
+use super::coefficients::{AT_ONCE, PairColumns, PairConstants, ROOM};
 use super::matter::Matter;
 use super::particle::{Look, Particle};
-use super::power::raise;
 use super::scan::{self, FoundPartners, LANES, MOST, Scan};
 use super::sorting::{CellGrid, PartnerRange, RANGES};
-
-/// Pairs that are worked on at once.
-const AT_ONCE: usize = 128;
-
-/// Pairs in a vector, or more.
-const VECTOR: usize = 8;
 
 /// The constants of a step.
 #[derive(Debug)]
@@ -45,16 +38,8 @@ pub struct StepConstants<'a, const D: usize, M: Matter> {
     pub shut: Option<usize>,
     /// Square of the largest cut-off radius, taken larger by the error of single precision.
     pub reach: f32,
-    /// One over the cut-off radius of the conservative force, of friction, of heat.
-    pub inverse_cutoffs: [f64; 3],
-    /// Largest conservative force.
-    pub repulsion: f64,
-    /// Friction times the step.
-    pub friction: f64,
-    /// Square of the heat capacity, times the heat friction and the step.
-    pub conductance: f64,
-    /// Random numbers of the step.
-    pub noise: StepNoise,
+    /// What pairs act by.
+    pub constants: PairConstants,
 }
 
 impl<const D: usize, M: Matter> StepConstants<'_, D, M> {
@@ -80,23 +65,14 @@ pub type SlabParticles<'a, const D: usize> = (usize, &'a mut [Particle<D>]);
 /// Work space of a slab.
 #[derive(Debug, Clone)]
 pub struct Desk<const D: usize> {
-    ways: [[f64; AT_ONCE]; D],
-    nears: [f64; AT_ONCE],
-    exponents: [f64; AT_ONCE],
-    temperatures: [[f64; AT_ONCE]; 2],
-    mobilities: [f64; AT_ONCE],
-    /// Conduction over that of the reference state, where pairs differ.
-    conductions: [f64; AT_ONCE],
-    /// Names of both ends: the one in the upper half, its partner's in the lower.
-    names: [u64; AT_ONCE],
-    found: FoundPartners,
-    partners: [u32; AT_ONCE],
-    /// Impulse by the velocity of one end against the other, and that of noise.
-    gains: [f64; AT_ONCE],
-    pushed: [f64; AT_ONCE],
-    forces: [f64; AT_ONCE],
-    heats: [f64; AT_ONCE],
-    rows: [PartnerRow; AT_ONCE],
+    pairs: PairColumns<D>,
+    /// Partners: their numbers among all, then, once they are put down, in their slab.
+    partners: FoundPartners,
+    /// Pairs at hand.
+    filled: usize,
+    /// None is empty.
+    rows: [PartnerRow; AT_ONCE + 1],
+    row_count: usize,
     /// Potential of all pairs.
     pub potential: f64,
     /// Pairs within reach, and a few in a million beyond.
@@ -106,20 +82,11 @@ pub struct Desk<const D: usize> {
 impl<const D: usize> Default for Desk<D> {
     fn default() -> Self {
         Desk {
-            ways: [[0.0; AT_ONCE]; D],
-            nears: [0.0; AT_ONCE],
-            exponents: [0.0; AT_ONCE],
-            temperatures: [[1.0; AT_ONCE]; 2],
-            mobilities: [0.0; AT_ONCE],
-            conductions: [0.0; AT_ONCE],
-            names: [0; AT_ONCE],
-            found: [0; MOST + LANES],
-            partners: [0; AT_ONCE],
-            gains: [0.0; AT_ONCE],
-            pushed: [0.0; AT_ONCE],
-            forces: [0.0; AT_ONCE],
-            heats: [0.0; AT_ONCE],
-            rows: [PartnerRow::default(); AT_ONCE],
+            pairs: PairColumns::default(),
+            partners: [0; ROOM + LANES],
+            filled: 0,
+            rows: [PartnerRow::default(); AT_ONCE + 1],
+            row_count: 0,
             potential: 0.0,
             met: 0,
         }
@@ -158,7 +125,7 @@ fn act_avx512<const D: usize, M: Matter>(
 }
 
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2,fma")]
+#[target_feature(enable = "avx2,fma,popcnt")]
 fn act_avx2<const D: usize, M: Matter>(
     frame: &StepConstants<'_, D, M>,
     slab: usize,
@@ -166,7 +133,7 @@ fn act_avx2<const D: usize, M: Matter>(
     own: SlabParticles<'_, D>,
     next: SlabParticles<'_, D>,
 ) {
-    act_by::<D, M, scan::Portable>(frame, slab, desk, own, next);
+    act_by::<D, M, scan::Avx2>(frame, slab, desk, own, next);
 }
 
 #[inline(always)]
@@ -179,187 +146,150 @@ fn act_by<const D: usize, M: Matter, S: Scan>(
 ) {
     desk.potential = 0.0;
     desk.met = 0;
-    let (mut filled, mut rows) = (0, 0);
     for cell in frame.grid.cells(slab) {
         let (ranges, count) = frame.grid.ranges(slab, cell, frame.starts);
+        // Ranges whose particles are seen where they stand, on one side, are looked through together.
+        let alike = |a: &PartnerRange<D>, b: &PartnerRange<D>| (a.beyond, a.shift) == (b.beyond, b.shift);
+        let (mut sides, mut side_count) = ([&ranges[..0]; RANGES], 0);
+        for side in ranges[..count].chunk_by(alike) {
+            sides[side_count] = side;
+            side_count += 1;
+        }
         for i in frame.starts[cell] as usize..frame.starts[cell + 1] as usize {
             let me = &frame.looks[i];
-            let (mut at, mut from) = (0, i + 1);
-            while at < count {
-                // Ranges whose particles are seen where they stand, on one side, are looked through together.
-                let range = ranges[at];
-                let mut place = me.position;
-                (0..D).for_each(|axis| place[axis] -= range.shift[axis]);
-                let single = place.map(|along| along as f32);
-                let mut found = 0;
-                while at < count && (ranges[at].beyond, ranges[at].shift) == (range.beyond, range.shift) {
-                    let to = ranges[at].end.min(from + MOST - found);
-                    found = S::near(&frame.places, &single, (from, to), frame.reach, found, &mut desk.found);
-                    from = to;
-                    if to < ranges[at].end {
-                        break;
+            // Of pairs within the cell each is met from its first end.
+            let mut begin_at = i + 1;
+            for ranges in &sides[..side_count] {
+                let seen = Seen::of(me, i - begin, &ranges[0], if ranges[0].beyond { begin_next } else { begin });
+                let single = seen.place.map(|along| along as f32);
+                let mut first = desk.filled;
+                for range in *ranges {
+                    let mut from = std::mem::replace(&mut begin_at, 0).max(range.begin);
+                    while from < range.end {
+                        if desk.filled > AT_ONCE {
+                            put(frame, desk, first, me, &seen);
+                            finish(frame, desk, own, next);
+                            first = 0;
+                        }
+                        let to = range.end.min(from + MOST);
+                        desk.filled =
+                            S::near(&frame.places, &single, (from, to), frame.reach, desk.filled, &mut desk.partners);
+                        from = to;
                     }
-                    at += 1;
-                    from = ranges[at % RANGES].begin;
                 }
-                if me.name >= frame.apart {
-                    found = keep(frame, desk, found);
-                }
-                let base = if range.beyond { begin_next } else { begin };
-                let mut taken = 0;
-                while taken < found {
-                    if filled == AT_ONCE {
-                        work(frame, desk, filled);
-                        change(desk, rows, own, next);
-                        (filled, rows) = (0, 0);
-                    }
-                    let some = (found - taken).min(AT_ONCE - filled);
-                    put(frame, desk, (filled, taken, some), me, &place, &range, base);
-                    let last = filled + some;
-                    desk.rows[rows % AT_ONCE] =
-                        PartnerRow { particle: i - begin, first: filled, last, beyond: range.beyond };
-                    (filled, rows) = (last, rows + 1);
-                    taken += some;
-                }
+                put(frame, desk, first, me, &seen);
             }
         }
     }
-    work(frame, desk, filled);
-    change(desk, rows, own, next);
+    finish(frame, desk, own, next);
+}
+
+/// A particle as partners on one side see it.
+struct Seen<const D: usize> {
+    /// Its number in the slab.
+    particle: usize,
+    place: [f64; D],
+    /// Whether partners are of the next slab, the number of the first particle of their slab, and how far they are shifted.
+    beyond: bool,
+    base: usize,
+    shift: [f64; D],
+}
+
+impl<const D: usize> Seen<D> {
+    #[inline(always)]
+    fn of<S>(me: &Look<D, S>, particle: usize, range: &PartnerRange<D>, base: usize) -> Self {
+        let place = std::array::from_fn(|axis| me.position[axis] - range.shift[axis]);
+        Seen { particle, place, beyond: range.beyond, base, shift: range.shift }
+    }
 }
 
 /// Keeps those of the particles found that may have pairs with particles behind walls.
-fn keep<const D: usize, M: Matter>(frame: &StepConstants<'_, D, M>, desk: &mut Desk<D>, found: usize) -> usize {
-    let mut kept = 0;
-    for k in 0..found {
-        let j = desk.found[k];
-        desk.found[kept] = j;
+fn keep<const D: usize, M: Matter>(frame: &StepConstants<'_, D, M>, desk: &mut Desk<D>, first: usize) {
+    let mut kept = first;
+    for k in first..desk.filled {
+        let j = desk.partners[k];
+        desk.partners[kept] = j;
         kept += usize::from(frame.looks[j as usize].name < frame.apart);
     }
-    kept
+    desk.filled = kept;
 }
 
-/// Puts the particles found down on the desk as partners of one.
+/// Puts the particles found, from one on, down on the desk as partners of one.
 #[inline(always)]
 fn put<const D: usize, M: Matter>(
     frame: &StepConstants<'_, D, M>,
     desk: &mut Desk<D>,
-    (filled, taken, some): (usize, usize, usize),
+    first: usize,
     me: &Look<D, M::Seen>,
-    place: &[f64; D],
-    range: &PartnerRange<D>,
-    base: usize,
+    seen: &Seen<D>,
 ) {
-    let shut = M::UNEVEN && frame.shut.is_some_and(|axis| range.shift[axis] != 0.0);
-    for (k, j) in (filled..filled + some).zip(taken..) {
-        let k = k % AT_ONCE;
-        let j = desk.found[j % MOST] as usize;
+    if me.name >= frame.apart {
+        keep(frame, desk, first);
+    }
+    let Desk { pairs, partners, rows, row_count, filled, .. } = desk;
+    let last = (*filled).min(ROOM);
+    if first >= last {
+        return;
+    }
+    let shut = M::UNEVEN && frame.shut.is_some_and(|axis| seen.shift[axis] != 0.0);
+    let (temperature, draw) = (me.temperature as f32, me.share << 32);
+    for k in first..last {
+        let j = partners[k] as usize;
         let other = &frame.looks[j];
         for axis in 0..D {
-            desk.ways[axis][k] = place[axis] - other.position[axis];
+            pairs.ways[axis][k] = seen.place[axis] - other.position[axis];
         }
-        desk.exponents[k] = me.exponent + other.exponent;
-        desk.temperatures[0][k] = me.temperature;
-        desk.temperatures[1][k] = other.temperature;
-        desk.mobilities[k] = me.mobility + other.mobility;
+        pairs.exponents[k] = me.half_exponent + other.half_exponent;
+        pairs.temperatures[0][k] = temperature;
+        pairs.temperatures[1][k] = other.temperature as f32;
+        pairs.differences[k] = (me.coldness - other.coldness) as f32;
+        pairs.mobilities[k] = me.mobility + other.mobility;
         if M::UNEVEN {
             let conduction = frame.matter.between([(me.seen, me.temperature), (other.seen, other.temperature)]);
-            desk.conductions[k] = if shut { 0.0 } else { conduction };
+            pairs.conductions[k] = if shut { 0.0 } else { conduction as f32 };
         }
-        desk.names[k] = (u64::from(me.name) << 32) | u64::from(other.name);
-        desk.partners[k] = (j - base) as u32;
+        pairs.draws[k] = draw.wrapping_add(other.share);
+        partners[k] = (j - seen.base) as u32;
     }
+    rows[*row_count] = PartnerRow { particle: seen.particle, first, last, beyond: seen.beyond };
+    *row_count += 1;
 }
 
-/// All that depends on places and temperatures alone.
+/// Lets the pairs on the desk act, and clears it.
 #[inline(always)]
-fn work<const D: usize, M: Matter>(frame: &StepConstants<'_, D, M>, desk: &mut Desk<D>, count: usize) {
-    let count = count.min(AT_ONCE);
-    let [conservative, dissipative, thermal] = frame.inverse_cutoffs;
-    let conductance = 0.25 * frame.conductance;
-    let heat_noise = (2.0 * conductance).sqrt();
-    let far = 2.0 * f64::from(frame.reach).sqrt();
-    // Whole vectors, the last one filled up with pairs out of reach.
-    let whole = count.next_multiple_of(VECTOR).min(AT_ONCE);
-    desk.ways[0][count..whole].fill(far);
-    for k in 0..whole {
-        let mut square: f64 = 1e-30;
-        for axis in 0..D {
-            square = desk.ways[axis][k].mul_add(desk.ways[axis][k], square);
-        }
-        let distance = square.sqrt();
-        let (a, b) = (desk.temperatures[0][k], desk.temperatures[1][k]);
-        let (sum, product) = (a + b, a * b);
-        let mobility = desk.mobilities[k];
-        // Ends at rest take no impulse, whatever it is.
-        let mobility = if mobility > 0.0 { mobility } else { 1.0 };
-        let rough = distance.mul_add(-dissipative, 1.0).max(0.0);
-        // One division for three: divisions are what takes longest here.
-        let temperatures = sum * product;
-        let inverse = 1.0 / (temperatures * distance * mobility);
-        let inverse_distance = inverse * temperatures * mobility;
-        let inverse_temperatures = inverse * distance * mobility;
-        let inverse_mobility = inverse * temperatures * distance;
-        for axis in 0..D {
-            desk.ways[axis][k] *= inverse_distance;
-        }
-        let near = distance.mul_add(-conservative, 1.0).max(0.0);
-        desk.forces[k] = frame.repulsion * near;
-        desk.nears[k] = near * near;
-        let names = desk.names[k];
-        let turned = names.rotate_left(32);
-        let sign = if names < turned { 1.0 } else { -1.0 };
-        let (force_random, heat_random) = frame.noise.two(names.max(turned));
-        let (force_random, heat_random) = (f64::from(force_random), f64::from(heat_random));
-        let weight = f64::from(raise(rough as f32, (0.5 * desk.exponents[k]) as f32));
-        let lost = frame.friction * weight * mobility;
-        let kept = 1.0 / lost.mul_add(lost.mul_add(0.5, 1.0), 1.0);
-        desk.gains[k] = (kept - 1.0) * inverse_mobility;
-        let variance = mobility * (2.0 * product * product * inverse_temperatures) * kept.mul_add(-kept, 1.0);
-        desk.pushed[k] = variance.sqrt() * force_random * inverse_mobility;
-        let warm = sum * distance.mul_add(-thermal, 1.0).max(0.0);
-        let (conducted, random) = match M::UNEVEN {
-            true => {
-                let conduction = desk.conductions[k];
-                (conductance * conduction * (warm * warm), heat_noise * conduction.sqrt() * warm)
-            }
-            false => (conductance * (warm * warm), heat_noise * warm),
-        };
-        desk.heats[k] = (conducted * (b - a)).mul_add(sum * inverse_temperatures, random * heat_random * sign);
-    }
-    let mut sums = [0.0; VECTOR];
-    for nears in desk.nears[..whole].as_chunks::<VECTOR>().0 {
-        for lane in 0..VECTOR {
-            sums[lane] += nears[lane];
-        }
-    }
-    let potential: f64 = sums.iter().sum();
-    desk.potential += potential * 0.5 * frame.repulsion / conservative;
-    desk.met += count as u64;
-}
-
-/// Changes of velocities and energies, pair by pair.
-#[inline(always)]
-fn change<const D: usize>(desk: &Desk<D>, rows: usize, own: &mut [Particle<D>], next: &mut [Particle<D>]) {
-    for row in &desk.rows[..rows] {
+fn finish<const D: usize, M: Matter>(
+    frame: &StepConstants<'_, D, M>,
+    desk: &mut Desk<D>,
+    own: &mut [Particle<D>],
+    next: &mut [Particle<D>],
+) {
+    desk.potential += if M::UNEVEN {
+        desk.pairs.evaluate::<true>(&frame.constants, desk.filled)
+    } else {
+        desk.pairs.evaluate::<false>(&frame.constants, desk.filled)
+    };
+    desk.met += desk.filled as u64;
+    // Changes of velocities and energies, pair by pair.
+    for row in &desk.rows[..desk.row_count] {
         let mut me = own[row.particle];
         if row.beyond {
             for k in row.first..row.last {
-                meet(desk, k, &mut me, &mut next[desk.partners[k % AT_ONCE] as usize]);
+                meet(desk, k, &mut me, &mut next[desk.partners[k] as usize]);
             }
         } else {
             for k in row.first..row.last {
-                meet(desk, k, &mut me, &mut own[desk.partners[k % AT_ONCE] as usize]);
+                meet(desk, k, &mut me, &mut own[desk.partners[k] as usize]);
             }
         }
         own[row.particle] = me;
     }
+    (desk.filled, desk.row_count) = (0, 0);
 }
 
 #[inline(always)]
 fn meet<const D: usize>(desk: &Desk<D>, k: usize, me: &mut Particle<D>, other: &mut Particle<D>) {
-    let k = k % AT_ONCE;
-    let ways: [f64; D] = std::array::from_fn(|axis| desk.ways[axis][k]);
+    let pairs = &desk.pairs;
+    let ways: [f64; D] = std::array::from_fn(|axis| pairs.ways[axis][k]);
     // Pairs of one particle wait for each other: its velocity comes in last.
     let mut before = 0.0;
     for axis in 0..D {
@@ -368,16 +298,17 @@ fn meet<const D: usize>(desk: &Desk<D>, k: usize, me: &mut Particle<D>, other: &
     for axis in 0..D {
         before = ways[axis].mul_add(me.velocity[axis], before);
     }
-    let impulse = desk.gains[k].mul_add(before, desk.pushed[k]);
+    let impulse = pairs.gains[k].mul_add(before, pairs.pushed[k]);
     // Half of what the pair loses of its kinetic energy.
-    let lost = -0.25 * impulse * desk.mobilities[k].mul_add(impulse, 2.0 * before);
+    let lost = -0.25 * impulse * pairs.inertias[k].mul_add(impulse, 2.0 * before);
+    let (push, pull) = (me.mobility * impulse, -other.mobility * impulse);
     for axis in 0..D {
         let way = ways[axis];
-        me.velocity[axis] = (me.mobility * way).mul_add(impulse, me.velocity[axis]);
-        other.velocity[axis] = (-other.mobility * way).mul_add(impulse, other.velocity[axis]);
-        me.force[axis] = desk.forces[k].mul_add(way, me.force[axis]);
-        other.force[axis] = (-desk.forces[k]).mul_add(way, other.force[axis]);
+        me.velocity[axis] = push.mul_add(way, me.velocity[axis]);
+        other.velocity[axis] = pull.mul_add(way, other.velocity[axis]);
+        me.force[axis] = pairs.forces[k].mul_add(way, me.force[axis]);
+        other.force[axis] = (-pairs.forces[k]).mul_add(way, other.force[axis]);
     }
-    me.heat += lost + desk.heats[k];
-    other.heat += lost - desk.heats[k];
+    me.heat += lost + pairs.heats[k];
+    other.heat += lost - pairs.heats[k];
 }

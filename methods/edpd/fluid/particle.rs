@@ -35,10 +35,14 @@ pub struct Look<const D: usize, S> {
     pub position: [f64; D],
     /// Temperature before the pairs of this step.
     pub temperature: f64,
-    /// Exponent of the dissipative weight at that temperature.
-    pub exponent: f64,
+    /// One over it.
+    pub coldness: f64,
+    /// Half of the exponent of the dissipative weight at that temperature.
+    pub half_exponent: f32,
     /// Inverse mass.
-    pub mobility: f64,
+    pub mobility: f32,
+    /// What its name brings to the random numbers of its pairs.
+    pub share: u64,
     /// What else its state means to pairs.
     pub seen: S,
     /// Name.

@@ -3,14 +3,16 @@
 //! Places are told apart up to an error that grows with the box, by which the reach is taken larger ([`widened`]): no pair
 //! within reach is missed, and the few that are farther apart act with a weight of zero.
 
+use super::coefficients::ROOM;
+
 /// Places that are looked at at once.
 pub const LANES: usize = 16;
 
-/// Most places that are noted at once.
-pub const MOST: usize = 512;
+/// Most places that are looked at at a time.
+pub const MOST: usize = 256;
 
 /// Numbers of those found, with room for the lanes of the last ones.
-pub type FoundPartners = [u32; MOST + LANES];
+pub type FoundPartners = [u32; ROOM + LANES];
 
 /// Square of a reach, in single precision, that takes in all pairs within reach in a box of a longest side.
 pub fn widened(reach: f64, longest: f64) -> f32 {
@@ -23,7 +25,7 @@ pub fn widened(reach: f64, longest: f64) -> f32 {
 pub trait Scan {
     /// Notes which of the places from one number to another are nearer to a place than the root of `square`, after those
     /// noted before; returns how many are noted then. Columns of places must be [`LANES`] longer than what is looked through,
-    /// and there must be room for all, [`MOST`] together.
+    /// and there must be room for all.
     fn near<const D: usize>(
         columns: &[&[f32]; D],
         place: &[f32; D],
@@ -37,20 +39,19 @@ pub trait Scan {
 /// Places that are told apart at once where there is no instruction that packs the near ones together.
 const GROUP: usize = 8;
 
-/// For each set of near places in a group, which they are, the first ones first, and how many.
-const PACKED: [([u8; GROUP], u8); 1 << GROUP] = {
-    let mut packed = [([0; GROUP], 0); 1 << GROUP];
+/// For each set of near places in a group, which they are, the first ones first.
+const PACKED: [[u8; GROUP]; 1 << GROUP] = {
+    let mut packed = [[0; GROUP]; 1 << GROUP];
     let mut set = 0;
     while set < packed.len() {
         let (mut lane, mut count) = (0, 0);
         while lane < GROUP {
             if set >> lane & 1 == 1 {
-                packed[set].0[count] = lane as u8;
+                packed[set][count] = lane as u8;
                 count += 1;
             }
             lane += 1;
         }
-        packed[set].1 = count as u8;
         set += 1;
     }
     packed
@@ -70,26 +71,27 @@ impl Scan for Portable {
         mut count: usize,
         found: &mut FoundPartners,
     ) -> usize {
-        for at in (from..to).step_by(GROUP) {
+        let whole = to.saturating_sub(from).next_multiple_of(GROUP);
+        let groups: [&[[f32; GROUP]]; D] = columns.map(|column| column[from..from + whole].as_chunks().0);
+        for group in 0..whole / GROUP {
             let mut squares = [0.0; GROUP];
             for axis in 0..D {
-                if let Some(places) = columns[axis][at..].first_chunk::<GROUP>() {
-                    for lane in 0..GROUP {
-                        let way = place[axis] - places[lane];
-                        squares[lane] += way * way;
-                    }
+                for lane in 0..GROUP {
+                    let way = place[axis] - groups[axis][group][lane];
+                    squares[lane] += way * way;
                 }
             }
-            let near = below(&squares, square) & ((1 << (to - at).min(GROUP)) - 1);
+            let at = from + group * GROUP;
+            let near = below(&squares, square) & (0xff >> (at + GROUP).saturating_sub(to));
             // Whether a place is near cannot be guessed: all of the group are written, and what is beyond the near ones is
             // written over by the next.
-            let (lanes, some) = &PACKED[near];
+            let lanes = &PACKED[near];
             if let Some(noted) = found[count..].first_chunk_mut::<GROUP>() {
                 for lane in 0..GROUP {
                     noted[lane] = at as u32 + u32::from(lanes[lane]);
                 }
             }
-            count += usize::from(*some);
+            count += near.count_ones() as usize;
         }
         count
     }
@@ -98,21 +100,55 @@ impl Scan for Portable {
 /// Which of the squares are below another, as bits.
 #[inline(always)]
 fn below(squares: &[f32; GROUP], square: f32) -> usize {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use std::arch::x86_64::{_mm_cmplt_ps, _mm_movemask_ps, _mm_set1_ps, _mm_setr_ps};
-        let [a, b, c, d, e, f, g, h] = *squares;
-        // SAFETY: all processors of this architecture have these instructions.
-        #[allow(unused_unsafe)]
-        unsafe {
-            let square = _mm_set1_ps(square);
-            let low = _mm_movemask_ps(_mm_cmplt_ps(_mm_setr_ps(a, b, c, d), square));
-            let high = _mm_movemask_ps(_mm_cmplt_ps(_mm_setr_ps(e, f, g, h), square));
-            (low | high << 4) as usize
-        }
-    }
-    #[cfg(not(target_arch = "x86_64"))]
     (0..GROUP).fold(0, |set, lane| set | usize::from(squares[lane] < square) << lane)
+}
+
+/// By the instructions of AVX2, which a caller must know to be there.
+#[cfg(target_arch = "x86_64")]
+#[derive(Debug)]
+pub struct Avx2;
+
+#[cfg(target_arch = "x86_64")]
+impl Scan for Avx2 {
+    #[inline(always)]
+    fn near<const D: usize>(
+        columns: &[&[f32]; D],
+        place: &[f32; D],
+        (from, to): (usize, usize),
+        square: f32,
+        mut count: usize,
+        found: &mut FoundPartners,
+    ) -> usize {
+        use std::arch::x86_64::{
+            _CMP_LT_OQ, _mm_loadl_epi64, _mm256_add_epi32, _mm256_add_ps, _mm256_cmp_ps, _mm256_cvtepu8_epi32,
+            _mm256_loadu_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_setzero_ps,
+            _mm256_storeu_si256, _mm256_sub_ps,
+        };
+        assert!(columns.iter().all(|column| column.len() >= to + LANES) && count + to.saturating_sub(from) <= ROOM);
+        // SAFETY: the processor has these instructions (see the type). Places are read from `from` up to less than
+        // `to + GROUP`, within the columns; numbers are written up to `count + GROUP`, and `count` stays within `ROOM`.
+        unsafe {
+            let square = _mm256_set1_ps(square);
+            let place = place.map(|along| _mm256_set1_ps(along));
+            let mut at = from;
+            while at < to {
+                let mut squares = _mm256_setzero_ps();
+                for axis in 0..D {
+                    let way = _mm256_sub_ps(place[axis], _mm256_loadu_ps(columns[axis].as_ptr().add(at)));
+                    let along = _mm256_mul_ps(way, way);
+                    squares = if axis == 0 { along } else { _mm256_add_ps(squares, along) };
+                }
+                let near = _mm256_movemask_ps(_mm256_cmp_ps::<_CMP_LT_OQ>(squares, square)) as usize;
+                let near = near & (0xff >> (at + GROUP).saturating_sub(to));
+                let lanes = _mm256_cvtepu8_epi32(_mm_loadl_epi64(PACKED[near].as_ptr().cast()));
+                let numbers = _mm256_add_epi32(lanes, _mm256_set1_epi32(at as i32));
+                _mm256_storeu_si256(found.as_mut_ptr().add(count).cast(), numbers);
+                count += near.count_ones() as usize;
+                at += GROUP;
+            }
+        }
+        count
+    }
 }
 
 /// By the instructions of AVX-512, which a caller must know to be there.
@@ -136,9 +172,9 @@ impl Scan for Avx512 {
             _mm512_maskz_compress_epi32, _mm512_mul_ps, _mm512_set1_epi32, _mm512_set1_ps, _mm512_setr_epi32,
             _mm512_setzero_ps, _mm512_storeu_si512, _mm512_sub_ps,
         };
-        assert!(columns.iter().all(|column| column.len() >= to + LANES) && count + to.saturating_sub(from) <= MOST);
+        assert!(columns.iter().all(|column| column.len() >= to + LANES) && count + to.saturating_sub(from) <= ROOM);
         // SAFETY: the processor has these instructions (see the type). Places are read from `from` up to less than
-        // `to + LANES`, within the columns; numbers are written up to `count + LANES`, and `count` stays within `MOST`.
+        // `to + LANES`, within the columns; numbers are written up to `count + LANES`, and `count` stays within `ROOM`.
         unsafe {
             let steps = _mm512_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
             let mut numbers = _mm512_add_epi32(steps, _mm512_set1_epi32(from as i32));
@@ -172,17 +208,17 @@ mod tests {
 
     use super::*;
 
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx512f,avx512vl,avx512dq,fma,popcnt")]
-    fn wide(
+    /// What `S` notes.
+    fn noted<S: Scan>(
         columns: &[&[f32]; 2],
         place: &[f32; 2],
         range: (usize, usize),
         square: f32,
         count: usize,
-        found: &mut FoundPartners,
-    ) -> usize {
-        Avx512::near(columns, place, range, square, count, found)
+    ) -> Vec<u32> {
+        let mut found = [0; ROOM + LANES];
+        let end = S::near(columns, place, range, square, count, &mut found);
+        found[count..end].to_vec()
     }
 
     proptest! {
@@ -200,16 +236,18 @@ mod tests {
             let (x, y) = (padded(&x), padded(&y));
             let (columns, range) = ([x.as_slice(), y.as_slice()], (from.index(length), length));
             let place = [x[seed as usize % length], y[from.index(length)]];
-            let mut plain = [0; MOST + LANES];
-            let end = Portable::near(&columns, &place, range, square, count, &mut plain);
+            let plain = noted::<Portable>(&columns, &place, range, square, count);
             let near = |k: &u32| (range.0..range.1).contains(&(*k as usize));
-            prop_assert!(plain[count..end].iter().all(near) && plain[count..end].is_sorted());
+            prop_assert!(plain.iter().all(near) && plain.is_sorted());
             #[cfg(target_arch = "x86_64")]
-            if InstructionSet::widest() == InstructionSet::Avx512 {
-                let mut other = [0; MOST + LANES];
-                // SAFETY: the processor has just been asked for these features.
-                let own = unsafe { wide(&columns, &place, range, square, count, &mut other) };
-                prop_assert_eq!((own, &other[count..own]), (end, &plain[count..end]));
+            {
+                let widest = InstructionSet::widest();
+                if widest >= InstructionSet::Avx2 {
+                    prop_assert_eq!(&plain, &noted::<Avx2>(&columns, &place, range, square, count));
+                }
+                if widest >= InstructionSet::Avx512 {
+                    prop_assert_eq!(&plain, &noted::<Avx512>(&columns, &place, range, square, count));
+                }
             }
         }
     }

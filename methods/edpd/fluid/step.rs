@@ -3,6 +3,7 @@
 use frazil_core::noise::StepNoise;
 use rayon::prelude::*;
 
+use super::coefficients::PairConstants;
 use super::matter::Matter;
 use super::pairs::StepConstants;
 use super::particle::{Look, Particle};
@@ -142,7 +143,8 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
 
     /// Lets all pairs act for a time.
     pub(super) fn meet(&mut self, time: f64) {
-        self.look();
+        let noise = StepNoise::new(self.seed, self.steps);
+        self.look(&noise);
         let parameters = &self.parameters;
         let frame = StepConstants {
             looks: &self.looks,
@@ -153,21 +155,24 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             starts: &self.starts,
             apart: self.first_behind_walls(),
             reach: widened(parameters.reach(), self.grid.lengths.iter().copied().fold(0.0, f64::max)),
-            inverse_cutoffs: [
-                1.0 / parameters.conservative_cutoff,
-                1.0 / parameters.dissipative_cutoff,
-                1.0 / parameters.thermal_cutoff,
-            ],
-            repulsion: parameters.repulsion,
-            friction: parameters.friction * time,
-            conductance: parameters.heat_capacity * parameters.heat_capacity * parameters.heat_friction * time,
-            noise: StepNoise::new(self.seed, self.steps),
+            constants: PairConstants {
+                far: 2.0 * parameters.reach(),
+                inverse_cutoffs: [
+                    1.0 / parameters.conservative_cutoff,
+                    1.0 / parameters.dissipative_cutoff,
+                    1.0 / parameters.thermal_cutoff,
+                ],
+                repulsion: parameters.repulsion,
+                friction: parameters.friction * time,
+                conductance: parameters.heat_capacity * parameters.heat_capacity * parameters.heat_friction * time,
+                noise,
+            },
         };
         act_in_turn(&frame, self.pool.is_some(), &mut self.desks, &mut self.particles);
     }
 
     /// Shows pairs all particles as they are before the pairs act.
-    fn look(&mut self) {
+    fn look(&mut self, noise: &StepNoise) {
         let Fluid { parameters, matter, grid, particles, looks, places, walls, .. } = self;
         let parallel = self.pool.is_some();
         let look = |particle: &Particle<D>| {
@@ -175,8 +180,10 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             Look {
                 position: particle.position,
                 temperature,
-                exponent: parameters.exponent.at(temperature),
-                mobility: particle.mobility,
+                coldness: 1.0 / temperature,
+                half_exponent: (0.5 * parameters.exponent.at(temperature)) as f32,
+                mobility: particle.mobility as f32,
+                share: noise.share(particle.name),
                 seen: matter.see(particle.heat, particle.mobility > 0.0),
                 name: particle.name,
             }

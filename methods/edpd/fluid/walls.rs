@@ -138,6 +138,7 @@ impl<const D: usize> Walls<D> {
         for (i, level) in at.iter().zip(levels.iter()) {
             let look = &mut looks[*i as usize];
             (look.temperature, look.seen) = matter.at_level(*level);
+            look.coldness = 1.0 / look.temperature;
         }
     }
 

@@ -111,6 +111,8 @@ const NO_ENTHALPY: &str = "the scheme advances its own unknowns with explicit st
 const LIMITED: &str = "the limiter of the gradient correction is defined for one explicit step";
 const AT_ONCE: &str = "saturated ground has no explicit step bound";
 const BY_PAIRS: &str = "the lattice sweep does not support it";
+const FREEZING_UNSATURATED: &str = "ice, water and air in the same pores need a law for their pressures";
+const CURVED_WALL: &str = "the water flux through a curved wall is not a sum over pairs";
 const WHOLE_LATTICE: &str = "sub-cell fronts are located along the rows of a lattice";
 const FIXED_LAYERS: &str = "the layers of the wall cannot be cut";
 
@@ -123,8 +125,8 @@ pub const EXCLUSIONS: [Exclusion; 69] = {
         SubCellFronts, Surfaces, UnevenParticles, UnsaturatedWater, WallParts, WholePhases,
     };
     [
-        row(Groundwater, UnsaturatedWater, "freezing of unsaturated ground is not implemented"),
-        row(Pipes, UnsaturatedWater, "freezing of unsaturated ground is not implemented"),
+        row(Groundwater, UnsaturatedWater, FREEZING_UNSATURATED),
+        row(Pipes, UnsaturatedWater, FREEZING_UNSATURATED),
         row(Excavation, UnsaturatedWater, "the shaft condition is one of heat, which is not solved for"),
         row(OwnSteps, UnsaturatedWater, "its noise is thermal noise"),
         row(Flags, UnsaturatedWater, "unsaturated water has no latent heat"),
@@ -134,13 +136,13 @@ pub const EXCLUSIONS: [Exclusion; 69] = {
         row(ExplicitSteps, UnsaturatedWater, AT_ONCE),
         row(Rkl2, UnsaturatedWater, AT_ONCE),
         row(Gravity, Shells, "gravity does not have the symmetry of shells"),
-        row(Gravity, Ring, "water flow through a curved wall is not implemented"),
-        row(PairMeans, Gravity, "means of conductivities are implemented for pressure heads only"),
+        row(Gravity, Ring, CURVED_WALL),
+        row(PairMeans, Gravity, "a mean of conductivities multiplies a difference of pressure heads, which has no part for the elevation"),
         row(InnerLayers, Gravity, "the layers of the wall have no elevation"),
         row(LatticeSearch, Gravity, BY_PAIRS),
-        row(Solute, Shells, "water flow through walls of shells is not implemented"),
-        row(Solute, Ring, "water flow through a curved wall is not implemented"),
-        row(Groundwater, Shells, "groundwater is implemented for a line, a rectangle or a ring"),
+        row(Solute, Shells, "the water flux through the walls of shells is not a sum over pairs"),
+        row(Solute, Ring, CURVED_WALL),
+        row(Groundwater, Shells, "groundwater flows through a line, a rectangle or a ring"),
         row(RandomConductivity, Shells, "a random field does not have the symmetry of shells"),
         row(Groundwater, WallParts, "inflow through a wall has one temperature"),
         row(OwnSteps, Groundwater, "its noise balances conduction only, not advection"),
@@ -176,11 +178,11 @@ pub const EXCLUSIONS: [Exclusion; 69] = {
         row(InnerLayers, Ring, "layers cannot follow the curved wall"),
         row(InnerLayers, Cracks, FIXED_LAYERS),
         row(InnerLayers, Groundwater, "water needs walls half-way between particles"),
-        row(InnerLayers, OwnSteps, "its noise is implemented for mirrored walls only"),
+        row(InnerLayers, OwnSteps, "its noise balances the exchange with a mirrored wall only"),
         row(NaiveOpenWalls, Ring, "layers cannot follow the curved wall"),
         row(NaiveOpenWalls, Cracks, FIXED_LAYERS),
         row(NaiveOpenWalls, Groundwater, "water needs walls half-way between particles"),
-        row(NaiveOpenWalls, OwnSteps, "its noise is implemented for mirrored walls only"),
+        row(NaiveOpenWalls, OwnSteps, "its noise balances the exchange with a mirrored wall only"),
         row(LatticeSearch, OwnSteps, BY_PAIRS),
         row(LatticeSearch, Shells, BY_PAIRS),
         row(LatticeSearch, WallParts, BY_PAIRS),

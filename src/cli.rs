@@ -6,6 +6,7 @@ mod cheapest;
 mod check;
 mod compare;
 mod completions;
+mod gallery;
 mod layout;
 mod list;
 mod new;
@@ -62,6 +63,8 @@ enum Command {
     Properties(properties::PropertiesArguments),
     /// Compares every section, figure and table of the five papers with the results of the program.
     Atlas(atlas::AtlasArguments),
+    /// Runs the bundled scenes and shows a picture, the error and the command of each.
+    Gallery(gallery::GalleryArguments),
     /// Lists bundled scenes, studies and fluids, and the methods.
     List(list::ListArguments),
     /// Prints the file of a bundled scene, study or fluid.
@@ -88,6 +91,7 @@ impl Command {
             Command::Calibrate(arguments) => arguments.answer(),
             Command::Properties(arguments) => arguments.answer(),
             Command::Atlas(arguments) => arguments.answer(),
+            Command::Gallery(arguments) => arguments.answer(),
             Command::List(arguments) => arguments.answer(),
             Command::Show(arguments) => arguments.answer(),
             Command::Schema => schema::answer(),

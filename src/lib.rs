@@ -5,10 +5,12 @@ pub mod calibrate;
 pub mod check;
 #[cfg(feature = "command-line")]
 pub mod cli;
+pub mod gallery;
 pub mod interrupt;
 pub mod list;
 pub mod load;
 pub mod parts;
+pub mod process_runs;
 pub mod properties;
 pub mod provenance;
 pub mod registry;

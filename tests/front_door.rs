@@ -155,3 +155,23 @@ fn another_state_is_told_with_what_may_have_made_it() {
     let (_, told) = said(&frazil(own, &["rerun", "one/record.json"]));
     assert!(told.starts_with("one/record.json: does not hold the scene that was run"), "{told}");
 }
+
+#[test]
+fn a_gallery_shows_each_scene_with_its_command_and_keeps_its_runs() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let own = folder.path();
+    let (told, complained) = said(&frazil(own, &["gallery", "stefan-unit", "copper-sphere", "--out", "g"]));
+    assert!(told.starts_with("2 scenes, 0 without a run\n"), "{told}");
+    assert!(complained.contains("1 of 2: frazil run ") && complained.contains("2 of 2: frazil run "), "{complained}");
+    let page = fs::read_to_string(own.join("g/README.md")).expect("a page");
+    for scene in ["stefan-unit", "copper-sphere"] {
+        assert!(page.contains(&format!("`frazil run {scene}`")) && page.contains(&format!("({scene}.svg)")), "{page}");
+        let picture = fs::read_to_string(own.join(format!("g/{scene}.svg"))).expect("a picture");
+        let html = fs::read_to_string(own.join("g/report.html")).expect("a page");
+        assert!(picture.starts_with("<svg") && html.contains(&format!("frazil run {scene}")));
+    }
+    let (_, complained) = said(&frazil(own, &["gallery", "stefan-unit", "copper-sphere", "--out", "g"]));
+    assert_eq!(complained, "", "nothing is run again");
+    let (_, complained) = said(&frazil(own, &["gallery", "stefan-unti"]));
+    assert_eq!(complained, "\"stefan-unti\" is no bundled scene; frazil list shows all names\n");
+}

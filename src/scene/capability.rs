@@ -137,7 +137,11 @@ pub const EXCLUSIONS: [Exclusion; 69] = {
         row(Rkl2, UnsaturatedWater, AT_ONCE),
         row(Gravity, Shells, "gravity does not have the symmetry of shells"),
         row(Gravity, Ring, CURVED_WALL),
-        row(PairMeans, Gravity, "a mean of conductivities multiplies a difference of pressure heads, which has no part for the elevation"),
+        row(
+            PairMeans,
+            Gravity,
+            "a mean of conductivities multiplies a difference of pressure heads, which has no part for the elevation",
+        ),
         row(InnerLayers, Gravity, "the layers of the wall have no elevation"),
         row(LatticeSearch, Gravity, BY_PAIRS),
         row(Solute, Shells, "the water flux through the walls of shells is not a sum over pairs"),

@@ -7,6 +7,7 @@ use super::range::{Range, all_of};
 use super::section::Section;
 use super::spacing;
 use super::water;
+use crate::TimeUnit;
 use crate::capability::{self, Exclusion, Feature, Place};
 use crate::method::{MethodKind, MethodSettings, SceneFacts};
 use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice, UPSTREAM};
@@ -228,7 +229,8 @@ fn preset_integrator(
     }
     // Around pipes and beside water, temperatures change slowly for most of the time.
     let slow = has(Feature::Pipes) || has(Feature::Ring) || has(Feature::Groundwater);
-    let own_steps = ["s", "h", "days"].iter().any(|unit| section.has(("step", *unit))) || section.has("step_fraction");
+    let own_steps =
+        TimeUnit::ALL.iter().any(|unit| section.has(("step", unit.ending()))) || section.has("step_fraction");
     let tolerance = rkl2_tolerance(setup.features);
     let in_stages = Numerics { integrator: IntegratorChoice::ControlledRkl2 { tolerance }, ..numerics.clone() };
     let features = capability::of_settings(&in_stages, kind, setup.brings_heat);
@@ -301,8 +303,8 @@ fn flow(
                 section.refuse(key, "the scene has no solute");
             }
         }
-        for unit in ["s", "h", "days"] {
-            section.refuse(("pressure_interval", unit), "the scene has no section \"flow\"");
+        for unit in TimeUnit::ALL {
+            section.refuse(("pressure_interval", unit.ending()), "the scene has no section \"flow\"");
         }
         return None;
     }

@@ -1,12 +1,14 @@
 //! The schema of scene files: what the reader asks for, as JSON Schema has it.
 
 use std::collections::BTreeMap;
+use std::iter;
 use std::ops::RangeInclusive;
 
 use serde_json::{Map, Value, json};
 
 use super::problem::KeyOf;
 use super::range::Range;
+use crate::TimeUnit;
 
 /// What the value of a key may be.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +60,7 @@ impl Shape {
                 let mut table = json!({ "type": "object", "required": ["values"], "additionalProperties": false });
                 let keys = ["times", "period"]
                     .into_iter()
-                    .flat_map(|base| ["", "_s", "_h", "_days"].map(|unit| (base, format!("{base}{unit}"))));
+                    .flat_map(|base| endings().map(move |ending| (base, format!("{base}{ending}"))));
                 let time = |base: &str| match base {
                     "times" => list(number(&Range::NOT_NEGATIVE)),
                     _ => number(&Range::POSITIVE),
@@ -70,6 +72,12 @@ impl Shape {
             Shape::Schedule => list(list(number(&Range::NOT_NEGATIVE))),
         }
     }
+}
+
+/// Endings of the keys of times, without one where a scene has no units.
+fn endings() -> impl Iterator<Item = String> {
+    let units = TimeUnit::ALL.iter().map(|unit| format!("_{}", unit.ending()));
+    iter::once(String::new()).chain(units)
 }
 
 fn number(range: &Range) -> Value {

@@ -190,8 +190,8 @@ fn a_misspelt_required_key_is_one_problem() {
     let text = GOOD.replace("duration_h", "duration_hours");
     assert_eq!(
         message(&text, &[]),
-        "water.toml:9: time.duration_hours: unit missing or not known, must be \"duration_s\", \"duration_h\" or \
-         \"duration_days\""
+        "water.toml:9: time.duration_hours: unit missing or not known, must be \"duration_s\", \
+         \"duration_minutes\", \"duration_h\", \"duration_days\" or \"duration_years\""
     );
     assert_eq!(
         message(&GOOD.replace("length_m", "lenght_m"), &[]),
@@ -209,6 +209,18 @@ fn half_ring() -> String {
         )
         .replace("probes_m = [[0.1], [0.2]]", "probes_m = [[-4, 3]]")
         .replace("spacing_m = 0.002", "spacing_m = 0.1")
+}
+
+#[test]
+fn times_have_the_unit_of_their_key() {
+    let duration = |time: &str| {
+        let text = GOOD.replace("duration_h = 10\noutputs = 20\nprofiles_h = [5, 10.0]", time);
+        let scene = read(&text, &[]).expect("the scene is good");
+        (scene.duration, scene.time_unit.symbol())
+    };
+    assert_eq!(duration("duration_minutes = 90"), (5400.0, "min"));
+    assert_eq!(duration("duration_years = 2"), (2.0 * 365.25 * 86_400.0, "yr"));
+    assert_eq!(duration("duration_days = 2"), (172_800.0, "d"));
 }
 
 #[test]

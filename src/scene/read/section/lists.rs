@@ -214,9 +214,7 @@ impl<'a> Section<'a> {
 
     fn time_keys(&self, base: &'static str) -> Vec<(String, TimeUnit)> {
         if self.units == Units::Si {
-            [("s", TimeUnit::Second), ("h", TimeUnit::Hour), ("days", TimeUnit::Day)]
-                .map(|(suffix, unit)| (format!("{base}_{suffix}"), unit))
-                .to_vec()
+            TimeUnit::ALL.map(|unit| (format!("{base}_{}", unit.ending()), unit)).to_vec()
         } else {
             vec![(base.to_owned(), TimeUnit::Second)]
         }
@@ -224,8 +222,8 @@ impl<'a> Section<'a> {
 
     /// Takes note of what the value of a time may be, under each of its keys.
     fn expect_time(&mut self, base: &'static str, shape: impl Fn() -> Shape) {
-        for unit in ["s", "h", "days"] {
-            self.expect((base, unit), &shape);
+        for unit in TimeUnit::ALL {
+            self.expect((base, unit.ending()), &shape);
         }
     }
 

@@ -35,9 +35,8 @@ fn rms(errors: &[(f64, f64)]) -> f64 {
 
 /// An instant of a scene in its unit, and the ending of keys in that unit.
 fn instant(scene: &Scene, seconds: f64) -> (String, String) {
-    let ending = match (scene.units, scene.time_unit.symbol()) {
-        (Units::Si, "d") => "_days".to_owned(),
-        (Units::Si, symbol) => format!("_{symbol}"),
+    let ending = match scene.units {
+        Units::Si => format!("_{}", scene.time_unit.ending()),
         _ => String::new(),
     };
     (number(seconds / scene.time_unit.seconds(), 4), ending)

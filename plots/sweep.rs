@@ -60,10 +60,11 @@ fn axis(label: &str, values: &[f64]) -> Axis {
 
 /// Draws the curves.
 pub fn sweep(figure: &SweepFigure) -> Canvas {
-    let look = |k: usize| (MARKERS[k % MARKERS.len()], ramp(k, figure.curves.len()));
-    let entry = |(k, curve): (usize, &SweepCurve)| {
-        Entry::both(curve.label.as_str(), Stroke::whole(look(k).1, 2.0), look(k).0, false)
-    };
+    let count = figure.curves.len();
+    // Curves may lie on each other: later ones are finer, so that earlier ones are seen behind them.
+    let fine = |k: usize| 1.0 - k as f64 / count.max(1) as f64;
+    let look = |k: usize| (MARKERS[k % MARKERS.len()], Stroke::whole(ramp(k, count), 1.5 + 2.5 * fine(k)));
+    let entry = |(k, curve): (usize, &SweepCurve)| Entry::both(curve.label.as_str(), look(k).1, look(k).0, false);
     let named = figure.curves.iter().any(|curve| !curve.label.is_empty());
     let entries: Vec<Entry> = figure.curves.iter().enumerate().filter(|_| named).map(entry).collect();
     let found: Vec<f64> = figure.curves.iter().flat_map(|curve| curve.values.iter().copied().flatten()).collect();
@@ -76,13 +77,13 @@ pub fn sweep(figure: &SweepFigure) -> Canvas {
     let axes = (x, axis(&figure.y_label, &found));
     let (mut canvas, frame) = framed(620.0, (&figure.title, &figure.title), &entries, 8.0, axes);
     for (k, curve) in figure.curves.iter().enumerate() {
-        let (marker, colour) = look(k);
+        let (marker, stroke) = look(k);
         let mut points: Vec<(f64, f64)> =
             places.iter().zip(&curve.values).map(|(place, value)| (*place, value.unwrap_or(f64::NAN))).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
-        frame.curve(&mut canvas, points.iter().copied(), Stroke::whole(colour, 2.0));
+        frame.curve(&mut canvas, points.iter().copied(), stroke);
         for (x, y) in points.into_iter().filter(|point| point.1.is_finite()) {
-            canvas.marker(frame.spot(x, y), marker, 6.0, colour, false);
+            canvas.marker(frame.spot(x, y), marker, 4.0 + 4.0 * fine(k), stroke.colour, false);
         }
     }
     canvas

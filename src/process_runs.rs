@@ -61,7 +61,7 @@ impl ProcessRuns {
                 complain(&format!("{} of {}: frazil {command}", number + 1, runs.len()));
             }
             if !self.run(command, &path)? {
-                complain("interrupted: the same command goes on from here");
+                complain("interrupted: the same command resumes from here");
                 return Ok(false);
             }
         }

@@ -37,7 +37,7 @@ fn a_sweep_has_the_runs_that_are_made_by_themselves() {
     let output = frazil(own, &[&SWEEP[..], &SHORT].concat());
     assert_eq!(output.status.code(), Some(0), "{output:?}");
     let said = String::from_utf8(output.stdout).expect("text");
-    assert!(said.starts_with("stefan-water: 12 runs\n  Front (m): "), "{said}");
+    assert!(said.starts_with("stefan-water: 12 runs\n  Front (m): 0.0"), "{said}");
     let out = own.join("out/sweep/stefan-water");
     let runs = rows(&out.join("sweep.csv"));
     let value = |row: &Row, key: &str| -> f64 { row[key].parse().expect("a number") };

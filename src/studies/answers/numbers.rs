@@ -32,6 +32,7 @@ pub fn numbers(scene: &Scene, result: &RunResult) -> Vec<Number> {
         list.add("greatest_speed_m_per_s", "greatest speed", "m/s", Some(stream.greatest_speed_m_per_s));
     }
     list.probes(result);
+    list.stored(result);
     let errors = errors_of(&result.record).into_iter().filter(|(name, _)| !name.starts_with("stream."));
     for (name, error) in errors {
         let words = name.trim_end_matches("_rel").replace(['_', '.'], " ");
@@ -57,14 +58,20 @@ impl List<'_> {
     fn fronts(&mut self, result: &RunResult) {
         let freezes = self.scene.materials.iter().any(|material| material.latent_heat > 0.0);
         let front = result.front.last().map(|row| row.front_m);
-        let stored = result.budget.last().map(|row| row.stored_j);
         if self.scene.of_water {
             self.add("wetted_length_m", "wetted length", "m", front);
-            self.add("water_stored_m3", "water taken up", &self.volume(), stored);
         } else {
             self.add("front_m", "front", "m", front.filter(|_| freezes));
             let frozen = result.frozen.last().map(|row| row.frozen_volume);
             self.add("frozen_volume", "frozen volume", &self.volume(), frozen.filter(|_| freezes));
+        }
+    }
+
+    fn stored(&mut self, result: &RunResult) {
+        let stored = result.budget.last().map(|row| row.stored_j);
+        if self.scene.of_water {
+            self.add("water_stored_m3", "water taken up", &self.volume(), stored);
+        } else {
             self.add("stored_j", "change of stored heat", &self.volume().replace("m³", "J"), stored);
         }
     }

@@ -42,6 +42,13 @@ impl VariedKey {
         Ok(VariedKey { key, values })
     }
 
+    /// The end of the key that tells it from all others that are varied: its last part, or more of them.
+    pub fn short<'a>(&'a self, all: &[VariedKey]) -> &'a str {
+        let mut ends = self.key.rmatch_indices('.').map(|(dot, _)| &self.key[dot + 1..]);
+        let is_own = |end: &&str| all.iter().filter(|other| other.key.ends_with(end)).count() <= 1;
+        ends.find(is_own).unwrap_or(&self.key)
+    }
+
     /// The values as numbers, if all are numbers.
     pub fn numbers(&self) -> Option<Vec<f64>> {
         let number = |value: &String| value.replace('_', "").parse::<f64>().ok().filter(|number| number.is_finite());
@@ -100,6 +107,14 @@ mod tests {
         for bad in ["a", "=1", "a=", "a=1,,2", "a=1,1", "a=1..1:2"] {
             assert_eq!(read(bad), Err(NoKey), "{bad}");
         }
+    }
+
+    #[test]
+    fn a_short_name_is_that_of_one_key() {
+        let keys = ["pipes.1.temperature_c=1", "initial.temperature_c=1", "time.outputs=1", "outputs=1"];
+        let keys = keys.map(|text| VariedKey::read(text).expect("a key"));
+        let short = keys.each_ref().map(|key| key.short(&keys));
+        assert_eq!(short, ["1.temperature_c", "initial.temperature_c", "time.outputs", "outputs"]);
     }
 
     #[test]

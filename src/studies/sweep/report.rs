@@ -21,6 +21,9 @@ use crate::words;
 /// Curves that can be told from each other in one figure.
 const MOST_CURVES: usize = 12;
 
+/// Results whose range the page begins with; all are in its figures.
+const MOST_ANSWERS: usize = 3;
+
 /// Runs that differ in the first key alone.
 struct Line<'a> {
     label: String,
@@ -68,13 +71,13 @@ pub fn write(
         request.keys.iter().map(|varied| Fact::new(format!("Varied: {}", varied.key), varied.values.join(", ")));
     parameters.extend(varied);
     let page = Page {
-        title: "Sweep".into(),
+        title: format!("Sweep of {}", scene.name),
         lead: vec![format!(
             "{} runs of one scene: all combinations of the values of {}. Results are those at the end of a run.",
             runs.len(),
             request.keys.iter().map(|varied| varied.key.as_str()).collect::<Vec<_>>().join(", ")
         )],
-        answers: answers(request, runs),
+        answers: answers(request, runs).into_iter().take(MOST_ANSWERS).collect(),
         command: request.command_line.clone(),
         machine: machine.facts(Fact::new("Concurrent runs", request.threads.to_string())),
         scenes: vec![SceneSection {
@@ -95,8 +98,11 @@ pub fn write(
 pub fn answers(request: &SweepRequest, runs: &[SweptRun]) -> Vec<String> {
     let several = runs.iter().any(|run| run.method != runs[0].method);
     let at = |run: &SweptRun| {
-        let own =
-            request.keys.iter().zip(&run.values).map(|(varied, value)| format!("{} = {value}", short(&varied.key)));
+        let own = request
+            .keys
+            .iter()
+            .zip(&run.values)
+            .map(|(varied, value)| format!("{} = {value}", varied.short(&request.keys)));
         let method = several.then(|| method_title(run.method));
         own.chain(method).collect::<Vec<_>>().join(", ")
     };
@@ -123,11 +129,6 @@ pub fn answers(request: &SweepRequest, runs: &[SweptRun]) -> Vec<String> {
     columns(runs).into_iter().filter(|(name, _)| !name.starts_with("error_")).filter_map(range).chain(bad).collect()
 }
 
-/// The last part of a key, which names it where the rest only says where it stands.
-fn short(key: &str) -> &str {
-    key.rsplit('.').next().unwrap_or(key)
-}
-
 fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
@@ -138,7 +139,7 @@ fn lines<'a>(request: &SweepRequest, runs: &'a [SweptRun]) -> Vec<Line<'a>> {
     let mut lines: Vec<Line<'a>> = Vec::new();
     for run in runs {
         let others = request.keys.iter().zip(&run.values).skip(1);
-        let others = others.map(|(varied, value)| format!("{} = {value}", short(&varied.key)));
+        let others = others.map(|(varied, value)| format!("{} = {value}", varied.short(&request.keys)));
         let label = several.then(|| method_title(run.method)).into_iter().chain(others).collect::<Vec<_>>().join(", ");
         match lines.iter_mut().find(|line| line.label == label) {
             Some(line) => line.runs.push(run),

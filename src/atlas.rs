@@ -4,38 +4,21 @@ mod item;
 mod read;
 mod report;
 
-use std::path::PathBuf;
-
 use frazil_studies::failure::{Failure, Verdict, answer};
 
-use crate::process_runs::ProcessRuns;
+use crate::process_runs::ManyRuns;
 pub use item::UnknownPaper;
 use item::{Atlas, Judged, Outcome, Run};
-
-/// What is asked for.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct AtlasRequest {
-    /// Papers by their keys; all of them if empty.
-    pub papers: Vec<String>,
-    /// Folder for the results; `out/atlas` if absent.
-    pub out: Option<PathBuf>,
-    /// Threads of each run.
-    pub threads: usize,
-    /// The command as it was typed.
-    pub command_line: String,
-    /// Whether to say nothing but errors.
-    pub quiet: bool,
-}
 
 /// Makes all runs that are not there yet, and writes the table and the page.
 ///
 /// # Errors
 /// Where a paper is not known, or a file cannot be written.
-pub fn atlas(request: &AtlasRequest) -> Result<Verdict, Failure> {
-    let atlas = Atlas::read()?.of_papers(&request.papers)?;
+pub fn atlas(request: &ManyRuns) -> Result<Verdict, Failure> {
+    let atlas = Atlas::read()?.of_papers(&request.chosen)?;
     let folder = request.out.clone().unwrap_or_else(|| "out/atlas".into());
     let runs: Vec<&Run> = atlas.runs_in_use().collect();
-    let kept = ProcessRuns { folder: folder.join("runs"), threads: request.threads, quiet: request.quiet };
+    let kept = request.in_folder(&folder);
     if !kept.make(&runs.iter().map(|run| (run.name.as_str(), run.command.as_str())).collect::<Vec<_>>())? {
         return Ok(Verdict::Broken);
     }

@@ -1,7 +1,7 @@
 //! All bundled scenes at a glance: a picture, a result and a command of each.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection};
 use frazil_plots::style::method_title;
@@ -13,22 +13,7 @@ use frazil_studies::machine::Machine;
 use frazil_studies::output::{self, write_whole};
 use frazil_studies::progress::clock;
 
-use crate::process_runs::ProcessRuns;
-
-/// What is asked for.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct GalleryRequest {
-    /// Bundled scenes by their names; all of them if empty.
-    pub scenes: Vec<String>,
-    /// Folder for the results; `out/gallery` if absent.
-    pub out: Option<PathBuf>,
-    /// Threads of each run.
-    pub threads: usize,
-    /// The command as it was typed.
-    pub command_line: String,
-    /// Whether to say nothing but errors.
-    pub quiet: bool,
-}
+use crate::process_runs::ManyRuns;
 
 /// A name that is that of no bundled scene.
 #[derive(Debug, thiserror::Error)]
@@ -53,14 +38,14 @@ struct Shown {
 ///
 /// # Errors
 /// Where a scene is not known, or a file cannot be written.
-pub fn gallery(request: &GalleryRequest) -> Result<Verdict, Failure> {
+pub fn gallery(request: &ManyRuns) -> Result<Verdict, Failure> {
     let all = frazil_cases::scenes::all();
-    if let Some(unknown) = request.scenes.iter().find(|name| all.iter().all(|scene| scene.name != **name)) {
+    if let Some(unknown) = request.chosen.iter().find(|name| all.iter().all(|scene| scene.name != **name)) {
         return Err(Failure::request(UnknownScene(unknown.clone())));
     }
-    let wanted = |name: &str| request.scenes.is_empty() || request.scenes.iter().any(|asked| asked == name);
+    let wanted = |name: &str| request.chosen.is_empty() || request.chosen.iter().any(|asked| asked == name);
     let folder = request.out.clone().unwrap_or_else(|| "out/gallery".into());
-    let kept = ProcessRuns { folder: folder.join("runs"), threads: request.threads, quiet: request.quiet };
+    let kept = request.in_folder(&folder);
     let mut shown = Vec::new();
     for bundled in all.iter().filter(|scene| wanted(scene.name)) {
         let own = heading(bundled.text, bundled.name)?;
@@ -110,7 +95,7 @@ fn words(record: &Record) -> String {
     format!("{method}, {} particles, {} steps, {time}{error}{outcome}", record.particles, record.steps)
 }
 
-fn write(request: &GalleryRequest, folder: &Path, shown: &[Shown]) -> Result<(), Failure> {
+fn write(request: &ManyRuns, folder: &Path, shown: &[Shown]) -> Result<(), Failure> {
     let block = |one: &Shown| {
         let figure = one.picture.as_ref().map(|(name, svg)| {
             let file = format!("runs/{}/{name}", one.name);

@@ -29,6 +29,28 @@ impl Done {
     }
 }
 
+/// What is asked of a command that makes many runs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ManyRuns {
+    /// Names of what is chosen; everything if empty.
+    pub chosen: Vec<String>,
+    /// Folder for the results; one of the command if absent.
+    pub out: Option<PathBuf>,
+    /// Threads of each run.
+    pub threads: usize,
+    /// The command as it was typed.
+    pub command_line: String,
+    /// Whether to say nothing but errors and the result.
+    pub quiet: bool,
+}
+
+impl ManyRuns {
+    /// Runs in a folder of the folder for the results.
+    pub fn in_folder(&self, folder: &Path) -> ProcessRuns {
+        ProcessRuns { folder: folder.join("runs"), threads: self.threads, quiet: self.quiet }
+    }
+}
+
 /// Runs in the folders of one folder.
 #[derive(Debug)]
 pub struct ProcessRuns {

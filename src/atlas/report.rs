@@ -10,8 +10,8 @@ use frazil_studies::machine::Machine;
 use frazil_studies::output::write_rows;
 use serde::Serialize;
 
-use super::AtlasRequest;
 use super::item::{Atlas, Judged, Outcome, Paper};
+use crate::process_runs::ManyRuns;
 
 /// A row of `atlas.csv`.
 #[derive(Debug, Serialize)]
@@ -33,7 +33,7 @@ struct CsvRow<'a> {
 
 /// Writes both.
 pub(super) fn write(
-    request: &AtlasRequest,
+    request: &ManyRuns,
     folder: &Path,
     atlas: &Atlas,
     judged: &[Vec<Judged<'_>>],

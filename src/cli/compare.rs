@@ -9,10 +9,7 @@ use frazil_studies::compare::vary::RATIOS;
 use frazil_studies::compare::{CompareRequest, Vary, compare};
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{
-    BetweenCheckpoints, MemoryLimit, MustBe, between_checkpoints, command_line, key_and_value, positive,
-    positive_seconds,
-};
+use super::values::{MustBe, StudyRuns, command_line, key_and_value, positive, positive_seconds};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]
@@ -61,20 +58,14 @@ pub struct CompareArguments {
     /// Runs reduced scenes with the same solution, where there are any.
     #[arg(long)]
     reduce: bool,
-    /// Wall time in seconds between two checkpoints of each run, from which a stopped study is resumed; 0 for none.
-    #[arg(long, value_name = "S", default_value = "60", value_parser = between_checkpoints)]
-    checkpoint_s: BetweenCheckpoints,
-    /// Prints only errors.
-    #[arg(long)]
-    quiet: bool,
     #[command(flatten)]
-    memory: MemoryLimit,
+    runs: StudyRuns,
 }
 
 impl CompareArguments {
     /// Compares the methods.
     pub fn answer(self) -> Result<Verdict, Failure> {
-        self.memory.set();
+        let checkpoints = self.runs.begin();
         let also = self.also.iter().map(|(key, value)| Variant::changed(key, value));
         let request = CompareRequest {
             scenes: self.scenes,
@@ -89,8 +80,8 @@ impl CompareArguments {
             settings: self.settings.into_iter().map(Variant::standard).chain(also).collect(),
             overrides: self.set,
             reduce: self.reduce,
-            checkpoints: self.checkpoint_s.0,
-            quiet: self.quiet,
+            checkpoints,
+            quiet: self.runs.quiet,
             command_line: command_line(),
         };
         compare(&request, &parts(request.reduce))

@@ -7,10 +7,7 @@ use frazil_layouts::{LayoutRequest, layout};
 use frazil_studies::campaign::Shard;
 use frazil_studies::failure::{Failure, Verdict};
 
-use super::values::{
-    BetweenCheckpoints, MemoryLimit, MustBe, Threads, between_checkpoints, command_line, error, key_and_value,
-    positive_seconds,
-};
+use super::values::{MustBe, StudyRuns, Threads, command_line, error, key_and_value, positive_seconds};
 use crate::parts::parts;
 
 #[derive(Debug, Args)]
@@ -45,14 +42,8 @@ pub struct LayoutArguments {
     /// Draws a temperature map of each layout at every output, for an animation: layouts/*/frames/*.png.
     #[arg(long)]
     frames: bool,
-    /// Wall time in seconds between two checkpoints of each run, from which a stopped study is resumed; 0 for none.
-    #[arg(long, value_name = "S", default_value = "60", value_parser = between_checkpoints)]
-    checkpoint_s: BetweenCheckpoints,
-    /// Prints only errors.
-    #[arg(long)]
-    quiet: bool,
     #[command(flatten)]
-    memory: MemoryLimit,
+    runs: StudyRuns,
     /// Starts even if the run takes longer than 30 days.
     #[arg(long)]
     yes: bool,
@@ -61,7 +52,7 @@ pub struct LayoutArguments {
 impl LayoutArguments {
     /// Compares the layouts.
     pub fn answer(self) -> Result<Verdict, Failure> {
-        self.memory.set();
+        let checkpoints = self.runs.begin();
         let request = LayoutRequest {
             study: self.study,
             method: self.method,
@@ -73,8 +64,8 @@ impl LayoutArguments {
             check: self.check,
             frames: self.frames,
             out: self.out,
-            checkpoints: self.checkpoint_s.0,
-            quiet: self.quiet,
+            checkpoints,
+            quiet: self.runs.quiet,
             yes: self.yes,
             command_line: command_line(),
         };

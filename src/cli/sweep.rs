@@ -6,7 +6,7 @@ use clap::Args;
 use frazil_studies::failure::{Failure, Verdict};
 use frazil_studies::sweep::{NoKey, SweepRequest, VariedKey, sweep};
 
-use super::values::{BetweenCheckpoints, MemoryLimit, Threads, between_checkpoints, command_line, key_and_value};
+use super::values::{StudyRuns, Threads, command_line, key_and_value};
 use crate::parts::parts;
 
 /// Finished runs in the folder are not repeated, so a sweep that was stopped, or has more values, makes only the missing ones.
@@ -32,20 +32,14 @@ pub struct SweepArguments {
     /// Folder for the results; by default out/sweep/SCENE.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Wall time in seconds between two checkpoints of each run, from which a stopped sweep is resumed; 0 for none.
-    #[arg(long, value_name = "S", default_value = "60", value_parser = between_checkpoints)]
-    checkpoint_s: BetweenCheckpoints,
-    /// Prints only errors.
-    #[arg(long)]
-    quiet: bool,
     #[command(flatten)]
-    memory: MemoryLimit,
+    runs: StudyRuns,
 }
 
 impl SweepArguments {
     /// Runs the scene at all combinations of the values.
     pub fn answer(self) -> Result<Verdict, Failure> {
-        self.memory.set();
+        let checkpoints = self.runs.begin();
         let request = SweepRequest {
             scene: self.scene,
             keys: self.vary,
@@ -54,8 +48,8 @@ impl SweepArguments {
             threads: self.threads.count(),
             seed: self.seed,
             out: self.out,
-            checkpoints: self.checkpoint_s.0,
-            quiet: self.quiet,
+            checkpoints,
+            quiet: self.runs.quiet,
             command_line: command_line(),
         };
         sweep(&request, &parts(false))

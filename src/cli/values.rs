@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::ffi::OsString;
+use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -10,6 +11,8 @@ use frazil_core::memory;
 use frazil_record::shown;
 use frazil_studies::ensemble::runs::Headline;
 use frazil_studies::parallel;
+
+use crate::process_runs::ManyRuns;
 
 /// The arguments of the program. Those of the process are others where another program runs it.
 static TYPED: Mutex<Vec<OsString>> = Mutex::new(Vec::new());
@@ -38,6 +41,27 @@ impl Threads {
     /// How many.
     pub fn count(&self) -> usize {
         self.threads.map_or_else(parallel::cores, usize::from)
+    }
+}
+
+/// What commands have alike that make many runs of the program.
+#[derive(Debug, Args)]
+pub struct ManyRunsArguments {
+    #[command(flatten)]
+    threads: Threads,
+    /// Folder for the results; by default the folder of the name of the command in out.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Prints only errors and the result.
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl ManyRunsArguments {
+    /// The request, of what is chosen.
+    pub fn of(self, chosen: Vec<String>) -> ManyRuns {
+        let (threads, command_line) = (self.threads.count(), command_line());
+        ManyRuns { chosen, out: self.out, threads, command_line, quiet: self.quiet }
     }
 }
 
@@ -85,6 +109,27 @@ pub fn measure(text: &str) -> Result<Headline, MustBe> {
 /// Seconds.
 pub fn positive_seconds(text: &str) -> Result<f64, MustBe> {
     number(text, is_positive, "a number of seconds greater than 0")
+}
+
+/// How the runs of a study are made.
+#[derive(Debug, Args)]
+pub struct StudyRuns {
+    /// Wall time in seconds between two checkpoints of each run, from which a stopped study is resumed; 0 for none.
+    #[arg(long, value_name = "S", default_value = "60", value_parser = between_checkpoints)]
+    checkpoint_s: BetweenCheckpoints,
+    /// Prints only errors.
+    #[arg(long)]
+    pub quiet: bool,
+    #[command(flatten)]
+    memory: MemoryLimit,
+}
+
+impl StudyRuns {
+    /// Holds the runs to their memory; says how far apart their checkpoints are.
+    pub fn begin(&self) -> Option<Duration> {
+        self.memory.set();
+        self.checkpoint_s.0
+    }
 }
 
 /// What runs may hold, of every command that makes or plans some.

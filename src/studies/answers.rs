@@ -114,6 +114,35 @@ pub fn estimated(estimated: &EstimatedError) -> String {
     format!("{} at most {promised}: spacing {space}{}", estimated.measure, measured.collect::<String>())
 }
 
+/// The unit of a volume of the body of a scene.
+fn volume_unit(scene: &Scene) -> &'static str {
+    match scene.domain {
+        Domain::Axial { .. } | Domain::Radial { symmetry: Symmetry::Spherical, .. } => "m³",
+        Domain::Line { .. } => "m³ per square metre",
+        _ => "m³ per metre",
+    }
+}
+
+/// Gaps of the first ring, of the whole plan.
+struct Gaps {
+    all: usize,
+    /// Those that have not closed.
+    open: usize,
+    /// When the last of those that have closed did (s).
+    last: Option<f64>,
+}
+
+impl Gaps {
+    fn of(rows: &[GapRow]) -> Self {
+        let rows = || rows.iter().filter(|gap| gap.multiplicity > 0);
+        Gaps {
+            all: rows().map(|gap| gap.multiplicity).sum(),
+            open: rows().filter(|gap| gap.closure_s.is_none()).map(|gap| gap.multiplicity).sum(),
+            last: rows().filter_map(|gap| gap.closure_s).reduce(f64::max),
+        }
+    }
+}
+
 /// How a scene speaks of its numbers.
 struct Say<'a> {
     scene: &'a Scene,
@@ -147,10 +176,7 @@ impl Say<'_> {
     }
 
     fn volume(&self, volume: f64) -> String {
-        match self.scene.domain {
-            Domain::Axial { .. } | Domain::Radial { symmetry: Symmetry::Spherical, .. } => self.with(volume, "m³"),
-            _ => self.with(volume, "m³ per metre"),
-        }
+        self.with(volume, volume_unit(self.scene))
     }
 
     /// When the wall closed around the centre, whether it still stands, and how thick it is; of a ring whose wall was not
@@ -159,12 +185,8 @@ impl Say<'_> {
         if let Some(wall) = &result.record.wall {
             return self.watched(wall);
         }
-        let gaps = || result.gaps.iter().filter(|gap| gap.multiplicity > 0);
-        let count = |some: &dyn Fn(&GapRow) -> bool| -> usize {
-            gaps().filter(|gap| some(gap)).map(|gap| gap.multiplicity).sum()
-        };
-        let (open, all) = (count(&|gap| gap.closure_s.is_none()), count(&|_| true));
-        match gaps().filter_map(|gap| gap.closure_s).reduce(f64::max) {
+        let Gaps { all, open, last } = Gaps::of(&result.gaps);
+        match last {
             Some(last) if open == 0 => format!("the last gap of the first ring closed after {}", self.time(last)),
             _ if all == 0 => "no gaps watched".into(),
             _ => format!("not closed: {open} of {all} gaps of the first ring are open at the end"),
@@ -202,12 +224,8 @@ impl Say<'_> {
             line("wetted length", format!("{of} after {}", self.time(row.time_s)));
         }
         if let Some(row) = result.budget.last() {
-            let unit = match self.scene.domain {
-                Domain::Line { .. } => "m³ per square metre",
-                Domain::Axial { .. } | Domain::Radial { symmetry: Symmetry::Spherical, .. } => "m³",
-                _ => "m³ per metre",
-            };
-            line("water taken up", format!("{} after {}", self.with(row.stored_j, unit), self.time(row.time_s)));
+            let volume = self.with(row.stored_j, volume_unit(self.scene));
+            line("water taken up", format!("{volume} after {}", self.time(row.time_s)));
         }
         lines
     }
@@ -224,8 +242,7 @@ impl Say<'_> {
         } else {
             String::new()
         };
-        let unit = if self.scene.domain.dimension() == 1 { "m³ per square metre" } else { "m³ per metre" };
-        line("ice", format!("{}{share}, after {after}", self.with(last.ice_m3, unit)));
+        line("ice", format!("{}{share}, after {after}", self.with(last.ice_m3, volume_unit(self.scene))));
         let (inflow, outflow) = (last.inflow_m3_per_s, last.outflow_m3_per_s);
         line("water", format!("{} in, {} out after {after}", self.with(inflow, "m³/s"), self.with(outflow, "m³/s")));
         let heat = self.with(last.heat_in_w, "W");

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use frazil_core::space::lattice::Lattice;
 use frazil_record::plain;
-use frazil_scene::method::Stepper;
+use frazil_scene::method::{MethodSettings, Stepper};
 use frazil_scene::{Scene, StepChoice};
 use frazil_simulation::march::Refused;
 use frazil_simulation::predict::{self, Forecast, StepCount, Work};
@@ -62,10 +62,14 @@ fn shorter(forecast: &Forecast, work: &Work) -> String {
 /// Whether particles and steps are so few that nothing need be tried. Water and motion make steps dearer by what only a
 /// trial tells.
 fn is_short(scene: &Scene, method: &str) -> bool {
-    let Some(settings) = scene.method(method) else { return true };
-    if scene.flow.is_some() || matches!(settings.discretisation.stepper, Stepper::Moving(_)) {
-        return false;
-    }
+    let moves = |settings: &MethodSettings| matches!(settings.discretisation.stepper, Stepper::Moving(_));
+    scene.flow.is_none() && !scene.method(method).is_some_and(moves) && particle_steps(scene, method) * DEAREST < LONG
+}
+
+/// About how many steps of particles a run makes with explicit steps, without a plan: what runs of one kind take is in
+/// proportion to it.
+pub fn particle_steps(scene: &Scene, method: &str) -> f64 {
+    let Some(settings) = scene.method(method) else { return 0.0 };
     let numerics = &settings.numerics;
     let diffusivities = scene.materials.iter().flat_map(|material| {
         [
@@ -82,7 +86,7 @@ fn is_short(scene: &Scene, method: &str) -> bool {
     };
     let steps = scene.duration / step + (scene.watch.outputs + scene.watch.profiles.len()) as f64;
     let particles = Lattice::new(&scene.domain, numerics.spacing).len() as f64;
-    particles * steps * DEAREST < LONG
+    particles * steps
 }
 
 #[cfg(test)]

@@ -14,6 +14,12 @@ use frazil_scene::region::Ellipse;
 use frazil_scene::{PipeRing, Scene, Shape, Units};
 use glam::DVec2;
 
+/// A text with a capital at its beginning.
+pub fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
 /// A length (m) in words: with a unit where the scene has any.
 pub fn length_words(units: Units, value: f64) -> String {
     if units == Units::Si { length(value) } else { number(value, 3) }

@@ -1,9 +1,9 @@
-//! What pairs at hand do to each other, as far as it follows from places and temperatures alone: worked out in vectors.
+//! Coefficients of the forces and heats of pairs, from positions and temperatures, in vectors.
 //!
-//! Conservative forces and their potential are in double precision, for the books of energy take their difference from
-//! step to step. Friction, noise and heat are in single precision: what one end loses the other gains, whatever it is, and
-//! friction and noise are made of the same number, so that they balance. Ways are not divided by distances, which would
-//! have to be as exact as energy is kept: impulses come over the distance, and meet the square of it.
+//! Conservative forces and their potential are in double precision, because the energy balance takes their difference from
+//! step to step. Friction, noise and heat are in single precision: both ends receive opposite impulses and heats, and the noise
+//! is computed from the rounded friction, so that they balance. Displacements are not divided by distances, which would have to
+//! be as exact as the energy balance: impulses are given over the distance and multiplied by its square.
 
 use frazil_core::noise::StepNoise;
 
@@ -19,7 +19,7 @@ pub const AT_ONCE: usize = 128;
 /// Pairs in a vector, or more.
 const VECTOR: usize = 8;
 
-/// Most pairs: none is nearer than the root of this.
+/// Square of the least distance: pairs that are closer act as at this one.
 const NEAREST: f64 = 1e-30;
 
 /// The constants of a step that pairs act by.
@@ -39,11 +39,11 @@ pub struct PairConstants {
     pub noise: StepNoise,
 }
 
-/// Pairs at hand, by column: what is put down of them, and what is worked out.
+/// Pairs by column: their input, and the coefficients.
 #[derive(Debug, Clone)]
 pub struct PairColumns<const D: usize> {
-    /// From the partner to the particle.
-    pub ways: [[f64; ROOM]; D],
+    /// Displacement from the partner to the particle.
+    pub displacements: [[f64; ROOM]; D],
     /// Exponents of the dissipative weight.
     pub exponents: [f32; ROOM],
     /// Temperatures of both ends.
@@ -58,27 +58,28 @@ pub struct PairColumns<const D: usize> {
     pub draws: [u64; ROOM],
     /// Conservative force over the distance.
     pub forces: [f64; ROOM],
-    /// Impulse over the distance: by the velocity of one end against the other times the way, and that of noise.
-    pub gains: [f64; ROOM],
-    /// See `gains`.
-    pub pushed: [f64; ROOM],
+    /// Impulse of friction over the distance, by the relative velocity along the displacement times the distance.
+    pub friction_impulses: [f64; ROOM],
+    /// Impulse of noise over the distance.
+    pub noise_impulses: [f64; ROOM],
     /// Inverse masses times the square of the distance.
     pub inertias: [f64; ROOM],
     /// Heat that the particle takes.
     pub heats: [f64; ROOM],
-    nears: [f64; ROOM],
+    /// Squares of the weight of the conservative force.
+    squared_weights: [f64; ROOM],
     distances: [f32; ROOM],
     inverse_distances: [f32; ROOM],
     /// Random numbers of the force and of heat.
     random: [[f32; ROOM]; 2],
-    /// Gains, pushes and heats before they are widened.
+    /// Impulses of friction and noise, and heats, in single precision.
     single: [[f32; ROOM]; 3],
 }
 
 impl<const D: usize> Default for PairColumns<D> {
     fn default() -> Self {
         PairColumns {
-            ways: [[0.0; ROOM]; D],
+            displacements: [[0.0; ROOM]; D],
             exponents: [0.0; ROOM],
             temperatures: [[1.0; ROOM]; 2],
             differences: [0.0; ROOM],
@@ -86,11 +87,11 @@ impl<const D: usize> Default for PairColumns<D> {
             conductions: [0.0; ROOM],
             draws: [0; ROOM],
             forces: [0.0; ROOM],
-            gains: [0.0; ROOM],
-            pushed: [0.0; ROOM],
+            friction_impulses: [0.0; ROOM],
+            noise_impulses: [0.0; ROOM],
             inertias: [0.0; ROOM],
             heats: [0.0; ROOM],
-            nears: [0.0; ROOM],
+            squared_weights: [0.0; ROOM],
             distances: [0.0; ROOM],
             inverse_distances: [0.0; ROOM],
             random: [[0.0; ROOM]; 2],
@@ -100,25 +101,27 @@ impl<const D: usize> Default for PairColumns<D> {
 }
 
 impl<const D: usize> PairColumns<D> {
-    /// Works out what the first `count` pairs do; returns their potential. `UNEVEN` pairs conduct each in its own way.
+    /// Computes the coefficients of the first `count` pairs; returns their potential. The conductivities of `UNEVEN` pairs differ.
     #[inline(always)]
     pub fn evaluate<const UNEVEN: bool>(&mut self, constants: &PairConstants, count: usize) -> f64 {
         let count = count.min(ROOM);
         // Whole vectors, the last one filled up with pairs out of reach.
         let whole = count.next_multiple_of(VECTOR).min(ROOM);
-        self.ways[0][count..whole].fill(constants.far);
+        self.displacements[0][count..whole].fill(constants.far);
         self.conservative_forces(constants, whole);
         self.random_numbers(&constants.noise, whole);
         self.friction_and_heat::<UNEVEN>(constants, whole);
-        for (wide, single) in [&mut self.gains, &mut self.pushed, &mut self.heats].into_iter().zip(&self.single) {
+        for (wide, single) in
+            [&mut self.friction_impulses, &mut self.noise_impulses, &mut self.heats].into_iter().zip(&self.single)
+        {
             for k in 0..whole {
                 wide[k] = f64::from(single[k]);
             }
         }
         let mut sums = [0.0; VECTOR];
-        for nears in self.nears[..whole].as_chunks::<VECTOR>().0 {
+        for weights in self.squared_weights[..whole].as_chunks::<VECTOR>().0 {
             for lane in 0..VECTOR {
-                sums[lane] += nears[lane];
+                sums[lane] += weights[lane];
             }
         }
         sums.iter().sum::<f64>() * 0.5 * constants.repulsion / constants.inverse_cutoffs[0]
@@ -131,7 +134,7 @@ impl<const D: usize> PairColumns<D> {
         for k in 0..whole {
             let mut square = NEAREST;
             for axis in 0..D {
-                square = self.ways[axis][k].mul_add(self.ways[axis][k], square);
+                square = self.displacements[axis][k].mul_add(self.displacements[axis][k], square);
             }
             // A root and a division in single precision and Newton's step, which squares the error, take less time than in double.
             let guess = f64::from(1.0 / (square as f32).sqrt());
@@ -139,7 +142,7 @@ impl<const D: usize> PairColumns<D> {
             let distance = square * inverse_distance;
             let near = distance.mul_add(-conservative, 1.0).max(0.0);
             self.forces[k] = constants.repulsion * near * inverse_distance;
-            self.nears[k] = near * near;
+            self.squared_weights[k] = near * near;
             self.inertias[k] = f64::from(self.mobilities[k]) * square;
             self.distances[k] = distance as f32;
             self.inverse_distances[k] = inverse_distance as f32;

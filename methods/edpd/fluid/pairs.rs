@@ -237,7 +237,7 @@ fn put<const D: usize, M: Matter>(
         let j = partners[k] as usize;
         let other = &frame.looks[j];
         for axis in 0..D {
-            pairs.ways[axis][k] = seen.place[axis] - other.position[axis];
+            pairs.displacements[axis][k] = seen.place[axis] - other.position[axis];
         }
         pairs.exponents[k] = me.half_exponent + other.half_exponent;
         pairs.temperatures[0][k] = temperature;
@@ -289,21 +289,21 @@ fn finish<const D: usize, M: Matter>(
 #[inline(always)]
 fn meet<const D: usize>(desk: &Desk<D>, k: usize, me: &mut Particle<D>, other: &mut Particle<D>) {
     let pairs = &desk.pairs;
-    let ways: [f64; D] = std::array::from_fn(|axis| pairs.ways[axis][k]);
+    let displacement: [f64; D] = std::array::from_fn(|axis| pairs.displacements[axis][k]);
     // Pairs of one particle wait for each other: its velocity comes in last.
     let mut before = 0.0;
     for axis in 0..D {
-        before = (-ways[axis]).mul_add(other.velocity[axis], before);
+        before = (-displacement[axis]).mul_add(other.velocity[axis], before);
     }
     for axis in 0..D {
-        before = ways[axis].mul_add(me.velocity[axis], before);
+        before = displacement[axis].mul_add(me.velocity[axis], before);
     }
-    let impulse = pairs.gains[k].mul_add(before, pairs.pushed[k]);
+    let impulse = pairs.friction_impulses[k].mul_add(before, pairs.noise_impulses[k]);
     // Half of what the pair loses of its kinetic energy.
     let lost = -0.25 * impulse * pairs.inertias[k].mul_add(impulse, 2.0 * before);
     let (push, pull) = (me.mobility * impulse, -other.mobility * impulse);
     for axis in 0..D {
-        let way = ways[axis];
+        let way = displacement[axis];
         me.velocity[axis] = push.mul_add(way, me.velocity[axis]);
         other.velocity[axis] = pull.mul_add(way, other.velocity[axis]);
         me.force[axis] = pairs.forces[k].mul_add(way, me.force[axis]);

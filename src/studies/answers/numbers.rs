@@ -1,15 +1,11 @@
 //! The results of a run as numbers, for tables and programs.
 
-use frazil_core::space::domain::Domain;
-use frazil_core::space::symmetry::Symmetry;
 use frazil_record::RunResult;
-use frazil_scene::{Scene, Units};
+use frazil_scene::{Scene, TimeUnit, Units};
 use serde::{Deserialize, Serialize};
 
+use super::{Gaps, volume_unit};
 use crate::ensemble::record::errors_of;
-
-/// Seconds of a day.
-const DAY: f64 = 86_400.0;
 
 /// A number that a run found.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -63,39 +59,29 @@ impl List<'_> {
         } else {
             self.add("front_m", "front", "m", front.filter(|_| freezes));
             let frozen = result.frozen.last().map(|row| row.frozen_volume);
-            self.add("frozen_volume", "frozen volume", &self.volume(), frozen.filter(|_| freezes));
+            self.add("frozen_volume", "frozen volume", volume_unit(self.scene), frozen.filter(|_| freezes));
         }
     }
 
     fn stored(&mut self, result: &RunResult) {
         let stored = result.budget.last().map(|row| row.stored_j);
         if self.scene.of_water {
-            self.add("water_stored_m3", "water taken up", &self.volume(), stored);
+            self.add("water_stored_m3", "water taken up", volume_unit(self.scene), stored);
         } else {
-            self.add("stored_j", "change of stored heat", &self.volume().replace("m³", "J"), stored);
+            self.add("stored_j", "change of stored heat", &volume_unit(self.scene).replace("m³", "J"), stored);
         }
-    }
-
-    /// The unit of a volume of the body.
-    fn volume(&self) -> String {
-        match self.scene.domain {
-            Domain::Axial { .. } | Domain::Radial { symmetry: Symmetry::Spherical, .. } => "m³",
-            Domain::Line { .. } => "m³ per square metre",
-            _ => "m³ per metre",
-        }
-        .to_owned()
     }
 
     fn wall(&mut self, result: &RunResult) {
         let Some(row) = result.walls.last() else { return };
         let wall = result.record.wall.as_ref();
-        let gaps = || result.gaps.iter().filter(|gap| gap.multiplicity > 0);
-        let all_closed = gaps().count() > 0 && gaps().all(|gap| gap.closure_s.is_some());
-        let last = gaps().filter_map(|gap| gap.closure_s).reduce(f64::max).filter(|_| all_closed);
+        let gaps = Gaps::of(&result.gaps);
+        let last = gaps.last.filter(|_| gaps.open == 0);
+        let days = |time: f64| time / TimeUnit::Day.seconds();
         let closure = wall.map_or(last, |wall| wall.closure_s);
-        self.add("closure_days", "closure", "d", closure.map(|time| time / DAY));
+        self.add("closure_days", "closure", "d", closure.map(days));
         let reopened = wall.and_then(|wall| wall.reopening_s);
-        self.add("reopened_days", "reopening", "d", reopened.map(|time| time / DAY));
+        self.add("reopened_days", "reopening", "d", reopened.map(days));
         self.add("thickness_weakest_m", "thickness at the weakest gap", "m", wall.map(|wall| wall.thickness_m));
         self.add("thickness_interface_mean_m", "thickness between pipes", "m", Some(row.thickness_interface_mean_m));
         self.add("thickness_main_mean_m", "thickness through pipes", "m", Some(row.thickness_main_mean_m));

@@ -21,7 +21,7 @@ use crate::machine::Machine;
 use crate::output::make_folder;
 use crate::parallel;
 use crate::parts::Parts;
-use crate::words::{self, length_words};
+use crate::words::{self, capital, length_words};
 
 /// A map with its boundaries, or a table of super-steps, lies in this folder beside the page under the scene's name.
 fn file(axis: Axis) -> String {
@@ -148,11 +148,6 @@ fn section(
         blocks,
         ..SceneSection::default()
     }))
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn value(mapped: &Mapped) -> String {

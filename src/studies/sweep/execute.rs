@@ -14,10 +14,14 @@ use serde::{Deserialize, Serialize};
 use super::SweepRequest;
 use crate::answers::numbers::{Number, numbers};
 use crate::campaign::{self, Campaign, Meter};
+use crate::expect;
 use crate::failure::{Failure, Verdict};
 use crate::method;
 use crate::parts::{Override, Parts};
 use crate::progress;
+
+/// Time of the step of a particle (s) where the first steps tell none.
+const SHORTEST: f64 = 1e-9;
 
 /// A run that is to be made.
 pub struct Job {
@@ -107,17 +111,7 @@ pub fn runs(
     campaign: &Campaign<'_>,
 ) -> Result<Vec<SweptRun>, Failure> {
     let key = |job: &Job| campaign::key("sweep", &job.scene, job.method, request.seed);
-    // The time of a run that is known, and of one that is refused, is none.
-    let seconds = |k: usize| {
-        let job = &jobs[k];
-        if campaign.known::<Finding>(&key(job)).is_some() {
-            return Some(0.0);
-        }
-        let forecast = predict::forecast(&job.scene, job.method, job.reference.as_ref(), 1, request.seed).ok();
-        Some(forecast.and_then(|forecast| forecast.seconds()).unwrap_or(0.0))
-    };
-    let prices = campaign.side_by_side(&vec![0.0; jobs.len()], seconds)?;
-    let prices: Vec<f64> = prices.into_iter().map(Option::unwrap_or_default).collect();
+    let prices = prices(request, &jobs, |job| campaign.known::<Finding>(&key(job)).is_some());
     let all: f64 = prices.iter().sum();
     if !request.quiet {
         progress::forewarn("sweep", Some(all / request.threads.clamp(1, jobs.len().max(1)) as f64));
@@ -152,6 +146,34 @@ pub fn runs(
         Some(SweptRun { values: job.values, method: job.method, finding: finding? })
     };
     Ok(jobs.into_iter().zip(found?).filter_map(swept).collect())
+}
+
+/// About how long each run takes (s): in proportion to its particles and steps, and as the largest of its method tells by its first
+/// steps. What is known takes no time.
+fn prices(request: &SweepRequest, jobs: &[Job], is_known: impl Fn(&Job) -> bool) -> Vec<f64> {
+    let size = |job: &Job| if is_known(job) { 0.0 } else { expect::particle_steps(&job.scene, job.method) };
+    let mut prices: Vec<f64> = jobs.iter().map(size).collect();
+    let mut largest: BTreeMap<&str, usize> = BTreeMap::new();
+    for (k, job) in jobs.iter().enumerate() {
+        let own = largest.entry(job.method).or_insert(k);
+        if prices[k] > prices[*own] {
+            *own = k;
+        }
+    }
+    let seconds = |k: usize| {
+        let job = &jobs[k];
+        let forecast = predict::forecast(&job.scene, job.method, job.reference.as_ref(), 1, request.seed).ok()?;
+        Some(forecast.seconds()? / prices[k])
+    };
+    let by_method: BTreeMap<&str, f64> = largest
+        .into_iter()
+        .filter(|(_, k)| prices[*k] > 0.0)
+        .filter_map(|(method, k)| Some((method, seconds(k)?)))
+        .collect();
+    for (price, job) in prices.iter_mut().zip(jobs) {
+        *price *= by_method.get(job.method).copied().unwrap_or(SHORTEST);
+    }
+    prices
 }
 
 /// One run; nothing if it was interrupted.

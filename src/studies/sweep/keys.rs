@@ -1,5 +1,7 @@
 //! Keys of a sweep with their values, as they are typed: `initial.temperature_c=1,2,3`.
 
+use toml::{Table, Value};
+
 /// A key and the values that it takes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VariedKey {
@@ -26,7 +28,7 @@ impl VariedKey {
     /// Where there is no key, or a value is empty or there twice.
     pub fn read(text: &str) -> Result<Self, NoKey> {
         let (key, list) = text.split_once('=').ok_or(NoKey)?;
-        VariedKey::new(key.trim().to_owned(), range(list).unwrap_or_else(|| split(list)))
+        VariedKey::new(key.trim().to_owned(), range(list).unwrap_or_else(|| listed(list)))
     }
 
     /// A key with its values.
@@ -42,16 +44,19 @@ impl VariedKey {
         Ok(VariedKey { key, values })
     }
 
-    /// The end of the key that tells it from all others that are varied: its last part, or more of them.
+    /// The end of the key that tells it from all others that are varied: its last part, or more of them, and no number at its beginning.
     pub fn short<'a>(&'a self, all: &[VariedKey]) -> &'a str {
         let mut ends = self.key.rmatch_indices('.').map(|(dot, _)| &self.key[dot + 1..]);
-        let is_own = |end: &&str| all.iter().filter(|other| other.key.ends_with(end)).count() <= 1;
+        let is_own = |end: &&str| {
+            let others = all.iter().filter(|other| other.key.ends_with(end)).count();
+            others <= 1 && !end.starts_with(|letter: char| letter.is_ascii_digit())
+        };
         ends.find(is_own).unwrap_or(&self.key)
     }
 
     /// The values as numbers, if all are numbers.
     pub fn numbers(&self) -> Option<Vec<f64>> {
-        let number = |value: &String| value.replace('_', "").parse::<f64>().ok().filter(|number| number.is_finite());
+        let number = |value: &String| value.parse::<f64>().ok().filter(|number| number.is_finite());
         self.values.iter().map(number).collect()
     }
 }
@@ -70,24 +75,12 @@ fn range(list: &str) -> Option<Vec<String>> {
     (first.is_finite() && last.is_finite()).then(|| (0..count).map(value).collect())
 }
 
-/// Values between the commas that are in no bracket, brace or quote.
-fn split(list: &str) -> Vec<String> {
-    let (mut values, mut depth, mut quote) = (vec![String::new()], 0usize, None);
-    for letter in list.chars() {
-        match (quote, letter) {
-            (Some(open), _) if letter == open => quote = None,
-            (None, '"' | '\'') => quote = Some(letter),
-            (None, '[' | '{') => depth += 1,
-            (None, ']' | '}') => depth = depth.saturating_sub(1),
-            (None, ',') if depth == 0 => {
-                values.push(String::new());
-                continue;
-            }
-            _ => {}
-        }
-        values.last_mut().unwrap_or(&mut String::new()).push(letter);
+/// Values between commas: those of a list of TOML, or words without quotes, as they may be typed.
+fn listed(list: &str) -> Vec<String> {
+    match format!("values = [{list}]").parse::<Table>().as_ref().map(|table| table.get("values")) {
+        Ok(Some(Value::Array(values))) => values.iter().map(Value::to_string).collect(),
+        _ => list.split(',').map(|value| value.trim().to_owned()).collect(),
     }
-    values.into_iter().map(|value| value.trim().to_owned()).collect()
 }
 
 #[cfg(test)]
@@ -100,10 +93,11 @@ mod tests {
         let are =
             |key: &str, values: &[&str]| Ok((key.to_owned(), values.iter().map(|one| (*one).to_owned()).collect()));
         assert_eq!(read("a.b = 1, 2,3"), are("a.b", &["1", "2", "3"]));
-        assert_eq!(read("a=[1, 2],[3,4]"), are("a", &["[1, 2]", "[3,4]"]));
-        assert_eq!(read("a={x = [1,2], y = 3},\"b,c\""), are("a", &["{x = [1,2], y = 3}", "\"b,c\""]));
+        assert_eq!(read("a=[1, 2],[3,4]"), are("a", &["[1, 2]", "[3, 4]"]));
+        assert_eq!(read("a={x = [1,2], y = 3},\"b,c\""), are("a", &["{ x = [1, 2], y = 3 }", "\"b,c\""]));
         assert_eq!(read("a=0.1..0.4:4"), are("a", &["0.1", "0.2", "0.3", "0.4"]));
         assert_eq!(read("a=-20..-30:3"), are("a", &["-20", "-25", "-30"]));
+        assert_eq!(read("a=best,paper"), are("a", &["best", "paper"]));
         for bad in ["a", "=1", "a=", "a=1,,2", "a=1,1", "a=1..1:2"] {
             assert_eq!(read(bad), Err(NoKey), "{bad}");
         }
@@ -114,7 +108,7 @@ mod tests {
         let keys = ["pipes.1.temperature_c=1", "initial.temperature_c=1", "time.outputs=1", "outputs=1"];
         let keys = keys.map(|text| VariedKey::read(text).expect("a key"));
         let short = keys.each_ref().map(|key| key.short(&keys));
-        assert_eq!(short, ["1.temperature_c", "initial.temperature_c", "time.outputs", "outputs"]);
+        assert_eq!(short, ["pipes.1.temperature_c", "initial.temperature_c", "time.outputs", "outputs"]);
     }
 
     #[test]

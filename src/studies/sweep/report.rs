@@ -16,7 +16,7 @@ use crate::figures::Figures;
 use crate::machine::Machine;
 use crate::parallel;
 use crate::progress::clock;
-use crate::words;
+use crate::words::{self, capital};
 
 /// Curves that can be told from each other in one figure.
 const MOST_CURVES: usize = 12;
@@ -127,11 +127,6 @@ pub fn answers(request: &SweepRequest, runs: &[SweptRun]) -> Vec<String> {
     let bad = runs.iter().filter(|run| run.finding.outcome != Some(Outcome::Ok)).count();
     let bad = (bad > 0).then(|| format!("{bad} of {} runs did not end with the outcome ok", runs.len()));
     columns(runs).into_iter().filter(|(name, _)| !name.starts_with("error_")).filter_map(range).chain(bad).collect()
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn lines<'a>(request: &SweepRequest, runs: &'a [SweptRun]) -> Vec<Line<'a>> {

@@ -105,19 +105,50 @@ motion = true
 
 #[test]
 fn walls_let_heat_through_as_a_wall_at_their_temperature() {
-    let result = run(&scene(LIQUID, &[]), 1, 3);
-    let top = result.budget_names.iter().position(|name| name == "top").expect("the wall");
-    // The slowest part of the profile decays with a time of 2.5.
-    let at = |time: f64| result.budget.iter().find(|row| row.time_s >= time - 1e-9).expect("a row").in_j[top];
-    let rate = (at(24.0) - at(12.0)) / 12.0;
-    // Conductivity times difference over height, by 24 lengths of wall: a jump of temperature at the walls of 0.1 lengths
-    // would take 2 % from it; the liquid conducts 0.994 of the mean field; heat of walls has noise of 1.5 %.
-    let expected = 1.6e6 * 0.2 / 10.0 * 24.0;
+    // Steps that are bound by motion, and by conduction, where particles exchange less well close to walls.
+    for (conductivity, limit) in [(1.6e6, "oscillation"), (6.4e6, "conduction")] {
+        let text = LIQUID.replace("1600000", &conductivity.to_string());
+        let duration = 24.0 * 1.6e6 / conductivity;
+        let result = run(&scene(&text, &[("time.duration", &duration.to_string())]), 1, 3);
+        assert!(result.record.step_limit.contains(limit), "{}", result.record.step_limit);
+        let index = |name| result.budget_names.iter().position(|known| known == name).expect("the wall");
+        // The slowest part of the profile decays in a tenth of the time.
+        let row = |time: f64| result.budget.iter().find(|row| row.time_s >= time - 1e-9).expect("a row");
+        let passed = |wall| row(duration).in_j[index(wall)] - row(0.5 * duration).in_j[index(wall)];
+        let rate = 0.5 * (passed("top") - passed("bottom")) / (0.5 * duration);
+        // Conductivity times difference over height, by 24 lengths of wall: a jump of temperature at the walls of 0.1 lengths
+        // would take 2 % from it; the liquid conducts 0.995 to 1.002 of the mean field; six seeds differ by 0.25 %.
+        let expected = conductivity * 0.2 / 10.0 * 24.0;
+        assert!((rate / expected - 1.0).abs() < 0.02, "{rate} {expected}");
+        let row = result.profiles.first().expect("a profile");
+        // Half a layer from the wall: the mean of 48 particles has a standard deviation of 0.0005, and the profile has a slope of
+        // 0.02; where conduction binds, particles of the layer lag by up to a quarter of the 0.45 lengths within which they exchange
+        // less well.
+        assert!((row.temperature_c - 1.0 - 0.02 * row.along_m).abs() < 0.0035, "{row:?}");
+    }
+}
 
-    assert!((rate / expected - 1.0).abs() < 0.04, "{rate} {expected}");
-    let row = result.profiles.first().expect("a profile");
-    // Half a layer from the wall: 0.0025 * 2 above it; the mean of 48 particles has a standard deviation of 0.0005.
-    assert!((row.temperature_c - 1.0 - 0.02 * row.along_m).abs() < 0.0025, "{row:?}");
+#[test]
+fn walls_take_no_particle_beyond_their_temperatures() {
+    let text = LIQUID.replace("temperature = 1.1", "temperature = 1").replace("temperature = 1.2", "temperature = 1");
+    let text = text.replace("\n[walls.top]\n", "parts = [{ from = 12, to = 24, temperature = 2 }]\n\n[walls.top]\n");
+    // Few neighbours, among which chance counts most.
+    let few = [
+        ("domain.rectangle.height", "6"),
+        ("time.duration", "48"),
+        ("method.edpd.cutoff_ratio", "2"),
+        ("method.edpd.friction", "4.5"),
+        ("method.edpd.exponent", "2"),
+    ];
+    // Steps that are bound by motion, and by conduction.
+    for conductivity in ["5e5", "1600000"] {
+        let result = run(&scene(&text.replace("1600000", conductivity), &few), 1, 1);
+        // Six standard deviations of a particle at the warmer part: chance takes one of 577 particles beyond them in 2400 steps
+        // once in some hundred runs, and data differ by 1.
+        let noise = 6.0 * 2.0 / 1e5f64.sqrt();
+        let found = result.record.bounds_violation_rel.expect("a range");
+        assert!(found < noise, "{conductivity}: {found}");
+    }
 }
 
 #[test]

@@ -21,12 +21,8 @@ pub trait Matter: Send + Sync {
     fn is_liquid(&self, _heat: f64) -> bool {
         true
     }
-    /// The conduction potential that a particle is seen with.
-    fn level(&self, seen: Self::Seen, temperature: f64) -> f64;
-    /// The conduction potential at a temperature.
-    fn level_at(&self, temperature: f64) -> f64;
-    /// Temperature, and what pairs would read, at a conduction potential.
-    fn at_level(&self, level: f64) -> (f64, Self::Seen);
+    /// What pairs read of a particle at a temperature.
+    fn see_at(&self, temperature: f64) -> Self::Seen;
 }
 
 /// A liquid of one heat capacity and conductivity.
@@ -55,15 +51,5 @@ impl Matter for ConstantCapacity {
         1.0
     }
 
-    fn level(&self, _seen: (), temperature: f64) -> f64 {
-        temperature
-    }
-
-    fn level_at(&self, temperature: f64) -> f64 {
-        temperature
-    }
-
-    fn at_level(&self, level: f64) -> (f64, ()) {
-        (level, ())
-    }
+    fn see_at(&self, _temperature: f64) {}
 }

@@ -18,6 +18,7 @@ use super::matter::Matter;
 use super::particle::{Look, Particle};
 use super::scan::{self, FoundPartners, LANES, MOST, Scan};
 use super::sorting::{CellGrid, PartnerRange, RANGES};
+use super::walls::Walls;
 
 /// The constants of a step.
 #[derive(Debug)]
@@ -32,6 +33,8 @@ pub struct StepConstants<'a, const D: usize, M: Matter> {
     pub starts: &'a [u32],
     /// Particles of this name or above have no pairs with each other.
     pub apart: u32,
+    /// The walls.
+    pub walls: Option<&'a Walls<D>>,
     /// What heat means.
     pub matter: &'a M,
     /// Direction across whose periodic sides no heat goes.
@@ -246,7 +249,13 @@ fn put<const D: usize, M: Matter>(
         pairs.mobilities[k] = me.mobility + other.mobility;
         if M::UNEVEN {
             let conduction = frame.matter.between([(me.seen, me.temperature), (other.seen, other.temperature)]);
-            pairs.conductions[k] = if shut { 0.0 } else { conduction as f32 };
+            let behind = me.name.max(other.name);
+            let closeness = match frame.walls {
+                _ if shut => 0.0,
+                Some(walls) if behind >= frame.apart => walls.closeness(behind, |axis| pairs.displacements[axis][k]),
+                _ => 1.0,
+            };
+            pairs.conductions[k] = (closeness * conduction) as f32;
         }
         pairs.draws[k] = draw.wrapping_add(other.share);
         partners[k] = (j - seen.base) as u32;

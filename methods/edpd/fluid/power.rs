@@ -1,9 +1,6 @@
 //! Powers in a form that a compiler turns into vectors: no branch, no table, the same bits on every processor.
 
-/// 1.5 times 2^52: added and taken away, it rounds to a whole number.
-const ROUND: f64 = 6_755_399_441_055_744.0;
-
-/// The same in single precision.
+/// 1.5 times 2^23: added and taken away, it rounds to a whole number.
 const ROUND_SINGLE: f32 = 12_582_912.0;
 
 /// `log2((1 + z)/(1 - z))/z` over the square of `z`, up to root 2 for the quotient: through the Chebyshev points, to 1.2e-7.
@@ -11,12 +8,6 @@ const LOGARITHM: [f32; 3] = [0.595_759_6, 0.961_588_9, 2.885_390_5];
 
 /// `2^x` from -1/2 to 1/2, in the same way, to 1e-7.
 const POWER: [f32; 6] = [0.001_339_086_4, 0.009_676_032, 0.055_503_57, 0.240_221_07, std::f32::consts::LN_2, 1.0];
-
-/// Rounds to the nearest whole number, up to 2^51.
-#[inline(always)]
-pub fn round(x: f64) -> f64 {
-    (x + ROUND) - ROUND
-}
 
 /// `base` in [0, 1] to the power `exponent`, 0 to 80; zero for a base of zero. In single precision: what only friction
 /// feels, whose balance with noise holds for any weight.
@@ -65,9 +56,6 @@ mod tests {
                 let error = f64::from(f32::EPSILON) * (4.0 + f64::from(exponent) * (2.0 + logarithm));
                 assert!((own - expected).abs() <= error * expected + 2e-38, "{base}^{exponent}: {own} {expected}");
             }
-        }
-        for x in [-2.5, -0.4, 0.0, 0.6, 7.49, 1e6] {
-            assert_eq!(round(x), f64::round_ties_even(x));
         }
     }
 }

@@ -11,7 +11,6 @@
 
 use super::FluidError;
 use super::particle::Particle;
-use super::power::round;
 
 /// Most slabs: beyond this there is nothing to gain from smaller ones.
 const MOST_SLABS: usize = 64;
@@ -19,16 +18,12 @@ const MOST_SLABS: usize = 64;
 /// Most ranges of partners of a cell: five rows, each cut once by a side of the box.
 pub const RANGES: usize = 10;
 
-/// A cell in space and all around it.
-pub const AROUND: usize = 27;
-
 /// Cells of a periodic box.
 #[derive(Debug, Clone)]
 pub struct CellGrid<const D: usize> {
     /// Lengths of the box.
     pub lengths: [f64; D],
-    /// One over them.
-    pub inverses: [f64; D],
+    /// Cells along each direction.
     cells: [usize; D],
     /// First row of each slab along the last direction, and their number.
     rows: Vec<usize>,
@@ -64,7 +59,7 @@ impl<const D: usize> CellGrid<D> {
         let last = cells[D - 1];
         let slabs = (last - last % 2).min(MOST_SLABS);
         let rows = (0..=slabs).map(|slab| slab * last / slabs).collect();
-        Ok(CellGrid { lengths, inverses: lengths.map(|length| 1.0 / length), cells, rows })
+        Ok(CellGrid { lengths, cells, rows })
     }
 
     /// Number of slabs: even.
@@ -167,45 +162,5 @@ impl<const D: usize> CellGrid<D> {
             }
         }
         (ranges, count)
-    }
-
-    /// The cell of a place and all around it; says how many they are.
-    pub fn around(&self, place: &[f64; D], ways: &mut [usize; AROUND]) -> usize {
-        let mut at = [0i64; D];
-        for axis in 0..D {
-            at[axis] = (place[axis] / self.lengths[axis] * self.cells[axis] as f64).floor() as i64;
-        }
-        let all = 3usize.pow(D as u32).min(AROUND);
-        for (code, way) in (0..).zip(&mut ways[..all]) {
-            let (mut rest, mut offsets): (i64, _) = (code, [0; D]);
-            for offset in &mut offsets {
-                *offset = rest % 3 - 1;
-                rest /= 3;
-            }
-            let mut number = 0;
-            for axis in (0..D).rev() {
-                let count = self.cells[axis] as i64;
-                number = number * self.cells[axis] + (at[axis] + offsets[axis]).rem_euclid(count) as usize;
-            }
-            *way = number;
-        }
-        all
-    }
-
-    /// The shortest way from `b` to `a`.
-    #[inline(always)]
-    pub fn way(&self, a: &[f64; D], b: &[f64; D]) -> [f64; D] {
-        let mut way = [0.0; D];
-        for axis in 0..D {
-            let plain = a[axis] - b[axis];
-            way[axis] = plain - self.lengths[axis] * round(plain * self.inverses[axis]);
-        }
-        way
-    }
-
-    /// Square of the distance between two places, by the nearest images.
-    #[inline(always)]
-    pub fn square(&self, a: &[f64; D], b: &[f64; D]) -> f64 {
-        self.way(a, b).iter().map(|way| way * way).sum()
     }
 }

@@ -136,7 +136,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
         origins.clear();
         origins.extend(particles.iter().map(|particle| particle.position));
         if let Some(walls) = walls {
-            walls.list(grid, particles, starts, self.parameters.thermal_cutoff + 0.5 * SKIN * self.parameters.reach());
+            walls.find(particles);
         }
         self.sortings += 1;
     }
@@ -144,7 +144,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
     /// Lets all pairs act for a time.
     pub(super) fn meet(&mut self, time: f64) {
         let noise = StepNoise::new(self.seed, self.steps);
-        self.look(&noise);
+        self.look(&noise, time);
         let parameters = &self.parameters;
         let frame = StepConstants {
             looks: &self.looks,
@@ -154,6 +154,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             grid: &self.grid,
             starts: &self.starts,
             apart: self.first_behind_walls(),
+            walls: self.walls.as_ref(),
             reach: widened(parameters.reach(), self.grid.lengths.iter().copied().fold(0.0, f64::max)),
             constants: PairConstants {
                 far: 2.0 * parameters.reach(),
@@ -171,9 +172,9 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
         act_in_turn(&frame, self.pool.is_some(), &mut self.desks, &mut self.particles);
     }
 
-    /// Shows pairs all particles as they are before the pairs act.
-    fn look(&mut self, noise: &StepNoise) {
-        let Fluid { parameters, matter, grid, particles, looks, places, walls, .. } = self;
+    /// Shows pairs all particles as they are before the pairs act for a time.
+    fn look(&mut self, noise: &StepNoise, time: f64) {
+        let Fluid { parameters, matter, particles, looks, places, walls, .. } = self;
         let parallel = self.pool.is_some();
         let look = |particle: &Particle<D>| {
             let temperature = matter.temperature(particle.heat);
@@ -204,7 +205,7 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             }
         }
         if let Some(walls) = walls {
-            walls.show(matter, grid, looks, parameters.thermal_cutoff, parallel);
+            walls.show(matter, looks, time);
         }
     }
 

@@ -22,8 +22,6 @@ pub struct SceneMatter {
     conductivity: f64,
     exchange: Exchange,
     mushy: Mushy,
-    /// Temperatures that particles behind walls may be seen with.
-    range: (f64, f64),
 }
 
 /// What pairs see of a particle.
@@ -37,16 +35,15 @@ pub struct SeenState {
 
 impl SceneMatter {
     /// The material, `per_heat` (J/m3) of enthalpy by heat, the scale of temperature (zero and degree), how pairs
-    /// exchange, and the temperatures (DPD units) that particles behind walls may be seen with.
+    /// exchange.
     pub fn new(
         thermal: Thermal,
         per_heat: f64,
         (zero, degree): (f64, f64),
         (exchange, mushy): (Exchange, Mushy),
-        range: (f64, f64),
     ) -> Self {
         let conductivity = thermal.curve.mixed_conductivity(1.0);
-        SceneMatter { thermal, per_heat, zero, degree, conductivity, exchange, mushy, range }
+        SceneMatter { thermal, per_heat, zero, degree, conductivity, exchange, mushy }
     }
 
     /// Heat at a temperature of the scene.
@@ -111,20 +108,11 @@ impl Matter for SceneMatter {
         self.thermal.frozen_fraction(heat * self.per_heat) <= 0.0
     }
 
-    fn level(&self, seen: SeenState, _temperature: f64) -> f64 {
-        seen.level
-    }
-
-    fn level_at(&self, temperature: f64) -> f64 {
-        self.thermal.potential_at(temperature * self.degree + self.zero) / (self.conductivity * self.degree)
-    }
-
-    fn at_level(&self, level: f64) -> (f64, SeenState) {
-        let potential = level * self.conductivity * self.degree + self.thermal.zero_potential;
-        let found = (self.thermal.curve.temperature_of_potential(potential) - self.zero) / self.degree;
-        let temperature = found.clamp(self.range.0, self.range.1);
+    fn see_at(&self, temperature: f64) -> SeenState {
         let on_scale = temperature * self.degree + self.zero;
-        let level = if temperature == found { level } else { self.level_at(temperature) };
-        (temperature, SeenState { level, conductivity: self.thermal.curve.conductivity(on_scale) / self.conductivity })
+        SeenState {
+            level: self.thermal.potential_at(on_scale) / (self.conductivity * self.degree),
+            conductivity: self.thermal.curve.conductivity(on_scale) / self.conductivity,
+        }
     }
 }

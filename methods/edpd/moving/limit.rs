@@ -38,6 +38,11 @@ pub fn bound(parameters: &Parameters, map: &DpdUnits, curve: &Curve, range: (f64
     Bound { step: step * map.time, cause }
 }
 
+/// Diffusivity of the best conducting phase, from that of the liquid.
+pub fn fastest(curve: &Curve, liquid: f64) -> f64 {
+    liquid * curve.largest_diffusivity() / (curve.mixed_conductivity(1.0) / curve.unfrozen_capacity())
+}
+
 /// Limits of the step and their causes: by conduction, by friction of the coldest liquid, by the swing of particles.
 fn limits(
     parameters: &Parameters,
@@ -46,9 +51,8 @@ fn limits(
     range: (f64, f64),
     liquid: f64,
 ) -> [(f64, String); 3] {
-    let fastest = liquid * curve.largest_diffusivity() / (curve.mixed_conductivity(1.0) / curve.unfrozen_capacity());
     let cutoff = parameters.thermal_cutoff;
-    let conduction = CONDUCTION * cutoff * cutoff / fastest;
+    let conduction = CONDUCTION * cutoff * cutoff / fastest(curve, liquid);
     let freezing = map.temperature(curve.freezing_point());
     let coldest = if curve.latent_heat() > 0.0 { range.0.max(freezing) } else { range.0 };
     let friction =

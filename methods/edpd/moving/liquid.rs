@@ -28,8 +28,8 @@ pub struct Liquid {
     pub settling: Parameters,
     /// The longest step.
     pub bound: Bound,
-    /// Least and greatest temperature of the scene.
-    range: (f64, f64),
+    /// Diffusivity of its best conducting phase.
+    pub fastest: f64,
     /// Volume of a particle (m3, of missing dimensions by the metre).
     pub volume: f64,
 }
@@ -63,6 +63,7 @@ impl Liquid {
         parameters.heat_friction = parameters.constants(2).heat_friction(diffusivity);
         let bound = limit::bound(&parameters, &map, curve, range, diffusivity);
         parameters.step = limit::SETTLING_STEP.min(bound.step / map.time);
+        let fastest = limit::fastest(curve, diffusivity);
         let settling = limit::settling(&parameters, &map, curve, range, diffusivity);
         let strip = height.map_or(motion.strip_width, |height| height / map.length);
         let walled = |along_y: bool| !WallId::ends(along_y).into_iter().all(|wall| scene.is_closed(wall));
@@ -72,15 +73,14 @@ impl Liquid {
         };
         let missing = if height.is_some() { 1.0 } else { strip * map.length };
         let volume = map.length.powi(2) / motion.number_density / missing;
-        Ok(Liquid { thermal, map, body, parameters, settling, bound, range, volume })
+        Ok(Liquid { thermal, map, body, parameters, settling, bound, fastest, volume })
     }
 
     /// What heat means to it.
     pub fn ground(&self, numerics: &Numerics) -> SceneMatter {
         let per_heat = self.thermal.curve.unfrozen_capacity() * self.map.degree / self.parameters.heat_capacity;
         let scale = (self.map.zero, self.map.degree);
-        let seen = (0.5 * self.range.0, 2.0 * self.range.1);
-        SceneMatter::new(self.thermal.clone(), per_heat, scale, (numerics.exchange, numerics.mushy), seen)
+        SceneMatter::new(self.thermal.clone(), per_heat, scale, (numerics.exchange, numerics.mushy))
     }
 }
 

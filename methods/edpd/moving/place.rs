@@ -68,7 +68,7 @@ pub fn fill(
         particle.force = [0.0; 2];
         particle.turns = [0; 2];
         // How far beyond its wall, by direction, and the mirror image.
-        let (mut deepest, mut patch) = (0.0, 0);
+        let (mut deepest, mut across, mut patch) = (0.0, 0, 0);
         let mut image = particle.position;
         for axis in 0..2 {
             particle.position[axis] = particle.position[axis].rem_euclid(lengths[axis]) - margin[axis];
@@ -81,7 +81,7 @@ pub fn fill(
             if below.max(above) > 0.0 {
                 image[axis] = if below > 0.0 { below } else { body.lengths[axis] - above };
                 if below.max(above) > deepest {
-                    deepest = below.max(above);
+                    (deepest, across) = (below.max(above), axis);
                     patch = WallId::ends(axis == 1)[usize::from(above > 0.0)].side();
                 }
             }
@@ -90,7 +90,7 @@ pub fn fill(
             particle.velocity = [0.0; 2];
             particle.mobility = 0.0;
             outside.push(particle);
-            behind.push(Behind { image, patch: patch as u32 });
+            behind.push(Behind { image, across, depth: deepest, patch: patch as u32 });
         } else {
             particles.push(particle);
         }

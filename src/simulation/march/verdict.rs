@@ -11,15 +11,13 @@ use crate::terms::fluctuation;
 /// How far noise alone may take temperatures out of the range of the data, over that range: eight standard deviations
 /// of one particle at the warmest datum, in the material and phase that fluctuates most ([`crate::terms::fluctuation`]). A
 /// normal variable stays within 6.5 over a billion looks; steps up to the bound do not add to it (3.3 at most on
-/// `stefan-water`, for 0.05 of the bound as for the whole). Beside walls of moving particles it is twice that: what is seen
-/// there is fitted to few neighbours, whose own noise it mirrors (12 at most over the 26 000 steps of `entry-channel`). It is
+/// `stefan-water`, for 0.05 of the bound as for the whole; 4.5 over the 26 000 steps of 17 600 particles of `entry-channel`). It is
 /// never more than [`MOST_NOISE`].
 pub(super) fn noise(scene: &Scene, settings: &MethodSettings, particles: &Particles) -> f64 {
     let (low, high) = scene.temperature_range();
     let own = settings.discretisation.fluctuation * (high - scene.units.absolute_zero());
     let deviation = particles.materials.laws().map(|law| own * fluctuation(law)).fold(0.0, f64::max);
-    let deviations = if particles.move_about() { 16.0 } else { 8.0 };
-    if deviation > 0.0 { (deviations * deviation / (high - low)).min(MOST_NOISE) } else { 0.0 }
+    if deviation > 0.0 { (8.0 * deviation / (high - low)).min(MOST_NOISE) } else { 0.0 }
 }
 
 /// Part of the range of the data by which noise may take temperatures out of it. With more, a particle in the middle of the

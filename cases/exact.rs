@@ -78,6 +78,7 @@ impl HalfSpace {
             (scene.has_regional_starts(), "a scene whose regions start at temperatures of their own"),
             (!scene.cracks.is_empty(), "a scene with cracks"),
             (!scene.impermeable.is_empty(), "a scene with impermeable parts"),
+            (scene.has_heat_sources(), "a scene whose regions release heat"),
             (!scene.is_uniform(), "a scene with several materials"),
         ];
         if let Some((_, body)) = unsolved.iter().find(|(found, _)| *found) {

@@ -89,6 +89,14 @@ fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
         sketch.materials.push(("sharp", sharp));
         sketch.regions = vec![format!("material = \"sharp\"\n{inside}")];
     }
+    if has(Feature::HeatSources) {
+        let inside = if has(Feature::Shells) {
+            "x_min_m = 0.7\nx_max_m = 1.02"
+        } else {
+            "circle = { x_m = 0.7, y_m = 0.3, radius_m = 0.2 }"
+        };
+        sketch.regions.push(format!("heat_W_per_m3 = 400\n{inside}"));
+    }
     if flows {
         sketch.flow =
             "viscosity_Pa_s = 1.793e-3\nrelative_permeability = { law = \"impedance\", impedance = 50 }\n".into();

@@ -30,6 +30,7 @@ mod fuzzed;
 mod glossary;
 mod gravity;
 mod groundwater;
+mod heat_sources;
 mod hostile;
 mod interfaces;
 mod invariants;

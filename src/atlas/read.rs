@@ -43,9 +43,15 @@ pub(super) struct InTable {
     /// A column and a number of it, between whose rows it is linear.
     #[serde(default)]
     at: Option<(String, f64)>,
+    /// A column whose greatest value names the row.
+    #[serde(default)]
+    peak_of: Option<String>,
     /// Which of the rows; the last one unless said.
     #[serde(default)]
     take: Take,
+    /// Where it is counted from, as the time at which walls are cooled.
+    #[serde(default)]
+    after: f64,
     /// A factor, where it is shown in another unit.
     #[serde(default = "one")]
     times: f64,
@@ -102,7 +108,8 @@ impl InTable {
             csv::Reader::from_path(folder.join(&self.table)).map_err(|_| NotRead::File(self.table.clone()))?;
         let heads = reader.headers().map_err(|_| NotRead::File(self.table.clone()))?.clone();
         let place = |name: &str| heads.iter().position(|head| head == name).ok_or_else(|| lacks(name));
-        let (column, along) = (place(&self.column)?, self.at.as_ref().map(|at| place(&at.0)).transpose()?);
+        let along = self.at.as_ref().map(|at| &at.0).or(self.peak_of.as_ref());
+        let (column, along) = (place(&self.column)?, along.map(|name| place(name)).transpose()?);
         let only: Vec<(usize, &String)> =
             self.only.iter().map(|(name, text)| Ok((place(name)?, text))).collect::<Result<_, _>>()?;
         // The number by which rows stand, and their value.
@@ -117,9 +124,10 @@ impl InTable {
         }
         let value = match &self.at {
             Some((_, at)) => between(rows, *at),
+            None if self.peak_of.is_some() => rows.iter().max_by(|a, b| a.0.total_cmp(&b.0)).map(|row| row.1),
             None => self.take.of(&rows),
         };
-        Ok(self.times * value.ok_or_else(|| lacks("row for it"))?)
+        Ok(self.times * (value.ok_or_else(|| lacks("row for it"))? - self.after))
     }
 }
 
@@ -164,6 +172,10 @@ mod tests {
             Ok(2.0)
         );
         assert_eq!(read("{ table = \"t.csv\", column = \"x_m\", take = \"least\" }"), Ok(1.0));
+        assert_eq!(
+            read("{ table = \"t.csv\", column = \"time_s\", peak_of = \"x_m\", after = 5, times = 2 }"),
+            Ok(30.0)
+        );
         assert_eq!(read("{ table = \"t.csv\", column = \"y_m\" }"), Err("t.csv has no y_m".into()));
         assert_eq!(read("{ record = \"/errors/back\" }"), Err("record.json has no /errors/back".into()));
         assert_eq!(

@@ -94,6 +94,8 @@ pub enum Source {
     Ring,
     /// One of several rings of pipes, by its number from 0.
     RingOf(usize),
+    /// A region that releases heat, by its number from 0.
+    Region(usize),
     /// Ice: the rest of the balance beside water.
     Ice,
     /// Motion of particles.
@@ -115,6 +117,7 @@ impl fmt::Display for Source {
             Source::Patch(patch) => patch.fmt(f),
             Source::Ring => f.write_str("pipes"),
             Source::RingOf(ring) => write!(f, "pipes_{}", ring + 1),
+            Source::Region(region) => write!(f, "region_{}", region + 1),
             Source::Ice => f.write_str("ice"),
             Source::Motion => f.write_str("motion"),
             Source::Decay => f.write_str("decay"),

@@ -38,6 +38,8 @@ pub enum Feature {
     Ring,
     /// Walls whose parts have conditions of their own.
     WallParts,
+    /// Regions that release heat.
+    HeatSources,
     /// A material that freezes over an interval.
     FreezingCurve,
     /// No material that freezes at one temperature.
@@ -117,17 +119,18 @@ const WHOLE_LATTICE: &str = "sub-cell fronts are located along the rows of a lat
 const FIXED_LAYERS: &str = "the layers of the wall cannot be cut";
 
 /// All pairs that exclude each other.
-pub const EXCLUSIONS: [Exclusion; 69] = {
+pub const EXCLUSIONS: [Exclusion; 72] = {
     use Feature::{
         ApparentCapacity, Cracks, Excavation, ExplicitSteps, FittedWalls, Flags, FreezingCurve, GradientAdvection,
-        Gravity, Groundwater, Implicit, InnerLayers, LatticeSearch, LatticeWeights, ListSearch, NaiveOpenWalls,
-        NothingSharp, OwnSteps, PairMeans, Pipes, RandomConductivity, Ring, Rkl2, Shells, Solute, Stages,
-        SubCellFronts, Surfaces, UnevenParticles, UnsaturatedWater, WallParts, WholePhases,
+        Gravity, Groundwater, HeatSources, Implicit, InnerLayers, LatticeSearch, LatticeWeights, ListSearch,
+        NaiveOpenWalls, NothingSharp, OwnSteps, PairMeans, Pipes, RandomConductivity, Ring, Rkl2, Shells, Solute,
+        Stages, SubCellFronts, Surfaces, UnevenParticles, UnsaturatedWater, WallParts, WholePhases,
     };
     [
         row(Groundwater, UnsaturatedWater, FREEZING_UNSATURATED),
         row(Pipes, UnsaturatedWater, FREEZING_UNSATURATED),
         row(Excavation, UnsaturatedWater, "the shaft condition is one of heat, which is not solved for"),
+        row(HeatSources, UnsaturatedWater, "heat is not solved for"),
         row(OwnSteps, UnsaturatedWater, "its noise is thermal noise"),
         row(Flags, UnsaturatedWater, "unsaturated water has no latent heat"),
         row(ApparentCapacity, UnsaturatedWater, "unsaturated water has no latent heat"),
@@ -154,6 +157,8 @@ pub const EXCLUSIONS: [Exclusion; 69] = {
         row(OwnSteps, Surfaces, "random heat fluxes through surfaces are not counted"),
         row(Stages, OwnSteps, OWN_NOISE),
         row(Stages, ApparentCapacity, NO_ENTHALPY),
+        row(Flags, HeatSources, NO_ENTHALPY),
+        row(ApparentCapacity, HeatSources, NO_ENTHALPY),
         row(Stages, WholePhases, "the last complete phase is known only after complete steps"),
         row(GradientAdvection, Implicit, LIMITED),
         row(Flags, FreezingCurve, "the latent-heat accumulator needs a single freezing temperature"),
@@ -214,7 +219,7 @@ pub fn exclusions(features: &[Feature]) -> impl Iterator<Item = &'static Exclusi
 }
 
 /// All features, in words as messages have them, and where each is asked for.
-const FEATURES: [(Feature, &str, Place); 32] = [
+const FEATURES: [(Feature, &str, Place); 33] = [
     (Feature::UnsaturatedWater, "balance = \"water\"", Place::Scene("balance")),
     (Feature::Gravity, "\"gravity\"", Place::Scene("gravity")),
     (Feature::Solute, "a solute", Place::Scene("materials")),
@@ -227,6 +232,7 @@ const FEATURES: [(Feature, &str, Place); 32] = [
     (Feature::Shells, "a body of shells", Place::Scene("domain")),
     (Feature::Ring, "the domain \"ring\"", Place::Scene("domain")),
     (Feature::WallParts, "a wall in parts", Place::Scene("walls")),
+    (Feature::HeatSources, "\"heat\" of a region", Place::Scene("regions")),
     (Feature::FreezingCurve, "a material that freezes over an interval", Place::Scene("materials")),
     (Feature::NothingSharp, "materials without a sharp freezing point", Place::Scene("materials")),
     (Feature::OwnSteps, "a method with its own time steps", Place::Method),

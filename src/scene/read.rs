@@ -206,6 +206,8 @@ struct Asked {
     varies: bool,
     /// Whether walls have parts.
     in_parts: bool,
+    /// Whether regions release heat.
+    heated: bool,
 }
 
 /// What a scene has that cannot be combined with everything.
@@ -223,6 +225,7 @@ fn features(root: &Section<'_>, domain: Option<&Domain>, materials: &[Material],
         (domain.is_some_and(|domain| domain.symmetry().is_some()), Feature::Shells),
         (matches!(domain, Some(Domain::Ring { .. })), Feature::Ring),
         (asked.in_parts, Feature::WallParts),
+        (asked.heated, Feature::HeatSources),
     ];
     let own = own.into_iter().filter(|feature| feature.0).map(|feature| feature.1);
     own.chain(capability::of_materials(materials)).collect()
@@ -303,7 +306,9 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
     let carries = matches!(solute, Ok(Some(_)));
     let random = random::random(&mut root, body);
     let (walled, varies, in_parts) = (!impermeable.is_empty(), random.conductivity.is_some(), !wall_parts.is_empty());
-    let features = &features(&root, body, known, &Asked { of_water, carries, surfaces, walled, varies, in_parts });
+    let heated = regions.iter().any(|region| region.heat.is_some());
+    let asked = Asked { of_water, carries, surfaces, walled, varies, in_parts, heated };
+    let features = &features(&root, body, known, &asked);
     let gravity = gravity::gravity(&mut root, &domain, (of_water, known), (&walls, &wall_parts));
     let refused = refuse(&mut root, features);
     let flow = flow::flow(&mut root, body, known, refused);
@@ -316,7 +321,8 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
     let parts = wall_parts.iter().map(|part| &part.condition);
     let own = || walls.iter().map(|wall| &wall.condition).chain(parts.clone());
     let brings_heat = own().any(Condition::brings_heat);
-    let setup = numerics::Setup { domain: body, materials: known, brings_heat, has_flux: has_flux(own()), features };
+    let setup =
+        numerics::Setup { domain: body, materials: known, brings_heat, has_flux: heated || has_flux(own()), features };
     let data = Temperatures { regions: &regions, rings: &rings, stream: stream.as_ref().ok().and_then(Option::as_ref) };
     let conditions = own().chain(excavation.iter().flatten().map(|shaft| &shaft.condition));
     root.set_temperatures(initial_temperature.ok().map(|initial| data.range(initial, conditions)));

@@ -4,6 +4,7 @@ mod ellipse;
 
 pub use ellipse::Ellipse;
 
+use frazil_core::series::Series;
 use glam::DVec2;
 
 use crate::scene::Scene;
@@ -11,14 +12,16 @@ use crate::scene::Scene;
 /// Rounding of positions, over the size of a shape or of a particle: what lies that near an edge lies on it.
 const ON_EDGE: f64 = 1e-9;
 
-/// A part of the domain that holds another material than the first one, starts at another temperature than the rest, or
-/// both.
+/// A part of the domain that holds another material than the first one, starts at another temperature than the rest,
+/// releases heat, or all of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
     /// Index into [`Scene::materials`], where the region has a material of its own.
     pub material: Option<usize>,
     /// Temperature at the start, where it has one of its own.
     pub temperature: Option<f64>,
+    /// Heat that it releases by volume and time (W/m3) over time, where it does.
+    pub heat: Option<Series>,
     /// Where it is.
     pub shape: Shape,
 }
@@ -278,9 +281,29 @@ impl Scene {
         self.regions.iter().any(|region| region.temperature.is_some())
     }
 
-    /// Whether the body is of one material and starts at one temperature.
+    /// Whether regions release heat.
+    pub fn has_heat_sources(&self) -> bool {
+        self.regions.iter().any(|region| region.heat.is_some())
+    }
+
+    /// Part of the volume of a cell that lies in a shape: in bodies of shells, that of their volume.
+    pub fn share_of(&self, shape: &Shape, cell: &Cell) -> f64 {
+        let share = shape.share_of(cell);
+        match (self.domain.symmetry(), shape) {
+            (Some(symmetry), Shape::Box(extent)) if share > 0.0 && share < 1.0 => {
+                let (low, high) = (cell.low.max(extent.low), cell.high.min(extent.high));
+                let of_radius = (high.x - low.x) / (cell.high.x - cell.low.x);
+                share / of_radius * symmetry.volume(low.x, high.x) / symmetry.volume(cell.low.x, cell.high.x)
+            }
+            _ => share,
+        }
+    }
+
+    /// Whether the body is of one material, starts at one temperature and releases no heat.
     pub fn is_uniform(&self) -> bool {
-        !self.has_regional_starts() && self.regions.iter().all(|region| region.material.is_none_or(|index| index == 0))
+        !self.has_regional_starts()
+            && !self.has_heat_sources()
+            && self.regions.iter().all(|region| region.material.is_none_or(|index| index == 0))
     }
 
     /// What a cell is made of, by material and temperature at the start, where that is told. Exact unless the edge of a

@@ -326,6 +326,16 @@ impl Scene {
         }
     }
 
+    /// Whether a wall is warmer at the end than the start, or brings heat in.
+    pub fn warms(&self, wall: WallId) -> bool {
+        let Some(condition) = self.wall(wall) else { return false };
+        match (condition.temperature(), condition) {
+            (Some(series), _) => series.at(self.duration) > self.initial_temperature,
+            (None, Condition::Flux(series)) => series.at(self.duration) > 0.0,
+            (None, _) => false,
+        }
+    }
+
     /// Whether nothing in a rectangle varies along y, or along x: no heat and no water crosses its walls there, regions
     /// reach from one to the other, and there are neither ground that varies nor cracks nor parts of walls with other conditions nor
     /// parts of the body that are driven.
@@ -365,9 +375,10 @@ impl Scene {
         }
     }
 
-    /// Whether a flux condition, or the weight of water, can drive temperatures beyond [`Scene::temperature_range`].
+    /// Whether a flux condition, a source of heat or the weight of water can drive temperatures beyond
+    /// [`Scene::temperature_range`].
     pub fn has_flux(&self) -> bool {
-        self.gravity.is_some() || has_flux(self.conditions())
+        self.gravity.is_some() || self.has_heat_sources() || has_flux(self.conditions())
     }
 
     /// Whether a wall or a part of one has a flux or a film.
@@ -382,12 +393,13 @@ impl Scene {
         schedules.filter_map(|schedule| schedule.next_switch(t)).chain(dug).reduce(f64::min)
     }
 
-    /// The first instant after `t` (s) at which the temperature, flux or film of a wall or the temperature of pipes bends
-    /// or jumps, or a crack opens or begins to grow: long steps land on it.
+    /// The first instant after `t` (s) at which the temperature, flux or film of a wall, the temperature of pipes or a source of
+    /// heat bends or jumps, or a crack opens or begins to grow: long steps land on it.
     pub fn next_bend(&self, t: f64) -> Option<f64> {
         let walls = self.conditions().flat_map(Condition::series);
         let rings = self.rings.iter().map(|ring| &ring.temperature);
-        let bends = walls.chain(rings).filter_map(|series| series.next_bend(t));
+        let sources = self.regions.iter().filter_map(|region| region.heat.as_ref());
+        let bends = walls.chain(rings).chain(sources).filter_map(|series| series.next_bend(t));
         let cracks = self.cracks.iter().flat_map(|crack| match &crack.growth {
             Growth::Whole { start } | Growth::Steady { start, .. } => vec![*start],
             Growth::Table(rows) => rows.iter().map(|row| row.0).collect(),

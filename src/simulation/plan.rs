@@ -1,6 +1,7 @@
 //! From a scene to what its steps need, and what it is spared: the one place where run time becomes types.
 
 mod bonds;
+mod heating;
 mod irregular;
 mod listed;
 mod moving;
@@ -13,6 +14,7 @@ mod transport;
 
 use std::sync::Arc;
 
+use frazil_core::balances::heated::Heated;
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::memory::{HeapSize, Memory};
 use frazil_core::particles::Particles;
@@ -182,7 +184,8 @@ pub(crate) fn build_for(
             let sums = (prepared.count(), Some(scene.duration));
             let parts = prepared.lattice_parts(scene, settings, team.clone())?;
             used.extend(parts.irregular.as_deref().map(terms::irregular));
-            solver(numerics, on_lattice(parts), range, largest_slope, sums)
+            let balance = Heated::or_bare(on_lattice(parts), heating::sources(scene, &prepared));
+            solver(numerics, balance, range, largest_slope, sums)
         }
         Some(reason) => {
             used.push(format!("a neighbour list, because {reason}"));

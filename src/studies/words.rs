@@ -37,15 +37,16 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
         Fact::new("Duration", duration),
         Fact::new(if scene.of_water { "Start" } else { "Initial temperature" }, words.state(scene.initial_temperature)),
     ];
-    facts.extend(scene.regions.iter().enumerate().map(|(number, region)| {
+    facts.extend((1..).zip(&scene.regions).map(|(number, region)| {
         let material = region.material.map(|index| format!(", of {}", scene.materials[index].name));
         let start = region.temperature.map(|start| format!(", starts at {}", words.state(start)));
-        let all = [Some(words.shape(&region.shape)), material, start].into_iter().flatten().collect::<String>();
+        let heat = region.heat.as_ref().map(|heat| format!(", releases {}", words.series(heat, "W/m³")));
+        let all = [Some(words.shape(&region.shape)), material, start, heat].into_iter().flatten().collect::<String>();
         Fact::new(format!("Region {number}"), all)
     }));
-    let tight = scene.impermeable.iter().enumerate();
+    let tight = (1..).zip(&scene.impermeable);
     facts.extend(tight.map(|(number, shape)| Fact::new(format!("Impermeable part {number}"), words.shape(shape))));
-    let cracks = scene.cracks.iter().enumerate();
+    let cracks = (1..).zip(&scene.cracks);
     facts.extend(cracks.map(|(number, crack)| Fact::new(format!("Crack {number}"), words.crack(crack))));
     facts.extend(scene.random.variations().map(|(name, varied)| {
         let (along_x, along_y) = (number(varied.lengths.x, 4), words.with(varied.lengths.y, "m"));

@@ -43,6 +43,7 @@ pub fn refuse(scene: &Scene) -> Result<(), MotionError> {
         (!scene.rings.is_empty(), "freeze pipes"),
         (scene.flow.is_some(), "groundwater"),
         (!scene.random.is_even(), "ground that varies at random"),
+        (scene.has_heat_sources(), "regions that release heat"),
         (!scene.watch.surfaces.is_empty(), "heat through surfaces"),
     ];
     if let Some((_, what)) = problems.into_iter().find(|problem| problem.0) {

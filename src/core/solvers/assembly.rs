@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::balances::heated::{HeatSource, Heated};
 use crate::kernels::enthalpy_rows::ListBalance;
 use crate::kernels::list_parts::ListParts;
 use crate::kernels::term::PairTerm;
@@ -13,6 +14,8 @@ use crate::solvers::solver::Solver;
 pub struct Assembly {
     /// The parts of a list operator.
     pub parts: ListParts,
+    /// Heat that is released inside the body.
+    pub sources: Vec<HeatSource>,
     /// Enthalpies at the start (see [`crate::particles::Particles::start`]).
     pub start: Arc<[f64]>,
     /// Latent heat.
@@ -30,6 +33,7 @@ impl Assembly {
     pub fn into_solver<T: PairTerm>(self, term: T) -> Box<dyn Solver> {
         let count = self.parts.positions.len();
         let scheme = scheme(self.latent_heat_scheme, self.mushy, &self.parts.materials, &self.start, count);
-        Box::new(Euler::new(Box::new(ListBalance::new(self.parts, term, scheme)), 1.0))
+        let balance = Box::new(ListBalance::new(self.parts, term, scheme));
+        Box::new(Euler::new(Heated::or_bare(balance, self.sources), 1.0))
     }
 }

@@ -93,6 +93,10 @@ pub struct BalanceFacts {
 pub trait Balance: HeapSize + Saved + Send {
     /// What it is; the bound follows what a companion does.
     fn facts(&self) -> &BalanceFacts;
+    /// What brings heat: the patches of the facts, then what is released inside the body.
+    fn patches(&self) -> Vec<Source> {
+        self.facts().patches.clone()
+    }
     /// Rates at a state, for a step as long as the clock says from its time on.
     fn rate(&mut self, enthalpy: &[f64], clock: &Clock, rates: &mut Rates<'_>);
     /// A step of Euler or a stage of a chain; `patches` takes the heat in through each patch (W).

@@ -24,7 +24,7 @@ pub struct Euler {
 impl Euler {
     /// Steps of this fraction of the bound.
     pub fn new(balance: Box<dyn Balance>, fraction: f64) -> Self {
-        let ledger = Ledger::new(balance.facts().patches.clone());
+        let ledger = Ledger::new(balance.patches());
         let patches = vec![0.0; ledger.sources().len()];
         Euler { balance, ledger, patches, fraction, steps: 0, kept: None }
     }

@@ -26,7 +26,7 @@ pub struct Heun {
 impl Heun {
     /// Steps of this fraction of the bound, for `count` particles.
     pub fn new(balance: Box<dyn Balance>, fraction: f64, count: usize) -> Self {
-        let ledger = Ledger::new(balance.facts().patches.clone());
+        let ledger = Ledger::new(balance.patches());
         let patches = std::array::from_fn(|_| vec![0.0; ledger.sources().len()]);
         Heun { balance, ledger, rate: vec![0.0; count], start: vec![0.0; count], patches, fraction, steps: 0 }
     }

@@ -78,7 +78,7 @@ impl Implicit {
         largest_slope: f64,
         count: usize,
     ) -> Self {
-        let ledger = Ledger::new(balance.facts().patches.clone());
+        let ledger = Ledger::new(balance.patches());
         let count_patches = ledger.sources().len();
         let patch = || vec![0.0; count_patches];
         let patches = std::array::from_fn(|_| patch());

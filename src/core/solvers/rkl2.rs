@@ -82,7 +82,7 @@ impl Rkl2 {
     }
 
     fn new(balance: Box<dyn Balance>, count: usize, pace: impl FnOnce(f64) -> Pace) -> Self {
-        let ledger = Ledger::new(balance.facts().patches.clone());
+        let ledger = Ledger::new(balance.patches());
         let patch = || vec![0.0; ledger.sources().len()];
         let patches = Patches { older: patch(), old: patch(), first: patch(), rate: patch(), last: patch() };
         let pace = pace(balance.step_bound());

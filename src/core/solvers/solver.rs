@@ -108,7 +108,7 @@ impl dyn Solver + '_ {
     /// Heat (W) through the surfaces that the scene names at a state and time (s), towards greater coordinates.
     pub fn across(&mut self, enthalpy: &[f64], time: f64) -> Vec<f64> {
         let Some(balance) = self.balance_mut() else { return Vec::new() };
-        let (patches, surfaces) = (balance.facts().patches.len(), balance.facts().surfaces);
+        let (patches, surfaces) = (balance.patches().len(), balance.facts().surfaces);
         let mut across = vec![0.0; surfaces];
         if surfaces > 0 {
             let (mut of_particles, mut patches) = (vec![0.0; enthalpy.len()], vec![0.0; patches]);

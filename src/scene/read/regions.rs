@@ -21,6 +21,8 @@ const AROUND: usize = 720;
 const MOST_CORNERS: usize = 1000;
 
 const TEMPERATURE: (&str, &str) = ("temperature", "c");
+/// Heat that a region releases.
+const HEAT: (&str, &str) = ("heat", "W_per_m3");
 const X_MIN: (&str, &str) = ("x_min", "m");
 const X_MAX: (&str, &str) = ("x_max", "m");
 const Y_MIN: (&str, &str) = ("y_min", "m");
@@ -41,7 +43,7 @@ pub(super) fn regions(
     let (mut regions, mut impermeable) = (Vec::new(), Vec::new());
     for mut section in root.sections("regions") {
         if section.flag_or("impermeable", false) {
-            for key in [Key::from("material"), TEMPERATURE.into()] {
+            for key in [Key::from("material"), TEMPERATURE.into(), HEAT.into()] {
                 section.refuse(key, "the region is impermeable");
             }
             let Some(domain) = domain else {
@@ -79,8 +81,9 @@ pub(super) fn regions(
                 (state, starts || section.has(CONCENTRATION), "a head, a saturation or a concentration")
             }
         };
-        if !section.has("material") && !starts {
-            section.section_problem(format!("must have a \"material\", {what} at its start, or both"));
+        let heat = section.optional_series(HEAT, Range::ANY);
+        if !section.has("material") && !starts && !section.has(HEAT) {
+            section.section_problem(format!("must have a \"material\", {what} at its start, or \"heat\""));
         }
         let Some(domain) = domain else {
             section.abandon();
@@ -89,7 +92,7 @@ pub(super) fn regions(
         if let Ok(shape) = shape(&mut section, domain)
             && named.is_some() == material.is_some()
         {
-            regions.push(Region { material, temperature, shape });
+            regions.push(Region { material, temperature, heat, shape });
         }
     }
     for (name, _) in names.iter().zip(&used).filter(|(_, used)| !**used) {

@@ -6,7 +6,7 @@ use frazil_core::space::symmetry::Symmetry;
 use frazil_core::space::wall::WallId;
 use frazil_scene::Scene;
 
-/// Where the front of a radial body starts, and how it is measured.
+/// On which side of its front the ice of a radial body lies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RadialFront {
     symmetry: Symmetry,
@@ -16,18 +16,16 @@ pub(super) struct RadialFront {
 }
 
 impl RadialFront {
-    /// The front of a scene, if its body is radial and freezes: it starts at the wall that drives harder.
+    /// The front of a scene, if its body is radial and freezes. Ice lies at the wall that drives harder, or, if that is warmer
+    /// than the start, at the other one.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
         let Domain::Radial { symmetry, inner, outer } = scene.domain else { return None };
         if !scene.materials.iter().any(Material::freezes) {
             return None;
         }
-        Some(RadialFront {
-            symmetry,
-            inner,
-            outer,
-            from_outer: scene.drive(WallId::Outer) > scene.drive(WallId::Inner),
-        })
+        let is_outer = scene.drive(WallId::Outer) > scene.drive(WallId::Inner);
+        let is_warm = scene.warms(if is_outer { WallId::Outer } else { WallId::Inner });
+        Some(RadialFront { symmetry, inner, outer, from_outer: is_outer != is_warm })
     }
 
     /// Radius (m) up to which, or from which on, a frozen volume fills the body.

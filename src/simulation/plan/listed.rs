@@ -2,6 +2,7 @@
 
 use frazil_core::balances::groundwater::FlowParts;
 use frazil_core::balances::groundwater::advected::AdvectedHeat;
+use frazil_core::balances::heated::Heated;
 use frazil_core::kernels::enthalpy_rows::ListBalance;
 use frazil_core::kernels::list_parts::ListParts;
 use frazil_core::kernels::term::Off;
@@ -14,6 +15,7 @@ use frazil_scene::Scene;
 use frazil_scene::method::{MethodSettings, OwnStep};
 
 use crate::plan::bonds::list;
+use crate::plan::heating;
 use crate::plan::prepared::Prepared;
 use crate::plan::steps;
 use crate::refused::Refused;
@@ -63,6 +65,7 @@ impl Listed<'_> {
                 Box::new(ListBalance::new(list, Off, scheme))
             }
         };
+        let balance = Heated::or_bare(balance, heating::sources(scene, prepared));
         let sums = (count, is_heat_alone.then_some(scene.duration));
         Ok(steps::solver(numerics, balance, range, prepared.largest_slope(), sums))
     }
@@ -70,6 +73,7 @@ impl Listed<'_> {
     fn assembly(&self, prepared: &Prepared, parts: ListParts) -> Assembly {
         Assembly {
             parts,
+            sources: heating::sources(self.scene, prepared),
             start: prepared.start.clone(),
             latent_heat_scheme: self.settings.numerics.latent_heat_scheme,
             mushy: self.settings.numerics.mushy,

@@ -53,8 +53,8 @@ impl Fold {
         });
         let closed = |along_y: bool| WallId::ends(along_y).into_iter().all(|wall| scene.is_closed(wall));
         let mut found = Vec::new();
-        // Where barriers are, or walls in parts, ways differ that look alike.
-        if scene.has_barriers() || !scene.wall_parts.is_empty() {
+        // Where barriers are, or walls in parts, or sources of heat, ways differ that look alike.
+        if scene.has_barriers() || !scene.wall_parts.is_empty() || scene.has_heat_sources() {
             return found;
         }
         match scene.domain {

@@ -154,6 +154,12 @@ impl<'a> Section<'a> {
         self.required(key, "a number or a table in time", |section, entry| section.check_series(entry, range))
     }
 
+    /// A number or a table over time, where it is given.
+    pub fn optional_series(&mut self, key: impl Into<Key>, range: Range) -> Option<Series> {
+        let key = self.expect(key, || Shape::Series(range));
+        self.optional(key, |section, entry| section.check_series(entry, range))
+    }
+
     /// When something works, as intervals of time that may repeat: `on_h = [[0, 8], [12, 20]]`, `on_period_h = 24`. An
     /// interval of one instant begins there and never ends. Absent, it always works.
     pub fn optional_schedule(&mut self) -> Option<Schedule> {

@@ -121,10 +121,9 @@ fn walls_let_heat_through_as_a_wall_at_their_temperature() {
         let expected = conductivity * 0.2 / 10.0 * 24.0;
         assert!((rate / expected - 1.0).abs() < 0.02, "{rate} {expected}");
         let row = result.profiles.first().expect("a profile");
-        // Half a layer from the wall: the mean of 48 particles has a standard deviation of 0.0005, and the profile has a slope of
-        // 0.02; where conduction binds, particles of the layer lag by up to a quarter of the 0.45 lengths within which they exchange
-        // less well.
-        assert!((row.temperature_c - 1.0 - 0.02 * row.along_m).abs() < 0.0035, "{row:?}");
+        // Half a layer from the wall: the mean of 48 particles has a standard deviation of 0.0005; where conduction binds, those
+        // within 0.35 lengths, which exchange less well, lag by 0.001 (mean of four seeds of a longer wall).
+        assert!((row.temperature_c - 1.0 - 0.02 * row.along_m).abs() < 0.0025, "{row:?}");
     }
 }
 

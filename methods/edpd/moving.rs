@@ -69,7 +69,12 @@ pub fn build(
     let per_heat = ground.per_heat();
     let enthalpy = particles[..count].iter().map(|particle| particle.heat * per_heat).collect();
     let patches = WallPatches::of(scene, &body, &map, &mut behind);
-    let walls = Walls::new(count as u32, behind, patches.ids.len(), (liquid.parameters.thermal_cutoff, liquid.fastest));
+    let walls = Walls::new(
+        count as u32,
+        behind,
+        patches.ids.len(),
+        (liquid.parameters.thermal_cutoff, liquid.fastest, liquid.parameters.heat_neighbours()),
+    );
     let walls = body.walled.contains(&true).then_some(walls);
     let shut = scene.stream.as_ref().map(|_| 0);
     let fluid = Fluid::assembled(liquid.parameters, lengths, ground, particles, walls, shut, seed, pool)?;

@@ -85,6 +85,11 @@ impl Parameters {
         self.conservative_cutoff.max(self.dissipative_cutoff).max(self.thermal_cutoff)
     }
 
+    /// Neighbours in the plane that a particle exchanges heat with.
+    pub fn heat_neighbours(&self) -> f64 {
+        std::f64::consts::PI * self.density * self.thermal_cutoff.powi(2)
+    }
+
     /// What of them kinetic theory takes, in the plane (2) or in space (3).
     pub fn constants(&self, dimension: usize) -> Constants {
         Constants {

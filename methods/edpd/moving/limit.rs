@@ -5,6 +5,7 @@ use frazil_core::solvers::step::Bound;
 
 use super::map::DpdUnits;
 use crate::fluid::Parameters;
+use crate::fluid::walls::most_exchanged;
 
 /// Time step of the liquid before the scene begins.
 pub const SETTLING_STEP: f64 = 0.01;
@@ -17,16 +18,18 @@ const SWING: f64 = 0.3;
 /// exact at any step).
 const MOST_FRICTION: f64 = 4.0;
 
-/// Step times diffusivity over the square of the cut-off that conduction allows: particles at random, the worst that motion may
-/// bring (mean field: 0.1; relaxed: 0.092).
-const CONDUCTION: f64 = 0.05;
+/// Step times diffusivity over the square of the cut-off that conduction allows (mean field: 0.1; relaxed: 0.092): half of the mean
+/// field, and less where particles have few neighbours, so that those at walls may exchange more than those in the liquid.
+fn conduction(parameters: &Parameters) -> f64 {
+    (0.045 * most_exchanged(parameters.heat_neighbours())).min(0.05)
+}
 
 /// A liquid that is only to come to rest: steps are bound by its motion alone, and heat, which has nowhere to go, is conducted
 /// no faster than they allow.
 pub fn settling(parameters: &Parameters, map: &DpdUnits, curve: &Curve, range: (f64, f64), liquid: f64) -> Parameters {
     let [_, (friction, _), (swing, _)] = limits(parameters, map, curve, range, liquid);
     let step = SETTLING_STEP.min(friction).min(swing);
-    let allowed = CONDUCTION * parameters.thermal_cutoff.powi(2) / liquid;
+    let allowed = conduction(parameters) * parameters.thermal_cutoff.powi(2) / liquid;
     let heat_friction = parameters.heat_friction * (allowed / step).min(1.0);
     Parameters { step, heat_friction, ..parameters.clone() }
 }
@@ -52,7 +55,7 @@ fn limits(
     liquid: f64,
 ) -> [(f64, String); 3] {
     let cutoff = parameters.thermal_cutoff;
-    let conduction = CONDUCTION * cutoff * cutoff / fastest(curve, liquid);
+    let conduction = conduction(parameters) * cutoff * cutoff / fastest(curve, liquid);
     let freezing = map.temperature(curve.freezing_point());
     let coldest = if curve.latent_heat() > 0.0 { range.0.max(freezing) } else { range.0 };
     let friction =

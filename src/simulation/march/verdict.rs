@@ -11,7 +11,7 @@ use crate::terms::fluctuation;
 /// How far noise alone may take temperatures out of the range of the data, over that range: eight standard deviations
 /// of one particle at the warmest datum, in the material and phase that fluctuates most ([`crate::terms::fluctuation`]). A
 /// normal variable stays within 6.5 over a billion looks; steps up to the bound do not add to it (3.3 at most on
-/// `stefan-water`, for 0.05 of the bound as for the whole; 4.5 over the 26 000 steps of 17 600 particles of `entry-channel`). It is
+/// `stefan-water`, for 0.05 of the bound as for the whole; 4.2 over the 26 000 steps of 17 600 particles of `entry-channel`). It is
 /// never more than [`MOST_NOISE`].
 pub(super) fn noise(scene: &Scene, settings: &MethodSettings, particles: &Particles) -> f64 {
     let (low, high) = scene.temperature_range();

@@ -175,7 +175,12 @@ fn other_scenes_are_refused_with_the_reason() {
     assert!(rising.contains("left wall has no constant temperature"), "{rising}");
     let inclusion = with(&|scene| {
         scene.materials.push(scene.materials[0].clone());
-        scene.regions.push(Region { material: Some(1), temperature: None, shape: Shape::Polygon(Vec::new()) });
+        scene.regions.push(Region {
+            material: Some(1),
+            temperature: None,
+            heat: None,
+            shape: Shape::Polygon(Vec::new()),
+        });
     });
     assert!(inclusion.contains("several materials"), "{inclusion}");
     let side = with(&|scene| {

@@ -4,7 +4,7 @@
 //! which is nearer: the pair conducts better by the distance between both over that of the body's particle from the wall, both
 //! across the wall (as velocities at walls after Morris et al. 1997). So a straight profile is exact, and conduction never takes
 //! a particle beyond the temperature of the wall. Particles nearer than `e` cut-off radii, the least that a step allows
-//! ([`Walls::least`]), exchange as at that distance, too little; in return all see the wall `e^2` radii nearer than it is, by which
+//! (`Walls::least`), exchange as at that distance, too little; in return all see the wall `e^2` radii nearer than it is, by which
 //! the mean field of a straight profile has no jump at the wall (0.98 to 1.07 `e^2`, for `e` from 0.1 to 0.21). Rejected: the potential `2 U(wall) - U(image)` (Ng et al. 2017, section 4.1, with temperatures), fitted to the
 //! particles around the mirror image: beside a jump of the wall's temperature, particles with few neighbours were taken out of
 //! the range of the data by a fifth of it.

@@ -35,8 +35,10 @@ use crate::capability::{self, Feature, Place};
 use crate::files::Source;
 use crate::method::MethodKind;
 use crate::names;
+use crate::random::RandomGround;
 use crate::region::{Region, Shape};
-use crate::scene::{Scene, Temperatures, Watch, has_flux};
+use crate::scene::{Scene, Temperatures, WallPart, Watch, has_flux};
+use crate::solute::Solute;
 use crate::units::Units;
 use problem::Log;
 use water::{Balance, Heads};
@@ -210,6 +212,19 @@ struct Asked {
     heated: bool,
 }
 
+impl Asked {
+    fn of(
+        (of_water, solute, surfaces): (bool, &Read<Option<Solute>>, bool),
+        random: &RandomGround,
+        (regions, impermeable, wall_parts): (&[Region], &[Shape], &[WallPart]),
+    ) -> Self {
+        let heated = regions.iter().any(|region| region.heat.is_some());
+        let carries = matches!(solute, Ok(Some(_)));
+        let (walled, varies) = (!impermeable.is_empty(), random.conductivity.is_some());
+        Asked { of_water, carries, surfaces, walled, varies, in_parts: !wall_parts.is_empty(), heated }
+    }
+}
+
 /// What a scene has that cannot be combined with everything.
 fn features(root: &Section<'_>, domain: Option<&Domain>, materials: &[Material], asked: &Asked) -> Vec<Feature> {
     let own = [
@@ -303,11 +318,8 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
         Balance::Heat => Ok(None),
         Balance::Water(heads) => heads.solute(&mut root, known, initial_concentration),
     };
-    let carries = matches!(solute, Ok(Some(_)));
     let random = random::random(&mut root, body);
-    let (walled, varies, in_parts) = (!impermeable.is_empty(), random.conductivity.is_some(), !wall_parts.is_empty());
-    let heated = regions.iter().any(|region| region.heat.is_some());
-    let asked = Asked { of_water, carries, surfaces, walled, varies, in_parts, heated };
+    let asked = Asked::of((of_water, &solute, surfaces), &random, (&regions, &impermeable, &wall_parts));
     let features = &features(&root, body, known, &asked);
     let gravity = gravity::gravity(&mut root, &domain, (of_water, known), (&walls, &wall_parts));
     let refused = refuse(&mut root, features);
@@ -321,8 +333,8 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
     let parts = wall_parts.iter().map(|part| &part.condition);
     let own = || walls.iter().map(|wall| &wall.condition).chain(parts.clone());
     let brings_heat = own().any(Condition::brings_heat);
-    let setup =
-        numerics::Setup { domain: body, materials: known, brings_heat, has_flux: heated || has_flux(own()), features };
+    let has_flux = asked.heated || has_flux(own());
+    let setup = numerics::Setup { domain: body, materials: known, brings_heat, has_flux, features };
     let data = Temperatures { regions: &regions, rings: &rings, stream: stream.as_ref().ok().and_then(Option::as_ref) };
     let conditions = own().chain(excavation.iter().flatten().map(|shaft| &shaft.condition));
     root.set_temperatures(initial_temperature.ok().map(|initial| data.range(initial, conditions)));

@@ -12,8 +12,7 @@ use crate::scene::Scene;
 /// Rounding of positions, over the size of a shape or of a particle: what lies that near an edge lies on it.
 const ON_EDGE: f64 = 1e-9;
 
-/// A part of the domain that holds another material than the first one, starts at another temperature than the rest,
-/// releases heat, or all of them.
+/// A part of the domain with another material than the first one, another temperature at the start, or a source of heat.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Region {
     /// Index into [`Scene::materials`], where the region has a material of its own.
@@ -301,9 +300,8 @@ impl Scene {
 
     /// Whether the body is of one material, starts at one temperature and releases no heat.
     pub fn is_uniform(&self) -> bool {
-        !self.has_regional_starts()
-            && !self.has_heat_sources()
-            && self.regions.iter().all(|region| region.material.is_none_or(|index| index == 0))
+        let has_own = self.has_regional_starts() || self.has_heat_sources();
+        !has_own && self.regions.iter().all(|region| region.material.is_none_or(|index| index == 0))
     }
 
     /// What a cell is made of, by material and temperature at the start, where that is told. Exact unless the edge of a

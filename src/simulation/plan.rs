@@ -14,7 +14,6 @@ mod transport;
 
 use std::sync::Arc;
 
-use frazil_core::balances::heated::Heated;
 use frazil_core::boundary::pipe::Extent;
 use frazil_core::memory::{HeapSize, Memory};
 use frazil_core::particles::Particles;
@@ -184,8 +183,7 @@ pub(crate) fn build_for(
             let sums = (prepared.count(), Some(scene.duration));
             let parts = prepared.lattice_parts(scene, settings, team.clone())?;
             used.extend(parts.irregular.as_deref().map(terms::irregular));
-            let balance = Heated::or_bare(on_lattice(parts), heating::sources(scene, &prepared));
-            solver(numerics, balance, range, largest_slope, sums)
+            solver(numerics, heating::heated(on_lattice(parts), scene, &prepared), range, largest_slope, sums)
         }
         Some(reason) => {
             used.push(format!("a neighbour list, because {reason}"));

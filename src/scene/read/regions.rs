@@ -72,18 +72,22 @@ pub(super) fn regions(
             Balance::Heat => {
                 let coldest = section.units().absolute_zero();
                 let temperature = section.optional_number(TEMPERATURE, temperatures(coldest));
-                (temperature, section.has(TEMPERATURE), "a temperature")
+                (temperature, section.has(TEMPERATURE), "a temperature at its start, or \"heat\"")
             }
             Balance::Water(heads) => {
                 let starts = section.has(("head", "m")) || section.has("saturation");
                 let state = heads.optional_state(&mut section);
                 heads.solute_region(&mut section);
-                (state, starts || section.has(CONCENTRATION), "a head, a saturation or a concentration")
+                (
+                    state,
+                    starts || section.has(CONCENTRATION),
+                    "a head, a saturation or a concentration at its start, or both",
+                )
             }
         };
         let heat = section.optional_series(HEAT, Range::ANY);
         if !section.has("material") && !starts && !section.has(HEAT) {
-            section.section_problem(format!("must have a \"material\", {what} at its start, or \"heat\""));
+            section.section_problem(format!("must have a \"material\", {what}"));
         }
         let Some(domain) = domain else {
             section.abandon();

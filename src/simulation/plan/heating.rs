@@ -1,10 +1,16 @@
 //! Regions that release heat.
 
-use frazil_core::balances::heated::{HeatSource, SourcePart};
+use frazil_core::balances::heated::{HeatSource, Heated, SourcePart};
+use frazil_core::solvers::balance::Balance;
 use frazil_scene::region::Cell;
 use frazil_scene::{Region, Scene};
 
 use crate::plan::prepared::Prepared;
+
+/// A balance with the sources of heat of a scene.
+pub(super) fn heated(balance: Box<dyn Balance>, scene: &Scene, prepared: &Prepared) -> Box<dyn Balance> {
+    Heated::or_bare(balance, sources(scene, prepared))
+}
 
 /// The sources of heat of a scene: each particle releases by the share of its cell that lies in the region, a particle that
 /// several regions cover by all of them.

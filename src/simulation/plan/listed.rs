@@ -2,7 +2,6 @@
 
 use frazil_core::balances::groundwater::FlowParts;
 use frazil_core::balances::groundwater::advected::AdvectedHeat;
-use frazil_core::balances::heated::Heated;
 use frazil_core::kernels::enthalpy_rows::ListBalance;
 use frazil_core::kernels::list_parts::ListParts;
 use frazil_core::kernels::term::Off;
@@ -65,7 +64,7 @@ impl Listed<'_> {
                 Box::new(ListBalance::new(list, Off, scheme))
             }
         };
-        let balance = Heated::or_bare(balance, heating::sources(scene, prepared));
+        let balance = heating::heated(balance, scene, prepared);
         let sums = (count, is_heat_alone.then_some(scene.duration));
         Ok(steps::solver(numerics, balance, range, prepared.largest_slope(), sums))
     }

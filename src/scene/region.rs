@@ -355,7 +355,7 @@ impl Scene {
         let mut found = vec![(self.initial_temperature, 1.0)];
         for region in &self.regions {
             let Some(temperature) = region.temperature else { continue };
-            let share = region.shape.share_of(cell);
+            let share = self.share_of(&region.shape, cell);
             if share > 0.0 {
                 found.iter_mut().for_each(|part| part.1 *= 1.0 - share);
                 found.push((temperature, share));

@@ -31,9 +31,7 @@ pub struct StepConstants<'a, const D: usize, M: Matter> {
     pub grid: &'a CellGrid<D>,
     /// The first particle of each cell.
     pub starts: &'a [u32],
-    /// Particles of this name or above have no pairs with each other.
-    pub apart: u32,
-    /// The walls.
+    /// The walls, behind which particles have no pairs with each other.
     pub walls: Option<&'a Walls<D>>,
     /// What heat means.
     pub matter: &'a M,
@@ -46,6 +44,11 @@ pub struct StepConstants<'a, const D: usize, M: Matter> {
 }
 
 impl<const D: usize, M: Matter> StepConstants<'_, D, M> {
+    #[inline(always)]
+    fn is_behind_walls(&self, name: u32) -> bool {
+        self.walls.is_some_and(|walls| name >= walls.first)
+    }
+
     /// Particles of some slabs.
     pub fn count(&self, slabs: std::ops::Range<usize>) -> usize {
         (self.starts[self.grid.cells(slabs.end - 1).end] - self.starts[self.grid.cells(slabs.start).start]) as usize
@@ -212,7 +215,7 @@ fn keep<const D: usize, M: Matter>(frame: &StepConstants<'_, D, M>, desk: &mut D
     for k in first..desk.filled {
         let j = desk.partners[k];
         desk.partners[kept] = j;
-        kept += usize::from(frame.looks[j as usize].name < frame.apart);
+        kept += usize::from(!frame.is_behind_walls(frame.looks[j as usize].name));
     }
     desk.filled = kept;
 }
@@ -226,7 +229,7 @@ fn put<const D: usize, M: Matter>(
     me: &Look<D, M::Seen>,
     seen: &Seen<D>,
 ) {
-    if me.name >= frame.apart {
+    if frame.is_behind_walls(me.name) {
         keep(frame, desk, first);
     }
     let Desk { pairs, partners, rows, row_count, filled, .. } = desk;
@@ -252,7 +255,7 @@ fn put<const D: usize, M: Matter>(
             let behind = me.name.max(other.name);
             let closeness = match frame.walls {
                 _ if shut => 0.0,
-                Some(walls) if behind >= frame.apart => walls.closeness(behind, |axis| pairs.displacements[axis][k]),
+                Some(walls) if behind >= walls.first => walls.closeness(behind, |axis| pairs.displacements[axis][k]),
                 _ => 1.0,
             };
             pairs.conductions[k] = (closeness * conduction) as f32;

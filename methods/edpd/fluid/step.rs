@@ -153,7 +153,6 @@ impl<const D: usize, M: Matter> Fluid<D, M> {
             places: self.places.each_ref().map(|places| &places[..]),
             grid: &self.grid,
             starts: &self.starts,
-            apart: self.first_behind_walls(),
             walls: self.walls.as_ref(),
             reach: widened(parameters.reach(), self.grid.lengths.iter().copied().fold(0.0, f64::max)),
             constants: PairConstants {

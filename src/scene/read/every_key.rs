@@ -100,7 +100,11 @@ fn asked_for(kinds: &[&'static MethodKind]) -> Vec<KeyOf> {
 
 /// What values of all keys may be.
 pub(super) fn every_shape(kinds: &[&'static MethodKind]) -> Vec<(KeyOf, Shape)> {
-    texts(kinds).iter().flat_map(|text| log_of(text, kinds).into_shapes()).collect()
+    shapes_of(&texts(kinds), kinds)
+}
+
+fn shapes_of(texts: &[String], kinds: &[&'static MethodKind]) -> Vec<(KeyOf, Shape)> {
+    texts.iter().flat_map(|text| log_of(text, kinds).into_shapes()).collect()
 }
 
 /// Texts of scenes for which the reader asks for everything.
@@ -138,4 +142,19 @@ fn log_of(text: &str, kinds: &[&'static MethodKind]) -> Log {
         let _ = read_root(Section::root(&entries, &log), "", kinds);
     }
     log
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read::schema::schema;
+
+    #[test]
+    fn the_schema_is_of_bodies_of_every_size() {
+        let of_size = |size: &str| {
+            let sized = |text: &String| text.replace("_m = 1", &format!("_m = {size}")).replace("_m = 2", "_m = 2000");
+            schema(shapes_of(&texts(&[]).iter().map(sized).collect::<Vec<_>>(), &[]), &every_key(&[]))
+        };
+        assert_eq!(of_size("1000"), of_size("1"));
+    }
 }

@@ -59,7 +59,9 @@ pub(super) fn flow(
         }
     };
     let cut = match domain {
-        Some(Domain::Rectangle { height, .. }) => section.optional_number(("cut_y", "m"), Range::between(0.0, *height)),
+        Some(Domain::Rectangle { height, .. }) => {
+            section.optional_number(("cut_y", "m"), Range::within_body(0.0, *height))
+        }
         _ => {
             section.refuse(("cut_y", "m"), if crosses { "a ring has rays" } else { "a line has no y" });
             None

@@ -8,6 +8,8 @@ use std::ops::Bound;
 pub struct Range {
     low: Option<End>,
     high: Option<End>,
+    /// Whether its ends are those of one scene's body, so that another scene has others.
+    of_body: bool,
 }
 
 /// One end of a range.
@@ -19,7 +21,7 @@ struct End {
 
 impl Range {
     /// Any finite number.
-    pub const ANY: Range = Range { low: None, high: None };
+    pub const ANY: Range = Range { low: None, high: None, of_body: false };
     /// Greater than zero.
     pub const POSITIVE: Range = Range::above(0.0);
     /// Zero or greater.
@@ -29,32 +31,53 @@ impl Range {
 
     /// Greater than `low`.
     pub const fn above(low: f64) -> Range {
-        Range { low: Some(End { value: low, included: false }), high: None }
+        Range { low: Some(End { value: low, included: false }), high: None, of_body: false }
     }
 
     /// `low` or greater.
     pub const fn at_least(low: f64) -> Range {
-        Range { low: Some(End { value: low, included: true }), high: None }
+        Range { low: Some(End { value: low, included: true }), high: None, of_body: false }
     }
 
     /// From `low` to `high`, both included.
     pub const fn between(low: f64, high: f64) -> Range {
-        Range { low: Some(End { value: low, included: true }), high: Some(End { value: high, included: true }) }
+        Range {
+            low: Some(End { value: low, included: true }),
+            high: Some(End { value: high, included: true }),
+            of_body: false,
+        }
     }
 
     /// Greater than `low`, up to and including `high`.
     pub const fn above_to(low: f64, high: f64) -> Range {
-        Range { low: Some(End { value: low, included: false }), high: Some(End { value: high, included: true }) }
+        Range {
+            low: Some(End { value: low, included: false }),
+            high: Some(End { value: high, included: true }),
+            of_body: false,
+        }
     }
 
     /// From `low`, included, up to but not including `high`.
     pub const fn from_to_below(low: f64, high: f64) -> Range {
-        Range { low: Some(End { value: low, included: true }), high: Some(End { value: high, included: false }) }
+        Range {
+            low: Some(End { value: low, included: true }),
+            high: Some(End { value: high, included: false }),
+            of_body: false,
+        }
     }
 
     /// Between `low` and `high`, neither included.
     pub const fn inside(low: f64, high: f64) -> Range {
-        Range { low: Some(End { value: low, included: false }), high: Some(End { value: high, included: false }) }
+        Range {
+            low: Some(End { value: low, included: false }),
+            high: Some(End { value: high, included: false }),
+            of_body: false,
+        }
+    }
+
+    /// From `low` to `high`, both included, where a scene's own body ends.
+    pub(super) const fn within_body(low: f64, high: f64) -> Range {
+        Range { of_body: true, ..Range::between(low, high) }
     }
 
     /// Between two ends.
@@ -64,12 +87,12 @@ impl Range {
             Bound::Excluded(value) => Some(End { value, included: false }),
             Bound::Unbounded => None,
         };
-        Range { low: end(low), high: end(high) }
+        Range { low: end(low), high: end(high), of_body: false }
     }
 
-    /// The ends of the range, and whether they are in it.
+    /// The ends that the range has in every scene, and whether they are in it.
     pub(super) fn ends(&self) -> [Option<(f64, bool)>; 2] {
-        [self.low, self.high].map(|end| end.map(|end| (end.value, end.included)))
+        [self.low, self.high].map(|end| end.filter(|_| !self.of_body).map(|end| (end.value, end.included)))
     }
 
     /// Whether a number is finite and in the range.

@@ -249,7 +249,7 @@ fn span(
     high: (&'static str, &'static str),
     extent: (f64, f64),
 ) -> Read<(f64, f64)> {
-    let allowed = Range::between(extent.0, extent.1);
+    let allowed = Range::within_body(extent.0, extent.1);
     let (from, to) = (section.number(low, allowed), section.number(high, allowed));
     let (from, to) = (from?, to?);
     if from >= to {

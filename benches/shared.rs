@@ -47,6 +47,21 @@ pub fn freezing_square(law: &str, side: usize, method: &str, numerics: &str, thr
     plan
 }
 
+/// The same with frozen, freezing and warm particles side by side, a third each, as in a body that freezes from a wall.
+pub fn layered_square(law: &str, side: usize, method: &str, threads: usize) -> Plan {
+    let mut plan = freezing_square(law, side, method, "", threads);
+    let curve = plan.particles.materials.thermals[0].clone();
+    for (particle, enthalpy) in plan.particles.enthalpy.iter_mut().enumerate() {
+        let share = 3.0 * (particle % side) as f64 / side as f64;
+        *enthalpy = match share {
+            ..1.0 => curve.enthalpy(-10.0 * (1.0 - share) - 3.0),
+            1.0..2.0 => curve.enthalpy(1e-9) - (2.0 - share) * LATENT_HEAT,
+            _ => curve.enthalpy(5.0 * (share - 2.0)),
+        };
+    }
+    plan
+}
+
 /// A line of `count` particles with a cold wall, planned for so many hours.
 pub fn line(count: usize, method: &str, hours: u32) -> Plan {
     let domain = format!("[domain.line]\nlength_m = {}\n", count as f64 * SPACING);

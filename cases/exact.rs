@@ -75,7 +75,7 @@ impl HalfSpace {
         let unsolved = [
             (scene.flow.is_some(), "a freezing half space with flowing water"),
             (!scene.rings.is_empty(), "a scene with freeze pipes"),
-            (scene.has_regional_starts(), "a scene whose regions start at temperatures of their own"),
+            (scene.has_uneven_start(), "a scene whose regions start at temperatures of their own"),
             (!scene.cracks.is_empty(), "a scene with cracks"),
             (!scene.impermeable.is_empty(), "a scene with impermeable parts"),
             (scene.has_heat_sources(), "a scene whose regions release heat"),

@@ -78,6 +78,9 @@ fn exact_solution(scene: &Scene) -> Result<Box<dyn Reference>, Unsolved> {
     if !scene.random.is_even() {
         return Err(Unsolved::Body("a scene whose ground varies at random"));
     }
+    if scene.initial_profile.is_some() {
+        return Err(Unsolved::Body("a scene whose start varies along an axis"));
+    }
     if scene.of_water {
         return wetting::exact_solution(scene);
     }

@@ -24,8 +24,13 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// If there is none, or it is not about the physics of the scene.
 pub fn by_name(name: &str, scene: &Scene) -> Result<Box<dyn Reference>, Unfit> {
     let about = |differences: Vec<String>| Unfit::unless_same(name, differences);
-    if !scene.random.is_even() && names().any(|known| known == name) {
-        return Err(Unfit::another(name, vec!["the ground does not vary at random there".to_owned()]));
+    let uneven = [
+        (!scene.random.is_even(), "the ground does not vary at random there"),
+        (scene.initial_profile.is_some(), "the start does not vary along an axis there"),
+    ];
+    let uneven: Vec<String> = uneven.iter().filter(|row| row.0).map(|row| row.1.to_owned()).collect();
+    if !uneven.is_empty() && names().any(|known| known == name) {
+        return Err(Unfit::another(name, uneven));
     }
     if name == seepage::NAME {
         about(seepage::differences(scene))?;

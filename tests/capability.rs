@@ -89,6 +89,10 @@ fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
         sketch.materials.push(("sharp", sharp));
         sketch.regions = vec![format!("material = \"sharp\"\n{inside}")];
     }
+    if has(Feature::InitialProfile) {
+        let values = if sketch.of_water { "[-2, -1.5]" } else { "[2, 1]" };
+        sketch.initial_along = format!("{{ x_m = [0, 1], values = {values} }}");
+    }
     if has(Feature::HeatSources) {
         let inside = if has(Feature::Shells) {
             "x_min_m = 0.7\nx_max_m = 1.02"

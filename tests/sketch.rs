@@ -27,6 +27,8 @@ pub struct Sketch {
     /// Lines of one crack each.
     pub cracks: Vec<String>,
     pub initial_c: f64,
+    /// A table along an axis in its place, as `{ x_m = [0, 1], values = [5, -5] }`; none where it is empty.
+    pub initial_along: String,
     /// Lines by wall; walls that are not named are symmetry planes.
     pub walls: Vec<(&'static str, String)>,
     /// Lines of one ring of pipes each.
@@ -99,6 +101,7 @@ impl Sketch {
             regions: Vec::new(),
             cracks: Vec::new(),
             initial_c: 3.0,
+            initial_along: String::new(),
             walls: Vec::new(),
             pipes: Vec::new(),
             excavation: String::new(),
@@ -164,6 +167,8 @@ impl Sketch {
         put(format_args!("[time]\nduration_s = {}\noutputs = {}\n", self.duration_s, self.outputs));
         let start = match self.of_water {
             // No head of any size is that of dry ground.
+            true if !self.initial_along.is_empty() => format!("head_m = {}", self.initial_along),
+            false if !self.initial_along.is_empty() => format!("temperature_c = {}", self.initial_along),
             true if self.initial_c.is_infinite() => "saturation = 0".into(),
             true => format!("head_m = {}", self.initial_c),
             false => format!("temperature_c = {}", self.initial_c),

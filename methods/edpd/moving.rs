@@ -60,7 +60,7 @@ pub fn build(
     let Placed { mut particles, mut behind, lengths } =
         fill(&body, &liquid.settling, start, seed, pool.clone(), purpose)?;
     let count = particles.len() - behind.len();
-    if scene.has_regional_starts() {
+    if scene.has_uneven_start() {
         warm(scene, numerics.spacing, &map, &ground, &mut particles[..count]);
     }
     if let Some(stream) = &scene.stream {

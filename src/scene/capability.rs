@@ -40,6 +40,8 @@ pub enum Feature {
     WallParts,
     /// Regions that release heat.
     HeatSources,
+    /// A start that varies along an axis.
+    InitialProfile,
     /// A material that freezes over an interval.
     FreezingCurve,
     /// No material that freezes at one temperature.
@@ -119,12 +121,12 @@ const WHOLE_LATTICE: &str = "sub-cell fronts are located along the rows of a lat
 const FIXED_LAYERS: &str = "the layers of the wall cannot be cut";
 
 /// All pairs that exclude each other.
-pub const EXCLUSIONS: [Exclusion; 72] = {
+pub const EXCLUSIONS: [Exclusion; 73] = {
     use Feature::{
         ApparentCapacity, Cracks, Excavation, ExplicitSteps, FittedWalls, Flags, FreezingCurve, GradientAdvection,
-        Gravity, Groundwater, HeatSources, Implicit, InnerLayers, LatticeSearch, LatticeWeights, ListSearch,
-        NaiveOpenWalls, NothingSharp, OwnSteps, PairMeans, Pipes, RandomConductivity, Ring, Rkl2, Shells, Solute,
-        Stages, SubCellFronts, Surfaces, UnevenParticles, UnsaturatedWater, WallParts, WholePhases,
+        Gravity, Groundwater, HeatSources, Implicit, InitialProfile, InnerLayers, LatticeSearch, LatticeWeights,
+        ListSearch, NaiveOpenWalls, NothingSharp, OwnSteps, PairMeans, Pipes, RandomConductivity, Ring, Rkl2, Shells,
+        Solute, Stages, SubCellFronts, Surfaces, UnevenParticles, UnsaturatedWater, WallParts, WholePhases,
     };
     [
         row(Groundwater, UnsaturatedWater, FREEZING_UNSATURATED),
@@ -149,6 +151,7 @@ pub const EXCLUSIONS: [Exclusion; 72] = {
         row(LatticeSearch, Gravity, BY_PAIRS),
         row(Solute, Shells, "the water flux through the walls of shells is not a sum over pairs"),
         row(Solute, Ring, CURVED_WALL),
+        row(InitialProfile, Ring, "a plan across the pipes lies at one depth"),
         row(Groundwater, Shells, "groundwater flows through a line, a rectangle or a ring"),
         row(RandomConductivity, Shells, "a random field does not have the symmetry of shells"),
         row(Groundwater, WallParts, "inflow through a wall has one temperature"),
@@ -219,7 +222,7 @@ pub fn exclusions(features: &[Feature]) -> impl Iterator<Item = &'static Exclusi
 }
 
 /// All features, in words as messages have them, and where each is asked for.
-const FEATURES: [(Feature, &str, Place); 33] = [
+const FEATURES: [(Feature, &str, Place); 34] = [
     (Feature::UnsaturatedWater, "balance = \"water\"", Place::Scene("balance")),
     (Feature::Gravity, "\"gravity\"", Place::Scene("gravity")),
     (Feature::Solute, "a solute", Place::Scene("materials")),
@@ -233,6 +236,7 @@ const FEATURES: [(Feature, &str, Place); 33] = [
     (Feature::Ring, "the domain \"ring\"", Place::Scene("domain")),
     (Feature::WallParts, "a wall in parts", Place::Scene("walls")),
     (Feature::HeatSources, "\"heat\" of a region", Place::Scene("regions")),
+    (Feature::InitialProfile, "a start that varies along an axis", Place::Scene("initial")),
     (Feature::FreezingCurve, "a material that freezes over an interval", Place::Scene("materials")),
     (Feature::NothingSharp, "materials without a sharp freezing point", Place::Scene("materials")),
     (Feature::OwnSteps, "a method with its own time steps", Place::Method),

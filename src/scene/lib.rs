@@ -10,6 +10,7 @@ pub mod method;
 pub mod names;
 mod pipe_name;
 mod pipe_ring;
+mod profile;
 mod random;
 pub mod read;
 pub mod region;
@@ -24,6 +25,7 @@ pub use frazil_record::TimeUnit;
 pub use measured::{Event, Measured, MeasuredPoint, Quantity};
 pub use pipe_name::{NoPipeName, PipeName};
 pub use pipe_ring::PipeRing;
+pub use profile::Profile;
 pub use random::RandomGround;
 pub use read::{
     Change, Duration, Heading, Key, MOST_BYTES, Noted, Problem, Problems, Range, Read, Section, Spot, heading,

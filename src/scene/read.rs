@@ -29,18 +29,23 @@ mod water;
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::material::Material;
+use frazil_core::series::Series;
 use frazil_core::space::domain::Domain;
 
 use crate::capability::{self, Feature, Place};
 use crate::files::Source;
 use crate::method::MethodKind;
 use crate::names;
+use crate::pipe_ring::PipeRing;
+use crate::profile::Profile;
 use crate::random::RandomGround;
 use crate::region::{Region, Shape};
 use crate::scene::{Scene, Temperatures, WallPart, Watch, has_flux};
 use crate::solute::Solute;
+use crate::stream::Stream;
 use crate::units::Units;
 use problem::Log;
+use section::Along;
 use water::{Balance, Heads};
 
 pub use problem::{Noted, Problem, Problems, Read};
@@ -210,18 +215,22 @@ struct Asked {
     in_parts: bool,
     /// Whether regions release heat.
     heated: bool,
+    /// Whether the start varies along an axis.
+    slopes: bool,
 }
 
 impl Asked {
     fn of(
-        (of_water, solute, surfaces): (bool, &Read<Option<Solute>>, bool),
-        random: &RandomGround,
+        (of_water, solute, watch): (bool, &Read<Option<Solute>>, &Read<Watch>),
+        (random, initial): (&RandomGround, &Initial),
         (regions, impermeable, wall_parts): (&[Region], &[Shape], &[WallPart]),
     ) -> Self {
+        let surfaces = watch.as_ref().is_ok_and(|watch| !watch.surfaces.is_empty());
+        let slopes = initial.as_ref().is_ok_and(|initial| initial.1.is_some());
         let heated = regions.iter().any(|region| region.heat.is_some());
         let carries = matches!(solute, Ok(Some(_)));
         let (walled, varies) = (!impermeable.is_empty(), random.conductivity.is_some());
-        Asked { of_water, carries, surfaces, walled, varies, in_parts: !wall_parts.is_empty(), heated }
+        Asked { of_water, carries, surfaces, walled, varies, in_parts: !wall_parts.is_empty(), heated, slopes }
     }
 }
 
@@ -241,6 +250,7 @@ fn features(root: &Section<'_>, domain: Option<&Domain>, materials: &[Material],
         (matches!(domain, Some(Domain::Ring { .. })), Feature::Ring),
         (asked.in_parts, Feature::WallParts),
         (asked.heated, Feature::HeatSources),
+        (asked.slopes, Feature::InitialProfile),
     ];
     let own = own.into_iter().filter(|feature| feature.0).map(|feature| feature.1);
     own.chain(capability::of_materials(materials)).collect()
@@ -266,17 +276,46 @@ fn units(root: &mut Section<'_>) -> Units {
     units
 }
 
+/// A start as one number, and how it varies, if it does.
+type Initial = Read<(f64, Option<Profile>)>;
+
 /// The temperature at the start, or the place of the head and the concentration of a solute.
-fn initial(root: &mut Section<'_>, balance: &Balance) -> (Read<f64>, Option<f64>) {
+fn initial(root: &mut Section<'_>, domain: Option<&Domain>, balance: &Balance) -> (Initial, Option<f64>) {
     let mut concentration = None;
-    let temperature = root.section("initial").and_then(|mut section| match balance {
-        Balance::Heat => section.number(("temperature", "c"), range::temperatures(section.units().absolute_zero())),
+    let state = root.section("initial").and_then(|mut section| match balance {
+        Balance::Heat => {
+            let range = range::temperatures(section.units().absolute_zero());
+            section.number_along(("temperature", "c"), range, domain)
+        }
         Balance::Water(heads) => {
             concentration = section.optional_number(water::CONCENTRATION, Range::NOT_NEGATIVE);
-            heads.state(&mut section)
+            heads.start(&mut section, domain)
         }
     });
-    (temperature, concentration)
+    (state.map(|along| start(along, matches!(balance, Balance::Water(_)))), concentration)
+}
+
+/// What a start is as one number, and how it varies.
+fn start(along: Along, of_heads: bool) -> (f64, Option<Profile>) {
+    match along {
+        Along::Even(state) => (state, None),
+        Along::Axis { along_y, rows } => {
+            let profile = Profile { along_y, values: Series::Table(rows), of_heads };
+            let (least, greatest) = profile.range();
+            (0.5 * (least + greatest), Some(profile))
+        }
+    }
+}
+
+/// Least and greatest temperature that a scene names, as far as it could be read.
+fn temperatures<'a>(
+    initial: &Initial,
+    (regions, rings, stream): (&[Region], &[PipeRing], &Read<Option<Stream>>),
+    conditions: impl Iterator<Item = &'a Condition>,
+) -> Option<(f64, f64)> {
+    let (initial, profile) = initial.as_ref().ok()?;
+    let stream = stream.as_ref().ok().and_then(Option::as_ref);
+    Some(Temperatures { profile: profile.as_ref(), regions, rings, stream }.range(*initial, conditions))
 }
 
 /// Refuses what is observed of heat alone, in a scene of water.
@@ -304,7 +343,7 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
     let (materials, (regions, impermeable), mut balance) = filling(&mut root, body, of_water);
     // The checks of combinations would speak of the wrong materials if some were missing.
     let known = materials.as_deref().unwrap_or_default();
-    let (initial_temperature, initial_concentration) = initial(&mut root, &balance);
+    let (initial, initial_concentration) = initial(&mut root, body, &balance);
     let mut wall_section = root.section("walls");
     let (walls, wall_parts) =
         wall_section.as_mut().map(|section| body::walls(section, body, &mut balance)).unwrap_or_default();
@@ -313,13 +352,9 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
     let cracks = cracks::cracks(&mut root, body);
     let watch = watch::watch(&mut root, body, time.as_mut().map_err(|noted| *noted));
     watch.iter().filter(|_| of_water).for_each(|watch| only_of_heat(&mut root, watch));
-    let surfaces = watch.as_ref().is_ok_and(|watch| !watch.surfaces.is_empty());
-    let solute = match balance {
-        Balance::Heat => Ok(None),
-        Balance::Water(heads) => heads.solute(&mut root, known, initial_concentration),
-    };
+    let solute = balance.solute(&mut root, known, initial_concentration);
     let random = random::random(&mut root, body);
-    let asked = Asked::of((of_water, &solute, surfaces), &random, (&regions, &impermeable, &wall_parts));
+    let asked = Asked::of((of_water, &solute, &watch), (&random, &initial), (&regions, &impermeable, &wall_parts));
     let features = &features(&root, body, known, &asked);
     let gravity = gravity::gravity(&mut root, &domain, (of_water, known), (&walls, &wall_parts));
     let refused = refuse(&mut root, features);
@@ -335,11 +370,11 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
     let brings_heat = own().any(Condition::brings_heat);
     let has_flux = asked.heated || has_flux(own());
     let setup = numerics::Setup { domain: body, materials: known, brings_heat, has_flux, features };
-    let data = Temperatures { regions: &regions, rings: &rings, stream: stream.as_ref().ok().and_then(Option::as_ref) };
     let conditions = own().chain(excavation.iter().flatten().map(|shaft| &shaft.condition));
-    root.set_temperatures(initial_temperature.ok().map(|initial| data.range(initial, conditions)));
+    root.set_temperatures(temperatures(&initial, (&regions, &rings, &stream), conditions));
     let methods = numerics::methods(&mut root, &setup, kinds);
     let time = time?;
+    let (initial_temperature, initial_profile) = initial?;
     let mut scene = Scene {
         name: name.to_owned(),
         title: title?,
@@ -353,7 +388,8 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
         regions,
         cracks,
         impermeable,
-        initial_temperature: initial_temperature?,
+        initial_temperature,
+        initial_profile,
         walls,
         wall_parts,
         rings,

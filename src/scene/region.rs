@@ -275,9 +275,9 @@ impl Scene {
         self.regions.iter().any(|region| region.material.is_some())
     }
 
-    /// Whether regions start at temperatures of their own.
-    pub fn has_regional_starts(&self) -> bool {
-        self.regions.iter().any(|region| region.temperature.is_some())
+    /// Whether not all of the body starts at one temperature.
+    pub fn has_uneven_start(&self) -> bool {
+        self.initial_profile.is_some() || self.regions.iter().any(|region| region.temperature.is_some())
     }
 
     /// Whether regions release heat.
@@ -300,7 +300,7 @@ impl Scene {
 
     /// Whether the body is of one material, starts at one temperature and releases no heat.
     pub fn is_uniform(&self) -> bool {
-        let has_own = self.has_regional_starts() || self.has_heat_sources();
+        let has_own = self.has_uneven_start() || self.has_heat_sources();
         !has_own && self.regions.iter().all(|region| region.material.is_none_or(|index| index == 0))
     }
 
@@ -352,7 +352,7 @@ impl Scene {
     /// Temperatures at which a cell starts, with the share of it that each has. Where regions overlap, the later one takes
     /// its share of what was there before: exact unless edges of both cut the same cell.
     pub fn starts_in(&self, cell: &Cell) -> Vec<(f64, f64)> {
-        let mut found = vec![(self.initial_temperature, 1.0)];
+        let mut found = self.initial_in(cell);
         for region in &self.regions {
             let Some(temperature) = region.temperature else { continue };
             let share = self.share_of(&region.shape, cell);

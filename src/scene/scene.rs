@@ -14,6 +14,7 @@ use crate::TimeUnit;
 use crate::measured::Measured;
 use crate::method::MethodSettings;
 use crate::pipe_ring::PipeRing;
+use crate::profile::Profile;
 use crate::random::RandomGround;
 use crate::region::{Region, Shape};
 use crate::solute::Solute;
@@ -154,8 +155,10 @@ pub struct Scene {
     pub cracks: Vec<Crack>,
     /// Parts of the body that nothing enters.
     pub impermeable: Vec<Shape>,
-    /// Temperature at the start, where regions say nothing else.
+    /// Temperature at the start, where regions say nothing else; the middle of the range where it varies.
     pub initial_temperature: f64,
+    /// How it varies, if it does.
+    pub initial_profile: Option<Profile>,
     /// The walls of the domain that are not mirror planes of a sector.
     pub walls: Vec<Wall>,
     /// Parts of them with conditions of their own; later ones win.
@@ -195,6 +198,7 @@ pub(crate) fn has_flux<'a>(mut conditions: impl Iterator<Item = &'a Condition>) 
 
 /// Parts of a scene that name temperatures, beside its start and its walls.
 pub(crate) struct Temperatures<'a> {
+    pub(crate) profile: Option<&'a Profile>,
     pub(crate) regions: &'a [Region],
     pub(crate) rings: &'a [PipeRing],
     pub(crate) stream: Option<&'a Stream>,
@@ -206,6 +210,9 @@ impl Temperatures<'_> {
         let mut range = (initial, initial);
         for temperature in self.regions.iter().filter_map(|region| region.temperature) {
             range = (range.0.min(temperature), range.1.max(temperature));
+        }
+        if let Some((lo, hi)) = self.profile.map(Profile::range) {
+            range = (range.0.min(lo), range.1.max(hi));
         }
         let mut widen = |series: &Series| {
             let (lo, hi) = series.range();
@@ -242,6 +249,7 @@ impl Scene {
             cracks: Vec::new(),
             impermeable: Vec::new(),
             initial_temperature: 0.0,
+            initial_profile: None,
             walls: Vec::new(),
             wall_parts: Vec::new(),
             rings: Vec::new(),
@@ -291,7 +299,8 @@ impl Scene {
 
     /// Least and greatest temperature that data of the scene name: start, walls, pipes.
     pub fn temperature_range(&self) -> (f64, f64) {
-        let data = Temperatures { regions: &self.regions, rings: &self.rings, stream: self.stream.as_ref() };
+        let profile = self.initial_profile.as_ref();
+        let data = Temperatures { profile, regions: &self.regions, rings: &self.rings, stream: self.stream.as_ref() };
         data.range(self.initial_temperature, self.conditions())
     }
 
@@ -355,6 +364,7 @@ impl Scene {
         ends.into_iter().all(|wall| self.is_closed(wall))
             && self.flow.as_ref().is_none_or(dry)
             && !self.gravity.is_some_and(|towards| ends.contains(&towards))
+            && self.initial_profile.as_ref().is_none_or(|profile| profile.along_y != y)
             && self.regions.iter().all(reaches)
             && !self.has_barriers()
             && self.random.is_even()

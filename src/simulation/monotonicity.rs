@@ -106,7 +106,7 @@ impl MonotonicityCheck {
 /// Which way the frozen volume goes, if all data pull one way from the uniform start and never let go.
 fn direction(scene: &Scene) -> Option<f64> {
     // What a barrier parts goes its own way, what is dug out is frozen no more, and sources pull beside walls.
-    let has_own = scene.has_regional_starts() || scene.has_heat_sources();
+    let has_own = scene.has_uneven_start() || scene.has_heat_sources();
     if has_own || scene.has_barriers() || scene.excavation.is_some() {
         return None;
     }

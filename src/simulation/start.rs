@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use frazil_core::boundary::pipe::Sink;
 use frazil_core::physics::latent_heat::Materials;
+use frazil_core::physics::thermal::Thermal;
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::volumes::Volumes;
 use frazil_scene::Scene;
@@ -17,23 +18,26 @@ const TOLD: f64 = 0.01;
 /// lost or made wherever edges fall. Off the lattice, particles are taken as squares around their positions.
 pub fn enthalpies(scene: &Scene, materials: &Materials, lattice: &Lattice, cloud: Option<&[DVec2]>) -> Arc<[f64]> {
     let (initial, zero) = (scene.initial_temperature, materials.thermals[0].zero_temperature);
-    if !scene.has_regional_starts() && initial == zero {
+    if !scene.has_uneven_start() && initial == zero {
         return Arc::new([]);
     }
+    let carried = |thermal: &Thermal, states: &[(f64, f64)]| -> f64 {
+        // Exactly at rest where nothing else is said.
+        let enthalpy = |temperature: f64| if temperature == zero { 0.0 } else { thermal.enthalpy(temperature) };
+        states.iter().map(|(temperature, share)| share * enthalpy(*temperature)).sum()
+    };
     let enthalpy = |(i, place): (usize, DVec2)| {
-        if !materials.law_of.is_empty() {
-            let part = |part: Part| match part.temperature.unwrap_or(initial) {
-                temperature if temperature == zero => 0.0,
-                temperature => part.share * materials.thermals[part.material].enthalpy(temperature),
-            };
-            return scene.parts_of(&Cell::around(place, lattice.spacing)).into_iter().map(part).sum();
+        let cell = Cell::around(place, lattice.spacing);
+        if materials.law_of.is_empty() {
+            return carried(materials.of(i), &scene.starts_in(&cell));
         }
-        let parts = scene.starts_in(&Cell::around(place, lattice.spacing));
-        let carried = |temperature: f64| {
-            // Exactly at rest where nothing else is said.
-            if temperature == zero { 0.0 } else { materials.of(i).enthalpy(temperature) }
+        let elsewhere = scene.initial_in(&cell);
+        let part = |part: Part| {
+            let thermal = &materials.thermals[part.material];
+            let own = part.temperature.map(|temperature| [(temperature, 1.0)]);
+            part.share * carried(thermal, own.as_ref().map_or(elsewhere.as_slice(), |own| own))
         };
-        parts.into_iter().map(|(temperature, share)| share * carried(temperature)).sum::<f64>()
+        scene.parts_of(&cell).into_iter().map(part).sum()
     };
     match cloud {
         Some(places) => places.iter().copied().enumerate().map(enthalpy).collect(),

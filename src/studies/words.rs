@@ -35,7 +35,7 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
     let mut facts = vec![
         Fact::new("Body", words.body(scene.domain)),
         Fact::new("Duration", duration),
-        Fact::new(if scene.of_water { "Start" } else { "Initial temperature" }, words.state(scene.initial_temperature)),
+        Fact::new(if scene.of_water { "Start" } else { "Initial temperature" }, words.start()),
     ];
     facts.extend((1..).zip(&scene.regions).map(|(number, region)| {
         let material = region.material.map(|index| format!(", of {}", scene.materials[index].name));
@@ -87,6 +87,16 @@ impl Words<'_> {
     /// What a body or a wall has: a temperature, or a head of water.
     fn state(&self, value: f64) -> String {
         if self.scene.of_water { of_water::state(self, value) } else { self.with(value, "°C") }
+    }
+
+    /// The start of the body, outside of regions that have their own.
+    fn start(&self) -> String {
+        let Some(profile) = &self.scene.initial_profile else { return self.state(self.scene.initial_temperature) };
+        let [first, .., last] = profile.rows() else { return String::new() };
+        let (axis, unit) = (if profile.along_y { "y" } else { "x" }, if profile.of_heads { "m" } else { "°C" });
+        let at = |row: &(f64, f64)| format!("{} at {axis} = {}", self.with(row.1, unit), self.with(row.0, "m"));
+        let words = if profile.of_heads { "pressure head of " } else { "" };
+        format!("{words}{} to {}, by a table of {} places", at(first), at(last), profile.rows().len())
     }
 
     /// A wall or a part of one.

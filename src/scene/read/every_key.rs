@@ -31,6 +31,7 @@ ice = {}
 freezing = { law = "none" }
 [time]
 [initial]
+temperature_c = {}
 [walls.WALL]
 temperature_c = {}
 parts = [{}, { coefficient_W_per_m2_K = 1 }]
@@ -63,6 +64,7 @@ const APART: [&str; 2] = [
 const WATER: &str = r#"
 balance = "water"
 [initial]
+head_m = {}
 [gravity]
 [walls.WALL]
 concentration = {}

@@ -1,6 +1,6 @@
 //! Tables of files beside a scene, whose rows are read as sections are: a column is a key.
 
-use super::problem::{Log, Place, Problem};
+use super::problem::{Log, Place, Problem, Read};
 use super::section::Section;
 use super::tree::{Entry, Node};
 use crate::units::Units;
@@ -10,7 +10,7 @@ const MOST_ROWS: usize = 100_000;
 
 /// Reads the rows of comma-separated text under a line of names; lines that begin with `#` are comments, and an empty cell counts as
 /// absent. `read` takes a row, and what it gives is kept where it gives something. Problems are recorded with the file's name, its line
-/// and the column.
+/// and the column; then there are no rows.
 ///
 /// Where a column is missing, or one too many, nothing is told of further rows, which would say the same.
 pub(super) fn rows<T>(
@@ -19,7 +19,7 @@ pub(super) fn rows<T>(
     units: Units,
     log: &Log,
     mut read: impl FnMut(&mut Section<'_>) -> Option<T>,
-) -> Vec<T> {
+) -> Read<Vec<T>> {
     let own = Log::default();
     let text = text.trim_start_matches('\u{feff}');
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_reader(text.as_bytes());
@@ -59,10 +59,11 @@ pub(super) fn rows<T>(
     if found.as_ref().is_some_and(Vec::is_empty) && own.next() == 0 {
         own.record(Problem::new(&Place::File, "", "found no rows, must have one at least"));
     }
-    for problem in own.into_problems() {
-        log.record(Problem { beside: Some(file.to_owned()), ..problem });
+    let problems = own.into_problems().into_iter();
+    match problems.map(|problem| log.record(Problem { beside: Some(file.to_owned()), ..problem })).last() {
+        Some(noted) => Err(noted),
+        None => Ok(found.unwrap_or_default()),
     }
-    found.unwrap_or_default()
 }
 
 /// The names of the columns, each once.

@@ -29,6 +29,7 @@ pub(super) enum Shape {
     Point,
     Along,
     Series(Range),
+    AlongAxis(Range),
     Schedule,
 }
 
@@ -57,7 +58,7 @@ impl Shape {
             Shape::Point => json!({ "type": "array", "items": any(), "minItems": 2, "maxItems": 2 }),
             Shape::Along => json!({ "anyOf": [number(&Range::POSITIVE), list(number(&Range::POSITIVE))] }),
             Shape::Series(range) => {
-                let mut table = json!({ "type": "object", "required": ["values"], "additionalProperties": false });
+                let mut table = table_or_file();
                 let keys = ["times", "period"]
                     .into_iter()
                     .flat_map(|base| endings().map(move |ending| (base, format!("{base}{ending}"))));
@@ -67,11 +68,26 @@ impl Shape {
                 };
                 table["properties"] = keys.map(|(base, key)| (key, time(base))).collect::<Map<String, Value>>().into();
                 table["properties"]["values"] = list(number(range));
+                table["properties"]["file"] = json!({ "type": "string", "minLength": 1 });
+                json!({ "anyOf": [number(range), table] })
+            }
+            Shape::AlongAxis(range) => {
+                let mut table = table_or_file();
+                let places = ["x_m", "y_m", "x", "y"].map(|key| (key.to_owned(), list(any())));
+                table["properties"] = places.into_iter().collect::<Map<String, Value>>().into();
+                table["properties"]["values"] = list(number(range));
+                table["properties"]["file"] = json!({ "type": "string", "minLength": 1 });
                 json!({ "anyOf": [number(range), table] })
             }
             Shape::Schedule => list(list(number(&Range::NOT_NEGATIVE))),
         }
     }
+}
+
+/// A table with values, or with a file of them.
+fn table_or_file() -> Value {
+    let required = ["values", "file"].map(|key| json!({ "required": [key] }));
+    json!({ "type": "object", "oneOf": required, "additionalProperties": false })
 }
 
 /// Endings of the keys of times, without one where a scene has no units.

@@ -5,6 +5,7 @@ mod expected;
 mod files;
 mod lists;
 mod pipes;
+mod tables;
 mod unknown;
 
 use std::ops::RangeInclusive;
@@ -20,6 +21,7 @@ use crate::units::Units;
 pub use changes::{Change, Spot};
 pub use lists::Duration;
 pub(super) use pipes::Names;
+pub use tables::Along;
 
 /// What texts and names are, which go into messages, figures, tables and pages.
 const VISIBLE: &str = "of one line, without invisible characters";

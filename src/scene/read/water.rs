@@ -3,7 +3,7 @@
 use super::ground::{parameters, refused};
 use super::problem::Read;
 use super::range::{Range, plain};
-use super::section::{Key, Section};
+use super::section::{Along, Key, Section};
 use frazil_core::balances::solute::advection::Advection;
 use frazil_core::bonds::exchange::{Exchange, Mean};
 use frazil_core::boundary::condition::Condition;
@@ -15,6 +15,7 @@ use frazil_core::physics::retention::{RETENTIONS, Retention};
 use frazil_core::physics::solute_material::{SoluteMaterial, Tortuosity};
 use frazil_core::series::Series;
 use frazil_core::solvers::transport::Coupling;
+use frazil_core::space::domain::Domain;
 use frazil_core::space::wall::PatchId;
 
 use super::problem::Noted;
@@ -44,6 +45,21 @@ pub(super) enum Balance {
     Heat,
     /// Unsaturated water, by heads and saturations.
     Water(Heads),
+}
+
+impl Balance {
+    /// The solute of a scene, if there is one; none in a scene of heat.
+    pub(super) fn solute(
+        self,
+        root: &mut Section<'_>,
+        materials: &[Material],
+        initial: Option<f64>,
+    ) -> Read<Option<Solute>> {
+        match self {
+            Balance::Heat => Ok(None),
+            Balance::Water(heads) => heads.solute(root, materials, initial),
+        }
+    }
 }
 
 /// What saturations are as heads, and which heads there are.
@@ -105,6 +121,25 @@ impl Heads {
             _ => {
                 let saturation = section.number(SATURATION, Range::FRACTION)?;
                 self.of_saturation(section, saturation)
+            }
+        }
+    }
+
+    /// The state of a body at the start, where heads may vary.
+    pub(super) fn start(&self, section: &mut Section<'_>, domain: Option<&Domain>) -> Read<Along> {
+        if section.only_one(&[HEAD.into(), SATURATION.into()])? != 0 {
+            let saturation = section.number(SATURATION, Range::FRACTION)?;
+            return self.of_saturation(section, saturation).map(Along::Even);
+        }
+        match section.number_along(HEAD, Range::at_least(-DRIEST), domain)? {
+            Along::Even(head) => self.of_head(section, head).map(Along::Even),
+            axis @ Along::Axis { .. } => {
+                if let Along::Axis { rows, .. } = &axis {
+                    for (_, head) in rows {
+                        self.of_head(section, *head)?;
+                    }
+                }
+                Ok(axis)
             }
         }
     }
@@ -206,7 +241,7 @@ impl Heads {
     }
 
     /// The solute of a scene, if there is one: where soils say what they do to it.
-    pub(super) fn solute(
+    fn solute(
         self,
         root: &mut Section<'_>,
         materials: &[Material],

@@ -29,7 +29,7 @@ pub(super) fn plan(scene: &Scene, settings: &MethodSettings, set: ParticleSet) -
         solute: Vec::new(),
         concentration: Vec::new(),
         factors: Arc::new([]),
-        start: if scene.has_regional_starts() { enthalpy.as_slice().into() } else { Arc::new([]) },
+        start: if scene.has_uneven_start() { enthalpy.as_slice().into() } else { Arc::new([]) },
         enthalpy,
         places: Places::Cloud(vec![DVec2::ZERO; count].into()),
         velocity: vec![DVec2::ZERO; count],

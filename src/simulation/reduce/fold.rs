@@ -114,6 +114,10 @@ impl Fold {
                 let wall = |(wall, own)| Some(Wall { wall, condition: scene.wall(own)?.clone() });
                 smaller.walls = ends.filter_map(wall).collect();
                 smaller.regions = scene.regions.iter().filter_map(|region| on_line(region, along_y)).collect();
+                // One across the line leaves no particle as it was, and the body as it is.
+                for profile in smaller.initial_profile.iter_mut().filter(|profile| profile.along_y == along_y) {
+                    profile.along_y = false;
+                }
                 for (x, y) in &mut smaller.watch.probes {
                     (*x, *y) = (if along_y { *y } else { *x }, 0.0);
                 }
@@ -158,7 +162,7 @@ impl Fold {
 
     /// Whether every particle holds the material of its image and starts as warm.
     pub(super) fn keeps_ground(&self, larger: &Scene, smaller: &Scene, spacing: f64) -> bool {
-        let (materials, starts) = (larger.has_regional_materials(), larger.has_regional_starts());
+        let (materials, starts) = (larger.has_regional_materials(), larger.has_uneven_start());
         if !materials && !starts {
             return true;
         }

@@ -109,7 +109,7 @@ fn of_file(
     let (is_given, of_all) = sd.given(table);
     let Ok((name, text)) = table.file("file") else { return Vec::new() };
     let mut taken = false;
-    let mut points = table.rows(&text, &name, |row| {
+    let points = table.rows(&text, &name, |row| {
         let (own, value) = sd.given(row);
         let value = if own { value } else { of_all };
         taken |= !own;
@@ -120,7 +120,8 @@ fn of_file(
         let (quantity, time, measured) = read(row)?;
         Some(MeasuredPoint { quantity, time, value: measured, sd: value? })
     });
-    if is_given && !taken && !points.is_empty() {
+    let Ok(mut points) = points else { return Vec::new() };
+    if is_given && !taken {
         let key = sd.written(table);
         table.note(&key, format!("has no effect, every row of \"{name}\" has its own"));
     }

@@ -31,7 +31,7 @@ impl<'a> Section<'a> {
         text: &str,
         file: &str,
         read: impl FnMut(&mut Section<'_>) -> Option<T>,
-    ) -> Vec<T> {
+    ) -> Read<Vec<T>> {
         rows(text, file, self.units, self.log, read)
     }
 }

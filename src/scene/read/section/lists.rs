@@ -1,4 +1,4 @@
-//! Values of a section that are more than one number: lists, points, times and tables in time.
+//! Values of a section that are more than one number: lists, points and times.
 
 use super::super::problem::{Noted, Read};
 use super::super::range::{Range, plain};
@@ -7,7 +7,7 @@ use super::super::tree::{Entry, Item, Node};
 use super::{Asked, Key, Section, Spot};
 use crate::TimeUnit;
 use crate::units::Units;
-use frazil_core::series::{Schedule, Series};
+use frazil_core::series::Schedule;
 use glam::DVec2;
 
 /// A time as it was given.
@@ -20,7 +20,7 @@ pub struct Duration {
 }
 
 /// What is wrong with a list of times that ends beyond its period.
-fn beyond_period(end: f64, period: &Duration) -> Option<String> {
+pub(super) fn beyond_period(end: f64, period: &Duration) -> Option<String> {
     let unit = period.unit;
     // Times in hours and a period in days may round differently.
     let within = end <= period.seconds * (1.0 + 1e-12);
@@ -147,19 +147,6 @@ impl<'a> Section<'a> {
         }
     }
 
-    /// A required quantity that is constant or a table in time: `5` or `{ times_h = [0, 10], values = [5, -20] }`, which a
-    /// `period_h` repeats.
-    pub fn series(&mut self, key: impl Into<Key>, range: Range) -> Read<Series> {
-        let key = self.expect(key, || Shape::Series(range));
-        self.required(key, "a number or a table in time", |section, entry| section.check_series(entry, range))
-    }
-
-    /// A number or a table over time, where it is given.
-    pub fn optional_series(&mut self, key: impl Into<Key>, range: Range) -> Option<Series> {
-        let key = self.expect(key, || Shape::Series(range));
-        self.optional(key, |section, entry| section.check_series(entry, range))
-    }
-
     /// When something works, as intervals of time that may repeat: `on_h = [[0, 8], [12, 20]]`, `on_period_h = 24`. An
     /// interval of one instant begins there and never ends. Absent, it always works.
     pub fn optional_schedule(&mut self) -> Option<Schedule> {
@@ -271,31 +258,6 @@ impl<'a> Section<'a> {
             return Err(self.note(&entry.key, message));
         }
         times.into_iter().map(|time| self.seconds(&entry.key, time, unit)).collect()
-    }
-
-    fn check_series(&mut self, entry: &'a Entry, range: Range) -> Read<Series> {
-        let Node::Table(rows) = &entry.node else {
-            return self.check_number(entry, range).map(Series::Constant);
-        };
-        let mut table = self.child(&entry.key, entry.place.clone(), rows);
-        let times = table.times("times");
-        let values =
-            table.required("values".into(), "a list of numbers", |table, entry| table.check_numbers(entry, range));
-        let period = table.optional_duration("period", Range::POSITIVE);
-        let (times, values) = (times?, values?);
-        if times.len() != values.len() {
-            let message = format!("found {} values for {} times, must be as many", values.len(), times.len());
-            return Err(table.problem("values", message));
-        }
-        if times.is_empty() {
-            return Err(table.problem("values", "found an empty list, must have at least one row"));
-        }
-        let rows: Vec<(f64, f64)> = times.into_iter().map(|time| time.seconds).zip(values).collect();
-        let Some(period) = period else { return Ok(Series::Table(rows)) };
-        if let Some(message) = beyond_period(rows.last().map_or(0.0, |row| row.0), &period) {
-            return Err(table.time_problem("times", message));
-        }
-        Ok(Series::Repeated { rows, period: period.seconds })
     }
 
     fn check_schedule(&mut self, entry: &Entry, unit: TimeUnit) -> Read<Schedule> {

@@ -65,6 +65,7 @@ pub fn all() -> &'static [BundledScene] {
         "frozen-wall-sand",
         "frozen-wall-clay",
         "frozen-wall-seepage",
+        "freezing-row",
         "lining-hydration",
         "cracked-plate",
         "thick-pipe-temperature",

@@ -1,6 +1,6 @@
 //! Figures of a ring of freeze pipes: its wall, its gaps and its heat.
 
-use frazil_record::{RunResult, WallRow};
+use frazil_record::{GapRow, RunResult, WallRow};
 
 use crate::axes::{Axis, Entry};
 use crate::canvas::{Canvas, Stroke};
@@ -62,7 +62,7 @@ pub(crate) fn heat(result: &RunResult, words: &Words) -> Canvas {
     canvas
 }
 
-/// When each gap closed, by its angle.
+/// When each gap closed, by its angle in a ring, or its place in a row.
 pub(crate) fn gaps(result: &RunResult, words: &Words) -> Canvas {
     let style = method_style(&words.method);
     let mut entries = vec![Entry::mark(method_title(&words.method), style.marker, style.colour, false)];
@@ -72,7 +72,13 @@ pub(crate) fn gaps(result: &RunResult, words: &Words) -> Canvas {
     if result.gaps.iter().any(|gap| gap.closure_s.is_none()) {
         entries.push(Entry::note("× at the upper edge: not closed"));
     }
-    let x = Axis::linear("angle of the middle of the gap (degrees)", result.gaps.iter().map(|gap| gap.angle_deg));
+    let in_ring = result.gaps.iter().all(|gap| gap.angle_deg.is_some());
+    let place = |gap: &GapRow| if in_ring { gap.angle_deg } else { gap.along_m }.unwrap_or_default();
+    let name = match in_ring {
+        true => "angle of the middle of the gap (degrees)".to_owned(),
+        false => words.length_label("middle of the gap along the row"),
+    };
+    let x = Axis::linear(name, result.gaps.iter().map(place));
     let closures = result.gaps.iter().flat_map(|gap| [gap.closure_s, gap.closure_ref_s]).flatten();
     let mut values: Vec<f64> = closures.map(|time| words.time(time)).collect();
     let (low, high) = values.iter().fold((f64::INFINITY, 0f64), |(lo, hi), v| (lo.min(*v), hi.max(*v)));
@@ -89,13 +95,13 @@ pub(crate) fn gaps(result: &RunResult, words: &Words) -> Canvas {
     let (mut canvas, frame) = framed(560.0, names, &entries, 8.0, (x, y));
     for gap in &result.gaps {
         if let Some(time) = gap.closure_ref_s {
-            canvas.marker(frame.spot(gap.angle_deg, words.time(time)), Marker::Square, 8.0, REFERENCE, true);
+            canvas.marker(frame.spot(place(gap), words.time(time)), Marker::Square, 8.0, REFERENCE, true);
         }
         match gap.closure_s {
             Some(time) => {
-                canvas.marker(frame.spot(gap.angle_deg, words.time(time)), style.marker, 5.5, style.colour, false);
+                canvas.marker(frame.spot(place(gap), words.time(time)), style.marker, 5.5, style.colour, false);
             }
-            None => canvas.cross(frame.spot(gap.angle_deg, frame.y.high), 6.0, Stroke::whole(INK, 2.2)),
+            None => canvas.cross(frame.spot(place(gap), frame.y.high), 6.0, Stroke::whole(INK, 2.2)),
         }
     }
     canvas

@@ -221,9 +221,11 @@ pub(crate) fn instants(profiles: &[ProfileRow]) -> Vec<f64> {
 
 /// The name of the axis along a profile, whose unit has a symbol.
 pub(crate) fn place_label(plane: &str, rows: &[&ProfileRow], words: &Words, symbol: &str) -> String {
+    // Rays of a ring begin at its centre, those of a row on either side of it.
+    let from = if rows.iter().any(|row| row.along_m < 0.0) { "row" } else { "centre" };
     match plane {
-        "main" => format!("distance from the centre, through a pipe ({symbol})"),
-        "interface" => format!("distance from the centre, between two pipes ({symbol})"),
+        "main" => format!("distance from the {from}, through a pipe ({symbol})"),
+        "interface" => format!("distance from the {from}, between two pipes ({symbol})"),
         "radius" => format!("r ({symbol})"),
         _ => match plane.split_once('=') {
             Some((axis, at)) => {

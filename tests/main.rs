@@ -56,6 +56,7 @@ mod references;
 mod regions;
 mod reproducibility;
 mod resumed;
+mod rows;
 mod runoff;
 mod seepage;
 mod shells;

@@ -81,7 +81,7 @@ fn largest_difference(scene: &Scene, own: &RunResult, other: &RunResult) -> f64 
             run.walls.iter().map(|row| row.heat_per_pipe_w_per_m).collect()
         }),
         of("closure", scene.duration, &|run| run.gaps.iter().filter_map(|gap| gap.closure_s).collect()),
-        of("angles", 360.0 * ring, &|run| run.gaps.iter().map(|gap| gap.angle_deg).collect()),
+        of("angles", 360.0 * ring, &|run| run.gaps.iter().map(|gap| gap.angle_deg.expect("a ring")).collect()),
         of("maps", range, &|run| {
             let values = run.fields.iter().filter(|_| maps).flat_map(|field| field.temperature_c.clone());
             values.map(|value| if value.is_nan() { 0.0 } else { value }).collect()

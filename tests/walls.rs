@@ -356,7 +356,7 @@ fn a_row_of_pipes_has_the_gaps_between_its_neighbours() {
     // All are 1 m wide; those between more pipes close first.
     assert!(days.len() == 6 && days.iter().all(|day| (3.0..20.0).contains(day)), "{days:?}");
     for (gap, link) in result.gaps.iter().zip(&result.links) {
-        assert!((0.0..360.0).contains(&gap.angle_deg), "{}", gap.angle_deg);
+        assert!(gap.angle_deg.is_some_and(|angle| (0.0..360.0).contains(&angle)), "{:?}", gap.angle_deg);
         let (own, link) = (gap.closure_s.unwrap_or(0.0), link.closure_s.unwrap_or(0.0));
         assert!((own / link - 1.0).abs() < 0.1, "{own} against {link}");
     }

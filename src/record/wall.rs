@@ -67,8 +67,11 @@ pub struct GapRow {
     /// The pipe after it.
     #[serde(default)]
     pub to: String,
-    /// Angle of its middle (degrees).
-    pub angle_deg: f64,
+    /// Angle of its middle in a ring (degrees).
+    pub angle_deg: Option<f64>,
+    /// Distance of its middle from the first pipe along a row (m).
+    #[serde(default)]
+    pub along_m: Option<f64>,
     /// How many gaps of the whole ring it stands for.
     pub multiplicity: usize,
     /// When the frozen bodies joined (s); absent if they did not.

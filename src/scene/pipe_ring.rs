@@ -1,4 +1,4 @@
-//! Rings of freeze pipes.
+//! Rings and rows of freeze pipes.
 
 use std::sync::Arc;
 
@@ -6,7 +6,7 @@ use frazil_core::boundary::pipe::Pipe;
 use frazil_core::series::{Schedule, Series};
 use glam::DVec2;
 
-/// A ring of evenly spaced pipes, from which pipes and gaps follow.
+/// A ring of evenly spaced pipes, from which pipes and gaps follow. A row, or pipes at any places, is a ring all of whose pipes are moved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PipeRing {
     /// Number of pipes on the full circle.
@@ -46,6 +46,14 @@ impl PipeRing {
     pub fn place(&self, k: usize) -> DVec2 {
         let moved = self.moved.iter().find(|(number, _)| *number == k).map_or(DVec2::ZERO, |(_, way)| *way);
         self.ring_radius * DVec2::from_angle(self.angle(k)) + moved
+    }
+
+    /// Direction from the first pipe to the last, of a row; along x for one pipe.
+    pub fn direction(&self) -> DVec2 {
+        let mut numbers = self.numbers();
+        let first = numbers.next().unwrap_or_default();
+        let last = numbers.last().unwrap_or(first);
+        (self.place(last) - self.place(first)).try_normalize().unwrap_or(DVec2::X)
     }
 
     /// Numbers of the pipes that are there, in order of their angle.

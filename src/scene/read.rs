@@ -8,6 +8,7 @@ mod flow;
 mod gravity;
 mod ground;
 mod numerics;
+mod pipes;
 mod porous;
 mod problem;
 mod random;
@@ -347,7 +348,7 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
     let mut wall_section = root.section("walls");
     let (walls, wall_parts) =
         wall_section.as_mut().map(|section| body::walls(section, body, &mut balance)).unwrap_or_default();
-    let rings = body::pipes(&mut root, body);
+    let rings = pipes::pipes(&mut root, body);
     let excavation = excavation::excavation(&mut root, body, &rings);
     let cracks = cracks::cracks(&mut root, body);
     let watch = watch::watch(&mut root, body, time.as_mut().map_err(|noted| *noted));

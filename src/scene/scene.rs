@@ -367,6 +367,7 @@ impl Scene {
             && self.initial_profile.as_ref().is_none_or(|profile| profile.along_y != y)
             && self.regions.iter().all(reaches)
             && !self.has_barriers()
+            && self.rings.is_empty()
             && self.random.is_even()
             && self.conducting_parts().is_empty()
             && !self.stream.as_ref().is_some_and(driven)

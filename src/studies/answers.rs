@@ -186,10 +186,14 @@ impl Say<'_> {
             return self.watched(wall);
         }
         let Gaps { all, open, last } = Gaps::of(&result.gaps);
-        match last {
-            Some(last) if open == 0 => format!("the last gap of the first ring closed after {}", self.time(last)),
+        let last = last.and_then(|last| result.gaps.iter().find(|gap| gap.closure_s == Some(last)));
+        match last.and_then(|gap| Some((gap, gap.closure_s?))) {
+            Some((gap, closure)) if open == 0 => {
+                let (from, to) = (&gap.from, &gap.to);
+                format!("the last gap, between pipes {from} and {to}, closed after {}", self.time(closure))
+            }
             _ if all == 0 => "no gaps watched".into(),
-            _ => format!("not closed: {open} of {all} gaps of the first ring are open at the end"),
+            _ => format!("not closed: {open} of {all} gaps are open at the end"),
         }
     }
 

@@ -91,9 +91,11 @@ fn tip(crack: &Crack, time: f64) -> Option<DVec2> {
     Some(crack.from + open / crack.length() * (crack.to - crack.from))
 }
 
-/// Pipes, shaft and water; nothing where the body is no plan of a shaft.
+/// Pipes, shaft and water; nothing where the body has no pipes.
 fn plan(scene: &Scene, maps: &[Field]) -> GroundPlan {
-    let Domain::Ring { .. } = scene.domain else { return GroundPlan::default() };
+    if !matches!(scene.domain, Domain::Ring { .. }) && scene.rings.is_empty() {
+        return GroundPlan::default();
+    }
     GroundPlan {
         pipes: scene.pipes().iter().map(|pipe| (pipe.x, pipe.y, pipe.radius)).collect(),
         shaft: scene.excavation.as_ref().map(|shaft| ShaftMark { radius: shaft.radius, dug: Some(shaft.start) }),

@@ -195,7 +195,12 @@ impl Words<'_> {
     fn ring(&self, ring: &PipeRing) -> String {
         let (around, radius) = (self.with(ring.ring_radius, "m"), self.with(ring.pipe_radius, "m"));
         let temperature = self.series(&ring.temperature, "°C");
-        format!("{} on a circle of radius {around}, each of radius {radius}, at {temperature}", ring.count)
+        let (first, last) = (ring.place(0), ring.place(ring.count - 1));
+        let places = match self.scene.domain {
+            Domain::Ring { .. } => format!("on a circle of radius {around}"),
+            _ => format!("from {} to {}", self.point(first), self.point(last)),
+        };
+        format!("{} {places}, each of radius {radius}, at {temperature}", ring.count)
     }
 
     fn material(&self, material: &Material) -> String {

@@ -47,6 +47,8 @@ count = 1
 ring_radius_m = 0.1
 pipe_radius_m = 0.1
 temperature_c = 0
+[[pipes]]
+from_m = {}
 [random.conductivity]
 [random.permeability]
 [watch]

@@ -119,7 +119,16 @@ fn front(time_s: f64, front_m: f64) -> FrontRow {
 
 fn gap(gap: usize, multiplicity: usize, days: Option<f64>) -> GapRow {
     let closure_s = days.map(|days| days * DAY);
-    GapRow { gap, from: String::new(), to: String::new(), angle_deg: 0.0, multiplicity, closure_s, closure_ref_s: None }
+    GapRow {
+        gap,
+        from: String::new(),
+        to: String::new(),
+        angle_deg: Some(0.0),
+        along_m: None,
+        multiplicity,
+        closure_s,
+        closure_ref_s: None,
+    }
 }
 
 fn close(own: Option<f64>, expected: f64) {

@@ -1,4 +1,4 @@
-//! Gaps between the pipes of the first ring, which close once ground there is frozen with its latent heat released.
+//! Gaps between the pipes of the first ring or row, which close once ground there is frozen with its latent heat released.
 
 use frazil_core::memory::HeapSize;
 use frazil_core::particles::Particles;
@@ -8,7 +8,7 @@ use frazil_record::{GapRow, RunResult};
 
 use super::joint::{Joint, is_sharp};
 use super::observer::{Cadence, End, Instants, Made, Observer, Schedule, Setup, View, room};
-use super::rays::pairs;
+use super::rays::{Pair, following, pairs};
 
 struct Gaps {
     gaps: Vec<(GapRow, Joint)>,
@@ -18,24 +18,38 @@ struct Gaps {
 
 pub(super) fn of(setup: &Setup<'_>) -> Made {
     let (scene, sampler) = (setup.scene, setup.sampler());
-    let (Domain::Ring { sector, .. }, Some(ring)) = (&scene.domain, scene.rings.first()) else { return None };
+    let ring = scene.rings.first()?;
     let sharp = is_sharp(scene);
-    let pairs = pairs(ring).into_iter().filter(|pair| sector.holds(pair.angle()));
-    let gaps = pairs.map(|pair| {
+    let gap = |pair: Pair, along_m: Option<f64>, multiplicity: usize| {
         let joint = Joint::between(pair.places, &sampler, sharp);
         let [from, to] = pair.names();
         let row = GapRow {
             gap: pair.first(),
             from,
             to,
-            angle_deg: pair.angle().to_degrees(),
-            multiplicity: sector.multiplicity(pair.angle()),
+            angle_deg: along_m.is_none().then(|| pair.angle().to_degrees()),
+            along_m,
+            multiplicity,
             closure_s: None,
             closure_ref_s: None,
         };
         (row, joint)
-    });
-    let gaps: Vec<_> = gaps.collect();
+    };
+    let gaps: Vec<_> = match scene.domain {
+        Domain::Ring { sector, .. } => {
+            let held = pairs(ring).into_iter().filter(|pair| sector.holds(pair.angle()));
+            held.map(|pair| (sector.multiplicity(pair.angle()), pair))
+                .map(|(count, pair)| gap(pair, None, count))
+                .collect()
+        }
+        Domain::Rectangle { .. } => {
+            let (pairs, direction) = (following(ring), ring.direction());
+            let start = pairs.first().map_or(0.0, |pair| pair.places[0].dot(direction));
+            let along = |pair: &Pair| pair.middle.dot(direction) - start;
+            pairs.into_iter().map(|pair| (along(&pair), pair)).map(|(along, pair)| gap(pair, Some(along), 1)).collect()
+        }
+        _ => return None,
+    };
     (!gaps.is_empty()).then(|| Box::new(Gaps { gaps, sharp, cadence: Cadence::of(scene) }) as _)
 }
 

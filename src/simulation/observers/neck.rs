@@ -41,6 +41,11 @@ struct Way {
     lengths: Sample,
 }
 
+/// The whole number that a quotient of lengths comes up to; what rounding adds to it makes no further one.
+fn up(quotient: f64) -> f64 {
+    ((1.0 - 1e-9) * quotient).ceil()
+}
+
 impl HeapSize for Way {
     fn heap_size(&self) -> usize {
         self.gate.heap_size() + self.lengths.heap_size()
@@ -61,11 +66,11 @@ impl Neck {
         let spacing = sampler.lattice.spacing;
         let apart = (APART.0 * spacing).min(APART.1 * a.distance(b));
         let (middle, across) = (0.5 * (a + b), (b - a).perp().normalize_or_zero());
-        let count = (0.5 * a.distance(b) / apart).ceil() as i64 + (AROUND / 2) as i64;
+        let count = up(0.5 * a.distance(b) / apart) as i64 + (AROUND / 2) as i64;
         let way = |bend: DVec2| {
             let mut lengths = Vec::new();
             for end in [a, b] {
-                let pieces = (2.0 * bend.distance(end) / spacing).ceil().max(1.0);
+                let pieces = up(2.0 * bend.distance(end) / spacing).max(1.0);
                 let length = bend.distance(end) / pieces;
                 for piece in 0..pieces as usize {
                     let place = bend.lerp(end, (piece as f64 + 0.5) / pieces);

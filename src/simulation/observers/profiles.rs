@@ -64,9 +64,9 @@ impl Line {
         Line { plane, along, places, samples }
     }
 
-    /// A ray from the centre.
+    /// A ray from its origin.
     fn along(plane: &str, ray: &Ray) -> Self {
-        let places = ray.radii.iter().map(|radius| *radius * ray.direction).collect();
+        let places = ray.radii.iter().map(|radius| ray.origin + *radius * ray.direction).collect();
         Line { plane: plane.to_owned(), along: ray.radii.clone(), places, samples: ray.samples.clone() }
     }
 

@@ -1,4 +1,4 @@
-//! Planes through the wall of the first ring of pipes: rays through its pipes and between neighbours.
+//! Planes through the wall of the first ring or row of pipes: rays through its pipes and between neighbours.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,10 @@ use super::sampler::{Sample, Sampler};
 pub(super) struct Ray {
     /// How many rays of the whole ring it stands for.
     pub(super) multiplicity: usize,
+    /// The centre of a ring, or the place on a row that it crosses (m).
+    pub(super) origin: DVec2,
     pub(super) direction: DVec2,
+    /// Distances from its origin along it (m).
     pub(super) radii: Vec<f64>,
     pub(super) samples: Vec<Sample>,
 }
@@ -58,23 +61,55 @@ impl Pair {
 /// Rays through the pipes of the first ring that are there, and between its neighbours, in the part of the plan that is run. Walls
 /// are measured on that ring; others are part of the layout around it.
 pub(super) fn rays(scene: &Scene, sampler: &Sampler<'_>) -> [Vec<Ray>; 2] {
-    let (Domain::Ring { outer_radius: outer, sector }, Some(ring)) = (&scene.domain, scene.rings.first()) else {
-        return [Vec::new(), Vec::new()];
+    let (outer, sector, ring) = match (&scene.domain, scene.rings.first()) {
+        (Domain::Ring { outer_radius, sector }, Some(ring)) => (*outer_radius, *sector, ring),
+        (Domain::Rectangle { width, height }, Some(row)) => return across(row, DVec2::new(*width, *height), sampler),
+        _ => return [Vec::new(), Vec::new()],
     };
-    let (outer, spacing) = (*outer, sampler.lattice.spacing);
+    let spacing = sampler.lattice.spacing;
     let angle = |place: DVec2| place.to_angle().rem_euclid(TAU);
     let ray = |place: DVec2| {
         let count = ((outer - spacing) / (0.5 * spacing)).ceil().max(1.0) as usize;
         let radii: Vec<f64> = (0..=count).map(|k| (outer - spacing) * k as f64 / count as f64).collect();
         let direction = place.normalize_or_zero();
         let samples = radii.iter().map(|radius| sampler.sample(direction * *radius)).collect();
-        Ray { multiplicity: sector.multiplicity(angle(place)), direction, radii, samples }
+        Ray { multiplicity: sector.multiplicity(angle(place)), origin: DVec2::ZERO, direction, radii, samples }
     };
     let off_centre = |place: &DVec2| place.length() > SAME * outer;
     let held = |place: &DVec2| sector.holds(angle(*place));
     let pipes = ring.numbers().map(|k| ring.place(k)).filter(off_centre);
     let between = pairs(ring).into_iter().filter(|pair| pair.seen).map(|pair| pair.middle);
     [pipes.filter(held).map(ray).collect(), between.filter(held).map(ray).collect()]
+}
+
+/// Rays across a row of pipes in a rectangle of some size, from wall to wall.
+fn across(row: &PipeRing, size: DVec2, sampler: &Sampler<'_>) -> [Vec<Ray>; 2] {
+    let direction = row.direction().perp();
+    let half = 0.5 * sampler.lattice.spacing;
+    let ray = |place: DVec2| {
+        // Where the line enters and leaves the rectangle of the particles' centres, as distances from the place.
+        let mut ends = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in (0..2).filter(|axis| direction[*axis].abs() > SAME) {
+            let [a, b] = [half, size[axis] - half].map(|wall| (wall - place[axis]) / direction[axis]);
+            ends = (ends.0.max(a.min(b)), ends.1.min(a.max(b)));
+        }
+        let count = ((ends.1 - ends.0) / half).ceil().max(1.0) as usize;
+        let radii: Vec<f64> = (0..=count).map(|k| ends.0 + (ends.1 - ends.0) * k as f64 / count as f64).collect();
+        let samples = radii.iter().map(|radius| sampler.sample(place + *radius * direction)).collect();
+        Ray { multiplicity: 1, origin: place, direction, radii, samples }
+    };
+    let pipes = row.numbers().map(|k| ray(row.place(k))).collect();
+    [pipes, following(row).into_iter().map(|pair| ray(pair.middle)).collect()]
+}
+
+/// Neighbours of a row, in order.
+pub(crate) fn following(row: &PipeRing) -> Vec<Pair> {
+    let numbers: Vec<usize> = row.numbers().collect();
+    let pair = |numbers: &[usize]| {
+        let places = [row.place(numbers[0]), row.place(numbers[1])];
+        Pair { numbers: [numbers[0], numbers[1]], middle: 0.5 * (places[0] + places[1]), places, seen: true }
+    };
+    numbers.windows(2).map(pair).collect()
 }
 
 /// Neighbours of a ring, in order of the first of each pair.

@@ -86,7 +86,11 @@ struct Weakest {
 
 pub(super) fn of(setup: &Setup<'_>) -> Made {
     let (scene, sampler, outputs) = (setup.scene, setup.sampler(), setup.outputs());
-    let Domain::Ring { sector, .. } = scene.domain else { return None };
+    let sector = match scene.domain {
+        Domain::Ring { sector, .. } => sector,
+        Domain::Rectangle { .. } => Sector::Whole,
+        _ => return None,
+    };
     let rays = rays(scene, &sampler);
     let mut wall = Wall {
         pipe_count: scene.rings.iter().map(|ring| ring.numbers().count()).sum(),

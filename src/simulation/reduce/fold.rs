@@ -57,6 +57,10 @@ impl Fold {
         if scene.has_barriers() || !scene.wall_parts.is_empty() || scene.has_heat_sources() {
             return found;
         }
+        // A row of pipes is of any places.
+        if !matches!(scene.domain, Domain::Ring { .. }) && !scene.rings.is_empty() {
+            return found;
+        }
         match scene.domain {
             // Shells are what symmetry leaves.
             Domain::Radial { .. } | Domain::Axial { .. } => {}

@@ -140,13 +140,15 @@ fn gaps(larger: &Scene, from: Sector, to: Sector, found: &[GapRow]) -> Vec<GapRo
     let gaps = pairs.into_iter().filter(|pair| from.holds(pair.angle()));
     gaps.map(|pair| {
         let angle = pair.angle();
-        let is_image = |row: &&GapRow| same_direction(row.angle_deg.to_radians(), folded(angle, to));
+        let is_image =
+            |row: &&GapRow| row.angle_deg.is_some_and(|own| same_direction(own.to_radians(), folded(angle, to)));
         let [first, second] = pair.names();
         GapRow {
             gap: pair.first(),
             from: first,
             to: second,
-            angle_deg: angle.to_degrees(),
+            angle_deg: Some(angle.to_degrees()),
+            along_m: None,
             multiplicity: from.multiplicity(angle),
             closure_s: found.iter().find(is_image).and_then(|row| row.closure_s),
             closure_ref_s: None,

@@ -97,6 +97,35 @@ fn a_missing_pipe_leaves_the_last_gap() {
     }
 }
 
+/// Seepage that is strong enough keeps the gaps of a row open; without a difference of pressure they close as without water.
+#[test]
+fn seepage_keeps_gaps_open() {
+    for kind in even() {
+        let run = |pressure: f64| {
+            let mut sketch = row(2, false, 0.1);
+            sketch.materials[0].1 = sketch.materials[0].1.replacen(
+                "{ ",
+                "{ groundwater = { porosity = 0.4, permeability_m2 = 1e-11, density_kg_per_m3 = 1000, heat_capacity_J_per_kg_K = 4182 }, ",
+                1,
+            );
+            sketch.flow = format!(
+                "viscosity_Pa_s = 1.3e-3\nrelative_permeability = {{ law = \"power\", exponent = 7 }}\n\
+                 walls.bottom = {{ pressure_Pa = {pressure} }}\nwalls.top = {{ pressure_Pa = 0 }}"
+            );
+            let result = sketch.run(kind);
+            assert_eq!(result.record.outcome, Outcome::Ok, "{}: {:?}", kind.name, result.record.cause);
+            assert!(result.record.energy_balance_rel.abs() < 1e-9, "{}", result.record.energy_balance_rel);
+            result
+        };
+        let still = closures(&run(0.0))[0];
+        let dry = closures(&row(2, false, 0.1).run(kind))[0];
+        // Steps beside water are other ones; a gap is read to a hundredth of its day.
+        assert!((still / dry - 1.0).abs() < 0.01, "{}: {still} {dry}", kind.name);
+        // 0.9 m a day through the ground.
+        assert_eq!(run(4e3).gaps[0].closure_s, None, "{}", kind.name);
+    }
+}
+
 #[test]
 fn rows_that_cannot_stand_are_refused() {
     let message = |pipes: &str| {

@@ -332,6 +332,8 @@ fn conduction(section: &mut Section<'_>, numerics: &Numerics, setup: &Setup<'_>)
         Some("layout = \"lattice\"")
     } else if setup.features.contains(&Feature::RandomConductivity) {
         Some("ground without \"random.conductivity\"")
+    } else if setup.features.contains(&Feature::Pipes) {
+        Some("a body without pipes")
     } else {
         matches!(setup.domain, Some(Domain::Ring { .. })).then_some("a line or a rectangle")
     };

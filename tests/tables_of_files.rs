@@ -49,7 +49,7 @@ fn what_is_wrong_with_a_file_is_said_by_its_line_and_column() {
     let named = "{ file = \"air.csv\" }";
     assert_eq!(air(named, AIR), "");
     for (file, words) in [
-        ("time_h,temperature_c\n0,4\n3,5\n3,6\n", "air.csv:4: time_h: found no more than in the row before"),
+        ("time_h,temperature_c\n0,4\n3,5\n3,6\n", "air.csv:4: time_h: found 3, must be greater than in the row before"),
         ("time_h,temperature_c\n0,4\n1,warm\n", "air.csv:3: temperature_c: found \"warm\", must be a number"),
         ("time_h,temperature_c\n0,-300\n", "air.csv:2: temperature_c: found -300"),
         ("time_h,temperature_k\n0,270\n", "air.csv:2: temperature_k"),
@@ -79,7 +79,7 @@ fn what_is_wrong_with_a_file_is_said_by_its_line_and_column() {
     assert_eq!(start(START), "");
     for (file, words) in [
         ("y_m,temperature_c\n0,4\n", "initial.temperature_c: found fewer than two places"),
-        ("y_m,temperature_c\n1,4\n0,4\n", "start.csv:3: y_m: found no more than in the row before"),
+        ("y_m,temperature_c\n1,4\n0,4\n", "start.csv:3: y_m: found 0, must be greater than in the row before"),
         ("depth_m,temperature_c\n1,4\n0,4\n", "start.csv:2: depth_m: unknown key"),
     ] {
         let found = start(file);

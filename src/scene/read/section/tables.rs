@@ -111,7 +111,8 @@ impl<'a> Section<'a> {
             let (place, value) = (first(row), row.number(key, range));
             let (place, column) = place?;
             if place <= last {
-                row.note(&column, "found no more than in the row before, must increase strictly");
+                let found = row.find(&column).map_or_else(String::new, |cell| cell.node.found());
+                row.note(&column, format!("found {found}, must be greater than in the row before"));
             }
             last = place;
             Some((place, value.ok()?))

@@ -7,12 +7,14 @@ use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection};
 use frazil_plots::style::method_title;
 use frazil_record::{Outcome, Record};
 use frazil_scene::heading;
+use frazil_simulation::reduce::{self, Finding};
 use frazil_studies::answers::errors;
 use frazil_studies::failure::{Failure, Verdict, answer};
 use frazil_studies::machine::Machine;
 use frazil_studies::output::{self, write_whole};
 use frazil_studies::progress::clock;
 
+use crate::load;
 use crate::process_runs::ManyRuns;
 
 /// A name that is that of no bundled scene.
@@ -49,7 +51,7 @@ pub fn gallery(request: &ManyRuns) -> Result<Verdict, Failure> {
     let mut shown = Vec::new();
     for bundled in all.iter().filter(|scene| wanted(scene.name)) {
         let own = heading(bundled.text, bundled.name)?;
-        let command = format!("run {}", bundled.name);
+        let command = format!("run {}{}", bundled.name, if is_reduced(bundled.name)? { " --reduce" } else { "" });
         let (picture, record) = (None, None);
         shown.push(Shown { name: bundled.name, title: own.title, source: own.source, command, picture, record });
     }
@@ -59,7 +61,7 @@ pub fn gallery(request: &ManyRuns) -> Result<Verdict, Failure> {
     for one in &mut shown {
         let path = kept.path(one.name);
         one.record = output::record_in(&path);
-        one.picture = telling(&path);
+        one.picture = telling(&path, one.record.as_ref());
     }
     write(request, &folder, &shown)?;
     let lacking = shown.iter().filter(|one| one.record.is_none()).count();
@@ -67,8 +69,19 @@ pub fn gallery(request: &ManyRuns) -> Result<Verdict, Failure> {
     Ok(if lacking > 0 { Verdict::CheckFailed } else { Verdict::Done })
 }
 
-/// The figure of a run that shows most of it: of those at several times the last.
-fn telling(folder: &Path) -> Option<(String, String)> {
+/// How many times as many particles as a smaller body with the same solution a scene has at least, where that is run in its place.
+const SAVED: f64 = 10.0;
+
+/// Whether a much smaller body has the solution of a scene under its first method.
+fn is_reduced(name: &str) -> Result<bool, Failure> {
+    let scene = load::scene(name, &[])?;
+    let Some(method) = scene.methods.first() else { return Ok(false) };
+    let found = reduce::find(&scene, method.method, None).map_err(Failure::request)?;
+    Ok(matches!(found, Finding::Smaller(smaller) if smaller.saves() >= SAVED))
+}
+
+/// The figure of a run that shows most of it.
+fn telling(folder: &Path, record: Option<&Record>) -> Option<(String, String)> {
     let mut names: Vec<String> = fs::read_dir(folder)
         .ok()?
         .flatten()
@@ -80,7 +93,14 @@ fn telling(folder: &Path) -> Option<(String, String)> {
         digits.parse().unwrap_or(0.0)
     };
     names.sort_by(|a, b| time(a).total_cmp(&time(b)));
-    let name = TELLING.iter().find_map(|begin| names.iter().rev().find(|name| name.starts_with(begin)))?;
+    // Of several times one in the middle: at the end much has thawed, or is frozen.
+    // Where the concentration is compared and no front is, a front may stand still.
+    let compared = record
+        .is_none_or(|record| record.errors.concentration_rms_rel.is_none() || record.errors.front_rms_rel.is_some());
+    let name = TELLING.iter().filter(|begin| compared || **begin != "front").find_map(|begin| {
+        let fitting: Vec<&String> = names.iter().filter(|name| name.starts_with(begin)).collect();
+        fitting.get(fitting.len() / 2).copied()
+    })?;
     Some((name.clone(), fs::read_to_string(folder.join(format!("{name}.svg"))).ok()?))
 }
 

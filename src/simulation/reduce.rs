@@ -225,6 +225,11 @@ fn discretisation(settings: &MethodSettings, folds: &[Fold]) -> Discretisation {
 }
 
 impl Reduction {
+    /// How many times as many particles the larger body has.
+    pub fn saves(&self) -> f64 {
+        self.particles.0 as f64 / self.particles.1 as f64
+    }
+
     /// The smaller body in words, as "a line (400 particles)".
     pub fn body(&self) -> String {
         let kind = match self.scene.domain {

@@ -48,7 +48,7 @@ fn a_row_at_rest_takes_what_line_sinks_take() {
             last / exact - 1.0
         });
         eprintln!("{}: heat of a row off by {:.2e}, {:.2e}", kind.name, errors[0], errors[1]);
-        assert!(errors.iter().all(|error| error.abs() < 0.01), "{}: {errors:?}", kind.name);
+        assert!(errors.iter().all(|error| error.abs() < 5e-4), "{}: {errors:?}", kind.name);
     }
 }
 

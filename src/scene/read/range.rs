@@ -19,9 +19,21 @@ struct End {
     included: bool,
 }
 
+impl End {
+    /// In the range.
+    const fn at(value: f64) -> End {
+        End { value, included: true }
+    }
+
+    /// Just out of it.
+    const fn beyond(value: f64) -> End {
+        End { value, included: false }
+    }
+}
+
 impl Range {
     /// Any finite number.
-    pub const ANY: Range = Range { low: None, high: None, of_body: false };
+    pub const ANY: Range = Range::to(None, None);
     /// Greater than zero.
     pub const POSITIVE: Range = Range::above(0.0);
     /// Zero or greater.
@@ -29,50 +41,38 @@ impl Range {
     /// From 0 to 1, both included.
     pub const FRACTION: Range = Range::between(0.0, 1.0);
 
+    const fn to(low: Option<End>, high: Option<End>) -> Range {
+        Range { low, high, of_body: false }
+    }
+
     /// Greater than `low`.
     pub const fn above(low: f64) -> Range {
-        Range { low: Some(End { value: low, included: false }), high: None, of_body: false }
+        Range::to(Some(End::beyond(low)), None)
     }
 
     /// `low` or greater.
     pub const fn at_least(low: f64) -> Range {
-        Range { low: Some(End { value: low, included: true }), high: None, of_body: false }
+        Range::to(Some(End::at(low)), None)
     }
 
     /// From `low` to `high`, both included.
     pub const fn between(low: f64, high: f64) -> Range {
-        Range {
-            low: Some(End { value: low, included: true }),
-            high: Some(End { value: high, included: true }),
-            of_body: false,
-        }
+        Range::to(Some(End::at(low)), Some(End::at(high)))
     }
 
     /// Greater than `low`, up to and including `high`.
     pub const fn above_to(low: f64, high: f64) -> Range {
-        Range {
-            low: Some(End { value: low, included: false }),
-            high: Some(End { value: high, included: true }),
-            of_body: false,
-        }
+        Range::to(Some(End::beyond(low)), Some(End::at(high)))
     }
 
     /// From `low`, included, up to but not including `high`.
     pub const fn from_to_below(low: f64, high: f64) -> Range {
-        Range {
-            low: Some(End { value: low, included: true }),
-            high: Some(End { value: high, included: false }),
-            of_body: false,
-        }
+        Range::to(Some(End::at(low)), Some(End::beyond(high)))
     }
 
     /// Between `low` and `high`, neither included.
     pub const fn inside(low: f64, high: f64) -> Range {
-        Range {
-            low: Some(End { value: low, included: false }),
-            high: Some(End { value: high, included: false }),
-            of_body: false,
-        }
+        Range::to(Some(End::beyond(low)), Some(End::beyond(high)))
     }
 
     /// From `low` to `high`, both included, where a scene's own body ends.
@@ -83,11 +83,11 @@ impl Range {
     /// Between two ends.
     pub fn of(low: Bound<f64>, high: Bound<f64>) -> Range {
         let end = |bound: Bound<f64>| match bound {
-            Bound::Included(value) => Some(End { value, included: true }),
-            Bound::Excluded(value) => Some(End { value, included: false }),
+            Bound::Included(value) => Some(End::at(value)),
+            Bound::Excluded(value) => Some(End::beyond(value)),
             Bound::Unbounded => None,
         };
-        Range { low: end(low), high: end(high), of_body: false }
+        Range::to(end(low), end(high))
     }
 
     /// The ends that the range has in every scene, and whether they are in it.

@@ -38,15 +38,20 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
     let gaps: Vec<_> = match scene.domain {
         Domain::Ring { sector, .. } => {
             let held = pairs(ring).into_iter().filter(|pair| sector.holds(pair.angle()));
-            held.map(|pair| (sector.multiplicity(pair.angle()), pair))
-                .map(|(count, pair)| gap(pair, None, count))
-                .collect()
+            held.map(|pair| {
+                let multiplicity = sector.multiplicity(pair.angle());
+                gap(pair, None, multiplicity)
+            })
+            .collect()
         }
         Domain::Rectangle { .. } => {
             let (pairs, direction) = (following(ring), ring.direction());
             let start = pairs.first().map_or(0.0, |pair| pair.places[0].dot(direction));
-            let along = |pair: &Pair| pair.middle.dot(direction) - start;
-            pairs.into_iter().map(|pair| (along(&pair), pair)).map(|(along, pair)| gap(pair, Some(along), 1)).collect()
+            let along = |pair: Pair| {
+                let along = pair.middle.dot(direction) - start;
+                gap(pair, Some(along), 1)
+            };
+            pairs.into_iter().map(along).collect()
         }
         _ => return None,
     };

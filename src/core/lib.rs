@@ -20,6 +20,7 @@ pub mod particles;
 pub mod physics;
 pub mod saved;
 pub mod series;
+pub mod side_by_side;
 pub mod solvers;
 pub mod space;
 pub mod statistics;

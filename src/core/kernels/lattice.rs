@@ -150,7 +150,7 @@ impl<L: Laws> LatticeBalance<L> {
             *rate = pair.weight * (potential(pair.second) - potential(pair.first));
         }
         if let Some(front) = &mut self.front {
-            front.update(&around.lattice, enthalpy, |particle| around.laws.potential_of(particle, enthalpy[particle]));
+            front.update(&around.lattice, enthalpy, &around.laws);
         }
         match (&mut self.irregular, &around.slopes) {
             (Some(irregular), None) => irregular.evaluate(enthalpy, time),

@@ -22,8 +22,7 @@ impl<L: Laws> LatticeBalance<L> {
         }
         if let Some(front) = &mut self.front {
             let Around { laws, lattice, materials, .. } = &self.around;
-            let potential = |particle: usize| laws.potential_of(particle, enthalpy[particle]);
-            front.linearise(lattice, enthalpy, potential, |particle| materials.of(particle).largest_slope, slopes);
+            front.linearise(lattice, enthalpy, laws, |particle| materials.of(particle).largest_slope, slopes);
         }
         self.linear_time = time;
         let wall_slopes = self.wall_slopes(enthalpy);

@@ -9,6 +9,8 @@ use crate::physics::potential::{Law, PotentialLaw};
 pub trait Laws: Clone + Send + Sync + 'static {
     /// Potentials (W/m) of neighbouring particles, of which `first` is the first, from their enthalpies (J/m3).
     fn fill(&self, first: usize, enthalpy: &[f64], potentials: &mut [f64]);
+    /// Potentials (W/m) of some particles, told by their places among them, from their enthalpies (J/m3).
+    fn fill_some(&self, particle: impl Fn(usize) -> u32, enthalpy: &[f64], potentials: &mut [f64]);
     /// Potential (W/m) of one particle.
     fn potential_of(&self, particle: usize, enthalpy: f64) -> f64;
     /// Slope dU/dH (m2/s) of one particle.
@@ -18,6 +20,11 @@ pub trait Laws: Clone + Send + Sync + 'static {
 impl<L: PotentialLaw> Laws for L {
     #[inline(always)]
     fn fill(&self, _first: usize, enthalpy: &[f64], potentials: &mut [f64]) {
+        PotentialLaw::fill(self, enthalpy, potentials);
+    }
+
+    #[inline(always)]
+    fn fill_some(&self, _particle: impl Fn(usize) -> u32, enthalpy: &[f64], potentials: &mut [f64]) {
         PotentialLaw::fill(self, enthalpy, potentials);
     }
 
@@ -85,6 +92,14 @@ impl Laws for Runs {
                 }
             }
             done = until;
+        }
+    }
+
+    fn fill_some(&self, particle: impl Fn(usize) -> u32, enthalpy: &[f64], potentials: &mut [f64]) {
+        // What stands for no particle has any law.
+        let last = self.runs.last().map_or(0, |run| run.0 as usize - 1);
+        for (at, (enthalpy, potential)) in enthalpy.iter().zip(potentials).enumerate() {
+            *potential = self.potential_of((particle(at) as usize).min(last), *enthalpy);
         }
     }
 

@@ -18,6 +18,13 @@ pub(super) struct Sharp {
     pub(super) most: f64,
 }
 
+impl Sharp {
+    /// Enthalpy (J/m3) of a particle half frozen.
+    pub(super) fn middle(&self) -> f64 {
+        0.5 * (self.interval.0 + self.interval.1)
+    }
+}
+
 /// The materials that freeze at one temperature, and the stretches of particles whose fronts are followed.
 pub(super) fn stretches(
     materials: &Materials,

@@ -3,6 +3,7 @@
 use crate::memory::{HeapSize, total};
 use crate::physics::latent_heat::Materials;
 use crate::saved::{Pass, Saved};
+use crate::side_by_side::{MinMax, distance};
 
 /// Longest growth and strongest shrinking from one step to the next.
 const MOST_GROWTH: f64 = 2.0;
@@ -93,7 +94,7 @@ pub fn taken_up(state: &[f64], start: &[f64], by_state: f64) -> f64 {
     if start.is_empty() {
         return by_state;
     }
-    state.iter().zip(start).map(|(now, start)| (now - start).abs()).sum()
+    distance(state, start)
 }
 
 /// Least share of the whole range of enthalpies that errors are measured by: below, the rounding of latent heat would be
@@ -188,6 +189,10 @@ impl EnthalpyRange {
     pub fn excess(&self, enthalpy: &[f64]) -> f64 {
         if self.open {
             return 0.0;
+        }
+        if let [MaterialRange { low, high, scale }] = self.by_material[..] {
+            let MinMax { least, greatest, .. } = MinMax::without(enthalpy, &self.exempt);
+            return ((low - least).max(greatest - high) / scale).max(0.0);
         }
         let mut exempt = self.exempt.iter().copied().peekable();
         let mut worst: f64 = 0.0;

@@ -6,11 +6,13 @@ use crate::ledger::{Hermite, Ledger};
 use crate::memory::HeapSize;
 use crate::particles::Particles;
 use crate::saved::{Pass, Saved};
+use crate::side_by_side::{StepColumns, error_and_size, error_of_one};
 use crate::solvers::balance::{Balance, BalanceFacts, Stage, StageColumns, Update};
 use crate::solvers::control::{Control, EnthalpyRange, Judgement, taken_up};
 use crate::solvers::sharp::just_before;
 use crate::solvers::solver::{Solver, SolverReport};
 use crate::solvers::step::{Bound, Clock, StepError};
+use crate::space::volumes::Volumes;
 
 /// Growth of the steps of a fixed chain, from one step to the next: modes that a step cannot resolve have decayed by
 /// the time it is taken.
@@ -214,15 +216,17 @@ impl Rkl2 {
         step
     }
 
-    /// Sum over particles, by their volumes, of the estimated error of a step from `start` to `old` (Sommeijer, Shampine and Verwer 1998:
-    /// the distance to the Hermite interpolant), and of the magnitude of the new state.
-    fn error(&self, start: &[f64], step: f64, volume: impl Fn(usize) -> f64) -> (f64, f64) {
-        let states = start.iter().zip(&self.old);
-        let rates = self.first_rate.iter().zip(&self.last_rate);
+    /// Sum over particles, by their volumes, of the estimated error of a step from `start` to `old` (the distance to the Hermite
+    /// interpolant), and of the magnitude of the new state.
+    fn error(&self, start: &[f64], step: f64, volumes: &Volumes) -> (f64, f64) {
+        let columns: StepColumns<'_> = [start, &self.old, &self.first_rate, &self.last_rate];
+        if volumes.is_even() {
+            return error_and_size(columns, step);
+        }
         let mut sums = (0.0, 0.0);
-        for (i, ((start, end), (first, last))) in states.zip(rates).enumerate() {
-            sums.0 += volume(i) * (0.8 * (start - end) + 0.4 * step * (first + last)).abs();
-            sums.1 += volume(i) * end.abs();
+        for (i, end) in self.old.iter().enumerate() {
+            sums.0 += volumes.share(i) * error_of_one(columns.map(|column| column[i]), step);
+            sums.1 += volumes.share(i) * end.abs();
         }
         sums
     }
@@ -276,10 +280,7 @@ impl Solver for Rkl2 {
             let end = Clock { time: just_before(clock.time, step), ..attempt };
             self.balance.rates(&self.old, &end, &mut self.last_rate, &mut self.patches.last);
             self.work.evaluations += 1;
-            let (error, size) = match volumes.is_even() {
-                true => self.error(state, step, |_| 1.0),
-                false => self.error(state, step, |i| volumes.share(i)),
-            };
+            let (error, size) = self.error(state, step, volumes);
             let size = taken_up(&self.old, &particles.start, size);
             let Pace::Controlled { control, range, .. } = &mut self.pace else { return Ok(step) };
             let leaves = range.excess(&self.old) > EXCESS;

@@ -4,6 +4,7 @@ use frazil_core::boundary::pipe::Extent;
 use frazil_core::particles::Particles;
 use frazil_core::physics::retention::scale::{DRY, head};
 use frazil_core::saved::{Pass, Saved};
+use frazil_core::side_by_side::MinMax;
 use frazil_core::solvers::step::{Bound, Clock};
 use frazil_record::plain;
 use frazil_scene::Scene;
@@ -105,48 +106,42 @@ impl Guard {
     /// # Errors
     /// A particle that is no number, or far from all data.
     pub fn look(&mut self, particles: &Particles, clock: &Clock, bound: &Bound) -> Result<(), Absurd> {
-        let mut skip = self.inside_pipes.iter().copied().peekable();
-        let mut extremes = [(f64::INFINITY, 0usize), (f64::NEG_INFINITY, 0usize)];
-        for (i, enthalpy) in particles.enthalpy.iter().enumerate() {
-            if !enthalpy.is_finite() {
-                return Err(Absurd::new(particles, i, clock, bound, Fault::NotFinite));
-            }
-            if skip.peek() == Some(&(i as u32)) {
-                skip.next();
-                continue;
-            }
-            // Temperature rises with enthalpy: within one material the extremes are those of the enthalpy.
-            if particles.materials.mixed() {
-                let temperature = particles.temperature(i);
-                if temperature < extremes[0].0 {
-                    extremes[0] = (temperature, i);
-                }
-                if temperature > extremes[1].0 {
-                    extremes[1] = (temperature, i);
-                }
-            } else {
-                if *enthalpy < extremes[0].0 {
-                    extremes[0] = (*enthalpy, i);
-                }
-                if *enthalpy > extremes[1].0 {
-                    extremes[1] = (*enthalpy, i);
-                }
-            }
+        let enthalpy = &particles.enthalpy;
+        if !MinMax::of(enthalpy).are_finite {
+            let first = enthalpy.iter().position(|enthalpy| !enthalpy.is_finite()).unwrap_or_default();
+            return Err(Absurd::new(particles, first, clock, bound, Fault::NotFinite));
         }
-        if extremes[0].0 > extremes[1].0 {
+        let (low, high) = self.extremes(particles);
+        if low > high {
             return Ok(());
         }
-        let (low, high) = (particles.temperature(extremes[0].1), particles.temperature(extremes[1].1));
         self.seen = (self.seen.0.min(low), self.seen.1.max(high));
         let width = self.range.1 - self.range.0;
         if !self.open && width > 0.0 {
-            for (temperature, index) in [(low, extremes[0].1), (high, extremes[1].1)] {
+            for temperature in [low, high] {
                 if temperature < self.range.0 - 10.0 * width || temperature > self.range.1 + 10.0 * width {
+                    let kept = |i: &usize| self.inside_pipes.binary_search(&(*i as u32)).is_err();
+                    let has_it = |i: &usize| particles.temperature(*i) == temperature;
+                    let index = (0..particles.len()).filter(kept).find(has_it).unwrap_or_default();
                     return Err(Absurd::new(particles, index, clock, bound, self.out_of_range(temperature)));
                 }
             }
         }
         Ok(())
+    }
+
+    /// Least and greatest temperature outside pipes.
+    fn extremes(&self, particles: &Particles) -> (f64, f64) {
+        if !particles.materials.mixed() {
+            // Temperature rises with enthalpy: within one material the extremes are those of the enthalpy.
+            let MinMax { least, greatest, .. } = MinMax::without(&particles.enthalpy, &self.inside_pipes);
+            let temperature = |enthalpy: f64| particles.materials.of(0).temperature(enthalpy);
+            return if least > greatest { (least, greatest) } else { (temperature(least), temperature(greatest)) };
+        }
+        let mut skip = self.inside_pipes.iter().copied().peekable();
+        let kept = (0..particles.len()).filter(|i| skip.next_if_eq(&(*i as u32)).is_none());
+        let wider = |(low, high): (f64, f64), temperature: f64| (low.min(temperature), high.max(temperature));
+        kept.map(|i| particles.temperature(i)).fold((f64::INFINITY, f64::NEG_INFINITY), wider)
     }
 
     fn out_of_range(&self, found: f64) -> Fault {

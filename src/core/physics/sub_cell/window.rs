@@ -1,0 +1,244 @@
+//! What lies around freezing particles, some of them side by side.
+
+use super::pairs::Near;
+use crate::memory::HeapSize;
+use crate::physics::laws::Laws;
+use crate::space::lattice::Lattice;
+
+/// No particle.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// What lies around `L` freezing particles, place by place: rows of places around each, of which it has the middle.
+#[derive(Debug, Clone)]
+pub(super) struct Window<const L: usize> {
+    /// Places of a row.
+    width: usize,
+    /// Whether, of each freezing particle, all particles of a row of places stand one after the other; and the first of each row.
+    is_whole: [bool; L],
+    firsts: Vec<[u32; L]>,
+    /// Particles, where it is not so; [`NONE`] where there is none.
+    particles: Vec<[u32; L]>,
+    /// Their potentials (W/m) less that of the front, zero where there is none.
+    pub(super) above: Vec<[f64; L]>,
+    /// All bits of a place whose particle freezes, none of any other.
+    pub(super) freezing: Vec<[u64; L]>,
+    /// What fronts add to their rates (W/m3).
+    pub(super) changes: Vec<[f64; L]>,
+    /// Frozen fractions of the particles in the middle.
+    pub(super) fractions: [f64; L],
+    /// By axis, the least and greatest sums of the offsets of both ends of a pair at which no open wall makes an image of one end
+    /// for the other.
+    pub(super) free: [[[i64; L]; 2]; 2],
+    /// Whether walls are so far that all sums of offsets are free.
+    pub(super) is_clear: bool,
+    /// How many freezing particles there are; what lies around the others is empty.
+    pub(super) count: usize,
+    /// How near the fronts are, by spacings from the middle.
+    pub(super) near: Vec<Near<L>>,
+    /// Potential (W/m) of the fronts.
+    at_front: f64,
+    /// Enthalpies (J/m3) of the particles.
+    enthalpies: Vec<[f64; L]>,
+}
+
+/// What surrounds windows.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surroundings {
+    /// Offsets that pairs reach along rows and columns.
+    pub(super) reach: (i64, i64),
+    /// Left, right, bottom, top: whether what lies beyond is the mirror image of the body.
+    pub(super) mirrors: [bool; 4],
+}
+
+impl Surroundings {
+    /// Places of a window.
+    fn size(&self) -> usize {
+        self.width() * (2 * self.reach.1 + 1) as usize
+    }
+
+    /// Places of a row of a window.
+    fn width(&self) -> usize {
+        (2 * self.reach.0 + 1) as usize
+    }
+
+    /// The place of an offset from the middle.
+    pub(super) fn place(&self, (x, y): (i64, i64)) -> u32 {
+        ((y + self.reach.1) * (2 * self.reach.0 + 1) + x + self.reach.0) as u32
+    }
+}
+
+/// The place of the image, in a body of `count` cells with mirrors at its ends, of a place on the same axis.
+fn reflected(mut place: i64, count: i64, (low, high): (bool, bool)) -> i64 {
+    while low && place < 0 || high && place >= count {
+        place = if place < 0 { -1 - place } else { 2 * count - 1 - place };
+    }
+    place
+}
+
+/// Sums of the offsets of both ends of a pair from a place, least and greatest, at which neither end reaches the image of
+/// the other beyond an open end of the axis.
+fn free(place: i64, count: i64, reach: i64, (low, high): (bool, bool)) -> [i64; 2] {
+    let least = if low { i64::MIN } else { reach - 2 * place };
+    [least, if high { i64::MAX } else { 2 * (count - 1 - place) - reach }]
+}
+
+impl<const L: usize> Window<L> {
+    /// Windows for pairs of at most some spacings.
+    pub(super) fn new(surroundings: &Surroundings, longest: usize) -> Self {
+        let (size, width) = (surroundings.size(), surroundings.width());
+        Window {
+            width,
+            is_whole: [true; L],
+            firsts: vec![[0; L]; size / width],
+            particles: vec![[NONE; L]; size],
+            above: vec![[0.0; L]; size],
+            freezing: vec![[0; L]; size],
+            changes: vec![[0.0; L]; size],
+            fractions: [0.5; L],
+            free: [[[0; L]; 2]; 2],
+            is_clear: true,
+            count: 0,
+            near: vec![Near::NOWHERE; longest + 1],
+            at_front: 0.0,
+            enthalpies: vec![[0.0; L]; size],
+        }
+    }
+
+    /// Looks around freezing particles, no more than `L`, given by their cells and frozen fractions, by the laws and enthalpies (J/m3)
+    /// of all particles and the potential (W/m) of the front.
+    #[inline(always)]
+    pub(super) fn look_around(
+        &mut self,
+        (lattice, surroundings): (&Lattice, &Surroundings),
+        fronts: &[((i64, i64), f64)],
+        (laws, enthalpy): (&impl Laws, &[f64]),
+        (at_front, freezing): (f64, f64),
+    ) {
+        self.count = fronts.len();
+        self.is_clear = true;
+        for (lane, (cell, fraction)) in fronts.iter().enumerate() {
+            self.fractions[lane] = *fraction;
+            self.is_clear &= self.see(lane, (lattice, surroundings), *cell, (enthalpy, freezing));
+        }
+        for lane in fronts.len()..L {
+            self.is_whole[lane] = true;
+            self.enthalpies.iter_mut().for_each(|enthalpies| enthalpies[lane] = freezing);
+        }
+        let mut above = std::mem::take(&mut self.above);
+        laws.fill_some(|at| self.particle(at / L, at % L), self.enthalpies.as_flattened(), above.as_flattened_mut());
+        self.above = above;
+        self.at_front = at_front;
+    }
+
+    /// The particle at a place.
+    #[inline(always)]
+    pub(super) fn particle(&self, place: usize, lane: usize) -> u32 {
+        if self.is_whole[lane] {
+            self.firsts[place / self.width][lane] + (place % self.width) as u32
+        } else {
+            self.particles[place][lane]
+        }
+    }
+
+    /// Takes the potential of the front from all others, and notes which particles freeze.
+    #[inline(always)]
+    pub(super) fn note_phases(&mut self) {
+        let (above, freezing) = (self.above.as_flattened_mut(), self.freezing.as_flattened_mut());
+        for (above, freezing) in above.iter_mut().zip(freezing) {
+            *above -= self.at_front;
+            *freezing = if *above == 0.0 { u64::MAX } else { 0 };
+        }
+        for lane in (0..self.count).filter(|lane| !self.is_whole[*lane]) {
+            for ((above, freezing), particles) in self.above.iter_mut().zip(&mut self.freezing).zip(&self.particles) {
+                if particles[lane] == NONE {
+                    (above[lane], freezing[lane]) = (0.0, 0);
+                }
+            }
+        }
+    }
+
+    /// Sees the particles around one, whose number in the window is `lane`; returns whether walls are far.
+    #[inline(always)]
+    fn see(
+        &mut self,
+        lane: usize,
+        (lattice, surroundings): (&Lattice, &Surroundings),
+        (column, row): (i64, i64),
+        (enthalpy, freezing): (&[f64], f64),
+    ) -> bool {
+        let Surroundings { reach: (across, along), mirrors: [left, right, bottom, top] } = *surroundings;
+        let (columns, rows) = (lattice.columns as i64, lattice.rows as i64);
+        let ranges = [free(column, columns, across, (left, right)), free(row, rows, along, (bottom, top))];
+        let mut is_clear = true;
+        for ((free, range), reach) in self.free.iter_mut().zip(ranges).zip([across, along]) {
+            (free[0][lane], free[1][lane]) = (range[0], range[1]);
+            is_clear &= range[0] <= -2 * reach && 2 * reach <= range[1];
+        }
+        let width = self.width;
+        let rows_of_places = || (row - along..=row + along).map(|row| reflected(row, rows, (bottom, top)));
+        // Mostly all rows are there, each one particle after the other.
+        let stands = |row: i64| {
+            (0..rows).contains(&row) && {
+                let (first, end) = lattice.span(row as usize);
+                column - across >= first as i64 && column + across < end as i64
+            }
+        };
+        self.is_whole[lane] = rows_of_places().all(stands);
+        let enthalpies = self.enthalpies.chunks_exact_mut(width);
+        if self.is_whole[lane] {
+            for ((enthalpies, firsts), row) in enthalpies.zip(&mut self.firsts).zip(rows_of_places()) {
+                let first = lattice.start(row as usize) + (column - across) as usize - lattice.span(row as usize).0;
+                firsts[lane] = first as u32;
+                for (enthalpies, enthalpy) in enthalpies.iter_mut().zip(&enthalpy[first..first + width]) {
+                    enthalpies[lane] = *enthalpy;
+                }
+            }
+            return is_clear;
+        }
+        let places = enthalpies.zip(self.particles.chunks_exact_mut(width));
+        for ((enthalpies, particles), row) in places.zip(rows_of_places()) {
+            for ((enthalpies, particles), dx) in enthalpies.iter_mut().zip(particles).zip(-across..=across) {
+                let column = reflected(column + dx, columns, (left, right));
+                let other = lattice.index(column, row);
+                particles[lane] = other.map_or(NONE, |other| other as u32);
+                enthalpies[lane] = other.map_or(freezing, |other| enthalpy[other]);
+            }
+        }
+        is_clear
+    }
+
+    /// Adds what fronts exchange to a list, front by front.
+    #[inline(always)]
+    pub(super) fn collect(&self, changes: &mut Vec<(u32, f64)>) {
+        for lane in 0..self.count {
+            let start = changes.len();
+            changes.resize(start + self.changes.len(), (NONE, 0.0));
+            // Whether a particle is changed cannot be guessed: all are written, and those that are not are written over.
+            let (slots, mut count) = (&mut changes[start..], 0);
+            let mut note = |particle: u32, change: f64| {
+                if let Some(slot) = slots.get_mut(count) {
+                    *slot = (particle, change);
+                }
+                count += usize::from(change != 0.0);
+            };
+            if self.is_whole[lane] {
+                for (firsts, all) in self.firsts.iter().zip(self.changes.chunks_exact(self.width)) {
+                    (firsts[lane]..).zip(all).for_each(|(particle, changes)| note(particle, changes[lane]));
+                }
+            } else {
+                let all = self.particles.iter().zip(&self.changes);
+                all.for_each(|(particles, changes)| note(particles[lane], changes[lane]));
+            }
+            changes.truncate(start + count);
+        }
+    }
+}
+
+impl<const L: usize> HeapSize for Window<L> {
+    fn heap_size(&self) -> usize {
+        let places = (self.particles.capacity() + self.firsts.capacity()) * size_of::<[u32; L]>();
+        let numbers = self.above.capacity() + self.changes.capacity() + self.enthalpies.capacity();
+        let near = self.near.capacity() * size_of::<Near<L>>();
+        places + near + (numbers + self.freezing.capacity()) * size_of::<[f64; L]>()
+    }
+}

@@ -1,0 +1,197 @@
+//! Sums and extremes over columns of numbers, several numbers side by side: in the same order, and so to the same bits, whatever vectors
+//! a processor has.
+
+use crate::instruction_set::widest;
+
+/// Numbers that are added or compared side by side.
+const LANES: usize = 8;
+
+/// The least and the greatest of some numbers; infinite, the wrong way round, of none. What is no number counts as neither.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MinMax {
+    /// The least.
+    pub least: f64,
+    /// The greatest.
+    pub greatest: f64,
+    /// Whether all are finite.
+    pub are_finite: bool,
+}
+
+impl MinMax {
+    /// Of no numbers.
+    pub const NONE: Self = MinMax { least: f64::INFINITY, greatest: f64::NEG_INFINITY, are_finite: true };
+
+    /// Of some numbers.
+    pub fn of(values: &[f64]) -> Self {
+        let mut all = Self::NONE;
+        extremes_widely(values, &mut all);
+        all
+    }
+
+    /// Of these and others.
+    #[must_use]
+    pub fn and(self, other: &Self) -> Self {
+        MinMax {
+            least: self.least.min(other.least),
+            greatest: self.greatest.max(other.greatest),
+            are_finite: self.are_finite && other.are_finite,
+        }
+    }
+
+    /// Of all numbers but those at some places, which come in order.
+    pub fn without(values: &[f64], places: &[u32]) -> Self {
+        let (mut all, mut first) = (Self::NONE, 0);
+        for place in places {
+            let place = (*place as usize).min(values.len());
+            all = all.and(&Self::of(&values[first.min(place)..place]));
+            first = place + 1;
+        }
+        all.and(&Self::of(values.get(first..).unwrap_or_default()))
+    }
+}
+
+widest!(extremes_widely, extremes_of, (values: &[f64], all: &mut MinMax));
+
+#[inline(always)]
+fn extremes_of(values: &[f64], all: &mut MinMax) {
+    let (groups, rest) = values.as_chunks::<LANES>();
+    // Zero times what is not finite is no number, and stays so.
+    let (mut least, mut greatest, mut zeros) = ([all.least; LANES], [all.greatest; LANES], [0.0; LANES]);
+    for group in groups {
+        for lane in 0..LANES {
+            least[lane] = least[lane].min(group[lane]);
+            greatest[lane] = greatest[lane].max(group[lane]);
+            zeros[lane] += 0.0 * group[lane];
+        }
+    }
+    for lane in 0..LANES {
+        all.least = all.least.min(least[lane]);
+        all.greatest = all.greatest.max(greatest[lane]);
+        all.are_finite &= zeros[lane] == 0.0;
+    }
+    for value in rest {
+        all.least = all.least.min(*value);
+        all.greatest = all.greatest.max(*value);
+        all.are_finite &= value.is_finite();
+    }
+}
+
+/// What is added up over a step: the start, the end, the rates at the start and at the end.
+pub type StepColumns<'a> = [&'a [f64]; 4];
+
+/// Sum of the magnitudes of what a cubic through both ends of a step lacks of being straight, as it estimates the error of a step
+/// (Sommeijer, Shampine and Verwer 1998), and of the magnitudes of the end.
+pub fn error_and_size(columns: StepColumns<'_>, step: f64) -> (f64, f64) {
+    let mut sums = [0.0; 2];
+    error_widely(columns, step, &mut sums);
+    (sums[0], sums[1])
+}
+
+widest!(error_widely, error_of, (columns: StepColumns<'_>, step: f64, sums: &mut [f64; 2]));
+
+#[inline(always)]
+fn error_of(columns: StepColumns<'_>, step: f64, sums: &mut [f64; 2]) {
+    let [start, end, first, last] = columns.map(|column| column.as_chunks::<LANES>());
+    let (mut errors, mut sizes) = ([0.0; LANES], [0.0; LANES]);
+    for (((start, end), first), last) in start.0.iter().zip(end.0).zip(first.0).zip(last.0) {
+        for lane in 0..LANES {
+            errors[lane] += error_of_one([start[lane], end[lane], first[lane], last[lane]], step);
+            sizes[lane] += end[lane].abs();
+        }
+    }
+    for (((start, end), first), last) in start.1.iter().zip(end.1).zip(first.1).zip(last.1) {
+        errors[0] += error_of_one([*start, *end, *first, *last], step);
+        sizes[0] += end.abs();
+    }
+    *sums = [errors.iter().sum(), sizes.iter().sum()];
+}
+
+/// The same of one particle.
+#[inline(always)]
+pub fn error_of_one([start, end, first, last]: [f64; 4], step: f64) -> f64 {
+    (0.8 * (start - end) + 0.4 * step * (first + last)).abs()
+}
+
+/// Sum of the magnitudes of the differences of two columns.
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    distance_widely(a, b, &mut sum);
+    sum
+}
+
+widest!(distance_widely, distance_of, (a: &[f64], b: &[f64], sum: &mut f64));
+
+#[inline(always)]
+fn distance_of(a: &[f64], b: &[f64], sum: &mut f64) {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        for lane in 0..LANES {
+            sums[lane] += (a[lane] - b[lane]).abs();
+        }
+    }
+    for (a, b) in a_rest.iter().zip(b_rest) {
+        sums[0] += (a - b).abs();
+    }
+    *sum = sums.iter().sum();
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::instruction_set::{InstructionSet, limit};
+
+    proptest! {
+        #[test]
+        fn sums_and_extremes_are_those_of_a_plain_loop(
+            values in prop::collection::vec(-1e3_f64..1e3, 0..70),
+            absent in prop::collection::btree_set(0_u32..70, 0..5),
+        ) {
+            let other: Vec<f64> = values.iter().rev().copied().collect();
+            let places: Vec<u32> = absent.iter().copied().collect();
+            let kept = |i: &usize| !absent.contains(&(*i as u32));
+            let kept: Vec<f64> = (0..values.len()).filter(kept).map(|i| values[i]).collect();
+            let found = MinMax::without(&values, &places);
+            prop_assert_eq!(found.least, kept.iter().copied().fold(f64::INFINITY, f64::min));
+            prop_assert_eq!(found.greatest, kept.iter().copied().fold(f64::NEG_INFINITY, f64::max));
+            prop_assert!(found.are_finite);
+            let plain: f64 = values.iter().zip(&other).map(|(a, b)| (a - b).abs()).sum();
+            // Rounding of fewer than a hundred terms.
+            let rounding = 100.0 * f64::EPSILON;
+            prop_assert!((distance(&values, &other) - plain).abs() <= rounding * plain);
+            let columns = [&values[..], &other, &other, &values];
+            let (error, size) = error_and_size(columns, 0.5);
+            let errors = (0..values.len()).map(|i| error_of_one(columns.map(|column| column[i]), 0.5));
+            let (plain, plain_size) = (errors.sum::<f64>(), other.iter().map(|end| end.abs()).sum::<f64>());
+            prop_assert!((error - plain).abs() <= rounding * plain && (size - plain_size).abs() <= rounding * plain_size);
+        }
+    }
+
+    #[test]
+    fn what_is_not_finite_is_found_in_any_lane() {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            for place in 0..21 {
+                let mut values = [1.0; 21];
+                values[place] = bad;
+                assert!(!MinMax::of(&values).are_finite, "{bad} at {place}");
+            }
+        }
+        assert_eq!(MinMax::of(&[]), MinMax::NONE);
+    }
+
+    #[test]
+    fn all_vectors_give_the_same_bits() {
+        let values: Vec<f64> = (0..1003).map(|k| f64::from(k * 7919 % 1009) / 7.0 - 60.0).collect();
+        let other: Vec<f64> = values.iter().rev().copied().collect();
+        let all = |set| {
+            limit(set);
+            let found = (error_and_size([&values, &other, &other, &values], 0.3), distance(&values, &other));
+            limit(InstructionSet::Avx512);
+            found
+        };
+        let [narrowest, rest @ ..] = InstructionSet::ALL.map(all);
+        assert!(rest.iter().all(|found| *found == narrowest));
+    }
+}

@@ -24,6 +24,7 @@ mod excavation;
 mod extreme;
 mod fields;
 mod forecasts;
+mod formulas;
 mod freezing_curves;
 mod front_door;
 mod fuzzed;

@@ -5,6 +5,7 @@ pub mod column;
 pub mod corner;
 pub mod exact;
 pub mod fluids;
+pub mod formula;
 pub mod groundwater;
 pub mod layouts;
 pub mod measured;
@@ -59,6 +60,7 @@ pub fn truth(scene: &Scene) -> Result<Truth, NoReference> {
         ReferenceChoice::None | ReferenceChoice::Local => found(None),
         ReferenceChoice::Auto => found(fitting(scene)),
         ReferenceChoice::Measured(points) => found(Some(Box::new(measured::Points::of_scene(scene, points)))),
+        ReferenceChoice::Formula(formula) => found(Some(Box::new(formula::Prescribed::of_scene(scene, formula)))),
         ReferenceChoice::Exact => match exact_solution(scene) {
             Ok(solution) => found(Some(solution)),
             // A wall that follows the solution cannot be without it.
@@ -79,7 +81,7 @@ fn exact_solution(scene: &Scene) -> Result<Box<dyn Reference>, Unsolved> {
         return Err(Unsolved::Body("a scene whose ground varies at random"));
     }
     if scene.initial_profile.is_some() {
-        return Err(Unsolved::Body("a scene whose start varies along an axis"));
+        return Err(Unsolved::Body("a scene whose start varies in place"));
     }
     if scene.of_water {
         return wetting::exact_solution(scene);

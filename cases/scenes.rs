@@ -67,6 +67,8 @@ pub fn all() -> &'static [BundledScene] {
         "frozen-wall-seepage",
         "freezing-row",
         "lining-hydration",
+        "manufactured-conduction",
+        "manufactured-freezing",
         "cracked-plate",
         "thick-pipe-temperature",
         "thick-pipe-flux",

@@ -96,11 +96,13 @@ fn run_and_rerun(own: &Path, run: &[&str]) {
 
 #[test]
 fn runs_are_made_again_from_their_records_to_the_same_bits() {
-    let runs: [&[&str]; 5] = [
+    let runs: [&[&str]; 6] = [
         &["stefan-water", "--method", "pd"],
         &["stefan-dpd-1", "--method", "edpd", "--seed", "3", "--set", "time.duration=5"],
         &["own.toml", "--method", "sph", "--set", "method.sph.spacing_m=0.004"],
         &["copper-sphere", "--method", "local"],
+        // Its start, a wall, its source and its reference are formulas.
+        &["manufactured-conduction", "--method", "sph", "--set", "method.sph.spacing_m=0.1"],
         &["soil-column-printed", "--method", "pd", "--reduce", "--set", "time.duration_h=2"],
     ];
     for run in runs {

@@ -137,12 +137,13 @@ fn a_cosine_decays() {
 /// `gravity::closed_columns_come_to_rest_with_one_total_head`.
 #[test]
 fn hanging_water_stays() {
-    for kind in even() {
+    let profiles = ["{ x_m = [0, 1], values = [-0.5, -1.5] }", "{ formula = \"-0.5 - x\" }"];
+    for (kind, profile) in even().flat_map(|kind| profiles.map(|profile| (kind, profile))) {
         let mut sketch = Sketch::new(Domain::Line { length: 1.0 }, 0.02);
         (sketch.of_water, sketch.duration_s, sketch.outputs) = (true, 1e6, 2);
         sketch.materials = vec![("soil", soil())];
         sketch.gravity = "towards = \"left\"".into();
-        sketch.initial_along = "{ x_m = [0, 1], values = [-0.5, -1.5] }".into();
+        sketch.initial_along = profile.into();
         let mut plan = sketch.plan(kind);
         let spread = |plan: &Plan| {
             let mut range = (f64::MAX, f64::MIN);

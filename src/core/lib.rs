@@ -10,6 +10,7 @@ pub mod bonds;
 pub mod boundary;
 pub mod breakage;
 pub mod compiled;
+pub mod formula;
 pub mod instruction_set;
 pub mod kernels;
 pub mod ledger;

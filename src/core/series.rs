@@ -1,6 +1,10 @@
 //! Quantities and work that change in time.
 
-/// A quantity that is constant or given as a table in time (linear between rows, constant beyond them).
+use std::sync::Arc;
+
+use crate::formula::OverTime;
+
+/// A quantity that is constant or given as a table in time (linear between rows, constant beyond them) or as a formula.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Series {
     /// The same at all times.
@@ -14,6 +18,8 @@ pub enum Series {
         /// Length of one period (s).
         period: f64,
     },
+    /// A formula of the time.
+    Formula(Arc<OverTime>),
 }
 
 impl Series {
@@ -43,6 +49,7 @@ impl Series {
                     between(rows[after - 1], rows[after], t)
                 }
             }
+            Series::Formula(formula) => formula.at(t),
         }
     }
 
@@ -53,10 +60,11 @@ impl Series {
             Series::Constant(value) => Series::Constant(factor * value),
             Series::Table(rows) => Series::Table(scale(rows)),
             Series::Repeated { rows, period } => Series::Repeated { rows: scale(rows), period: *period },
+            Series::Formula(formula) => Series::Formula(Arc::new(formula.scaled(factor))),
         }
     }
 
-    /// The first instant after `t` (s) at which the series bends or jumps.
+    /// The first instant after `t` (s) at which the series bends, jumps or, as a formula, turns.
     pub fn next_bend(&self, t: f64) -> Option<f64> {
         match self {
             Series::Constant(_) => None,
@@ -67,11 +75,15 @@ impl Series {
                 let instants = instants.flat_map(|cycle| rows.iter().map(move |row| cycle * period + row.0));
                 instants.filter(|instant| *instant > t).reduce(f64::min)
             }
+            Series::Formula(formula) => formula.next_turn(t),
         }
     }
 
     /// Integral over time from 0 to `t` (s).
     pub fn integral(&self, t: f64) -> f64 {
+        if let Series::Formula(formula) = self {
+            return formula.integral(t);
+        }
         let (mut sum, mut start) = (0.0, 0.0);
         while start < t {
             let end = self.next_bend(start).map_or(t, |bend| bend.min(t));
@@ -93,13 +105,14 @@ impl Series {
         self.constant().is_none()
     }
 
-    /// Least and greatest value over all times.
+    /// Least and greatest value over all times, of a formula over those of the run.
     pub fn range(&self) -> (f64, f64) {
         match self {
             Series::Constant(value) => (*value, *value),
             Series::Table(rows) | Series::Repeated { rows, .. } => {
                 rows.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(lo, hi), row| (lo.min(row.1), hi.max(row.1)))
             }
+            Series::Formula(formula) => formula.range(),
         }
     }
 }

@@ -40,7 +40,7 @@ pub enum Feature {
     WallParts,
     /// Regions that release heat.
     HeatSources,
-    /// A start that varies along an axis.
+    /// A start that varies in place.
     InitialProfile,
     /// A material that freezes over an interval.
     FreezingCurve,
@@ -236,7 +236,7 @@ const FEATURES: [(Feature, &str, Place); 34] = [
     (Feature::Ring, "the domain \"ring\"", Place::Scene("domain")),
     (Feature::WallParts, "a wall in parts", Place::Scene("walls")),
     (Feature::HeatSources, "\"heat\" of a region", Place::Scene("regions")),
-    (Feature::InitialProfile, "a start that varies along an axis", Place::Scene("initial")),
+    (Feature::InitialProfile, "a start that varies in place", Place::Scene("initial")),
     (Feature::FreezingCurve, "a material that freezes over an interval", Place::Scene("materials")),
     (Feature::NothingSharp, "materials without a sharp freezing point", Place::Scene("materials")),
     (Feature::OwnSteps, "a method with its own time steps", Place::Method),

@@ -25,7 +25,7 @@ pub use frazil_record::TimeUnit;
 pub use measured::{Event, Measured, MeasuredPoint, Quantity};
 pub use pipe_name::{NoPipeName, PipeName};
 pub use pipe_ring::PipeRing;
-pub use profile::Profile;
+pub use profile::{Profile, ProfileValues};
 pub use random::RandomGround;
 pub use read::{
     Change, Duration, Heading, Key, MOST_BYTES, Noted, Problem, Problems, Range, Read, Section, Spot, heading,

@@ -5,6 +5,7 @@ mod cracks;
 mod every_key;
 mod excavation;
 mod flow;
+mod formulas;
 mod gravity;
 mod ground;
 mod numerics;
@@ -38,13 +39,14 @@ use crate::files::Source;
 use crate::method::MethodKind;
 use crate::names;
 use crate::pipe_ring::PipeRing;
-use crate::profile::Profile;
+use crate::profile::{Profile, ProfileValues};
 use crate::random::RandomGround;
 use crate::region::{Region, Shape};
 use crate::scene::{Scene, Temperatures, WallPart, Watch, has_flux};
 use crate::solute::Solute;
 use crate::stream::Stream;
 use crate::units::Units;
+use formulas::Run;
 use problem::Log;
 use section::Along;
 use water::{Balance, Heads};
@@ -216,7 +218,7 @@ struct Asked {
     in_parts: bool,
     /// Whether regions release heat.
     heated: bool,
-    /// Whether the start varies along an axis.
+    /// Whether the start varies in place.
     slopes: bool,
 }
 
@@ -298,14 +300,14 @@ fn initial(root: &mut Section<'_>, domain: Option<&Domain>, balance: &Balance) -
 
 /// What a start is as one number, and how it varies.
 fn start(along: Along, of_heads: bool) -> (f64, Option<Profile>) {
-    match along {
-        Along::Even(state) => (state, None),
-        Along::Axis { along_y, rows } => {
-            let profile = Profile { along_y, values: Series::Table(rows), of_heads };
-            let (least, greatest) = profile.range();
-            (0.5 * (least + greatest), Some(profile))
-        }
-    }
+    let values = match along {
+        Along::Even(state) => return (state, None),
+        Along::Axis { along_y, rows } => ProfileValues::Axis { along_y, series: Series::Table(rows) },
+        Along::Formula { formula, range } => ProfileValues::Formula { formula, range },
+    };
+    let profile = Profile { values, of_heads };
+    let (least, greatest) = profile.range();
+    (0.5 * (least + greatest), Some(profile))
 }
 
 /// Least and greatest temperature that a scene names, as far as it could be read.
@@ -340,6 +342,8 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
     let domain = body::domain(&mut root);
     let body = domain.as_ref().ok();
     let mut time = watch::time(&mut root);
+    let duration = time.as_ref().ok().map(|time| time.duration.seconds);
+    root.set_run(Run { domain: body.copied(), duration });
     let of_water = root.choice_or("balance", &[("heat", false), ("water", true)], false);
     let (materials, (regions, impermeable), mut balance) = filling(&mut root, body, of_water);
     // The checks of combinations would speak of the wrong materials if some were missing.

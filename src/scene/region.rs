@@ -4,7 +4,7 @@ mod ellipse;
 
 pub use ellipse::Ellipse;
 
-use frazil_core::series::Series;
+use frazil_core::balances::heated::Power;
 use glam::DVec2;
 
 use crate::scene::Scene;
@@ -19,8 +19,8 @@ pub struct Region {
     pub material: Option<usize>,
     /// Temperature at the start, where it has one of its own.
     pub temperature: Option<f64>,
-    /// Heat that it releases by volume and time (W/m3) over time, where it does.
-    pub heat: Option<Series>,
+    /// Heat that it releases, where it does.
+    pub heat: Option<Power>,
     /// Where it is.
     pub shape: Shape,
 }

@@ -1,9 +1,11 @@
 //! The physics of a run: body, materials, walls, pipes, water, and what is observed.
 
 use frazil_core::balances::groundwater::ground::Flow;
+use frazil_core::balances::heated::Power;
 use frazil_core::boundary::condition::Condition;
 use frazil_core::boundary::pipe::Pipe;
 use frazil_core::breakage::crack::{Crack, Growth};
+use frazil_core::formula::Formula;
 use frazil_core::physics::material::Material;
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Surface};
@@ -92,6 +94,8 @@ pub enum ReferenceChoice {
     Table(String),
     /// What instruments have measured.
     Measured(Measured),
+    /// A formula of the temperature by place and time.
+    Formula(Formula),
     /// The local method on finer lattices, accepted only if shown converged.
     Local,
     /// Whatever of the above fits first, in that order.
@@ -364,7 +368,7 @@ impl Scene {
         ends.into_iter().all(|wall| self.is_closed(wall))
             && self.flow.as_ref().is_none_or(dry)
             && !self.gravity.is_some_and(|towards| ends.contains(&towards))
-            && self.initial_profile.as_ref().is_none_or(|profile| profile.along_y != y)
+            && !self.initial_profile.as_ref().is_some_and(|profile| profile.varies_along(y))
             && self.regions.iter().all(reaches)
             && !self.has_barriers()
             && self.rings.is_empty()
@@ -405,11 +409,14 @@ impl Scene {
     }
 
     /// The first instant after `t` (s) at which the temperature, flux or film of a wall, the temperature of pipes or a source of
-    /// heat bends or jumps, or a crack opens or begins to grow: long steps land on it.
+    /// heat bends, jumps or turns, or a crack opens or begins to grow: long steps land on it.
     pub fn next_bend(&self, t: f64) -> Option<f64> {
         let walls = self.conditions().flat_map(Condition::series);
         let rings = self.rings.iter().map(|ring| &ring.temperature);
-        let sources = self.regions.iter().filter_map(|region| region.heat.as_ref());
+        let sources = self.regions.iter().filter_map(|region| match &region.heat {
+            Some(Power::Even(series)) => Some(series),
+            Some(Power::Formula(_)) | None => None,
+        });
         let bends = walls.chain(rings).chain(sources).filter_map(|series| series.next_bend(t));
         let cracks = self.cracks.iter().flat_map(|crack| match &crack.growth {
             Growth::Whole { start } | Growth::Steady { start, .. } => vec![*start],

@@ -122,6 +122,10 @@ fn direction(scene: &Scene) -> Option<f64> {
                 rows.first().is_some_and(|row| away(row.1))
                     && rows.windows(2).all(|pair| sign * (pair[0].1 - pair[1].1) >= 0.0)
             }
+            Series::Formula(formula) => {
+                let (first, last) = (formula.at(0.0), formula.at(scene.duration));
+                away(first) && formula.next_turn(0.0).is_none() && sign * (first - last) >= 0.0
+            }
         }
     };
     [1.0, -1.0].into_iter().find(|sign| {

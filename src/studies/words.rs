@@ -2,6 +2,7 @@
 
 mod of_water;
 
+use frazil_core::balances::heated::Power;
 use frazil_core::boundary::condition::Condition;
 use frazil_core::breakage::crack::{Crack, Growth};
 use frazil_core::physics::material::{Material, Phase};
@@ -11,7 +12,7 @@ use frazil_core::space::wall::PatchId;
 use frazil_plots::page::Fact;
 use frazil_plots::style::{length, number};
 use frazil_scene::region::Ellipse;
-use frazil_scene::{PipeRing, Scene, Shape, Units};
+use frazil_scene::{PipeRing, ProfileValues, Scene, Shape, Units};
 use glam::DVec2;
 
 /// A text with a capital at its beginning.
@@ -40,7 +41,7 @@ pub fn parameters(scene: &Scene) -> Vec<Fact> {
     facts.extend((1..).zip(&scene.regions).map(|(number, region)| {
         let material = region.material.map(|index| format!(", of {}", scene.materials[index].name));
         let start = region.temperature.map(|start| format!(", starts at {}", words.state(start)));
-        let heat = region.heat.as_ref().map(|heat| format!(", releases {}", words.series(heat, "W/m³")));
+        let heat = region.heat.as_ref().map(|heat| format!(", releases {}", words.power(heat)));
         let all = [Some(words.shape(&region.shape)), material, start, heat].into_iter().flatten().collect::<String>();
         Fact::new(format!("Region {number}"), all)
     }));
@@ -92,11 +93,29 @@ impl Words<'_> {
     /// The start of the body, outside of regions that have their own.
     fn start(&self) -> String {
         let Some(profile) = &self.scene.initial_profile else { return self.state(self.scene.initial_temperature) };
-        let [first, .., last] = profile.rows() else { return String::new() };
-        let (axis, unit) = (if profile.along_y { "y" } else { "x" }, if profile.of_heads { "m" } else { "°C" });
-        let at = |row: &(f64, f64)| format!("{} at {axis} = {}", self.with(row.1, unit), self.with(row.0, "m"));
+        let unit = if profile.of_heads { "m" } else { "°C" };
         let words = if profile.of_heads { "pressure head of " } else { "" };
-        format!("{words}{} to {}, by a table of {} places", at(first), at(last), profile.rows().len())
+        match &profile.values {
+            ProfileValues::Axis { along_y, series: Series::Table(rows) } => {
+                let [first, .., last] = &rows[..] else { return String::new() };
+                let axis = if *along_y { "y" } else { "x" };
+                let at = |row: &(f64, f64)| format!("{} at {axis} = {}", self.with(row.1, unit), self.with(row.0, "m"));
+                format!("{words}{} to {}, by a table of {} places", at(first), at(last), rows.len())
+            }
+            ProfileValues::Axis { series, .. } => format!("{words}{}", self.series(series, unit)),
+            ProfileValues::Formula { formula, range: (least, greatest) } => {
+                let (least, greatest) = (number(*least, 4), self.with(*greatest, unit));
+                format!("{words}{}, {least} to {greatest}", formula.text())
+            }
+        }
+    }
+
+    /// Heat that a region releases.
+    fn power(&self, power: &Power) -> String {
+        match power {
+            Power::Even(series) => self.series(series, "W/m³"),
+            Power::Formula(formula) => format!("{}{}", formula.text(), if self.si { " W/m³" } else { "" }),
+        }
     }
 
     /// A wall or a part of one.
@@ -120,6 +139,9 @@ impl Words<'_> {
             Series::Constant(value) => self.with(*value, unit),
             Series::Table(rows) => format!("a table of {} instants", rows.len()),
             Series::Repeated { rows, .. } => format!("a repeated table of {} instants", rows.len()),
+            Series::Formula(formula) => {
+                format!("{}{}", formula.text(), if self.si { format!(" {unit}") } else { String::new() })
+            }
         }
     }
 

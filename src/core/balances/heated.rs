@@ -1,5 +1,8 @@
 //! Heat that is released inside the body: by the hydration of concrete, by currents, by decay.
 
+use glam::DVec2;
+
+use crate::formula::Formula;
 use crate::ledger::Source;
 use crate::memory::HeapSize;
 use crate::saved::{Pass, Saved};
@@ -8,13 +11,22 @@ use crate::solvers::balance::{Balance, BalanceFacts, Companion, Rates, StageColu
 use crate::solvers::passenger::Passenger;
 use crate::solvers::step::Clock;
 
+/// Heat by volume and time (W/m3); negative where heat is taken.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Power {
+    /// The same all over the part.
+    Even(Series),
+    /// By a formula of place and time.
+    Formula(Formula),
+}
+
 /// A part of the body that releases heat.
 #[derive(Debug, Clone)]
 pub struct HeatSource {
     /// Number of the region, from 0.
     pub region: usize,
-    /// Heat by volume and time (W/m3) over time; negative where heat is taken.
-    pub power: Series,
+    /// What it releases.
+    pub power: Power,
     /// Its ground, and that of it which is dug.
     pub parts: Vec<SourcePart>,
 }
@@ -26,8 +38,17 @@ pub struct SourcePart {
     pub shares: Vec<(u32, f64)>,
     /// Their volume (m^d, in shells that of the shells).
     pub volume: f64,
+    /// Where each of them stands (m), and its own volume in the part; empty where all release alike.
+    pub places: Vec<(DVec2, f64)>,
     /// When it ends (s): infinite where it stays.
     pub until: f64,
+}
+
+impl SourcePart {
+    /// Its particles with their shares, places and volumes.
+    fn placed(&self) -> impl Iterator<Item = (&(u32, f64), &(DVec2, f64))> {
+        self.shares.iter().zip(&self.places)
+    }
 }
 
 /// A balance, and heat that is released inside its body. What exchanges heat knows nothing of it.
@@ -51,12 +72,24 @@ impl Heated {
     /// Adds what is released at a time (s), times a factor, to a column; `patches` takes it by source (W).
     fn release(&self, time: f64, factor: f64, column: &mut [f64], patches: &mut [f64]) {
         for (source, patch) in self.sources.iter().zip(patches) {
-            let power = source.power.at(time);
             *patch = 0.0;
-            for part in source.parts.iter().filter(|part| time < part.until) {
-                *patch += power * part.volume;
-                for (particle, share) in &part.shares {
-                    column[*particle as usize] += factor * power * share;
+            let parts = source.parts.iter().filter(|part| time < part.until);
+            match &source.power {
+                Power::Even(power) => {
+                    let power = power.at(time);
+                    for part in parts {
+                        *patch += power * part.volume;
+                        for (particle, share) in &part.shares {
+                            column[*particle as usize] += factor * power * share;
+                        }
+                    }
+                }
+                Power::Formula(formula) => {
+                    for ((particle, share), (place, volume)) in parts.flat_map(SourcePart::placed) {
+                        let power = formula.at(&[place.x, place.y, time]);
+                        *patch += power * volume;
+                        column[*particle as usize] += factor * power * share;
+                    }
                 }
             }
         }
@@ -122,7 +155,10 @@ impl Saved for Heated {
 impl HeapSize for Heated {
     fn heap_size(&self) -> usize {
         let parts = self.sources.iter().flat_map(|source| &source.parts);
-        let shares: usize = parts.map(|part| part.shares.capacity() * size_of::<(u32, f64)>()).sum();
+        let of = |part: &SourcePart| {
+            part.shares.capacity() * size_of::<(u32, f64)>() + part.places.capacity() * size_of::<(DVec2, f64)>()
+        };
+        let shares: usize = parts.map(of).sum();
         self.balance.heap_size() + shares + self.sources.capacity() * size_of::<HeatSource>()
     }
 }

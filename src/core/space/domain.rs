@@ -67,6 +67,25 @@ impl Domain {
         }
     }
 
+    /// Least and greatest coordinates (m) of the simulated body; in y without end on a line and in radial shells.
+    pub fn corners(&self) -> (DVec2, DVec2) {
+        let flat = |low: f64, high: f64| (DVec2::new(low, f64::NEG_INFINITY), DVec2::new(high, f64::INFINITY));
+        match *self {
+            Domain::Line { length } => flat(0.0, length),
+            Domain::Radial { inner, outer, .. } => flat(inner, outer),
+            Domain::Rectangle { width, height } => (DVec2::ZERO, DVec2::new(width, height)),
+            Domain::Axial { inner, outer, height } => (DVec2::new(inner, 0.0), DVec2::new(outer, height)),
+            Domain::Ring { outer_radius, sector } => {
+                let low = match sector {
+                    Sector::Quarter => DVec2::ZERO,
+                    Sector::Half => DVec2::new(-outer_radius, 0.0),
+                    Sector::Whole => DVec2::splat(-outer_radius),
+                };
+                (low, DVec2::splat(outer_radius))
+            }
+        }
+    }
+
     /// Inner and outer radius (m) of a body of shells; zeros of others.
     pub fn radii(&self) -> (f64, f64) {
         match *self {

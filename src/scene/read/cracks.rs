@@ -67,9 +67,9 @@ fn growth(section: &mut Section<'_>) -> Read<Growth> {
     if section.has(LENGTH) {
         section.refuse(SPEED, "the growth of the crack is given by the table of lengths");
         section.refuse_time("start", "the time of growth is given by the table of lengths");
-        return match section.series(LENGTH, Range::NOT_NEGATIVE)? {
+        return match section.tabulated(LENGTH, Range::NOT_NEGATIVE)? {
             Series::Table(rows) => Ok(Growth::Table(rows)),
-            Series::Constant(_) | Series::Repeated { .. } => {
+            Series::Constant(_) | Series::Repeated { .. } | Series::Formula(_) => {
                 Err(section.problem(LENGTH, "must be a time table without a period"))
             }
         };

@@ -1,5 +1,6 @@
 //! What a scene is measured against. A kind without keys is a line of the list, one with keys a file beside it.
 
+mod formula;
 mod measured;
 mod table;
 
@@ -31,10 +32,11 @@ impl Kind {
     }
 }
 
-const KINDS: [Kind; 6] = [
+const KINDS: [Kind; 7] = [
     Kind::plain("exact", exact),
     table::KIND,
     measured::KIND,
+    formula::KIND,
     Kind::plain("local", |_, _| ReferenceChoice::Local),
     Kind::plain("auto", |_, _| ReferenceChoice::Auto),
     Kind::plain("none", |_, _| ReferenceChoice::None),

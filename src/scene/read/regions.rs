@@ -8,7 +8,7 @@ use super::range::{Range, one_of, plain, temperatures};
 use super::section::{Key, Section};
 use super::water::{Balance, CONCENTRATION};
 use crate::region::{Cell, Ellipse, Region, Shape, area, edges};
-use frazil_core::space::domain::{Domain, Sector};
+use frazil_core::space::domain::Domain;
 use frazil_core::space::segment::{meet, side};
 
 /// Shapes that a section of their own describes.
@@ -85,7 +85,7 @@ pub(super) fn regions(
                 )
             }
         };
-        let heat = section.optional_series(HEAT, Range::ANY);
+        let heat = section.optional_power(HEAT, Range::ANY);
         if !section.has("material") && !starts && !section.has(HEAT) {
             section.section_problem(format!("must have a \"material\", {what}"));
         }
@@ -202,18 +202,8 @@ fn fault(corners: &[DVec2]) -> Option<String> {
 
 /// The box around the simulated body.
 pub(super) fn extent(domain: &Domain) -> Cell {
-    let cell = |low: (f64, f64), high: (f64, f64)| Cell { low: low.into(), high: high.into() };
-    match *domain {
-        Domain::Line { length } => cell((0.0, f64::NEG_INFINITY), (length, f64::INFINITY)),
-        Domain::Rectangle { width, height } => cell((0.0, 0.0), (width, height)),
-        Domain::Radial { inner, outer, .. } => cell((inner, f64::NEG_INFINITY), (outer, f64::INFINITY)),
-        Domain::Axial { inner, outer, height } => cell((inner, 0.0), (outer, height)),
-        Domain::Ring { outer_radius: r, sector } => match sector {
-            Sector::Quarter => cell((0.0, 0.0), (r, r)),
-            Sector::Half => cell((-r, 0.0), (r, r)),
-            Sector::Whole => cell((-r, -r), (r, r)),
-        },
-    }
+    let (low, high) = domain.corners();
+    Cell { low, high }
 }
 
 /// Whether no part of a shape lies in the body.

@@ -28,8 +28,10 @@ pub(super) enum Shape {
     Points,
     Point,
     Along,
-    Series(Range),
+    /// Whether it may be a formula.
+    Series(Range, bool),
     AlongAxis(Range),
+    Formula,
     Schedule,
 }
 
@@ -57,7 +59,7 @@ impl Shape {
             Shape::Points => list(list(any())),
             Shape::Point => json!({ "type": "array", "items": any(), "minItems": 2, "maxItems": 2 }),
             Shape::Along => json!({ "anyOf": [number(&Range::POSITIVE), list(number(&Range::POSITIVE))] }),
-            Shape::Series(range) => {
+            Shape::Series(range, with_formula) => {
                 let mut table = table_or_file();
                 let keys = ["times", "period"]
                     .into_iter()
@@ -69,7 +71,8 @@ impl Shape {
                 table["properties"] = keys.map(|(base, key)| (key, time(base))).collect::<Map<String, Value>>().into();
                 table["properties"]["values"] = list(number(range));
                 table["properties"]["file"] = json!({ "type": "string", "minLength": 1 });
-                json!({ "anyOf": [number(range), table] })
+                let values: Vec<Value> = [number(range), table].into_iter().chain(with_formula.then(formula)).collect();
+                json!({ "anyOf": values })
             }
             Shape::AlongAxis(range) => {
                 let mut table = table_or_file();
@@ -77,11 +80,22 @@ impl Shape {
                 table["properties"] = places.into_iter().collect::<Map<String, Value>>().into();
                 table["properties"]["values"] = list(number(range));
                 table["properties"]["file"] = json!({ "type": "string", "minLength": 1 });
-                json!({ "anyOf": [number(range), table] })
+                json!({ "anyOf": [number(range), table, formula()] })
             }
+            Shape::Formula => formula(),
             Shape::Schedule => list(list(number(&Range::NOT_NEGATIVE))),
         }
     }
+}
+
+/// A table with a formula.
+fn formula() -> Value {
+    json!({
+        "type": "object",
+        "properties": { "formula": { "type": "string", "minLength": 1 } },
+        "required": ["formula"],
+        "additionalProperties": false,
+    })
 }
 
 /// A table with values, or with a file of them.

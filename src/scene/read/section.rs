@@ -12,6 +12,7 @@ use std::ops::RangeInclusive;
 
 use frazil_record::{is_hidden, quoted};
 
+use super::formulas::Run;
 use super::problem::{Log, Noted, Place, Problem, Read};
 use super::range::{Range, one_of, unfit};
 use super::schema::Shape;
@@ -94,6 +95,8 @@ pub struct Section<'a> {
     units: Units,
     /// Least and greatest temperature that the scene names, once it is known.
     temperatures: Option<(f64, f64)>,
+    /// Where and when formulas are evaluated.
+    run: Run,
     log: &'a Log,
     asked: Vec<Asked>,
     refused: Vec<String>,
@@ -123,6 +126,7 @@ impl<'a> Section<'a> {
             entries,
             units,
             temperatures: None,
+            run: Run::default(),
             log,
             asked: Vec::new(),
             refused: Vec::new(),
@@ -364,6 +368,7 @@ impl<'a> Section<'a> {
     fn child(&self, key: &str, place: Place, entries: &'a [Entry]) -> Section<'a> {
         let mut child = Section::new(self.join(key), place, entries, self.units, self.log);
         child.temperatures = self.temperatures;
+        child.run = self.run;
         child
     }
 

@@ -133,13 +133,16 @@ impl Heads {
         }
         match section.number_along(HEAD, Range::at_least(-DRIEST), domain)? {
             Along::Even(head) => self.of_head(section, head).map(Along::Even),
-            axis @ Along::Axis { .. } => {
-                if let Along::Axis { rows, .. } = &axis {
-                    for (_, head) in rows {
-                        self.of_head(section, *head)?;
-                    }
+            varied => {
+                let heads = match &varied {
+                    Along::Axis { rows, .. } => rows.iter().map(|row| row.1).collect(),
+                    Along::Formula { range, .. } => vec![range.0, range.1],
+                    Along::Even(_) => Vec::new(),
+                };
+                for head in heads {
+                    self.of_head(section, head)?;
                 }
-                Ok(axis)
+                Ok(varied)
             }
         }
     }
@@ -169,11 +172,11 @@ impl Heads {
         }
         match found? {
             0 => {
-                let heads = wall.series(HEAD, Range::at_least(-DRIEST))?;
+                let heads = wall.tabulated(HEAD, Range::at_least(-DRIEST))?;
                 self.each(wall, &heads, Self::of_head).map(Condition::Temperature)
             }
             1 => {
-                let saturations = wall.series(SATURATION, Range::FRACTION)?;
+                let saturations = wall.tabulated(SATURATION, Range::FRACTION)?;
                 self.each(wall, &saturations, Self::of_saturation).map(Condition::Temperature)
             }
             2 => wall.series(FLUX, Range::ANY).map(Condition::Flux),
@@ -193,7 +196,7 @@ impl Heads {
 
     /// Rain, in a unit (m/s), and how deep water stands at most.
     fn runoff(wall: &mut Section<'_>, key: (&'static str, &'static str), unit: f64) -> Read<Condition> {
-        let rain = wall.series(key, Range::NOT_NEGATIVE);
+        let rain = wall.tabulated(key, Range::NOT_NEGATIVE);
         let ponding = wall.number_or(PONDING, 0.0, Range::NOT_NEGATIVE);
         Ok(Condition::Runoff { rain: rain?.scaled(unit), ponding: Series::Constant(ponding) })
     }
@@ -285,6 +288,8 @@ impl Heads {
             Series::Constant(value) => Series::Constant(rows(&[(0.0, *value)])?[0].1),
             Series::Table(table) => Series::Table(rows(table)?),
             Series::Repeated { rows: table, period } => Series::Repeated { rows: rows(table)?, period: *period },
+            // None is read for them.
+            Series::Formula(_) => series.clone(),
         })
     }
 }

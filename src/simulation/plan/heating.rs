@@ -1,6 +1,6 @@
 //! Regions that release heat.
 
-use frazil_core::balances::heated::{HeatSource, Heated, SourcePart};
+use frazil_core::balances::heated::{HeatSource, Heated, Power, SourcePart};
 use frazil_core::solvers::balance::Balance;
 use frazil_scene::region::Cell;
 use frazil_scene::{Region, Scene};
@@ -24,7 +24,8 @@ pub(super) fn sources(scene: &Scene, prepared: &Prepared) -> Vec<HeatSource> {
 
 /// The ground of a region, and that of it which is dug.
 fn parts(scene: &Scene, region: &Region, prepared: &Prepared) -> Vec<SourcePart> {
-    let part = |until| SourcePart { shares: Vec::new(), volume: 0.0, until };
+    let part = |until| SourcePart { shares: Vec::new(), volume: 0.0, places: Vec::new(), until };
+    let by_place = matches!(region.heat, Some(Power::Formula(_)));
     let (mut stays, mut dug) = (part(f64::INFINITY), part(scene.excavation.as_ref().map_or(0.0, |shaft| shaft.start)));
     for i in 0..prepared.count() {
         let place = prepared.place(i);
@@ -33,7 +34,9 @@ fn parts(scene: &Scene, region: &Region, prepared: &Prepared) -> Vec<SourcePart>
             let in_shaft = scene.excavation.as_ref().is_some_and(|shaft| place.length() < shaft.radius);
             let part = if in_shaft { &mut dug } else { &mut stays };
             part.shares.push((i as u32, share));
-            part.volume += share * prepared.volumes.of(i);
+            let volume = share * prepared.volumes.of(i);
+            part.volume += volume;
+            part.places.extend(by_place.then_some((place, volume)));
         }
     }
     [stays, dug].into_iter().filter(|part| !part.shares.is_empty()).collect()

@@ -8,7 +8,7 @@ use frazil_core::space::domain::{Domain, Sector};
 use frazil_core::space::lattice::Lattice;
 use frazil_core::space::wall::WallId;
 use frazil_scene::region::Cell;
-use frazil_scene::{PipeRing, Region, Scene, Shape, Wall};
+use frazil_scene::{PipeRing, Profile, ProfileValues, Region, Scene, Shape, Wall};
 use glam::DVec2;
 
 /// Distance (m per m of the body's extent) up to which pipes and angles are in the same place.
@@ -72,10 +72,13 @@ impl Fold {
             Domain::Rectangle { width, height } => {
                 // A line has no points beside it along which a profile could be kept.
                 let along_line = scene.watch.cuts.is_empty();
+                // On a line, y of a formula has no name.
+                let has_formula = |profile: &Profile| matches!(profile.values, ProfileValues::Formula { .. });
+                let keeps_y = scene.initial_profile.as_ref().is_some_and(has_formula);
                 if along_line && closed(true) {
                     found.push(Fold::Line { along_y: false, across: height });
                 }
-                if along_line && closed(false) {
+                if along_line && closed(false) && !keeps_y {
                     found.push(Fold::Line { along_y: true, across: width });
                 }
                 if same_in_x {
@@ -119,8 +122,10 @@ impl Fold {
                 smaller.walls = ends.filter_map(wall).collect();
                 smaller.regions = scene.regions.iter().filter_map(|region| on_line(region, along_y)).collect();
                 // One across the line leaves no particle as it was, and the body as it is.
-                for profile in smaller.initial_profile.iter_mut().filter(|profile| profile.along_y == along_y) {
-                    profile.along_y = false;
+                if let Some(Profile { values: ProfileValues::Axis { along_y: own, .. }, .. }) =
+                    &mut smaller.initial_profile
+                {
+                    *own = *own && !along_y;
                 }
                 for (x, y) in &mut smaller.watch.probes {
                     (*x, *y) = (if along_y { *y } else { *x }, 0.0);

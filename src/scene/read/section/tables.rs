@@ -1,11 +1,14 @@
-//! Values that are a number, or a table over time or along an axis, in the scene itself or in a file beside it.
+//! Values that are a number, a formula, or a table over time or along an axis, in the scene itself or in a file beside it.
 
+use super::super::formulas::{Checked, Of, Run};
 use super::super::problem::Read;
 use super::super::range::{Range, plain};
 use super::super::schema::Shape;
 use super::super::tree::{Entry, Node};
 use super::lists::beyond_period;
 use super::{Key, Section};
+use frazil_core::balances::heated::Power;
+use frazil_core::formula::{Formula, TIME};
 use frazil_core::series::Series;
 use frazil_core::space::domain::Domain;
 
@@ -14,6 +17,9 @@ const AXES: [(&str, &str); 2] = [("x", "m"), ("y", "m")];
 
 /// Key of a file whose rows are a table.
 const FILE: &str = "file";
+
+/// Key of a formula in place of a table.
+const FORMULA: &str = "formula";
 
 /// A value of all of a body, or one that varies along an axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,28 +33,98 @@ pub enum Along {
         /// Coordinates and values, two of them at least.
         rows: Vec<(f64, f64)>,
     },
+    /// By a formula of the place.
+    Formula {
+        /// The formula.
+        formula: Formula,
+        /// Least and greatest value over the body.
+        range: (f64, f64),
+    },
 }
 
 impl<'a> Section<'a> {
-    /// A required quantity that is constant or a table in time: `5`, `{ times_h = [0, 10], values = [5, -20] }`, which a
-    /// `period_h` repeats, or `{ file = "brine.csv" }`, whose columns are a time and the key itself.
+    pub(in super::super) fn set_run(&mut self, run: Run) {
+        self.run = run;
+    }
+
+    /// A required quantity that is constant, a table in time: `5`, `{ times_h = [0, 10], values = [5, -20] }`, which a
+    /// `period_h` repeats, or `{ file = "brine.csv" }`, whose columns are a time and the key itself; or a formula of the time:
+    /// `{ formula = "5 - t/3600" }`.
     pub fn series(&mut self, key: impl Into<Key>, range: Range) -> Read<Series> {
-        let key = self.expect(key, || Shape::Series(range));
-        self.required(key, "a number or a table in time", |section, entry| section.check_series(entry, key, range))
+        let key = self.expect(key, || Shape::Series(range, true));
+        self.required(key, "a number, a table in time or a formula", |section, entry| {
+            match section.with_formula(entry) {
+                Some(mut table) => {
+                    let formula = table.formula(Of::Time, range)?;
+                    table.over_time(formula)
+                }
+                None => section.check_series(entry, key, range),
+            }
+        })
     }
 
-    /// A number or a table over time, where it is given.
-    pub fn optional_series(&mut self, key: impl Into<Key>, range: Range) -> Option<Series> {
-        let key = self.expect(key, || Shape::Series(range));
-        self.optional(key, |section, entry| section.check_series(entry, key, range))
+    /// A required quantity that is constant or a table in time, where no formula can be.
+    pub fn tabulated(&mut self, key: impl Into<Key>, range: Range) -> Read<Series> {
+        let key = self.expect(key, || Shape::Series(range, false));
+        self.required(key, "a number or a table in time", |section, entry| match section.with_formula(entry) {
+            Some(mut table) => {
+                table.abandon();
+                Err(table.problem(FORMULA, "found a formula, must be a table in time here, with times and values"))
+            }
+            None => section.check_series(entry, key, range),
+        })
     }
 
-    /// A required number, or a table along an axis of a body, in the same two ways.
+    /// Heat that a part of the body releases, where it is given: a number, a table in time, or a formula of place and time.
+    pub fn optional_power(&mut self, key: impl Into<Key>, range: Range) -> Option<Power> {
+        let key = self.expect(key, || Shape::Series(range, true));
+        self.optional(key, |section, entry| {
+            let Some(mut table) = section.with_formula(entry) else {
+                return section.check_series(entry, key, range).map(Power::Even);
+            };
+            let checked = table.formula(Of::PlaceAndTime, range)?;
+            let by_time_alone = (0..TIME).all(|axis| !checked.0.uses(axis));
+            if by_time_alone { table.over_time(checked).map(Power::Even) } else { Ok(Power::Formula(checked.0)) }
+        })
+    }
+
+    /// A required formula of place and time: `{ formula = "5*x - t/3600" }`.
+    pub fn formula_of_all(&mut self, key: impl Into<Key>, range: Range) -> Read<Formula> {
+        let key = self.expect(key, || Shape::Formula);
+        self.required(key, "a table with a formula", |section, entry| {
+            section.check_section(entry)?.formula(Of::PlaceAndTime, range).map(|(formula, _)| formula)
+        })
+    }
+
+    /// A required number, or a table along an axis of a body, in the same two ways, or a formula of the place.
     pub fn number_along(&mut self, key: impl Into<Key>, range: Range, domain: Option<&Domain>) -> Read<Along> {
         let key = self.expect(key, || Shape::AlongAxis(range));
-        self.required(key, "a number or a table along x or y", |section, entry| {
-            section.check_along(entry, key, range, domain)
+        self.required(key, "a number, a table along x or y or a formula", |section, entry| {
+            let Some(mut table) = section.with_formula(entry) else {
+                return section.check_along(entry, key, range, domain);
+            };
+            let (formula, extremes) = table.formula(Of::Place, range)?;
+            let range = extremes.map(|extremes| (extremes.least.value, extremes.greatest.value));
+            Ok(Along::Formula { range: range.unwrap_or_default(), formula })
         })
+    }
+
+    /// The formula of this table.
+    fn formula(&mut self, of: Of, range: Range) -> Read<Checked> {
+        let text = self.text(FORMULA)?;
+        self.run.read(&text, of, range).map_err(|message| self.problem(FORMULA, message))
+    }
+
+    /// The formula of this table as a series.
+    fn over_time(&mut self, formula: Checked) -> Read<Series> {
+        self.run.over_time(formula).map_err(|message| self.problem(FORMULA, message))
+    }
+
+    /// The table that a key has, where it has a formula.
+    fn with_formula(&mut self, entry: &'a Entry) -> Option<Section<'a>> {
+        let Node::Table(entries) = &entry.node else { return None };
+        let is_there = entries.iter().any(|entry| entry.key == FORMULA);
+        is_there.then(|| self.child(&entry.key, entry.place.clone(), entries))
     }
 
     fn check_series(&mut self, entry: &'a Entry, key: Key, range: Range) -> Read<Series> {
@@ -81,8 +157,9 @@ impl<'a> Section<'a> {
 
     /// Times and values of a table in the scene itself.
     fn series_rows(&mut self, range: Range) -> Read<Vec<(f64, f64)>> {
-        // Known to those who misspell it.
+        // Known to those who misspell them.
         self.optional_text(FILE);
+        self.optional_text(FORMULA);
         let times = self.times("times");
         let values = self.numbers("values", range);
         let (times, values) = (times?, values?);
@@ -152,8 +229,9 @@ impl<'a> Section<'a> {
 
     /// Axis, places and values of a table in the scene itself.
     fn along_rows(&mut self, flat: bool, range: Range) -> Read<(usize, Vec<(f64, f64)>)> {
-        // Known to those who misspell it.
+        // Known to those who misspell them.
         self.optional_text(FILE);
+        self.optional_text(FORMULA);
         let axis = self.only_one(&AXES.map(Key::from));
         let places = axis.and_then(|axis| self.numbers(AXES[axis], Range::ANY));
         let values = self.numbers("values", range);

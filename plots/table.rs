@@ -75,6 +75,8 @@ fn axis(column: &Column, values: impl Iterator<Item = f64>, words: &Words) -> (f
         Unit::Metre if greatest < 0.2 => (1e3, "mm"),
         Unit::Metre => (1.0, "m"),
         Unit::SquareMetre => (1.0, "m²"),
+        Unit::CubicMetre => (1.0, "m³"),
+        Unit::JoulePerCubicMetre => (1e-6, "MJ/m³"),
         Unit::Celsius => (1.0, "°C"),
     };
     (scale, format!("{} ({unit})", column.doc))

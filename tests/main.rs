@@ -73,3 +73,4 @@ mod unsaturated;
 mod wall_models;
 mod wall_parts;
 mod walls;
+mod watched_regions;

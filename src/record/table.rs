@@ -38,6 +38,10 @@ pub enum Unit {
     Metre,
     /// m2.
     SquareMetre,
+    /// m3.
+    CubicMetre,
+    /// J/m3.
+    JoulePerCubicMetre,
     /// Degrees on the scale of the scene.
     Celsius,
     /// None.

@@ -325,6 +325,7 @@ fn temperatures<'a>(
 fn only_of_heat(root: &mut Section<'_>, watch: &Watch) {
     let asked = [
         (!watch.isotherms.is_empty(), "isotherms_c"),
+        (!watch.regions.is_empty(), "regions"),
         (watch.phases.is_some(), "phases"),
         (watch.corner_front, "corner_front"),
     ];

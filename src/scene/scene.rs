@@ -69,6 +69,8 @@ pub struct Watch {
     pub surfaces: Vec<Surface>,
     /// Lines along which profiles are kept, in bodies of two dimensions; [`Scene::cuts`] has those of every scene.
     pub cuts: Vec<Surface>,
+    /// Regions over which temperature, frozen fraction and heat are integrated at every output.
+    pub regions: Vec<Shape>,
     /// Temperatures whose isotherms are kept at every output.
     pub isotherms: Vec<f64>,
     /// Part of the body (m along x) whose shares of liquid, freezing and solid particles are kept at every output.

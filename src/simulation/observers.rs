@@ -22,6 +22,7 @@ mod phases;
 mod probes;
 mod profiles;
 pub(crate) mod rays;
+mod regions;
 mod sampler;
 mod section;
 mod series;
@@ -43,7 +44,7 @@ use observer::{End, Maker, Observer, Setup, View};
 pub use fields::map;
 
 /// Makes each observer, where a scene needs it; and the table that says itself what is in it, if it leaves one.
-const OBSERVERS: [(Maker, Option<&str>); 17] = [
+const OBSERVERS: [(Maker, Option<&str>); 18] = [
     (monotonicity::of, None),
     (front::of, None),
     (frozen::of, None),
@@ -60,6 +61,7 @@ const OBSERVERS: [(Maker, Option<&str>); 17] = [
     (water::of, None),
     (moisture::of, Some(moisture::TABLE)),
     (isotherms::of, Some(isotherms::TABLE)),
+    (regions::of, Some(regions::TABLE)),
     (front_shape::of, Some(front_shape::TABLE)),
 ];
 

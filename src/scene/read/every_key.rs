@@ -52,6 +52,13 @@ from_m = {}
 [random.conductivity]
 [random.permeability]
 [watch]
+[[watch.regions]]
+[[watch.regions]]
+circle = {}
+[[watch.regions]]
+ellipse = {}
+[[watch.regions]]
+polygon = {}
 [stream]
 reset_m = [0, 1]
 "#;

@@ -105,6 +105,18 @@ pub(super) fn regions(
     (regions, impermeable)
 }
 
+/// Regions that are watched: shapes alone.
+pub(super) fn watched(section: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Shape> {
+    let read = |mut section: Section<'_>| match domain {
+        Some(domain) => shape(&mut section, domain).ok(),
+        None => {
+            section.abandon();
+            None
+        }
+    };
+    section.sections("regions").into_iter().filter_map(read).collect()
+}
+
 fn shape(section: &mut Section<'_>, domain: &Domain) -> Read<Shape> {
     if domain.dimension() == 1 {
         for key in SHAPES {

@@ -2,7 +2,7 @@
 
 use super::problem::Read;
 use super::range::{Range, plain, temperatures};
-use super::regions::extent;
+use super::regions::{self, extent};
 use super::section::{Duration, Section};
 use super::shells;
 use crate::region::Cell;
@@ -62,7 +62,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Read<
     let (mut probes, mut profile_length, mut front_from) = (Vec::new(), None, None);
     let mut front_key = String::new();
     let mut cuts = Vec::new();
-    let (mut surfaces, mut isotherms) = (Vec::new(), Vec::new());
+    let (mut surfaces, mut regions, mut isotherms) = (Vec::new(), Vec::new(), Vec::new());
     let mut frozen_wall = domain.is_some_and(|domain| matches!(domain, Domain::Ring { .. }));
     let (mut phases, mut corner_front) = (None, false);
     if let Some(mut section) = root.optional_section("watch") {
@@ -82,6 +82,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Read<
         }
         cuts = self::cuts(&mut section, domain);
         surfaces = shells::surfaces(&mut section, domain);
+        regions = regions::watched(&mut section, domain);
         let allowed = temperatures(section.units().absolute_zero());
         isotherms = section.optional_numbers(("isotherms", "c"), allowed).unwrap_or_default();
         if isotherms.len() > MOST_PLACES {
@@ -121,6 +122,7 @@ pub(super) fn watch(root: &mut Section<'_>, domain: Option<&Domain>, time: Read<
         profiles,
         probes,
         surfaces,
+        regions,
         cuts,
         isotherms,
         phases,

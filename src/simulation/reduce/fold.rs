@@ -57,6 +57,10 @@ impl Fold {
         if scene.has_barriers() || !scene.wall_parts.is_empty() || scene.has_heat_sources() {
             return found;
         }
+        // Regions that are watched lie anywhere.
+        if !scene.watch.regions.is_empty() {
+            return found;
+        }
         // A row of pipes is of any places.
         if !matches!(scene.domain, Domain::Ring { .. }) && !scene.rings.is_empty() {
             return found;

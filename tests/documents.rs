@@ -241,7 +241,7 @@ fn every_method_is_in_the_readme_and_its_keys_are_in_the_guide() {
     let (readme, guide) = (read(&root().join("README.md")), guide());
     let (in_readme, in_guide) = (quoted(&readme), quoted(&guide));
     // The record's names of settings that are not keys of the file.
-    let derived = ["normalisation", "step", "spacing"];
+    let derived = ["step", "spacing"];
     let scene = frazil_cases::scenes::find("frozen-wall-sand").expect("bundled");
     let scene = Scene::read(scene, scene.name, scene.name, &[], frazil::registry::methods());
     let scene = scene.unwrap_or_else(|problems| unreachable!("{problems}"));

@@ -47,6 +47,24 @@ fn conduction_along_a_freezing_curve_is_of_second_order() {
     }
 }
 
+/// Weights of the continuum, on a lattice, conduct as much too well or too badly as their second moment is off: by 1 % for this kernel
+/// (`lattice_moments_and_limits_are_the_known_ones`), however fine the lattice is.
+#[test]
+fn only_weights_scaled_by_the_moment_converge() {
+    let error = |normalisation: &str, spacing: &str| {
+        let set = [
+            ("time.duration_s", "1e5"),
+            ("method.sph.normalisation", normalisation),
+            ("method.sph.spacing_m", spacing),
+        ];
+        references::errors("manufactured-conduction", "sph", &set).temperature_rms_rel.expect("profiles")
+    };
+    let [moment, continuum] = ["discrete-moment", "continuum"].map(|word| [error(word, "0.05"), error(word, "0.025")]);
+    // With the square of the spacing, and not at all.
+    assert!((moment[0] / moment[1] - 4.0).abs() < 0.3, "{moment:?}");
+    assert!((continuum[0] / continuum[1] - 1.0).abs() < 0.1 && continuum[1] > 5.0 * moment[1], "{continuum:?}");
+}
+
 /// With another integrator the same solution comes out: its steps are much longer, and its sources are those of the times between.
 #[test]
 fn long_steps_take_the_source_at_its_times() {

@@ -129,7 +129,7 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, facts:
             100.0 / capacity.sqrt()
         ));
     }
-    let constants = if paper { "continuum (eq 20)" } else { "discrete second moment" };
+    let constants = if paper { "continuum" } else { "discrete-moment" };
     Discretisation {
         weight: Arc::new(Collision { dimension, cutoff: ratio * numerics.spacing }),
         normalisation: if paper { Normalisation::Nominal } else { Normalisation::DiscreteMoment },

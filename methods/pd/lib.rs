@@ -11,9 +11,9 @@ use std::sync::Arc;
 
 use frazil_core::balances::groundwater::numerics::Conduction;
 use frazil_core::bonds::exchange::{Exchange, Mean};
-use frazil_core::bonds::weight::{Normalisation, PairWeight};
+use frazil_core::bonds::weight::PairWeight;
 use frazil_record::Value;
-use frazil_scene::method::{Discretisation, MethodKind, SceneFacts, Stepper};
+use frazil_scene::method::{self, Discretisation, MethodKind, SceneFacts, Stepper};
 use frazil_scene::{Numerics, Range, Section, Setting};
 
 /// The method as the registry lists it.
@@ -101,17 +101,17 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, facts:
     let ratio = section.number_or("horizon_ratio", 3.0, Range::between(1.0, 12.0));
     let choices = INFLUENCES.map(|influence| (influence.word, influence));
     let influence = section.choice_or("influence", &choices, INFLUENCES[0]);
+    let (normalisation, scaled) = method::normalisation(section, setting);
     let paper = setting == Setting::Paper;
     let bond =
         Bond { dimension, horizon: ratio * numerics.spacing, influence, corrected: paper.then_some(numerics.spacing) };
-    let constants = if paper { "printed, partial volumes, self term" } else { "discrete second moment" };
     Discretisation {
         weight: Arc::new(bond),
-        normalisation: if paper { Normalisation::Nominal } else { Normalisation::DiscreteMoment },
+        normalisation,
         knobs: vec![
             ("horizon_ratio", Value::Number(ratio)),
             ("influence", Value::Text(influence.word.into())),
-            ("normalisation", Value::Text(constants.into())),
+            ("normalisation", scaled),
         ],
         differences: vec![format!(
             "heat is exchanged over a horizon of {ratio} spacings, also across fronts and near walls"
@@ -125,6 +125,7 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, facts:
 mod tests {
     use super::*;
     use frazil_core::bonds::stencil::Stencil;
+    use frazil_core::bonds::weight::Normalisation;
 
     fn influence(word: &str) -> Influence {
         *INFLUENCES.iter().find(|influence| influence.word == word).expect("an influence function")

@@ -2,15 +2,16 @@
 //!
 //! The pair sum `2 V_j |W'(r)| / r (U_j - U_i)` is the standard second derivative of SPH; its continuum second
 //! moment is exact, its discrete one is not, and the best setting scales by it. The paper's setting takes the
-//! continuum constant, the harmonic mean of two conductivities and latent-heat flags.
+//! continuum constant, the harmonic mean of two conductivities and latent-heat flags. Other published Laplacians
+//! are settings: Brookshaw's (1985) takes the arithmetic mean (docs/theory/weights.md).
 
 use std::sync::Arc;
 
 use frazil_core::bonds::exchange::{Exchange, Mean};
-use frazil_core::bonds::weight::{Normalisation, PairWeight};
+use frazil_core::bonds::weight::PairWeight;
 use frazil_core::physics::latent_heat::LatentHeatScheme;
 use frazil_record::Value;
-use frazil_scene::method::{Discretisation, MethodKind, SceneFacts, Stepper};
+use frazil_scene::method::{self, Discretisation, MethodKind, SceneFacts, Stepper};
 use frazil_scene::{Numerics, Range, Section, Setting};
 
 pub mod kernel;
@@ -62,16 +63,15 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, facts:
     let dimension = facts.dimension;
     let kernel = section.choice_or("kernel", &Kernel::CHOICES, Kernel::CubicSpline);
     let ratio = section.number_or("smoothing_ratio", 1.2, Range::between(0.6, 3.0));
-    let paper = setting == Setting::Paper;
+    let (normalisation, scaled) = method::normalisation(section, setting);
     let word = Kernel::CHOICES.iter().find(|choice| choice.1 == kernel).map_or("", |choice| choice.0);
-    let constants = if paper { "continuum" } else { "discrete second moment" };
     Discretisation {
         weight: Arc::new(SmoothedPair { dimension, kernel, smoothing_length: ratio * numerics.spacing }),
-        normalisation: if paper { Normalisation::Nominal } else { Normalisation::DiscreteMoment },
+        normalisation,
         knobs: vec![
             ("kernel", Value::Text(word.into())),
             ("smoothing_ratio", Value::Number(ratio)),
-            ("normalisation", Value::Text(constants.into())),
+            ("normalisation", scaled),
         ],
         differences: Vec::new(),
         fluctuation: 0.0,
@@ -83,6 +83,7 @@ fn read(section: &mut Section<'_>, setting: Setting, numerics: &Numerics, facts:
 mod tests {
     use super::*;
     use frazil_core::bonds::stencil::Stencil;
+    use frazil_core::bonds::weight::Normalisation;
 
     /// Second moment and explicit limit by row sums (units h^2 / a) on a square lattice, from independent sums of
     /// four and three digits.

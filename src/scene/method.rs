@@ -37,6 +37,16 @@ pub struct Discretisation {
     pub stepper: Stepper,
 }
 
+/// How weights are scaled, and the words of the record: by what a method with exact weights on any particles needs, or as the papers
+/// print it, which is the default of their setting.
+pub fn normalisation(section: &mut Section<'_>, setting: Setting) -> (Normalisation, Value) {
+    let choices = [("discrete-moment", Normalisation::DiscreteMoment), ("continuum", Normalisation::Nominal)];
+    let default = if setting == Setting::Paper { Normalisation::Nominal } else { Normalisation::DiscreteMoment };
+    let chosen = section.choice_or("normalisation", &choices, default);
+    let word = choices.iter().find(|choice| choice.1 == chosen).map_or("", |choice| choice.0);
+    (chosen, Value::Text(word.into()))
+}
+
 impl Discretisation {
     /// The weights on a lattice of a spacing (m).
     pub fn stencil(&self, spacing: f64, dimension: usize) -> Stencil {

@@ -103,6 +103,7 @@ fn material(name: &str, section: &mut Section<'_>) -> Read<Material> {
         "only a material given by porosity, solid, ice and water has it here; others have it in a table \"groundwater\"",
     );
     let density = section.positive(("density", "kg_per_m3"));
+    let phase = |section: Section<'_>| phase(section, &density);
     let frozen = section.section("frozen").and_then(phase);
     let unfrozen = section.section("unfrozen").and_then(phase);
     let freezing = section.section("freezing").and_then(freezing);
@@ -134,10 +135,13 @@ fn material(name: &str, section: &mut Section<'_>) -> Read<Material> {
     })
 }
 
-fn phase(mut section: Section<'_>) -> Read<Phase> {
+/// A phase of a material of a density (kg/m3). What the phase weighs itself counts in its heat capacity, which is by mass of the material.
+fn phase(mut section: Section<'_>, density: &Read<f64>) -> Read<Phase> {
     let conductivity = section.positive(("conductivity", "W_per_m_K"));
     let heat_capacity = section.positive(("heat_capacity", "J_per_kg_K"));
-    Ok(Phase { conductivity: conductivity?, heat_capacity: heat_capacity? })
+    let own = section.optional_number(("density", "kg_per_m3"), Range::POSITIVE);
+    let share = own.map_or(Ok(1.0), |own| density.clone().map(|density| own / density));
+    Ok(Phase { conductivity: conductivity?, heat_capacity: heat_capacity? * share? })
 }
 
 struct Freezing {

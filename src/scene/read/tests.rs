@@ -89,6 +89,18 @@ fn message(text: &str, sets: &[(&str, &str)]) -> String {
 }
 
 #[test]
+fn a_phase_of_its_own_density_holds_heat_by_it() {
+    let set = [("materials.water.frozen.density_kg_per_m3", "917")];
+    let [own, plain] = [&set[..], &[]].map(|set| read(GOOD, set).expect("the scene is good").materials[0].clone());
+    let by_volume = own.frozen.heat_capacity * own.density;
+    // Rounding.
+    assert!((by_volume / (917.0 * 2060.0) - 1.0).abs() < 1e-15);
+    assert_eq!((own.unfrozen, own.latent_heat, own.density), (plain.unfrozen, plain.latent_heat, plain.density));
+    let wrong = message(GOOD, &[("materials.water.frozen.density_kg_per_m3", "0")]);
+    assert!(wrong.contains("must be greater than 0") && !wrong.contains("heat_capacity"), "{wrong}");
+}
+
+#[test]
 fn a_scene_is_read_in_seconds_and_metres() {
     let scene = read(GOOD, &[]).expect("the scene is good");
     assert_eq!(scene.domain, Domain::Line { length: 0.4 });

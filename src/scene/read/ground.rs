@@ -140,7 +140,7 @@ fn phase(mut section: Section<'_>, density: &Read<f64>) -> Read<Phase> {
     let conductivity = section.positive(("conductivity", "W_per_m_K"));
     let heat_capacity = section.positive(("heat_capacity", "J_per_kg_K"));
     let own = section.optional_number(("density", "kg_per_m3"), Range::POSITIVE);
-    let share = own.map_or(Ok(1.0), |own| density.clone().map(|density| own / density));
+    let share = own.map_or(Ok(1.0), |own| density.map(|density| own / density));
     Ok(Phase { conductivity: conductivity?, heat_capacity: heat_capacity? * share? })
 }
 

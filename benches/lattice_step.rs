@@ -1,5 +1,6 @@
 //! A step on the lattice, on one thread, by size, by method and by the vectors of the processor; against the same step over a
-//! pair list, and on a line against the same step in a plain loop.
+//! pair list, and on a line against the same step in a plain loop. `-- lines` takes the lines alone, `-- huge` a hundred million
+//! particles.
 
 #![allow(clippy::print_stdout)]
 
@@ -14,8 +15,15 @@ use shared::{
 };
 
 fn main() {
+    let asked = |word: &str| std::env::args().any(|argument| argument == word);
+    if asked("huge") {
+        let mut cases = [Case::new("pd, 100 M", square(10_000, "pd", "", 1), 1)];
+        take_turns(&mut cases);
+        println!("{}: {} M particle-steps/s", cases[0].name, cases[0].rate());
+        return;
+    }
     on_lines();
-    if std::env::args().any(|argument| argument == "lines") {
+    if asked("lines") {
         return;
     }
     let weigh = |name: &str, plan: &dyn Fn() -> frazil_simulation::plan::Plan, steps: u64| {

@@ -51,7 +51,7 @@ pub(crate) fn pressure_map(
         label: "pressure (Pa)".into(),
         range: Some(walls),
         // One scale of colours.
-        zero: walls.0 - 0.12 * (walls.1 - walls.0),
+        zero: Some(walls.0 - 0.12 * (walls.1 - walls.0)),
     };
     let (mut canvas, frame) = draw_in(&shown, words, &look);
     let cell = (frame.right - frame.left) / nx as f64;

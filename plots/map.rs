@@ -36,8 +36,8 @@ pub(crate) struct Look {
     pub label: String,
     /// Ends of the colours; those of the field if absent.
     pub range: Option<(f64, f64)>,
-    /// Where the colours turn.
-    pub zero: f64,
+    /// Where the colours turn; absent where all are warm.
+    pub zero: Option<f64>,
 }
 
 /// The map of a run and, where the reference has one, beside it the reference and the difference.
@@ -48,7 +48,7 @@ pub(crate) fn temperature_map(field: &Field, plan: &GroundPlan, words: &Words) -
     let named = |name: &str| format!("{name}, {}", words.instant(field.time_s));
     let difference_look = Look {
         label: words.temperature_label.replace("temperature", "difference"),
-        zero: 0.0,
+        zero: Some(0.0),
         ..Look::temperatures(named("Difference"), words, Some((-most, most)))
     };
     Canvas::beside(&[
@@ -106,7 +106,7 @@ impl Look {
 /// The map of a property that varies at random, by its logarithm over what the materials have.
 pub(crate) fn ground_map(name: &str, field: &Field, words: &Words) -> Canvas {
     let label = format!("ln of the {name} over its material's (1)");
-    let look = Look { heading: words.heading.clone(), kind: "Ground", label, range: None, zero: 0.0 };
+    let look = Look { heading: words.heading.clone(), kind: "Ground", label, range: None, zero: Some(0.0) };
     draw_over(field, &GroundPlan::default(), words, &look)
 }
 
@@ -155,13 +155,14 @@ pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Fra
     let (low, high) = look.range.unwrap_or_else(|| extremes(&field.temperature_c));
     if low.is_finite() {
         let step = band_step(high - low);
-        let colours = Ramp { low, high, zero: look.zero };
+        let colours = Ramp { low, high, zero: look.zero.unwrap_or(low) };
         let first = (low / step).floor() as i64;
         let last = ((high / step).ceil() as i64).max(first + 1);
         let mut edges: Vec<f64> = (first..=last).map(|k| k as f64 * step).collect();
-        if look.zero > edges[0] && look.zero < edges[edges.len() - 1] {
+        let is_turn = |zero: &f64| *zero > edges[0] && *zero < edges[edges.len() - 1];
+        if let Some(zero) = look.zero.filter(is_turn) {
             // The colour turns exactly where the ground freezes.
-            edges.push(look.zero);
+            edges.push(zero);
             edges.sort_by(f64::total_cmp);
             edges.dedup_by(|a, b| (*a - *b).abs() < 1e-9 * step);
         }
@@ -172,22 +173,29 @@ pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Fra
             let level = k as f64 * isotherm;
             // At the ends of the range a line would follow the rounding of what is even.
             let inside = (level - low).min(high - level) > 1e-6 * (high - low);
-            if inside && (level - look.zero).abs() > 0.2 * isotherm {
+            let is_apart = look.zero.is_none_or(|zero| (level - zero).abs() > 0.2 * isotherm);
+            if inside && is_apart {
                 grid.draw_level(&mut canvas, &frame, &grid.values, level, Stroke::whole(INK, 0.9));
             }
         }
         let front = Stroke::whole(INK, FRONT_WIDTH);
         let frozen = crosses(&grid.frozen);
-        let is_isotherm = !frozen && look.zero == words.freezing_point && look.label == words.temperature_label;
+        // The heavy line belongs to a temperature only where it is an isotherm.
+        let is_isotherm = !frozen && look.label == words.temperature_label;
+        let freezing_point = words.freezing_point.filter(|point| is_isotherm && look.zero == Some(*point));
         if frozen {
             grid.draw_level(&mut canvas, &frame, &grid.frozen, 0.5, front);
-        } else if is_isotherm {
-            grid.draw_level(&mut canvas, &frame, &grid.values, look.zero, front);
+        } else if let Some(point) = freezing_point {
+            grid.draw_level(&mut canvas, &frame, &grid.values, point, front);
         }
         grid.cover_outside(&mut canvas, &frame);
-        colour_bar(&mut canvas, &frame, &edges, &colours, isotherm, is_isotherm, look);
-        if frozen || is_isotherm {
-            front_note(&mut canvas, &frame, frozen, words);
+        colour_bar(&mut canvas, &frame, &edges, &colours, isotherm, freezing_point, look);
+        match freezing_point {
+            _ if frozen => front_note(&mut canvas, &frame, "front (half frozen)".into()),
+            Some(point) => {
+                front_note(&mut canvas, &frame, format!("{}{}, freezing point", number(point, 3), words.degree))
+            }
+            None => {}
         }
     }
     canvas.outline((frame.left, frame.top), (frame.right, frame.bottom), Stroke::whole(INK, 1.3));
@@ -239,7 +247,7 @@ fn colour_bar(
     edges: &[f64],
     colours: &Ramp,
     isotherm: f64,
-    is_isotherm: bool,
+    freezing_point: Option<f64>,
     look: &Look,
 ) {
     let (left, right) = (frame.right + 30.0, frame.right + 56.0);
@@ -256,21 +264,15 @@ fn colour_bar(
         canvas.line(vec![(left, py), (right, py)], Stroke::whole(INK, 0.9));
         canvas.text((right + 8.0, py + 0.36 * TICK), number(level, 4), TICK, Align::Start);
     }
-    // The heavy line belongs to a temperature only where it is an isotherm.
-    if is_isotherm && look.zero > low && look.zero < high {
-        let py = height(look.zero);
+    if let Some(point) = freezing_point.filter(|point| *point > low && *point < high) {
+        let py = height(point);
         canvas.line(vec![(left - 4.0, py), (right + 4.0, py)], Stroke::whole(INK, FRONT_WIDTH));
     }
     canvas.upward((right + 8.0 + 3.4 * TICK, 0.5 * (frame.top + frame.bottom)), look.label.as_str());
 }
 
 /// Says what the heavy line is, under the colour bar's side of the map.
-fn front_note(canvas: &mut Canvas, frame: &Frame, frozen: bool, words: &Words) {
-    let text = if frozen {
-        "front (half frozen)".into()
-    } else {
-        format!("{}{}, freezing point", number(words.freezing_point, 3), words.degree)
-    };
+fn front_note(canvas: &mut Canvas, frame: &Frame, text: String) {
     let y = notes_at(frame);
     let swatch = 44.0;
     let left = frame.right + 30.0 + 26.0 + 8.0 + 3.4 * TICK - swatch - 8.0 - text_width(&text, LABEL, false);

@@ -75,7 +75,7 @@ pub(crate) fn saturation_map(field: &Field, outlines: &Outlines, words: &Words) 
         kind: "Saturation",
         label: "difference (1)".into(),
         range: Some((-beside.most, beside.most)),
-        zero: 0.0,
+        zero: Some(0.0),
     };
     let without_front = Field { frozen_fraction: Vec::new(), ..beside.difference.clone() };
     Canvas::beside(&[

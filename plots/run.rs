@@ -260,8 +260,8 @@ fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
         entries.push(Entry::line("reference", DOTS));
     }
     let isotherm = Stroke::whole(REFERENCE, 1.6);
-    let freezing = format!("freezing point, {}{}", number(words.freezing_point, 3), words.degree);
-    entries.push(Entry::line(freezing, isotherm));
+    let freezing = words.freezing_point.map(|point| format!("freezing point, {}{}", number(point, 3), words.degree));
+    entries.extend(freezing.map(|freezing| Entry::line(freezing, isotherm)));
     let names = (&*words.name("Temperature profiles"), &*words.heading);
     let (mut canvas, mut top) = sheet(height, names, &entries, 10.0);
     const GAP: f64 = 0.9 * LABEL;
@@ -271,10 +271,12 @@ fn profiles(profiles: &[ProfileRow], words: &Words) -> Canvas {
         let x_label = place_label(plane, &rows, words, symbol);
         let x = Axis::linear(x_label, rows.iter().map(|row| scale * row.along_m));
         let values = rows.iter().flat_map(|row| [Some(row.temperature_c), row.temperature_ref_c]).flatten();
-        let y = Axis::linear(words.temperature_label.as_str(), values.chain([words.freezing_point]));
+        let y = Axis::linear(words.temperature_label.as_str(), values.chain(words.freezing_point));
         let frame = Frame::inside((0.0, top), (WIDTH, top + each), x, y);
         frame.draw(&mut canvas);
-        frame.level(&mut canvas, words.freezing_point, isotherm);
+        if let Some(point) = words.freezing_point {
+            frame.level(&mut canvas, point, isotherm);
+        }
         for (k, time) in instants.iter().enumerate() {
             let rows: Vec<_> = rows.iter().filter(|row| row.time_s == *time).collect();
             frame.curve(&mut canvas, rows.iter().map(|row| (scale * row.along_m, row.temperature_c)), stroke_at(k));

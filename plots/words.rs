@@ -15,8 +15,8 @@ pub struct FigureOptions {
     pub name: Option<String>,
     /// Unit of times on axes.
     pub time_unit: TimeUnit,
-    /// Temperature of the isotherm that is drawn heavy: where the ground freezes.
-    pub freezing_point: f64,
+    /// Temperature of the isotherm that is drawn heavy: where the ground freezes; absent where nothing does.
+    pub freezing_point: Option<f64>,
     /// Names of both directions.
     pub axes: (&'static str, &'static str),
     /// Least and greatest pressure of walls (Pa); equal where no water flows.
@@ -43,7 +43,7 @@ pub(crate) struct Words {
     /// Names of both directions.
     pub(crate) axes: (&'static str, &'static str),
     pub(crate) length_unit: Option<(f64, &'static str)>,
-    pub(crate) freezing_point: f64,
+    pub(crate) freezing_point: Option<f64>,
     /// What the figure of the front is about, and what it and its error are called.
     pub(crate) front: (&'static str, &'static str, &'static str),
 }

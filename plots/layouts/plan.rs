@@ -128,7 +128,7 @@ pub fn maps(layout: &LayoutView<'_>, freezing_c: f64) -> Vec<(String, Canvas)> {
     let options = FigureOptions {
         name: Some(layout.name.clone()),
         time_unit: TimeUnit::Day,
-        freezing_point: freezing_c,
+        freezing_point: Some(freezing_c),
         axes: ("x", "y"),
         pressures: (0.0, 0.0),
         cut: 0.0,

@@ -197,7 +197,7 @@ fn all_figures_are_drawn_without_a_font_of_the_machine() -> Result<(), Box<dyn s
     files.extend(run_figures(
         &ring_run(),
         &folder,
-        &FigureOptions { freezing_point: -0.5, ..plain(TimeUnit::Day) },
+        &FigureOptions { freezing_point: Some(-0.5), ..plain(TimeUnit::Day) },
         ALL,
     )?);
     let figure = comparison();
@@ -241,7 +241,7 @@ fn plain(time_unit: TimeUnit) -> FigureOptions {
         unsaturated: None,
         ground: Vec::new(),
         time_unit,
-        freezing_point: 0.0,
+        freezing_point: Some(0.0),
         axes: ("x", "y"),
         pressures: (0.0, 0.0),
         cut: 0.0,
@@ -295,7 +295,7 @@ fn a_map_names_its_layout_and_shows_shaft_and_water() {
         let options = FigureOptions {
             name: plan.then(|| "26 pipes, dug late".into()),
             plan: if plan { marks } else { GroundPlan::default() },
-            freezing_point: -0.5,
+            freezing_point: Some(-0.5),
             ..plain(TimeUnit::Day)
         };
         let maps = drawings(&ring_run(), &options).into_iter().find(|(name, _)| name.starts_with("map_"));
@@ -312,10 +312,27 @@ fn a_map_names_its_layout_and_shows_shaft_and_water() {
     assert!(map(Some(0.0), true).contains("shaft, excavated"));
 }
 
+/// Where nothing freezes, no figure speaks of a freezing point, and axes reach to the temperatures alone.
+#[test]
+fn a_body_that_does_not_freeze_has_no_freezing_point() {
+    let svgs = |freezing_point: Option<f64>| {
+        let options = FigureOptions { freezing_point, ..plain(TimeUnit::Hour) };
+        let mut run = line_run();
+        run.fields = ring_run().fields;
+        run.fields.iter_mut().for_each(|field| field.frozen_fraction.clear());
+        let shown = |name: &str| name == "profiles" || name.starts_with("map_");
+        let drawn = drawings(&run, &options).into_iter().filter(|(name, _)| shown(name));
+        drawn.map(|(_, canvas)| canvas.svg()).collect::<Vec<_>>()
+    };
+    let [without, far] = [None, Some(-500.0)].map(svgs);
+    assert!(without.len() > 1 && without.iter().all(|svg| !svg.contains("freezing point") && !svg.contains("−500")));
+    assert!(far.iter().all(|svg| svg.contains("freezing point")) && far[0].contains("−500"));
+}
+
 /// Where the reference has a map, it stands beside that of the run, and the difference beside both.
 #[test]
 fn maps_stand_beside_those_of_the_reference() {
-    let options = FigureOptions { freezing_point: -0.5, ..plain(TimeUnit::Day) };
+    let options = FigureOptions { freezing_point: Some(-0.5), ..plain(TimeUnit::Day) };
     let map = |run: &RunResult| {
         let maps = drawings(run, &options).into_iter().find(|(name, _)| name.starts_with("map_"));
         maps.map(|(_, canvas)| canvas)

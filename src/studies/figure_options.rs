@@ -16,7 +16,11 @@ pub fn of(scene: &Scene, maps: &[Field]) -> FigureOptions {
     FigureOptions {
         name: None,
         time_unit: scene.time_unit,
-        freezing_point: scene.materials.first().map_or(0.0, |material| material.freezing_point),
+        freezing_point: scene
+            .materials
+            .iter()
+            .find(|material| material.freezes())
+            .map(|material| material.freezing_point),
         axes: scene.domain.axes(),
         pressures: scene.flow.as_ref().map_or((0.0, 0.0), |flow| flow.pressures()),
         cut: scene.flow.as_ref().and_then(|flow| flow.cut).unwrap_or(0.0),

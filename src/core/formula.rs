@@ -1,7 +1,7 @@
 //! Formulas of place and time.
 //!
-//! They are read and evaluated here and not by a package: none tells the column of a mistake and gives the same bits on every
-//! machine, which takes functions that do not come from its system.
+//! They are read and evaluated here and not by a package: their functions must give the same bits on every machine, and mistakes are
+//! told with their column.
 
 mod over_time;
 mod parse;

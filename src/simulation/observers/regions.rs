@@ -1,28 +1,21 @@
 //! Integrals over regions: how large they are, their temperatures, what of them is frozen, and the heat that they have taken up.
 
-use crate::recorded::Recorded;
 use frazil_core::ledger::Sum;
 use frazil_core::particles::Particles;
-use frazil_core::saved::{Pass, Saved};
 use frazil_core::space::domain::Domain;
 use frazil_core::space::symmetry::Symmetry;
-use frazil_record::{Role, RunResult, Table, Unit};
+use frazil_record::{Role, Table, Unit};
 use frazil_scene::Scene;
 use frazil_scene::region::{Cell, Shape};
 
-use super::observer::{End, Made, Observer, Schedule, Setup, View};
+use super::observer::{Instants, Made, Setup};
+use super::series::series;
 
 /// Its table.
 pub(super) const TABLE: &str = "regions.csv";
 
 /// Particles that lie in a region, with the volumes (m^d) of theirs that do.
 type Parts = Vec<(u32, f64)>;
-
-struct Regions {
-    /// By region.
-    parts: Vec<Parts>,
-    table: Table,
-}
 
 pub(super) fn of(setup: &Setup<'_>) -> Made {
     let (scene, particles) = (setup.scene, setup.particles);
@@ -45,9 +38,25 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
         ("frozen_fraction", "frozen fraction", Unit::One, Role::Value),
         ("heat_j_per_m3", "heat taken up", Unit::JoulePerCubicMetre, Role::Value),
     ];
-    let table = Table::over_time(TABLE, "Regions", &columns, regions.len() * setup.outputs());
-    let parts = regions.iter().map(|shape| parts(scene, particles, shape)).collect();
-    Some(Box::new(Regions { parts, table }))
+    let table = Table::over_time(TABLE, "Regions", &columns, 0);
+    let mut all: Vec<Parts> = regions.iter().map(|shape| parts(scene, particles, shape)).collect();
+    let by_row = table.columns.len() * size_of::<Option<f64>>();
+    let beside = all.iter().map(|parts| parts.capacity() * size_of::<(u32, f64)>()).sum();
+    series(
+        Instants::Outputs,
+        Vec::with_capacity(regions.len() * setup.outputs()),
+        (by_row, beside),
+        move |view, rows| {
+            for (k, (shape, parts)) in view.scene.watch.regions.iter().zip(&mut all).enumerate() {
+                if view.particles.move_about() {
+                    *parts = self::parts(view.scene, view.particles, shape);
+                }
+                let row = [Some(view.time), Some((k + 1) as f64)].into_iter().chain(values(view.particles, parts));
+                rows.push(row.collect());
+            }
+        },
+        |rows, result| result.tables.push(Table { rows, ..table }),
+    )
 }
 
 /// What of the particles lies in a shape where they stand now.
@@ -78,35 +87,4 @@ fn values(particles: &Particles, parts: &Parts) -> [Option<f64>; 6] {
         // Particles that move have brought heat from elsewhere.
         (!particles.move_about()).then(|| integral(&taken_up) / size),
     ]
-}
-
-impl Saved for Regions {
-    fn pass(&mut self, pass: &mut Pass<'_>) {
-        Recorded(&mut self.table.rows).pass(pass);
-    }
-}
-
-impl Observer for Regions {
-    fn schedule(&self) -> Schedule {
-        Schedule::OUTPUTS
-    }
-
-    fn observe(&mut self, view: &View<'_>) {
-        for (k, (shape, parts)) in view.scene.watch.regions.iter().zip(&mut self.parts).enumerate() {
-            if view.particles.move_about() {
-                *parts = self::parts(view.scene, view.particles, shape);
-            }
-            let row = [Some(view.time), Some((k + 1) as f64)].into_iter().chain(values(view.particles, parts));
-            self.table.rows.push(row.collect());
-        }
-    }
-
-    fn leave(self: Box<Self>, _: &End<'_>, result: &mut RunResult) {
-        result.tables.push(self.table);
-    }
-
-    fn held_at_the_end(&self) -> usize {
-        let parts: usize = self.parts.iter().map(|parts| parts.capacity() * size_of::<(u32, f64)>()).sum();
-        parts + self.table.held_when_full()
-    }
 }

@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use crate::ledger::Sum;
 use crate::memory::{HeapSize, shared};
 use crate::physics::latent_heat::Materials;
 use crate::physics::sub_cell::at_the_centre;
 use crate::saved::{Pass, Saved};
+use crate::side_by_side::sum_of;
 use crate::space::lattice::Lattice;
 use crate::space::volumes::Volumes;
 
@@ -95,9 +95,9 @@ impl Particles {
     }
 
     /// Integral over the body of a value of each particle.
+    #[inline]
     pub fn integral(&self, value: impl Fn(usize) -> f64) -> f64 {
-        let sum: Sum = (0..self.len()).map(|i| value(i) * self.volumes.share(i)).collect();
-        sum.value() * self.volumes.unit()
+        sum_of(self.len(), |i| value(i) * self.volumes.share(i)) * self.volumes.unit()
     }
 
     /// How much better the ground of some particles conducts than their material: the geometric mean, as places conduct in series and
@@ -111,6 +111,7 @@ impl Particles {
     }
 
     /// Temperature of a particle.
+    #[inline]
     pub fn temperature(&self, index: usize) -> f64 {
         self.materials.of(index).temperature(self.enthalpy[index])
     }
@@ -133,21 +134,25 @@ impl Particles {
     }
 
     /// Temperature of what is frozen of a particle: where the front passes through it, its place may lie in what is not.
+    #[inline]
     pub fn frozen_reading(&self, index: usize) -> f64 {
         self.reading(index).min(self.materials.of(index).curve.freezing_point())
     }
 
     /// Whether ground at a distance (m) from the centre was dug out.
+    #[inline]
     pub fn is_dug(&self, distance: f64) -> bool {
         self.shaft.is_some_and(|radius| distance < radius)
     }
 
     /// Whether a particle's ground was dug out.
+    #[inline]
     pub fn is_gone(&self, index: usize) -> bool {
         self.shaft.is_some() && self.is_dug(self.position(index).length())
     }
 
     /// Frozen fraction of a particle; none of what was dug out.
+    #[inline]
     pub fn frozen_fraction(&self, index: usize) -> f64 {
         if self.is_gone(index) {
             return 0.0;

@@ -2,6 +2,7 @@
 //! a processor has.
 
 use crate::instruction_set::widest;
+use crate::ledger::Sum;
 
 /// Numbers that are added or compared side by side.
 const LANES: usize = 8;
@@ -74,6 +75,28 @@ fn extremes_of(values: &[f64], all: &mut MinMax) {
         all.greatest = all.greatest.max(*value);
         all.are_finite &= value.is_finite();
     }
+}
+
+/// The sum of what is told for each number from zero to `count`: several sums side by side that keep their rounding errors (two-sum,
+/// Knuth 1969), then theirs.
+#[inline]
+pub fn sum_of(count: usize, term: impl Fn(usize) -> f64) -> f64 {
+    let (mut totals, mut lost) = ([0.0; LANES], [0.0; LANES]);
+    let mut add = |terms: [f64; LANES]| {
+        for lane in 0..LANES {
+            let next = totals[lane] + terms[lane];
+            let taken = next - totals[lane];
+            lost[lane] += (totals[lane] - (next - taken)) + (terms[lane] - taken);
+            totals[lane] = next;
+        }
+    };
+    let whole = count - count % LANES;
+    for first in (0..whole).step_by(LANES) {
+        add(std::array::from_fn(|lane| term(first + lane)));
+    }
+    add(std::array::from_fn(|lane| if whole + lane < count { term(whole + lane) } else { 0.0 }));
+    let sum: Sum = totals.into_iter().chain(lost).collect();
+    sum.value()
 }
 
 /// What is added up over a step: the start, the end, the rates at the start and at the end.
@@ -166,6 +189,18 @@ mod tests {
             let errors = (0..values.len()).map(|i| error_of_one(columns.map(|column| column[i]), 0.5));
             let (plain, plain_size) = (errors.sum::<f64>(), other.iter().map(|end| end.abs()).sum::<f64>());
             prop_assert!((error - plain).abs() <= rounding * plain && (size - plain_size).abs() <= rounding * plain_size);
+        }
+
+        /// Among terms that cancel, in whose rounding all others would be lost.
+        #[test]
+        fn sums_keep_their_rounding_errors(values in prop::collection::vec(-1000_i32..1000, 2..70), great in 0_usize..70) {
+            let count = values.len();
+            let mut terms: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
+            let [plus, minus] = [great, great + 1].map(|place| place % count);
+            let exact = values.iter().sum::<i32>() - values[plus] - values[minus];
+            (terms[plus], terms[minus]) = (1e19, -1e19);
+            let found = sum_of(count, |i| terms[i]);
+            prop_assert_eq!(found, f64::from(exact));
         }
     }
 

@@ -286,12 +286,15 @@ impl Curve {
     }
 
     /// Frozen fraction at an enthalpy (J/m3).
+    #[inline]
     pub fn frozen_fraction(&self, enthalpy: f64) -> f64 {
         if let Some(blend) = &self.blend {
             return blend.frozen_fraction(enthalpy);
         }
         match &self.law {
             FreezingLaw::None if self.moisture.is_none() => 0.0,
+            // Most of a body is often unfrozen, and needs no division.
+            FreezingLaw::Isothermal if enthalpy >= 0.0 => 0.0,
             FreezingLaw::Isothermal => (-enthalpy / self.latent_heat).clamp(0.0, 1.0),
             _ => 1.0 - self.unfrozen_fraction(self.temperature(enthalpy)),
         }

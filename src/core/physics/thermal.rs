@@ -114,6 +114,7 @@ impl Thermal {
     }
 
     /// Frozen fraction of a particle from the enthalpy that it carries.
+    #[inline]
     pub fn frozen_fraction(&self, enthalpy: f64) -> f64 {
         match &self.law {
             Law::Tabulated(law) => law.deficit(enthalpy),

@@ -250,16 +250,18 @@ impl PassageFinder {
             |middle: usize, count: usize| (middle.saturating_sub(reach).max(1), (middle + reach).min(count - 2));
         let (left, right) = around(start % self.columns, self.columns);
         let (below, above) = around(start / self.columns, self.rows);
-        let mut changed = true;
-        while changed {
-            changed = false;
-            for (upwards, rightwards) in [(true, true), (true, false), (false, false), (false, true)] {
-                for row in 0..=above - below {
-                    let row = self.columns * if upwards { below + row } else { above - row };
-                    for column in 0..=right - left {
-                        changed |= self.reach(row + if rightwards { left + column } else { right - column });
-                    }
+        // A sweep that changes nothing, in whichever direction, has found no cell that would be reached earlier.
+        let directions = [(true, true), (true, false), (false, false), (false, true)];
+        for (upwards, rightwards) in directions.into_iter().cycle() {
+            let mut changed = false;
+            for row in 0..=above - below {
+                let row = self.columns * if upwards { below + row } else { above - row };
+                for column in 0..=right - left {
+                    changed |= self.reach(row + if rightwards { left + column } else { right - column });
                 }
+            }
+            if !changed {
+                break;
             }
         }
         let beyond = |at: &usize| self.arrival[*at].is_finite() && self.place(*at).length() >= far;

@@ -226,7 +226,11 @@ impl Wall {
         let area: f64 = pipes.iter().map(FrozenIn::area).sum();
         let excess: f64 = pipes.iter().map(FrozenIn::excess).sum();
         let frozen = view.frozen() - area;
-        let weighted = particles.integral(|i| particles.frozen_fraction(i) * particles.frozen_reading(i)) - excess;
+        let weight = |i: usize| match particles.frozen_fraction(i) {
+            0.0 => 0.0,
+            fraction => fraction * particles.frozen_reading(i),
+        };
+        let weighted = particles.integral(weight) - excess;
         let mean_temperature_c = (frozen > 0.0).then(|| weighted / frozen);
         self.planes.push(PlaneRow {
             time_s: time,

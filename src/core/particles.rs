@@ -160,6 +160,16 @@ impl Particles {
         self.materials.of(index).frozen_fraction(self.enthalpy[index])
     }
 
+    /// Frozen fractions of all particles, in place of what was in `fractions`.
+    pub fn frozen_fractions(&self, fractions: &mut Vec<f64>) {
+        fractions.clear();
+        fractions.reserve_exact(self.len());
+        match self.materials.single() {
+            Some(material) if self.shaft.is_none() => material.frozen_fractions(&self.enthalpy, fractions),
+            _ => fractions.extend((0..self.len()).map(|i| self.frozen_fraction(i))),
+        }
+    }
+
     /// Whether they move.
     pub fn move_about(&self) -> bool {
         !self.velocity.is_empty()

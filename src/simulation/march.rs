@@ -6,7 +6,6 @@ mod leave;
 mod stopwatch;
 mod verdict;
 
-use std::cell::OnceCell;
 use std::iter::Peekable;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,7 +24,7 @@ use frazil_scene::method::MethodSettings;
 
 use crate::checkpoint::{self, Header, Kept, identity};
 use crate::observers::Observers;
-use crate::observers::observer::{Moment, Setup, View};
+use crate::observers::observer::{Fractions, Moment, Setup, View};
 use crate::plan::refusals::holdable;
 use crate::plan::{Plan, build, settings_of};
 use crate::reference::Reference;
@@ -122,6 +121,8 @@ struct Simulation<'a> {
     /// Whether states within steps are known, and room for one.
     dense: bool,
     between: Vec<f64>,
+    /// Room for frozen fractions that observers see.
+    room: Vec<f64>,
     /// Instants that steps land on, and how many of them they have landed on.
     stops: Vec<f64>,
     landed: usize,
@@ -192,6 +193,7 @@ pub fn run(
         settings,
         options,
         between: vec![0.0; if dense { particles.len() } else { 0 }],
+        room: Vec::new(),
         particles,
         method,
         bound,
@@ -307,8 +309,10 @@ impl Simulation<'_> {
         let is_output = matches!(moment, Moment::Output { .. });
         let across = if is_output { self.method.across(&self.particles.enthalpy, time) } else { Vec::new() };
         let (scene, particles, method) = (self.scene, &self.particles, self.method.as_ref());
-        let (ledger, frozen) = (ledger.unwrap_or(method.ledger()), OnceCell::new());
-        self.observers.observe(&View { scene, particles, method, ledger, across: &across, time, moment, frozen });
+        let (ledger, fractions) = (ledger.unwrap_or(method.ledger()), Fractions::within(std::mem::take(&mut self.room)));
+        let view = View { scene, particles, method, ledger, across: &across, time, moment, fractions };
+        self.observers.observe(&view);
+        self.room = view.fractions.into_room();
         if let Some(see) = self.options.each_output.filter(|_| is_output || moment == Moment::Start) {
             see(&self.particles, time);
         }

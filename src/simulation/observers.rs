@@ -39,7 +39,7 @@ use frazil_core::saved::{Pass, Saved};
 use frazil_record::RunResult;
 
 use crate::monotonicity;
-use observer::{End, Maker, Observer, Setup, View};
+use observer::{End, Maker, Observer, Setup, View, freezes};
 
 pub use fields::map;
 
@@ -73,6 +73,8 @@ pub fn tables() -> impl Iterator<Item = &'static str> {
 /// The observers of a run.
 pub(crate) struct Observers {
     all: Vec<Box<dyn Observer>>,
+    /// Bytes of the frozen fractions that they see.
+    fractions: usize,
     /// The earliest time (s) at which one of them wants to see a state between outputs.
     next: f64,
 }
@@ -88,7 +90,9 @@ impl Observers {
     /// Those that a scene needs.
     pub(crate) fn new(setup: &Setup<'_>) -> Self {
         let all = OBSERVERS.iter().filter_map(|(of, _)| of(setup)).collect();
-        let mut observers = Observers { all, next: f64::INFINITY };
+        let freezes = freezes(setup.scene);
+        let fractions = if freezes { setup.particles.len() * size_of::<f64>() } else { 0 };
+        let mut observers = Observers { all, fractions, next: f64::INFINITY };
         observers.plan();
         observers
     }
@@ -121,6 +125,6 @@ impl Observers {
 
     /// Bytes that they will hold on the heap at the end of a run.
     pub(crate) fn held_at_the_end(&self) -> usize {
-        self.all.iter().map(|observer| observer.held_at_the_end()).sum()
+        self.fractions + self.all.iter().map(|observer| observer.held_at_the_end()).sum::<usize>()
     }
 }

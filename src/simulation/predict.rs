@@ -3,7 +3,6 @@
 //! The trial makes the first steps of the planned run on a plan of its own, and its outputs and looks besides, for some
 //! milliseconds, fewer of a short run. What each takes is multiplied by how often the run will do it.
 
-use std::cell::OnceCell;
 use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
@@ -20,7 +19,7 @@ use crate::march::guard::Guard;
 use crate::march::instants::{next_turn, outputs};
 use crate::march::{GUARD_STEPS, Refused};
 use crate::observers::Observers;
-use crate::observers::observer::{Cadence, Moment, Setup, View};
+use crate::observers::observer::{Cadence, Fractions, Moment, Setup, View};
 use crate::plan::refusals::{Counted, affordable, count, holdable};
 use crate::plan::steps::MOST_STAGES;
 use crate::plan::{Plan, PlanSummary, build_for, settings_of};
@@ -285,11 +284,14 @@ fn try_out(
         return Forecast { summary, work: None, cost, timed_steps: stepped.count, threads };
     }
     // No profile is wanted at the start, and one at each of its instants.
+    let mut room = Vec::new();
     let mut observe = |time: f64, moment: Moment| {
         let across = method.across(&particles.enthalpy, time);
-        let (method, frozen) = (method.as_ref(), OnceCell::new());
+        let (method, fractions) = (method.as_ref(), Fractions::within(std::mem::take(&mut room)));
         let (particles, ledger) = (&particles, method.ledger());
-        observers.observe(&View { scene, particles, method, ledger, across: &across, time, moment, frozen });
+        let view = View { scene, particles, method, ledger, across: &across, time, moment, fractions };
+        observers.observe(&view);
+        room = view.fractions.into_room();
     };
     let output = Moment::Output { landed: true };
     cost.output = timed(BESIDES, times_of(|work| work.outputs), now, &mut || observe(0.0, output)).each;

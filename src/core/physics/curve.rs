@@ -285,6 +285,11 @@ impl Curve {
         }
     }
 
+    /// Latent heat (J/m3) of material all of which freezes at one temperature.
+    pub fn freezes_at_once(&self) -> Option<f64> {
+        (self.blend.is_none() && self.law == FreezingLaw::Isothermal).then_some(self.latent_heat)
+    }
+
     /// Frozen fraction at an enthalpy (J/m3).
     #[inline]
     pub fn frozen_fraction(&self, enthalpy: f64) -> f64 {
@@ -293,8 +298,6 @@ impl Curve {
         }
         match &self.law {
             FreezingLaw::None if self.moisture.is_none() => 0.0,
-            // Most of a body is often unfrozen, and needs no division.
-            FreezingLaw::Isothermal if enthalpy >= 0.0 => 0.0,
             FreezingLaw::Isothermal => (-enthalpy / self.latent_heat).clamp(0.0, 1.0),
             _ => 1.0 - self.unfrozen_fraction(self.temperature(enthalpy)),
         }

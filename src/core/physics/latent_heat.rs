@@ -102,6 +102,11 @@ impl Materials {
         }
     }
 
+    /// The law of all particles, where it is one.
+    pub fn single(&self) -> Option<&Thermal> {
+        self.of_particle.is_empty().then(|| &self.thermals[0])
+    }
+
     /// The law of a particle.
     #[inline(always)]
     pub fn of(&self, particle: usize) -> &Thermal {

@@ -1,7 +1,7 @@
 //! What an observer is: when it sees the state of a run, and what it leaves.
 
 use frazil_core::saved::{Pass, Saved};
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
 use std::sync::Arc;
 
 use frazil_core::boundary::pipe::Extent;
@@ -48,6 +48,11 @@ pub(crate) struct Schedule {
     pub(crate) instants: Instants,
     /// Time (s) from which on it wants to see the next state between outputs; infinite where it wants none.
     pub(crate) next: f64,
+}
+
+/// Whether a scene has something to freeze, or pores to fill.
+pub(super) fn freezes(scene: &Scene) -> bool {
+    scene.of_water || scene.materials.iter().any(|material| material.freezes())
 }
 
 /// Instants of output.
@@ -135,15 +140,50 @@ pub(crate) struct View<'a> {
     /// Time (s).
     pub(crate) time: f64,
     pub(crate) moment: Moment,
-    /// Integral of the frozen fraction, once an observer has asked for it.
-    pub(crate) frozen: OnceCell<f64>,
+    pub(crate) fractions: Fractions,
+}
+
+/// Frozen fractions of all particles of a view, and their integral, once an observer has asked for them.
+#[derive(Debug, Default)]
+pub(crate) struct Fractions {
+    column: OnceCell<Vec<f64>>,
+    integral: OnceCell<f64>,
+    /// Room for the column.
+    room: RefCell<Vec<f64>>,
+}
+
+impl Fractions {
+    /// Those of no particles yet, where there is room.
+    pub(crate) fn within(room: Vec<f64>) -> Self {
+        Fractions { room: RefCell::new(room), ..Fractions::default() }
+    }
+
+    /// The room.
+    pub(crate) fn into_room(self) -> Vec<f64> {
+        self.column.into_inner().unwrap_or_else(|| self.room.into_inner())
+    }
 }
 
 impl View<'_> {
     /// Integral of the frozen fraction over the particles (m^d).
     pub(crate) fn frozen(&self) -> f64 {
-        let of_all = || self.particles.integral(|i| self.particles.frozen_fraction(i));
-        *self.frozen.get_or_init(of_all)
+        if !freezes(self.scene) {
+            return 0.0;
+        }
+        let of_all = || {
+            let fractions = self.fractions();
+            self.particles.integral(|i| fractions[i])
+        };
+        *self.fractions.integral.get_or_init(of_all)
+    }
+
+    /// Frozen fractions of all particles.
+    pub(crate) fn fractions(&self) -> &[f64] {
+        self.fractions.column.get_or_init(|| {
+            let mut column = self.fractions.room.take();
+            self.particles.frozen_fractions(&mut column);
+            column
+        })
     }
 
     /// Whether profiles are kept at its time.

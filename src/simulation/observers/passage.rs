@@ -85,8 +85,8 @@ impl PassageFinder {
 
     /// The least frozen way through the ground as it is. `sharp`: ground freezes at one temperature, so that the frozen fraction of a
     /// cell is the part of it that is frozen; else what is half frozen bars a way, and a cell is cut where the fraction passes that.
-    pub(super) fn passage(&mut self, particles: &Particles, sharp: bool) -> Passage {
-        self.read(particles, sharp);
+    pub(super) fn passage(&mut self, particles: &Particles, fractions: &[f64], sharp: bool) -> Passage {
+        self.read(particles, fractions, sharp);
         let (start, far) = (self.start(), self.far());
         match self.flood(start, far) {
             Some(last) => self.open(last),
@@ -142,21 +142,16 @@ impl PassageFinder {
     }
 
     /// Takes the frozen shares of all cells.
-    fn read(&mut self, particles: &Particles, sharp: bool) {
+    fn read(&mut self, particles: &Particles, fractions: &[f64], sharp: bool) {
         let (corner, per_cell, columns) = (self.corner, 1.0 / self.spacing, self.columns);
         let mut farthest: f64 = 0.0;
         particles.visit(|i, place| {
             let cell = (place - corner) * per_cell;
             let at = cell.y as usize * columns + cell.x as usize;
-            let fraction = particles.materials.of(i).frozen_fraction(particles.enthalpy[i]);
-            self.share[at] = fraction;
+            self.share[at] = fractions[i];
             self.particle[at] = i as u32;
-            if fraction > 0.0 {
-                let distance = place.length_squared();
-                farthest = farthest.max(distance);
-                if particles.is_dug(distance.sqrt()) {
-                    self.share[at] = 0.0;
-                }
+            if fractions[i] > 0.0 {
+                farthest = farthest.max(place.length_squared());
             }
         });
         self.frozen = farthest.sqrt();

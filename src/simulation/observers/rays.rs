@@ -3,7 +3,6 @@
 use std::f64::consts::TAU;
 
 use frazil_core::memory::HeapSize;
-use frazil_core::particles::Particles;
 use frazil_core::space::domain::Domain;
 use frazil_scene::{PipeName, PipeRing, Scene};
 use glam::DVec2;
@@ -136,8 +135,9 @@ pub(crate) fn pairs(ring: &PipeRing) -> Vec<Pair> {
 }
 
 /// Frozen length of a ray: the integral of the frozen fraction along it (m).
-pub(super) fn frozen_length(ray: &Ray, particles: &Particles) -> f64 {
-    let fractions: Vec<f64> = ray.samples.iter().map(|sample| sample.of(|i| particles.frozen_fraction(i))).collect();
+pub(super) fn frozen_length(ray: &Ray, fractions: &[f64]) -> f64 {
+    let at = |sample: &Sample| sample.of(|i| fractions[i]);
+    let (first, last) = (ray.samples.first().map_or(0.0, at), ray.samples.last().map_or(0.0, at));
     let step = ray.radii[1] - ray.radii[0];
-    step * (fractions.iter().sum::<f64>() - 0.5 * (fractions[0] + fractions[fractions.len() - 1]))
+    step * (ray.samples.iter().map(at).sum::<f64>() - 0.5 * (first + last))
 }

@@ -1,13 +1,12 @@
 //! Where a wall begins and ends along a ray through it, and how it is in between.
 
-use frazil_core::particles::Particles;
 
 use super::rays::{Ray, frozen_length};
 
 /// Mean frozen length over rays (m), each for all that it stands for.
-pub(super) fn mean_length(rays: &[Ray], particles: &Particles) -> f64 {
+pub(super) fn mean_length(rays: &[Ray], fractions: &[f64]) -> f64 {
     let weights: usize = rays.iter().map(|ray| ray.multiplicity).sum();
-    let lengths = rays.iter().map(|ray| ray.multiplicity as f64 * frozen_length(ray, particles));
+    let lengths = rays.iter().map(|ray| ray.multiplicity as f64 * frozen_length(ray, fractions));
     lengths.sum::<f64>() / weights.max(1) as f64
 }
 

@@ -202,12 +202,12 @@ impl Wall {
 
     /// Takes sections of the wall at a time: along the first rays through a pipe and between two, and of all that is frozen.
     fn sections(&mut self, view: &View<'_>) {
-        let (particles, time) = (view.particles, view.time);
+        let (particles, fractions, time) = (view.particles, view.fractions(), view.time);
         let pipes = frozen_in(&self.rings, view.scene, particles, view.ledger, time);
         for (plane, rays) in ["main", "interface"].into_iter().zip(&self.rays) {
             let Some(ray) = rays.first() else { continue };
             let fraction: Vec<f64> =
-                ray.samples.iter().map(|sample| sample.of(|i| particles.frozen_fraction(i))).collect();
+                ray.samples.iter().map(|sample| sample.of(|i| fractions[i])).collect();
             let mut temperature: Vec<f64> =
                 ray.samples.iter().map(|sample| sample.of(|i| particles.reading(i))).collect();
             pipes.iter().for_each(|ring| ring.sharpen(ray, &mut temperature));
@@ -226,7 +226,7 @@ impl Wall {
         let area: f64 = pipes.iter().map(FrozenIn::area).sum();
         let excess: f64 = pipes.iter().map(FrozenIn::excess).sum();
         let frozen = view.frozen() - area;
-        let weight = |i: usize| match particles.frozen_fraction(i) {
+        let weight = |i: usize| match fractions[i] {
             0.0 => 0.0,
             fraction => fraction * particles.frozen_reading(i),
         };
@@ -244,15 +244,16 @@ impl Wall {
     }
 
     /// Takes the wall where it is weakest at a time: whether it stands closed, and how thick it is (m); none where it is not watched.
-    fn stand(&mut self, particles: &Particles, time: f64) -> Option<(bool, f64)> {
+    fn stand(&mut self, view: &View<'_>) -> Option<(bool, f64)> {
         if self.places.is_empty() {
             return None;
         }
+        let (particles, time) = (view.particles, view.time);
         let mut row = PlaneRow { time_s: time, plane: "weakest".into(), ..PlaneRow::default() };
         // Until its pipes have joined all around, the wall is open whatever else is frozen.
         let joined = self.joined();
         if let Some(joined) = joined {
-            let mut passage = self.finder.passage(particles, self.sharp);
+            let mut passage = self.finder.passage(particles, view.fractions(), self.sharp);
             self.standing.look(time, passage.thickness, joined);
             let link = self.crossed(&passage, joined);
             // Of ways that are as short, the lattice picks now one and now another: straight through the gap it is the warmest.
@@ -337,7 +338,7 @@ impl Wall {
 
     /// Takes thicknesses, what is frozen and what a pipe takes.
     fn row(&mut self, view: &View<'_>, stand: Option<(bool, f64)>) {
-        let [main, interface] = self.rays.each_ref().map(|rays| mean_length(rays, view.particles));
+        let [main, interface] = self.rays.each_ref().map(|rays| mean_length(rays, view.fractions()));
         let heat = -view.ledger.rings().sum::<f64>();
         self.rows.push(WallRow {
             time_s: view.time,
@@ -428,7 +429,7 @@ impl Observer for Wall {
             self.joints.iter_mut().for_each(|joint| joint.look(view.particles, self.sharp, view.time));
             return;
         }
-        let stand = self.stand(view.particles, view.time);
+        let stand = self.stand(view);
         if !self.rays[0].is_empty() {
             self.row(view, stand);
         }

@@ -15,18 +15,21 @@
 //! sums given here the maximum principle holds as without. On a line the error falls with the square of the spacing, for
 //! every method (docs/theory/heat.md).
 
+mod changes;
 mod pairs;
 mod window;
 
 use crate::bonds::stencil::Stencil;
+use crate::instruction_set::widest;
 use crate::memory::HeapSize;
 use crate::physics::latent_heat::Materials;
 use crate::physics::laws::Laws;
 use crate::physics::sharp_stretches::{Sharp, find, stretches};
 use crate::solvers::kept::add_one;
 use crate::space::lattice::Lattice;
-use pairs::{LANES, OwnPair, Pairs, distance};
-use window::{Surroundings, Window};
+use changes::Changes;
+use pairs::{LANES, OwnPair, Pairs, distance, exchange};
+use window::{Front, Surroundings, Window};
 
 /// What fronts need to know of a body beside its particles.
 #[derive(Debug, Clone, Copy)]
@@ -50,12 +53,12 @@ pub struct SubCellFront {
     /// Particles that freeze.
     freezing: Vec<u32>,
     /// Cells and frozen fractions of those at hand.
-    fronts: Vec<((i64, i64), f64)>,
+    fronts: Vec<Front>,
     /// What lies around several of them, in a plane, and around one.
     several: Option<Window<LANES>>,
     one: Window<1>,
     /// What fronts add to the rates of particles (W/m3).
-    changes: Vec<(u32, f64)>,
+    changes: Changes,
     /// How that follows small changes.
     tangent: FrontTangent,
 }
@@ -92,7 +95,7 @@ impl SubCellFront {
         let longest = pairs.longest;
         let several = (lattice.dimension > 1).then(|| Window::new(&surroundings, longest));
         let one = Window::new(&surroundings, longest);
-        let changes = Vec::with_capacity(2 * one.changes.len() * (lattice.columns + lattice.rows));
+        let changes = Changes::with_room(2 * one.changes.len() * (lattice.columns + lattice.rows));
         SubCellFront {
             sharp,
             stretches,
@@ -116,16 +119,8 @@ impl SubCellFront {
             let (place, states, at_front) =
                 ((lattice, &*surroundings), (laws, enthalpy), (sharp.potential, sharp.middle()));
             match several {
-                Some(window) => {
-                    window.look_around(place, fronts, states, at_front);
-                    pairs.exchange(window);
-                    window.collect(changes);
-                }
-                None => {
-                    one.look_around(place, fronts, states, at_front);
-                    pairs.exchange_one(one);
-                    one.collect(changes);
-                }
+                Some(window) => act_widely(window, pairs, place, fronts, states, at_front, changes),
+                None => act(one, pairs, place, fronts, states, at_front, changes),
             }
         });
     }
@@ -161,7 +156,7 @@ impl SubCellFront {
         lattice: &Lattice,
         enthalpy: &[f64],
         most: usize,
-        mut some: impl FnMut(&mut Self, &[((i64, i64), f64)], usize, Sharp),
+        mut some: impl FnMut(&mut Self, &[Front], usize, Sharp),
     ) {
         // Particles come in the order of their rows.
         let mut row = 0;
@@ -253,7 +248,7 @@ impl SubCellFront {
     /// Adds what the fronts exchange to `rates`, scaled.
     #[inline]
     pub fn add(&self, rates: &mut [f64], scale: f64) {
-        for (particle, change) in &self.changes {
+        for (particle, change) in self.changes.all() {
             rates[*particle as usize] += scale * change;
         }
     }
@@ -261,7 +256,7 @@ impl SubCellFront {
     /// The same to contents, with what rounding takes from them kept in `lost`.
     #[inline]
     pub fn add_keeping(&self, contents: &mut [f64], lost: &mut [f64], scale: f64) {
-        for (particle, change) in &self.changes {
+        for (particle, change) in self.changes.all() {
             add_one(&mut contents[*particle as usize], scale * change, &mut lost[*particle as usize]);
         }
     }
@@ -301,10 +296,53 @@ pub fn at_the_centre(lattice: &Lattice, index: usize, fraction: f64, temperature
     if count > 0.0 { sum / count } else { 0.0 }
 }
 
+widest!(
+    act_widely,
+    act_each[Lw: Laws],
+    (
+        window: &mut Window<LANES>,
+        pairs: &Pairs,
+        place: (&Lattice, &Surroundings),
+        fronts: &[Front],
+        states: (&Lw, &[f64]),
+        at_front: (f64, f64),
+        changes: &mut Changes
+    )
+);
+
+#[inline(always)]
+fn act_each<Lw: Laws>(
+    window: &mut Window<LANES>,
+    pairs: &Pairs,
+    place: (&Lattice, &Surroundings),
+    fronts: &[Front],
+    states: (&Lw, &[f64]),
+    at_front: (f64, f64),
+    changes: &mut Changes,
+) {
+    act(window, pairs, place, fronts, states, at_front, changes);
+}
+
+/// Lets some fronts act on what lies around them: see [`Window::look_around`].
+#[inline(always)]
+fn act<Lw: Laws, const L: usize>(
+    window: &mut Window<L>,
+    pairs: &Pairs,
+    place: (&Lattice, &Surroundings),
+    fronts: &[Front],
+    states: (&Lw, &[f64]),
+    at_front: (f64, f64),
+    changes: &mut Changes,
+) {
+    window.look_around(place, fronts, states, at_front);
+    exchange(pairs, window);
+    window.collect(changes);
+}
+
 impl HeapSize for SubCellFront {
     fn heap_size(&self) -> usize {
         let windows = self.one.heap_size() + self.several.as_ref().map_or(0, HeapSize::heap_size);
-        let states = windows + self.changes.capacity() * size_of::<(u32, f64)>() + self.freezing.heap_size();
+        let states = windows + self.changes.heap_size() + self.freezing.heap_size();
         let FrontTangent { freezing, by_potential, by_enthalpy, changes, kept } = &self.tangent;
         let factors = freezing.heap_size() + by_potential.heap_size() + by_enthalpy.heap_size();
         let tangent = factors + changes.heap_size() + kept.heap_size();

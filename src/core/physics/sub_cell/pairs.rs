@@ -2,7 +2,6 @@
 
 use super::window::{Surroundings, Window};
 use crate::bonds::stencil::Stencil;
-use crate::instruction_set::widest;
 use crate::memory::HeapSize;
 
 /// Fronts that are worked on side by side.
@@ -172,28 +171,11 @@ impl Pairs {
     pub(super) fn is_taken(&self, pair: &PairOver, window: &Window<1>) -> bool {
         pair.taken(&self.ways, window)[0] != 0
     }
-
-    /// What the fronts in the middle of a window exchange.
-    pub(super) fn exchange(&self, window: &mut Window<LANES>) {
-        exchange_widely(self, window);
-    }
-
-    /// What the only front of a window exchanges.
-    pub(super) fn exchange_one(&self, window: &mut Window<1>) {
-        exchange(self, window);
-    }
-}
-
-widest!(exchange_widely, exchange_each, (pairs: &Pairs, window: &mut Window<LANES>));
-
-#[inline(always)]
-fn exchange_each(pairs: &Pairs, window: &mut Window<LANES>) {
-    exchange(pairs, window);
 }
 
 /// What fronts exchange that are side by side in the middle of a window.
 #[inline(always)]
-fn exchange<const L: usize>(pairs: &Pairs, window: &mut Window<L>) {
+pub(super) fn exchange<const L: usize>(pairs: &Pairs, window: &mut Window<L>) {
     window.note_phases();
     for (cells, near) in window.near.iter_mut().enumerate().skip(1) {
         *near = Near::of(cells, &window.fractions);

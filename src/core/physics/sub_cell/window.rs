@@ -1,9 +1,13 @@
 //! What lies around freezing particles, some of them side by side.
 
+use super::changes::Changes;
 use super::pairs::Near;
 use crate::memory::HeapSize;
 use crate::physics::laws::Laws;
 use crate::space::lattice::Lattice;
+
+/// A freezing particle: its cell and its frozen fraction.
+pub(super) type Front = ((i64, i64), f64);
 
 /// No particle.
 pub(super) const NONE: u32 = u32::MAX;
@@ -110,7 +114,7 @@ impl<const L: usize> Window<L> {
     pub(super) fn look_around(
         &mut self,
         (lattice, surroundings): (&Lattice, &Surroundings),
-        fronts: &[((i64, i64), f64)],
+        fronts: &[Front],
         (laws, enthalpy): (&impl Laws, &[f64]),
         (at_front, freezing): (f64, f64),
     ) {
@@ -209,27 +213,16 @@ impl<const L: usize> Window<L> {
 
     /// Adds what fronts exchange to a list, front by front.
     #[inline(always)]
-    pub(super) fn collect(&self, changes: &mut Vec<(u32, f64)>) {
+    pub(super) fn collect(&self, changes: &mut Changes) {
         for lane in 0..self.count {
-            let start = changes.len();
-            changes.resize(start + self.changes.len(), (NONE, 0.0));
-            // Whether a particle is changed cannot be guessed: all are written, and those that are not are written over.
-            let (slots, mut count) = (&mut changes[start..], 0);
-            let mut note = |particle: u32, change: f64| {
-                if let Some(slot) = slots.get_mut(count) {
-                    *slot = (particle, change);
-                }
-                count += usize::from(change != 0.0);
-            };
             if self.is_whole[lane] {
                 for (firsts, all) in self.firsts.iter().zip(self.changes.chunks_exact(self.width)) {
-                    (firsts[lane]..).zip(all).for_each(|(particle, changes)| note(particle, changes[lane]));
+                    changes.extend(self.width, (firsts[lane]..).zip(all.iter().map(|changes| changes[lane])));
                 }
             } else {
                 let all = self.particles.iter().zip(&self.changes);
-                all.for_each(|(particles, changes)| note(particles[lane], changes[lane]));
+                changes.extend(self.changes.len(), all.map(|(particles, changes)| (particles[lane], changes[lane])));
             }
-            changes.truncate(start + count);
         }
     }
 }

@@ -248,7 +248,18 @@ fn a_folder_holds_the_files_of_one_run() {
 #[test]
 fn one_run_at_a_time_writes_into_a_folder() {
     let folder = tempfile::tempdir().expect("a folder");
-    let words = ["run", "a-million-steps", "--method", "local", "--quiet", "--threads", "1", "--out"];
+    let words = [
+        "run",
+        "a-million-steps",
+        "--method",
+        "local",
+        "--quiet",
+        "--threads",
+        "1",
+        "--set",
+        "method.local.integrator=euler",
+        "--out",
+    ];
     let command = |words: &[&str]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_frazil"));
         command.args(words).arg(folder.path());

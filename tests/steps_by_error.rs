@@ -203,3 +203,25 @@ fn steps_by_error_do_not_depend_on_the_number_of_threads() {
         assert_eq!(hash(3), hash(1), "{}, {integrator}", kind.name);
     }
 }
+
+/// On a line steps end where fronts pass particles, so hardly any is made again, and tens of steps of Euler are one.
+#[test]
+fn steps_on_a_line_end_where_fronts_pass_particles() {
+    let sketch = || {
+        let mut sketch = Sketch::new(Domain::Line { length: 0.4 }, 0.004).wall("left", "temperature_c = -20");
+        sketch.duration_s = 1e6;
+        sketch
+    };
+    for kind in even() {
+        let run = sketch().with(INTEGRATORS[0]).with("tolerance = 1e-4").run(kind);
+        let plain = sketch().with("integrator = \"euler\"").run(kind);
+        let (work, evaluations) = (run.record.work, plain.record.work.evaluations);
+        // Without ends at kinks, a third of all steps was made again.
+        assert!(20 * work.rejected_steps <= run.record.steps, "{}: {work:?} in {} steps", kind.name, run.record.steps);
+        assert!(3 * work.evaluations < evaluations, "{}: {work:?}, by Euler {evaluations}", kind.name);
+        for (row, plain) in run.front.iter().zip(&plain.front) {
+            // A hundredth of a spacing.
+            assert!((row.front_m - plain.front_m).abs() < 4e-5, "{}: {} {}", kind.name, row.front_m, plain.front_m);
+        }
+    }
+}

@@ -309,7 +309,8 @@ impl Simulation<'_> {
         let is_output = matches!(moment, Moment::Output { .. });
         let across = if is_output { self.method.across(&self.particles.enthalpy, time) } else { Vec::new() };
         let (scene, particles, method) = (self.scene, &self.particles, self.method.as_ref());
-        let (ledger, fractions) = (ledger.unwrap_or(method.ledger()), Fractions::within(std::mem::take(&mut self.room)));
+        let (ledger, fractions) =
+            (ledger.unwrap_or(method.ledger()), Fractions::within(std::mem::take(&mut self.room)));
         let view = View { scene, particles, method, ledger, across: &across, time, moment, fractions };
         self.observers.observe(&view);
         self.room = view.fractions.into_room();

@@ -106,6 +106,10 @@ impl Balance for Heated {
         self.balance.patches().into_iter().chain(own).collect()
     }
 
+    fn next_kink(&self, enthalpy: &[f64], rates: &[f64]) -> f64 {
+        self.balance.next_kink(enthalpy, rates)
+    }
+
     fn rate(&mut self, enthalpy: &[f64], clock: &Clock, rates: &mut Rates<'_>) {
         let (patches, released) = rates.patches.split_at_mut(self.patches);
         let (of_particles, surfaces) = (&mut *rates.of_particles, &mut *rates.surfaces);

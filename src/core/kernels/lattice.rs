@@ -393,6 +393,10 @@ impl<L: Laws> Balance for LatticeBalance<L> {
         &self.facts
     }
 
+    fn next_kink(&self, enthalpy: &[f64], rates: &[f64]) -> f64 {
+        self.front.as_ref().map_or(f64::INFINITY, |front| front.next_kink(enthalpy, rates))
+    }
+
     fn rate(&mut self, enthalpy: &[f64], clock: &Clock, rates: &mut Rates<'_>) {
         self.rates(enthalpy, clock.time, rates.of_particles);
         self.book(rates.patches);
@@ -487,9 +491,8 @@ impl<L> HeapSize for LatticeBalance<L> {
         let around = &self.around;
         let walls = around.exterior.heap_size() + around.patch_weights.heap_size() + around.patch_own.heap_size();
         let pipes = self.sinks.heap_size() + self.sink_potentials.heap_size() + self.sink_heat.heap_size();
-        let corners =
-            self.corners.capacity() * size_of::<CornerPair>() + self.corner_rates.heap_size() + self.front.heap_size();
-        let tangent = self.tangent.as_ref().map_or(0, |tangent| tangent.heap_size());
+        let corners = self.corners.capacity() * size_of::<CornerPair>() + self.corner_rates.heap_size();
+        let tangent = self.front.heap_size() + self.tangent.as_ref().map_or(0, |tangent| tangent.heap_size());
         let rows = self.irregular.heap_size() + self.observed.heap_size() + around.materials.of_particle.heap_size();
         let bands = self.bands.heap_size() + self.row_patches.heap_size();
         around.stencil.heap_size() + walls + pipes + corners + bands + tangent + rows

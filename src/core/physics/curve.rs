@@ -285,13 +285,7 @@ impl Curve {
         }
     }
 
-    /// Latent heat (J/m3) of material all of which freezes at one temperature.
-    pub fn freezes_at_once(&self) -> Option<f64> {
-        (self.blend.is_none() && self.law == FreezingLaw::Isothermal).then_some(self.latent_heat)
-    }
-
     /// Frozen fraction at an enthalpy (J/m3).
-    #[inline]
     pub fn frozen_fraction(&self, enthalpy: f64) -> f64 {
         if let Some(blend) = &self.blend {
             return blend.frozen_fraction(enthalpy);

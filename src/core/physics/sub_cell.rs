@@ -125,6 +125,25 @@ impl SubCellFront {
         });
     }
 
+    /// Time (s) after which, if the rates (W/m3) go on, a particle of a line next begins or ends to freeze; infinite in a plane, where
+    /// one of so many always does soon.
+    pub fn next_kink(&self, enthalpy: &[f64], rates: &[f64]) -> f64 {
+        let mut next = f64::INFINITY;
+        if self.several.is_some() {
+            return next;
+        }
+        for (first, end, sharp) in &self.stretches {
+            let (of_stretch, sharp) = (*first as usize..*end as usize, &self.sharp[*sharp as usize]);
+            for (enthalpy, rate) in enthalpy[of_stretch.clone()].iter().zip(&rates[of_stretch]) {
+                for edge in [sharp.interval.0, sharp.interval.1] {
+                    let time = (edge - enthalpy) / rate;
+                    next = if time > 0.0 && time < next { time } else { next };
+                }
+            }
+        }
+        next
+    }
+
     /// Linearises at a state of enthalpies (J/m3). Potentials of freezing particles do not follow their enthalpies: they are given the
     /// slope `steepest` (m2/s) in `slopes`, and stand for the change of the enthalpy.
     pub fn linearise(

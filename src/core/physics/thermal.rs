@@ -124,14 +124,12 @@ impl Thermal {
 
     /// Frozen fractions of several particles from the enthalpies that they carry, after those that are in `fractions`.
     pub fn frozen_fractions(&self, enthalpies: &[f64], fractions: &mut Vec<f64>) {
-        match (&self.law, self.curve.freezes_at_once()) {
-            (Law::Tabulated(_), _) | (_, None) => {
-                fractions.extend(enthalpies.iter().map(|enthalpy| self.frozen_fraction(*enthalpy)));
-            }
-            (_, Some(latent_heat)) => {
-                let fraction = |enthalpy: &f64| (-(enthalpy + self.zero_enthalpy) / latent_heat).clamp(0.0, 1.0);
-                fractions.extend(enthalpies.iter().map(fraction));
-            }
+        if self.curve.is_sharp() {
+            let latent_heat = self.curve.latent_heat;
+            let fraction = |enthalpy: &f64| (-(enthalpy + self.zero_enthalpy) / latent_heat).clamp(0.0, 1.0);
+            fractions.extend(enthalpies.iter().map(fraction));
+        } else {
+            fractions.extend(enthalpies.iter().map(|enthalpy| self.frozen_fraction(*enthalpy)));
         }
     }
 

@@ -24,6 +24,9 @@ const EXCESS: f64 = 1e-3;
 /// Share of Euler's bound at which controlled steps start.
 const START: f64 = 0.9;
 
+/// Where steps end at a kink, over the time to it: not a little before, from where another step would be needed.
+const BEYOND: f64 = 1.001;
+
 /// Half height of the stable region, by stages: an ellipse over its whole length is stable up to here from three stages on.
 const HALF_HEIGHT: f64 = 0.37;
 
@@ -216,6 +219,16 @@ impl Rkl2 {
         step
     }
 
+    /// Time (s) to just beyond the next kink of the rates, as far as they tell at a time (s). Steps that end there are hardly ever made
+    /// again: their error is that of smooth rates.
+    fn to_kink(&self, state: &[f64], time: f64) -> f64 {
+        if self.first_holds_at != Some(time) {
+            return f64::INFINITY;
+        }
+        let next = self.balance.next_kink(state, &self.first_rate);
+        (BEYOND * next).max(START * self.balance.step_bound())
+    }
+
     /// Sum over particles, by their volumes, of the estimated error of a step from `start` to `old` (the distance to the Hermite
     /// interpolant), and of the magnitude of the new state.
     fn error(&self, start: &[f64], step: f64, volumes: &Volumes) -> (f64, f64) {
@@ -273,6 +286,7 @@ impl Solver for Rkl2 {
         if self.balance.companion().is_some() {
             step = step.min(self.longest(self.most()));
         }
+        step = step.min(self.to_kink(state, clock.time));
         loop {
             let attempt = Clock { step, ..*clock };
             self.chain(state, &attempt, self.stages(step));

@@ -25,6 +25,8 @@ const RKL2_TOLERANCE: f64 = 1e-2;
 /// The same around pipes: the days on which single gaps of a ring close, at any place on the lattice, then lie as close to each other as
 /// with Euler's steps.
 const RKL2_TOLERANCE_AROUND_PIPES: f64 = 3e-3;
+/// The same on a line, where steps end as fronts pass particles: the error is then that of the spacing, and a step costs little.
+const RKL2_TOLERANCE_ON_A_LINE: f64 = 1e-5;
 /// The same beside water, which carries what an error moves away from where it is made good again.
 const RKL2_TOLERANCE_BESIDE_WATER: f64 = 1e-3;
 const IMPLICIT_TOLERANCE: f64 = 1e-3;
@@ -45,6 +47,13 @@ pub(super) struct Setup<'a> {
     pub(super) has_flux: bool,
     /// What it has that not all settings go with.
     pub(super) features: &'a [Feature],
+}
+
+impl Setup<'_> {
+    /// Whether the body has one dimension.
+    fn is_line(&self) -> bool {
+        self.domain.is_some_and(|domain| domain.dimension() == 1)
+    }
 }
 
 pub(super) fn methods(root: &mut Section<'_>, setup: &Setup<'_>, kinds: &[&'static MethodKind]) -> Vec<MethodSettings> {
@@ -94,7 +103,7 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
     numerics.search = section.choice_or("search", &SearchChoice::WORDS, numerics.search);
     let preset = preset_integrator(section, setting, &numerics, setup, kind);
     numerics.usual_integrator = !section.has("integrator");
-    numerics.integrator = integrator(section, preset, setup.features);
+    numerics.integrator = integrator(section, preset, setup);
     let carries = setup.features.contains(&Feature::Solute);
     numerics.solute = carries.then(|| water::numerics(section, setting));
     numerics.flow =
@@ -227,11 +236,12 @@ fn preset_integrator(
         // Pressure spreads through saturated ground at once.
         return IntegratorChoice::Implicit { tolerance: IMPLICIT_TOLERANCE };
     }
-    // Around pipes and beside water, temperatures change slowly for most of the time.
-    let slow = has(Feature::Pipes) || has(Feature::Ring) || has(Feature::Groundwater);
+    // Around pipes and beside water, and on lines that freeze, temperatures change slowly for most of the time.
+    let freezes = setup.materials.iter().any(Material::freezes);
+    let slow = has(Feature::Pipes) || has(Feature::Ring) || has(Feature::Groundwater) || setup.is_line() && freezes;
     let own_steps =
         TimeUnit::ALL.iter().any(|unit| section.has(("step", unit.ending()))) || section.has("step_fraction");
-    let tolerance = rkl2_tolerance(setup.features);
+    let tolerance = rkl2_tolerance(setup);
     let in_stages = Numerics { integrator: IntegratorChoice::ControlledRkl2 { tolerance }, ..numerics.clone() };
     let features = capability::of_settings(&in_stages, kind, setup.brings_heat);
     let features: Vec<Feature> = setup.features.iter().copied().chain(features).collect();
@@ -250,19 +260,22 @@ fn preset_integrator(
 }
 
 /// Error of one step of RKL2 where a scene does not say.
-fn rkl2_tolerance(features: &[Feature]) -> f64 {
-    if features.contains(&Feature::Groundwater) {
+fn rkl2_tolerance(setup: &Setup<'_>) -> f64 {
+    let has = |feature| setup.features.contains(&feature);
+    if has(Feature::Groundwater) {
         RKL2_TOLERANCE_BESIDE_WATER
-    } else if features.contains(&Feature::Pipes) || features.contains(&Feature::Ring) {
+    } else if has(Feature::Pipes) || has(Feature::Ring) {
         RKL2_TOLERANCE_AROUND_PIPES
+    } else if setup.is_line() {
+        RKL2_TOLERANCE_ON_A_LINE
     } else {
         RKL2_TOLERANCE
     }
 }
 
-fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, features: &[Feature]) -> IntegratorChoice {
+fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, setup: &Setup<'_>) -> IntegratorChoice {
     use IntegratorChoice::{ControlledRkl2, Euler, Heun, Implicit, Rkl2};
-    let controlled = ControlledRkl2 { tolerance: rkl2_tolerance(features) };
+    let controlled = ControlledRkl2 { tolerance: rkl2_tolerance(setup) };
     let implicit = Implicit { tolerance: IMPLICIT_TOLERANCE };
     let words = [("euler", Euler), ("heun", Heun), ("rkl2", controlled), ("implicit", implicit)];
     let found = section.choice_or("integrator", &words, preset);
@@ -281,7 +294,7 @@ fn integrator(section: &mut Section<'_>, preset: IntegratorChoice, features: &[F
     if let (Rkl2 { stages }, false) = (preset, section.has("tolerance")) {
         return Rkl2 { stages };
     }
-    let usual = found.tolerance().unwrap_or(rkl2_tolerance(features));
+    let usual = found.tolerance().unwrap_or(rkl2_tolerance(setup));
     let tolerance = section.number_or("tolerance", usual, Range::between(1e-9, 1.0));
     if in_stages { ControlledRkl2 { tolerance } } else { Implicit { tolerance } }
 }

@@ -1,6 +1,5 @@
 //! Where a wall begins and ends along a ray through it, and how it is in between.
 
-
 use super::rays::{Ray, frozen_length};
 
 /// Mean frozen length over rays (m), each for all that it stands for.

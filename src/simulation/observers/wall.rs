@@ -206,8 +206,7 @@ impl Wall {
         let pipes = frozen_in(&self.rings, view.scene, particles, view.ledger, time);
         for (plane, rays) in ["main", "interface"].into_iter().zip(&self.rays) {
             let Some(ray) = rays.first() else { continue };
-            let fraction: Vec<f64> =
-                ray.samples.iter().map(|sample| sample.of(|i| fractions[i])).collect();
+            let fraction: Vec<f64> = ray.samples.iter().map(|sample| sample.of(|i| fractions[i])).collect();
             let mut temperature: Vec<f64> =
                 ray.samples.iter().map(|sample| sample.of(|i| particles.reading(i))).collect();
             pipes.iter().for_each(|ring| ring.sharpen(ray, &mut temperature));

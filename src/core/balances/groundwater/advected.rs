@@ -133,6 +133,10 @@ impl Balance for AdvectedHeat {
         &self.facts
     }
 
+    fn next_kink(&self, enthalpy: &[f64], rates: &[f64]) -> f64 {
+        self.conduction.next_kink(enthalpy, rates)
+    }
+
     fn rate(&mut self, enthalpy: &[f64], clock: &Clock, rates: &mut Rates<'_>) {
         let Rates { of_particles, patches, surfaces } = rates;
         let own = patches.len() - 1;

@@ -3,6 +3,7 @@
 //! The trial makes the first steps of the planned run on a plan of its own, and its outputs and looks besides, for some
 //! milliseconds, fewer of a short run. What each takes is multiplied by how often the run will do it.
 
+use std::cell::Cell;
 use std::fmt;
 use std::sync::Arc;
 use std::time::Instant;
@@ -253,10 +254,9 @@ fn try_out(
     let mut times = Vec::new();
     let controlled = matches!(summary.steps, StepCount::ByErrorControl { .. });
     // How many steps there will be under error control is told by those of the trial, and the more the better.
-    let planned = summary.steps.number().map(|steps| Work::of(scene, steps, looks));
-    let times_of = |count: fn(&Work) -> u64| planned.as_ref().map(count);
     let trial = if controlled { STEPS_BY_ERROR } else { STEPS };
-    let stepped = timed(trial, times_of(|work| work.steps), now, &mut || {
+    let is_over = Cell::new(false);
+    let stepped = timed_until(&is_over, trial, summary.steps.number(), now, &mut || {
         clock.step = step.min(method.wanted_step());
         match method.advance(&mut particles, &clock) {
             Ok(made) => clock.time += made,
@@ -266,6 +266,7 @@ fn try_out(
         clock.turned = false;
         if controlled {
             times.push(clock.time);
+            is_over.set(clock.time >= scene.duration);
         }
     });
     let mut cost = Cost { step: stepped.each, ..Cost::default() };
@@ -274,6 +275,8 @@ fn try_out(
         (*estimate, *trial) = (course.map(|course| course.steps), times.len() as u64);
         cost.step *= course.map_or(1.0, |course| course.dearer);
     }
+    let work = summary.steps.number().map(|steps| Work::of(scene, steps, looks));
+    let times_of = |count: fn(&Work) -> u64| work.as_ref().map(count);
     method.publish(&mut particles);
     cost.guard = {
         let look = &mut || failed |= guard.look(&particles, &clock, &bound).is_err();
@@ -302,7 +305,6 @@ fn try_out(
     if looks {
         cost.look = timed(BESIDES, times_of(|work| work.looks), now, &mut || observe(0.0, Moment::Within)).each;
     }
-    let work = summary.steps.number().map(|steps| Work::of(scene, steps, looks));
     Forecast { summary, work, cost, timed_steps: stepped.count, threads }
 }
 
@@ -329,6 +331,17 @@ struct Timed {
 /// Repeats some work that a run does so many times, as far as that is known, in blocks; the first time is for whatever happens
 /// once and does not count. One repetition takes the median over blocks: a block that was interrupted says nothing about the work.
 fn timed(trial: Trial, times: Option<u64>, now: &mut dyn FnMut() -> f64, work: &mut dyn FnMut()) -> Timed {
+    timed_until(&Cell::new(false), trial, times, now, work)
+}
+
+/// The same, at the most until all of the work that a run does is over.
+fn timed_until(
+    is_over: &Cell<bool>,
+    trial: Trial,
+    times: Option<u64>,
+    now: &mut dyn FnMut() -> f64,
+    work: &mut dyn FnMut(),
+) -> Timed {
     let enough = |spent: f64, count: u64, blocks: &[f64]| {
         let shortest = blocks.iter().copied().fold(f64::INFINITY, f64::min);
         let all = times.map_or(f64::INFINITY, |times| spent / count as f64 * times as f64);
@@ -351,7 +364,7 @@ fn timed(trial: Trial, times: Option<u64>, now: &mut dyn FnMut() -> f64, work: &
         } else {
             blocks.push(took / block as f64);
         }
-        if enough(end - began, count, &blocks) {
+        if is_over.get() || enough(end - began, count, &blocks) {
             return Timed { count, each: median(&blocks).unwrap_or(0.0) };
         }
     }
@@ -360,7 +373,6 @@ fn timed(trial: Trial, times: Option<u64>, now: &mut dyn FnMut() -> f64, work: &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::cell::Cell;
 
     /// A clock that only work moves.
     struct Fake(Cell<f64>);

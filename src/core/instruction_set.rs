@@ -82,19 +82,19 @@ pub fn limit(widest: InstructionSet) {
 }
 
 /// Compiles a kernel for the vectors of several processors and calls the widest that may be used. A kernel may be generic over
-/// flags, or in square brackets over a type.
+/// flags, or in square brackets over a type, and `_` for what else its arguments tell.
 macro_rules! widest {
-    ($name:ident, $body:ident $(<$($flag:ident),*>)? $([$kind:ident: $bound:path])?, ($($argument:ident: $type:ty),*)) => {
+    ($name:ident, $body:ident $(<$($flag:ident),*>)? $([$kind:ident: $bound:path $(, $inferred:tt)*])?, ($($argument:ident: $type:ty),*)) => {
         fn $name<$($kind: $bound,)? $($(const $flag: bool),*)?>($($argument: $type),*) {
             #[cfg(target_arch = "x86_64")]
             {
                 #[target_feature(enable = "avx512f,avx512vl")]
                 fn avx512<$($kind: $bound,)? $($(const $flag: bool),*)?>($($argument: $type),*) {
-                    $body::<$($kind,)? $($($flag),*)?>($($argument),*);
+                    $body::<$($kind, $($inferred,)*)? $($($flag),*)?>($($argument),*);
                 }
                 #[target_feature(enable = "avx2")]
                 fn avx2<$($kind: $bound,)? $($(const $flag: bool),*)?>($($argument: $type),*) {
-                    $body::<$($kind,)? $($($flag),*)?>($($argument),*);
+                    $body::<$($kind, $($inferred,)*)? $($($flag),*)?>($($argument),*);
                 }
                 match $crate::instruction_set::InstructionSet::widest() {
                     // SAFETY: the processor has just been asked for these features.
@@ -108,7 +108,7 @@ macro_rules! widest {
                     $crate::instruction_set::InstructionSet::Portable => {}
                 }
             }
-            $body::<$($kind,)? $($($flag),*)?>($($argument),*);
+            $body::<$($kind, $($inferred,)*)? $($($flag),*)?>($($argument),*);
         }
     };
 }

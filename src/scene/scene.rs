@@ -310,6 +310,11 @@ impl Scene {
         data.range(self.initial_temperature, self.conditions())
     }
 
+    /// Whether any of its materials freezes.
+    pub fn freezes(&self) -> bool {
+        self.materials.iter().any(Material::freezes)
+    }
+
     /// The direction in which a plane front runs, if the scene has one: along a line, or along the one axis of a
     /// rectangle in which nothing varies across it. It starts at the wall that drives harder.
     pub fn freezing_direction(&self) -> Option<FreezingDirection> {

@@ -121,8 +121,6 @@ struct Simulation<'a> {
     /// Whether states within steps are known, and room for one.
     dense: bool,
     between: Vec<f64>,
-    /// Room for frozen fractions that observers see.
-    room: Vec<f64>,
     /// Instants that steps land on, and how many of them they have landed on.
     stops: Vec<f64>,
     landed: usize,
@@ -193,7 +191,6 @@ pub fn run(
         settings,
         options,
         between: vec![0.0; if dense { particles.len() } else { 0 }],
-        room: Vec::new(),
         particles,
         method,
         bound,
@@ -309,11 +306,8 @@ impl Simulation<'_> {
         let is_output = matches!(moment, Moment::Output { .. });
         let across = if is_output { self.method.across(&self.particles.enthalpy, time) } else { Vec::new() };
         let (scene, particles, method) = (self.scene, &self.particles, self.method.as_ref());
-        let (ledger, fractions) =
-            (ledger.unwrap_or(method.ledger()), Fractions::within(std::mem::take(&mut self.room)));
-        let view = View { scene, particles, method, ledger, across: &across, time, moment, fractions };
-        self.observers.observe(&view);
-        self.room = view.fractions.into_room();
+        let (ledger, fractions) = (ledger.unwrap_or(method.ledger()), Fractions::default());
+        self.observers.observe(View { scene, particles, method, ledger, across: &across, time, moment, fractions });
         if let Some(see) = self.options.each_output.filter(|_| is_output || moment == Moment::Start) {
             see(&self.particles, time);
         }

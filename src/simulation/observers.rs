@@ -39,7 +39,7 @@ use frazil_core::saved::{Pass, Saved};
 use frazil_record::RunResult;
 
 use crate::monotonicity;
-use observer::{End, Maker, Observer, Setup, View, freezes};
+use observer::{End, Fractions, Maker, Observer, Setup, View, is_parted};
 
 pub use fields::map;
 
@@ -73,7 +73,8 @@ pub fn tables() -> impl Iterator<Item = &'static str> {
 /// The observers of a run.
 pub(crate) struct Observers {
     all: Vec<Box<dyn Observer>>,
-    /// Bytes of the frozen fractions that they see.
+    /// Room for the frozen fractions that they see, and how many there are.
+    room: Vec<f64>,
     fractions: usize,
     /// The earliest time (s) at which one of them wants to see a state between outputs.
     next: f64,
@@ -90,9 +91,8 @@ impl Observers {
     /// Those that a scene needs.
     pub(crate) fn new(setup: &Setup<'_>) -> Self {
         let all = OBSERVERS.iter().filter_map(|(of, _)| of(setup)).collect();
-        let freezes = freezes(setup.scene);
-        let fractions = if freezes { setup.particles.len() * size_of::<f64>() } else { 0 };
-        let mut observers = Observers { all, fractions, next: f64::INFINITY };
+        let fractions = if is_parted(setup.scene) { setup.particles.len() } else { 0 };
+        let mut observers = Observers { all, room: Vec::new(), fractions, next: f64::INFINITY };
         observers.plan();
         observers
     }
@@ -108,8 +108,10 @@ impl Observers {
     }
 
     /// Shows a state to those that want it.
-    pub(crate) fn observe(&mut self, view: &View<'_>) {
-        self.all.iter_mut().filter(|observer| observer.schedule().wants(view)).for_each(|one| one.observe(view));
+    pub(crate) fn observe(&mut self, mut view: View<'_>) {
+        view.fractions = Fractions::within(std::mem::take(&mut self.room));
+        self.all.iter_mut().filter(|observer| observer.schedule().wants(&view)).for_each(|one| one.observe(&view));
+        self.room = view.fractions.into_room();
         self.plan();
     }
 
@@ -125,6 +127,6 @@ impl Observers {
 
     /// Bytes that they will hold on the heap at the end of a run.
     pub(crate) fn held_at_the_end(&self) -> usize {
-        self.fractions + self.all.iter().map(|observer| observer.held_at_the_end()).sum::<usize>()
+        self.fractions * size_of::<f64>() + self.all.iter().map(|observer| observer.held_at_the_end()).sum::<usize>()
     }
 }

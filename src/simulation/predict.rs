@@ -287,14 +287,11 @@ fn try_out(
         return Forecast { summary, work: None, cost, timed_steps: stepped.count, threads };
     }
     // No profile is wanted at the start, and one at each of its instants.
-    let mut room = Vec::new();
     let mut observe = |time: f64, moment: Moment| {
         let across = method.across(&particles.enthalpy, time);
-        let (method, fractions) = (method.as_ref(), Fractions::within(std::mem::take(&mut room)));
+        let (method, fractions) = (method.as_ref(), Fractions::default());
         let (particles, ledger) = (&particles, method.ledger());
-        let view = View { scene, particles, method, ledger, across: &across, time, moment, fractions };
-        observers.observe(&view);
-        room = view.fractions.into_room();
+        observers.observe(View { scene, particles, method, ledger, across: &across, time, moment, fractions });
     };
     let output = Moment::Output { landed: true };
     cost.output = timed(BESIDES, times_of(|work| work.outputs), now, &mut || observe(0.0, output)).each;

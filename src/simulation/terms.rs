@@ -43,10 +43,6 @@ impl Parts<'_> {
         matches!(self.discretisation.stepper, Stepper::Shared)
     }
 
-    fn freezes(&self) -> bool {
-        self.scene.materials.iter().any(Material::freezes)
-    }
-
     fn open_walls(&self) -> Vec<String> {
         self.boundary
             .patches
@@ -91,7 +87,7 @@ impl Parts<'_> {
     /// What the scene uses beside particles and pairs.
     pub fn used(&self) -> Vec<String> {
         let mut used = vec![self.columns()];
-        if self.freezes() {
+        if self.scene.freezes() {
             let scheme = match self.numerics.latent_heat_scheme {
                 LatentHeatScheme::Enthalpy => "enthalpy",
                 LatentHeatScheme::Flags => "flags",
@@ -144,7 +140,7 @@ impl Parts<'_> {
             (self.open_walls().is_empty() && !self.scene.of_water, "no heat through walls"),
             (self.open_walls().is_empty() && self.scene.of_water, "no water through walls"),
             (self.scene.domain.dimension() == 1, "one dimension: no rows"),
-            (!self.freezes() && !self.scene.of_water, "no phase change"),
+            (!self.scene.freezes() && !self.scene.of_water, "no phase change"),
             (straight, "no law: potential proportional to enthalpy"),
         ];
         said.into_iter().filter(|said| said.0).map(|said| said.1.to_string()).collect()

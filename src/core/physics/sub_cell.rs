@@ -317,7 +317,7 @@ pub fn at_the_centre(lattice: &Lattice, index: usize, fraction: f64, temperature
 
 widest!(
     act_widely,
-    act_each[Lw: Laws],
+    act[Lw: Laws, _],
     (
         window: &mut Window<LANES>,
         pairs: &Pairs,
@@ -328,19 +328,6 @@ widest!(
         changes: &mut Changes
     )
 );
-
-#[inline(always)]
-fn act_each<Lw: Laws>(
-    window: &mut Window<LANES>,
-    pairs: &Pairs,
-    place: (&Lattice, &Surroundings),
-    fronts: &[Front],
-    states: (&Lw, &[f64]),
-    at_front: (f64, f64),
-    changes: &mut Changes,
-) {
-    act(window, pairs, place, fronts, states, at_front, changes);
-}
 
 /// Lets some fronts act on what lies around them: see [`Window::look_around`].
 #[inline(always)]

@@ -43,7 +43,8 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
         if !kept.iter().any(|time| (time - view.time).abs() <= 1e-9 * view.scene.duration) {
             return;
         }
-        field.read(view.particles, |i| view.fractions()[i]);
+        let fractions = view.fractions();
+        field.read(view.particles, |i| fractions[i]);
         let mut pieces = Vec::new();
         field.part(0.5, |a, b| pieces.push([a, b]));
         let lines = whole(chained(&pieces), sector, 1e-9 * spacing);

@@ -81,7 +81,8 @@ impl Observer for FrontShape {
     }
 
     fn observe(&mut self, view: &View<'_>) {
-        self.field.read(view.particles, |i| view.fractions()[i]);
+        let fractions = view.fractions();
+        self.field.read(view.particles, |i| fractions[i]);
         let cold = self.boundary.no_warmer_than(self.freezing_point, view.time);
         let mut distance = Distance::NONE;
         let parted = self.field.part(0.5, |a, b| distance.add(&cold, a, b));

@@ -50,11 +50,6 @@ pub(crate) struct Schedule {
     pub(crate) next: f64,
 }
 
-/// Whether a scene has something to freeze, or pores to fill.
-pub(super) fn freezes(scene: &Scene) -> bool {
-    scene.of_water || scene.materials.iter().any(|material| material.freezes())
-}
-
 /// Instants of output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Instants {
@@ -164,10 +159,15 @@ impl Fractions {
     }
 }
 
+/// Whether particles of a scene have a fraction that is frozen, or of water one that is not filled.
+pub(super) fn is_parted(scene: &Scene) -> bool {
+    scene.of_water || scene.freezes()
+}
+
 impl View<'_> {
     /// Integral of the frozen fraction over the particles (m^d).
     pub(crate) fn frozen(&self) -> f64 {
-        if !freezes(self.scene) {
+        if !is_parted(self.scene) {
             return 0.0;
         }
         let of_all = || {

@@ -22,6 +22,9 @@ const SPACING: f64 = 0.002;
 /// Of water (J/m3).
 const LATENT_HEAT: f64 = 334e6;
 
+/// The steps of lines that are timed one by one, where the default would be steps by error control of several evaluations.
+const EULER: &str = "integrator = \"euler\"\n";
+
 /// Fronts of whole cells.
 const WHOLE_CELLS: &str = "front = \"cell\"\n";
 
@@ -65,7 +68,8 @@ pub fn layered_square(law: &str, side: usize, method: &str, threads: usize) -> P
 /// A line of `count` particles with a cold wall, planned for so many hours.
 pub fn line(count: usize, method: &str, hours: u32) -> Plan {
     let domain = format!("[domain.line]\nlength_m = {}\n", count as f64 * SPACING);
-    let mut plan = planned(&water((&domain, &["right"]), ISOTHERMAL, (method, WHOLE_CELLS), hours), method, 1);
+    let numerics = format!("{EULER}{WHOLE_CELLS}");
+    let mut plan = planned(&water((&domain, &["right"]), ISOTHERMAL, (method, &numerics), hours), method, 1);
     scatter(&mut plan);
     plan
 }
@@ -73,7 +77,7 @@ pub fn line(count: usize, method: &str, hours: u32) -> Plan {
 /// A line of `count` particles of which the first half is frozen, with the front inside the next particle.
 pub fn freezing_line(count: usize, method: &str, hours: u32) -> Plan {
     let domain = format!("[domain.line]\nlength_m = {}\n", count as f64 * SPACING);
-    let mut plan = planned(&water((&domain, &["right"]), ISOTHERMAL, (method, ""), hours), method, 1);
+    let mut plan = planned(&water((&domain, &["right"]), ISOTHERMAL, (method, EULER), hours), method, 1);
     let curve = plan.particles.materials.thermals[0].clone();
     let middle = count / 2;
     for (place, enthalpy) in plan.particles.enthalpy.iter_mut().enumerate() {

@@ -250,14 +250,15 @@ fn one_run_at_a_time_writes_into_a_folder() {
     let folder = tempfile::tempdir().expect("a folder");
     let words = [
         "run",
-        "a-million-steps",
+        "frozen-wall-sand",
         "--method",
         "local",
         "--quiet",
         "--threads",
         "1",
+        // Hours on any machine: it is stopped.
         "--set",
-        "method.local.integrator=euler",
+        "time.duration_days=40000000",
         "--out",
     ];
     let command = |words: &[&str]| {

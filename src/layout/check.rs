@@ -44,10 +44,12 @@ pub(super) fn print(study: &Study<'_>, methods: &[&'static str], threads: usize)
             if let Some(seconds) = forecast.seconds() {
                 rates.entry(method).or_default().push(seconds / size(layout, method));
             }
-            let time = forecast.seconds().map_or("unknown, like the number of steps".to_owned(), clock);
+            let time = forecast.seconds().map_or("unknown, like the number of steps".to_owned(), |seconds| {
+                format!("{} on 1 thread", clock(seconds))
+            });
             let under = if methods.len() > 1 { format!(" with {method}") } else { String::new() };
             let particles = forecast.summary.particles;
-            answer(&format!("  particles    {particles}{under}\n  time         {time} on 1 thread{under}\n"))?;
+            answer(&format!("  particles    {particles}{under}\n  time         {time}{under}\n"))?;
         }
     }
     if compared.len() > TRIED {

@@ -423,7 +423,7 @@ mod tests {
         let calls = Cell::new(0u32);
         let found = timed(STEPS_BY_ERROR, None, &mut || clock.0.get(), &mut || {
             calls.set(calls.get() + 1);
-            clock.pass(if calls.get() % 4 == 0 { 9e-3 } else { 1e-3 });
+            clock.pass(if calls.get().is_multiple_of(4) { 9e-3 } else { 1e-3 });
         });
         // A quarter of whole rounds of four.
         assert_eq!(found.count % 4, 0, "{found:?}");

@@ -352,13 +352,15 @@ fn what_older_files_mean_now_is_told() {
     }
 }
 
-/// Commands of the README that take minutes say so beside them, and that longer ones warn of it.
+/// Commands of the README that take more than ten minutes, or nearly, say so beside them, and that longer ones warn of it.
 #[test]
 fn commands_of_the_readme_that_take_long_say_so() {
     let readme = read(&root().join("README.md"));
     assert!(readme.contains("more than ten\nminutes on your machine says so before it starts"));
     let lines = blocks(&readme, "sh").concat();
-    for command in ["layout shaft-seepage", "compare stefan-water frozen", "cargo test"] {
+    let long =
+        ["layout shaft-strata --method all", "layout shaft-seepage", "compare stefan-water frozen", "cargo test"];
+    for command in long {
         let line = lines.lines().find(|line| line.contains(command)).expect("the command");
         assert!(line.split_once('#').is_some_and(|(_, words)| words.contains(" min")), "{line}");
     }

@@ -401,17 +401,22 @@ mod tests {
         }
     }
 
-    #[test]
-    fn the_first_time_and_interruptions_do_not_count() {
+    /// What a trial finds of work that takes so long (s) the first time, the second and so on.
+    fn tried(trial: Trial, took: impl Fn(u32) -> f64) -> Timed {
         let clock = Fake(Cell::new(0.0));
         let calls = Cell::new(0u32);
-        let found = timed(STEPS, None, &mut || clock.0.get(), &mut || {
+        timed(trial, None, &mut || clock.0.get(), &mut || {
             calls.set(calls.get() + 1);
-            clock.pass(match calls.get() {
-                1 => 1.0,
-                k if k % 10 == 0 => 4e-3,
-                _ => 1e-3,
-            });
+            clock.pass(took(calls.get()));
+        })
+    }
+
+    #[test]
+    fn the_first_time_and_interruptions_do_not_count() {
+        let found = tried(STEPS, |call| match call {
+            1 => 1.0,
+            k if k % 10 == 0 => 4e-3,
+            _ => 1e-3,
         });
         assert!((found.each - 1e-3).abs() < 1e-12, "{found:?}");
     }
@@ -419,12 +424,7 @@ mod tests {
     /// Steps by error are not even: dear ones count as often as they come.
     #[test]
     fn steps_by_error_take_their_mean() {
-        let clock = Fake(Cell::new(0.0));
-        let calls = Cell::new(0u32);
-        let found = timed(STEPS_BY_ERROR, None, &mut || clock.0.get(), &mut || {
-            calls.set(calls.get() + 1);
-            clock.pass(if calls.get().is_multiple_of(4) { 9e-3 } else { 1e-3 });
-        });
+        let found = tried(STEPS_BY_ERROR, |call| if call.is_multiple_of(4) { 9e-3 } else { 1e-3 });
         // A quarter of whole rounds of four.
         assert_eq!(found.count % 4, 0, "{found:?}");
         assert!((found.each - 3e-3).abs() < 1e-12, "{found:?}");

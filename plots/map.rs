@@ -13,6 +13,9 @@ use crate::words::Words;
 /// Longest side of the grid that is contoured; finer fields are thinned, which keeps the SVG small.
 const GRID: usize = 240;
 
+/// Most rings of an isotherm that is drawn however small they are: a ring of pipes has some forty.
+const MOST_RINGS: usize = 60;
+
 /// Width of the line of the front (px).
 const FRONT_WIDTH: f64 = 3.2;
 
@@ -174,7 +177,7 @@ pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Fra
             // At the ends of the range a line would follow the rounding of what is even.
             let inside = (level - low).min(high - level) > 1e-6 * (high - low);
             let is_apart = look.zero.is_none_or(|zero| (level - zero).abs() > 0.2 * isotherm);
-            if inside && is_apart {
+            if inside && is_apart && !grid.is_noise(level, &frame) {
                 grid.draw_level(&mut canvas, &frame, &grid.values, level, Stroke::whole(INK, 0.9));
             }
         }
@@ -379,6 +382,17 @@ impl Grid {
         frame.spot(at(self.x0, x, frame.x.low, frame.x.high), at(self.y0, y, frame.y.low, frame.y.high))
     }
 
+    /// Whether an isotherm follows the noise of single particles where all have about its temperature: most of its rings
+    /// go around less than a block of three by three cells then.
+    fn is_noise(&self, level: f64, frame: &Frame) -> bool {
+        let across = self.spacing * (frame.right - frame.left) / (frame.x.high - frame.x.low);
+        let up = self.spacing * (frame.bottom - frame.top) / (frame.y.high - frame.y.low);
+        let block = 9.0 * (across * up).abs();
+        let rings: Vec<f64> =
+            self.above(&self.values, level, frame).iter().flatten().map(|ring| enclosed(ring)).collect();
+        rings.len() > MOST_RINGS && 2 * rings.iter().filter(|area| **area < block).count() > rings.len()
+    }
+
     /// A line of equal value inside the frame; the frame itself is none.
     pub(crate) fn draw_level(&self, canvas: &mut Canvas, frame: &Frame, values: &[f64], level: f64, stroke: Stroke) {
         let edge = |(x, y): &Spot| {
@@ -483,5 +497,27 @@ mod tests {
         let ring = cut_open(vec![square(0.0, 10.0), hole]);
         assert_eq!(ring.len(), 4 + 5 + 1);
         assert!((enclosed(&ring) - 96.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn noise_about_a_level_is_told_from_an_isotherm() {
+        let grid = |at: &dyn Fn(usize, usize) -> f64| Grid {
+            nx: 60,
+            ny: 60,
+            x0: 0.5,
+            y0: 0.5,
+            spacing: 1.0,
+            values: (0..3600).map(|k| at(k % 60, k / 60)).collect(),
+            frozen: Vec::new(),
+            body: Vec::new(),
+        };
+        let noise =
+            |i: usize, j: usize| ((12.9898 * i as f64 + 78.233 * j as f64).sin() * 43_758.545_3).rem_euclid(1.0) - 0.5;
+        let cone = |i: usize, j: usize| (i as f64 - 30.5).hypot(j as f64 - 30.5) - 15.0;
+        let side = || Axis::between("", 0.0, 60.0);
+        let frame = Frame { left: 0.0, top: 0.0, right: 600.0, bottom: 600.0, x: side(), y: side() };
+        assert!(!grid(&cone).is_noise(0.0, &frame));
+        assert!(!grid(&|i, j| cone(i, j) + noise(i, j)).is_noise(0.0, &frame));
+        assert!(grid(&noise).is_noise(0.0, &frame));
     }
 }

@@ -168,30 +168,39 @@ fn unit((x, y): Spot) -> (i64, i64) {
     ((x * SCALE).round() as i64, (y * SCALE).round() as i64)
 }
 
-/// The points of a line in units of the file, without those that lie on the way from one to another: it goes by them all the same.
+/// The points of a line in units of the file, without those that it passes within one unit all the same (Douglas and Peucker 1973).
 fn bends(points: &[Spot]) -> Vec<(i64, i64)> {
-    let mut kept: Vec<(i64, i64)> = Vec::with_capacity(points.len());
-    for point in points.iter().map(|point| unit(*point)) {
-        if let [.., before, last] = kept[..]
-            && is_between(before, last, point)
+    let mut all: Vec<(i64, i64)> = points.iter().map(|point| unit(*point)).collect();
+    all.dedup();
+    let mut kept = vec![false; all.len()];
+    if let [first, .., last] = &mut kept[..] {
+        (*first, *last) = (true, true);
+    }
+    let mut open = vec![(0, all.len().saturating_sub(1))];
+    while let Some((from, to)) = open.pop() {
+        let between = (from + 1..to).map(|k| (k, beside(all[from], all[to], all[k])));
+        if let Some((bend, distance)) = between.max_by(|a, b| a.1.total_cmp(&b.1))
+            && distance > 1.0
         {
-            kept.pop();
-        }
-        if kept.last() != Some(&point) {
-            kept.push(point);
+            kept[bend] = true;
+            open.extend([(from, bend), (bend, to)]);
         }
     }
+    let mut line: Vec<(i64, i64)> = all.iter().zip(kept).filter_map(|(point, kept)| kept.then_some(*point)).collect();
     // A line must have two points to be one, however short.
-    if let [only] = kept[..] {
-        kept.push((only.0 + 1, only.1));
+    if let [only] = all[..] {
+        line = vec![only, (only.0 + 1, only.1)];
     }
-    kept
+    line
 }
 
-/// Whether a point lies on the way from one before it to one behind it.
-fn is_between(before: (i64, i64), at: (i64, i64), behind: (i64, i64)) -> bool {
-    let (to, on) = ((at.0 - before.0, at.1 - before.1), (behind.0 - at.0, behind.1 - at.1));
-    to.0 * on.1 == to.1 * on.0 && to.0 * on.0 + to.1 * on.1 >= 0
+/// Square of the distance of a point from the way between two others (square units).
+fn beside(from: (i64, i64), to: (i64, i64), at: (i64, i64)) -> f64 {
+    let (way, on) = ((to.0 - from.0, to.1 - from.1), (at.0 - from.0, at.1 - from.1));
+    let length = (way.0 * way.0 + way.1 * way.1) as f64;
+    let part = if length > 0.0 { ((way.0 * on.0 + way.1 * on.1) as f64 / length).clamp(0.0, 1.0) } else { 0.0 };
+    let off = (on.0 as f64 - part * way.0 as f64, on.1 as f64 - part * way.1 as f64);
+    off.0 * off.0 + off.1 * off.1
 }
 
 impl fmt::Display for Colour {
@@ -247,6 +256,12 @@ mod tests {
     fn a_line_keeps_its_bends_and_nothing_between_them() {
         let straight: Vec<Spot> = (0..50).map(|k| (f64::from(k), 2.0 * f64::from(k))).collect();
         assert_eq!(bends(&straight), [(0, 0), (490, 980)]);
+        let arc: Vec<Spot> =
+            (0..=400).map(|k| f64::from(k) / 400.0).map(|a| (300.0 * a.cos(), 300.0 * a.sin())).collect();
+        let kept = bends(&arc);
+        assert!(kept.len() < 40, "{}", kept.len());
+        let nearest = |at| kept.windows(2).map(|way| beside(way[0], way[1], at)).fold(f64::INFINITY, f64::min);
+        assert!(arc.iter().all(|spot| nearest(unit(*spot)) <= 1.0));
         // There and back again is not the way from one to the other.
         assert_eq!(bends(&[(0.0, 0.0), (5.0, 0.0), (3.0, 0.0)]), [(0, 0), (50, 0), (30, 0)]);
         assert_eq!(bends(&[(1.0, 1.0), (1.0, 1.01)]), [(10, 10), (11, 10)]);

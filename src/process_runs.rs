@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::Ordering;
 
+use frazil_studies::campaign::program;
 use frazil_studies::failure::{Failure, complain};
 use frazil_studies::output::{make_folder, write_json};
 use serde::{Deserialize, Serialize};
@@ -93,7 +94,7 @@ impl ProcessRuns {
     fn run(&self, command: &str, path: &Path) -> Result<bool, Failure> {
         make_folder(path)?;
         let started = |error| Failure::file(path, "cannot be run into", error);
-        let program = std::env::current_exe().map_err(started)?;
+        let program = program().map_err(started)?;
         let own = ["--quiet", "--threads", &self.threads.to_string(), "--out"].map(String::from);
         // An interrupt is for both: the run ends itself, and says so by its code.
         let flag = interrupt::watch();

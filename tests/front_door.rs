@@ -177,3 +177,30 @@ fn a_gallery_shows_each_scene_with_its_command_and_keeps_its_runs() {
     let (_, complained) = said(&frazil(own, &["gallery", "stefan-unti"]));
     assert_eq!(complained, "\"stefan-unti\" is no bundled scene; frazil list shows all names\n");
 }
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_gallery_goes_on_while_another_program_is_installed() {
+    use std::io::{BufRead, BufReader, Read};
+    use std::process::Stdio;
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let program = folder.path().join("frazil");
+    fs::copy(env!("CARGO_BIN_EXE_frazil"), &program).expect("copied");
+    let mut running = Command::new(&program)
+        .args(["gallery", "stefan-unit", "copper-sphere", "--out", "g"])
+        .current_dir(folder.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("started");
+    let mut complained = BufReader::new(running.stderr.take().expect("a pipe"));
+    let mut line = String::new();
+    complained.read_line(&mut line).expect("a line");
+    assert!(line.starts_with("1 of 2: frazil run "), "{line}");
+    fs::remove_file(&program).expect("removed");
+    let mut rest = String::new();
+    complained.read_to_string(&mut rest).expect("read");
+    let told = running.wait_with_output().expect("ended").stdout;
+    assert!(told.starts_with(b"2 scenes, 0 without a run\n"), "{rest}");
+}

@@ -21,7 +21,7 @@ use crate::parallel;
 pub use meter::{Meter, Task};
 pub use shard::Shard;
 use store::Store;
-pub use store::{build, count_of_findings};
+pub use store::{build, count_of_findings, program};
 
 mod meter;
 mod shard;

@@ -104,11 +104,12 @@ impl DiagonalPairs {
         }
         // Places of weights are short numbers.
         u32::try_from(offsets.len() * (count.next_multiple_of(TILE) + LANES)).ok()?;
-        let mut columns = vec![vec![0.0; count]; offsets.len()];
+        // In one piece, which goes back to the system as a whole.
+        let mut columns = vec![0.0; offsets.len() * count];
         let mut taken = vec![false; parts.pairs.partners.len()];
         both.each(parts, |offset, low, [forth, back]| {
             if let Ok(diagonal) = offsets.binary_search(&offset) {
-                columns[diagonal][low] = parts.pairs.weights[forth];
+                columns[diagonal * count + low] = parts.pairs.weights[forth];
                 (taken[forth], taken[back]) = (true, true);
             }
         });
@@ -122,14 +123,15 @@ impl DiagonalPairs {
         Some(own)
     }
 
-    /// Keeps the weights of columns, one for each diagonal.
-    fn store(&mut self, mut columns: Vec<Vec<f64>>) {
-        for (diagonal, column) in self.diagonals.iter_mut().zip(&mut columns) {
+    /// Keeps the weights of columns, one behind the other for each diagonal.
+    fn store(&mut self, mut columns: Vec<f64>) {
+        for (diagonal, column) in self.diagonals.iter_mut().zip(columns.chunks_exact_mut(self.count)) {
             diagonal.uneven = !even_out(column);
         }
-        let mut kinds: Vec<HashMap<[u64; LANES], u32>> = vec![HashMap::new(); columns.len()];
+        let mut kinds: Vec<HashMap<[u64; LANES], u32>> = vec![HashMap::new(); self.diagonals.len()];
         for tile in (0..self.count).step_by(TILE) {
-            for ((diagonal, column), kinds) in self.diagonals.iter().zip(&columns).zip(&mut kinds) {
+            let columns = columns.chunks_exact(self.count);
+            for ((diagonal, column), kinds) in self.diagonals.iter().zip(columns).zip(&mut kinds) {
                 if column[tile..self.count.min(tile + TILE)].iter().all(|weight| *weight == 0.0) {
                     self.places.push(NONE);
                     continue;

@@ -146,9 +146,18 @@ pub fn count_of_findings(folder: &Path) -> usize {
     places.len()
 }
 
+/// The file of this program, whatever stands in its place by now: who installs another does not change runs that go on.
+///
+/// # Errors
+/// Where the system does not tell.
+pub fn program() -> io::Result<PathBuf> {
+    let held = Path::new("/proc/self/exe");
+    if held.exists() { Ok(held.into()) } else { std::env::current_exe() }
+}
+
 /// What tells one build of the program from another: its version and a hash of its file.
 pub fn build() -> String {
-    let file = std::env::current_exe().and_then(fs::read).map_or(0, |bytes| xxh3_64(&bytes));
+    let file = program().and_then(fs::read).map_or(0, |bytes| xxh3_64(&bytes));
     format!("{}-{file:016x}", env!("CARGO_PKG_VERSION"))
 }
 

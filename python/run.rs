@@ -25,8 +25,8 @@ use crate::source::{Scenes, Source};
 use crate::studies::{between, positive};
 use crate::{table, value, work};
 
-/// Wall time between two checkpoints of a run in a folder, as the command has it.
-const BETWEEN_CHECKPOINTS: Duration = Duration::from_secs(60);
+/// Wall time between two checkpoints of a run in a folder, as the commands have it.
+pub const BETWEEN_CHECKPOINTS: Option<Duration> = Some(Duration::from_secs(60));
 
 /// Threads at most, as the command has it.
 pub const MOST_THREADS: usize = 1024;
@@ -106,6 +106,35 @@ fn map<'py>(py: Python<'py>, field: &Field) -> PyResult<Bound<'py, PyDict>> {
     Ok(map)
 }
 
+/// A run as it is asked for from Python.
+pub fn request(
+    (scene, method): (&str, Option<&str>),
+    overrides: Vec<(String, String)>,
+    (threads, seed): (usize, u64),
+    out: Option<PathBuf>,
+) -> RunRequest {
+    RunRequest {
+        scene: scene.to_owned(),
+        method: method.map(str::to_owned),
+        overrides,
+        threads,
+        seed,
+        out,
+        reduce: false,
+        estimated: None,
+        fields: false,
+        frames: false,
+        formats: Formats::SVG,
+        checkpoints: BETWEEN_CHECKPOINTS,
+        resume: false,
+        quiet: true,
+        json: false,
+        // Whoever waits can see how far it is, and stop it.
+        yes: true,
+        command_line: "frazil.run(...)".into(),
+    }
+}
+
 /// Where a run stands: time and end (s), steps, wall time (s).
 type Standing = (f64, f64, u64, f64);
 
@@ -134,26 +163,7 @@ pub fn run(
         |name: &str| SceneError::new_err(format!("measure: found {name:?}, must be one of {}", Headline::names()));
     let measure = measure.map(|name| Headline::named(name).ok_or_else(|| unknown(name))).transpose()?;
     let budget_s = positive("budget_s", budget_s)?;
-    let mut request = RunRequest {
-        scene: source.name().to_owned(),
-        method: method.map(str::to_owned),
-        overrides,
-        threads,
-        seed,
-        out,
-        reduce: false,
-        estimated: None,
-        fields: false,
-        frames: false,
-        formats: Formats::SVG,
-        checkpoints: Some(BETWEEN_CHECKPOINTS),
-        resume: false,
-        quiet: true,
-        json: false,
-        // Whoever waits can see how far it is, and stop it.
-        yes: true,
-        command_line: "frazil.run(...)".into(),
-    };
+    let mut request = request((source.name(), method), overrides, (threads, seed), out);
     let (interrupt, standing) = (AtomicBool::new(false), Mutex::new(None::<Standing>));
     let latest = || standing.lock().unwrap_or_else(PoisonError::into_inner);
     let progress = |at: &Progress| *latest() = Some((at.time_s, at.duration_s, at.steps, at.elapsed_s));

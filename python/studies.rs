@@ -2,15 +2,16 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use std::time::Duration;
 
 use frazil::parts::parts_until;
+use frazil::run::{RunRequest, asked_of, ensemble_of, folder_of};
 use frazil_layouts::LayoutRequest;
 use frazil_scene::{Setting, names};
 use frazil_studies::campaign::Shard;
 use frazil_studies::compare::CompareRequest;
 use frazil_studies::compare::variant::Variant;
 use frazil_studies::failure::{Failure, Verdict};
+use frazil_studies::method;
 use frazil_studies::parts::Parts;
 use frazil_studies::stability::StabilityRequest;
 use frazil_studies::stability::axis::Axis;
@@ -21,12 +22,9 @@ use tempfile::TempDir;
 use toml::{Table, Value};
 
 use crate::errors::{RunError, SceneError, raised};
-use crate::run::threads;
+use crate::run::{self, BETWEEN_CHECKPOINTS, threads};
 use crate::source::{Scenes, Source};
 use crate::{value, work};
-
-/// Wall time between two checkpoints of a run, as the commands have it.
-const BETWEEN_CHECKPOINTS: Option<Duration> = Some(Duration::from_secs(60));
 
 /// Wall time that the runs of a layout may take by which its spacing is chosen (s), as the command has it.
 const LAYOUT_BUDGET_S: f64 = 120.0;
@@ -116,6 +114,39 @@ pub fn compare(
         command_line: "frazil.compare(...)".into(),
     };
     study(py, (&scenes, out), |parts| frazil_studies::compare::compare(&request, parts))
+}
+
+/// A run with several seeds.
+#[pyfunction]
+#[pyo3(signature = (scene, method, seeds, seed, set, threads, out, quiet))]
+#[expect(clippy::too_many_arguments, reason = "the arguments of the function of Python")]
+pub fn ensemble(
+    py: Python<'_>,
+    scene: &Bound<'_, PyAny>,
+    method: Option<&str>,
+    seeds: usize,
+    seed: u64,
+    set: Option<&Bound<'_, PyMapping>>,
+    threads: Option<usize>,
+    out: Option<PathBuf>,
+    quiet: bool,
+) -> PyResult<Studied> {
+    let source = Source::of(scene)?;
+    let scenes = Scenes::of(std::slice::from_ref(&source))?;
+    let (overrides, threads) = (value::overrides(set)?, self::threads(threads)?);
+    let seeds = between("seeds", seeds, (1, 1000))?;
+    let read = || -> Result<_, Failure> {
+        let scene = scenes.read(source.name(), &overrides)?.0;
+        let method = method::asked(&scene, method)?;
+        Ok((scene, method))
+    };
+    let (scene, method) = read().map_err(|failure| raised(&failure))?;
+    let out = out.unwrap_or_else(|| folder_of(&scene, method));
+    let request = run::request((source.name(), Some(method)), overrides, (threads, seed), Some(out.clone()));
+    let request = RunRequest { quiet, command_line: "frazil.ensemble(...)".into(), ..request };
+    study(py, (&scenes, out), |parts| {
+        ensemble_of(&request, &asked_of(scene.clone(), Some(method))?, seeds, parts.interrupt)
+    })
 }
 
 /// Maps of where methods break.

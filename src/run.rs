@@ -338,22 +338,34 @@ fn expected(
 /// # Errors
 /// Where the scene cannot be run, members would be the same, or a file cannot be written.
 pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
-    let ((scene, method, reference), _) = asked(request)?;
+    ensemble_of(request, &asked(request)?.0, count, interrupt::watch())
+}
+
+/// The same of what is known of the request already, until it is interrupted.
+///
+/// # Errors
+/// Where members would be the same, a run is refused, or a file cannot be written.
+pub fn ensemble_of(
+    request: &RunRequest,
+    (scene, method, reference): &Asked,
+    count: usize,
+    interrupt: &AtomicBool,
+) -> Result<Verdict, Failure> {
     let ensemble = EnsembleRequest {
-        scene: &scene,
+        scene,
         method,
         reference: reference.as_ref(),
         seed: request.seed,
         count,
         threads: request.threads,
-        out: &request.out.clone().unwrap_or_else(|| folder_of(&scene, method)),
+        out: &request.out.clone().unwrap_or_else(|| folder_of(scene, method)),
         checkpoints: request.checkpoints,
         formats: request.formats,
         quiet: request.quiet,
         json: request.json,
         yes: request.yes,
     };
-    ensemble::ensemble(&ensemble, interrupt::watch())
+    ensemble::ensemble(&ensemble, interrupt)
 }
 
 /// Scene, method and reference.
@@ -380,7 +392,7 @@ pub fn asked_of(mut scene: Scene, method: Option<&str>) -> Result<Asked, Failure
 }
 
 /// Where results of a scene under a method go unless another folder is asked for.
-fn folder_of(scene: &Scene, method: &str) -> PathBuf {
+pub fn folder_of(scene: &Scene, method: &str) -> PathBuf {
     Path::new("out").join(&scene.name).join(method)
 }
 

@@ -41,6 +41,16 @@ def compare(
     out: Optional[_Path],
     quiet: bool,
 ) -> _Studied: ...
+def ensemble(
+    scene: Any,
+    method: Optional[str],
+    seeds: int,
+    seed: int,
+    set: Optional[Mapping[str, Any]],
+    threads: Optional[int],
+    out: Optional[_Path],
+    quiet: bool,
+) -> _Studied: ...
 def stability(
     scenes: Sequence[Any],
     methods: Sequence[str],

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import functools
 import html
+import json
 import os
 from pathlib import Path
-from typing import Any, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _native
 from ._run import Scene
@@ -15,8 +16,8 @@ from ._table import Figures, HasTables, Table, Tables
 _Folder = Union[str, "os.PathLike[str]", None]
 
 
-class Study(HasTables):
-    """A study: its folder, its page and its tables, each also as an attribute with the name of its file."""
+class _Folders(HasTables):
+    """Results that are in a folder: tables, each also as an attribute with the name of its file, and figures."""
 
     def __init__(self, kind: str, verdict: str, folder: "os.PathLike[str]") -> None:
         self._kind = kind
@@ -25,31 +26,105 @@ class Study(HasTables):
         #: Folder with all that was written.
         self.folder = Path(folder)
 
-    @property
-    def report(self) -> Path:
-        """The page, for a browser."""
-        return self.folder / "report.html"
-
     @functools.cached_property
     def tables(self) -> Tables:
-        """The tables of the study; those of its runs are in separate folders."""
-        files = sorted(self.folder.glob("*.csv"))
-        return Tables({file.stem: Table(file.stem, _native.columns(file)) for file in files})
+        """The tables of the whole; those of single runs are in separate folders."""
+        return _tables(self.folder, "si")
 
     @functools.cached_property
     def figures(self) -> Figures:
-        """The figures of the study as SVG, by their paths in the folder without extensions."""
+        """The figures as SVG, by their paths in the folder without extensions."""
         files = sorted(self.folder.rglob("*.svg"))
         named = {file.relative_to(self.folder).with_suffix("").as_posix(): file for file in files}
         return Figures({name: file.read_text(encoding="utf-8") for name, file in named.items()})
 
     def __repr__(self) -> str:
-        return f"<Study {self._kind}: {self.verdict}, in {self.folder}>"
+        return f"<{type(self).__name__} {self._kind}: {self.verdict}, in {self.folder}>"
+
+
+class Study(_Folders):
+    """A study: its folder, its page and its tables, each also as an attribute with the name of its file."""
+
+    @property
+    def report(self) -> Path:
+        """The page, for a browser."""
+        return self.folder / "report.html"
 
     def _repr_html_(self) -> str:
         page = html.escape(self.report.as_posix())
         tables = html.escape(", ".join(self.tables))
         return f'<p>{html.escape(repr(self))}</p><p>page: <a href="{page}">{page}</a>; tables: {tables}</p>'
+
+
+class Member(HasTables):
+    """A member of an ensemble: its seed, its record and its tables, each also as an attribute."""
+
+    def __init__(self, seed: int, folder: Path) -> None:
+        self.seed = seed
+        self.folder = folder
+
+    @functools.cached_property
+    def record(self) -> Dict[str, Any]:
+        """The record of its run, as in ``record.json``."""
+        return _json(self.folder / "record.json")
+
+    @functools.cached_property
+    def tables(self) -> Tables:
+        """The tables of its run."""
+        return _tables(self.folder, self.record["units"])
+
+    @property
+    def errors(self) -> Dict[str, Any]:
+        """Errors against the reference, relative; a measure that does not apply is absent."""
+        return dict(self.record["errors"])
+
+    def __repr__(self) -> str:
+        return f"<Member with seed {self.seed}, in {self.folder}>"
+
+
+class Ensemble(_Folders):
+    """A run with several seeds: its record, tables of means with their intervals, and its members."""
+
+    @functools.cached_property
+    def record(self) -> Dict[str, Any]:
+        """What is known of all members together, as in ``ensemble.json``."""
+        return _json(self.folder / "ensemble.json")
+
+    @property
+    def errors(self) -> Dict[str, Any]:
+        """Each error over the members: ``mean`` with its 95 % ``interval``, ``sd``, ``rms``, and ``of_mean``, that of the mean
+        of their series."""
+        return dict(self.record["errors"])
+
+    @functools.cached_property
+    def members(self) -> List[Member]:
+        """The members, in order of their seeds."""
+        return [Member(seed, self.folder / f"seed-{seed}") for seed in self.record["seeds"]]
+
+    @functools.cached_property
+    def tables(self) -> Tables:
+        """Means over the members with their 95 % intervals."""
+        return _tables(self.folder, self.record["units"])
+
+    def _repr_html_(self) -> str:
+        rows = "".join(
+            f"<tr><th>{html.escape(name)}</th><td>{error['mean']:.3g}</td><td>{error.get('sd', 0.0):.2g}</td></tr>"
+            for name, error in self.errors.items()
+            if name.endswith("_rel")
+        )
+        heads = "<tr><th></th><th>mean</th><th>standard deviation</th></tr>"
+        figure = next(iter(self.figures.values()), "")
+        return f"<table><caption>{html.escape(repr(self))}</caption>{heads}{rows}</table>{figure}"
+
+
+def _tables(folder: Path, units: str) -> Tables:
+    files = sorted(folder.glob("*.csv"))
+    return Tables({file.stem: Table(file.stem, _native.columns(file), units) for file in files})
+
+
+def _json(file: Path) -> Dict[str, Any]:
+    found: Dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+    return found
 
 
 def _many(given: Any) -> List[Any]:
@@ -99,6 +174,36 @@ def compare(
         _many(scenes), _many(methods), levels, budget_s, repeats, seeds, threads, set, out, not progress
     )
     return _study("compare", made)
+
+
+def ensemble(
+    scene: Scene,
+    method: Optional[str] = None,
+    *,
+    seeds: int = 10,
+    seed: int = 1,
+    set: Optional[Mapping[str, Any]] = None,
+    threads: Optional[int] = None,
+    out: _Folder = None,
+    progress: bool = False,
+) -> Ensemble:
+    """Runs a scene with several seeds (``frazil run --seeds``): means with confidence intervals, bias and scatter apart.
+
+    Args:
+        scene: a path, the name of a bundled scene, or a dictionary.
+        method: by default the first method of the scene. It must have noise, or particles that are placed at random.
+        seeds: number of members, 1 to 1000.
+        seed: seed of the first member; those of the others follow it.
+        set: keys that override those of the scene in all members.
+        threads: concurrent members, each on one thread; by default one for each core.
+        out: folder for the results; by default ``out/SCENE/METHOD``. Members that it holds already are not run again.
+        progress: whether to tell on standard error how far it is, and print the summary of the command.
+
+    Raises:
+        SceneError, RunError, KeyboardInterrupt: as of `run`; the same call goes on where one was interrupted.
+    """
+    made = _native.ensemble(scene, method, seeds, seed, set, threads, out, not progress)
+    return Ensemble("of a run", *made)
 
 
 def sweep(

@@ -23,7 +23,7 @@ mod _native {
     #[pymodule_export]
     use super::run::{Run, run};
     #[pymodule_export]
-    use super::studies::{compare, ensemble, layout, stability, sweep};
+    use super::studies::{cheapest, compare, ensemble, layout, stability, sweep};
     #[pymodule_export]
     use super::table::columns;
 

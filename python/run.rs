@@ -43,6 +43,16 @@ pub fn threads(asked: Option<usize>) -> PyResult<usize> {
     Ok(threads)
 }
 
+/// A quantity that errors are of, if one was asked for.
+///
+/// # Errors
+/// Where there is none of that name.
+pub fn measure(asked: Option<&str>) -> PyResult<Option<Headline>> {
+    let unknown =
+        |name: &str| SceneError::new_err(format!("measure: found {name:?}, must be one of {}", Headline::names()));
+    asked.map(|name| Headline::named(name).ok_or_else(|| unknown(name))).transpose()
+}
+
 /// A run that was made, with all that it left.
 #[pyclass(frozen, module = "frazil._native")]
 pub struct Run {
@@ -159,9 +169,7 @@ pub fn run(
     let (scenes, overrides) = (Scenes::of(std::slice::from_ref(&source))?, value::overrides(set)?);
     let threads = self::threads(threads)?;
     let asked_error = error.map(|error| between("error", error, (1e-12, 1.0))).transpose()?;
-    let unknown =
-        |name: &str| SceneError::new_err(format!("measure: found {name:?}, must be one of {}", Headline::names()));
-    let measure = measure.map(|name| Headline::named(name).ok_or_else(|| unknown(name))).transpose()?;
+    let measure = self::measure(measure)?;
     let budget_s = positive("budget_s", budget_s)?;
     let mut request = request((source.name(), method), overrides, (threads, seed), out);
     let (interrupt, standing) = (AtomicBool::new(false), Mutex::new(None::<Standing>));

@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, PoisonError};
 
 use frazil::parts::parts_until;
 use frazil::run::{RunRequest, asked_of, ensemble_of, folder_of};
 use frazil_layouts::LayoutRequest;
 use frazil_scene::{Setting, names};
 use frazil_studies::campaign::Shard;
+use frazil_studies::cheapest::CheapestRequest;
 use frazil_studies::compare::CompareRequest;
 use frazil_studies::compare::variant::Variant;
 use frazil_studies::failure::{Failure, Verdict};
@@ -114,6 +116,47 @@ pub fn compare(
         command_line: "frazil.compare(...)".into(),
     };
     study(py, (&scenes, out), |parts| frazil_studies::compare::compare(&request, parts))
+}
+
+/// The fastest run of each method with an error, and what the command prints of it.
+#[pyfunction]
+#[pyo3(signature = (scene, error, methods, measure, set, threads, budget_s, out, quiet))]
+#[expect(clippy::too_many_arguments, reason = "the arguments of the function of Python")]
+pub fn cheapest(
+    py: Python<'_>,
+    scene: &Bound<'_, PyAny>,
+    error: f64,
+    methods: Vec<String>,
+    measure: Option<&str>,
+    set: Option<&Bound<'_, PyMapping>>,
+    threads: usize,
+    budget_s: f64,
+    out: Option<PathBuf>,
+    quiet: bool,
+) -> PyResult<(&'static str, PathBuf, String)> {
+    let source = Source::of(scene)?;
+    let scenes = Scenes::of(std::slice::from_ref(&source))?;
+    let stem = Path::new(source.name()).file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy());
+    let out = out.unwrap_or_else(|| Path::new("out").join("cheapest").join(names::of(&stem)));
+    let request = CheapestRequest {
+        scene: source.name().to_owned(),
+        methods,
+        error: between("error", error, (1e-12, 1.0))?,
+        measure: run::measure(measure)?,
+        overrides: value::overrides(set)?,
+        threads: self::threads(Some(threads))?,
+        budget_s: positive("budget_s", budget_s)?,
+        out: Some(out.clone()),
+        quiet,
+        command_line: "frazil.cheapest(...)".into(),
+    };
+    let answer = Mutex::new(String::new());
+    let (verdict, out) = study(py, (&scenes, out), |parts| {
+        let (verdict, words) = frazil_studies::cheapest::search(&request, parts)?;
+        *answer.lock().unwrap_or_else(PoisonError::into_inner) = words.unwrap_or_default();
+        Ok(verdict)
+    })?;
+    Ok((verdict, out, answer.into_inner().unwrap_or_else(PoisonError::into_inner)))
 }
 
 /// A run with several seeds.

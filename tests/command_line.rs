@@ -1,11 +1,13 @@
 //! The built program from outside: exit codes, what goes where, and that bad input writes nothing.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 use frazil_scene::Scene;
+use frazil_studies::ensemble::runs::Headline;
+use frazil_studies::stability::axis::Axis;
 
 fn frazil(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_frazil")).args(arguments).current_dir(folder).output().expect("the program starts")
@@ -13,6 +15,24 @@ fn frazil(folder: &Path, arguments: &[&str]) -> Output {
 
 fn text(bytes: &[u8]) -> &str {
     std::str::from_utf8(bytes).expect("text")
+}
+
+#[test]
+fn help_names_every_value_that_an_option_takes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let measures = Headline::ALL.map(Headline::name).to_vec();
+    let axes = Axis::WORDS.map(|(word, _)| word).to_vec();
+    for (command, option, values) in
+        [("run", "--measure", &measures), ("cheapest", "--measure", &measures), ("stability", "--axes", &axes)]
+    {
+        let output = frazil(folder.path(), &[command, "--help"]);
+        let help = text(&output.stdout).split(option).nth(1).expect("the option");
+        let words = |text: &str| text.split(|c: char| !c.is_alphanumeric() && c != '_').map(String::from).collect();
+        let told: BTreeSet<String> = words(help.split("\n      --").next().expect("its help"));
+        for value in values {
+            assert!(told.contains(*value), "{command} {option}: {value} is not in its help");
+        }
+    }
 }
 
 #[test]

@@ -41,6 +41,17 @@ def compare(
     out: Optional[_Path],
     quiet: bool,
 ) -> _Studied: ...
+def cheapest(
+    scene: Any,
+    error: float,
+    methods: Sequence[str],
+    measure: Optional[str],
+    set: Optional[Mapping[str, Any]],
+    threads: int,
+    budget_s: float,
+    out: Optional[_Path],
+    quiet: bool,
+) -> Tuple[str, "os.PathLike[str]", str]: ...
 def ensemble(
     scene: Any,
     method: Optional[str],

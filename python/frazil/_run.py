@@ -163,7 +163,7 @@ def run(
         threads: threads; by default one for each core. The result does not depend on it.
         error: chooses the spacing with this promised relative error, as ``0.01``, from coarse runs; ``record["estimated_error"]``
             then has the promised error and its parts. An error that cannot be promised is refused.
-        measure: quantity of the error: ``front``, ``closure``, ``frozen_volume``, ``temperature``, ``saturation`` or
+        measure: quantity of the error: ``front``, ``closure``, ``volume`` (frozen), ``temperature``, ``saturation`` or
             ``concentration``; by default the first that the scene has.
         budget_s: wall time (s) for the coarse runs that determine the spacing.
         out: folder for the results, as the command writes them; by default nothing is written.

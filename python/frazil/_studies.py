@@ -56,6 +56,18 @@ class Study(_Folders):
         return f'<p>{html.escape(repr(self))}</p><p>page: <a href="{page}">{page}</a>; tables: {tables}</p>'
 
 
+class Cheapest(Study):
+    """The fastest runs with an error: a study that prints its answer."""
+
+    def __init__(self, verdict: str, folder: "os.PathLike[str]", answer: str) -> None:
+        super().__init__("cheapest", verdict, folder)
+        #: What the command prints: the methods in order of run time.
+        self.answer = answer
+
+    def __str__(self) -> str:
+        return self.answer
+
+
 class Member(HasTables):
     """A member of an ensemble: its seed, its record and its tables, each also as an attribute."""
 
@@ -176,6 +188,39 @@ def compare(
     return _study("compare", made)
 
 
+def cheapest(
+    scene: Scene,
+    error: float,
+    *,
+    methods: Union[str, Sequence[str], None] = None,
+    measure: Optional[str] = None,
+    set: Optional[Mapping[str, Any]] = None,
+    threads: int = 1,
+    budget_s: float = 120.0,
+    out: _Folder = None,
+    progress: bool = False,
+) -> Cheapest:
+    """Finds the fastest run of each method with an error (``frazil cheapest``): forecast, and checked by a run.
+
+    Args:
+        scene: a path, the name of a bundled scene, or a dictionary.
+        error: the relative error, as ``0.01``.
+        methods: by default all methods of the scene.
+        measure: quantity of the error: ``front``, ``closure``, ``volume`` (frozen), ``temperature``, ``saturation`` or
+            ``concentration``; by default the first that the scene has.
+        set: keys that override those of the scene in all runs.
+        threads: threads of each run.
+        budget_s: wall time for all runs of one method (s).
+        out: folder for the results; by default ``out/cheapest/SCENE``. Runs that it holds already are not made again.
+        progress: whether to tell on standard error what is being run.
+
+    The result has one table, ``cheapest``, with a row for each run; its ``verdict`` is ``check_failed`` if no method reaches the error.
+    """
+    return Cheapest(
+        *_native.cheapest(scene, error, _many(methods), measure, set, threads, budget_s, out, not progress)
+    )
+
+
 def ensemble(
     scene: Scene,
     method: Optional[str] = None,
@@ -256,8 +301,9 @@ def stability(
     Args:
         scenes: one scene or several, as in `compare`.
         methods: by default all methods of a scene.
-        axes: parameters of the maps: ``stefan``, ``conductivity``, ``capacity``, ``reach``, or ``own``, the scene as it is;
-            by default all applicable ones except ``own``.
+        axes: parameters of the maps: ``stefan``, ``conductivity``, ``capacity``, ``reach``, ``disorder``, ``noise``, ``rkl2``;
+            of unsaturated water ``spacing``, ``saturation``, ``alpha``, ``n``, ``contrast``; or ``own``, the scene as it is. By
+            default all applicable ones except ``own``.
         grid: steps of a map, from a quarter of the bound to four times it, 2 to 200.
         values: columns of a map, an odd number.
         seeds: seeds of a noisy cell near a boundary.

@@ -141,6 +141,21 @@ def test_the_command_came_along(command, tmp_path):
     assert "frazil compare stefan-unit --methods local" in page and "/bin/frazil" not in page
 
 
+def test_the_cheapest_run_with_an_error_is_found(tmp_path):
+    study = frazil.cheapest("stefan-water", 0.01, methods=["local", "pd"], out=tmp_path)
+    assert study.verdict == "done" and study.report.exists()
+    rows = study.cheapest
+    chosen = {method: k for k, (method, chosen) in enumerate(zip(rows["method"], rows["chosen"])) if chosen}
+    assert set(chosen) == {"local", "pd"}
+    assert all(rows["promised_error"][k] <= 0.01 for k in chosen.values())
+    assert all(rows["error_against_reference"][k] <= rows["promised_error"][k] for k in chosen.values())
+    # The answer names methods in the order of their run times.
+    first, last = sorted(chosen, key=lambda method: rows["cpu_s"][chosen[method]])
+    assert str(study).index(first) < str(study).index(last)
+    with pytest.raises(frazil.SceneError, match='measure: found "colour", must be one of front, '):
+        frazil.cheapest("stefan-water", 0.01, measure="colour", out=tmp_path)
+
+
 def test_an_ensemble_has_means_and_members(tmp_path):
     short = {"time.duration": 1, "time.profiles": [1], "watch.front_from": 0.1}
     ensemble = frazil.ensemble("stefan-dpd-1", "edpd", seeds=3, seed=5, set=short, threads=2, out=tmp_path)

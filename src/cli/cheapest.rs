@@ -17,7 +17,7 @@ pub struct CheapestArguments {
     /// The requested relative error, such as 1% or 0.01.
     #[arg(long, value_name = "ERROR", value_parser = error)]
     error: f64,
-    /// Quantity of the error: front, closure, frozen_volume, temperature, saturation or concentration; by default the first that the scene has.
+    /// Quantity of the error: front, closure, volume (frozen), temperature, saturation or concentration; by default the first that the scene has.
     #[arg(long, value_name = "NAME", value_parser = measure)]
     measure: Option<Headline>,
     /// The methods; by default all methods of the scene.

@@ -32,7 +32,7 @@ pub struct RunArguments {
     /// cannot promise.
     #[arg(long, value_name = "ERROR", value_parser = error, conflicts_with_all = ["paper", "seeds", "reduce"])]
     error: Option<f64>,
-    /// Quantity of the error: front, closure, frozen_volume, temperature, saturation or concentration; by default the first that the
+    /// Quantity of the error: front, closure, volume (frozen), temperature, saturation or concentration; by default the first that the
     /// scene has.
     #[arg(long, value_name = "NAME", value_parser = measure, requires = "error")]
     measure: Option<Headline>,

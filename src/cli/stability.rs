@@ -19,7 +19,7 @@ pub struct StabilityArguments {
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     methods: Vec<String>,
     /// Parameters of the maps: stefan, conductivity, capacity, reach, disorder, noise, rkl2 (stages), of unsaturated water
-    /// spacing, saturation, alpha, n; or own, the scene as it is. By default all applicable ones except own.
+    /// spacing, saturation, alpha, n, contrast; or own, the scene as it is. By default all applicable ones except own.
     #[arg(long, value_name = "NAMES", value_delimiter = ',', value_parser = axis)]
     axes: Vec<Axis>,
     /// Overrides a key of every scene; may be repeated.

@@ -60,11 +60,23 @@ struct Study {
     all: Vec<Of>,
 }
 
-/// Looks for the cheapest run under each method, and writes what was found.
+/// Looks for the cheapest run under each method, writes what was found, and prints the answer.
 ///
 /// # Errors
 /// Where the scene or a method is none, a run is refused, or a file cannot be written.
 pub fn cheapest(request: &CheapestRequest, parts: &Parts<'_>) -> Result<Verdict, Failure> {
+    let (verdict, words) = search(request, parts)?;
+    if let Some(words) = words {
+        answer(&words)?;
+    }
+    Ok(verdict)
+}
+
+/// The same without printing: how it ended, and the answer unless it was interrupted.
+///
+/// # Errors
+/// As [`cheapest`].
+pub fn search(request: &CheapestRequest, parts: &Parts<'_>) -> Result<(Verdict, Option<String>), Failure> {
     let (scene, kinds) = asked(request, parts)?;
     let path = request.out.clone().unwrap_or_else(|| Path::new("out/cheapest").join(&scene.name));
     let folder = Folder::make(&path, Owner::Alone)?;
@@ -81,7 +93,7 @@ pub fn cheapest(request: &CheapestRequest, parts: &Parts<'_>) -> Result<Verdict,
         campaign.check()?;
         if campaign.is_interrupted() {
             complain("interrupted: the same command resumes from here");
-            return Ok(Verdict::Broken);
+            return Ok((Verdict::Broken, None));
         }
         all.push(Of { kind, reached });
     }
@@ -91,9 +103,9 @@ pub fn cheapest(request: &CheapestRequest, parts: &Parts<'_>) -> Result<Verdict,
     });
     let study = Study { scene, headline: of_one.measure, all };
     report::write(request, folder.path(), &study)?;
-    answer(&words(request, &study))?;
     let is_reached = study.all.iter().any(|of| of.reached.chosen.is_ok());
-    Ok(if is_reached { Verdict::Done } else { Verdict::CheckFailed })
+    let verdict = if is_reached { Verdict::Done } else { Verdict::CheckFailed };
+    Ok((verdict, Some(words(request, &study))))
 }
 
 /// What reaches an error.

@@ -82,7 +82,7 @@ fn bounded(scene: &Scene, settings: &MethodSettings) -> Option<Override> {
 }
 
 impl Axis {
-    /// All but the scene as it is, by the words of `--axes`.
+    /// All, by the words of `--axes`.
     pub const WORDS: [(&'static str, Axis); 13] = [
         ("stefan", Axis::Stefan),
         ("conductivity", Axis::Conductivity),

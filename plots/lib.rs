@@ -12,6 +12,7 @@ pub mod comparison;
 pub mod convergence;
 pub mod ensemble;
 mod flow_map;
+mod grid;
 pub mod ground_plan;
 pub mod layouts;
 pub mod map;

@@ -4,8 +4,9 @@ use frazil_record::Field;
 
 use crate::axes::Frame;
 use crate::canvas::{Align, Canvas, Colour, Spot, Stroke, text_width};
+use crate::grid::Grid;
 use crate::ground_plan::GroundPlan;
-use crate::map::{Beside, Grid, Look, along, blank, draw_over, extremes, notes_at};
+use crate::map::{Beside, Look, along, blank, draw_over, extremes, notes_at};
 use crate::style::{DASH_DOT, INK, LABEL, SHORT, TICK, WHOLE, number};
 use crate::words::Words;
 

@@ -5,7 +5,8 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, PoisonError};
 
 use frazil::parts::parts_until;
-use frazil::run::{RunRequest, asked_of, ensemble_of, folder_of};
+use frazil::run::{RunRequest, asked_of, folder_of};
+use frazil::seeds::ensemble_of;
 use frazil_layouts::LayoutRequest;
 use frazil_scene::{Setting, names};
 use frazil_studies::campaign::Shard;

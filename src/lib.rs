@@ -16,6 +16,7 @@ pub mod provenance;
 pub mod registry;
 pub mod rerun;
 pub mod run;
+pub mod seeds;
 pub mod status;
 pub mod templates;
 

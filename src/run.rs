@@ -18,7 +18,6 @@ use frazil_simulation::reduce::{self, Finding};
 use frazil_simulation::reference::Reference;
 use frazil_studies::answers::numbers::numbers;
 use frazil_studies::cheapest::{self, CheapestRequest, Settled};
-use frazil_studies::ensemble::{self, EnsembleRequest};
 use frazil_studies::failure::{Failure, Verdict, answer, answer_json, complain};
 use frazil_studies::fields::{self, Snapshots};
 use frazil_studies::figures::Figures;
@@ -333,46 +332,14 @@ fn expected(
     Ok(())
 }
 
-/// Runs `count` members of an ensemble, the first with the seed of the request.
-///
-/// # Errors
-/// Where the scene cannot be run, members would be the same, or a file cannot be written.
-pub fn ensemble(request: &RunRequest, count: usize) -> Result<Verdict, Failure> {
-    ensemble_of(request, &asked(request)?.0, count, interrupt::watch())
-}
-
-/// The same of what is known of the request already, until it is interrupted.
-///
-/// # Errors
-/// Where members would be the same, a run is refused, or a file cannot be written.
-pub fn ensemble_of(
-    request: &RunRequest,
-    (scene, method, reference): &Asked,
-    count: usize,
-    interrupt: &AtomicBool,
-) -> Result<Verdict, Failure> {
-    let ensemble = EnsembleRequest {
-        scene,
-        method,
-        reference: reference.as_ref(),
-        seed: request.seed,
-        count,
-        threads: request.threads,
-        out: &request.out.clone().unwrap_or_else(|| folder_of(scene, method)),
-        checkpoints: request.checkpoints,
-        formats: request.formats,
-        quiet: request.quiet,
-        json: request.json,
-        yes: request.yes,
-    };
-    ensemble::ensemble(&ensemble, interrupt)
-}
-
 /// Scene, method and reference.
 pub type Asked = (Scene, &'static str, Option<Arc<dyn Reference>>);
 
 /// What a request is about; warns of what is not taken as the scene has it.
-fn asked(request: &RunRequest) -> Result<(Asked, Origin), Failure> {
+///
+/// # Errors
+/// Where the scene cannot be read, has no such method, or its reference cannot be had.
+pub(crate) fn asked(request: &RunRequest) -> Result<(Asked, Origin), Failure> {
     let (scene, source) = load::read(&request.scene, &request.overrides)?;
     let (scene, method, reference) = asked_of(scene, request.method.as_deref())?;
     for remark in scene.remarks.iter().filter(|_| !request.quiet) {

@@ -13,6 +13,7 @@ use super::values::{
     positive_seconds,
 };
 use crate::run::RunRequest;
+use crate::seeds::ensemble;
 use crate::{load, run};
 
 #[derive(Debug, Args)]
@@ -132,7 +133,7 @@ impl RunArguments {
             command_line: command_line(),
         };
         match self.seeds {
-            Some(seeds) => run::ensemble(&request, seeds.into()),
+            Some(seeds) => ensemble(&request, seeds.into()),
             None => run::run(&request),
         }
     }

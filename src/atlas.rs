@@ -8,24 +8,34 @@ use frazil_studies::failure::{Failure, Verdict, answer};
 
 use crate::process_runs::ManyRuns;
 pub use item::UnknownPaper;
-use item::{Atlas, Judged, Outcome, Run};
+use item::{Atlas, Judged, Outcome};
 
-/// Makes all runs that are not there yet, and writes the table and the page.
+/// Makes all runs that are not there yet, and writes the table and the page. Papers whose runs the folder holds from earlier commands
+/// stay on the page.
 ///
 /// # Errors
 /// Where a paper is not known, or a file cannot be written.
 pub fn atlas(request: &ManyRuns) -> Result<Verdict, Failure> {
-    let atlas = Atlas::read()?.of_papers(&request.chosen)?;
+    let mut atlas = Atlas::read()?;
+    let asked = atlas.keys_of(&request.chosen)?;
     let folder = request.out.clone().unwrap_or_else(|| "out/atlas".into());
-    let runs: Vec<&Run> = atlas.runs_in_use().collect();
-    let kept = request.in_folder(&folder);
-    if !kept.make(&runs.iter().map(|run| (run.name.as_str(), run.command.as_str())).collect::<Vec<_>>())? {
+    let runs = request.in_folder(&folder);
+    let own: Vec<(&str, &str)> = atlas
+        .runs_in_use(|paper| asked.contains(&paper.key))
+        .map(|run| (run.name.as_str(), run.command.as_str()))
+        .collect();
+    if !runs.make(&own)? {
         return Ok(Verdict::Broken);
     }
+    atlas.keep(|atlas, paper| {
+        asked.contains(&paper.key)
+            || atlas.runs_in_use(|other| other.key == paper.key).all(|run| runs.has(&run.name, &run.command))
+    });
     let judged: Vec<Vec<Judged<'_>>> =
-        atlas.papers.iter().map(|paper| paper.rows.iter().map(|row| row.judge(&kept.folder)).collect()).collect();
+        atlas.papers.iter().map(|paper| paper.rows.iter().map(|row| row.judge(&runs.folder)).collect()).collect();
     report::write(request, &folder, &atlas, &judged)?;
-    answer(&format!("{}\n  results: {}\n", report::counts(judged.iter().flatten()), folder.display()))?;
-    let broken = judged.iter().flatten().any(|one| matches!(one.outcome, Outcome::Missing(_)));
+    let shown = || atlas.papers.iter().zip(&judged).filter(|(paper, _)| asked.contains(&paper.key)).flat_map(|of| of.1);
+    answer(&format!("{}\n  results: {}\n", report::counts(shown()), folder.display()))?;
+    let broken = shown().any(|one| matches!(one.outcome, Outcome::Missing(_)));
     Ok(if broken { Verdict::CheckFailed } else { Verdict::Done })
 }

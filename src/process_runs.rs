@@ -69,6 +69,11 @@ impl ProcessRuns {
         self.folder.join(name)
     }
 
+    /// Whether a run of this name and command is there.
+    pub fn has(&self, name: &str, command: &str) -> bool {
+        is_done(command, &self.path(name))
+    }
+
     /// Makes the runs, names and commands, that are not there yet from this program, and says whether all had their turn: not where an
     /// interrupt stopped them. A run that fails is told, and the others go on.
     ///

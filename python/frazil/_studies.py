@@ -60,7 +60,7 @@ class Cheapest(Study):
     """The fastest runs with an error: a study that prints its answer."""
 
     def __init__(self, verdict: str, folder: "os.PathLike[str]", answer: str) -> None:
-        super().__init__("cheapest", verdict, folder)
+        super().__init__("runs", verdict, folder)
         #: What the command prints: the methods in order of run time.
         self.answer = answer
 

@@ -2,6 +2,7 @@
 
 import copy
 import shutil
+import signal
 import subprocess
 import sys
 import sysconfig
@@ -10,6 +11,14 @@ from pathlib import Path
 import pytest
 
 import frazil
+
+
+@pytest.fixture(autouse=True, scope="session")
+def interrupts():
+    """Ctrl-C as in a terminal, also where those who started the tests have it ignored, as shells do in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture(autouse=True)

@@ -122,20 +122,28 @@ impl Atlas {
         toml::from_str(frazil_cases::atlas::TEXT).map_err(Failure::request)
     }
 
-    /// Of some papers; of all if none is named.
-    pub(super) fn of_papers(mut self, keys: &[String]) -> Result<Atlas, Failure> {
+    /// The papers of these keys; all if none is named.
+    pub(super) fn keys_of(&self, named: &[String]) -> Result<Vec<String>, Failure> {
         let known: Vec<&str> = self.papers.iter().map(|paper| paper.key.as_str()).collect();
-        if let Some(key) = keys.iter().find(|key| !known.contains(&key.as_str())) {
+        if let Some(key) = named.iter().find(|key| !known.contains(&key.as_str())) {
             return Err(Failure::request(UnknownPaper(key.clone(), known.join(", "))));
         }
-        self.papers.retain(|paper| keys.is_empty() || keys.contains(&paper.key));
-        Ok(self)
+        let all = || known.iter().map(|key| (*key).to_owned()).collect();
+        Ok(if named.is_empty() { all() } else { named.to_vec() })
     }
 
-    /// The runs that a row needs.
-    pub(super) fn runs_in_use(&self) -> impl Iterator<Item = &Run> {
-        let is_asked = |run: &&Run| {
-            self.papers.iter().flat_map(|paper| &paper.rows).any(|row| row.run.as_ref() == Some(&run.name))
+    /// Forgets all other papers.
+    pub(super) fn keep(&mut self, keeps: impl Fn(&Atlas, &Paper) -> bool) {
+        let kept: Vec<bool> = self.papers.iter().map(|paper| keeps(self, paper)).collect();
+        let mut kept = kept.into_iter();
+        self.papers.retain(|_| kept.next().unwrap_or(true));
+    }
+
+    /// The runs that rows of some papers need.
+    pub(super) fn runs_in_use(&self, of: impl Fn(&Paper) -> bool) -> impl Iterator<Item = &Run> {
+        let is_asked = move |run: &&Run| {
+            let papers = self.papers.iter().filter(|paper| of(paper));
+            papers.flat_map(|paper| &paper.rows).any(|row| row.run.as_ref() == Some(&run.name))
         };
         self.runs.iter().filter(is_asked)
     }
@@ -186,7 +194,7 @@ mod tests {
         for run in &atlas.runs {
             let words = run.command.split_whitespace().chain(["--quiet", "--threads", "1", "--out", "out"]);
             crate::cli::understood(std::iter::once("frazil").chain(words)).expect(&run.command);
-            assert_eq!(atlas.runs_in_use().filter(|other| other.name == run.name).count(), 1, "{}", run.name);
+            assert_eq!(atlas.runs_in_use(|_| true).filter(|other| other.name == run.name).count(), 1, "{}", run.name);
         }
         for row in atlas.papers.iter().flat_map(|paper| &paper.rows) {
             let what = format!("{}: {}", row.place, row.item);
@@ -207,5 +215,21 @@ mod tests {
         assert!(!row("printed = 2.0\nwithin = 0.1").holds(2.1, Some(1.8)));
         assert!(row("at_most = 1e-9").holds(-1e-10, None) && !row("at_most = 1e-9").holds(-1e-8, None));
         assert!(!row("at_least = 3").holds(2.9, None));
+    }
+
+    #[test]
+    fn papers_are_kept_by_their_keys_and_bring_their_own_runs() {
+        let mut atlas = Atlas::read().expect("it is read");
+        let all = atlas.keys_of(&[]).expect("all");
+        assert_eq!(all.len(), 5);
+        let unknown = atlas.keys_of(&["nikolaev-1999".into()]).expect_err("there is none").to_string();
+        assert!(unknown.contains("nikolaev-1999") && unknown.contains("nikolaev-2021"), "{unknown}");
+        let count = |atlas: &Atlas, key: &str| atlas.runs_in_use(|paper| paper.key == key).count();
+        let whole = atlas.runs_in_use(|_| true).count();
+        assert!(all.iter().all(|key| (1..whole).contains(&count(&atlas, key))));
+        let of_two = count(&atlas, "yan-2020") + count(&atlas, "nikolaev-2023");
+        atlas.keep(|_, paper| ["yan-2020", "nikolaev-2023"].contains(&paper.key.as_str()));
+        assert_eq!(atlas.papers.len(), 2);
+        assert!(atlas.runs_in_use(|_| true).count() <= of_two);
     }
 }

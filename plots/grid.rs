@@ -117,40 +117,29 @@ impl Grid {
         frame.spot(at(self.x0, x, frame.x.low, frame.x.high), at(self.y0, y, frame.y.low, frame.y.high))
     }
 
-    /// Whether an isotherm follows the noise of single particles where all have about its temperature: most of its rings
-    /// go around less than a block of three by three cells then.
-    pub(crate) fn is_noise(&self, level: f64, frame: &Frame) -> bool {
+    /// An isotherm, unless it follows the noise of single particles where all have about its temperature: most of its rings go around
+    /// less than a block of three by three cells then.
+    pub(crate) fn draw_isotherm(&self, canvas: &mut Canvas, frame: &Frame, level: f64, stroke: Stroke) {
+        let rings = self.rings(&self.values, level, frame);
+        if !self.are_noise(&rings, frame) {
+            draw_rings(canvas, frame, rings, stroke);
+        }
+    }
+
+    fn are_noise(&self, rings: &[Vec<Spot>], frame: &Frame) -> bool {
         let across = self.spacing * (frame.right - frame.left) / (frame.x.high - frame.x.low);
         let up = self.spacing * (frame.bottom - frame.top) / (frame.y.high - frame.y.low);
         let block = 9.0 * (across * up).abs();
-        let rings: Vec<f64> =
-            self.above(&self.values, level, frame).iter().flatten().map(|ring| enclosed(ring)).collect();
-        rings.len() > MOST_RINGS && 2 * rings.iter().filter(|area| **area < block).count() > rings.len()
+        rings.len() > MOST_RINGS && 2 * rings.iter().filter(|ring| enclosed(ring) < block).count() > rings.len()
     }
 
-    /// A line of equal value inside the frame; the frame itself is none.
+    fn rings(&self, values: &[f64], level: f64, frame: &Frame) -> Vec<Vec<Spot>> {
+        self.above(values, level, frame).into_iter().flatten().collect()
+    }
+
+    /// A line of equal value inside the frame.
     pub(crate) fn draw_level(&self, canvas: &mut Canvas, frame: &Frame, values: &[f64], level: f64, stroke: Stroke) {
-        let edge = |(x, y): &Spot| {
-            (x - frame.left).abs() < 1e-6
-                || (x - frame.right).abs() < 1e-6
-                || (y - frame.top).abs() < 1e-6
-                || (y - frame.bottom).abs() < 1e-6
-        };
-        for ring in self.above(values, level, frame).into_iter().flatten() {
-            let mut piece: Vec<Spot> = Vec::new();
-            for spot in ring {
-                let ends = edge(&spot);
-                if ends && piece.last().is_some_and(edge) {
-                    piece.clear();
-                }
-                piece.push(spot);
-                if ends && piece.len() > 1 {
-                    canvas.line(std::mem::take(&mut piece), stroke);
-                    piece.push(spot);
-                }
-            }
-            canvas.line(piece, stroke);
-        }
+        draw_rings(canvas, frame, self.rings(values, level, frame), stroke);
     }
 
     /// Covers what lies outside the body.
@@ -162,6 +151,31 @@ impl Grid {
             }
             self.draw_level(canvas, frame, &outside, 0.5, Stroke::whole(INK, 1.3));
         }
+    }
+}
+
+/// Draws rings inside the frame; the frame itself is none.
+fn draw_rings(canvas: &mut Canvas, frame: &Frame, rings: Vec<Vec<Spot>>, stroke: Stroke) {
+    let edge = |(x, y): &Spot| {
+        (x - frame.left).abs() < 1e-6
+            || (x - frame.right).abs() < 1e-6
+            || (y - frame.top).abs() < 1e-6
+            || (y - frame.bottom).abs() < 1e-6
+    };
+    for ring in rings {
+        let mut piece: Vec<Spot> = Vec::new();
+        for spot in ring {
+            let ends = edge(&spot);
+            if ends && piece.last().is_some_and(edge) {
+                piece.clear();
+            }
+            piece.push(spot);
+            if ends && piece.len() > 1 {
+                canvas.line(std::mem::take(&mut piece), stroke);
+                piece.push(spot);
+            }
+        }
+        canvas.line(piece, stroke);
     }
 }
 
@@ -252,8 +266,9 @@ mod tests {
         let cone = |i: usize, j: usize| (i as f64 - 30.5).hypot(j as f64 - 30.5) - 15.0;
         let side = || Axis::between("", 0.0, 60.0);
         let frame = Frame { left: 0.0, top: 0.0, right: 600.0, bottom: 600.0, x: side(), y: side() };
-        assert!(!grid(&cone).is_noise(0.0, &frame));
-        assert!(!grid(&|i, j| cone(i, j) + noise(i, j)).is_noise(0.0, &frame));
-        assert!(grid(&noise).is_noise(0.0, &frame));
+        let is_noise = |grid: Grid| grid.are_noise(&grid.rings(&grid.values, 0.0, &frame), &frame);
+        assert!(!is_noise(grid(&cone)));
+        assert!(!is_noise(grid(&|i, j| cone(i, j) + noise(i, j))));
+        assert!(is_noise(grid(&noise)));
     }
 }

@@ -171,8 +171,8 @@ pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Fra
             // At the ends of the range a line would follow the rounding of what is even.
             let inside = (level - low).min(high - level) > 1e-6 * (high - low);
             let is_apart = look.zero.is_none_or(|zero| (level - zero).abs() > 0.2 * isotherm);
-            if inside && is_apart && !grid.is_noise(level, &frame) {
-                grid.draw_level(&mut canvas, &frame, &grid.values, level, Stroke::whole(INK, 0.9));
+            if inside && is_apart {
+                grid.draw_isotherm(&mut canvas, &frame, level, Stroke::whole(INK, 0.9));
             }
         }
         let front = Stroke::whole(INK, FRONT_WIDTH);

@@ -58,6 +58,12 @@ fn sources(given: &[Bound<'_, PyAny>]) -> PyResult<(Scenes, Vec<String>)> {
     Ok((Scenes::of(&sources)?, sources.iter().map(|source| source.name().to_owned()).collect()))
 }
 
+/// What a folder for the results of a scene or study is called.
+fn stem(argument: &str) -> String {
+    let stem = Path::new(argument).file_stem().map_or_else(|| argument.into(), |stem| stem.to_string_lossy());
+    names::of(&stem)
+}
+
 /// A number that must lie between others.
 ///
 /// # Errors
@@ -137,8 +143,7 @@ pub fn cheapest(
 ) -> PyResult<(&'static str, PathBuf, String)> {
     let source = Source::of(scene)?;
     let scenes = Scenes::of(std::slice::from_ref(&source))?;
-    let stem = Path::new(source.name()).file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy());
-    let out = out.unwrap_or_else(|| Path::new("out").join("cheapest").join(names::of(&stem)));
+    let out = out.unwrap_or_else(|| Path::new("out/cheapest").join(stem(source.name())));
     let request = CheapestRequest {
         scene: source.name().to_owned(),
         methods,
@@ -259,8 +264,7 @@ pub fn sweep(
     let scenes = Scenes::of(std::slice::from_ref(&source))?;
     let keys = value::varied(vary)?.into_iter().map(|(key, values)| VariedKey::new(key, values));
     let keys = keys.collect::<Result<Vec<_>, _>>().map_err(|error| SceneError::new_err(format!("vary: {error}")))?;
-    let stem = Path::new(source.name()).file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy());
-    let out = out.unwrap_or_else(|| Path::new("out").join("sweep").join(names::of(&stem)));
+    let out = out.unwrap_or_else(|| Path::new("out/sweep").join(stem(source.name())));
     let request = SweepRequest {
         scene: source.name().to_owned(),
         keys,
@@ -293,8 +297,7 @@ pub fn layout(
     let source = Source::of(study)?;
     let files = Files::of(&source)?;
     let argument = files.as_ref().map_or_else(|| source.name().to_owned(), |files| files.study.clone());
-    let stem = Path::new(&argument).file_stem().map_or_else(|| "study".into(), |stem| stem.to_string_lossy());
-    let out = out.unwrap_or_else(|| Path::new("out").join(names::of(&stem)));
+    let out = out.unwrap_or_else(|| Path::new("out").join(stem(&argument)));
     let request = LayoutRequest {
         study: argument.clone(),
         method,

@@ -27,10 +27,10 @@ pub fn atlas(request: &ManyRuns) -> Result<Verdict, Failure> {
     if !runs.make(&own)? {
         return Ok(Verdict::Broken);
     }
-    atlas.keep(|atlas, paper| {
-        asked.contains(&paper.key)
-            || atlas.runs_in_use(|other| other.key == paper.key).all(|run| runs.has(&run.name, &run.command))
-    });
+    let is_there = |key: &str| atlas.runs_in_use(|paper| paper.key == key).all(|run| runs.has(&run.name, &run.command));
+    let mut kept = atlas.keys_of(&[])?;
+    kept.retain(|key| asked.contains(key) || is_there(key));
+    atlas.papers.retain(|paper| kept.contains(&paper.key));
     let judged: Vec<Vec<Judged<'_>>> =
         atlas.papers.iter().map(|paper| paper.rows.iter().map(|row| row.judge(&runs.folder)).collect()).collect();
     report::write(request, &folder, &atlas, &judged)?;

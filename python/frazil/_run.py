@@ -45,7 +45,28 @@ class Map(NamedTuple):
     concentration: Optional[np.ndarray]
 
 
-class Run(HasTables):
+class HasRecord(HasTables):
+    """Base class of what one run left: its record and its tables."""
+
+    record: Dict[str, Any]
+
+    @property
+    def outcome(self) -> str:
+        """How it ended: ``ok``, ``oscillating``, ``energy_drift``, ``phase_skipped`` or ``diverged``."""
+        return str(self.record["outcome"])
+
+    @property
+    def errors(self) -> Dict[str, Any]:
+        """Errors against the reference, relative; a measure that does not apply is absent."""
+        return dict(self.record["errors"])
+
+    @property
+    def state_hash(self) -> str:
+        """Hash of the final state, equal to that of the command."""
+        return str(self.record["state_hash"])
+
+
+class Run(HasRecord):
     """A run: its record, its tables and its figures.
 
     Each table is an attribute, with the name of the file that the command writes: ``front``, ``profiles``,
@@ -66,21 +87,6 @@ class Run(HasTables):
         folder = native.folder()
         #: The folder with the results, if one was asked for.
         self.folder: Optional[Path] = None if folder is None else Path(folder)
-
-    @property
-    def outcome(self) -> str:
-        """How it ended: ``ok``, ``oscillating``, ``energy_drift``, ``phase_skipped`` or ``diverged``."""
-        return str(self.record["outcome"])
-
-    @property
-    def errors(self) -> Dict[str, Any]:
-        """Errors against the reference, relative; a measure that does not apply is absent."""
-        return dict(self.record["errors"])
-
-    @property
-    def state_hash(self) -> str:
-        """Hash of the final state, equal to that of the command."""
-        return str(self.record["state_hash"])
 
     @functools.cached_property
     def tables(self) -> Tables:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 
 from . import _native
-from ._run import Scene
+from ._run import HasRecord, Scene
 from ._table import Figures, HasTables, Table, Tables
 
 _Folder = Union[str, "os.PathLike[str]", None]
@@ -68,7 +68,7 @@ class Cheapest(Study):
         return self.answer
 
 
-class Member(HasTables):
+class Member(HasRecord):
     """A member of an ensemble: its seed, its record and its tables, each also as an attribute."""
 
     def __init__(self, seed: int, folder: Path) -> None:
@@ -76,7 +76,7 @@ class Member(HasTables):
         self.folder = folder
 
     @functools.cached_property
-    def record(self) -> Dict[str, Any]:
+    def record(self) -> Dict[str, Any]:  # type: ignore[override]
         """The record of its run, as in ``record.json``."""
         return _json(self.folder / "record.json")
 
@@ -84,11 +84,6 @@ class Member(HasTables):
     def tables(self) -> Tables:
         """The tables of its run."""
         return _tables(self.folder, self.record["units"])
-
-    @property
-    def errors(self) -> Dict[str, Any]:
-        """Errors against the reference, relative; a measure that does not apply is absent."""
-        return dict(self.record["errors"])
 
     def __repr__(self) -> str:
         return f"<Member with seed {self.seed}, in {self.folder}>"

@@ -160,7 +160,7 @@ def test_an_ensemble_has_means_and_members(tmp_path):
     short = {"time.duration": 1, "time.profiles": [1], "watch.front_from": 0.1}
     ensemble = frazil.ensemble("stefan-dpd-1", "edpd", seeds=3, seed=5, set=short, threads=2, out=tmp_path)
     assert ensemble.verdict == "done" and [member.seed for member in ensemble.members] == [5, 6, 7]
-    assert len({member.record["state_hash"] for member in ensemble.members}) == 3
+    assert len({member.state_hash for member in ensemble.members}) == 3
     error = ensemble.errors["temperature_rms_rel"]
     assert error["members"] == 3 and error["interval"][0] < error["mean"] < error["interval"][1]
     each = [member.errors["temperature_rms_rel"] for member in ensemble.members]
@@ -168,7 +168,7 @@ def test_an_ensemble_has_means_and_members(tmp_path):
     assert error["sd"] == pytest.approx(np.std(each, ddof=1), rel=1e-9)
     # A member is the run of its seed, and in the units of the scene.
     own = frazil.run("stefan-dpd-1", "edpd", seed=6, set=short)
-    assert own.state_hash == ensemble.members[1].record["state_hash"]
+    assert own.state_hash == ensemble.members[1].state_hash
     np.testing.assert_array_equal(own.front["front_m"], ensemble.members[1].front["front_m"])
     assert ensemble.front.units["time_s"] == own.front.units["time_s"] == "dpd"
     assert "temperature_rms_rel" in ensemble._repr_html_() and "front" in ensemble.figures

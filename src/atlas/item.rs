@@ -132,13 +132,6 @@ impl Atlas {
         Ok(if named.is_empty() { all() } else { named.to_vec() })
     }
 
-    /// Forgets all other papers.
-    pub(super) fn keep(&mut self, keeps: impl Fn(&Atlas, &Paper) -> bool) {
-        let kept: Vec<bool> = self.papers.iter().map(|paper| keeps(self, paper)).collect();
-        let mut kept = kept.into_iter();
-        self.papers.retain(|_| kept.next().unwrap_or(true));
-    }
-
     /// The runs that rows of some papers need.
     pub(super) fn runs_in_use(&self, of: impl Fn(&Paper) -> bool) -> impl Iterator<Item = &Run> {
         let is_asked = move |run: &&Run| {
@@ -218,8 +211,8 @@ mod tests {
     }
 
     #[test]
-    fn papers_are_kept_by_their_keys_and_bring_their_own_runs() {
-        let mut atlas = Atlas::read().expect("it is read");
+    fn papers_have_keys_and_runs_of_their_own() {
+        let atlas = Atlas::read().expect("it is read");
         let all = atlas.keys_of(&[]).expect("all");
         assert_eq!(all.len(), 5);
         let unknown = atlas.keys_of(&["nikolaev-1999".into()]).expect_err("there is none").to_string();
@@ -227,9 +220,5 @@ mod tests {
         let count = |atlas: &Atlas, key: &str| atlas.runs_in_use(|paper| paper.key == key).count();
         let whole = atlas.runs_in_use(|_| true).count();
         assert!(all.iter().all(|key| (1..whole).contains(&count(&atlas, key))));
-        let of_two = count(&atlas, "yan-2020") + count(&atlas, "nikolaev-2023");
-        atlas.keep(|_, paper| ["yan-2020", "nikolaev-2023"].contains(&paper.key.as_str()));
-        assert_eq!(atlas.papers.len(), 2);
-        assert!(atlas.runs_in_use(|_| true).count() <= of_two);
     }
 }

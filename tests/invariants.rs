@@ -697,7 +697,10 @@ fn a_quarter_a_half_and_the_whole_ring_freeze_alike() {
                     (own.thickness_main_mean_m - other.thickness_main_mean_m).abs() < 1e-9,
                     "{name}: {own:?} {other:?}"
                 );
-                assert!((own.thickness_interface_mean_m - other.thickness_interface_mean_m).abs() < 1e-9, "{name}");
+                assert!(
+                    (own.thickness_interface_mean_m - other.thickness_interface_mean_m).abs() < 1e-9,
+                    "{name}: {own:?} {other:?}"
+                );
                 assert!((own.heat_per_pipe_w_per_m / other.heat_per_pipe_w_per_m - 1.0).abs() < 1e-9, "{name}");
             }
         }

@@ -3,6 +3,7 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::sync::Arc;
 
 use frazil_core::space::domain::{Domain, Sector};
 use frazil_layouts::answers::{Answers, DAY, Day, Kept};
@@ -223,6 +224,18 @@ impl Ground<'_> {
         self.least(&steps, &cost) == 0.0
     }
 
+    /// The same map with each cell as the mean of the nine around it, as if it told of ground twice as far off.
+    fn blurred(&self) -> Field {
+        let mean = |at: usize| {
+            let (x, y) = ((at % self.map.nx) as i64, (at / self.map.nx) as i64);
+            let around = (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (x + dx, y + dy)));
+            let cells: Vec<usize> = around.filter_map(|(x, y)| self.at(x, y)).collect();
+            cells.iter().map(|at| self.map.frozen_fraction[*at]).sum::<f64>() / cells.len() as f64
+        };
+        let cell = |at: usize| if self.map.frozen_fraction[at].is_finite() { mean(at) } else { f64::NAN };
+        Field { frozen_fraction: (0..self.map.frozen_fraction.len()).map(cell).collect(), ..self.map.clone() }
+    }
+
     /// The least frozen way to the edge (m), in straight steps to the nearest cells in sixteen directions.
     fn thickness(&self) -> f64 {
         let all = (-2i64..=2).flat_map(|dx| (-2i64..=2).map(move |dy| (dx, dy)));
@@ -264,9 +277,15 @@ impl Seen {
         self.hold(!(closed && open), || format!("{at}: called closed, but open"));
         if closed {
             self.closed += 1;
-            // Ways of steps to sixteen cells are up to 2.8 % longer than straight ones.
-            let close = (own.thickness_weakest_m - thickness).abs() <= 0.5 * SPACING + 0.03 * thickness;
-            self.hold(close, || format!("{at}: {} m thick, not {thickness}", own.thickness_weakest_m));
+            // Ways of steps to sixteen cells are up to 2.8 % longer than straight ones. Where fronts meet in a cusp a cell is thicker than
+            // its thinnest place: by as much again as the mean over nine cells is thicker than one.
+            let blurred = Ground { map: &ground.blurred(), mirrored: ground.mirrored }.thickness();
+            let cusp = (blurred - thickness).max(0.0);
+            let off = own.thickness_weakest_m - thickness;
+            let tolerance = 0.5 * SPACING + 0.03 * thickness;
+            self.hold((-cusp - tolerance..=tolerance).contains(&off), || {
+                format!("{at}: {} m thick, not {thickness}, {blurred} of nine cells", own.thickness_weakest_m)
+            });
             // Frozen ground is not warmer than where it freezes.
             let cold = own.temperature_weakest_c.is_some_and(|mean| mean <= freezing);
             self.hold(cold, || format!("{at}: {:?}", own.temperature_weakest_c));
@@ -322,6 +341,41 @@ fn no_wall_is_called_closed_or_designed_that_its_own_map_shows_open_or_thin() {
     // Each kind of answer has been given, many times over.
     let counts = [seen.closed, seen.open, seen.designed, seen.reopened];
     assert!(counts.iter().zip([150, 100, 50, 4]).all(|(count, least)| *count >= least), "{counts:?}");
+}
+
+/// A young wall is as thick as the reference says, on a few days after closure, although its fronts meet in a cusp that is sharper than
+/// particles; and nothing is frozen between pipes before. Read on the line alone it is 1.2 spacings too thick on day 16.
+#[test]
+fn a_young_wall_is_as_thick_as_the_reference() {
+    for (method, spacing) in [("local", 0.1), ("sph", 0.1), ("pd", 0.1), ("local", 0.05)] {
+        let key = format!("method.{method}.spacing_m");
+        let of_spacing = spacing.to_string();
+        let changes = [
+            (key.as_str(), of_spacing.as_str()),
+            ("time.duration_days", "20"),
+            ("time.outputs", "20"),
+            ("time.profiles_days", "[20]"),
+        ];
+        let scene = bundled(SAND, &changes);
+        let reference = frazil_cases::truth(&scene).expect("a table").reference.map(Arc::from);
+        let result = march::run(&scene, method, reference.as_ref(), &Options::default());
+        let result = result.unwrap_or_else(|error| unreachable!("{error}"));
+        let mut young = 0;
+        for row in &result.walls {
+            let (between, weakest) = (row.thickness_interface_mean_m, row.thickness_weakest_m.expect("a wall"));
+            let at = format!("{method}, {spacing} m, day {}: {between} and {weakest} m", row.time_s / DAY);
+            if row.time_s < 14.5 * DAY {
+                assert!(between == 0.0 && weakest == 0.0, "{at}");
+            } else if row.time_s > 15.5 * DAY {
+                young += 1;
+                let reference = row.thickness_interface_mean_ref_m.expect("a reference");
+                let off = [between, weakest].map(|own| (own - reference).abs());
+                let tolerance = if row.time_s < 16.5 * DAY { 0.6 } else { 0.25 } * spacing;
+                assert!(off.iter().all(|off| *off < tolerance), "{at}, not {reference}");
+            }
+        }
+        assert_eq!(young, 5, "{method}");
+    }
 }
 
 /// Gaps are those between pipes that are there, and planes those of the pipes that are.

@@ -12,6 +12,7 @@ mod frozen;
 mod gaps;
 mod isotherms;
 mod joint;
+mod lengths;
 mod level_set;
 pub(crate) mod loops;
 mod moisture;

@@ -113,6 +113,11 @@ impl Joint {
         }
     }
 
+    /// Whether open ground parts both bodies now.
+    pub(super) fn is_open(&self, particles: &Particles, sharp: bool) -> bool {
+        self.openness_in(particles, sharp) > 0.0
+    }
+
     /// Whether it was open at the last look and is closed now.
     pub(super) fn closes(&self, particles: &Particles, sharp: bool) -> bool {
         self.closed.is_none() && self.openness_in(particles, sharp) <= 0.0

@@ -9,6 +9,9 @@ use frazil_core::particles::Particles;
 use frazil_core::space::lattice::Lattice;
 use glam::DVec2;
 
+use super::sampler::{Sample, Sampler};
+use super::section::narrowed;
+
 /// Frozen share of a cell from which on it bars a way.
 const BARS: f64 = 0.5;
 
@@ -18,7 +21,9 @@ const NONE: u32 = u32::MAX;
 /// A way through the wall.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Passage {
-    /// Frozen length on it (m); 0 where a way leads through open ground from cell to cell, also across corners.
+    /// Whether it leads through frozen ground; else through open ground from cell to cell, also across corners.
+    pub(super) barred: bool,
+    /// Frozen length on it (m); 0 where it is open.
     pub(super) thickness: f64,
     /// Where the frozen ground on the way begins and ends (m from the centre); none where the way is open.
     pub(super) ends: Option<(f64, f64)>,
@@ -26,6 +31,14 @@ pub(super) struct Passage {
     pub(super) mean_temperature: Option<f64>,
     /// Where its frozen cells are, or all cells of an open way (m).
     pub(super) places: Vec<DVec2>,
+}
+
+impl Passage {
+    /// Takes away what frozen ground on it is read as too long by (m).
+    pub(super) fn narrow(&mut self, excess: f64) {
+        self.thickness = (self.thickness - excess).max(0.0);
+        self.ends = self.ends.and_then(|ends| narrowed(ends, excess));
+    }
 }
 
 /// Finds ways over the cells of a plan. What it needs is kept from one time to the next.
@@ -97,6 +110,24 @@ impl PassageFinder {
         }
     }
 
+    /// What is read of particles, read of their cells.
+    pub(super) fn in_cells(&self, sample: &Sample, sampler: &Sampler<'_>) -> Sample {
+        let cell = |i: u32| self.cell(sampler.place(i as usize)).map(|at| at as u32);
+        Sample(sample.0.iter().filter_map(|(i, weight)| Some((cell(*i)?, *weight))).collect())
+    }
+
+    /// Sum over the frozen shares of cells, as the ground was at the last passage.
+    pub(super) fn sum(&self, cells: &Sample) -> f64 {
+        cells.of(|at| self.share[at])
+    }
+
+    /// The cell at a place, if any.
+    fn cell(&self, place: DVec2) -> Option<usize> {
+        let cell = ((place - self.corner) / self.spacing).floor();
+        let inside = cell.cmpge(DVec2::ZERO).all() && (cell.x as usize) < self.columns && (cell.y as usize) < self.rows;
+        inside.then(|| cell.y as usize * self.columns + cell.x as usize)
+    }
+
     /// Size of a cell (m).
     pub(super) fn spacing(&self) -> f64 {
         self.spacing
@@ -105,6 +136,16 @@ impl PassageFinder {
     /// Frozen length outwards through a place (m), as the ground was at the last passage.
     pub(super) fn along(&self, through: DVec2) -> f64 {
         self.step() * self.straight(through).map(|at| self.share[at]).sum::<f64>()
+    }
+
+    /// Frozen length of the one body around a place, straight through it in a direction (m), as the ground was at the last passage.
+    pub(super) fn around(&self, place: DVec2, direction: DVec2) -> f64 {
+        let share = |k: f64| self.cell(place + k * self.step() * direction).map_or(0.0, |at| self.share[at]);
+        let side = |sign: f64| {
+            let shares = (0..).map(|k| share(sign * (f64::from(k) + 0.5)));
+            shares.take_while(|share| *share > 0.0).sum::<f64>()
+        };
+        self.step() * (side(1.0) + side(-1.0))
     }
 
     /// Mean temperature of the frozen ground on that way.
@@ -122,11 +163,7 @@ impl PassageFinder {
         let direction = through.normalize_or(DVec2::X);
         let cell = move |k: usize| {
             let place = (k as f64 + 0.5) * self.step() * direction;
-            let cell = ((place - self.corner) / self.spacing).floor();
-            let inside =
-                cell.cmpge(DVec2::ZERO).all() && (cell.x as usize) < self.columns && (cell.y as usize) < self.rows;
-            let at = inside.then(|| cell.y as usize * self.columns + cell.x as usize)?;
-            (!self.share[at].is_nan()).then_some(at)
+            self.cell(place).filter(|at| !self.share[*at].is_nan())
         };
         (0..).map_while(cell)
     }
@@ -304,7 +341,7 @@ impl PassageFinder {
     /// A way through open ground.
     fn open(&self, last: usize) -> Passage {
         let places = self.way(last).into_iter().map(|at| self.place(at)).collect();
-        Passage { thickness: 0.0, ends: None, mean_temperature: None, places }
+        Passage { barred: false, thickness: 0.0, ends: None, mean_temperature: None, places }
     }
 
     /// The way to a cell beyond the wall.
@@ -324,6 +361,7 @@ impl PassageFinder {
             )
         });
         Passage {
+            barred: true,
             thickness,
             ends,
             mean_temperature: self.mean(particles, way.iter().copied()),

@@ -7,6 +7,7 @@ use frazil_core::space::domain::Domain;
 use frazil_scene::{PipeName, PipeRing, Scene};
 use glam::DVec2;
 
+use super::lengths::Straight;
 use super::loops::{SAME, neighbours, turn};
 use super::sampler::{Sample, Sampler};
 
@@ -21,6 +22,19 @@ pub(super) struct Ray {
     /// Distances from its origin along it (m).
     pub(super) radii: Vec<f64>,
     pub(super) samples: Vec<Sample>,
+    /// Where the pipes stand between which it goes (m); none through a pipe.
+    pub(super) pipes: Option<[DVec2; 2]>,
+}
+
+impl Ray {
+    /// Particles and the length of the ray (m) in each, of which times its frozen fraction is frozen.
+    pub(super) fn lengths(&self, sampler: &Sampler<'_>) -> Sample {
+        let line = Straight { origin: self.origin, direction: self.direction, along: &self.radii };
+        match self.pipes {
+            Some(pipes) => line.lengths_at_cusp(pipes, sampler),
+            None => line.lengths(sampler),
+        }
+    }
 }
 
 impl HeapSize for Ray {
@@ -67,25 +81,29 @@ pub(super) fn rays(scene: &Scene, sampler: &Sampler<'_>) -> [Vec<Ray>; 2] {
     };
     let spacing = sampler.lattice.spacing;
     let angle = |place: DVec2| place.to_angle().rem_euclid(TAU);
-    let ray = |place: DVec2| {
+    let ray = |place: DVec2, pipes: Option<[DVec2; 2]>| {
         let count = ((outer - spacing) / (0.5 * spacing)).ceil().max(1.0) as usize;
         let radii: Vec<f64> = (0..=count).map(|k| (outer - spacing) * k as f64 / count as f64).collect();
         let direction = place.normalize_or_zero();
         let samples = radii.iter().map(|radius| sampler.sample(direction * *radius)).collect();
-        Ray { multiplicity: sector.multiplicity(angle(place)), origin: DVec2::ZERO, direction, radii, samples }
+        let multiplicity = sector.multiplicity(angle(place));
+        Ray { multiplicity, origin: DVec2::ZERO, direction, radii, samples, pipes }
     };
     let off_centre = |place: &DVec2| place.length() > SAME * outer;
     let held = |place: &DVec2| sector.holds(angle(*place));
     let pipes = ring.numbers().map(|k| ring.place(k)).filter(off_centre);
-    let between = pairs(ring).into_iter().filter(|pair| pair.seen).map(|pair| pair.middle);
-    [pipes.filter(held).map(ray).collect(), between.filter(held).map(ray).collect()]
+    let between = pairs(ring).into_iter().filter(|pair| pair.seen && held(&pair.middle));
+    [
+        pipes.filter(held).map(|place| ray(place, None)).collect(),
+        between.map(|pair| ray(pair.middle, Some(pair.places))).collect(),
+    ]
 }
 
 /// Rays across a row of pipes in a rectangle of some size, from wall to wall.
 fn across(row: &PipeRing, size: DVec2, sampler: &Sampler<'_>) -> [Vec<Ray>; 2] {
     let direction = row.direction().perp();
     let half = 0.5 * sampler.lattice.spacing;
-    let ray = |place: DVec2| {
+    let ray = |place: DVec2, pipes: Option<[DVec2; 2]>| {
         // Where the line enters and leaves the rectangle of the particles' centres, as distances from the place.
         let mut ends = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in (0..2).filter(|axis| direction[*axis].abs() > SAME) {
@@ -95,10 +113,10 @@ fn across(row: &PipeRing, size: DVec2, sampler: &Sampler<'_>) -> [Vec<Ray>; 2] {
         let count = ((ends.1 - ends.0) / half).ceil().max(1.0) as usize;
         let radii: Vec<f64> = (0..=count).map(|k| ends.0 + (ends.1 - ends.0) * k as f64 / count as f64).collect();
         let samples = radii.iter().map(|radius| sampler.sample(place + *radius * direction)).collect();
-        Ray { multiplicity: 1, origin: place, direction, radii, samples }
+        Ray { multiplicity: 1, origin: place, direction, radii, samples, pipes }
     };
-    let pipes = row.numbers().map(|k| ray(row.place(k))).collect();
-    [pipes, following(row).into_iter().map(|pair| ray(pair.middle)).collect()]
+    let pipes = row.numbers().map(|k| ray(row.place(k), None)).collect();
+    [pipes, following(row).into_iter().map(|pair| ray(pair.middle, Some(pair.places))).collect()]
 }
 
 /// Neighbours of a row, in order.
@@ -132,12 +150,4 @@ pub(crate) fn pairs(ring: &PipeRing) -> Vec<Pair> {
     let mut pairs: Vec<Pair> = neighbours(&places).into_iter().map(pair).collect();
     pairs.sort_by_key(|pair| pair.numbers);
     pairs
-}
-
-/// Frozen length of a ray: the integral of the frozen fraction along it (m).
-pub(super) fn frozen_length(ray: &Ray, fractions: &[f64]) -> f64 {
-    let at = |sample: &Sample| sample.of(|i| fractions[i]);
-    let (first, last) = (ray.samples.first().map_or(0.0, at), ray.samples.last().map_or(0.0, at));
-    let step = ray.radii[1] - ray.radii[0];
-    step * (ray.samples.iter().map(at).sum::<f64>() - 0.5 * (first + last))
 }

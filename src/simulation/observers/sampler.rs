@@ -70,6 +70,21 @@ impl<'a> Sampler<'a> {
         (!scene.cracks.is_empty()).then(|| Sampler::new(scene, particles, time))
     }
 
+    /// Where a particle is (m).
+    pub(super) fn place(&self, particle: usize) -> DVec2 {
+        self.cloud.map_or_else(|| self.lattice.position(particle), |places| places[particle])
+    }
+
+    /// Where particles are from which a point is read (m), as mirrors show them, with their weights; nothing parts them from it.
+    pub(super) fn seen(&self, point: DVec2, sample: &Sample) -> Vec<(DVec2, f64)> {
+        if self.cloud.is_some() {
+            return sample.0.iter().map(|(index, weight)| (self.place(*index as usize), *weight)).collect();
+        }
+        let there = |(column, row, _): &(i64, i64, f64)| self.folded(*column, *row).is_some();
+        let corners = self.corners(point).into_iter().filter(there);
+        corners.map(|(column, row, weight)| (self.lattice.centre(column, row), weight)).collect()
+    }
+
     pub(super) fn sample(&self, place: DVec2) -> Sample {
         self.samples(&[place]).pop().unwrap_or_default()
     }
@@ -125,20 +140,10 @@ impl<'a> Sampler<'a> {
 
     /// The four cells around a point, folded at mirror planes and clamped at walls.
     fn bilinear(&self, place: DVec2) -> Sample {
-        let cells = self.lattice.to_cells(place);
-        let base = cells.floor();
-        let part = cells - base;
         let mut entries: Vec<(u32, f64)> = Vec::with_capacity(4);
         let mut missing = 0.0;
-        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-            let weight = (if dx == 1 { part.x } else { 1.0 - part.x }) * (if dy == 1 { part.y } else { 1.0 - part.y });
-            if weight == 0.0 {
-                continue;
-            }
-            let fold = |mirror: bool, cell: i64| if mirror && cell < 0 { -1 - cell } else { cell };
-            let column = fold(self.mirrors.0, base.x as i64 + dx).clamp(0, self.lattice.columns as i64 - 1);
-            let row = fold(self.mirrors.1, base.y as i64 + dy).clamp(0, self.lattice.rows as i64 - 1);
-            match self.lattice.index(column, row) {
+        for (column, row, weight) in self.corners(place) {
+            match self.folded(column, row) {
                 Some(index) => entries.push((index as u32, weight)),
                 None => missing += weight,
             }
@@ -147,6 +152,26 @@ impl<'a> Sampler<'a> {
             entries.iter_mut().for_each(|entry| entry.1 /= 1.0 - missing);
         }
         Sample(entries)
+    }
+
+    /// Columns and rows of the cells around a point, and their weights.
+    fn corners(&self, place: DVec2) -> Vec<(i64, i64, f64)> {
+        let cells = self.lattice.to_cells(place);
+        let base = cells.floor();
+        let part = cells - base;
+        let corner = |(dx, dy): (i64, i64)| {
+            let weight = (if dx == 1 { part.x } else { 1.0 - part.x }) * (if dy == 1 { part.y } else { 1.0 - part.y });
+            (base.x as i64 + dx, base.y as i64 + dy, weight)
+        };
+        [(0, 0), (1, 0), (0, 1), (1, 1)].into_iter().map(corner).filter(|corner| corner.2 != 0.0).collect()
+    }
+
+    /// The particle of a cell, folded at mirror planes and clamped at walls.
+    fn folded(&self, column: i64, row: i64) -> Option<usize> {
+        let fold = |mirror: bool, cell: i64| if mirror && cell < 0 { -1 - cell } else { cell };
+        let column = fold(self.mirrors.0, column).clamp(0, self.lattice.columns as i64 - 1);
+        let row = fold(self.mirrors.1, row).clamp(0, self.lattice.rows as i64 - 1);
+        self.lattice.index(column, row)
     }
 
     fn fitted(&self, positions: &[DVec2], places: &[DVec2]) -> Vec<Sample> {

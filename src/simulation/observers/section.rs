@@ -1,11 +1,51 @@
 //! Where a wall begins and ends along a ray through it, and how it is in between.
 
-use super::rays::{Ray, frozen_length};
+use frazil_core::memory::HeapSize;
+use frazil_core::particles::Particles;
+use frazil_scene::Scene;
 
-/// Mean frozen length over rays (m), each for all that it stands for.
-pub(super) fn mean_length(rays: &[Ray], fractions: &[f64]) -> f64 {
-    let weights: usize = rays.iter().map(|ray| ray.multiplicity).sum();
-    let lengths = rays.iter().map(|ray| ray.multiplicity as f64 * frozen_length(ray, fractions));
+use super::joint::{Joint, is_sharp};
+use super::rays::Ray;
+use super::sampler::{Sample, Sampler};
+
+/// A line across a wall, on which its frozen length is read.
+#[derive(Debug, Clone)]
+pub(super) struct Across {
+    /// How many lines of the whole wall it stands for.
+    multiplicity: usize,
+    /// Particles and the length of the line (m) in each.
+    lengths: Sample,
+    /// Tells whether the pipes between which it goes have joined, where nothing but their frozen bodies reaches the line: before, what
+    /// is read on it is beside it.
+    joint: Option<Joint>,
+}
+
+impl Across {
+    pub(super) fn along(ray: &Ray, scene: &Scene, sampler: &Sampler<'_>) -> Self {
+        let alone = scene.rings.len() == 1;
+        let joint = ray.pipes.filter(|_| alone).map(|pipes| Joint::between(pipes, sampler, is_sharp(scene)));
+        Across { multiplicity: ray.multiplicity, lengths: ray.lengths(sampler), joint }
+    }
+
+    /// Frozen length (m). `sharp`: ground freezes at one temperature.
+    pub(super) fn frozen_length(&self, particles: &Particles, fractions: &[f64], sharp: bool) -> f64 {
+        // What is read beside a line may leave less than nothing on it.
+        let length = self.lengths.of(|i| fractions[i]).max(0.0);
+        let is_open = || self.joint.as_ref().is_some_and(|joint| joint.is_open(particles, sharp));
+        if length > 0.0 && is_open() { 0.0 } else { length }
+    }
+}
+
+impl HeapSize for Across {
+    fn heap_size(&self) -> usize {
+        self.lengths.heap_size() + self.joint.as_ref().map_or(0, HeapSize::heap_size)
+    }
+}
+
+/// Mean frozen length over lines (m), each for all that it stands for.
+pub(super) fn mean_length(lines: &[Across], length: impl Fn(&Across) -> f64) -> f64 {
+    let weights: usize = lines.iter().map(|line| line.multiplicity).sum();
+    let lengths = lines.iter().map(|line| line.multiplicity as f64 * length(line));
     lengths.sum::<f64>() / weights.max(1) as f64
 }
 
@@ -20,6 +60,18 @@ pub(super) fn ends(radii: &[f64], fraction: &[f64]) -> Option<(f64, f64)> {
     let inner = if first == 0 { radii[0] } else { between(first - 1, first) };
     let outer = if last + 1 == radii.len() { radii[last] } else { between(last, last + 1) };
     Some((inner, outer))
+}
+
+/// Frozen length that is read along a ray of even steps (m).
+pub(super) fn length(radii: &[f64], fraction: &[f64]) -> f64 {
+    let ends = fraction.first().unwrap_or(&0.0) + fraction.last().unwrap_or(&0.0);
+    (radii[1] - radii[0]) * (fraction.iter().sum::<f64>() - 0.5 * ends)
+}
+
+/// Ends of a wall that is read as too thick by some length (m), which lies at both; none where nothing is left.
+pub(super) fn narrowed((inner, outer): (f64, f64), excess: f64) -> Option<(f64, f64)> {
+    let (inner, outer) = (inner + 0.5 * excess, outer - 0.5 * excess);
+    (inner < outer).then_some((inner, outer))
 }
 
 /// Mean of what is read along a ray between two radii.

@@ -22,21 +22,21 @@ impl Standing {
         self.periods.last().is_some_and(|period| period.1.is_none())
     }
 
-    /// Takes how thick the wall is at a time, 0 where it is open. `joined`: when the frozen bodies of its pipes first joined all around, which is
+    /// Takes how thick the wall is at a time (m), none where it is open. `joined`: when the frozen bodies of its pipes first joined all around, which is
     /// known more closely than by looks.
-    pub(super) fn look(&mut self, time: f64, thickness: f64, joined: f64) {
+    pub(super) fn look(&mut self, time: f64, thickness: Option<f64>, joined: f64) {
         let before = self.looks.last().copied();
-        if thickness > 0.0 && !self.stands() {
+        if thickness.is_some() && !self.stands() {
             // A look since then that found it open knows better.
             let open = before.is_some_and(|(before, _)| before >= joined);
             self.periods.push((if open || !self.periods.is_empty() { time } else { joined }, None));
-        } else if thickness <= 0.0 && self.stands() {
+        } else if thickness.is_none() && self.stands() {
             let end = self.opened(time);
             if let Some(period) = self.periods.last_mut() {
                 period.1 = Some(end.max(period.0));
             }
         }
-        self.looks = before.into_iter().chain([(time, thickness)]).collect();
+        self.looks = before.into_iter().chain([(time, thickness.unwrap_or(0.0))]).collect();
     }
 
     /// When a wall opened that stood at the last look and is open now: when it would have lost its thickness as it did before, but not
@@ -55,26 +55,26 @@ mod tests {
     #[test]
     fn a_wall_that_thaws_opens_when_its_thickness_is_gone_and_may_close_again() {
         let mut standing = Standing::default();
-        standing.look(10.0, 1.0, 8.5);
+        standing.look(10.0, Some(1.0), 8.5);
         assert_eq!(standing.periods, [(8.5, None)]);
-        standing.look(20.0, 0.5, 8.5);
+        standing.look(20.0, Some(0.5), 8.5);
         // Half a metre in ten seconds: the other half is gone at 30, not at 35.
-        standing.look(35.0, 0.0, 8.5);
+        standing.look(35.0, None, 8.5);
         assert_eq!(standing.periods, [(8.5, Some(30.0))]);
         assert!(!standing.stands());
-        standing.look(40.0, 0.2, 8.5);
+        standing.look(40.0, Some(0.2), 8.5);
         assert_eq!(standing.periods, [(8.5, Some(30.0)), (40.0, None)]);
     }
 
     #[test]
     fn a_look_that_finds_a_way_outweighs_pipes_that_have_joined() {
         let mut standing = Standing::default();
-        standing.look(10.0, 0.0, 8.5);
-        standing.look(20.0, 0.3, 8.5);
+        standing.look(10.0, None, 8.5);
+        standing.look(20.0, Some(0.3), 8.5);
         assert_eq!(standing.periods, [(20.0, None)]);
         // It would not have opened before the next look.
-        standing.look(30.0, 0.4, 8.5);
-        standing.look(40.0, 0.0, 8.5);
+        standing.look(30.0, Some(0.4), 8.5);
+        standing.look(40.0, None, 8.5);
         assert_eq!(standing.periods, [(20.0, Some(40.0))]);
     }
 }

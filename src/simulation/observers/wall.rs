@@ -7,18 +7,20 @@ use frazil_core::memory::total;
 use frazil_core::particles::Particles;
 use frazil_core::saved::{Pass, Saved};
 use frazil_core::space::domain::{Domain, Sector};
+use frazil_core::space::segment::distance;
 use frazil_record::{LinkRow, PlaneRow, RunResult, WallRecord, WallRow};
 use frazil_scene::{PipeName, Scene};
 use glam::DVec2;
 
 use super::alike::first_alike;
 use super::joint::{Joint, Way, is_sharp};
+use super::lengths::excess_between;
 use super::loops::{closure, neighbours};
 use super::observer::{Cadence, End, Made, Moment, Observer, Schedule, Setup, View, room};
 use super::passage::{Passage, PassageFinder};
 use super::rays::{Ray, rays};
-use super::sampler::Sampler;
-use super::section::{ends, mean, mean_length};
+use super::sampler::{Sample, Sampler};
+use super::section::{Across, ends, length, mean, mean_length, narrowed};
 use super::standing::Standing;
 use super::sunk::{FrozenIn, Sunk, frozen_in};
 
@@ -49,8 +51,10 @@ struct Place {
 
 /// Rays through the wall of the first ring, and neighbouring pipes and their joints.
 struct Wall {
-    /// Rays through its pipes and between them.
-    rays: [Vec<Ray>; 2],
+    /// Lines through its pipes and between them.
+    across: [Vec<Across>; 2],
+    /// The first ray of each kind, on which sections are taken.
+    rays: [Option<Ray>; 2],
     /// Pipes of the whole plan, and how often the part that is run is in it.
     pipe_count: usize,
     images: f64,
@@ -60,6 +64,8 @@ struct Wall {
     links: Vec<Link>,
     /// Lines between pipes, as mirrors bring them into the part of the plan that is run.
     lines: Vec<[DVec2; 2]>,
+    /// By how much frozen ground across the middle of each is read as too long, in cells of the finder.
+    excesses: Vec<Sample>,
     joints: Vec<Joint>,
     /// Rings of pipes, as the wall around them is read.
     rings: Vec<Sunk>,
@@ -92,15 +98,18 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
         _ => return None,
     };
     let rays = rays(scene, &sampler);
+    let across = |ray: &Ray| Across::along(ray, scene, &sampler);
     let mut wall = Wall {
         pipe_count: scene.rings.iter().map(|ring| ring.numbers().count()).sum(),
         images: setup.images(),
         rows: Vec::with_capacity(if rays[0].is_empty() { 0 } else { outputs }),
-        rays,
+        across: rays.each_ref().map(|rays| rays.iter().map(across).collect()),
+        rays: rays.map(|rays| rays.into_iter().next()),
         cadence: Cadence::of(scene),
         places: Vec::new(),
         links: Vec::new(),
         lines: Vec::new(),
+        excesses: Vec::new(),
         joints: Vec::new(),
         rings: Vec::new(),
         planes: Vec::new(),
@@ -113,7 +122,7 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
         wall.link(scene, sector, &sampler, setup.pipes);
         wall.planes.reserve_exact(4 * outputs);
     }
-    (!wall.rays[0].is_empty() || !wall.places.is_empty()).then(|| Box::new(wall) as _)
+    (wall.rays[0].is_some() || !wall.places.is_empty()).then(|| Box::new(wall) as _)
 }
 
 impl Wall {
@@ -141,6 +150,7 @@ impl Wall {
             });
             let number = known.unwrap_or_else(|| {
                 self.lines.push(line);
+                self.excesses.push(self.finder.in_cells(&excess_between(line, sampler), sampler));
                 let middle = 0.5 * (line[0] + line[1]);
                 self.joints.push(Joint::between(line, sampler, self.sharp));
                 joints.push((self.joints.len() - 1, None));
@@ -204,14 +214,18 @@ impl Wall {
     fn sections(&mut self, view: &View<'_>) {
         let (particles, fractions, time) = (view.particles, view.fractions(), view.time);
         let pipes = frozen_in(&self.rings, view.scene, particles, view.ledger, time);
-        for (plane, rays) in ["main", "interface"].into_iter().zip(&self.rays) {
-            let Some(ray) = rays.first() else { continue };
+        let planes = ["main", "interface"].into_iter().zip(&self.rays).zip(&self.across);
+        for ((plane, ray), lines) in planes {
+            let Some(ray) = ray else { continue };
             let fraction: Vec<f64> = ray.samples.iter().map(|sample| sample.of(|i| fractions[i])).collect();
             let mut temperature: Vec<f64> =
                 ray.samples.iter().map(|sample| sample.of(|i| particles.reading(i))).collect();
             pipes.iter().for_each(|ring| ring.sharpen(ray, &mut temperature));
             let face = particles.shaft.unwrap_or(0.0);
-            let ends = ends(&ray.radii, &fraction).map(|(inner, outer)| (inner.max(face), outer));
+            let (read, length) =
+                (length(&ray.radii, &fraction), lines[0].frozen_length(particles, fractions, self.sharp));
+            let ends = ends(&ray.radii, &fraction).and_then(|ends| narrowed(ends, read - length));
+            let ends = ends.map(|(inner, outer)| (inner.max(face), outer));
             self.planes.push(PlaneRow {
                 time_s: time,
                 plane: plane.into(),
@@ -253,8 +267,10 @@ impl Wall {
         let joined = self.joined();
         if let Some(joined) = joined {
             let mut passage = self.finder.passage(particles, view.fractions(), self.sharp);
-            self.standing.look(time, passage.thickness, joined);
             let link = self.crossed(&passage, joined);
+            let excess = link.map_or(0.0, |link| self.excess(link, &passage));
+            passage.narrow(excess);
+            self.standing.look(time, passage.barred.then_some(passage.thickness), joined);
             // Of ways that are as short, the lattice picks now one and now another: straight through the gap it is the warmest.
             if let Some(through) = link.map(|link| self.middle(link)).filter(|at| self.is_weakest(*at, &passage)) {
                 passage.mean_temperature = self.finder.mean_along(particles, through);
@@ -310,6 +326,22 @@ impl Wall {
         least > 0.0 && self.finder.along(through) <= least + 0.5 * self.finder.spacing()
     }
 
+    /// By how much the wall is read as too thick where a way through it crosses a link (m): nothing where straight across the middle of
+    /// the link it is thicker by more than that. Means over links that symmetry makes equal to it.
+    fn excess(&self, link: usize, passage: &Passage) -> f64 {
+        let straight = |line: usize| {
+            let [a, b] = self.lines[line];
+            self.finder.around(0.5 * (a + b), (b - a).perp().normalize_or_zero())
+        };
+        let sums = self
+            .alike(link)
+            .map(|other| self.links[other].line)
+            .fold((0.0, 0.0), |sums, line| (sums.0 + self.finder.sum(&self.excesses[line]), sums.1 + straight(line)));
+        let count = self.alike(link).count() as f64;
+        let (excess, straight) = (sums.0 / count, sums.1 / count);
+        (excess - (straight - passage.thickness).max(0.0)).max(0.0)
+    }
+
     /// Distance of the pipes of a link (m).
     fn width(&self, link: usize) -> f64 {
         let [a, b] = self.links[link].ends.map(|end| self.places[end].at);
@@ -325,7 +357,7 @@ impl Wall {
         }
         let off = |link: &Link| {
             let [a, b] = self.lines[link.line];
-            passage.places.iter().map(|place| from_segment(*place, a, b)).fold(f64::INFINITY, f64::min)
+            passage.places.iter().map(|place| distance((a, b), *place)).fold(f64::INFINITY, f64::min)
         };
         let near: Vec<f64> = self.links.iter().map(off).collect();
         let least = near.iter().copied().fold(f64::INFINITY, f64::min).max(self.finder.spacing());
@@ -337,7 +369,8 @@ impl Wall {
 
     /// Takes thicknesses, what is frozen and what a pipe takes.
     fn row(&mut self, view: &View<'_>, stand: Option<(bool, f64)>) {
-        let [main, interface] = self.rays.each_ref().map(|rays| mean_length(rays, view.fractions()));
+        let length = |line: &Across| line.frozen_length(view.particles, view.fractions(), self.sharp);
+        let [main, interface] = self.across.each_ref().map(|lines| mean_length(lines, length));
         let heat = -view.ledger.rings().sum::<f64>();
         self.rows.push(WallRow {
             time_s: view.time,
@@ -429,7 +462,7 @@ impl Observer for Wall {
             return;
         }
         let stand = self.stand(view);
-        if !self.rays[0].is_empty() {
+        if self.rays[0].is_some() {
             self.row(view, stand);
         }
         if !self.places.is_empty() {
@@ -448,7 +481,10 @@ impl Observer for Wall {
 
     fn held_at_the_end(&self) -> usize {
         let names = self.planes.capacity() * "interface".len();
-        room(&self.rows) + room(&self.planes) + names + total(&[&self.rays, &self.joints, &self.finder])
+        room(&self.rows)
+            + room(&self.planes)
+            + names
+            + total(&[&self.rays, &self.across, &self.excesses, &self.joints, &self.finder])
     }
 }
 
@@ -460,10 +496,4 @@ fn folded(line: [DVec2; 2], sector: Sector) -> [DVec2; 2] {
         if sector != Sector::Whole && middle.y < 0.0 { -1.0 } else { 1.0 },
     );
     line.map(|place| place * flip)
-}
-
-/// Distance (m) of a place from the segment between two others.
-fn from_segment(place: DVec2, a: DVec2, b: DVec2) -> f64 {
-    let along = ((place - a).dot(b - a) / a.distance_squared(b)).clamp(0.0, 1.0);
-    place.distance(a.lerp(b, along))
 }

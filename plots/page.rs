@@ -87,6 +87,8 @@ pub struct Block {
     pub figures: Vec<Figure>,
     /// Tables.
     pub tables: Vec<Table>,
+    /// Pages beside this one, after the text: what they are called, and their files.
+    pub links: Vec<Fact>,
     /// A list after the tables.
     pub list: Vec<String>,
     /// Whether only its heading is seen until it is asked for.

@@ -10,7 +10,7 @@ use crate::process_runs::ManyRuns;
 pub use item::UnknownPaper;
 use item::{Atlas, Judged, Outcome};
 
-/// Makes all runs that are not there yet, and writes the table and the page. Papers whose runs the folder holds from earlier commands
+/// Makes all runs that are not there yet, and writes the table and the pages. Papers whose runs the folder holds from earlier commands
 /// stay on the page.
 ///
 /// # Errors
@@ -35,7 +35,7 @@ pub fn atlas(request: &ManyRuns) -> Result<Verdict, Failure> {
         atlas.papers.iter().map(|paper| paper.rows.iter().map(|row| row.judge(&runs.folder)).collect()).collect();
     report::write(request, &folder, &atlas, &judged)?;
     let shown = || atlas.papers.iter().zip(&judged).filter(|(paper, _)| asked.contains(&paper.key)).flat_map(|of| of.1);
-    answer(&format!("{}\n  results: {}\n", report::counts(shown()), folder.display()))?;
+    answer(&format!("{}\n  results: {}\n", report::Counts::of(shown()), folder.display()))?;
     let broken = shown().any(|one| matches!(one.outcome, Outcome::Missing(_)));
     Ok(if broken { Verdict::CheckFailed } else { Verdict::Done })
 }

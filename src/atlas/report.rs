@@ -1,7 +1,7 @@
 //! The table and the page.
 
-use std::fs;
 use std::path::Path;
+use std::{fmt, fs};
 
 use frazil_plots::page::{self, Block, Fact, Figure, Page, SceneSection, Table};
 use frazil_plots::style::number;
@@ -12,6 +12,12 @@ use serde::Serialize;
 
 use super::item::{Atlas, Judged, Outcome, Paper};
 use crate::process_runs::ManyRuns;
+
+const TITLE: &str = "What the papers show, and what frazil finds";
+
+const LEAD: &str = "Each row is something that a paper shows: where, its number if it prints one, what frazil finds, and an independent \
+                    solution where there is one. A row is held to the reference, or to what is printed where there is none; bounds and \
+                    differences have their reasons beside them. Pictures are of the same runs.";
 
 /// A row of `atlas.csv`.
 #[derive(Debug, Serialize)]
@@ -31,7 +37,48 @@ struct CsvRow<'a> {
     why: String,
 }
 
-/// Writes both.
+/// How many rows stand how.
+#[derive(Debug, Default, PartialEq, Eq)]
+pub(super) struct Counts {
+    all: usize,
+    pass: usize,
+    fail: usize,
+    without_number: usize,
+    missing: usize,
+}
+
+impl Counts {
+    pub(super) fn of<'a, 'b: 'a>(judged: impl IntoIterator<Item = &'a Judged<'b>>) -> Self {
+        let mut counts = Counts::default();
+        for one in judged {
+            counts.all += 1;
+            *match one.outcome {
+                Outcome::Agrees => &mut counts.pass,
+                Outcome::Differs => &mut counts.fail,
+                Outcome::NoNumber => &mut counts.without_number,
+                Outcome::Missing(_) => &mut counts.missing,
+            } += 1;
+        }
+        counts
+    }
+
+    /// Words of a row of a table, under `HEADS`.
+    fn cells(&self) -> impl Iterator<Item = String> {
+        [self.all, self.pass, self.fail, self.without_number, self.missing].map(|count| count.to_string()).into_iter()
+    }
+
+    const HEADS: [&'static str; 5] = ["rows", "pass", "fail", "without a number", "without their run"];
+}
+
+impl fmt::Display for Counts {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Counts { all, pass, fail, without_number, missing } = self;
+        write!(f, "{all} rows: {pass} pass, {fail} fail, {without_number} without a number (reason given)")?;
+        if *missing > 0 { write!(f, ", {missing} without their run") } else { Ok(()) }
+    }
+}
+
+/// Writes the table and the page of a paper, or of several papers a page each and one that leads to them.
 pub(super) fn write(
     request: &ManyRuns,
     folder: &Path,
@@ -41,37 +88,77 @@ pub(super) fn write(
     let papers = || atlas.papers.iter().zip(judged);
     let rows = papers().flat_map(|(paper, rows)| rows.iter().map(|one| csv_row(atlas, paper, one)));
     write_rows(&folder.join("atlas.csv"), &rows.collect::<Vec<_>>())?;
-    let page = Page {
-        title: "What the papers show, and what frazil finds".into(),
-        answers: vec![format!("{}.", counts(judged.iter().flatten()))],
-        lead: vec![
-            "Each row is something that a paper shows: where, its number if it prints one, what frazil finds, and an independent \
-             solution where there is one. A row is held to the reference, or to what is printed where there is none; bounds and \
-             differences have their reasons beside them. Pictures are of the same runs."
-                .into(),
-        ],
+    let machine = Machine::now().facts(Fact::new("Threads of each run", request.threads.to_string()));
+    let all = Page {
+        title: TITLE.into(),
+        answers: vec![format!("{}.", Counts::of(judged.iter().flatten()))],
+        lead: vec![LEAD.into()],
         command: request.command_line.clone(),
-        scenes: papers().map(|(paper, rows)| section(folder, atlas, paper, rows)).collect(),
-        machine: Machine::now().facts(Fact::new("Threads of each run", request.threads.to_string())),
+        machine: machine.clone(),
         ..Page::default()
     };
-    Ok(page::write(&page, &folder.join("report.html"))?)
+    if let [paper] = &atlas.papers[..] {
+        let scenes = vec![section(folder, atlas, paper, &judged[0])];
+        return Ok(page::write(&Page { scenes, ..all }, &folder.join("report.html"))?);
+    }
+    for (paper, rows) in papers() {
+        let own = Page {
+            answers: vec![format!("{}.", Counts::of(rows))],
+            command: format!("frazil atlas {}", paper.key),
+            opening: vec![Block { links: vec![Fact::new("All papers", "report.html")], ..Block::default() }],
+            scenes: vec![section(folder, atlas, paper, rows)],
+            ..all.clone()
+        };
+        page::write(&own, &folder.join(file(paper)))?;
+    }
+    let opening = vec![overview(atlas, judged), failing(atlas, judged)];
+    Ok(page::write(&Page { opening, ..all }, &folder.join("report.html"))?)
 }
 
-/// How many rows stand how.
-pub(super) fn counts<'a, 'b: 'a>(judged: impl Iterator<Item = &'a Judged<'b>>) -> String {
-    let (mut all, mut agree, mut differ, mut none, mut missing) = (0, 0, 0, 0, 0);
-    for one in judged {
-        all += 1;
-        match one.outcome {
-            Outcome::Agrees => agree += 1,
-            Outcome::Differs => differ += 1,
-            Outcome::NoNumber => none += 1,
-            Outcome::Missing(_) => missing += 1,
-        }
+/// The page of a paper among several.
+fn file(paper: &Paper) -> String {
+    format!("{}.html", paper.key)
+}
+
+/// All papers, with links to their pages.
+fn overview(atlas: &Atlas, judged: &[Vec<Judged<'_>>]) -> Block {
+    let papers = || atlas.papers.iter().zip(judged);
+    let row = |(paper, rows): (&Paper, &Vec<Judged<'_>>)| {
+        [paper.key.clone()].into_iter().chain(Counts::of(rows).cells()).collect()
+    };
+    let heads = ["paper"].into_iter().chain(Counts::HEADS);
+    let table = Table {
+        caption: "How the rows of each paper stand.".into(),
+        heads: heads.map(Into::into).collect(),
+        rows: papers().map(row).collect(),
+        words: 1,
+        csv: Some("atlas.csv".into()),
+    };
+    let link = |(paper, _): (&Paper, _)| Fact::new(format!("{}: {}", paper.key, paper.title), file(paper));
+    Block {
+        heading: "Papers".into(),
+        text: vec!["Rows and pictures of each paper are on a page of its own.".into()],
+        links: papers().map(link).collect(),
+        tables: vec![table],
+        ..Block::default()
     }
-    let lacks = if missing > 0 { format!(", {missing} without their run") } else { String::new() };
-    format!("{all} rows: {agree} pass, {differ} fail, {none} without a number (reason given){lacks}")
+}
+
+/// Rows that fail, or lack their run.
+fn failing(atlas: &Atlas, judged: &[Vec<Judged<'_>>]) -> Block {
+    let of_paper = |(paper, rows): (&Paper, &Vec<Judged<'_>>)| -> Vec<Vec<String>> {
+        let fails = rows.iter().filter(|one| matches!(one.outcome, Outcome::Differs | Outcome::Missing(_)));
+        fails.map(|one| [paper.key.clone()].into_iter().chain(cells(one)).collect()).collect()
+    };
+    let heads = ["paper"].into_iter().chain(HEADS);
+    let table = Table {
+        caption: "Rows that fail, with the reason as far as it is known.".into(),
+        heads: heads.map(Into::into).collect(),
+        rows: atlas.papers.iter().zip(judged).flat_map(of_paper).collect(),
+        words: 6,
+        csv: Some("atlas.csv".into()),
+    };
+    Block { heading: "Rows that fail".into(), tables: vec![table], ..Block::default() }
 }
 
 fn command(atlas: &Atlas, one: &Judged<'_>) -> String {
@@ -103,36 +190,37 @@ fn csv_row<'a>(atlas: &Atlas, paper: &'a Paper, one: &'a Judged<'_>) -> CsvRow<'
     }
 }
 
+/// Heads of the cells of a row.
+const HEADS: [&str; 9] = ["where", "what", "quantity", "outcome", "why", "frazil", "printed", "reference", "bound"];
+
+/// What a row says.
+fn cells(one: &Judged<'_>) -> [String; 9] {
+    let cell = |value: Option<f64>| value.map_or(String::new(), |value| number(value, 4));
+    let row = one.row;
+    let bounds = [
+        row.within.map(|within| format!("within {} %", number(100.0 * within, 3))),
+        row.at_most.map(|most| format!("at most {}", number(most, 3))),
+        row.at_least.map(|least| format!("at least {}", number(least, 3))),
+    ];
+    [
+        row.place.clone(),
+        row.item.clone(),
+        row.quantity.clone(),
+        one.outcome.word().to_owned(),
+        why(one),
+        cell(one.value),
+        cell(row.printed),
+        cell(one.reference),
+        bounds.into_iter().flatten().collect::<Vec<_>>().join(", "),
+    ]
+}
+
 /// What a paper shows: its figures, and its rows.
 fn section(folder: &Path, atlas: &Atlas, paper: &Paper, rows: &[Judged<'_>]) -> SceneSection {
-    let cell = |value: Option<f64>| value.map_or(String::new(), |value| number(value, 4));
-    let bound = |one: &Judged<'_>| {
-        let row = one.row;
-        let bounds = [
-            row.within.map(|within| format!("within {} %", number(100.0 * within, 3))),
-            row.at_most.map(|most| format!("at most {}", number(most, 3))),
-            row.at_least.map(|least| format!("at least {}", number(least, 3))),
-        ];
-        bounds.into_iter().flatten().collect::<Vec<_>>().join(", ")
-    };
-    let cells = |one: &Judged<'_>| {
-        vec![
-            one.row.place.clone(),
-            one.row.item.clone(),
-            one.row.quantity.clone(),
-            one.outcome.word().to_owned(),
-            why(one),
-            cell(one.value),
-            cell(one.row.printed),
-            cell(one.reference),
-            bound(one),
-        ]
-    };
-    let heads = ["where", "what", "quantity", "outcome", "why", "frazil", "printed", "reference", "bound"];
     let table = Table {
-        caption: counts(rows.iter()) + ".",
-        heads: heads.map(Into::into).into(),
-        rows: rows.iter().map(cells).collect(),
+        caption: format!("{}.", Counts::of(rows)),
+        heads: HEADS.map(Into::into).into(),
+        rows: rows.iter().map(|one| cells(one).into()).collect(),
         words: 5,
         csv: Some("atlas.csv".into()),
     };
@@ -157,5 +245,38 @@ fn section(folder: &Path, atlas: &Atlas, paper: &Paper, rows: &[Judged<'_>]) -> 
         blocks: vec![table, pictures, runs],
         svg_alone: true,
         ..SceneSection::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn several_papers_have_pages_of_their_own_and_one_that_leads_there() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let request =
+            ManyRuns { chosen: Vec::new(), out: None, threads: 1, command_line: "frazil atlas".into(), quiet: true };
+        let mut atlas = Atlas::read().expect("it is read");
+        let written = |atlas: &Atlas| -> String {
+            let papers = atlas.papers.iter();
+            let judged: Vec<Vec<Judged<'_>>> =
+                papers.map(|paper| paper.rows.iter().map(|row| row.judge(folder.path())).collect()).collect();
+            write(&request, folder.path(), atlas, &judged).expect("it is written");
+            fs::read_to_string(folder.path().join("report.html")).expect("a page")
+        };
+        let all = written(&atlas);
+        for paper in &atlas.papers {
+            let link = format!("<a href=\"{0}.html\">{0}: ", paper.key);
+            assert!(all.contains(&link), "{link}");
+            let own = fs::read_to_string(folder.path().join(file(paper))).expect("a page");
+            assert!(own.contains("<a href=\"report.html\">All papers</a>"), "{}", paper.key);
+            assert!(own.contains(&format!("frazil atlas {}", paper.key)));
+        }
+        // No run has been made: each row with a number lacks it.
+        assert!(all.contains("Rows that fail") && all.contains("without their run"));
+        atlas.papers.truncate(1);
+        let one = written(&atlas);
+        assert!(!one.contains("All papers") && one.contains(&atlas.papers[0].rows[0].item));
     }
 }

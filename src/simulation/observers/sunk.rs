@@ -6,8 +6,8 @@ use frazil_core::boundary::pipe::Extent;
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
 use frazil_scene::Scene;
+use glam::DVec2;
 
-use super::rays::Ray;
 use super::wall::SAME_PLACE;
 
 /// A ring of pipes sunk into particles.
@@ -74,24 +74,24 @@ impl FrozenIn<'_> {
         self.heat * smoothed + inside
     }
 
-    /// Puts pipes and the field around them where readings along a ray through their axes are smoothed.
-    pub(super) fn sharpen(&self, ray: &Ray, temperature: &mut [f64]) {
+    /// Puts pipes and the field around them where readings at radii of a ray through their axes are smoothed.
+    pub(super) fn sharpen(&self, direction: DVec2, radii: &[f64], temperature: &mut [f64]) {
         for pipe in self.pipes.iter().filter(|_| self.radius > 0.0) {
-            let axis = pipe.centre.dot(ray.direction);
-            if axis <= 0.0 || pipe.centre.distance(axis * ray.direction) > SAME_PLACE * axis {
+            let axis = pipe.centre.dot(direction);
+            if axis <= 0.0 || pipe.centre.distance(axis * direction) > SAME_PLACE * axis {
                 continue;
             }
             // Beyond the particles that the heat is spread over the field is that of a line.
             for side in [-1.0, 1.0] {
                 let far = |radius: f64| side * (radius - axis) >= pipe.half_width;
                 let edge = match side < 0.0 {
-                    true => ray.radii.iter().rposition(|radius| far(*radius)),
-                    false => ray.radii.iter().position(|radius| far(*radius)),
+                    true => radii.iter().rposition(|radius| far(*radius)),
+                    false => radii.iter().position(|radius| far(*radius)),
                 };
                 let Some(edge) = edge else { continue };
-                let width = (ray.radii[edge] - axis).abs();
+                let width = (radii[edge] - axis).abs();
                 let slope = (temperature[edge] - self.temperature) / (width / self.radius).ln();
-                for (radius, temperature) in ray.radii.iter().zip(temperature.iter_mut()) {
+                for (radius, temperature) in radii.iter().zip(temperature.iter_mut()) {
                     let distance = side * (radius - axis);
                     if (0.0..width).contains(&distance) {
                         *temperature = self.temperature + slope * (distance / self.radius).ln().max(0.0);

@@ -20,7 +20,7 @@ use super::observer::{Cadence, End, Made, Moment, Observer, Schedule, Setup, Vie
 use super::passage::{Passage, PassageFinder};
 use super::rays::{Ray, rays};
 use super::sampler::{Sample, Sampler};
-use super::section::{Across, ends, length, mean, mean_length, narrowed};
+use super::section::{Across, ends, length, mean, mean_length, narrowed, refined};
 use super::standing::Standing;
 use super::sunk::{FrozenIn, Sunk, frozen_in};
 
@@ -218,9 +218,9 @@ impl Wall {
         for ((plane, ray), lines) in planes {
             let Some(ray) = ray else { continue };
             let fraction: Vec<f64> = ray.samples.iter().map(|sample| sample.of(|i| fractions[i])).collect();
-            let mut temperature: Vec<f64> =
-                ray.samples.iter().map(|sample| sample.of(|i| particles.reading(i))).collect();
-            pipes.iter().for_each(|ring| ring.sharpen(ray, &mut temperature));
+            let temperature: Vec<f64> = ray.samples.iter().map(|sample| sample.of(|i| particles.reading(i))).collect();
+            let (radii, mut temperature) = refined(&ray.radii, &temperature);
+            pipes.iter().for_each(|ring| ring.sharpen(ray.direction, &radii, &mut temperature));
             let face = particles.shaft.unwrap_or(0.0);
             let (read, length) =
                 (length(&ray.radii, &fraction), lines[0].frozen_length(particles, fractions, self.sharp));
@@ -231,7 +231,7 @@ impl Wall {
                 plane: plane.into(),
                 inner_m: ends.map(|ends| ends.0),
                 outer_m: ends.map(|ends| ends.1),
-                mean_temperature_c: ends.and_then(|ends| mean(&ray.radii, &temperature, ends)),
+                mean_temperature_c: ends.and_then(|ends| mean(&radii, &temperature, ends)),
                 from: String::new(),
                 to: String::new(),
             });

@@ -76,7 +76,9 @@ fn axis(column: &Column, values: impl Iterator<Item = f64>, words: &Words) -> (f
         Unit::Metre => (1.0, "m"),
         Unit::SquareMetre => (1.0, "m²"),
         Unit::CubicMetre => (1.0, "m³"),
+        Unit::JoulePerMetre => (1e-6, "MJ/m"),
         Unit::JoulePerCubicMetre => (1e-6, "MJ/m³"),
+        Unit::WattPerMetre => (1.0, "W/m"),
         Unit::Celsius => (1.0, "°C"),
     };
     (scale, format!("{} ({unit})", column.doc))

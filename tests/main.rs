@@ -42,6 +42,7 @@ mod layout_errors;
 mod layout_references;
 mod layouts;
 mod limits;
+mod loads;
 mod manufactured;
 mod measured;
 mod moving;

@@ -184,6 +184,13 @@ impl Ledger {
         self.sources.iter().zip(&self.rate).filter(move |(source, _)| is_ring(source)).map(|(_, rate)| *rate)
     }
 
+    /// Heat that all pipes have taken so far (J).
+    pub fn taken_by_rings(&self) -> f64 {
+        let is_ring = |source: &Source| matches!(source, Source::Ring | Source::RingOf(_));
+        let rings = self.sources.iter().zip(&self.heat).filter(|(source, _)| is_ring(source));
+        -rings.map(|(_, heat)| heat.value()).sum::<f64>()
+    }
+
     /// Rate of the latest step, by patch (W).
     pub fn rate(&self) -> &[f64] {
         &self.rate

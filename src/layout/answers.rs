@@ -4,6 +4,7 @@ use frazil_core::space::domain::Domain;
 use frazil_plots::layouts::between;
 use frazil_record::{BudgetRow, GapRow, LinkRow, Outcome, PlaneRow, ProfileRow, Record, RunResult, WallRow};
 use frazil_scene::Scene;
+use frazil_simulation::observers::LOADS;
 use serde::{Deserialize, Serialize};
 
 use super::around::{Around, Line, Mapped, around};
@@ -33,6 +34,9 @@ pub struct Kept {
     pub budget_names: Vec<String>,
     /// Gaps of the first ring, closed anywhere half-way between two pipes.
     pub gaps: Vec<GapRow>,
+    /// Heat taken by all pipes in the mean over each day: its end (s), W/m.
+    #[serde(default)]
+    pub loads: Vec<(f64, f64)>,
     /// What its maps say of it, where it has maps.
     #[serde(default)]
     pub around: Vec<Around>,
@@ -50,7 +54,10 @@ impl Kept {
         let last = result.profiles.iter().map(|row| row.time_s).fold(f64::NEG_INFINITY, f64::max);
         let weakest = weakest(&result.record, &result.links);
         let Mapped { around, axis, weakest_plane } = around(scene, result, weakest);
+        let loads = result.tables.iter().find(|table| table.file == LOADS);
+        let loads = loads.iter().flat_map(|table| &table.rows).filter_map(|row| Some((row[0]?, row[1]?)));
         Kept {
+            loads: loads.collect(),
             around,
             axis,
             weakest_plane,
@@ -156,8 +163,8 @@ pub struct Answers {
     pub load: Vec<(f64, f64)>,
     /// Heat taken by all pipes since the start: seconds, MJ by metre of depth.
     pub energy: Vec<(f64, f64)>,
-    /// Greatest load after the first day (W/m).
-    pub peak: f64,
+    /// The same in the mean over each day: its end (s), W/m.
+    pub daily: Vec<(f64, f64)>,
     /// Mean temperature of the wall and heat per pipe (W/m) of the steady ring with the same fronts at the end.
     pub formula: Option<(f64, f64)>,
     /// What the outer wall has done; none where water flows.
@@ -198,12 +205,22 @@ impl Answers {
             far: Far::of(scene, kept, &series),
             formula: days.last().and_then(|last| formula(scene, last)),
             days,
-            peak: load.iter().filter(|(time, _)| *time > DAY).map(|(_, load)| *load).fold(0.0, f64::max),
             load,
+            daily: kept.loads.clone(),
             energy: series.taken.iter().map(|(time, taken)| (*time, 1e-6 * taken)).collect(),
             outcome: kept.record.outcome,
         }
     }
+
+    /// Greatest mean load of a day after the first (W/m); none of runs of less than two.
+    pub fn peak(&self) -> Option<f64> {
+        greatest(&self.daily)
+    }
+}
+
+/// The greatest of means over days (s at their ends) after the first.
+pub(super) fn greatest(daily: &[(f64, f64)]) -> Option<f64> {
+    daily.iter().filter(|(end, _)| *end > 1.5 * DAY).map(|(_, load)| *load).reduce(f64::max)
 }
 
 /// The link between whose pipes the wall of a run is weakest.

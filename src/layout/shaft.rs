@@ -6,7 +6,7 @@ use frazil_plots::layouts::{LayerView, ShaftView, between};
 use frazil_studies::failure::Failure;
 use serde::Serialize;
 
-use super::answers::DAY;
+use super::answers::{DAY, greatest};
 use super::found::Found;
 use super::rows::write_rows;
 use super::study::Study;
@@ -40,7 +40,7 @@ pub(super) struct ShaftRow<'a> {
     pub(super) thickness_weakest_m: f64,
     pub(super) warmest_stratum: Option<&'a str>,
     pub(super) temperature_weakest_c: Option<f64>,
-    pub(super) plant_peak_kw: f64,
+    pub(super) plant_peak_kw: Option<f64>,
     pub(super) plant_end_kw: f64,
     pub(super) energy_gj: f64,
 }
@@ -101,6 +101,18 @@ impl<'a> Shaft<'a> {
         times.iter().filter_map(|(time, _)| Some((*time, whole(*time)?))).collect()
     }
 
+    /// The same in the mean over each day, by its end (s, kW).
+    fn daily_load(&self) -> Vec<(f64, f64)> {
+        let days = self.parts.first().map_or(&[][..], |(one, _)| &one.fine.daily[..]);
+        let whole = |end: f64| {
+            let part = |(one, thick): &(&Found<'_>, f64)| {
+                Some(1e-3 * thick * one.fine.daily.iter().find(|day| day.0 == end)?.1)
+            };
+            self.parts.iter().map(part).sum::<Option<f64>>()
+        };
+        days.iter().filter_map(|(end, _)| Some((*end, whole(*end)?))).collect()
+    }
+
     /// Name of the stratum of a part.
     fn stratum(study: &'a Study<'_>, one: &Found<'_>) -> &'a str {
         study.ground.stratum(one.layout.stratum).map_or("", |stratum| stratum.name.as_str())
@@ -143,7 +155,7 @@ impl<'a> Shaft<'a> {
             thickness_weakest_m: thin.2.thickness_weakest_m,
             warmest_stratum: warm.map(|warm| Shaft::stratum(study, warm.0)),
             temperature_weakest_c: warm.map(|warm| warm.1),
-            plant_peak_kw: load.iter().filter(|(time, _)| *time > DAY).map(|(_, load)| *load).fold(0.0, f64::max),
+            plant_peak_kw: greatest(&self.daily_load()),
             plant_end_kw: load.last().map_or(0.0, |(_, load)| *load),
             energy_gj: ends.iter().map(|(_, thick, end)| 1e-3 * thick * end.energy_mj_per_m).sum(),
         })
@@ -159,7 +171,7 @@ impl<'a> Shaft<'a> {
                 to_m: stratum.to,
                 closure_s: one.fine.closure.map(|day| day * DAY),
                 thickness_m: one.fine.days.last().map_or(0.0, |end| end.thickness_weakest_m),
-                load_w_per_m: one.fine.peak,
+                load_w_per_m: one.fine.peak().unwrap_or(0.0),
             })
         };
         ShaftView { name: self.name.to_owned(), layers: self.parts.iter().filter_map(layer).collect() }
@@ -187,5 +199,6 @@ pub(super) fn words(row: &ShaftRow<'_>) -> String {
         },
         None => format!("open in {} of its strata, widest in {stratum}", row.open_strata),
     };
-    format!("{name}, all {depth} m: {closure}, plant at most {:.0} kW", row.plant_peak_kw)
+    let plant = row.plant_peak_kw.map_or(String::new(), |peak| format!(", plant at most {peak:.0} kW, mean of a day"));
+    format!("{name}, all {depth} m: {closure}{plant}")
 }

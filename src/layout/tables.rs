@@ -57,7 +57,7 @@ struct LayoutRow<'a> {
     heat_per_pipe_w_per_m: f64,
     heat_per_pipe_ring_formula_w_per_m: Option<f64>,
     load_w_per_m: f64,
-    load_peak_w_per_m: f64,
+    load_peak_w_per_m: Option<f64>,
     plant_peak_kw: Option<f64>,
     plant_end_kw: Option<f64>,
     energy_mj_per_m: f64,
@@ -258,8 +258,8 @@ fn row<'a>(study: &'a Study<'_>, method: &'a str, one: &'a Found<'_>) -> Option<
         heat_per_pipe_w_per_m: end.heat_per_pipe_w_per_m,
         heat_per_pipe_ring_formula_w_per_m: fine.formula.map(|formula| formula.1),
         load_w_per_m: load,
-        load_peak_w_per_m: fine.peak,
-        plant_peak_kw: study.depth_of(one.layout).map(|depth| 1e-3 * depth * fine.peak),
+        load_peak_w_per_m: fine.peak(),
+        plant_peak_kw: study.depth_of(one.layout).and_then(|depth| Some(1e-3 * depth * fine.peak()?)),
         plant_end_kw: study.depth_of(one.layout).map(|depth| 1e-3 * depth * load),
         energy_mj_per_m: end.energy_mj_per_m,
         energy_error_mj_per_m: error(Some(end.energy_mj_per_m), far.map(|far| far.energy_mj_per_m)),
@@ -372,7 +372,7 @@ pub(super) fn summary(study: &Study<'_>, method: &str, found: &[Found<'_>], fold
         let weakest = fine.weakest.as_ref().map_or(String::new(), |link| {
             format!(", weakest between {} and {} ({:.2} m apart)", link.from, link.to, link.distance_m)
         });
-        let load = format!(", load at most {:.0} W/m", fine.peak);
+        let load = fine.peak().map_or(String::new(), |peak| format!(", load at most {peak:.0} W/m, mean of a day"));
         let outcome =
             if fine.outcome == Outcome::Ok { String::new() } else { format!(", outcome {}", fine.outcome.name()) };
         let attained = study.error.as_ref().map_or(String::new(), |promise| attained(one.attained(promise)));

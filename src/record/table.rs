@@ -40,8 +40,12 @@ pub enum Unit {
     SquareMetre,
     /// m3.
     CubicMetre,
+    /// J/m.
+    JoulePerMetre,
     /// J/m3.
     JoulePerCubicMetre,
+    /// W/m.
+    WattPerMetre,
     /// Degrees on the scale of the scene.
     Celsius,
     /// None.

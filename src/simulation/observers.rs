@@ -14,6 +14,7 @@ mod isotherms;
 mod joint;
 mod lengths;
 mod level_set;
+mod loads;
 pub(crate) mod loops;
 mod moisture;
 mod neck;
@@ -43,9 +44,10 @@ use crate::monotonicity;
 use observer::{End, Fractions, Maker, Observer, Setup, View, is_parted};
 
 pub use fields::map;
+pub use loads::TABLE as LOADS;
 
 /// Makes each observer, where a scene needs it; and the table that says itself what is in it, if it leaves one.
-const OBSERVERS: [(Maker, Option<&str>); 18] = [
+const OBSERVERS: [(Maker, Option<&str>); 19] = [
     (monotonicity::of, None),
     (front::of, None),
     (frozen::of, None),
@@ -64,6 +66,7 @@ const OBSERVERS: [(Maker, Option<&str>); 18] = [
     (isotherms::of, Some(isotherms::TABLE)),
     (regions::of, Some(regions::TABLE)),
     (front_shape::of, Some(front_shape::TABLE)),
+    (loads::of, Some(loads::TABLE)),
 ];
 
 /// Files of the tables that say themselves what is in them.

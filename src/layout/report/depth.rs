@@ -40,7 +40,7 @@ pub(super) fn over_depth(study: &Study<'_>, work: &Work<'_>, found: &[Found<'_>]
                 Some(stratum) => format!("{} in {stratum}", cell(row.temperature_weakest_c, 2, "none")),
                 None => "none".into(),
             },
-            format!("{:.0}", row.plant_peak_kw),
+            cell(row.plant_peak_kw, 0, "none"),
             format!("{:.0}", row.plant_end_kw),
             format!("{:.0}", row.energy_gj),
         ];
@@ -50,7 +50,7 @@ pub(super) fn over_depth(study: &Study<'_>, work: &Work<'_>, found: &[Found<'_>]
     let rows: Vec<ShaftRow<'_>> = compared.iter().filter_map(|shaft| shaft.row(study, found)).collect();
     let shafts = Table {
         caption: "The shaft as a whole: closed once it is in all strata; thickness and mean temperature where the wall is weakest; loads \
-                  are sums over the layers. ± is the change from twice the spacing."
+                  are sums over the layers, the greatest as the mean of a day after the first. ± is the change from twice the spacing."
             .into(),
         heads,
         rows: rows.iter().map(row).collect(),

@@ -60,7 +60,7 @@ pub(super) fn overview(study: &Study<'_>, method: &str, compared: &[&Found<'_>])
             with_error(mean, tables::error(mean, far.and_then(|day| day.temperature_weakest_c)), 2, "open"),
             cell(end.map(|day| day.thickness_interface_mean_m), 2, ""),
             cell(end.and_then(|day| day.mean_c), 2, "none"),
-            format!("{:.0}", fine.peak),
+            cell(fine.peak(), 0, "none"),
             cell(end.map(|day| day.heat_per_pipe_w_per_m * fine.pipes as f64), 0, ""),
             cell(end.map(|day| day.energy_mj_per_m), 0, ""),
         ];
@@ -71,7 +71,7 @@ pub(super) fn overview(study: &Study<'_>, method: &str, compared: &[&Found<'_>])
             cells.push(format!("{:.3}", 1e3 * reference::effective_radius(&one.layout.scene, method)));
         }
         if let Some(depth) = study.depth_of(one.layout) {
-            cells.push(format!("{:.0}", 1e-3 * depth * fine.peak));
+            cells.push(cell(fine.peak().map(|peak| 1e-3 * depth * peak), 0, "none"));
         }
         cells
     };
@@ -79,7 +79,7 @@ pub(super) fn overview(study: &Study<'_>, method: &str, compared: &[&Found<'_>])
         caption:
             "± is the change from twice the spacing, not a bound. Thickness is the frozen length on the least frozen way through the wall, at the \
              weakest gap, 0 while it is open, and the mean temperature is that on this way; means over planes midway between pipes and of \
-             all frozen ground stand beside them. Loads and energy by metre of depth, greatest after the first day."
+             all frozen ground stand beside them. Loads and energy by metre of depth; the greatest load is the greatest mean of a day, after the first."
                 .into(),
         heads,
         rows: compared.iter().map(row).collect(),

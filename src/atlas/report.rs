@@ -88,13 +88,12 @@ pub(super) fn write(
     let papers = || atlas.papers.iter().zip(judged);
     let rows = papers().flat_map(|(paper, rows)| rows.iter().map(|one| csv_row(atlas, paper, one)));
     write_rows(&folder.join("atlas.csv"), &rows.collect::<Vec<_>>())?;
-    let machine = Machine::now().facts(Fact::new("Threads of each run", request.threads.to_string()));
     let all = Page {
         title: TITLE.into(),
         answers: vec![format!("{}.", Counts::of(judged.iter().flatten()))],
         lead: vec![LEAD.into()],
         command: request.command_line.clone(),
-        machine: machine.clone(),
+        machine: Machine::now().facts(Fact::new("Threads of each run", request.threads.to_string())),
         ..Page::default()
     };
     if let [paper] = &atlas.papers[..] {

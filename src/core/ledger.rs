@@ -180,15 +180,18 @@ impl Ledger {
 
     /// Rate of the latest step through each ring of pipes (W), in their order.
     pub fn rings(&self) -> impl Iterator<Item = f64> + '_ {
-        let is_ring = |source: &Source| matches!(source, Source::Ring | Source::RingOf(_));
-        self.sources.iter().zip(&self.rate).filter(move |(source, _)| is_ring(source)).map(|(_, rate)| *rate)
+        self.of_rings(&self.rate).copied()
     }
 
     /// Heat that all pipes have taken so far (J).
     pub fn taken_by_rings(&self) -> f64 {
+        -self.of_rings(&self.heat).map(Sum::value).sum::<f64>()
+    }
+
+    /// What belongs to rings of pipes, of something by patch.
+    fn of_rings<'a, T>(&'a self, by_patch: &'a [T]) -> impl Iterator<Item = &'a T> {
         let is_ring = |source: &Source| matches!(source, Source::Ring | Source::RingOf(_));
-        let rings = self.sources.iter().zip(&self.heat).filter(|(source, _)| is_ring(source));
-        -rings.map(|(_, heat)| heat.value()).sum::<f64>()
+        self.sources.iter().zip(by_patch).filter(move |(source, _)| is_ring(source)).map(|(_, own)| own)
     }
 
     /// Rate of the latest step, by patch (W).

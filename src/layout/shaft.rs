@@ -6,7 +6,7 @@ use frazil_plots::layouts::{LayerView, ShaftView, between};
 use frazil_studies::failure::Failure;
 use serde::Serialize;
 
-use super::answers::{DAY, greatest};
+use super::answers::{Answers, DAY, greatest};
 use super::found::Found;
 use super::rows::write_rows;
 use super::study::Study;
@@ -91,26 +91,19 @@ impl<'a> Shaft<'a> {
         widest.or_else(|| all().reduce(|best, one| if day(one) > day(best) { one } else { best }))
     }
 
-    /// Heat that all pipes take over time (s, kW), at the instants of the uppermost stratum.
-    pub(super) fn load(&self) -> Vec<(f64, f64)> {
-        let times = self.parts.first().map_or(&[][..], |(one, _)| &one.fine.load[..]);
+    /// Heat that all pipes take over time (s, kW), of the loads of each stratum (s, W/m) at the times of the uppermost.
+    fn sum(&self, loads: impl Fn(&Answers) -> &[(f64, f64)]) -> Vec<(f64, f64)> {
+        let times = self.parts.first().map_or(&[][..], |(one, _)| loads(&one.fine));
         let whole = |time: f64| {
-            let parts = self.parts.iter().map(|(one, thick)| Some(1e-3 * thick * between(&one.fine.load, time)?));
+            let parts = self.parts.iter().map(|(one, thick)| Some(1e-3 * thick * between(loads(&one.fine), time)?));
             parts.sum::<Option<f64>>()
         };
         times.iter().filter_map(|(time, _)| Some((*time, whole(*time)?))).collect()
     }
 
-    /// The same in the mean over each day, by its end (s, kW).
-    fn daily_load(&self) -> Vec<(f64, f64)> {
-        let days = self.parts.first().map_or(&[][..], |(one, _)| &one.fine.daily[..]);
-        let whole = |end: f64| {
-            let part = |(one, thick): &(&Found<'_>, f64)| {
-                Some(1e-3 * thick * one.fine.daily.iter().find(|day| day.0 == end)?.1)
-            };
-            self.parts.iter().map(part).sum::<Option<f64>>()
-        };
-        days.iter().filter_map(|(end, _)| Some((*end, whole(*end)?))).collect()
+    /// The same at instants.
+    pub(super) fn load(&self) -> Vec<(f64, f64)> {
+        self.sum(|answers| &answers.load)
     }
 
     /// Name of the stratum of a part.
@@ -155,7 +148,7 @@ impl<'a> Shaft<'a> {
             thickness_weakest_m: thin.2.thickness_weakest_m,
             warmest_stratum: warm.map(|warm| Shaft::stratum(study, warm.0)),
             temperature_weakest_c: warm.map(|warm| warm.1),
-            plant_peak_kw: greatest(&self.daily_load()),
+            plant_peak_kw: greatest(&self.sum(|answers| &answers.daily)),
             plant_end_kw: load.last().map_or(0.0, |(_, load)| *load),
             energy_gj: ends.iter().map(|(_, thick, end)| 1e-3 * thick * end.energy_mj_per_m).sum(),
         })

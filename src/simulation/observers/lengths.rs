@@ -5,8 +5,13 @@
 //! the distance v, it is `L + c (sqrt(v^2 + s^2) - s) + b v^2`. Sums along the line and along two on either side tell L, c and b, by the
 //! means of both terms over what each of them reads.
 
+use frazil_core::memory::HeapSize;
+use frazil_core::particles::Particles;
+use frazil_scene::Scene;
 use glam::DVec2;
 
+use super::joint::{Joint, is_sharp};
+use super::rays::Ray;
 use super::sampler::{Sample, Sampler};
 
 /// Distance (spacings) of lines side by side: as near to the cusp as they can be without reading the same particles, and nearer
@@ -17,13 +22,59 @@ const APART: (f64, f64, f64) = (1.0, 1.5, 1.0 / 8.0);
 /// more: of a sharp one two thirds of what it is read as too long are found, of a round one up to a fifth too much.
 const ROUND: f64 = 0.25;
 
-/// A straight line of evenly spaced points.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Straight<'a> {
-    pub(super) origin: DVec2,
-    pub(super) direction: DVec2,
-    /// Distances of the points from the origin (m).
-    pub(super) along: &'a [f64],
+/// Pipes that stand closer (spacings) leave no room for lines between them.
+const ROOM: f64 = 4.0;
+
+/// A line across a wall, on which its frozen length is read.
+#[derive(Debug, Clone)]
+pub(super) struct Across {
+    /// How many lines of the whole wall it stands for.
+    multiplicity: usize,
+    /// Particles and the length of the line (m) in each.
+    alone: Sample,
+    /// By how much that is read as too long where fronts of two pipes meet; nothing on lines through pipes.
+    excess: Sample,
+    /// Tells whether the pipes between which it goes have joined, where nothing but their frozen bodies reaches the line: before, what
+    /// is read on it is beside it.
+    joint: Option<Joint>,
+}
+
+impl Across {
+    /// Along a ray.
+    pub(super) fn along(ray: &Ray, scene: &Scene, sampler: &Sampler<'_>) -> Self {
+        let line = Straight { origin: ray.origin, direction: ray.direction, along: &ray.radii };
+        let is_only_ring = scene.rings.len() == 1;
+        let joint = ray.pipes.filter(|_| is_only_ring).map(|pipes| Joint::between(pipes, sampler, is_sharp(scene)));
+        Across {
+            multiplicity: ray.multiplicity,
+            alone: merged(line.lengths(&ray.samples)),
+            excess: ray.pipes.map_or(Sample::default(), |pipes| line.excess(pipes, sampler)),
+            joint,
+        }
+    }
+
+    /// Frozen length (m), and by how much it is read as too long on the line alone. `sharp`: ground freezes at one temperature.
+    pub(super) fn frozen(&self, particles: &Particles, fractions: &[f64], sharp: bool) -> (f64, f64) {
+        let alone = self.alone.of(|i| fractions[i]);
+        // What is read beside a line may leave less than nothing on it.
+        let length = (alone - self.excess.of(|i| fractions[i])).max(0.0);
+        let is_open = || self.joint.as_ref().is_some_and(|joint| joint.is_open(particles, sharp));
+        let length = if length > 0.0 && is_open() { 0.0 } else { length };
+        (length, alone - length)
+    }
+}
+
+impl HeapSize for Across {
+    fn heap_size(&self) -> usize {
+        self.alone.heap_size() + self.excess.heap_size() + self.joint.as_ref().map_or(0, HeapSize::heap_size)
+    }
+}
+
+/// Mean frozen length over lines (m), each for all that it stands for.
+pub(super) fn mean_length(lines: &[Across], particles: &Particles, fractions: &[f64], sharp: bool) -> f64 {
+    let weights: usize = lines.iter().map(|line| line.multiplicity).sum();
+    let lengths = lines.iter().map(|line| line.multiplicity as f64 * line.frozen(particles, fractions, sharp).0);
+    lengths.sum::<f64>() / weights.max(1) as f64
 }
 
 /// By how much (m) frozen ground is read as too long on the line through the middle between two pipes, as a sum over frozen fractions.
@@ -33,10 +84,16 @@ pub(super) fn excess_between(pipes: [DVec2; 2], sampler: &Sampler<'_>) -> Sample
     let count = (4.0 * apart / sampler.lattice.spacing).ceil().max(1.0);
     let along: Vec<f64> = (0..=count as usize).map(|k| apart * (2.0 * k as f64 / count - 1.0)).collect();
     let (origin, direction) = (0.5 * (pipes[0] + pipes[1]), between.perp().normalize_or(DVec2::X));
-    let line = Straight { origin, direction, along: &along };
-    let mut entries = line.lengths(sampler).0;
-    entries.extend(line.lengths_at_cusp(pipes, sampler).0.into_iter().map(|(i, length)| (i, -length)));
-    merged(entries)
+    Straight { origin, direction, along: &along }.excess(pipes, sampler)
+}
+
+/// A straight line of evenly spaced points.
+#[derive(Debug, Clone, Copy)]
+struct Straight<'a> {
+    origin: DVec2,
+    direction: DVec2,
+    /// Distances of the points from the origin (m).
+    along: &'a [f64],
 }
 
 /// What sums along lines read: particles with the length of line (m) in each, and how far from the middle line they are.
@@ -49,51 +106,54 @@ struct Read {
 }
 
 impl Straight<'_> {
-    /// Particles and the length of line (m) in each: times their frozen fractions, the frozen length as it is read on the line.
-    pub(super) fn lengths(self, sampler: &Sampler<'_>) -> Sample {
-        merged(self.read([0.0], (f64::NEG_INFINITY, f64::INFINITY), sampler).lengths)
+    /// Particles and the length of line (m) in each, by samples of its points.
+    fn lengths(&self, samples: &[Sample]) -> Vec<(u32, f64)> {
+        let step = self.along[1] - self.along[0];
+        let is_end = |k: usize| k == 0 || k + 1 == samples.len();
+        let of_point = |(k, sample): (usize, &Sample)| {
+            let length = if is_end(k) { 0.5 * step } else { step };
+            sample.0.iter().map(|(i, weight)| (*i, length * weight)).collect::<Vec<_>>()
+        };
+        samples.iter().enumerate().flat_map(of_point).collect()
     }
 
-    /// The same for a line between two pipes, where they stand (m): fronts of both may meet on it.
-    pub(super) fn lengths_at_cusp(self, pipes: [DVec2; 2], sampler: &Sampler<'_>) -> Sample {
+    /// By how much (m) frozen ground is read as too long on the line, which goes between two pipes, where they stand (m).
+    fn excess(&self, pipes: [DVec2; 2], sampler: &Sampler<'_>) -> Sample {
         let (middle, distance) = (0.5 * (pipes[0] + pipes[1]), pipes[0].distance(pipes[1]));
+        let spacing = sampler.lattice.spacing;
+        if distance < ROOM * spacing {
+            return Sample::default();
+        }
         let at = (middle - self.origin).dot(self.direction);
         let meet = (at - 0.5 * distance, at + 0.5 * distance);
-        let spacing = sampler.lattice.spacing;
         let apart = (APART.2 * distance).clamp(APART.0 * spacing, APART.1 * spacing);
-        let here = self.read([0.0], meet, sampler);
-        let [near, far] = [apart, 2.0 * apart].map(|aside| self.read([aside, -aside], meet, sampler));
+        let here = self.read(&[0.0], meet, sampler);
+        let [near, far] = [apart, 2.0 * apart].map(|aside| self.read(&[aside, -aside], meet, sampler));
         let (a, b) = (near.distance - here.distance, far.distance - here.distance);
         let (c, d) = (near.square - here.square, far.square - here.square);
         let determinant = a * d - b * c;
         let of_near = (b * here.square - d * here.distance) / determinant;
         let of_far = (c * here.distance - a * here.square) / determinant;
-        let weighted = [(here, 1.0 - of_near - of_far), (near, of_near), (far, of_far)];
-        merged(
-            weighted
-                .into_iter()
-                .flat_map(|(read, weight)| read.lengths.into_iter().map(move |(i, length)| (i, weight * length)))
-                .collect(),
-        )
+        let weighted = [(here, of_near + of_far), (near, -of_near), (far, -of_far)];
+        let entries = weighted
+            .into_iter()
+            .flat_map(|(read, weight)| read.lengths.into_iter().map(move |(i, length)| (i, weight * length)));
+        merged(entries.collect())
     }
 
     /// Mean of sums along lines to the side of this one (m), and how far from it they read between two points (m along it).
-    fn read<const N: usize>(self, asides: [f64; N], (from, to): (f64, f64), sampler: &Sampler<'_>) -> Read {
-        let (aside, last) = (self.direction.perp(), self.along.len() - 1);
-        let step = self.along[1] - self.along[0];
+    fn read(&self, asides: &[f64], (from, to): (f64, f64), sampler: &Sampler<'_>) -> Read {
+        let (aside, share) = (self.direction.perp(), 1.0 / asides.len() as f64);
         let mut read = Read { lengths: Vec::new(), distance: 0.0, square: 0.0 };
         let mut parts = 0.0;
         for offset in asides {
-            let origin = self.origin + offset * aside;
+            let origin = self.origin + *offset * aside;
             let places: Vec<DVec2> = self.along.iter().map(|along| origin + *along * self.direction).collect();
-            for (k, (place, sample)) in places.iter().zip(sampler.samples(&places)).enumerate() {
-                let ends = if k == 0 || k == last { 0.5 } else { 1.0 };
-                let length = ends * step / N as f64;
-                read.lengths.extend(sample.0.iter().map(|(i, weight)| (*i, length * weight)));
-                if !(from..=to).contains(&self.along[k]) {
-                    continue;
-                }
-                for (seen, weight) in sampler.seen(*place, &sample) {
+            let samples = sampler.samples(&places);
+            read.lengths.extend(self.lengths(&samples).into_iter().map(|(i, length)| (i, share * length)));
+            let points = self.along.iter().zip(places.iter().zip(&samples));
+            for (place, sample) in points.filter(|(along, _)| (from..=to).contains(*along)).map(|(_, point)| point) {
+                for (seen, weight) in sampler.seen(*place, sample) {
                     let off = (seen - self.origin).dot(aside);
                     let (distance, square) = of_cell(off, aside, sampler.lattice.spacing);
                     parts += weight;
@@ -157,8 +217,10 @@ mod tests {
         let along: Vec<f64> = (-40..=40).map(|k| 0.5 * SPACING * f64::from(k)).collect();
         let line = Straight { origin: middle, direction: aside.perp().normalize(), along: &along };
         let pipes = [middle - aside, middle + aside];
-        let read = [line.lengths(&sampler), line.lengths_at_cusp(pipes, &sampler)];
-        let [alone, at_cusp] = read.map(|lengths| lengths.of(|i| shares[i]));
+        let places: Vec<DVec2> = along.iter().map(|along| middle + *along * line.direction).collect();
+        let alone: f64 =
+            line.lengths(&sampler.samples(&places)).iter().map(|(i, length)| length * shares[*i as usize]).sum();
+        let at_cusp = alone - line.excess(pipes, &sampler).of(|i| shares[i]);
         (alone, at_cusp)
     }
 

@@ -8,6 +8,9 @@ use frazil_scene::Units;
 use super::observer::{Cadence, End, Instants, Made, Observer, Schedule, Setup, View};
 use crate::recorded::Recorded;
 
+/// Times that are the same, over their size.
+const SAME: f64 = 1e-12;
+
 /// Days that are told, at most: a hundred years.
 const MOST: f64 = 36_525.0;
 
@@ -40,9 +43,6 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
     let (images, cadence) = (setup.images(), Cadence::of(scene));
     Some(Box::new(Loads { table, images, cadence, last: (0.0, 0.0), day: 0.0, days: days as usize }))
 }
-
-/// Times that are the same, over their size.
-const SAME: f64 = 1e-12;
 
 impl Saved for Loads {
     fn pass(&mut self, pass: &mut Pass<'_>) {

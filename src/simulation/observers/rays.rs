@@ -7,7 +7,6 @@ use frazil_core::space::domain::Domain;
 use frazil_scene::{PipeName, PipeRing, Scene};
 use glam::DVec2;
 
-use super::lengths::Straight;
 use super::loops::{SAME, neighbours, turn};
 use super::sampler::{Sample, Sampler};
 
@@ -24,17 +23,6 @@ pub(super) struct Ray {
     pub(super) samples: Vec<Sample>,
     /// Where the pipes stand between which it goes (m); none through a pipe.
     pub(super) pipes: Option<[DVec2; 2]>,
-}
-
-impl Ray {
-    /// Particles and the length of the ray (m) in each, of which times its frozen fraction is frozen.
-    pub(super) fn lengths(&self, sampler: &Sampler<'_>) -> Sample {
-        let line = Straight { origin: self.origin, direction: self.direction, along: &self.radii };
-        match self.pipes {
-            Some(pipes) => line.lengths_at_cusp(pipes, sampler),
-            None => line.lengths(sampler),
-        }
-    }
 }
 
 impl HeapSize for Ray {

@@ -1,54 +1,5 @@
 //! Where a wall begins and ends along a ray through it, and how it is in between.
 
-use frazil_core::memory::HeapSize;
-use frazil_core::particles::Particles;
-use frazil_scene::Scene;
-
-use super::joint::{Joint, is_sharp};
-use super::rays::Ray;
-use super::sampler::{Sample, Sampler};
-
-/// A line across a wall, on which its frozen length is read.
-#[derive(Debug, Clone)]
-pub(super) struct Across {
-    /// How many lines of the whole wall it stands for.
-    multiplicity: usize,
-    /// Particles and the length of the line (m) in each.
-    lengths: Sample,
-    /// Tells whether the pipes between which it goes have joined, where nothing but their frozen bodies reaches the line: before, what
-    /// is read on it is beside it.
-    joint: Option<Joint>,
-}
-
-impl Across {
-    pub(super) fn along(ray: &Ray, scene: &Scene, sampler: &Sampler<'_>) -> Self {
-        let alone = scene.rings.len() == 1;
-        let joint = ray.pipes.filter(|_| alone).map(|pipes| Joint::between(pipes, sampler, is_sharp(scene)));
-        Across { multiplicity: ray.multiplicity, lengths: ray.lengths(sampler), joint }
-    }
-
-    /// Frozen length (m). `sharp`: ground freezes at one temperature.
-    pub(super) fn frozen_length(&self, particles: &Particles, fractions: &[f64], sharp: bool) -> f64 {
-        // What is read beside a line may leave less than nothing on it.
-        let length = self.lengths.of(|i| fractions[i]).max(0.0);
-        let is_open = || self.joint.as_ref().is_some_and(|joint| joint.is_open(particles, sharp));
-        if length > 0.0 && is_open() { 0.0 } else { length }
-    }
-}
-
-impl HeapSize for Across {
-    fn heap_size(&self) -> usize {
-        self.lengths.heap_size() + self.joint.as_ref().map_or(0, HeapSize::heap_size)
-    }
-}
-
-/// Mean frozen length over lines (m), each for all that it stands for.
-pub(super) fn mean_length(lines: &[Across], length: impl Fn(&Across) -> f64) -> f64 {
-    let weights: usize = lines.iter().map(|line| line.multiplicity).sum();
-    let lengths = lines.iter().map(|line| line.multiplicity as f64 * length(line));
-    lengths.sum::<f64>() / weights.max(1) as f64
-}
-
 /// First and last radius at which a ray is frozen; none where nothing is.
 pub(super) fn ends(radii: &[f64], fraction: &[f64]) -> Option<(f64, f64)> {
     let first = fraction.iter().position(|f| *f >= 0.5)?;
@@ -60,12 +11,6 @@ pub(super) fn ends(radii: &[f64], fraction: &[f64]) -> Option<(f64, f64)> {
     let inner = if first == 0 { radii[0] } else { between(first - 1, first) };
     let outer = if last + 1 == radii.len() { radii[last] } else { between(last, last + 1) };
     Some((inner, outer))
-}
-
-/// Frozen length that is read along a ray of even steps (m).
-pub(super) fn length(radii: &[f64], fraction: &[f64]) -> f64 {
-    let ends = fraction.first().unwrap_or(&0.0) + fraction.last().unwrap_or(&0.0);
-    (radii[1] - radii[0]) * (fraction.iter().sum::<f64>() - 0.5 * ends)
 }
 
 /// Ends of a wall that is read as too thick by some length (m), which lies at both; none where nothing is left.

@@ -14,13 +14,13 @@ use glam::DVec2;
 
 use super::alike::first_alike;
 use super::joint::{Joint, Way, is_sharp};
-use super::lengths::excess_between;
+use super::lengths::{Across, excess_between, mean_length};
 use super::loops::{closure, neighbours};
 use super::observer::{Cadence, End, Made, Moment, Observer, Schedule, Setup, View, room};
 use super::passage::{Passage, PassageFinder};
 use super::rays::{Ray, rays};
 use super::sampler::{Sample, Sampler};
-use super::section::{Across, ends, length, mean, mean_length, narrowed, refined};
+use super::section::{ends, mean, narrowed, refined};
 use super::standing::Standing;
 use super::sunk::{FrozenIn, Sunk, frozen_in};
 
@@ -222,9 +222,8 @@ impl Wall {
             let (radii, mut temperature) = refined(&ray.radii, &temperature);
             pipes.iter().for_each(|ring| ring.sharpen(ray.direction, &radii, &mut temperature));
             let face = particles.shaft.unwrap_or(0.0);
-            let (read, length) =
-                (length(&ray.radii, &fraction), lines[0].frozen_length(particles, fractions, self.sharp));
-            let ends = ends(&ray.radii, &fraction).and_then(|ends| narrowed(ends, read - length));
+            let (_, excess) = lines[0].frozen(particles, fractions, self.sharp);
+            let ends = ends(&ray.radii, &fraction).and_then(|ends| narrowed(ends, excess));
             let ends = ends.map(|(inner, outer)| (inner.max(face), outer));
             self.planes.push(PlaneRow {
                 time_s: time,
@@ -268,13 +267,12 @@ impl Wall {
         if let Some(joined) = joined {
             let mut passage = self.finder.passage(particles, view.fractions(), self.sharp);
             let link = self.crossed(&passage, joined);
-            let excess = link.map_or(0.0, |link| self.excess(link, &passage));
-            passage.narrow(excess);
-            self.standing.look(time, passage.barred.then_some(passage.thickness), joined);
             // Of ways that are as short, the lattice picks now one and now another: straight through the gap it is the warmest.
             if let Some(through) = link.map(|link| self.middle(link)).filter(|at| self.is_weakest(*at, &passage)) {
                 passage.mean_temperature = self.finder.mean_along(particles, through);
             }
+            passage.narrow(link.map_or(0.0, |link| self.excess(link, &passage)));
+            self.standing.look(time, passage.barred.then_some(passage.thickness), joined);
             (row.inner_m, row.outer_m) = (passage.ends.map(|ends| ends.0), passage.ends.map(|ends| ends.1));
             row.mean_temperature_c = passage.mean_temperature;
             self.weakest = link.map(|link| Weakest {
@@ -369,8 +367,8 @@ impl Wall {
 
     /// Takes thicknesses, what is frozen and what a pipe takes.
     fn row(&mut self, view: &View<'_>, stand: Option<(bool, f64)>) {
-        let length = |line: &Across| line.frozen_length(view.particles, view.fractions(), self.sharp);
-        let [main, interface] = self.across.each_ref().map(|lines| mean_length(lines, length));
+        let length = |lines: &Vec<Across>| mean_length(lines, view.particles, view.fractions(), self.sharp);
+        let [main, interface] = self.across.each_ref().map(length);
         let heat = -view.ledger.rings().sum::<f64>();
         self.rows.push(WallRow {
             time_s: view.time,

@@ -151,7 +151,8 @@ fn stencil(kind: &'static frazil_scene::method::MethodKind) -> Stencil {
         section.positive(("spacing", "m"))?;
         Ok((kind.read)(section, frazil_scene::Setting::Best, &numerics, &facts))
     });
-    discretisation.unwrap_or_else(|problems| unreachable!("{problems}")).stencil(SPACING, 2)
+    let discretisation = discretisation.unwrap_or_else(|problems| unreachable!("{problems}"));
+    Stencil::new(discretisation.weight.as_ref(), discretisation.normalisation, SPACING, 2)
 }
 
 /// From the same random start, some steps of both give the same enthalpies, to the last bit.

@@ -80,6 +80,10 @@ fn exact_solution(scene: &Scene) -> Result<Box<dyn Reference>, Unsolved> {
     if !scene.random.is_even() {
         return Err(Unsolved::Body("a scene whose ground varies at random"));
     }
+    // Along x it conducts as its material.
+    if !scene.conducts_alike() && scene.freezing_direction().is_none_or(|direction| direction.along_y) {
+        return Err(Unsolved::Body("a scene whose ground conducts by direction"));
+    }
     if scene.initial_profile.is_some() {
         return Err(Unsolved::Body("a scene whose start varies in place"));
     }

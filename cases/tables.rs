@@ -26,6 +26,7 @@ pub fn by_name(name: &str, scene: &Scene) -> Result<Box<dyn Reference>, Unfit> {
     let about = |differences: Vec<String>| Unfit::unless_same(name, differences);
     let uneven = [
         (!scene.random.is_even(), "the ground does not vary at random there"),
+        (!scene.conducts_alike(), "the ground conducts alike in all directions there"),
         (scene.initial_profile.is_some(), "the start does not vary in place there"),
     ];
     let uneven: Vec<String> = uneven.iter().filter(|row| row.0).map(|row| row.1.to_owned()).collect();

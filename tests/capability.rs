@@ -110,6 +110,9 @@ fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
             "walls.left = { pressure_Pa = 20 }\nwalls.right = { pressure_Pa = 0 }"
         };
     }
+    if has(Feature::Anisotropy) {
+        sketch.anisotropy = "conductivity_y_over_x = 2".into();
+    }
     if has(Feature::RandomConductivity) {
         sketch.random = "conductivity = { log_deviation = 0.5, correlation_length_m = 0.3 }".into();
     }

@@ -201,7 +201,7 @@ fn best_weights_conduct_as_they_should() {
             let dimension = domain.dimension();
             let sketch = Sketch::new(domain, SPACING);
             let scene = sketch.scene(kind);
-            let stencil = scene.methods[0].discretisation.stencil(SPACING, dimension);
+            let stencil = scene.methods[0].stencil(SPACING, dimension);
             // Rounding of some fifty terms: 50 eps = 1.1e-14.
             assert!((stencil.moment(SPACING) - 1.0).abs() < 1e-13, "{} {domain:?}", kind.name);
             assert!(stencil.offsets().all(|offset| offset.2 > 0.0), "{} {domain:?}", kind.name);

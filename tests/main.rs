@@ -1,5 +1,6 @@
 //! One binary for all tests of the program.
 
+mod anisotropy;
 mod architecture;
 mod asked;
 mod bad_scenes;
@@ -18,6 +19,7 @@ mod comparisons;
 mod counting;
 mod coupled;
 mod cracks;
+mod curved_walls;
 mod documents;
 mod ensembles;
 mod excavation;

@@ -130,7 +130,7 @@ fn stabilised_and_implicit_steps_are_of_second_order_in_time() {
         {
             let sketch = insulated(domain, PARTS).with(integrator);
             let scene = sketch.scene(kind);
-            let stencil = scene.methods[0].discretisation.stencil(sketch.spacing_m, dimension);
+            let stencil = scene.methods[0].stencil(sketch.spacing_m, dimension);
             // The rate at which this lattice lets the wave decay, so that only the error of the steps is left.
             let phase = std::f64::consts::PI / PARTS as f64;
             let rate: f64 = stencil

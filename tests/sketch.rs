@@ -37,6 +37,8 @@ pub struct Sketch {
     pub excavation: String,
     /// Lines of the section `flow`; no water flows if empty.
     pub flow: String,
+    /// Lines of the section `anisotropy`; the ground conducts alike in all directions if empty.
+    pub anisotropy: String,
     /// Lines of the section `random`; the ground is even if empty.
     pub random: String,
     /// Lines of the section `gravity`; water does not fall if empty.
@@ -106,6 +108,7 @@ impl Sketch {
             pipes: Vec::new(),
             excavation: String::new(),
             flow: String::new(),
+            anisotropy: String::new(),
             random: String::new(),
             gravity: String::new(),
             watch: String::new(),
@@ -192,6 +195,9 @@ impl Sketch {
         }
         if !self.excavation.is_empty() {
             put(format_args!("[excavation]\n{}\n", self.excavation));
+        }
+        if !self.anisotropy.is_empty() {
+            put(format_args!("[anisotropy]\n{}\n", self.anisotropy));
         }
         if !self.random.is_empty() {
             put(format_args!("[random]\n{}\n", self.random));

@@ -409,8 +409,8 @@ fn crossing(before: [f64; 2], now: [f64; 2], comes: bool) -> f64 {
 /// The steady ring of a scene with one even ring, with the fronts of a day.
 fn formula(scene: &Scene, day: &Day) -> Option<(f64, f64)> {
     let [ring] = &scene.rings[..] else { return None };
-    // Its fronts are at the freezing point.
-    if scene.excavation.is_some() {
+    // Its fronts are at the freezing point, and it is alike all around.
+    if scene.excavation.is_some() || !scene.conducts_alike() {
         return None;
     }
     let material = &scene.materials[0];

@@ -22,6 +22,8 @@ pub enum Feature {
     Solute,
     /// Water that flows.
     Groundwater,
+    /// A conductivity that is another along y than along x.
+    Anisotropy,
     /// A conductivity that varies at random in place.
     RandomConductivity,
     /// Segments that nothing crosses.
@@ -118,15 +120,17 @@ const BY_PAIRS: &str = "the lattice sweep does not support it";
 const FREEZING_UNSATURATED: &str = "ice, water and air in the same pores need a law for their pressures";
 const CURVED_WALL: &str = "the water flux through a curved wall is not a sum over pairs";
 const WHOLE_LATTICE: &str = "sub-cell fronts are located along the rows of a lattice";
+const ISOTROPIC_WALL: &str = "the exchange at this kind of wall is fitted for an isotropic conductivity";
 const FIXED_LAYERS: &str = "the layers of the wall cannot be cut";
 
 /// All pairs that exclude each other.
-pub const EXCLUSIONS: [Exclusion; 73] = {
+pub const EXCLUSIONS: [Exclusion; 81] = {
     use Feature::{
-        ApparentCapacity, Cracks, Excavation, ExplicitSteps, FittedWalls, Flags, FreezingCurve, GradientAdvection,
-        Gravity, Groundwater, HeatSources, Implicit, InitialProfile, InnerLayers, LatticeSearch, LatticeWeights,
-        ListSearch, NaiveOpenWalls, NothingSharp, OwnSteps, PairMeans, Pipes, RandomConductivity, Ring, Rkl2, Shells,
-        Solute, Stages, SubCellFronts, Surfaces, UnevenParticles, UnsaturatedWater, WallParts, WholePhases,
+        Anisotropy, ApparentCapacity, Cracks, Excavation, ExplicitSteps, FittedWalls, Flags, FreezingCurve,
+        GradientAdvection, Gravity, Groundwater, HeatSources, Implicit, InitialProfile, InnerLayers, LatticeSearch,
+        LatticeWeights, ListSearch, NaiveOpenWalls, NothingSharp, OwnSteps, PairMeans, Pipes, RandomConductivity, Ring,
+        Rkl2, Shells, Solute, Stages, SubCellFronts, Surfaces, UnevenParticles, UnsaturatedWater, WallParts,
+        WholePhases,
     };
     [
         row(Groundwater, UnsaturatedWater, FREEZING_UNSATURATED),
@@ -153,6 +157,14 @@ pub const EXCLUSIONS: [Exclusion; 73] = {
         row(Solute, Ring, CURVED_WALL),
         row(InitialProfile, Ring, "a plan across the pipes lies at one depth"),
         row(Groundwater, Shells, "groundwater flows through a line, a rectangle or a ring"),
+        row(Anisotropy, UnsaturatedWater, "hydraulic conductivities are isotropic"),
+        row(Anisotropy, Groundwater, "permeabilities are isotropic, and water flows along the pairs that conduct heat"),
+        row(Anisotropy, Shells, "the weights of shells follow from an isotropic profile"),
+        row(Anisotropy, WallParts, ISOTROPIC_WALL),
+        row(UnevenParticles, Anisotropy, "second moments in both directions need a lattice"),
+        row(FittedWalls, Anisotropy, ISOTROPIC_WALL),
+        row(InnerLayers, Anisotropy, ISOTROPIC_WALL),
+        row(NaiveOpenWalls, Anisotropy, ISOTROPIC_WALL),
         row(RandomConductivity, Shells, "a random field does not have the symmetry of shells"),
         row(Groundwater, WallParts, "inflow through a wall has one temperature"),
         row(OwnSteps, Groundwater, "its noise balances conduction only, not advection"),
@@ -222,11 +234,12 @@ pub fn exclusions(features: &[Feature]) -> impl Iterator<Item = &'static Exclusi
 }
 
 /// All features, in words as messages have them, and where each is asked for.
-const FEATURES: [(Feature, &str, Place); 34] = [
+const FEATURES: [(Feature, &str, Place); 35] = [
     (Feature::UnsaturatedWater, "balance = \"water\"", Place::Scene("balance")),
     (Feature::Gravity, "\"gravity\"", Place::Scene("gravity")),
     (Feature::Solute, "a solute", Place::Scene("materials")),
     (Feature::Groundwater, "\"flow\"", Place::Scene("flow")),
+    (Feature::Anisotropy, "\"anisotropy\"", Place::Scene("anisotropy")),
     (Feature::RandomConductivity, "\"random.conductivity\"", Place::Scene("random")),
     (Feature::Cracks, "\"cracks\"", Place::Scene("cracks")),
     (Feature::Excavation, "\"excavation\"", Place::Scene("excavation")),

@@ -5,7 +5,7 @@ use std::error::Error;
 use std::sync::Arc;
 use std::{fmt, iter};
 
-use frazil_core::bonds::stencil::Stencil;
+use frazil_core::bonds::stencil::{Stencil, longest_reach};
 use frazil_core::bonds::weight::{Normalisation, PairWeight};
 use frazil_core::boundary::green::Green;
 use frazil_core::boundary::pipe::radius_of_one_particle;
@@ -14,6 +14,7 @@ use frazil_core::solvers::moving::{ParticleSet, Purpose};
 use frazil_core::solvers::solver::Solver;
 use frazil_core::solvers::step::Bound;
 use frazil_record::Value;
+use glam::DVec2;
 use rayon::ThreadPool;
 
 use crate::read::Section;
@@ -45,13 +46,6 @@ pub fn normalisation(section: &mut Section<'_>, setting: Setting) -> (Normalisat
     let chosen = section.choice_or("normalisation", &choices, default);
     let word = choices.iter().find(|choice| choice.1 == chosen).map_or("", |choice| choice.0);
     (chosen, Value::Text(word.into()))
-}
-
-impl Discretisation {
-    /// The weights on a lattice of a spacing (m).
-    pub fn stencil(&self, spacing: f64, dimension: usize) -> Stencil {
-        Stencil::new(self.weight.as_ref(), self.normalisation, spacing, dimension)
-    }
 }
 
 /// What of a scene a method cannot represent: an error of its own.
@@ -114,12 +108,29 @@ pub struct MethodSettings {
     pub numerics: Numerics,
     /// The method's own geometry.
     pub discretisation: Arc<Discretisation>,
+    /// Conductivity along x and along y of a plane, over that of its materials. On a line, that of the plane along it, by which the
+    /// weights are greater already.
+    pub along: DVec2,
     /// The bound of an explicit step, where a larger body knows it for this one (a body that is reduced): both then make
     /// the same steps. Derived from the particles if absent.
     pub bound: Option<Bound>,
 }
 
 impl MethodSettings {
+    /// The weights on a lattice of a spacing (m).
+    pub fn stencil(&self, spacing: f64, dimension: usize) -> Stencil {
+        let Discretisation { weight, normalisation, .. } = self.discretisation.as_ref();
+        match dimension {
+            1 => Stencil::new(weight.as_ref(), *normalisation, spacing, dimension).acting(self.along),
+            _ => Stencil::directed(weight.as_ref(), *normalisation, spacing, self.along),
+        }
+    }
+
+    /// How far pairs reach at most (m).
+    pub fn reach(&self) -> f64 {
+        longest_reach(self.discretisation.weight.as_ref(), self.along)
+    }
+
     /// All settings by the keys of the file, defaults included, as a record shows them.
     pub fn values(&self) -> BTreeMap<String, Value> {
         let setting = ("setting", word(&Setting::WORDS, &self.setting));
@@ -142,6 +153,6 @@ impl fmt::Debug for MethodSettings {
 /// The same of a method's settings.
 pub fn acting_radius(settings: &MethodSettings) -> f64 {
     let spacing = settings.numerics.spacing;
-    let green = Green::new(&settings.discretisation.stencil(spacing, 2), spacing, 1);
+    let green = Green::new(&settings.stencil(spacing, 2), spacing, 1);
     radius_of_one_particle(&green, spacing)
 }

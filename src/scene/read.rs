@@ -1,5 +1,6 @@
 //! Reading scene files: every check that needs no particles, and all problems of a file at once.
 
+mod anisotropy;
 mod body;
 mod cracks;
 mod every_key;
@@ -245,6 +246,7 @@ fn features(root: &Section<'_>, domain: Option<&Domain>, materials: &[Material],
         (root.has("gravity"), Feature::Gravity),
         (root.has("flow"), Feature::Groundwater),
         (root.has("cracks") || asked.walled, Feature::Cracks),
+        (root.has("anisotropy"), Feature::Anisotropy),
         (asked.varies, Feature::RandomConductivity),
         (root.has("excavation"), Feature::Excavation),
         (root.has("pipes"), Feature::Pipes),
@@ -360,6 +362,7 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
     watch.iter().filter(|_| of_water).for_each(|watch| only_of_heat(&mut root, watch));
     let solute = balance.solute(&mut root, known, initial_concentration);
     let random = random::random(&mut root, body);
+    let along = anisotropy::anisotropy(&mut root, body);
     let asked = Asked::of((of_water, &solute, &watch), (&random, &initial), (&regions, &impermeable, &wall_parts));
     let features = &features(&root, body, known, &asked);
     let gravity = gravity::gravity(&mut root, &domain, (of_water, known), (&walls, &wall_parts));
@@ -375,12 +378,11 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
     let own = || walls.iter().map(|wall| &wall.condition).chain(parts.clone());
     let brings_heat = own().any(Condition::brings_heat);
     let has_flux = asked.heated || has_flux(own());
-    let setup = numerics::Setup { domain: body, materials: known, brings_heat, has_flux, features };
+    let setup = numerics::Setup { domain: body, along, materials: known, brings_heat, has_flux, features };
     let conditions = own().chain(excavation.iter().flatten().map(|shaft| &shaft.condition));
     root.set_temperatures(temperatures(&initial, (&regions, &rings, &stream), conditions));
     let methods = numerics::methods(&mut root, &setup, kinds);
-    let time = time?;
-    let (initial_temperature, initial_profile) = initial?;
+    let (time, (initial_temperature, initial_profile)) = (time?, initial?);
     let mut scene = Scene {
         name: name.to_owned(),
         title: title?,
@@ -390,6 +392,7 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
         of_water,
         domain: domain?,
         duration: time.duration.seconds,
+        along,
         materials: materials?,
         regions,
         cracks,

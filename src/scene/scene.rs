@@ -153,6 +153,8 @@ pub struct Scene {
     pub domain: Domain,
     /// End of the run (s).
     pub duration: f64,
+    /// Conductivity along x and along y, over that of the materials.
+    pub along: DVec2,
     /// Materials; the first fills the domain.
     pub materials: Vec<Material>,
     /// Parts of other materials or other starts; later ones win.
@@ -250,6 +252,7 @@ impl Scene {
             of_water: false,
             domain,
             duration,
+            along: DVec2::ONE,
             materials,
             regions: Vec::new(),
             cracks: Vec::new(),
@@ -272,6 +275,11 @@ impl Scene {
             hash: String::new(),
             remarks: Vec::new(),
         }
+    }
+
+    /// Whether its ground conducts alike in all directions.
+    pub fn conducts_alike(&self) -> bool {
+        self.along == DVec2::ONE
     }
 
     /// Whether anything inside the body stops what moves through it: cracks, or parts that nothing enters.

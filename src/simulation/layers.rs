@@ -55,7 +55,7 @@ pub fn unresolved(
             Exchange::Upstream => {}
             Exchange::Mean(mean) => {
                 let ground = (conductivity(around), conductivity(material));
-                let error = heat_through(&stencil.collapsed(), lattice.spacing, ground, (from, cells), mean);
+                let error = heat_through(&stencil.collapsed(false), lattice.spacing, ground, (from, cells), mean);
                 if error.abs() > TOLD {
                     told.push(format!(
                         "{layer}: with a mean of conductivities the steady heat flux through it is off by {:+.1} %",

@@ -152,7 +152,7 @@ pub(crate) fn build_for(
     let settings = as_enthalpies.as_ref().unwrap_or(settings);
     let numerics = &settings.numerics;
     let discretisation = settings.discretisation.as_ref();
-    let stencil = discretisation.stencil(numerics.spacing, scene.domain.dimension());
+    let stencil = settings.stencil(numerics.spacing, scene.domain.dimension());
     affordable(scene, settings, &stencil)?;
     let own_step = match &discretisation.stepper {
         Stepper::Moving(make) => {

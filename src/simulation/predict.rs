@@ -224,7 +224,7 @@ pub fn forecast(
 /// What can be counted of a run of a scene under a method without a plan; nothing where the scene says nothing of it.
 pub fn counted(scene: &Scene, method: &str) -> Option<Counted> {
     let settings = scene.method(method)?;
-    let stencil = settings.discretisation.stencil(settings.numerics.spacing, scene.domain.dimension());
+    let stencil = settings.stencil(settings.numerics.spacing, scene.domain.dimension());
     Some(count(scene, settings, &stencil))
 }
 
@@ -234,7 +234,7 @@ pub fn counted(scene: &Scene, method: &str) -> Option<Counted> {
 /// The spacing that it must have at least.
 pub fn fits(scene: &Scene, method: &str) -> Result<(), Refused> {
     let settings = settings_of(scene, method)?;
-    affordable(scene, settings, &settings.discretisation.stencil(settings.numerics.spacing, scene.domain.dimension()))
+    affordable(scene, settings, &settings.stencil(settings.numerics.spacing, scene.domain.dimension()))
 }
 
 /// Tries a plan by a clock (s).

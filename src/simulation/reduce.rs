@@ -65,7 +65,7 @@ pub fn find(scene: &Scene, method: &str, reference: Option<&Arc<dyn Reference>>)
     let mut smaller = scene.clone();
     let mut folds = Vec::new();
     let mut kept = None;
-    let reach = settings.discretisation.stencil(spacing, scene.domain.dimension()).reach;
+    let reach = settings.stencil(spacing, scene.domain.dimension()).reach;
     loop {
         let found = Fold::candidates(&smaller).into_iter().find_map(|fold| {
             let folded = fold.shrink(&smaller);
@@ -92,7 +92,8 @@ pub fn find(scene: &Scene, method: &str, reference: Option<&Arc<dyn Reference>>)
         Larger::Bound(bound) => bound,
         Larger::Differs(reason) => return Ok(Finding::Kept(reason)),
     };
-    let own = MethodSettings { discretisation: Arc::new(discretisation(settings, &folds)), bound, ..settings.clone() };
+    let (discretisation, along) = (Arc::new(discretisation(settings, &folds)), smaller.along);
+    let own = MethodSettings { discretisation, along, bound, ..settings.clone() };
     smaller.methods = vec![own];
     let count = |scene: &Scene| Lattice::new(&scene.domain, spacing).len();
     let particles = (count(scene), count(&smaller));
@@ -152,7 +153,7 @@ fn larger(
     match folds.first() {
         Some(Fold::Line { along_y, .. }) => {
             // A strip of the plane has all its kinds of rows: the middle one sees no end.
-            let reach = settings.discretisation.stencil(spacing, scene.domain.dimension()).reach;
+            let reach = settings.stencil(spacing, scene.domain.dimension()).reach;
             let strip = (2 * reach + 1) as f64 * spacing;
             if let Domain::Rectangle { width, height } = scene.domain {
                 larger.domain = match along_y {
@@ -214,9 +215,9 @@ impl PairWeight for Collapsed {
 fn discretisation(settings: &MethodSettings, folds: &[Fold]) -> Discretisation {
     let own = &settings.discretisation;
     let (weight, normalisation): (Arc<dyn PairWeight>, Normalisation) = match folds.first() {
-        Some(Fold::Line { .. }) => {
+        Some(Fold::Line { along_y, .. }) => {
             let spacing = settings.numerics.spacing;
-            let weights = own.stencil(spacing, 2).collapsed();
+            let weights = settings.stencil(spacing, 2).collapsed(*along_y);
             (Arc::new(Collapsed { spacing, weights }), Normalisation::Nominal)
         }
         _ => (own.weight.clone(), own.normalisation),

@@ -1,10 +1,26 @@
 //! A pair weight on a lattice: a fixed table of offsets, no neighbour list.
+//!
+//! Ground may conduct better along one axis than along the other. Its weights are those of an ellipse, so that the longer way is seen
+//! as far as the shorter one; what then lacks in the second moment of one direction is given to the nearest pairs along it. So weights
+//! stay positive at any ratio, a particle stays nearer to its neighbour than to the neighbour's image, and nearest neighbours become the
+//! five-point operator of both conductivities.
+
+use glam::DVec2;
 
 use crate::bonds::weight::{Normalisation, PairWeight};
 use crate::memory::HeapSize;
 
 /// Relative tolerance on a reach that falls on a shell of the lattice: the shell belongs to the neighbourhood.
 pub const SHELL_TOLERANCE: f64 = 1e-6;
+
+/// How far pairs reach at least (cells) along the axis in which ground conducts worse. Those that reach no farther are those of
+/// nearest neighbours, and stay so.
+const LEAST_REACH: f64 = 1.5;
+
+/// How far pairs of a weight reach at most (m) in ground that conducts `along` x and y by these factors.
+pub fn longest_reach(weight: &dyn PairWeight, along: DVec2) -> f64 {
+    weight.reach() * (along.max_element() / along.min_element()).powf(0.25)
+}
 
 /// Weights by offset on a lattice, for the heat balance by volume:
 /// `dH_i/dt = sum over offsets of w (U_j - U_i)`, w in m^-2.
@@ -18,6 +34,8 @@ pub struct Stencil {
     /// one row.
     weights: Vec<f64>,
     disc: bool,
+    /// Conductivity along x and along y, over that of the material.
+    along: DVec2,
 }
 
 impl HeapSize for Stencil {
@@ -29,25 +47,69 @@ impl HeapSize for Stencil {
 impl Stencil {
     /// The stencil of a pair weight at a spacing (m).
     pub fn new(weight: &dyn PairWeight, normalisation: Normalisation, spacing: f64, dimension: usize) -> Self {
-        let reach = (weight.reach() / spacing * (1.0 + SHELL_TOLERANCE)).floor().max(1.0) as usize;
+        let stencil = Self::stretched(weight, spacing, dimension, 1.0);
+        match normalisation {
+            Normalisation::DiscreteMoment => {
+                let scale = 1.0 / stencil.moment(spacing);
+                stencil.scaled(scale).trim()
+            }
+            Normalisation::Nominal => stencil.trim(),
+        }
+    }
+
+    /// The stencil in a plane of ground that conducts `along` x and y by these factors.
+    pub fn directed(weight: &dyn PairWeight, normalisation: Normalisation, spacing: f64, along: DVec2) -> Self {
+        if along == DVec2::ONE {
+            return Self::new(weight, normalisation, spacing, 2);
+        }
+        let most = (weight.reach() / (LEAST_REACH * spacing)).powi(2).max(1.0);
+        let stretch = (along.y / along.x).sqrt().clamp(1.0 / most, most);
+        let stencil = Self::stretched(weight, spacing, 2, stretch);
+        // As exact as the same weights are in even ground.
+        let acts = match normalisation {
+            Normalisation::DiscreteMoment => 1.0,
+            Normalisation::Nominal => Self::stretched(weight, spacing, 2, 1.0).moment(spacing),
+        };
+        let (wanted, found) = (acts * along, stencil.moments(spacing));
+        let scale = (wanted / found).min_element();
+        let lacks = (wanted - scale * found).max(DVec2::ZERO) / (spacing * spacing);
+        let mut stencil = Stencil { along, ..stencil.scaled(scale) };
+        let row = stencil.reach + 1;
+        stencil.weights[1] += lacks.x;
+        stencil.weights[row] += lacks.y;
+        stencil.trim()
+    }
+
+    /// Says how much better than the material the weights conduct, which they do already.
+    pub fn acting(self, along: DVec2) -> Self {
+        Stencil { along, ..self }
+    }
+
+    /// Weights by distances of which those along x count for the root of `stretch` times as much, and those along y for as many times
+    /// less.
+    fn stretched(weight: &dyn PairWeight, spacing: f64, dimension: usize, stretch: f64) -> Self {
+        let longest = weight.reach() * stretch.max(1.0 / stretch).sqrt();
+        let reach = (longest / spacing * (1.0 + SHELL_TOLERANCE)).floor().max(1.0) as usize;
         let rows = if dimension == 1 { 0 } else { reach };
         let volume = spacing.powi(dimension as i32);
         let limit = weight.reach() * (1.0 + SHELL_TOLERANCE);
-        let mut stencil = Stencil { dimension, reach, weights: vec![0.0; (rows + 1) * (reach + 1)], disc: false };
+        let weights = vec![0.0; (rows + 1) * (reach + 1)];
+        let mut stencil = Stencil { dimension, reach, weights, disc: false, along: DVec2::ONE };
         for row in 0..=rows {
             for column in 0..=reach {
-                let cells = (((column * column + row * row) as f64).sqrt(), column + row);
-                let distance = cells.0 * spacing;
-                if cells.1 > 0 && distance <= limit {
+                let square = stretch * (column * column) as f64 + (row * row) as f64 / stretch;
+                let distance = square.sqrt() * spacing;
+                if column + row > 0 && distance <= limit {
                     stencil.weights[row * (reach + 1) + column] = volume * weight.weight(distance);
                 }
             }
         }
-        if normalisation == Normalisation::DiscreteMoment {
-            let scale = 1.0 / stencil.moment(spacing);
-            stencil.weights.iter_mut().for_each(|weight| *weight *= scale);
-        }
-        stencil.trim()
+        stencil
+    }
+
+    fn scaled(mut self, scale: f64) -> Self {
+        self.weights.iter_mut().for_each(|weight| *weight *= scale);
+        self
     }
 
     /// Drops outer shells without weight.
@@ -56,7 +118,12 @@ impl Stencil {
         let rows = if self.dimension == 1 { 0 } else { used };
         let weights = (0..=rows).flat_map(|row| (0..=used).map(move |column| (column, row)));
         let disc = self.offsets().all(|(column, row, _)| column * column + row * row <= used * used);
-        Stencil { weights: weights.map(|(c, r)| self.at(c, r)).collect(), reach: used, dimension: self.dimension, disc }
+        Stencil { weights: weights.map(|(c, r)| self.at(c, r)).collect(), reach: used, disc, ..self }
+    }
+
+    /// Conductivity along x and along y, over that of the material.
+    pub fn along(&self) -> DVec2 {
+        self.along
     }
 
     /// Greatest offset across.
@@ -87,12 +154,13 @@ impl Stencil {
         (if column > 0 { 2 } else { 1 }) * (if row > 0 { 2 } else { 1 })
     }
 
-    /// Weights on a line for states that do not vary across it: of each column distance from 1 to the reach, the sum
-    /// over rows. Offsets in the particle's own column exchange nothing.
-    pub fn collapsed(&self) -> Vec<f64> {
-        let over_rows =
-            |column| (0..=self.rows()).map(move |row| if row > 0 { 2.0 } else { 1.0 } * self.at(column, row));
-        (1..=self.reach).map(|column| over_rows(column).sum()).collect()
+    /// Weights on a line along x, or along y, for states that do not vary across it: of each distance from 1 to the reach, the sum
+    /// over all offsets across. Offsets of no distance along the line exchange nothing.
+    pub fn collapsed(&self, along_y: bool) -> Vec<f64> {
+        let at = |along, across| if along_y { self.at(across, along) } else { self.at(along, across) };
+        let over_all =
+            |along| (0..=self.rows()).map(move |across| if across > 0 { 2.0 } else { 1.0 } * at(along, across));
+        (1..=self.reach).map(|along| over_all(along).sum()).collect()
     }
 
     /// Sum of all weights (m^-2).
@@ -105,7 +173,16 @@ impl Stencil {
         self.offsets().map(|(column, row, _)| Self::multiplicity(column, row)).sum()
     }
 
-    /// Conductivity that the stencil acts with, over the true one: `sum w r^2 / (2 d)`.
+    /// Conductivities along x and y that the stencil of a plane acts with, over that of the material: `sum w x^2 / 2`.
+    fn moments(&self, spacing: f64) -> DVec2 {
+        let one = |(column, row, w): (usize, usize, f64)| {
+            let squares = DVec2::new((column * column) as f64, (row * row) as f64);
+            Self::multiplicity(column, row) as f64 * w * squares
+        };
+        0.5 * spacing * spacing * self.offsets().map(one).sum::<DVec2>()
+    }
+
+    /// Conductivity that the stencil acts with, over the true one, on the mean of all directions: `sum w r^2 / (2 d)`.
     pub fn moment(&self, spacing: f64) -> f64 {
         self.offsets()
             .map(|(column, row, w)| {
@@ -113,5 +190,61 @@ impl Stencil {
             })
             .sum::<f64>()
             / (2 * self.dimension) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Weights that fall with the distance by a power, up to a reach.
+    struct Disc(f64, f64);
+
+    impl PairWeight for Disc {
+        fn reach(&self) -> f64 {
+            self.0
+        }
+
+        fn weight(&self, distance: f64) -> f64 {
+            distance.powf(-self.1)
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn weights_of_ground_that_conducts_by_direction_have_both_moments_and_fall_along_both_axes(
+            reach in prop_oneof![Just(1.0), 1.0..4.5f64],
+            power in 0.0..3.0f64,
+            log_ratio in -4.6..4.6f64,
+            spacing in 0.01..10.0f64,
+        ) {
+            let along = DVec2::new(1.0, log_ratio.exp());
+            let weight = Disc(reach * spacing, power);
+            let stencil = Stencil::directed(&weight, Normalisation::DiscreteMoment, spacing, along);
+            let error = (stencil.moments(spacing) / along - DVec2::ONE).abs().max_element();
+            prop_assert!(error < 1e-12, "{error}");
+            prop_assert!(stencil.offsets().all(|offset| offset.2 > 0.0));
+            // What lies farther along one axis weighs no more: a wall's image of a neighbour never outweighs it.
+            let falls = |near: f64, far: f64| far <= near * (1.0 + 1e-12);
+            for (column, row) in (0..=stencil.reach).flat_map(|row| (0..=stencil.reach).map(move |column| (column, row))) {
+                if column + row > 0 {
+                    let own = stencil.at(column, row);
+                    prop_assert!(falls(own, stencil.at(column + 1, row)) && falls(own, stencil.at(column, row + 1)));
+                }
+            }
+            let turned = Stencil::directed(&weight, Normalisation::DiscreteMoment, spacing, DVec2::new(along.y, 1.0));
+            prop_assert!(stencil.offsets().all(|(c, r, w)| (turned.at(r, c) / w - 1.0).abs() < 1e-9));
+            let far = stencil.reach as f64 * spacing;
+            prop_assert!(far <= longest_reach(&weight, along) * (1.0 + SHELL_TOLERANCE) || stencil.reach == 1);
+        }
+    }
+
+    #[test]
+    fn nearest_neighbours_stay_nearest_neighbours() {
+        let stencil = Stencil::directed(&Disc(0.1, 2.0), Normalisation::DiscreteMoment, 0.1, DVec2::new(1.0, 5.0));
+        let found: Vec<_> = stencil.offsets().collect();
+        assert_eq!(found.iter().map(|(c, r, _)| (*c, *r)).collect::<Vec<_>>(), [(1, 0), (0, 1)]);
+        assert!((found[0].2 - 100.0).abs() < 1e-10 && (found[1].2 - 500.0).abs() < 1e-10, "{found:?}");
     }
 }

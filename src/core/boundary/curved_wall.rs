@@ -8,7 +8,7 @@
 //!
 //! The flux follows from the linear profile through the wall and one particle: the particle itself, or, where that is
 //! so near to the wall that it would set the step of the whole body, neighbours deeper inside. A neighbour serves at
-//! most until its own pull on the particle is used up. So rates fall with a particle's own potential and rise with all
+//! most until its own pull on the particle is used up, of which fronts inside particles leave a part. So rates fall with a particle's own potential and rise with all
 //! others and with the wall's: the maximum principle holds for every weight and every kind of wall. Heat passes
 //! through the wall alone, and none through an insulated one.
 
@@ -25,6 +25,10 @@ use crate::space::random_field::between;
 /// those at 1/3; at 0 the reach of peridynamics made them several times larger on coarse lattices.
 const MOST_STIFFNESS: f64 = 0.125;
 
+/// Part of its pull on a particle that a neighbour keeps at least where fronts inside particles are followed: a front at the far side of
+/// a neighbouring cell is one and a half spacings away.
+const PULL_BESIDE_FRONTS: f64 = 2.0 / 3.0;
+
 /// What one particle has to do with a curved wall.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
@@ -36,6 +40,27 @@ pub struct Contact {
     pub stiffness: f64,
     /// Its views of the wall.
     views: (u32, u32),
+    /// Potential (W/m) of the fronts between particles, where fronts inside particles are followed.
+    front: Option<f64>,
+}
+
+impl Contact {
+    /// What the particle sees of the potential (W/m) of another one. Where a front stands between them they exchange heat with the front
+    /// and not with each other: then no more is seen than the front, or the other one would pull through the wall alone.
+    #[inline]
+    pub fn seen(&self, own: f64, other: f64) -> f64 {
+        match self.front {
+            Some(front) if own < front => other.min(front),
+            Some(front) if own > front => other.max(front),
+            _ => other,
+        }
+    }
+
+    /// Whether another one is beyond a front, which does not follow it.
+    #[inline]
+    pub fn is_beyond(&self, own: f64, other: f64) -> bool {
+        self.seen(own, other) != other
+    }
 }
 
 /// The flux of a wall as the linear profile through one particle has it.
@@ -106,8 +131,8 @@ impl Neighbourhood {
 
 impl Contacts {
     /// Adds a particle whose pairs have been counted, if the wall cuts any; `sum` (m^-2) is the row sum of its whole
-    /// neighbourhood.
-    pub fn add(&mut self, particle: u32, near: &Neighbourhood, sum: f64) {
+    /// neighbourhood. Where fronts inside particles are followed, `front` is their potential (W/m).
+    pub fn add(&mut self, particle: u32, near: &Neighbourhood, sum: f64, front: Option<f64>) {
         if near.cut == 0.0 {
             return;
         }
@@ -118,7 +143,8 @@ impl Contacts {
         let deeper = || near.inside.iter().filter(|other| *other.0 != particle && other.1.1 > near.depth);
         let offer = |(weight, depth): &(f64, f64)| weight * (depth - near.depth);
         let offered: f64 = deeper().map(|other| offer(other.1)).sum();
-        let share = if wanted > 0.0 && offered > 0.0 { (wanted / offered).min(1.0) } else { 0.0 };
+        let pull = if front.is_some() { PULL_BESIDE_FRONTS } else { 1.0 };
+        let share = if wanted > 0.0 && offered > 0.0 { (wanted / offered).min(pull) } else { 0.0 };
         for (other, pair) in deeper().filter(|_| share > 0.0) {
             self.views.push(View { particle: *other, area: share * offer(pair), depth: pair.1 });
         }
@@ -130,7 +156,8 @@ impl Contacts {
             stiffness = area / depth;
             self.views.push(View { particle, area, depth });
         }
-        self.contacts.push(Contact { particle, cut: near.cut, stiffness, views: (first, self.views.len() as u32) });
+        let views = (first, self.views.len() as u32);
+        self.contacts.push(Contact { particle, cut: near.cut, stiffness, views, front });
     }
 
     /// Takes ground that conducts by a factor of each particle: neighbours serve by what lies between them and the particle, which
@@ -141,6 +168,18 @@ impl Contacts {
             contact.stiffness *= own;
             for view in &mut self.views[contact.views.0 as usize..contact.views.1 as usize] {
                 view.depth /= between(own, factors[view.particle as usize]);
+            }
+        }
+    }
+
+    /// Takes ground that conducts across the wall by a factor, told by particle: what pairs carry through the wall for a flux is less by
+    /// as much.
+    pub fn conduct(&mut self, across: impl Fn(u32) -> f64) {
+        for contact in &self.contacts {
+            let factor = across(contact.particle);
+            for view in &mut self.views[contact.views.0 as usize..contact.views.1 as usize] {
+                view.area /= factor;
+                view.depth /= factor;
             }
         }
     }
@@ -158,10 +197,14 @@ impl Contacts {
     }
 
     /// How what the wall gives follows the potentials: fills `slopes` (m^-2) view by view from the slope of the flux
-    /// (1/m) by particle and depth (m).
-    pub fn slopes(&self, slope: impl Fn(usize, f64) -> f64, slopes: &mut Vec<f64>) {
+    /// (1/m) by the contact, the particle through which it sees the wall, and the depth (m) of that.
+    pub fn slopes(&self, slope: impl Fn(&Contact, usize, f64) -> f64, slopes: &mut Vec<f64>) {
         slopes.clear();
-        slopes.extend(self.views.iter().map(|view| view.area * slope(view.particle as usize, view.depth)));
+        for contact in &self.contacts {
+            let views = &self.views[contact.views.0 as usize..contact.views.1 as usize];
+            let one = |view: &View| view.area * slope(contact, view.particle as usize, view.depth);
+            slopes.extend(views.iter().map(one));
+        }
     }
 
     /// Change of a particle's gain (W/m3) with small changes of potentials, by the slopes of all views.
@@ -185,6 +228,12 @@ impl HeapSize for Contacts {
     fn heap_size(&self) -> usize {
         self.contacts.capacity() * size_of::<Contact>() + self.views.capacity() * size_of::<View>()
     }
+}
+
+/// How well ground that conducts `along` x and y conducts along the radius at a place.
+pub fn along_radius(along: DVec2, place: DVec2) -> f64 {
+    let radius = place.normalize_or_zero();
+    if along == DVec2::ONE { 1.0 } else { along.dot(radius * radius) }
 }
 
 /// Ways (m) from a place inside the body to the cell centres behind the wall within `limit` (m), and the depths (m) of

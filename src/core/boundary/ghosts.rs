@@ -97,6 +97,15 @@ impl Ghosts {
         (self.images, self.starts) = (images, starts);
     }
 
+    /// Takes ground that conducts across its walls by these factors, along x and y: there a flux has as much less to go through.
+    pub fn conduct(&mut self, along: DVec2) {
+        for ghost in 0..self.len() {
+            if let Some(side) = self.side(ghost) {
+                self.depth[ghost] /= along[side / 2];
+            }
+        }
+    }
+
     /// Adds a ghost at a place behind a patch that holds the wall's own value, in place of the particle `model` of `count`.
     pub fn hold(&mut self, count: usize, model: u32, place: DVec2, patch: u8) {
         let number = (count + self.position.len()) as u32;

@@ -1,10 +1,13 @@
 //! The lattice Green's function of a pair operator in the plane: what one cell feels of a line source in another.
 //!
-//! `g` solves `sum_o w_o (g(x + o) - g(x)) dx^2 = delta(x)` with g(0) = 0; far away `g ~ ln(r/dx) / 2 pi + c`.
+//! `g` solves `sum_o w_o (g(x + o) - g(x)) dx^2 = delta(x)` with g(0) = 0; far away `g ~ ln(r/dx) / 2 pi + c`. In ground that conducts
+//! by `a` along x and by `b` along y it is `g ~ ln(r/dx) / (2 pi root(a b)) + c` with `r^2 = x^2 + (a/b) y^2`.
 //! It is computed as the nearest-neighbour function, for which one integral is done in closed form, plus an
 //! integral of the difference of the two spectral inverses, which is smooth enough for the midpoint rule.
 
 use std::f64::consts::PI;
+
+use glam::DVec2;
 
 use crate::bonds::stencil::Stencil;
 
@@ -19,9 +22,12 @@ const MIDPOINTS: usize = 192;
 pub struct Green {
     reach: usize,
     values: Vec<f64>,
+    /// Conductivity along x and along y, over that of the material.
+    along: DVec2,
     /// The constant c of the far field.
     pub far_constant: f64,
-    /// The integral (in cells) by which the function lies below that of the continuum: `sum w r^4 / 64`.
+    /// The integral (in cells) by which the function lies below that of the continuum: `sum w r^4 / 64`, where ground conducts alike in
+    /// all directions; else the mean over all waves.
     pub spread: f64,
 }
 
@@ -29,14 +35,16 @@ impl Green {
     /// Computes the function for offsets of up to `reach` cells in each direction.
     pub fn new(stencil: &Stencil, spacing: f64, reach: usize) -> Self {
         // Scaled so that the operator has unit second moment: conductivity errors are not the pipe's business.
-        let scale = spacing * spacing / stencil.moment(spacing);
+        let along = stencil.along();
+        let (mean, ratio) = (0.5 * (along.x + along.y), along.y / along.x);
+        let scale = spacing * spacing * mean / stencil.moment(spacing);
         let offsets: Vec<(usize, usize, f64)> =
             stencil.offsets().map(|(c, r, w)| (c, r, w * scale * Stencil::multiplicity(c, r) as f64)).collect();
-        let fourth = |c: usize, r: usize| ((c * c + r * r) * (c * c + r * r)) as f64;
-        let spread = offsets.iter().map(|(c, r, w)| w * fourth(*c, *r)).sum::<f64>() / 64.0;
+        let spread = if along == DVec2::ONE { spread(&offsets) } else { spread_along(&offsets, along) };
         let mut values: Vec<f64> =
-            (0..=reach).flat_map(|y| (0..=reach).map(move |x| nearest_neighbour(x, y))).collect();
-        let nearest_constant = (EULER_GAMMA + 1.5 * 2f64.ln()) / (2.0 * PI);
+            (0..=reach).flat_map(|y| (0..=reach).map(move |x| nearest_neighbour((x, y), ratio) / along.x)).collect();
+        let ends = EULER_GAMMA + 1.5 * 2f64.ln() + 0.5 * (2.0 * ratio / (1.0 + ratio)).ln();
+        let nearest_constant = ends / (2.0 * PI * (along.x * along.y).sqrt());
         let step = PI / MIDPOINTS as f64;
         let widest = stencil.reach.max(reach);
         let cosines: Vec<Vec<f64>> = (0..MIDPOINTS)
@@ -47,7 +55,7 @@ impl Green {
         for cx in &cosines {
             for cy in &cosines {
                 let symbol: f64 = offsets.iter().map(|(c, r, w)| w * (1.0 - cx[*c] * cy[*r])).sum();
-                let nearest = 4.0 - 2.0 * cx[1] - 2.0 * cy[1];
+                let nearest = 2.0 * (along.x + along.y) - 2.0 * along.x * cx[1] - 2.0 * along.y * cy[1];
                 let difference = (1.0 / symbol - 1.0 / nearest) * area;
                 constant += difference;
                 for y in 0..=reach {
@@ -57,7 +65,7 @@ impl Green {
                 }
             }
         }
-        Green { reach, values, far_constant: nearest_constant + constant, spread }
+        Green { reach, values, along, far_constant: nearest_constant + constant, spread }
     }
 
     /// The function at an offset in cells.
@@ -70,16 +78,58 @@ impl Green {
         self.reach
     }
 
+    /// The part of the far field that grows with the distance, around a circle of a radius (cells) held at one temperature. Where
+    /// ground conducts by direction, its field is that of an ellipse once lengths along y are measured by how well heat goes there; far
+    /// away an ellipse acts as a circle of the mean of its half axes.
+    pub fn far_field(&self, radius: f64) -> f64 {
+        (radius * self.mean_half_axis()).ln() / (2.0 * PI * self.conducts())
+    }
+
     /// Radius over spacing of the circle that one cell held at a temperature stands for.
     pub fn one_particle_radius(&self) -> f64 {
-        (-2.0 * PI * self.far_constant).exp()
+        (-2.0 * PI * self.conducts() * self.far_constant).exp() / self.mean_half_axis()
+    }
+
+    /// How well the ground conducts heat from a line, over the material: the geometric mean of both directions.
+    pub fn conducts(&self) -> f64 {
+        (self.along.x * self.along.y).sqrt()
+    }
+
+    fn mean_half_axis(&self) -> f64 {
+        0.5 * (1.0 + (self.along.x / self.along.y).sqrt())
     }
 }
 
-/// Green's function of the five-point operator, by one integral over a decaying mode.
-fn nearest_neighbour(x: usize, y: usize) -> f64 {
-    let (x, y) = (x.max(y) as f64, x.min(y) as f64);
-    // (1/pi) integral over 0..pi of (1 - exp(-x s) cos(y k)) / (2 sinh s), cosh s = 2 - cos k. The integrand is
+/// `sum w r^4 / 64` over offsets and their weights.
+fn spread(offsets: &[(usize, usize, f64)]) -> f64 {
+    let fourth = |c: usize, r: usize| ((c * c + r * r) * (c * c + r * r)) as f64;
+    offsets.iter().map(|(c, r, w)| w * fourth(*c, *r)).sum::<f64>() / 64.0
+}
+
+/// The mean over all directions `n` of waves of `sum w (n . r)^4 / 24 / (a nx^2 + b ny^2)^2`.
+fn spread_along(offsets: &[(usize, usize, f64)], along: DVec2) -> f64 {
+    const DIRECTIONS: usize = 256;
+    let one = |k: usize| {
+        let wave = DVec2::from_angle(2.0 * PI * (k as f64 + 0.5) / DIRECTIONS as f64);
+        let conducts = along.dot(wave * wave);
+        // Offsets of the first quadrant stand for those mirrored at either axis.
+        let fourth = |c: usize, r: usize| {
+            let (x, y) = (wave.x * c as f64, wave.y * r as f64);
+            0.5 * ((x + y).powi(4) + (x - y).powi(4))
+        };
+        offsets.iter().map(|(c, r, w)| w * fourth(*c, *r)).sum::<f64>() / (24.0 * conducts * conducts)
+    };
+    (0..DIRECTIONS).map(one).sum::<f64>() / DIRECTIONS as f64
+}
+
+/// Green's function of the five-point operator in ground that conducts `ratio` times as well along y as along x, by one integral over a
+/// decaying mode.
+fn nearest_neighbour((x, y): (usize, usize), ratio: f64) -> f64 {
+    if y > x {
+        return nearest_neighbour((y, x), 1.0 / ratio) / ratio;
+    }
+    let (x, y) = (x as f64, y as f64);
+    // (1/pi) integral over 0..pi of (1 - exp(-x s) cos(y k)) / (2 sinh s), cosh s = 1 + ratio (1 - cos k). The integrand is
     // smooth on the half period; composite Gauss-Legendre resolves it to rounding.
     const NODES: [(f64, f64); 4] = [
         (0.183_434_642_495_649_8, 0.362_683_783_378_362),
@@ -90,7 +140,7 @@ fn nearest_neighbour(x: usize, y: usize) -> f64 {
     const PANELS: usize = 32;
     let half = PI / (2 * PANELS) as f64;
     let integrand = |k: f64| {
-        let s = (2.0 - k.cos()).acosh();
+        let s = (1.0 + ratio - ratio * k.cos()).acosh();
         (1.0 - (-x * s).exp() * (y * k).cos()) / (2.0 * s.sinh())
     };
     let mut sum = 0.0;
@@ -153,6 +203,24 @@ mod tests {
                 let source = if (x, y) == (0, 0) { 1.0 } else { 0.0 };
                 // The midpoint rule meets a direction-dependent value at the origin: second order in its step.
                 assert!((rate - source).abs() < 2e-4, "({x},{y}) reach {reach}: {rate}");
+            }
+        }
+    }
+
+    #[test]
+    fn far_away_it_is_the_logarithm_of_the_distance_that_heat_feels() {
+        for (reach, power) in [(1.0, 2.0), (3.0, 2.0), (2.4, 1.0)] {
+            for along in [1.0, 2.0, 0.3, 8.0].map(|ratio| DVec2::new(1.0, ratio)) {
+                let stencil = Stencil::directed(&Disc(reach, power), Normalisation::DiscreteMoment, 1.0, along);
+                let green = Green::new(&stencil, 1.0, 24);
+                let scale = 2.0 * PI * green.conducts();
+                for (x, y) in [(24_i64, 0_i64), (0, 24), (20, 20), (9, 22)] {
+                    let distance = DVec2::new(x as f64, y as f64 * (along.x / along.y).sqrt()).length();
+                    let expected = distance.ln() / scale + green.far_constant;
+                    // The next term falls with the square of the distance.
+                    let error = (green.at(x, y) - expected).abs() * scale * distance * distance;
+                    assert!(error < 2.0 * reach * reach, "({x},{y}) reach {reach} {along}: {error}");
+                }
             }
         }
     }

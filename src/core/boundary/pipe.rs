@@ -5,7 +5,8 @@
 //! `q = (U_sampled - U_pipe) / R`, `R = S - c - ln(r/dx) / 2 pi`, `S = sum a_i a_j g_ij` (lattice Green's function).
 //!
 //! A film between brine and ground carries the same heat: `q = 2 pi r h (T_wall - T_brine)`, `q = (U_sampled - U(T_wall)) / R`.
-//! That is the film of a flat wall with a depth of `2 pi r R`.
+//! That is the film of a flat wall with a depth of `2 pi r R`. In ground that conducts by direction the annulus is that of an ellipse
+//! ([`Green::far_field`]), and a film is one of the mean flux around the pipe.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -217,7 +218,7 @@ fn spread(pipe: &Pipe, lattice: &Lattice, mirrors: (bool, bool), green: &Green) 
             .iter()
             .flat_map(|((x, y), a)| cells.iter().map(move |((u, v), b)| a * b * green.at(x - u, y - v)))
             .sum();
-        let resistance = own - green.far_constant - (pipe.radius / lattice.spacing).ln() / TAU;
+        let resistance = own - green.far_constant - green.far_field(pipe.radius / lattice.spacing);
         if resistance < LEAST_RESISTANCE {
             continue;
         }
@@ -226,7 +227,8 @@ fn spread(pipe: &Pipe, lattice: &Lattice, mirrors: (bool, bool), green: &Green) 
         let moment: f64 =
             cells.iter().map(|((x, y), a)| a * DVec2::new(*x as f64, *y as f64).distance_squared(centre)).sum();
         let sample = folded(&cells, lattice, mirrors).ok_or_else(|| outside(pipe, lattice, stretch))?;
-        return Ok(Hold { sample, resistance, half_width: 2.0 * stretch, smoothing: 0.25 * moment - green.spread });
+        let smoothing = 0.25 * moment / green.conducts() - green.spread;
+        return Ok(Hold { sample, resistance, half_width: 2.0 * stretch, smoothing });
     }
     Err(PipeError::TooWide { radius: pipe.radius, spacing: lattice.spacing, needed: pipe.radius / 6.0 })
 }
@@ -286,7 +288,7 @@ pub enum PipeError {
 /// Radius (m) as which a pipe of one particle acts: that of a particle held at the pipe's temperature, less what the
 /// resistance between both takes off.
 pub fn radius_of_one_particle(green: &Green, spacing: f64) -> f64 {
-    spacing * green.one_particle_radius() * (-TAU * HELD_RESISTANCE).exp()
+    spacing * green.one_particle_radius() * (-TAU * green.conducts() * HELD_RESISTANCE).exp()
 }
 
 impl HeapSize for Sink {

@@ -4,18 +4,19 @@
 use glam::DVec2;
 
 use crate::bonds::pair_list::PairList;
-use crate::boundary::curved_wall::{Contacts, Neighbourhood, Rim};
+use crate::boundary::curved_wall::{Contacts, Neighbourhood, Rim, along_radius};
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::Dug;
 use crate::breakage::cuts::Cuts;
 use crate::physics::latent_heat::Materials;
 
-/// The contacts of the ground around the face, from when pairs across it are cut on.
+/// The contacts of the ground around the face, from when pairs across it are cut on. The ground conducts `along` x and y by factors,
+/// and fronts inside particles may be followed.
 pub fn face(
     pairs: &PairList,
     positions: &[DVec2],
     ghosts: &Ghosts,
-    materials: &Materials,
+    (materials, along, followed): (&Materials, DVec2, bool),
     dug: &Dug,
     cuts: &mut Cuts,
 ) -> Rim {
@@ -44,8 +45,11 @@ pub fn face(
             }
         }
         if own >= 0.0 {
-            contacts.add(i as u32, &near, sum);
+            contacts.add(i as u32, &near, sum, followed.then(|| materials.of(i).front_potential()).flatten());
         }
+    }
+    if along != DVec2::ONE {
+        contacts.conduct(|particle| along_radius(along, positions[particle as usize]));
     }
     cuts.add(&events);
     Rim { patch: dug.patch, from: dug.start, contacts }

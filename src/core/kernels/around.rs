@@ -94,9 +94,15 @@ impl<L: Laws> Around<L> {
         if let Some(slopes) = self.slopes.as_ref().filter(|_| face.bends()) {
             return slopes.by_side[side][place * self.shape.reach + layer] * image;
         }
-        let depth = (layer as f64 + 0.5) * self.lattice.spacing;
         let thermal = self.thermal_at(side);
+        let depth = self.depth(side, layer);
         face.ghost(image, depth, &thermal.curve, thermal.zero_potential)
+    }
+
+    /// Depth (m) of a ghost, over how well the ground conducts across its wall.
+    #[inline(always)]
+    pub(super) fn depth(&self, side: usize, layer: usize) -> f64 {
+        (layer as f64 + 0.5) * self.lattice.spacing / self.stencil.along()[side / 2]
     }
 
     /// The material at a side.

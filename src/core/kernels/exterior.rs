@@ -1,11 +1,14 @@
 //! What lies behind the walls of a lattice.
 
+use glam::DVec2;
+
 use crate::bonds::stencil::Stencil;
-use crate::boundary::curved_wall::{Contacts, Neighbourhood};
+use crate::boundary::curved_wall::{Contacts, Neighbourhood, along_radius};
 use crate::boundary::patch::{Boundary, Face, Side};
 use crate::kernels::sweep::Shape;
 use crate::ledger::Sum;
 use crate::memory::HeapSize;
+use crate::physics::latent_heat::Materials;
 use crate::physics::laws::Laws;
 use crate::physics::thermal::Thermal;
 use crate::space::lattice::Lattice;
@@ -28,7 +31,14 @@ impl HeapSize for Exterior {
 }
 
 impl Exterior {
-    pub(super) fn new(lattice: &Lattice, stencil: &Stencil, shape: Shape, boundary: &Boundary, radius: f64) -> Self {
+    /// What lies behind the curved wall of a body, if it has one, where fronts inside particles may be followed.
+    pub(super) fn new(
+        (lattice, shape): (&Lattice, Shape),
+        stencil: &Stencil,
+        boundary: &Boundary,
+        (materials, followed): (&Materials, bool),
+    ) -> Option<Self> {
+        let (patch, radius) = boundary.curved?;
         let mirror = |side: usize| boundary.sides[side] == Side::Mirror;
         let fold = |column: i64, row: i64| {
             (
@@ -40,7 +50,7 @@ impl Exterior {
         let mut rows = vec![std::collections::BTreeSet::new(); lattice.rows + 2 * shape.reach_rows];
         let mut contacts = Contacts::default();
         let sum = stencil.sum();
-        let layers = boundary.curved.is_some_and(|(patch, _)| boundary.patches[patch].layers);
+        let layers = boundary.patches[patch].layers;
         for row in 0..lattice.rows {
             let (first, end) = lattice.span(row);
             for column in first as i64..end as i64 {
@@ -69,12 +79,16 @@ impl Exterior {
                     }
                 }
                 if let Some(index) = lattice.index(column, row) {
-                    contacts.add(index as u32, &near, sum);
+                    let front = followed.then(|| materials.of(index).front_potential()).flatten();
+                    contacts.add(index as u32, &near, sum, front);
                 }
             }
         }
+        if stencil.along() != DVec2::ONE {
+            contacts.conduct(|particle| along_radius(stencil.along(), lattice.position(particle as usize)));
+        }
         let rows = rows.into_iter().map(|row| row.into_iter().collect()).collect();
-        Exterior { rows, gains: vec![(0.0, 0.0); contacts.contacts.len()], contacts }
+        Some(Exterior { rows, gains: vec![(0.0, 0.0); contacts.contacts.len()], contacts })
     }
 
     pub(super) fn update<L: Laws>(
@@ -90,7 +104,9 @@ impl Exterior {
             let given = match slopes {
                 Some(slopes) => self.contacts.change(contact, &slopes.curved, potential),
                 None => {
-                    let flux = |particle: usize, depth: f64| face.flux(potential(particle), depth, thermal);
+                    let own = potential(contact.particle as usize);
+                    let seen = |particle: usize| contact.seen(own, potential(particle));
+                    let flux = |particle: usize, depth: f64| face.flux(seen(particle), depth, thermal);
                     self.contacts.gain(contact, flux)
                 }
             };

@@ -69,7 +69,7 @@ impl<L: Laws> LatticeBalance<L> {
             walls_meet: (open[0] || open[1]) && (open[2] || open[3]),
             faces: boundary.patches.iter().map(|_| Face::Even).collect(),
             slopes: None,
-            exterior: boundary.curved.map(|(_, radius)| Exterior::new(&lattice, &stencil, shape, &boundary, radius)),
+            exterior: Exterior::new((&lattice, shape), &stencil, &boundary, (&materials, parts.front.is_some())),
             patch_weights,
             patch_own,
             lattice,

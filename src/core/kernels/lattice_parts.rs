@@ -124,7 +124,8 @@ impl<L: Laws> Stiffness<'_, L> {
             Side::Mirror | Side::Curved => 0.0,
         };
         let excess = |near: usize, far: usize, cells: usize| {
-            let own = |side: usize, layer: usize| stiffness(side) * stencil.at(2 * layer + 1, 0);
+            let at = |side: usize, cells: usize| if side < 2 { stencil.at(cells, 0) } else { stencil.at(0, cells) };
+            let own = |side: usize, layer: usize| stiffness(side) * at(side, 2 * layer + 1);
             (0..cells).map(|layer| own(near, layer) + own(far, cells - 1 - layer)).fold(0.0, f64::max)
         };
         let across = if lattice.dimension == 1 { 0.0 } else { excess(2, 3, lattice.rows) };

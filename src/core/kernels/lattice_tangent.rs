@@ -1,5 +1,6 @@
 //! The operator on a lattice for small changes of potentials around a state.
 
+use crate::boundary::curved_wall::Contact;
 use crate::boundary::patch::Face;
 use crate::boundary::pipe::Sink;
 use crate::kernels::around::Around;
@@ -97,7 +98,7 @@ impl<L: Laws> LatticeBalance<L> {
             let slope = |face: &Face, image: f64, depth: f64| {
                 face.ghost_slope(image, depth, &thermal.curve, thermal.zero_potential)
             };
-            let depth = |layer: usize| (layer as f64 + 0.5) * around.lattice.spacing;
+            let depth = |layer: usize| around.depth(side, layer);
             let table = &mut slopes.by_side[side];
             if side < 2 {
                 let beyond = around.shape.reach_rows as i64;
@@ -122,7 +123,10 @@ impl<L: Laws> LatticeBalance<L> {
         if let (Some(exterior), Some((patch, _))) = (&around.exterior, self.boundary.curved) {
             let (face, thermal) = (&around.faces[patch], around.thermal_of(patch));
             let potential = |particle: usize| around.laws.potential_of(particle, enthalpy[particle]);
-            let slope = |particle: usize, depth: f64| face.flux_slope(potential(particle), depth, thermal);
+            let slope = |contact: &Contact, particle: usize, depth: f64| {
+                let (own, other) = (potential(contact.particle as usize), potential(particle));
+                if contact.is_beyond(own, other) { 0.0 } else { face.flux_slope(other, depth, thermal) }
+            };
             exterior.contacts.slopes(slope, &mut slopes.curved);
         }
         slopes

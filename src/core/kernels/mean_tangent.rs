@@ -6,7 +6,7 @@
 //! their changes is part of the tangent.
 
 use crate::bonds::exchange::{Exchange, Mean};
-use crate::boundary::curved_wall::Rim;
+use crate::boundary::curved_wall::{Contact, Rim};
 use crate::boundary::patch::Face;
 use crate::kernels::enthalpy_rows::Linearised;
 use crate::kernels::rows::ListRows;
@@ -84,7 +84,7 @@ impl<T: PairTerm> ListRows<T> {
         };
         tangent.views.resize_with(self.parts.rims.len(), Vec::new);
         for (number, Rim { patch, contacts, .. }) in self.standing(time) {
-            let slope = |particle: usize, depth: f64| of_wall(&self.faces[0][*patch], particle, depth);
+            let slope = |_: &Contact, particle: usize, depth: f64| of_wall(&self.faces[0][*patch], particle, depth);
             contacts.slopes(slope, &mut tangent.views[number]);
         }
         self.linearise_pipes(time, tangent);

@@ -4,7 +4,7 @@ use std::array::from_fn;
 
 use crate::bonds::exchange::{Exchange, Mean};
 use crate::bonds::pair_list::PairList;
-use crate::boundary::curved_wall::Rim;
+use crate::boundary::curved_wall::{Contact, Rim};
 use crate::boundary::interface::Way;
 use crate::boundary::patch::{Face, MOST_PATCHES};
 use crate::boundary::shells::Touch;
@@ -173,7 +173,7 @@ impl<T: PairTerm> ListRows<T> {
         let flux = match self.parts.exchange {
             Exchange::Potential => {
                 let way = self.parts.chains.of_touch(number, &materials.thermals);
-                self.through_wall(way, particle, patch, touch.depth)
+                self.through_wall(way, (particle, fields.potential[particle]), patch, touch.depth)
             }
             Exchange::Mean(_) | Exchange::Upstream => {
                 let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
@@ -183,10 +183,10 @@ impl<T: PairTerm> ListRows<T> {
         touch.area * flux
     }
 
-    /// Flux (W/m2) through a wall into a particle at a depth (m) behind it, by what lies between them.
+    /// Flux (W/m2) through a wall into a particle of a potential (W/m) at a depth (m) behind it, by what lies between them.
     #[inline]
-    fn through_wall(&self, way: Option<Way<'_>>, particle: usize, patch: usize, depth: f64) -> f64 {
-        let (materials, potential) = (&self.parts.materials, self.fields.potential[particle]);
+    fn through_wall(&self, way: Option<Way<'_>>, (particle, potential): (usize, f64), patch: usize, depth: f64) -> f64 {
+        let materials = &self.parts.materials;
         match way {
             None => {
                 let material = materials.index(particle);
@@ -215,9 +215,11 @@ impl<T: PairTerm> ListRows<T> {
     fn contact(&self, time: f64, rate: &mut [f64], patches: &mut [f64]) {
         let (materials, fields) = (&self.parts.materials, &self.fields);
         for (number, Rim { patch, contacts, .. }) in self.standing(time) {
-            let by_potential = |particle: usize, depth: f64| {
+            let by_potential = |contact: &Contact, particle: usize, depth: f64| {
                 let way = self.parts.chains.of_rim(number, particle, &materials.thermals);
-                self.through_wall(way, particle, *patch, depth)
+                let potential = |particle: usize| fields.potential[particle];
+                let seen = contact.seen(potential(contact.particle as usize), potential(particle));
+                self.through_wall(way, (particle, seen), *patch, depth)
             };
             let by_temperature = |particle: usize, depth: f64| {
                 let (temperature, conductivity) = (fields.temperature[particle], fields.conductivity[particle]);
@@ -227,7 +229,9 @@ impl<T: PairTerm> ListRows<T> {
             let mut sum = Sum::default();
             for contact in &contacts.contacts {
                 let gain = match self.parts.exchange {
-                    Exchange::Potential => contacts.gain(contact, by_potential),
+                    Exchange::Potential => {
+                        contacts.gain(contact, |particle, depth| by_potential(contact, particle, depth))
+                    }
                     Exchange::Mean(_) | Exchange::Upstream => contacts.gain(contact, by_temperature),
                 };
                 rate[contact.particle as usize] += gain;

@@ -1,7 +1,7 @@
 //! The operator on a list for small changes of potentials around a state.
 
 use crate::bonds::exchange::Exchange;
-use crate::boundary::curved_wall::Rim;
+use crate::boundary::curved_wall::{Contact, Rim};
 use crate::boundary::interface::Way;
 use crate::kernels::diagonal_pairs::Columns;
 use crate::kernels::enthalpy_rows::Linearised;
@@ -71,9 +71,12 @@ impl<T: PairTerm> ListRows<T> {
         tangent.time = time;
         tangent.views.resize_with(parts.rims.len(), Vec::new);
         for (number, Rim { patch, contacts, .. }) in self.standing(time) {
-            let slope = |particle: usize, depth: f64| {
+            let slope = |contact: &Contact, particle: usize, depth: f64| {
+                let potential = |particle: usize| self.fields.potential[particle];
+                let (own, other) = (potential(contact.particle as usize), potential(particle));
                 let way = parts.chains.of_rim(number, particle, &parts.materials.thermals);
-                self.through_wall_slope(way, particle, *patch, depth)
+                let slope = || self.through_wall_slope(way, particle, *patch, depth);
+                if contact.is_beyond(own, other) { 0.0 } else { slope() }
             };
             contacts.slopes(slope, &mut tangent.views[number]);
         }

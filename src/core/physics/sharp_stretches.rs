@@ -2,7 +2,6 @@
 
 use crate::instruction_set::widest;
 use crate::physics::latent_heat::Materials;
-use crate::physics::thermal::Thermal;
 
 /// Particles that are looked at together: mostly none of them freezes.
 const LOOK: usize = 32;
@@ -37,12 +36,7 @@ pub(super) fn stretches(
         .thermals
         .iter()
         .map(|thermal| {
-            if !thermal.curve.is_sharp() {
-                return None;
-            }
-            let interval = interval(thermal);
-            // As the law itself has it, to the last bit.
-            let potential = thermal.law.potential(0.5 * (interval.0 + interval.1));
+            let (interval, potential) = (thermal.freezing_interval()?, thermal.front_potential()?);
             let far = |temperature: f64| (thermal.potential_at(temperature) - potential).abs();
             sharp.push(Sharp { interval, potential, most: far(temperatures.0).max(far(temperatures.1)) });
             Some(sharp.len() as u32 - 1)
@@ -57,12 +51,6 @@ pub(super) fn stretches(
         }
     }
     (sharp, stretches)
-}
-
-/// Enthalpies (J/m3) that a particle carries at the freezing point, frozen and unfrozen.
-fn interval(thermal: &Thermal) -> (f64, f64) {
-    let unfrozen = thermal.enthalpy(thermal.curve.freezing_point());
-    (unfrozen - thermal.curve.latent_heat(), unfrozen)
 }
 
 widest!(find_widely, find_each, (enthalpy: &[f64], first: u32, range: (f64, f64), freezing: &mut Vec<u32>));

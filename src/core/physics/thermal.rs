@@ -31,6 +31,17 @@ pub struct Thermal {
 }
 
 impl Thermal {
+    /// Enthalpies (J/m3) of a particle at the freezing point, frozen and unfrozen; none where it freezes over an interval.
+    pub fn freezing_interval(&self) -> Option<(f64, f64)> {
+        let unfrozen = self.enthalpy(self.curve.freezing_point());
+        self.curve.is_sharp().then(|| (unfrozen - self.curve.latent_heat(), unfrozen))
+    }
+
+    /// Potential (W/m) at the freezing point, as the law itself has it, to the last bit; none where it freezes over an interval.
+    pub fn front_potential(&self) -> Option<f64> {
+        self.freezing_interval().map(|(frozen, unfrozen)| self.law.potential(0.5 * (frozen + unfrozen)))
+    }
+
     /// Prepares a material of a body that starts at a temperature, from which enthalpies count; those of water count from saturation.
     pub fn new(curve: Curve, initial_temperature: f64) -> Self {
         let zero_temperature = if curve.moisture().is_some() { 0.0 } else { initial_temperature };

@@ -49,6 +49,7 @@ pipe_radius_m = 0.1
 temperature_c = 0
 [[pipes]]
 from_m = {}
+[anisotropy]
 [random.conductivity]
 [random.permeability]
 [watch]

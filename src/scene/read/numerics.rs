@@ -13,11 +13,13 @@ use crate::method::{MethodKind, MethodSettings, SceneFacts};
 use crate::settings::{Arrangement, Front, IntegratorChoice, Numerics, SearchChoice, Setting, StepChoice, UPSTREAM};
 use frazil_core::balances::groundwater::numerics::{Advection, Conduction, FlowNumerics};
 use frazil_core::bonds::exchange::{Exchange, Mean};
+use frazil_core::bonds::stencil::longest_reach;
 use frazil_core::boundary::wall_layers::WallModel;
 use frazil_core::physics::latent_heat::{LatentHeatScheme, Mushy};
 use frazil_core::physics::material::Material;
 use frazil_core::physics::retention::scale::DRY;
 use frazil_core::space::domain::Domain;
+use glam::DVec2;
 
 /// Error of one step where a scene does not say, by integrator: heat in the wrong place over the heat held (see
 /// docs/theory/time.md for what it costs and gives).
@@ -40,6 +42,8 @@ const INTERVAL: (&str, &str) = ("interval", "K");
 /// What the checks of numerics need to know of the scene.
 pub(super) struct Setup<'a> {
     pub(super) domain: Option<&'a Domain>,
+    /// Conductivity along x and along y, over that of the materials.
+    pub(super) along: DVec2,
     pub(super) materials: &'a [Material],
     /// Whether heat comes in by a flux or a film.
     pub(super) brings_heat: bool,
@@ -121,18 +125,20 @@ fn method(section: &mut Section<'_>, setup: &Setup<'_>, kind: &'static MethodKin
         one_material: setup.materials.len() <= 1 && !water,
     };
     let discretisation = (kind.read)(section, setting, &numerics, &facts);
+    let reach = longest_reach(discretisation.weight.as_ref(), setup.along);
     if let (true, Some(domain)) = (fits, setup.domain) {
         // Between straight walls pairs may reach images of images. Noise would have to tell all these apart; and a
         // curved wall has none.
         if kind.stochastic || matches!(domain, Domain::Ring { .. }) {
-            spacing::reaches(section, numerics.spacing, discretisation.weight.reach(), domain);
+            spacing::reaches(section, numerics.spacing, reach, domain);
         }
     }
     let fronts = section.temperatures().is_some_and(|range| has_slow_fronts(setup.materials, range, setup.has_flux));
     if front.is_none() && setting == Setting::Best && fronts {
-        numerics.front = best_front(&numerics, setup, kind, discretisation.weight.reach());
+        numerics.front = best_front(&numerics, setup, kind, reach);
     }
-    MethodSettings { method: kind.name, setting, numerics, discretisation: Arc::new(discretisation), bound: None }
+    let (discretisation, along) = (Arc::new(discretisation), setup.along);
+    MethodSettings { method: kind.name, setting, numerics, discretisation, along, bound: None }
 }
 
 /// Fronts inside particles wherever they go with everything else: they are of one order more.

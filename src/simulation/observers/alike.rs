@@ -80,6 +80,8 @@ fn images(scene: &Scene, places: &[Place]) -> Vec<Vec<usize>> {
         let to = place.1.normalize();
         [(mirrored(first.normalize()).rotate(to), false), (first.normalize().rotate(to), true)]
     });
+    // Ground that conducts by direction is the same after half a turn, and mirrored at an axis.
+    let moves = moves.filter(|(turn, _)| scene.conducts_alike() || turn.y.abs() <= SAME);
     let image = |(turn, mirror): (DVec2, bool)| -> Option<Vec<usize>> {
         let moved = |place: DVec2| turn.rotate(if mirror { mirrored(place) } else { place });
         places.iter().map(|(ring, place)| known.find((*ring, moved(*place)))).collect()

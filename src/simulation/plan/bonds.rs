@@ -7,7 +7,7 @@ use frazil_core::bonds::exchange::Exchange;
 use frazil_core::bonds::pair_list::PairList;
 use frazil_core::bonds::stencil::SHELL_TOLERANCE;
 use frazil_core::bonds::weight::Normalisation;
-use frazil_core::boundary::curved_wall::{Contacts, Neighbourhood, Rim, cells_behind};
+use frazil_core::boundary::curved_wall::{Contacts, Neighbourhood, Rim, along_radius, cells_behind};
 use frazil_core::boundary::ghosts::Ghosts;
 use frazil_core::boundary::ghosts::passing::Passing;
 use frazil_core::boundary::interface::Chains;
@@ -31,7 +31,7 @@ use frazil_core::space::volumes::Volumes;
 use frazil_core::team::Team;
 use frazil_scene::Scene;
 use frazil_scene::method::MethodSettings;
-use frazil_scene::settings::SearchChoice;
+use frazil_scene::settings::{Front, SearchChoice};
 use glam::DVec2;
 
 use crate::interface;
@@ -45,7 +45,7 @@ struct Members {
     materials: Materials,
     volumes: Volumes,
     rows: usize,
-    /// Whether weights are those of the stencil, for rows beside a sweep.
+    /// Whether weights are those of the stencil: of rows beside a sweep, and where ground conducts by direction.
     by_stencil: bool,
 }
 
@@ -57,7 +57,8 @@ pub(super) fn list(
     team: Option<Team>,
 ) -> Result<(ListParts, Vec<WayOut>), Refused> {
     let (positions, materials, volumes) = (prepared.positions(), prepared.materials.clone(), prepared.volumes.clone());
-    let members = Members { rows: positions.len(), positions, materials, volumes, by_stencil: false };
+    let by_stencil = prepared.stencil.along() != DVec2::ONE;
+    let members = Members { rows: positions.len(), positions, materials, volumes, by_stencil };
     let (parts, ways_out) = parts(scene, settings, prepared, &members, team)?;
     let (sinks, rings) = (std::mem::take(&mut prepared.sinks), scene.rings.len());
     Ok((ListParts { sinks, rings, bound: settings.bound.clone(), ..parts }, ways_out))
@@ -104,7 +105,8 @@ fn parts(
         cuts = Cuts::new(&mut pairs, volumes, positions, &ghosts, &barriers);
     }
     if let Some(dug) = &boundary.dug {
-        rims.push(excavation::face(&pairs, positions, &ghosts, materials, dug, &mut cuts));
+        let ground = (materials, prepared.stencil.along(), numerics.front == Front::SubCell);
+        rims.push(excavation::face(&pairs, positions, &ghosts, ground, dug, &mut cuts));
     }
     let chains = if numerics.exchange == Exchange::Potential {
         let seen =
@@ -152,9 +154,14 @@ fn bonds(
         let made = if naive { naive_shells } else { shells };
         (made(&scene.domain, lattice, stencil, boundary)?, (Contacts::default(), Vec::new()))
     } else {
-        let reach = settings.discretisation.weight.reach();
-        let ghosts = Ghosts::new(positions, lattice, boundary, reach, walls == WallModel::MovingLeastSquares);
-        let (mut pairs, contacts, ways_out) = pairs(members, &ghosts, prepared, settings);
+        let reach = settings.reach();
+        let mut ghosts = Ghosts::new(positions, lattice, boundary, reach, walls == WallModel::MovingLeastSquares);
+        let (mut pairs, mut contacts, ways_out) = pairs(members, &ghosts, prepared, settings);
+        let along = stencil.along();
+        if along != DVec2::ONE {
+            ghosts.conduct(along);
+            contacts.conduct(|particle| along_radius(along, positions[particle as usize]));
+        }
         match scene.domain.symmetry() {
             Some(symmetry) => print_shapes(&mut pairs, symmetry, positions, &ghosts)?,
             None => {
@@ -182,13 +189,14 @@ fn pairs(
     members: &Members,
     ghosts: &Ghosts,
     prepared: &Prepared,
-    MethodSettings { numerics, discretisation, .. }: &MethodSettings,
+    settings: &MethodSettings,
 ) -> (PairList, Contacts, Vec<WayOut>) {
     let Prepared { lattice, boundary, stencil, .. } = prepared;
     let Members { positions, rows, by_stencil, .. } = members;
+    let MethodSettings { numerics, discretisation, .. } = settings;
     let (weight, flows) = (discretisation.weight.as_ref(), numerics.flow.is_some());
     // On a lattice a radius that falls on a shell must not depend on rounding.
-    let limit = weight.reach() * (1.0 + SHELL_TOLERANCE);
+    let limit = settings.reach() * (1.0 + SHELL_TOLERANCE);
     let mut points = positions.to_vec();
     points.extend_from_slice(&ghosts.position);
     let (count, rows) = (positions.len(), *rows);
@@ -251,16 +259,18 @@ fn pairs(
     let Some((patch, radius)) = boundary.curved else { return (pairs, Contacts::default(), Vec::new()) };
     let layers = boundary.patches[patch].layers;
     let behind = |i: usize| behind(i).map(|(way, depth, pair)| (way, depth, scale[i] * pair)).collect();
-    let (contacts, ways_out) = cut_by_curve(members, ghosts, &pairs, (radius, layers), &behind);
+    let (contacts, ways_out) =
+        cut_by_curve(members, ghosts, &pairs, (radius, layers), numerics.front == Front::SubCell, &behind);
     (pairs, contacts, if flows { ways_out } else { Vec::new() })
 }
 
-/// What becomes of pairs that a curved wall of a radius (m) cuts; `behind` gives the way, depth and weight of those of a particle.
+/// What becomes of pairs that a curved wall of a radius (m) cuts, where fronts inside particles may be followed; `behind` gives the way, depth and weight of those of a particle.
 fn cut_by_curve(
     Members { positions, materials, rows, .. }: &Members,
     ghosts: &Ghosts,
     pairs: &PairList,
     (radius, layers): (f64, bool),
+    followed: bool,
     behind: &dyn Fn(usize) -> Vec<(DVec2, f64, f64)>,
 ) -> (Contacts, Vec<WayOut>) {
     let count = positions.len();
@@ -286,7 +296,7 @@ fn cut_by_curve(
                 near.pair(particle, pairs.weights[k], radius - positions[particle as usize].length());
             }
         }
-        contacts.add(i as u32, &near, sum);
+        contacts.add(i as u32, &near, sum, followed.then(|| materials.of(i).front_potential()).flatten());
     }
     (contacts, ways_out)
 }

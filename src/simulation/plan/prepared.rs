@@ -112,7 +112,7 @@ impl Prepared {
             true => Vec::new(),
             false => start::volume_errors(scene, &lattice, cloud.as_deref()),
         };
-        let stencil = discretisation.stencil(lattice.spacing, lattice.dimension);
+        let stencil = settings.stencil(lattice.spacing, lattice.dimension);
         if !stencil.sum().is_finite() || stencil.sum() <= 0.0 {
             return Err(Refused::NoPair);
         }

@@ -121,6 +121,7 @@ impl Fold {
         match (*self, scene.domain) {
             (Fold::Line { along_y, .. }, Domain::Rectangle { width, height }) => {
                 smaller.domain = Domain::Line { length: if along_y { height } else { width } };
+                smaller.along = DVec2::new(scene.along[usize::from(along_y)], 1.0);
                 let ends = WallId::ends(false).into_iter().zip(WallId::ends(along_y));
                 let wall = |(wall, own)| Some(Wall { wall, condition: scene.wall(own)?.clone() });
                 smaller.walls = ends.filter_map(wall).collect();

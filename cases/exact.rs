@@ -141,7 +141,7 @@ fn direction(scene: &Scene) -> Result<(WallId, Option<&Condition>, f64), Unsolve
     }
     let initial = scene.initial_temperature;
     let is_still = |wall: WallId| match scene.wall(wall) {
-        None | Some(Condition::Symmetry) => true,
+        None | Some(Condition::Symmetry | Condition::Periodic) => true,
         Some(Condition::Temperature(series)) => series.constant() == Some(initial),
         Some(Condition::Exact) => true,
         Some(Condition::Flux(_) | Condition::Film { .. } | Condition::Runoff { .. } | Condition::FreeDrainage) => false,
@@ -156,7 +156,7 @@ fn direction(scene: &Scene) -> Result<(WallId, Option<&Condition>, f64), Unsolve
     }
     for wall in &scene.walls {
         let is_side = wall.wall != near && wall.wall != far;
-        if is_side && wall.condition != Condition::Symmetry {
+        if is_side && !scene.is_closed(wall.wall) {
             return Err(Unsolved::NotInsulated(wall.wall));
         }
     }

@@ -70,6 +70,14 @@ fn scene_of(features: &[Feature], kind: &MethodKind) -> Option<Sketch> {
             _ => sketch.wall("outer", wet),
         };
     }
+    if has(Feature::PeriodicWalls) {
+        if !matches!(domain, Domain::Rectangle { .. }) || water {
+            return None;
+        }
+        for wall in ["bottom", "top"] {
+            sketch = sketch.wall(wall, "condition = \"periodic\"");
+        }
+    }
     if has(Feature::WallParts) {
         if !matches!(domain, Domain::Rectangle { .. }) {
             return None;

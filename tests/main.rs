@@ -49,6 +49,7 @@ mod manufactured;
 mod measured;
 mod moving;
 mod order;
+mod periodic;
 mod pipes;
 mod printed;
 mod profiles;

@@ -38,6 +38,8 @@ pub enum Feature {
     Shells,
     /// The plan of a ring.
     Ring,
+    /// Walls at which the body goes on at the opposite one.
+    PeriodicWalls,
     /// Walls whose parts have conditions of their own.
     WallParts,
     /// Regions that release heat.
@@ -120,17 +122,19 @@ const BY_PAIRS: &str = "the lattice sweep does not support it";
 const FREEZING_UNSATURATED: &str = "ice, water and air in the same pores need a law for their pressures";
 const CURVED_WALL: &str = "the water flux through a curved wall is not a sum over pairs";
 const WHOLE_LATTICE: &str = "sub-cell fronts are located along the rows of a lattice";
+const IMAGES: &str = "behind walls there are mirror images of them";
+const NOT_FITTED: &str = "behind periodic walls there are the particles at the opposite wall";
 const ISOTROPIC_WALL: &str = "the exchange at this kind of wall is fitted for an isotropic conductivity";
 const FIXED_LAYERS: &str = "the layers of the wall cannot be cut";
 
 /// All pairs that exclude each other.
-pub const EXCLUSIONS: [Exclusion; 81] = {
+pub const EXCLUSIONS: [Exclusion; 89] = {
     use Feature::{
         Anisotropy, ApparentCapacity, Cracks, Excavation, ExplicitSteps, FittedWalls, Flags, FreezingCurve,
         GradientAdvection, Gravity, Groundwater, HeatSources, Implicit, InitialProfile, InnerLayers, LatticeSearch,
-        LatticeWeights, ListSearch, NaiveOpenWalls, NothingSharp, OwnSteps, PairMeans, Pipes, RandomConductivity, Ring,
-        Rkl2, Shells, Solute, Stages, SubCellFronts, Surfaces, UnevenParticles, UnsaturatedWater, WallParts,
-        WholePhases,
+        LatticeWeights, ListSearch, NaiveOpenWalls, NothingSharp, OwnSteps, PairMeans, PeriodicWalls, Pipes,
+        RandomConductivity, Ring, Rkl2, Shells, Solute, Stages, SubCellFronts, Surfaces, UnevenParticles,
+        UnsaturatedWater, WallParts, WholePhases,
     };
     [
         row(Groundwater, UnsaturatedWater, FREEZING_UNSATURATED),
@@ -165,6 +169,14 @@ pub const EXCLUSIONS: [Exclusion; 81] = {
         row(FittedWalls, Anisotropy, ISOTROPIC_WALL),
         row(InnerLayers, Anisotropy, ISOTROPIC_WALL),
         row(NaiveOpenWalls, Anisotropy, ISOTROPIC_WALL),
+        row(PeriodicWalls, Groundwater, "groundwater is driven and counted by the conditions at its walls"),
+        row(PeriodicWalls, Shells, "shells do not repeat along the radius"),
+        row(PeriodicWalls, Pipes, "gaps between pipes are those of one period"),
+        row(PeriodicWalls, Cracks, IMAGES),
+        row(PeriodicWalls, WallParts, IMAGES),
+        row(FittedWalls, PeriodicWalls, NOT_FITTED),
+        row(InnerLayers, PeriodicWalls, NOT_FITTED),
+        row(NaiveOpenWalls, PeriodicWalls, NOT_FITTED),
         row(RandomConductivity, Shells, "a random field does not have the symmetry of shells"),
         row(Groundwater, WallParts, "inflow through a wall has one temperature"),
         row(OwnSteps, Groundwater, "its noise balances conduction only, not advection"),
@@ -234,7 +246,7 @@ pub fn exclusions(features: &[Feature]) -> impl Iterator<Item = &'static Exclusi
 }
 
 /// All features, in words as messages have them, and where each is asked for.
-const FEATURES: [(Feature, &str, Place); 35] = [
+const FEATURES: [(Feature, &str, Place); 36] = [
     (Feature::UnsaturatedWater, "balance = \"water\"", Place::Scene("balance")),
     (Feature::Gravity, "\"gravity\"", Place::Scene("gravity")),
     (Feature::Solute, "a solute", Place::Scene("materials")),
@@ -247,6 +259,7 @@ const FEATURES: [(Feature, &str, Place); 35] = [
     (Feature::Surfaces, "\"watch.surfaces\"", Place::Scene("watch")),
     (Feature::Shells, "a body of shells", Place::Scene("domain")),
     (Feature::Ring, "the domain \"ring\"", Place::Scene("domain")),
+    (Feature::PeriodicWalls, "condition = \"periodic\"", Place::Scene("walls")),
     (Feature::WallParts, "a wall in parts", Place::Scene("walls")),
     (Feature::HeatSources, "\"heat\" of a region", Place::Scene("regions")),
     (Feature::InitialProfile, "a start that varies in place", Place::Scene("initial")),

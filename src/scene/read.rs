@@ -43,7 +43,7 @@ use crate::pipe_ring::PipeRing;
 use crate::profile::{Profile, ProfileValues};
 use crate::random::RandomGround;
 use crate::region::{Region, Shape};
-use crate::scene::{Scene, Temperatures, WallPart, Watch, has_flux};
+use crate::scene::{Scene, Temperatures, Wall, WallPart, Watch, has_flux};
 use crate::solute::Solute;
 use crate::stream::Stream;
 use crate::units::Units;
@@ -221,20 +221,23 @@ struct Asked {
     heated: bool,
     /// Whether the start varies in place.
     slopes: bool,
+    /// Whether the body repeats.
+    repeats: bool,
 }
 
 impl Asked {
     fn of(
         (of_water, solute, watch): (bool, &Read<Option<Solute>>, &Read<Watch>),
-        (random, initial): (&RandomGround, &Initial),
+        (random, initial, walls): (&RandomGround, &Initial, &[Wall]),
         (regions, impermeable, wall_parts): (&[Region], &[Shape], &[WallPart]),
     ) -> Self {
+        let repeats = walls.iter().any(|wall| wall.condition == Condition::Periodic);
         let surfaces = watch.as_ref().is_ok_and(|watch| !watch.surfaces.is_empty());
         let slopes = initial.as_ref().is_ok_and(|initial| initial.1.is_some());
         let heated = regions.iter().any(|region| region.heat.is_some());
         let carries = matches!(solute, Ok(Some(_)));
         let (walled, varies) = (!impermeable.is_empty(), random.conductivity.is_some());
-        Asked { of_water, carries, surfaces, walled, varies, in_parts: !wall_parts.is_empty(), heated, slopes }
+        Asked { of_water, carries, surfaces, walled, varies, in_parts: !wall_parts.is_empty(), heated, slopes, repeats }
     }
 }
 
@@ -253,6 +256,7 @@ fn features(root: &Section<'_>, domain: Option<&Domain>, materials: &[Material],
         (asked.surfaces, Feature::Surfaces),
         (domain.is_some_and(|domain| domain.symmetry().is_some()), Feature::Shells),
         (matches!(domain, Some(Domain::Ring { .. })), Feature::Ring),
+        (asked.repeats, Feature::PeriodicWalls),
         (asked.in_parts, Feature::WallParts),
         (asked.heated, Feature::HeatSources),
         (asked.slopes, Feature::InitialProfile),
@@ -361,9 +365,9 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
     let watch = watch::watch(&mut root, body, time.as_mut().map_err(|noted| *noted));
     watch.iter().filter(|_| of_water).for_each(|watch| only_of_heat(&mut root, watch));
     let solute = balance.solute(&mut root, known, initial_concentration);
-    let random = random::random(&mut root, body);
-    let along = anisotropy::anisotropy(&mut root, body);
-    let asked = Asked::of((of_water, &solute, &watch), (&random, &initial), (&regions, &impermeable, &wall_parts));
+    let (random, along) = (random::random(&mut root, body), anisotropy::anisotropy(&mut root, body));
+    let asked =
+        Asked::of((of_water, &solute, &watch), (&random, &initial, &walls), (&regions, &impermeable, &wall_parts));
     let features = &features(&root, body, known, &asked);
     let gravity = gravity::gravity(&mut root, &domain, (of_water, known), (&walls, &wall_parts));
     let refused = refuse(&mut root, features);

@@ -475,11 +475,11 @@ impl Scene {
         Some(own.map(|ends| ends[1] - ends[0]).sum())
     }
 
-    /// Whether no heat crosses a wall and its parts, or the domain has no such wall.
+    /// Whether no heat leaves through a wall and its parts, or the domain has no such wall.
     pub fn is_closed(&self, wall: WallId) -> bool {
         let mut parts = self.wall_parts.iter().filter(|part| part.wall == wall);
-        self.wall(wall).is_none_or(|condition| *condition == Condition::Symmetry)
-            && parts.all(|part| part.condition == Condition::Symmetry)
+        let closed = |condition: &Condition| matches!(condition, Condition::Symmetry | Condition::Periodic);
+        self.wall(wall).is_none_or(closed) && parts.all(|part| part.condition == Condition::Symmetry)
     }
 
     /// The settings of a method, if the scene has them.

@@ -73,7 +73,7 @@ fn has_other_cold(scene: &Scene) -> bool {
     let cold = |condition: &Condition| match condition {
         Condition::Temperature(series) | Condition::Film { ambient: series, .. } => series.range().0 <= least,
         Condition::Flux(flux) => flux.range().0 < 0.0,
-        Condition::Symmetry | Condition::Runoff { .. } | Condition::FreeDrainage => false,
+        Condition::Symmetry | Condition::Periodic | Condition::Runoff { .. } | Condition::FreeDrainage => false,
         Condition::Exact => true,
     };
     let starts = scene.regions.iter().filter_map(|region| region.temperature).chain([scene.initial_temperature]);

@@ -130,7 +130,7 @@ fn direction(scene: &Scene) -> Option<f64> {
     };
     [1.0, -1.0].into_iter().find(|sign| {
         let wall = |condition: &Condition| match condition {
-            Condition::Symmetry => true,
+            Condition::Symmetry | Condition::Periodic => true,
             Condition::Temperature(series) => pulls(series, *sign),
             Condition::Film { strength, ambient, .. } => !strength.changes() && pulls(ambient, *sign),
             Condition::Flux(_) | Condition::Runoff { .. } | Condition::FreeDrainage | Condition::Exact => false,

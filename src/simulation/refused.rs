@@ -93,6 +93,9 @@ pub enum Refused {
     /// A sweep over a lattice that is too narrow for it.
     #[error("search = \"lattice\" needs a body at least as wide as the reach of pairs: set \"auto\"")]
     NarrowLattice,
+    /// A body that repeats after less than the reach of its pairs.
+    #[error("walls with condition = \"periodic\" must be at least as far apart as pairs reach")]
+    NarrowPeriod,
     /// Cracks in a body that is too narrow for them.
     #[error("cracks and impermeable parts need a body at least as wide as the reach of pairs")]
     NarrowCracks,

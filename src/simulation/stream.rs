@@ -51,7 +51,7 @@ fn carried(scene: &Scene, greatest: f64) -> Option<impl Fn(f64, f64) -> Option<f
     let ((_, begin), start) = stream.reset?;
     let material = &scene.materials[0];
     let constant = scene.conditions().all(|condition| match condition {
-        Condition::Symmetry => true,
+        Condition::Symmetry | Condition::Periodic => true,
         Condition::Temperature(series) => !series.changes(),
         _ => false,
     });

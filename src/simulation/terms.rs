@@ -101,6 +101,12 @@ impl Parts<'_> {
         if self.materials.mixed() {
             used.push(format!("{} materials, with interfaces", self.scene.materials.len()));
         }
+        if !self.scene.conducts_alike() {
+            used.push(format!(
+                "a conductivity along y of {} times that along x",
+                self.scene.along.y / self.scene.along.x
+            ));
+        }
         used.extend(self.scene.random.variations().map(|(name, varied)| {
             format!("a random {name}, standard deviation of its logarithm {}", varied.log_deviation)
         }));

@@ -58,7 +58,11 @@ pub fn boundary(
         }
     }
     let whole = |wall: WallId| patches.iter().position(|patch| patch.id == PatchId::Whole(wall));
-    let side = |wall: WallId| whole(wall).map_or(Side::Mirror, Side::Wall);
+    let side = |wall: WallId| match whole(wall) {
+        None => Side::Mirror,
+        Some(patch) if patches[patch].condition == Condition::Periodic => Side::Periodic,
+        Some(patch) => Side::Wall(patch),
+    };
     let (sides, curved) = match scene.domain {
         Domain::Line { .. } => ([side(WallId::Left), side(WallId::Right), Side::Mirror, Side::Mirror], None),
         Domain::Rectangle { .. } => {

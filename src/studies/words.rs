@@ -196,6 +196,7 @@ impl Words<'_> {
 
     fn condition(&self, condition: &Condition) -> String {
         match condition {
+            Condition::Periodic => "periodic".into(),
             Condition::Symmetry if self.scene.of_water => "mirror plane, no water crosses".into(),
             Condition::Flux(value) if self.scene.of_water => {
                 format!("water flux into the body: {}", self.series(value, "m/s"))

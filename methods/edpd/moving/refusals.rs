@@ -42,6 +42,7 @@ pub fn refuse(scene: &Scene) -> Result<(), MotionError> {
         (!scene.impermeable.is_empty(), "impermeable parts"),
         (!scene.rings.is_empty(), "freeze pipes"),
         (scene.flow.is_some(), "groundwater"),
+        (!scene.conducts_alike(), "an anisotropic conductivity"),
         (!scene.random.is_even(), "ground that varies at random"),
         (scene.has_heat_sources(), "regions that release heat"),
         (!scene.watch.surfaces.is_empty(), "heat through surfaces"),
@@ -52,7 +53,7 @@ pub fn refuse(scene: &Scene) -> Result<(), MotionError> {
     let whole = scene.walls.iter().map(|wall| (wall.wall, &wall.condition));
     for (wall, condition) in whole.chain(scene.wall_parts.iter().map(|part| (part.wall, &part.condition))) {
         let kind = match condition {
-            Condition::Symmetry | Condition::Temperature(_) => continue,
+            Condition::Symmetry | Condition::Periodic | Condition::Temperature(_) => continue,
             Condition::Flux(_) => "a flux",
             Condition::Film { .. } => "a film",
             Condition::Runoff { .. } => "rain",

@@ -8,6 +8,8 @@ use crate::series::Series;
 pub enum Condition {
     /// No heat crosses: a mirror plane.
     Symmetry,
+    /// The body goes on at the opposite wall.
+    Periodic,
     /// The wall has this temperature.
     Temperature(Series),
     /// This heat flux enters the body (W/m2; negative when it leaves).
@@ -43,7 +45,11 @@ impl Condition {
             Condition::Temperature(series)
             | Condition::Film { ambient: series, .. }
             | Condition::Runoff { ponding: series, .. } => Some(series),
-            Condition::Symmetry | Condition::Flux(_) | Condition::FreeDrainage | Condition::Exact => None,
+            Condition::Symmetry
+            | Condition::Periodic
+            | Condition::Flux(_)
+            | Condition::FreeDrainage
+            | Condition::Exact => None,
         }
     }
 
@@ -53,7 +59,11 @@ impl Condition {
             Condition::Flux(series)
             | Condition::Film { strength: series, .. }
             | Condition::Runoff { rain: series, .. } => Some(series),
-            Condition::Symmetry | Condition::Temperature(_) | Condition::FreeDrainage | Condition::Exact => None,
+            Condition::Symmetry
+            | Condition::Periodic
+            | Condition::Temperature(_)
+            | Condition::FreeDrainage
+            | Condition::Exact => None,
         };
         self.temperature().into_iter().chain(other)
     }

@@ -197,7 +197,7 @@ impl Patch {
         let through = if self.layers { 2.0 } else { 1.0 };
         match &self.condition {
             // Heads are even there, and heights are not.
-            Condition::Symmetry | Condition::FreeDrainage => Face::Even,
+            Condition::Symmetry | Condition::Periodic | Condition::FreeDrainage => Face::Even,
             Condition::Temperature(series) => at(series.at(time)),
             Condition::Flux(series) => Face::Flux(series.at(time)),
             Condition::Film { kind, strength, ambient } => {
@@ -223,12 +223,12 @@ impl Patch {
 
     /// Whether no heat passes but what the condition itself brings.
     pub fn is_closed(&self) -> bool {
-        matches!(self.condition, Condition::Symmetry | Condition::Flux(_))
+        matches!(self.condition, Condition::Symmetry | Condition::Periodic | Condition::Flux(_))
     }
 
     /// Whether heat may cross.
     pub fn lets_heat_through(&self) -> bool {
-        self.condition != Condition::Symmetry
+        !matches!(self.condition, Condition::Symmetry | Condition::Periodic)
     }
 }
 
@@ -239,6 +239,8 @@ pub enum Side {
     Wall(usize),
     /// A mirror plane of the domain.
     Mirror,
+    /// The body goes on at the opposite side.
+    Periodic,
     /// The domain ends in a curved wall before this side.
     Curved,
 }
@@ -288,8 +290,18 @@ impl Boundary {
         match side {
             Side::Wall(patch) => !self.patches[patch].lets_heat_through(),
             Side::Mirror => true,
-            Side::Curved => false,
+            Side::Periodic | Side::Curved => false,
         }
+    }
+
+    /// Whether the body goes on at the opposite side, along x and along y.
+    pub fn repeats(&self) -> [bool; 2] {
+        [0, 2].map(|side| self.sides[side] == Side::Periodic)
+    }
+
+    /// Whether it goes on there in any direction.
+    pub fn repeats_anywhere(&self) -> bool {
+        self.repeats() != [false; 2]
     }
 
     /// Whether walls are in parts.

@@ -61,8 +61,13 @@ impl<L: Laws> Around<L> {
     pub(super) fn face(&self, side: usize) -> &Face {
         match self.sides[side] {
             Side::Wall(patch) => &self.faces[patch],
-            Side::Mirror | Side::Curved => &Face::Even,
+            Side::Mirror | Side::Periodic | Side::Curved => &Face::Even,
         }
+    }
+
+    /// Whether particles exchange heat with others that are far from them in order.
+    pub(super) fn sees_far(&self) -> bool {
+        self.exterior.is_some() || self.sides.contains(&Side::Periodic)
     }
 
     /// Brings the walls that change, or all, to a time (s).
@@ -130,6 +135,10 @@ impl<L: Laws> Around<L> {
             self.complete(row, potentials);
             return;
         }
+        if self.sides[2] == Side::Periodic {
+            self.fill_any(row.rem_euclid(rows), enthalpy, potentials);
+            return;
+        }
         let (side, layer, image) = if row < 0 { (2, -1 - row, -1 - row) } else { (3, row - rows, 2 * rows - 1 - row) };
         if self.sides[side] == Side::Curved {
             self.exterior_row(row, potentials);
@@ -155,7 +164,7 @@ impl<L: Laws> Around<L> {
             for (side, ghost, image) in
                 [(0, reach - 1 - layer, reach + layer), (1, reach + columns + layer, reach + columns - 1 - layer)]
             {
-                if self.sides[side] != Side::Curved {
+                if !matches!(self.sides[side], Side::Curved | Side::Periodic) {
                     let other = self.ghost(side, self.face(side), potentials[image], place, layer);
                     potentials[ghost] = 0.5 * (potentials[ghost] + other);
                 }
@@ -198,6 +207,11 @@ impl<L: Laws> Around<L> {
     pub(super) fn columns(&self, place: usize, potentials: &mut [f64]) {
         let (reach, columns) = (self.shape.reach, self.lattice.columns);
         let (left, right) = (self.face(0), self.face(1));
+        if self.sides[0] == Side::Periodic {
+            potentials.copy_within(columns..columns + reach, 0);
+            potentials.copy_within(reach..2 * reach, reach + columns);
+            return;
+        }
         let (has_left, has_right) = (self.sides[0] != Side::Curved, self.sides[1] != Side::Curved);
         // The two commonest walls without asking again at each layer. In a body narrower than the reach, images are ghosts
         // themselves: there both sides take turns.

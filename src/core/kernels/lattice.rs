@@ -81,7 +81,7 @@ impl<L: Laws> LatticeBalance<L> {
         let stiffness = boundary.sides.map(|side| match side {
             Side::Wall(patch) => Some(around.faces[patch].stiffness()),
             Side::Mirror => Some(-1.0),
-            Side::Curved => None,
+            Side::Periodic | Side::Curved => None,
         });
         let corners = lattice_pairs(&around.lattice, &around.stencil, stiffness);
         let beside_fronts = parts.front.as_ref().map_or(0.0, SubCellFront::row_sum);
@@ -431,7 +431,7 @@ impl<L: Laws> Balance for LatticeBalance<L> {
 
 impl<L: Laws> Tangent for LatticeBalance<L> {
     fn shape(&mut self) -> TangentShape {
-        let Around { lattice, shape, exterior, faces, .. } = &self.around;
+        let Around { lattice, shape, faces, .. } = &self.around;
         let irregular = self.irregular.as_deref();
         // Particles see a curved wall through others, and behind a film deeper ghosts, and those of neighbours, follow otherwise.
         let one_each = shape.reach == 1 && self.around.stencil.at(1, 1) == 0.0;
@@ -440,7 +440,7 @@ impl<L: Laws> Tangent for LatticeBalance<L> {
         let symmetric = irregular.is_none_or(IrregularRows::is_symmetric);
         let scheduled = self.sinks.iter().any(|sink| sink.schedule.is_some() || sink.film.is_some());
         let constant = irregular.is_none_or(IrregularRows::is_constant) && self.boundary.is_linear();
-        let far = irregular.is_some_and(IrregularRows::has_rims) || exterior.is_some() || !self.sinks.is_empty();
+        let far = irregular.is_some_and(IrregularRows::has_rims) || self.around.sees_far() || !self.sinks.is_empty();
         let by_pairs = shape.reach_rows * lattice.columns + shape.reach.min(lattice.columns);
         TangentShape {
             is_symmetric: symmetric && !curved && (one_each || !film) && self.front.is_none(),

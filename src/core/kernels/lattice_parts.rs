@@ -121,7 +121,7 @@ impl<L: Laws> Stiffness<'_, L> {
         // A particle reaches its own image behind a wall at twice its distance from it.
         let stiffness = |side: usize| match boundary.sides[side] {
             Side::Wall(patch) => faces[patch].stiffness().max(0.0),
-            Side::Mirror | Side::Curved => 0.0,
+            Side::Mirror | Side::Periodic | Side::Curved => 0.0,
         };
         let excess = |near: usize, far: usize, cells: usize| {
             let at = |side: usize, cells: usize| if side < 2 { stencil.at(cells, 0) } else { stencil.at(0, cells) };
@@ -144,7 +144,7 @@ impl<L: Laws> Stiffness<'_, L> {
         stiffest.meet(largest * slope, || {
             let name = |side: &usize| match boundary.sides[*side] {
                 Side::Wall(patch) => Some(boundary.patches[patch].id.to_string()),
-                Side::Mirror | Side::Curved => None,
+                Side::Mirror | Side::Periodic | Side::Curved => None,
             };
             let names: Vec<String> = stiff.iter().filter_map(name).collect();
             format!("pair exchange of the particles at wall `{}`", names.join("` and `"))

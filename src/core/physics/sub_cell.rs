@@ -38,6 +38,8 @@ pub struct Extent {
     pub temperatures: (f64, f64),
     /// Left, right, bottom, top: whether what lies beyond is the mirror image of the body.
     pub mirrors: [bool; 4],
+    /// Along x and y: whether the body repeats.
+    pub repeats: [bool; 2],
     /// Whether fronts run along y, or along x, where nothing varies across.
     pub along_y: Option<bool>,
 }
@@ -90,7 +92,7 @@ impl SubCellFront {
         let (sharp, stretches) = stretches(materials, extent.temperatures, lattice.len(), mixed);
         let across = stencil.reach as i64;
         let reach = (across, if lattice.dimension == 1 { 0 } else { across });
-        let surroundings = Surroundings { reach, mirrors: extent.mirrors };
+        let surroundings = Surroundings { reach, mirrors: extent.mirrors, repeats: extent.repeats };
         let pairs = Pairs::new(stencil, &surroundings, extent.along_y);
         let longest = pairs.longest;
         let several = (lattice.dimension > 1).then(|| Window::new(&surroundings, longest));

@@ -108,6 +108,7 @@ pub(super) fn walls(
     }
     if let Some(domain) = domain {
         let all = walls_of(domain);
+        periodic_walls(section, &walls);
         for wall in all.iter().filter(|wall| !given.iter().any(|given| given == wall.name())) {
             section.note(wall.name(), "missing, every wall of the domain must have a condition");
         }
@@ -127,10 +128,29 @@ fn condition_of(wall: &mut Section<'_>, balance: &Balance) -> Read<Condition> {
 /// What happens to heat at a part of a wall.
 fn condition_of_part(part: &mut Section<'_>) -> Read<Condition> {
     let own = condition(part)?;
-    if own == Condition::Exact {
-        part.problem("condition", "found \"exact\", but a part of a wall has no exact solution");
+    let refused = match own {
+        Condition::Exact => "found \"exact\", but a part of a wall has no exact solution",
+        Condition::Periodic => "found \"periodic\", but only whole walls can be periodic",
+        _ => return Ok(own),
+    };
+    Err(part.problem("condition", refused))
+}
+
+/// A body goes on at the opposite wall on both sides, and has one that is straight.
+fn periodic_walls(section: &mut Section<'_>, walls: &[Wall]) {
+    let periodic =
+        |wall: WallId| walls.iter().any(|other| other.wall == wall && other.condition == Condition::Periodic);
+    for wall in walls.iter().map(|wall| wall.wall).filter(|wall| periodic(*wall)) {
+        match wall.opposite() {
+            Some(opposite) if periodic(opposite) => {}
+            Some(opposite) => {
+                section.note(wall.name(), format!("condition \"periodic\" needs the same at the wall \"{opposite}\""));
+            }
+            None => {
+                section.note(wall.name(), "condition \"periodic\" needs the domain \"line\" or \"rectangle\"");
+            }
+        }
     }
-    Ok(own)
 }
 
 /// What happens to heat at a wall.
@@ -165,7 +185,10 @@ pub(super) fn condition(wall: &mut Section<'_>) -> Read<Condition> {
         }
         (0, _) => wall.series(TEMPERATURE, allowed).map(Condition::Temperature),
         (1, _) => wall.series(FLUX, Range::ANY).map(Condition::Flux),
-        _ => wall.choice("condition", &[("symmetry", Condition::Symmetry), ("exact", Condition::Exact)]),
+        _ => wall.choice(
+            "condition",
+            &[("symmetry", Condition::Symmetry), ("periodic", Condition::Periodic), ("exact", Condition::Exact)],
+        ),
     }
 }
 

@@ -24,8 +24,13 @@ pub(super) fn excavation(
     if domain.is_some_and(|domain| !matches!(domain, Domain::Ring { .. })) {
         return Err(section.section_problem("an excavation needs the domain \"ring\""));
     }
-    if condition == Ok(Condition::Exact) {
-        return Err(section.problem("condition", "found \"exact\", the face of a shaft has no exact solution"));
+    let refused = match condition {
+        Ok(Condition::Exact) => Some("found \"exact\", the face of a shaft has no exact solution"),
+        Ok(Condition::Periodic) => Some("found \"periodic\", the face of a shaft has no opposite wall"),
+        _ => None,
+    };
+    if let Some(refused) = refused {
+        return Err(section.problem("condition", refused));
     }
     let radius = radius?;
     if let Some(Domain::Ring { outer_radius, .. }) = domain

@@ -30,7 +30,8 @@ pub(super) fn stream(
         None => f64::INFINITY,
     };
     for name in WallId::ends(false) {
-        if walls.iter().any(|wall| wall.wall == name && wall.condition != Condition::Symmetry) {
+        let closed = |wall: &Wall| matches!(wall.condition, Condition::Symmetry | Condition::Periodic);
+        if walls.iter().any(|wall| wall.wall == name && !closed(wall)) {
             section.section_problem(format!(
                 "the wall \"{name}\" must have condition = \"symmetry\": the stream is periodic along x"
             ));

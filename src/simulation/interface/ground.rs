@@ -21,6 +21,8 @@ enum Beyond {
     Mirrored,
     /// The material at the wall.
     Continued,
+    /// The body again, from the opposite wall on.
+    Repeated,
     /// Nothing that pairs see.
     Nothing,
 }
@@ -43,6 +45,7 @@ impl<'a> Ground<'a> {
         let beyond = boundary.sides.map(|side| match side {
             Side::Curved => Beyond::Nothing,
             Side::Mirror => Beyond::Mirrored,
+            Side::Periodic => Beyond::Repeated,
             // What lies behind is told by the wall as a whole: closed parts are mirrors, and what they reflect must be.
             Side::Wall(patch) if boundary.is_open(patch) => Beyond::Continued,
             Side::Wall(_) => Beyond::Mirrored,
@@ -53,8 +56,37 @@ impl<'a> Ground<'a> {
     /// Whether a square around a place holds one material, by its half width (m).
     pub fn is_uniform(&self, place: DVec2, half: f64) -> bool {
         let cell = Cell { low: place - DVec2::splat(half), high: place + DVec2::splat(half) };
-        let regions = self.scene.regions.iter().filter(|region| region.material.is_some());
-        regions.map(|region| region.shape.share_of(&cell)).all(|share| share == 0.0 || share == 1.0)
+        let holds_one = |cell: &Cell| {
+            let regions = self.scene.regions.iter().filter(|region| region.material.is_some());
+            regions.map(|region| region.shape.share_of(cell)).all(|share| share == 0.0 || share == 1.0)
+        };
+        let parts = self.repeated_parts(&cell);
+        if parts.len() == 1 {
+            return holds_one(&cell);
+        }
+        let material = |part: &Cell| self.material(0.5 * (part.low + part.high));
+        parts.iter().all(|part| holds_one(part) && material(part) == material(&parts[0]))
+    }
+
+    /// What a cell that reaches over walls at which the body goes on at the opposite ones holds of the body: one part, where it does not.
+    fn repeated_parts(&self, cell: &Cell) -> Vec<Cell> {
+        let mut parts = vec![*cell];
+        for axis in (0..2).filter(|axis| self.beyond[2 * axis] == Beyond::Repeated) {
+            let (low, high) = (self.low[axis], self.high[axis]);
+            if cell.low[axis] >= low && cell.high[axis] <= high {
+                continue;
+            }
+            let shifted = |part: Cell, by: f64| {
+                let mut part = part;
+                part.low[axis] = (part.low[axis] + by).max(low);
+                part.high[axis] = (part.high[axis] + by).min(high);
+                (part.low[axis] < part.high[axis]).then_some(part)
+            };
+            let period = high - low;
+            parts =
+                parts.iter().flat_map(|part| [0.0, period, -period].map(|by| shifted(*part, by))).flatten().collect();
+        }
+        parts
     }
 
     /// A place in the body for one that may lie behind walls.
@@ -64,15 +96,16 @@ impl<'a> Ground<'a> {
             let mut value = value;
             // Images of images, for bodies that are narrower than pairs reach.
             for _ in 0..64 {
-                let (beyond, mirrored, wall) = if value < low {
-                    (sides[0], 2.0 * low - value, low + margin)
+                let (beyond, mirrored, wall, repeated) = if value < low {
+                    (sides[0], 2.0 * low - value, low + margin, value + (high - low))
                 } else if value > high {
-                    (sides[1], 2.0 * high - value, high - margin)
+                    (sides[1], 2.0 * high - value, high - margin, value - (high - low))
                 } else {
                     break;
                 };
                 match beyond {
                     Beyond::Mirrored => value = mirrored,
+                    Beyond::Repeated => value = repeated,
                     Beyond::Continued => return wall,
                     Beyond::Nothing => break,
                 }

@@ -106,6 +106,7 @@ fn temperature(condition: &Condition) -> Option<Series> {
     match condition {
         Condition::Temperature(series) | Condition::Film { ambient: series, .. } => Some(series.clone()),
         Condition::Symmetry
+        | Condition::Periodic
         | Condition::Flux(_)
         | Condition::Runoff { .. }
         | Condition::FreeDrainage

@@ -4,6 +4,7 @@
 //! outermost particles to straight walls half a spacing away, but for mirrors: areas and contours of a linear field are exact, those of others wrong by
 //! the square of the spacing. Beside curved walls, where not all four are there, nothing is counted.
 
+use frazil_core::boundary::condition::Condition;
 use frazil_core::memory::{HeapSize, total};
 use frazil_core::particles::Particles;
 use frazil_core::space::domain::{Domain, Sector};
@@ -142,7 +143,8 @@ impl LevelSet {
 
 /// Sides of the lattice of a scene that are mirrors.
 fn mirrors(scene: &Scene) -> [[bool; 2]; 2] {
-    let closed = |walls: [WallId; 2]| walls.map(|wall| scene.is_closed(wall));
+    let is_mirror = |wall| scene.is_closed(wall) && scene.wall(wall) != Some(&Condition::Periodic);
+    let closed = |walls: [WallId; 2]| walls.map(is_mirror);
     match scene.domain {
         Domain::Ring { sector, .. } => [[sector == Sector::Quarter, false], [sector != Sector::Whole, false]],
         Domain::Axial { .. } => [closed([WallId::Inner, WallId::Outer]), closed(WallId::ends(true))],

@@ -122,7 +122,7 @@ impl<'a> Reach<'a> {
         let mut swept = self.boundary.clone();
         let opens = |side: usize| match self.boundary.sides[side] {
             Side::Wall(patch) => self.boundary.patches[patch].lets_heat_through(),
-            Side::Mirror | Side::Curved => false,
+            Side::Mirror | Side::Periodic | Side::Curved => false,
         };
         let mut open: Vec<Wall> = (0..4).filter(|side| opens(*side)).map(Wall::Straight).collect();
         open.extend(self.boundary.curved.map(|(_, radius)| Wall::Curved(radius)));
@@ -150,6 +150,15 @@ impl<'a> Reach<'a> {
         })
     }
 
+    /// The cell of the body for one that may lie behind walls at which it repeats.
+    fn repeated(&self, column: i64, row: i64) -> (i64, i64) {
+        let [along_x, along_y] = self.boundary.repeats();
+        (
+            if along_x { column.rem_euclid(self.lattice.columns as i64) } else { column },
+            if along_y { row.rem_euclid(self.lattice.rows as i64) } else { row },
+        )
+    }
+
     /// The particles that are marked, and those within their reach.
     fn selection(&self, marks: &[bool]) -> Selection {
         let own: Vec<u32> = (0..marks.len() as u32).filter(|index| marks[*index as usize]).collect();
@@ -159,7 +168,8 @@ impl<'a> Reach<'a> {
         for index in &own {
             let (column, row) = self.lattice.cell(*index as usize);
             for (dx, dy) in (-up..=up).flat_map(|dy| (-cells..=cells).map(move |dx| (dx, dy))) {
-                if let Some(other) = self.lattice.index(column + dx, row + dy) {
+                let (column, row) = self.repeated(column + dx, row + dy);
+                if let Some(other) = self.lattice.index(column, row) {
                     seen[other] = true;
                 }
             }

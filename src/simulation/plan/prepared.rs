@@ -200,6 +200,7 @@ impl Prepared {
             let extent = Extent {
                 temperatures: scene.temperature_range(),
                 mirrors: self.boundary.sides.map(|side| self.boundary.mirrors(side)),
+                repeats: self.boundary.repeats(),
                 along_y: scene.freezing_direction().map(|direction| direction.along_y),
             };
             SubCellFront::new(&self.materials, extent, &self.lattice, &self.stencil, cut)

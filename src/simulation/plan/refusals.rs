@@ -153,6 +153,9 @@ pub(super) fn out_of_place(scene: &Scene, numerics: &Numerics, prepared: &Prepar
     if *narrow && numerics.search == SearchChoice::Lattice {
         return Err(Refused::NarrowLattice);
     }
+    if *narrow && boundary.repeats_anywhere() {
+        return Err(Refused::NarrowPeriod);
+    }
     let reach = prepared.stencil.reach as f64 * lattice.spacing;
     cracks_in_place(scene, boundary, sinks, reach, *narrow)?;
     boundary.dug.as_ref().map_or(Ok(()), |dug| shaft_in_place(dug, lattice, sinks))

@@ -49,7 +49,8 @@ impl Fold {
         // By direction: along y, or along x.
         let [same_in_x, same_in_y] = [false, true].map(|along_y| {
             let [first, last] = WallId::ends(along_y);
-            scene.wall(first) == scene.wall(last)
+            // What repeats has no middle.
+            scene.wall(first) == scene.wall(last) && scene.wall(first) != Some(&Condition::Periodic)
         });
         let closed = |along_y: bool| WallId::ends(along_y).into_iter().all(|wall| scene.is_closed(wall));
         let mut found = Vec::new();

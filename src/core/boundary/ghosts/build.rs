@@ -104,12 +104,17 @@ impl Builder<'_> {
                     }
                     let place = self.place(index);
                     let depth = side.2 - side.1.dot(place);
-                    if depth < 0.0 || depth > self.reach {
+                    // As far behind the wall as it lies before the opposite one where the body repeats.
+                    let repeats = self.boundary.sides[side.0] == Side::Periodic;
+                    let (depth, way) = match repeats {
+                        true => (self.length(walls) - depth, self.length(walls)),
+                        false => (depth, 2.0 * depth),
+                    };
+                    if depth < 0.0 || depth > self.reach || repeats && from != usize::MAX {
                         continue;
                     }
                     for patch in self.patches(index, side.0) {
-                        if let Some(number) = self.add(index, place + 2.0 * depth * side.1, depth, (side.0, patch), all)
-                        {
+                        if let Some(number) = self.add(index, place + way * side.1, depth, (side.0, patch), all) {
                             next.push(number);
                             next_from.push(side.0);
                         }
@@ -117,6 +122,15 @@ impl Builder<'_> {
                 }
             }
             (frontier, came_from) = (next, next_from);
+        }
+    }
+
+    /// Distance of two walls (m).
+    fn length(&self, walls: Walls) -> f64 {
+        let size = self.lattice.far() - self.lattice.corner;
+        match walls {
+            Walls::Columns => size.x,
+            Walls::Rows => size.y,
         }
     }
 
@@ -161,7 +175,9 @@ impl Builder<'_> {
         ghosts.depth.push(depth);
         ghosts.model.push(model);
         ghosts.identity.push(if open.is_some() { number } else { identity });
-        ghosts.stream.push(stream * SIDES + side as u32 + 1);
+        // Two particles see each other over both walls of a body that repeats, and share one noise.
+        let told = if boundary.sides[side] == Side::Periodic { side & !1 } else { side };
+        ghosts.stream.push(stream * SIDES + told as u32 + 1);
         ghosts.images.push((image, 1.0));
         ghosts.starts.push(ghosts.images.len() as u32);
         Some(number)

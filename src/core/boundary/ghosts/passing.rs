@@ -51,7 +51,7 @@ impl<'a> Passing<'a> {
                     let wall = boundary.patches[whole].id.wall();
                     wall.map_or_else(Vec::new, |wall| lengthened(boundary, wall, ends, lattice.spacing, &cover))
                 }
-                Side::Wall(_) | Side::Mirror | Side::Curved => Vec::new(),
+                Side::Wall(_) | Side::Mirror | Side::Periodic | Side::Curved => Vec::new(),
             };
             Gate { side, ends, stretches }
         };

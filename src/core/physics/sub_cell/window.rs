@@ -52,6 +52,8 @@ pub(super) struct Surroundings {
     pub(super) reach: (i64, i64),
     /// Left, right, bottom, top: whether what lies beyond is the mirror image of the body.
     pub(super) mirrors: [bool; 4],
+    /// Along rows and columns: whether the body repeats.
+    pub(super) repeats: [bool; 2],
 }
 
 impl Surroundings {
@@ -71,8 +73,11 @@ impl Surroundings {
     }
 }
 
-/// The place of the image, in a body of `count` cells with mirrors at its ends, of a place on the same axis.
-fn reflected(mut place: i64, count: i64, (low, high): (bool, bool)) -> i64 {
+/// The place of the image, in a body of `count` cells that repeats or has mirrors at its ends, of a place on the same axis.
+fn reflected(mut place: i64, count: i64, (low, high): (bool, bool), repeats: bool) -> i64 {
+    if repeats {
+        return place.rem_euclid(count);
+    }
     while low && place < 0 || high && place >= count {
         place = if place < 0 { -1 - place } else { 2 * count - 1 - place };
     }
@@ -81,7 +86,8 @@ fn reflected(mut place: i64, count: i64, (low, high): (bool, bool)) -> i64 {
 
 /// Sums of the offsets of both ends of a pair from a place, least and greatest, at which neither end reaches the image of
 /// the other beyond an open end of the axis.
-fn free(place: i64, count: i64, reach: i64, (low, high): (bool, bool)) -> [i64; 2] {
+fn free(place: i64, count: i64, reach: i64, (low, high): (bool, bool), repeats: bool) -> [i64; 2] {
+    let (low, high) = (low || repeats, high || repeats);
     let least = if low { i64::MIN } else { reach - 2 * place };
     [least, if high { i64::MAX } else { 2 * (count - 1 - place) - reach }]
 }
@@ -170,16 +176,19 @@ impl<const L: usize> Window<L> {
         (column, row): (i64, i64),
         (enthalpy, freezing): (&[f64], f64),
     ) -> bool {
-        let Surroundings { reach: (across, along), mirrors: [left, right, bottom, top] } = *surroundings;
+        let Surroundings { reach: (across, along), mirrors: [left, right, bottom, top], repeats } = *surroundings;
         let (columns, rows) = (lattice.columns as i64, lattice.rows as i64);
-        let ranges = [free(column, columns, across, (left, right)), free(row, rows, along, (bottom, top))];
+        let ranges = [
+            free(column, columns, across, (left, right), repeats[0]),
+            free(row, rows, along, (bottom, top), repeats[1]),
+        ];
         let mut is_clear = true;
         for ((free, range), reach) in self.free.iter_mut().zip(ranges).zip([across, along]) {
             (free[0][lane], free[1][lane]) = (range[0], range[1]);
             is_clear &= range[0] <= -2 * reach && 2 * reach <= range[1];
         }
         let width = self.width;
-        let rows_of_places = || (row - along..=row + along).map(|row| reflected(row, rows, (bottom, top)));
+        let rows_of_places = || (row - along..=row + along).map(|row| reflected(row, rows, (bottom, top), repeats[1]));
         // Mostly all rows are there, each one particle after the other.
         let stands = |row: i64| {
             (0..rows).contains(&row) && {
@@ -202,7 +211,7 @@ impl<const L: usize> Window<L> {
         let places = enthalpies.zip(self.particles.chunks_exact_mut(width));
         for ((enthalpies, particles), row) in places.zip(rows_of_places()) {
             for ((enthalpies, particles), dx) in enthalpies.iter_mut().zip(particles).zip(-across..=across) {
-                let column = reflected(column + dx, columns, (left, right));
+                let column = reflected(column + dx, columns, (left, right), repeats[0]);
                 let other = lattice.index(column, row);
                 particles[lane] = other.map_or(NONE, |other| other as u32);
                 enthalpies[lane] = other.map_or(freezing, |other| enthalpy[other]);

@@ -56,7 +56,8 @@ fn near_wall(scene: &Scene) -> Option<String> {
     let farthest =
         scene.rings.iter().flat_map(|ring| ring.pipes()).map(|pipe| pipe.x.hypot(pipe.y)).fold(0.0, f64::max);
     let material = &scene.materials[0];
-    let diffusivity = material.unfrozen.conductivity / (material.density * material.unfrozen.heat_capacity);
+    let conductivity = material.unfrozen.conductivity * scene.along.max_element();
+    let diffusivity = conductivity / (material.density * material.unfrozen.heat_capacity);
     let reach = REACH * (diffusivity * scene.duration).sqrt();
     (outer_radius - farthest < reach).then(|| {
         format!(

@@ -3,7 +3,7 @@
 //! Around a point that is a distance `a` from all pipes lies a disc of radius `a` without one. It freezes at its centre not before a disc
 //! does whose rim is as cold as the coldest pipe, whose ground starts at the freezing point and stores nothing but latent heat: that is
 //! when `4 k/L` times the integral of the coldness is `a^2`. So what is frozen lies within `2 sqrt(k/L integral)` of the pipes, and
-//! bodies of that size have to surround the centre. Real walls take several times as long: ground is warm, and stores heat.
+//! bodies of that size have to surround the centre. Where ground conducts by direction, `k` is the mean of both directions. Real walls take several times as long: ground is warm, and stores heat.
 
 use frazil_core::boundary::condition::Condition;
 use frazil_core::physics::material::Material;
@@ -95,7 +95,7 @@ fn diffusion(scene: &Scene) -> f64 {
         let half = if material.is_sharp() { 1.0 } else { 0.5 };
         material.frozen.conductivity.max(material.unfrozen.conductivity) / (half * material.volumetric_latent_heat())
     };
-    scene.materials.iter().map(of).fold(0.0, f64::max)
+    0.5 * (scene.along.x + scene.along.y) * scene.materials.iter().map(of).fold(0.0, f64::max)
 }
 
 /// Integral of the coldness of the coldest pipe so far (K s), below the warmest freezing point.

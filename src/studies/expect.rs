@@ -79,7 +79,10 @@ pub fn particle_steps(scene: &Scene, method: &str) -> f64 {
     });
     // The bound of two neighbours in each direction; pairs of a longer reach are weaker. A pipe may halve it.
     let bound = numerics.spacing.powi(2)
-        / (4.0 * scene.domain.dimension() as f64 * diffusivities.fold(f64::MIN_POSITIVE, f64::max));
+        / (4.0
+            * scene.domain.dimension() as f64
+            * diffusivities.fold(f64::MIN_POSITIVE, f64::max)
+            * scene.along.max_element());
     let step = match numerics.step {
         StepChoice::Fraction(fraction) => fraction * bound,
         StepChoice::Fixed(step) => step,

@@ -1,11 +1,8 @@
-//! Soils by name, as materials of a scene, and those that reference tables are about.
+//! Soils that reference tables are about.
 
 use frazil_scene::{Scene, Units};
 
 use crate::table::{compare, compare_material, note};
-
-/// A TOML table for each.
-pub const TEXT: &str = include_str!("soils.toml");
 
 /// A material by the numbers that a table depends on.
 pub(crate) struct Soil {

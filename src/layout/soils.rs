@@ -1,6 +1,6 @@
 //! Soils that studies know by name.
 
-use frazil_scene::{Change, Scene, Section, Units};
+use frazil_scene::{Change, Scene, Section, Units, soils};
 use toml::{Table, Value};
 
 /// What a section of a study changes of the ground: the soil that it names, and then what it sets.
@@ -13,11 +13,6 @@ pub(super) fn changes(section: &mut Section<'_>) -> Vec<Change> {
         spot: section.spot("soil"),
     });
     soil.into_iter().chain(section.changes("set")).collect()
-}
-
-/// The soils that come with the program, as materials.
-fn soils() -> Table {
-    frazil_cases::soils::TEXT.parse().unwrap_or_default()
 }
 
 /// Between which soils lie, with room beyond (W/mK, J/kg, J/m3K): dry peat conducts some 0.1, quartz 8 and

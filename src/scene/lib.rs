@@ -29,7 +29,7 @@ pub use profile::{Profile, ProfileValues};
 pub use random::RandomGround;
 pub use read::{
     Change, Duration, Heading, Key, MOST_BYTES, Noted, Problem, Problems, Range, Read, Section, Spot, heading,
-    read_section, schema, spacing_at_most,
+    read_section, schema, soils, spacing_at_most,
 };
 pub use region::{Region, Shape};
 pub use scene::{Excavation, FreezingDirection, ReferenceChoice, Scene, Wall, WallPart, Watch};

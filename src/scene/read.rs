@@ -9,6 +9,7 @@ mod flow;
 mod formulas;
 mod gravity;
 mod ground;
+mod known;
 mod numerics;
 mod pipes;
 mod porous;
@@ -52,6 +53,7 @@ use problem::Log;
 use section::Along;
 use water::{Balance, Heads};
 
+pub use known::soils;
 pub use problem::{Noted, Problem, Problems, Read};
 pub use range::Range;
 pub use section::{Change, Duration, Key, Section, Spot};

@@ -1,5 +1,6 @@
 //! Materials.
 
+use super::known::known;
 use super::porous::{self, is_porous};
 use super::problem::{Noted, Read};
 use super::range::{Range, one_of, plain, temperatures};
@@ -77,7 +78,10 @@ pub(super) fn materials(section: &mut Section<'_>, water: bool) -> Vec<(String, 
     found
 }
 
-fn material(name: &str, section: &mut Section<'_>) -> Read<Material> {
+pub(super) fn material(name: &str, section: &mut Section<'_>) -> Read<Material> {
+    if let Some(known) = known(name, section) {
+        return known;
+    }
     if is_porous(section) {
         let freezing = section.section("freezing").and_then(freezing);
         let freezes = !matches!(&freezing, Ok(freezing) if freezing.law == FreezingLaw::None);

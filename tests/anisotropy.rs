@@ -4,24 +4,20 @@ use std::f64::consts::PI;
 
 use frazil::registry::methods;
 use frazil_core::space::domain::{Domain, Sector};
-use frazil_core::statistics::order::observed_order;
-use frazil_record::{Outcome, RunResult};
-use frazil_scene::method::MethodKind;
+use frazil_record::RunResult;
 
-use crate::sketch::{SHARP, Sketch, even, rates, sand, steady_material, through, without_noise};
+use crate::rows::row;
+use crate::sketch::{SHARP, Sketch, even, order_of_decay, sand, steady_material, through};
 
-/// A rectangle of such ground.
-fn ground(kind: &MethodKind, size: (f64, f64), spacing_m: f64, ratio: f64) -> Sketch {
-    let mut sketch = Sketch::new(Domain::Rectangle { width: size.0, height: size.1 }, spacing_m);
-    sketch.anisotropy = format!("conductivity_y_over_x = {ratio}");
-    sketch.with(without_noise(kind))
+/// How such ground conducts.
+fn anisotropy(ratio: f64) -> String {
+    format!("conductivity_y_over_x = {ratio}")
 }
 
-fn run(sketch: &Sketch, kind: &'static MethodKind) -> RunResult {
-    let result = sketch.run(kind);
-    assert_eq!(result.record.outcome, Outcome::Ok, "{}: {:?}", kind.name, result.record.cause);
-    assert!(result.record.energy_balance_rel.abs() < 1e-9, "{}", kind.name);
-    result
+/// A square metre of such ground.
+fn ground(spacing_m: f64, ratio: f64) -> Sketch {
+    let square = Sketch::new(Domain::Rectangle { width: 1.0, height: 1.0 }, spacing_m);
+    Sketch { anisotropy: anisotropy(ratio), ..square }
 }
 
 /// A wave between symmetry planes decays by `alpha (a kx^2 + b ky^2)`, to second order in the spacing.
@@ -29,22 +25,10 @@ fn run(sketch: &Sketch, kind: &'static MethodKind) -> RunResult {
 fn a_wave_decays_by_the_conductivities_of_both_directions() {
     for kind in methods() {
         for ratio in [0.3, 2.0, 12.0] {
-            let spacings = [0.025, 0.0125, 0.00625];
-            let errors = spacings.map(|spacing_m| {
-                let mut sketch = ground(kind, (1.0, 1.0), spacing_m, ratio).with("integrator = \"euler\"");
-                (sketch.materials, sketch.initial_c) = (vec![("ground", steady_material())], 0.0);
-                let mut plan = sketch.plan(kind);
-                let wave = |x: f64, y: f64| 1e6 * (2.0 * PI * x).cos() * (PI * y).cos();
-                let rates = rates(&mut plan, wave);
-                let (decay, mut worst) = (1e-6 * PI * PI * (4.0 + ratio), 0.0_f64);
-                plan.particles.visit(|i, place| {
-                    worst = worst.max((rates[i] / (-decay * 1e6) - wave(place.x, place.y) / 1e6).abs());
-                });
-                worst
-            });
-            let order = observed_order(&spacings, &errors).expect("three spacings").order;
-            eprintln!("{}, {ratio}: {errors:?}, order {order:.2}", kind.name);
-            assert!((order - 2.0).abs() < 0.1, "{}, {ratio}: {errors:?}", kind.name);
+            let wave = |x: f64, y: f64| (2.0 * PI * x).cos() * (PI * y).cos();
+            let order =
+                order_of_decay(kind, |spacing_m| ground(spacing_m, ratio), wave, 1e-6 * PI * PI * (4.0 + ratio));
+            assert!((order - 2.0).abs() < 0.1, "{}, {ratio}: {order}", kind.name);
         }
     }
 }
@@ -61,7 +45,7 @@ fn along_y_ground_conducts_as_its_conductivity_there() {
         for (bottom, top) in walls {
             for settings in ["", "integrator = \"implicit\"\ntolerance = 1e-4", "mean = \"harmonic\""] {
                 let heats = [2.5, 1.0].map(|ratio| {
-                    let mut sketch = ground(kind, (1.0, 1.0), 0.05, ratio).wall("bottom", bottom).wall("top", top);
+                    let mut sketch = ground(0.05, ratio).wall("bottom", bottom).wall("top", top);
                     // The same along y.
                     let scaled = |conductivity: f64| conductivity * 2.5 / ratio;
                     let material = format!(
@@ -72,7 +56,7 @@ fn along_y_ground_conducts_as_its_conductivity_there() {
                     );
                     (sketch.materials, sketch.duration_s) = (vec![("ground", material)], 2e6);
                     let taken = |result: &RunResult, wall: &str| *through(result, wall).last().expect("an output");
-                    let result = run(&sketch.with(settings), kind);
+                    let result = sketch.with(settings).sound(kind, 1e-9);
                     taken(&result, "bottom") + taken(&result, "top")
                 });
                 let error = heats[0] / heats[1] - 1.0;
@@ -97,18 +81,11 @@ fn a_row_of_pipes_takes_what_ellipses_take() {
             let resistance = PI * far / apart - (2.0 * PI * radius / apart).ln();
             let exact = 2.0 * PI * 2.0 * 30.0 / shorter / resistance;
             let errors = [0.1, 0.05].map(|spacing_m| {
-                let size = if upright { (3.0, 2.0) } else { (2.0, 3.0) };
-                let mut sketch =
-                    ground(kind, size, spacing_m, ratio).with("integrator = \"implicit\"\ntolerance = 0.001");
-                let place = |along: f64| if upright { format!("[1.5, {along}]") } else { format!("[{along}, 1.5]") };
-                let ends = format!("from_m = {}\nto_m = {}", place(0.5), place(1.5));
-                sketch.pipes = vec![format!("count = 2\n{ends}\npipe_radius_m = 0.02\ntemperature_c = -20")];
-                for wall in if upright { ["left", "right"] } else { ["bottom", "top"] } {
-                    sketch = sketch.wall(wall, "temperature_c = 10");
-                }
-                (sketch.materials, sketch.initial_c) = (vec![("ground", steady_material())], 10.0);
+                let mut sketch = row(2, upright, spacing_m).with("integrator = \"implicit\"\ntolerance = 0.001");
+                sketch.pipes[0] = sketch.pipes[0].replace("pipe_radius_m = 0.05", "pipe_radius_m = 0.02");
+                (sketch.anisotropy, sketch.materials) = (anisotropy(ratio), vec![("ground", steady_material())]);
                 (sketch.duration_s, sketch.outputs) = (2.5e7, 10);
-                run(&sketch, kind).walls.last().expect("a wall").heat_per_pipe_w_per_m / exact - 1.0
+                sketch.sound(kind, 1e-9).walls.last().expect("a wall").heat_per_pipe_w_per_m / exact - 1.0
             });
             eprintln!("{}, {ratio}, {upright}: off by {:.2e}, {:.2e}", kind.name, errors[0], errors[1]);
             // Ellipses beside each other are no circles, by the square of their half axes over the distance: below 1e-3.
@@ -125,12 +102,12 @@ fn a_ring_turned_by_a_quarter_freezes_alike() {
         let [along_y, along_x] = [(2.0, 1.0), (0.5, 2.0)].map(|(ratio, factor)| {
             let mut sketch = Sketch::new(Domain::Ring { outer_radius: 10.0, sector: Sector::Quarter }, 0.2)
                 .wall("outer", "temperature_c = 15");
-            sketch.anisotropy = format!("conductivity_y_over_x = {ratio}");
+            sketch.anisotropy = anisotropy(ratio);
             let sand = sand(SHARP).replace("2.56", &(2.56 * factor).to_string());
             sketch.materials = vec![("sand", sand.replace("1.86", &(1.86 * factor).to_string()))];
             sketch.pipes = vec!["count = 24\nring_radius_m = 5\npipe_radius_m = 0.054\ntemperature_c = -20".into()];
             (sketch.initial_c, sketch.duration_s, sketch.outputs) = (15.0, 30.0 * 86_400.0, 60);
-            run(&sketch, kind)
+            sketch.sound(kind, 1e-9)
         });
         let [there, here] = [&along_y, &along_x].map(|result| *through(result, "pipes").last().expect("an output"));
         assert!((there / here - 1.0).abs() < 1e-9, "{}: {there} {here}", kind.name);

@@ -10,7 +10,7 @@ use frazil_scene::Scene;
 use crate::sketch::{Sketch, even, steady_material, through};
 
 /// A row of pipes 1 m apart, of which so many are in the plan; insulated at its ends, which are half-way to the next pipes.
-fn row(count: usize, upright: bool, spacing_m: f64) -> Sketch {
+pub fn row(count: usize, upright: bool, spacing_m: f64) -> Sketch {
     let (along, across) = (count as f64, 3.0);
     let size = if upright { (across, along) } else { (along, across) };
     let place = |along: f64| if upright { format!("[1.5, {along}]") } else { format!("[{along}, 1.5]") };

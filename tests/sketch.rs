@@ -5,7 +5,8 @@ use std::fmt::Write;
 use frazil::registry::methods;
 use frazil_core::solvers::step::Clock;
 use frazil_core::space::domain::{Domain, Sector};
-use frazil_record::RunResult;
+use frazil_core::statistics::order::observed_order;
+use frazil_record::{Outcome, RunResult};
 use frazil_scene::Scene;
 use frazil_scene::method::MethodKind;
 use frazil_simulation::march::{self, Options};
@@ -239,6 +240,16 @@ impl Sketch {
         self.run_with(kind, &Options::default())
     }
 
+    /// The whole run under a method, which must end well and keep its balance to a part of the heat exchanged.
+    pub fn sound(&self, kind: &'static MethodKind, balance: f64) -> RunResult {
+        let result = self.run(kind);
+        let RunResult { record, .. } = &result;
+        let what = format!("{}: {:?}, in\n{}", kind.name, record.cause, self.text(kind.name));
+        assert_eq!(record.outcome, Outcome::Ok, "{what}");
+        assert!(record.energy_balance_rel.abs() < balance, "{:e}, {what}", record.energy_balance_rel);
+        result
+    }
+
     /// The whole run under a method with options.
     pub fn run_with(&self, kind: &'static MethodKind, options: &Options<'_>) -> RunResult {
         march::run(&self.scene(kind), kind.name, None, options)
@@ -289,6 +300,31 @@ pub fn rates(plan: &mut Plan, state: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     plan.particles.enthalpy.copy_from_slice(&start);
     advance(plan, 1);
     plan.particles.enthalpy.iter().zip(&start).map(|(now, before)| (now - before) / plan.step).collect()
+}
+
+/// Order in which errors of a wave's rates fall with the spacing, by sketches of ground of [`steady_material`] at a spacing (m): a wave
+/// by place that decays at a rate (1/s).
+pub fn order_of_decay(
+    kind: &'static MethodKind,
+    sketch: impl Fn(f64) -> Sketch,
+    wave: impl Fn(f64, f64) -> f64,
+    decay: f64,
+) -> f64 {
+    const AMPLITUDE: f64 = 1e6;
+    let spacings = [0.025, 0.0125, 0.00625];
+    let errors = spacings.map(|spacing_m| {
+        let sketch = Sketch { materials: vec![("ground", steady_material())], initial_c: 0.0, ..sketch(spacing_m) };
+        let mut plan = sketch.with("integrator = \"euler\"").with(without_noise(kind)).plan(kind);
+        let rates = rates(&mut plan, |x, y| AMPLITUDE * wave(x, y));
+        let mut worst = 0.0_f64;
+        plan.particles.visit(|i, place| {
+            worst = worst.max((rates[i] / (-decay * AMPLITUDE) - wave(place.x, place.y)).abs());
+        });
+        worst
+    });
+    let order = observed_order(&spacings, &errors).expect("three spacings").order;
+    eprintln!("{}: {errors:?}, order {order:.2}", kind.name);
+    order
 }
 
 /// A wall of one of the kinds that there are, by chance.

@@ -196,20 +196,8 @@ impl Stencil {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bonds::weight::Disc;
     use proptest::prelude::*;
-
-    /// Weights that fall with the distance by a power, up to a reach.
-    struct Disc(f64, f64);
-
-    impl PairWeight for Disc {
-        fn reach(&self) -> f64 {
-            self.0
-        }
-
-        fn weight(&self, distance: f64) -> f64 {
-            distance.powf(-self.1)
-        }
-    }
 
     proptest! {
         #[test]

@@ -22,3 +22,18 @@ pub enum Normalisation {
     /// Not at all: the continuum constant, as the papers print it.
     Nominal,
 }
+
+/// Weights of tests, which fall with the distance by a power, up to a reach.
+#[cfg(test)]
+pub(crate) struct Disc(pub(crate) f64, pub(crate) f64);
+
+#[cfg(test)]
+impl PairWeight for Disc {
+    fn reach(&self) -> f64 {
+        self.0
+    }
+
+    fn weight(&self, distance: f64) -> f64 {
+        distance.powf(-self.1)
+    }
+}

@@ -8,15 +8,16 @@
 //!
 //! The flux follows from the linear profile through the wall and one particle: the particle itself, or, where that is
 //! so near to the wall that it would set the step of the whole body, neighbours deeper inside. A neighbour serves at
-//! most until its own pull on the particle is used up, of which fronts inside particles leave a part. So rates fall with a particle's own potential and rise with all
-//! others and with the wall's: the maximum principle holds for every weight and every kind of wall. Heat passes
-//! through the wall alone, and none through an insulated one.
+//! most until its own pull on the particle is used up, of which fronts inside particles leave a part. So rates fall with
+//! a particle's own potential and rise with all others and with the wall's: the maximum principle holds for every weight
+//! and every kind of wall. Heat passes through the wall alone, and none through an insulated one.
 
 use std::collections::BTreeMap;
 
 use glam::DVec2;
 
 use crate::memory::HeapSize;
+use crate::physics::latent_heat::Materials;
 use crate::space::lattice::Lattice;
 use crate::space::random_field::between;
 
@@ -131,11 +132,12 @@ impl Neighbourhood {
 
 impl Contacts {
     /// Adds a particle whose pairs have been counted, if the wall cuts any; `sum` (m^-2) is the row sum of its whole
-    /// neighbourhood. Where fronts inside particles are followed, `front` is their potential (W/m).
-    pub fn add(&mut self, particle: u32, near: &Neighbourhood, sum: f64, front: Option<f64>) {
+    /// neighbourhood. Fronts inside particles of these materials may be followed.
+    pub fn add(&mut self, particle: u32, near: &Neighbourhood, sum: f64, (materials, followed): (&Materials, bool)) {
         if near.cut == 0.0 {
             return;
         }
+        let front = followed.then(|| materials.of(particle as usize).front_potential()).flatten();
         let first = self.views.len() as u32;
         let most = near.cut + MOST_STIFFNESS * sum;
         let wanted = (near.area - near.depth * most).max(0.0);
@@ -172,11 +174,15 @@ impl Contacts {
         }
     }
 
-    /// Takes ground that conducts across the wall by a factor, told by particle: what pairs carry through the wall for a flux is less by
-    /// as much.
-    pub fn conduct(&mut self, across: impl Fn(u32) -> f64) {
+    /// Takes ground that conducts `along` x and y by these factors, at a wall around the origin; `place` tells where a particle stands
+    /// (m). What its pairs would carry through the wall is greater by the factor along the radius, and a flux is not.
+    pub fn conduct(&mut self, along: DVec2, place: impl Fn(usize) -> DVec2) {
+        if along == DVec2::ONE {
+            return;
+        }
         for contact in &self.contacts {
-            let factor = across(contact.particle);
+            let radius = place(contact.particle as usize).normalize_or_zero();
+            let factor = along.dot(radius * radius);
             for view in &mut self.views[contact.views.0 as usize..contact.views.1 as usize] {
                 view.area /= factor;
                 view.depth /= factor;
@@ -228,12 +234,6 @@ impl HeapSize for Contacts {
     fn heap_size(&self) -> usize {
         self.contacts.capacity() * size_of::<Contact>() + self.views.capacity() * size_of::<View>()
     }
-}
-
-/// How well ground that conducts `along` x and y conducts along the radius at a place.
-pub fn along_radius(along: DVec2, place: DVec2) -> f64 {
-    let radius = place.normalize_or_zero();
-    if along == DVec2::ONE { 1.0 } else { along.dot(radius * radius) }
 }
 
 /// Ways (m) from a place inside the body to the cell centres behind the wall within `limit` (m), and the depths (m) of

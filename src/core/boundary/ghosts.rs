@@ -99,6 +99,9 @@ impl Ghosts {
 
     /// Takes ground that conducts across its walls by these factors, along x and y: there a flux has as much less to go through.
     pub fn conduct(&mut self, along: DVec2) {
+        if along == DVec2::ONE {
+            return;
+        }
         for ghost in 0..self.len() {
             if let Some(side) = self.side(ghost) {
                 self.depth[ghost] /= along[side / 2];

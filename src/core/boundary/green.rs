@@ -156,17 +156,7 @@ fn nearest_neighbour((x, y): (usize, usize), ratio: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bonds::weight::{Normalisation, PairWeight};
-
-    struct Disc(f64, f64);
-    impl PairWeight for Disc {
-        fn reach(&self) -> f64 {
-            self.0
-        }
-        fn weight(&self, distance: f64) -> f64 {
-            distance.powf(-self.1)
-        }
-    }
+    use crate::bonds::weight::{Disc, Normalisation};
 
     fn stencil(reach: f64, power: f64) -> Stencil {
         Stencil::new(&Disc(reach, power), Normalisation::DiscreteMoment, 1.0, 2)

@@ -234,7 +234,7 @@ impl Window {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bonds::weight::{Normalisation, PairWeight};
+    use crate::bonds::weight::{Disc, Normalisation, PairWeight};
 
     struct Nearest;
 
@@ -247,17 +247,6 @@ mod tests {
         }
     }
 
-    struct Horizon(f64);
-
-    impl PairWeight for Horizon {
-        fn reach(&self) -> f64 {
-            self.0
-        }
-        fn weight(&self, distance: f64) -> f64 {
-            distance.powi(-2)
-        }
-    }
-
     /// Values of the same problem by an independent sparse solve on wider windows (64 and 40 deep), to their digits.
     #[test]
     fn ends_seem_short_by_the_known_shares() {
@@ -265,9 +254,9 @@ mod tests {
             |weight: &dyn PairWeight| WallEnd::new(&Stencil::new(weight, Normalisation::DiscreteMoment, 1.0, 2), 1.0);
         for (weight, short, cover) in [
             (&Nearest as &dyn PairWeight, 0.3526, 0.1847),
-            (&Horizon(3.0), 0.5024, 0.2625),
-            (&Horizon(4.0), 0.5672, 0.3085),
-            (&Horizon(8.0), 0.8346, 0.6302),
+            (&Disc(3.0, 2.0), 0.5024, 0.2625),
+            (&Disc(4.0, 2.0), 0.5672, 0.3085),
+            (&Disc(8.0, 2.0), 0.8346, 0.6302),
         ] {
             let end = found(weight);
             assert!((end.short - short).abs() < 0.006, "{end:?}, {short}");
@@ -278,7 +267,7 @@ mod tests {
     /// The same with mirrored ghosts, by an independent dense solve on windows as wide, to its digits.
     #[test]
     fn mirrors_act_as_far_beyond_ends_as_is_known() {
-        for (weight, short, end) in [(&Nearest as &dyn PairWeight, 0.351, 0.19), (&Horizon(3.0), 0.459, 0.43)] {
+        for (weight, short, end) in [(&Nearest as &dyn PairWeight, 0.351, 0.19), (&Disc(3.0, 2.0), 0.459, 0.43)] {
             let stencil = Stencil::new(weight, Normalisation::DiscreteMoment, 1.0, 2);
             let plain = Window::mirrored(&stencil, 1.0).short(Acts::UpTo(0.0));
             assert!((plain - short).abs() < 1e-3, "{plain}, {short}");
@@ -293,7 +282,7 @@ mod tests {
     #[test]
     fn covers_grow_with_the_part() {
         for ratio in [1.0, 3.0, 8.0] {
-            let stencil = Stencil::new(&Horizon(ratio), Normalisation::DiscreteMoment, 1.0, 2);
+            let stencil = Stencil::new(&Disc(ratio, 2.0), Normalisation::DiscreteMoment, 1.0, 2);
             let end = WallEnd::new(&stencil, 1.0);
             let covers: Vec<f64> = (0..=20).map(|k| end.cover(f64::from(k) / 20.0)).collect();
             assert!(covers.windows(2).all(|pair| pair[0] < pair[1]), "{ratio}: {covers:?}");

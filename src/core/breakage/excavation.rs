@@ -4,7 +4,7 @@
 use glam::DVec2;
 
 use crate::bonds::pair_list::PairList;
-use crate::boundary::curved_wall::{Contacts, Neighbourhood, Rim, along_radius};
+use crate::boundary::curved_wall::{Contacts, Neighbourhood, Rim};
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::patch::Dug;
 use crate::breakage::cuts::Cuts;
@@ -45,12 +45,10 @@ pub fn face(
             }
         }
         if own >= 0.0 {
-            contacts.add(i as u32, &near, sum, followed.then(|| materials.of(i).front_potential()).flatten());
+            contacts.add(i as u32, &near, sum, (materials, followed));
         }
     }
-    if along != DVec2::ONE {
-        contacts.conduct(|particle| along_radius(along, positions[particle as usize]));
-    }
+    contacts.conduct(along, |particle| positions[particle]);
     cuts.add(&events);
     Rim { patch: dug.patch, from: dug.start, contacts }
 }

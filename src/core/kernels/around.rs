@@ -207,12 +207,8 @@ impl<L: Laws> Around<L> {
     pub(super) fn columns(&self, place: usize, potentials: &mut [f64]) {
         let (reach, columns) = (self.shape.reach, self.lattice.columns);
         let (left, right) = (self.face(0), self.face(1));
-        if self.sides[0] == Side::Periodic {
-            potentials.copy_within(columns..columns + reach, 0);
-            potentials.copy_within(reach..2 * reach, reach + columns);
-            return;
-        }
-        let (has_left, has_right) = (self.sides[0] != Side::Curved, self.sides[1] != Side::Curved);
+        let has = |side: usize| !matches!(self.sides[side], Side::Curved | Side::Periodic);
+        let (has_left, has_right) = (has(0), has(1));
         // The two commonest walls without asking again at each layer. In a body narrower than the reach, images are ghosts
         // themselves: there both sides take turns.
         if columns >= reach && has_left && has_right {
@@ -221,6 +217,11 @@ impl<L: Laws> Around<L> {
             let images = near_left.iter_mut().rev().zip(inside.iter());
             self.mirror(0, left, images, place);
             self.mirror(1, right, near_right[..reach].iter_mut().zip(inside.iter().rev()), place);
+            return;
+        }
+        if self.sides[0] == Side::Periodic {
+            potentials.copy_within(columns..columns + reach, 0);
+            potentials.copy_within(reach..2 * reach, reach + columns);
             return;
         }
         // From the wall outward.

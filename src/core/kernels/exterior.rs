@@ -1,9 +1,7 @@
 //! What lies behind the walls of a lattice.
 
-use glam::DVec2;
-
 use crate::bonds::stencil::Stencil;
-use crate::boundary::curved_wall::{Contacts, Neighbourhood, along_radius};
+use crate::boundary::curved_wall::{Contacts, Neighbourhood};
 use crate::boundary::patch::{Boundary, Face, Side};
 use crate::kernels::sweep::Shape;
 use crate::ledger::Sum;
@@ -36,7 +34,7 @@ impl Exterior {
         (lattice, shape): (&Lattice, Shape),
         stencil: &Stencil,
         boundary: &Boundary,
-        (materials, followed): (&Materials, bool),
+        ground: (&Materials, bool),
     ) -> Option<Self> {
         let (patch, radius) = boundary.curved?;
         let mirror = |side: usize| boundary.sides[side] == Side::Mirror;
@@ -79,14 +77,11 @@ impl Exterior {
                     }
                 }
                 if let Some(index) = lattice.index(column, row) {
-                    let front = followed.then(|| materials.of(index).front_potential()).flatten();
-                    contacts.add(index as u32, &near, sum, front);
+                    contacts.add(index as u32, &near, sum, ground);
                 }
             }
         }
-        if stencil.along() != DVec2::ONE {
-            contacts.conduct(|particle| along_radius(stencil.along(), lattice.position(particle as usize)));
-        }
+        contacts.conduct(stencil.along(), |particle| lattice.position(particle));
         let rows = rows.into_iter().map(|row| row.into_iter().collect()).collect();
         Some(Exterior { rows, gains: vec![(0.0, 0.0); contacts.contacts.len()], contacts })
     }
@@ -101,16 +96,16 @@ impl Exterior {
     ) {
         let potential = |particle: usize| laws.potential_of(particle, enthalpy[particle]);
         for (contact, gain) in self.contacts.contacts.iter().zip(&mut self.gains) {
+            let own = potential(contact.particle as usize);
             let given = match slopes {
                 Some(slopes) => self.contacts.change(contact, &slopes.curved, potential),
                 None => {
-                    let own = potential(contact.particle as usize);
                     let seen = |particle: usize| contact.seen(own, potential(particle));
                     let flux = |particle: usize, depth: f64| face.flux(seen(particle), depth, thermal);
                     self.contacts.gain(contact, flux)
                 }
             };
-            *gain = (given, contact.cut * potential(contact.particle as usize));
+            *gain = (given, contact.cut * own);
         }
     }
 

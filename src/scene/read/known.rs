@@ -24,21 +24,20 @@ const OTHERS: [&str; 8] = ["frozen", "unfrozen", "freezing", "porosity", "solid"
 const WHOLE: &str = "the name stands for the whole material";
 
 /// Materials of a kind by name, as tables of a scene.
-fn of_kind(kind: &str) -> Table {
-    KNOWN.get(kind).and_then(Value::as_table).cloned().unwrap_or_default()
+fn of_kind(kind: &str) -> impl Iterator<Item = (&'static String, &'static Value)> {
+    KNOWN.get(kind).and_then(Value::as_table).into_iter().flatten()
 }
 
 /// The soils that come with the program, as materials of a scene.
 pub fn soils() -> Table {
-    of_kind("soil")
+    of_kind("soil").map(|(word, material)| (word.clone(), material.clone())).collect()
 }
 
 /// The material that a section names, if it does.
 pub(super) fn known(name: &str, section: &mut Section<'_>) -> Option<Read<Material>> {
-    let mut named: Option<(&str, Read<Value>)> = None;
+    let mut named: Option<(&str, Read<&Value>)> = None;
     for kind in KINDS {
-        let materials = of_kind(kind);
-        let words: Vec<(&str, &Value)> = materials.iter().map(|(word, material)| (word.as_str(), material)).collect();
+        let words: Vec<(&str, &Value)> = of_kind(kind).map(|(word, material)| (word.as_str(), material)).collect();
         if !section.has(kind) {
             // Keys that are not there are asked for all the same, by those who list them.
             let _ = section.optional_choice(kind, &words);
@@ -46,7 +45,7 @@ pub(super) fn known(name: &str, section: &mut Section<'_>) -> Option<Read<Materi
             let _ = section.optional_choice(kind, &words);
             section.problem(kind, format!("found beside \"{other}\", must be only one of them"));
         } else {
-            named = Some((kind, section.choice(kind, &words).cloned()));
+            named = Some((kind, section.choice(kind, &words)));
         }
     }
     let (kind, chosen) = named?;
@@ -58,7 +57,7 @@ pub(super) fn known(name: &str, section: &mut Section<'_>) -> Option<Read<Materi
         let message = format!("found beside units = \"{units}\", needs units = \"si\" for its numbers");
         return Some(Err(section.problem(kind, message)));
     }
-    Some(chosen.and_then(|table| read(name, &table)))
+    Some(chosen.and_then(|table| read(name, table)))
 }
 
 /// A material from its table, in which there is nothing to find fault with.
@@ -75,9 +74,8 @@ mod tests {
     #[test]
     fn all_of_them_can_be_read() {
         for kind in KINDS {
-            let materials = of_kind(kind);
-            assert!(materials.len() > 2, "{kind}");
-            for (name, table) in &materials {
+            assert!(of_kind(kind).count() > 2, "{kind}");
+            for (name, table) in of_kind(kind) {
                 let material = read(name, table).unwrap_or_else(|_| unreachable!("{kind} {name}"));
                 assert_eq!(material.freezes(), kind == "soil", "{name}");
             }

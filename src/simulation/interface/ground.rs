@@ -60,15 +60,15 @@ impl<'a> Ground<'a> {
             let regions = self.scene.regions.iter().filter(|region| region.material.is_some());
             regions.map(|region| region.shape.share_of(cell)).all(|share| share == 0.0 || share == 1.0)
         };
-        let parts = self.repeated_parts(&cell);
-        if parts.len() == 1 {
+        if !self.beyond.contains(&Beyond::Repeated) {
             return holds_one(&cell);
         }
+        let parts = self.repeated_parts(&cell);
         let material = |part: &Cell| self.material(0.5 * (part.low + part.high));
         parts.iter().all(|part| holds_one(part) && material(part) == material(&parts[0]))
     }
 
-    /// What a cell that reaches over walls at which the body goes on at the opposite ones holds of the body: one part, where it does not.
+    /// The parts of the body in a cell that may reach over walls at which it goes on at the opposite ones.
     fn repeated_parts(&self, cell: &Cell) -> Vec<Cell> {
         let mut parts = vec![*cell];
         for axis in (0..2).filter(|axis| self.beyond[2 * axis] == Beyond::Repeated) {

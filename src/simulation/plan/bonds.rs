@@ -7,7 +7,7 @@ use frazil_core::bonds::exchange::Exchange;
 use frazil_core::bonds::pair_list::PairList;
 use frazil_core::bonds::stencil::SHELL_TOLERANCE;
 use frazil_core::bonds::weight::Normalisation;
-use frazil_core::boundary::curved_wall::{Contacts, Neighbourhood, Rim, along_radius, cells_behind};
+use frazil_core::boundary::curved_wall::{Contacts, Neighbourhood, Rim, cells_behind};
 use frazil_core::boundary::ghosts::Ghosts;
 use frazil_core::boundary::ghosts::passing::Passing;
 use frazil_core::boundary::interface::Chains;
@@ -157,11 +157,8 @@ fn bonds(
         let reach = settings.reach();
         let mut ghosts = Ghosts::new(positions, lattice, boundary, reach, walls == WallModel::MovingLeastSquares);
         let (mut pairs, mut contacts, ways_out) = pairs(members, &ghosts, prepared, settings);
-        let along = stencil.along();
-        if along != DVec2::ONE {
-            ghosts.conduct(along);
-            contacts.conduct(|particle| along_radius(along, positions[particle as usize]));
-        }
+        ghosts.conduct(stencil.along());
+        contacts.conduct(stencil.along(), |particle| positions[particle]);
         match scene.domain.symmetry() {
             Some(symmetry) => print_shapes(&mut pairs, symmetry, positions, &ghosts)?,
             None => {
@@ -296,7 +293,7 @@ fn cut_by_curve(
                 near.pair(particle, pairs.weights[k], radius - positions[particle as usize].length());
             }
         }
-        contacts.add(i as u32, &near, sum, followed.then(|| materials.of(i).front_potential()).flatten());
+        contacts.add(i as u32, &near, sum, (materials, followed));
     }
     (contacts, ways_out)
 }

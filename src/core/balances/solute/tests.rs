@@ -13,7 +13,7 @@ use crate::balances::solute::{Entering, Solute, SoluteParts};
 use crate::bonds::exchange::Exchange;
 use crate::bonds::pair_list::PairList;
 use crate::bonds::stencil::Stencil;
-use crate::bonds::weight::{Normalisation, PairWeight};
+use crate::bonds::weight::{Disc, Normalisation};
 use crate::boundary::condition::Condition;
 use crate::boundary::ghosts::Ghosts;
 use crate::boundary::ghosts::passing::Passing;
@@ -41,19 +41,6 @@ const ALL: [Advection; 5] =
 
 /// Those that keep the range of the data.
 const BOUNDED: [Advection; 3] = [Advection::Limited, Advection::Fitted, Advection::Upwind];
-
-/// A constant micromodulus: weights fall with the square of the distance.
-struct Constant(f64);
-
-impl PairWeight for Constant {
-    fn reach(&self) -> f64 {
-        self.0
-    }
-
-    fn weight(&self, distance: f64) -> f64 {
-        1.0 / (distance * distance)
-    }
-}
 
 /// A body on a lattice.
 struct Body {
@@ -190,7 +177,7 @@ impl Body {
 
 /// Pairs with weights by the offsets of a lattice.
 fn pairs(positions: &[DVec2], ghosts: &Ghosts, lattice: &Lattice, boundary: &Boundary, reach: f64) -> PairList {
-    let stencil = Stencil::new(&Constant(reach), Normalisation::DiscreteMoment, lattice.spacing, lattice.dimension);
+    let stencil = Stencil::new(&Disc(reach, 2.0), Normalisation::DiscreteMoment, lattice.spacing, lattice.dimension);
     let points = [positions, &ghosts.position].concat();
     let near = Tree.neighbours(&points, positions.len(), reach * (1.0 + 1e-6), Period::NONE);
     let passing = Passing::new(ghosts, positions.len(), lattice, boundary, |beyond| beyond);

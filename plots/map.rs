@@ -113,6 +113,9 @@ pub(crate) fn extremes<'a>(values: impl IntoIterator<Item = &'a f64>) -> (f64, f
     present.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(*value), high.max(*value)))
 }
 
+/// Part of the range of a map at either end of it that has no isotherms.
+const ENDS: f64 = 0.02;
+
 /// A map with what stands in its plan.
 pub(crate) fn draw_over(field: &Field, plan: &GroundPlan, words: &Words, look: &Look) -> Canvas {
     let (mut canvas, frame) = draw_in(field, words, look);
@@ -168,8 +171,8 @@ pub(crate) fn draw_in(field: &Field, words: &Words, look: &Look) -> (Canvas, Fra
         let isotherm = isotherm_step(high - low);
         for k in (low / isotherm).ceil() as i64..=(high / isotherm).floor() as i64 {
             let level = k as f64 * isotherm;
-            // At the ends of the range a line would follow the rounding of what is even.
-            let inside = (level - low).min(high - level) > 1e-6 * (high - low);
+            // At the ends of the range a line would follow the rounding of what is even, or its noise.
+            let inside = (level - low).min(high - level) > ENDS * (high - low);
             let is_apart = look.zero.is_none_or(|zero| (level - zero).abs() > 0.2 * isotherm);
             if inside && is_apart {
                 grid.draw_isotherm(&mut canvas, &frame, level, Stroke::whole(INK, 0.9));

@@ -94,7 +94,7 @@ pub(crate) fn shaft_differences(
         (!scene.impermeable.is_empty(), "no part is impermeable there"),
         (scene.excavation.is_some(), "there is no excavation there"),
         (is_any(|ring| ring.schedule.is_some()), "the pipes always work there"),
-        (is_any(|ring| ring.film.is_some()), "the pipes' walls have the temperature given there"),
+        (is_any(|ring| ring.condition.film().is_some()), "the pipes' walls have the temperature given there"),
         (is_any(|ring| !ring.is_even()), "all pipes are at their design positions there"),
     ];
     note(&mut differences, &found);
@@ -110,7 +110,7 @@ pub(crate) fn shaft_differences(
         if let Some(pipe_radius) = pipe_radius {
             number(&of("the pipe radius"), ring.map(|ring| ring.pipe_radius), pipe_radius);
         }
-        let temperature = ring.and_then(|ring| ring.temperature.constant());
+        let temperature = ring.and_then(|ring| ring.condition.temperature()?.constant());
         number(&of("the pipe temperature"), temperature, pipe_temperature);
         if let Some((ring, first)) = ring.zip(scene.rings.first()).filter(|_| place > 0) {
             // The same pipes may be counted from another one, of either ring.

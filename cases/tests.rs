@@ -1,6 +1,7 @@
 //! Which reference a scene gets, and what it is told when there is none.
 
 use frazil_core::boundary::condition::Condition;
+use frazil_core::boundary::pipe::PipeCondition;
 use frazil_core::physics::freezing_curve::linear::Linear;
 use frazil_core::physics::freezing_curve::weibull::Weibull;
 use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
@@ -79,10 +80,9 @@ fn shaft() -> Scene {
             first_angle: 0.0,
             moved: Vec::new(),
             one_particle: false,
-            film: None,
             missing: Vec::new(),
             pipe_radius: 0.054,
-            temperature: Series::Constant(-20.0),
+            condition: PipeCondition::Temperature(Series::Constant(-20.0)),
             schedule: None,
         }],
         reference: ReferenceChoice::Auto,
@@ -206,7 +206,7 @@ fn a_table_is_found_for_its_own_scene_alone() {
     scene.reference = ReferenceChoice::Table("shaft-single-sand-6.38mm".into());
     assert!(refusal(&scene).contains("the pipe radius is 0.00638 there and 0.054 here"), "{}", refusal(&scene));
     assert!(reference_for(&scene).expect("no refusal").expect("another").describe().source.contains("sand-54mm"));
-    scene.rings[0].temperature = Series::Constant(-21.0);
+    scene.rings[0].condition = PipeCondition::Temperature(Series::Constant(-21.0));
     assert_eq!(kind(&scene), None);
     assert!(refusal(&scene).contains("none that needs no run of its own fits"), "{}", refusal(&scene));
     scene.reference = ReferenceChoice::Table("shaft".into());
@@ -243,6 +243,15 @@ fn a_local_run_is_made_elsewhere() {
     assert_eq!(kind(&scene), None);
 }
 
+/// Days, radii (m) and temperatures (C) inside the front of that line sink, by an independent solution.
+const PROFILES: [(f64, f64, f64); 5] = [
+    (1.0, 0.1, 242.994_975_643_425_36 - 273.15),
+    (1.0, 0.19, 271.342_863_223_423_7 - 273.15),
+    (2.0, 0.15, 245.666_759_818_834_8 - 273.15),
+    (3.0, 0.1, 217.756_318_043_688_68 - 273.15),
+    (3.0, 0.2, 249.503_078_340_639_8 - 273.15),
+];
+
 /// The line sink of the freezing annulus: its constant to eight digits and fronts to five, by an independent solution.
 #[test]
 fn the_line_sink_has_the_known_front() {
@@ -251,5 +260,9 @@ fn the_line_sink_has_the_known_front() {
     assert!((sink.constant - 0.331_015_33).abs() < 1e-8, "{}", sink.constant);
     for (day, front) in [(1.0, 0.19834), (2.0, 0.28049), (3.0, 0.34353)] {
         assert!((sink.front(day * 86_400.0) - front).abs() < 1e-5, "{day}");
+    }
+    for (day, radius, temperature) in PROFILES {
+        let found = sink.frozen_temperature(radius, day * 86_400.0);
+        assert!((found - temperature).abs() < 1e-8, "{day} d, {radius} m: {found}");
     }
 }

@@ -33,6 +33,7 @@ mod fuzzed;
 mod glossary;
 mod gravity;
 mod groundwater;
+mod heat_pipes;
 mod heat_sources;
 mod hostile;
 mod initial_profiles;

@@ -160,7 +160,7 @@ fn discs_and_pipes_stay_within_the_data() {
             advance(&mut plan, 20);
             // What a pipe's heat is spread over may be colder than the pipe.
             let under: Vec<u32> =
-                plan.pipe_extents.iter().flat_map(|extent| extent.particles(&plan.particles.lattice)).collect();
+                plan.pipes.iter().flat_map(|pipe| pipe.extent.particles(&plan.particles.lattice)).collect();
             for i in (0..plan.particles.len()).filter(|i| !under.contains(&(*i as u32))) {
                 let temperature = plan.particles.temperature(i);
                 assert!((-20.0 - 1e-9..=3.0 + 1e-9).contains(&temperature), "{}: {temperature}", kind.name);

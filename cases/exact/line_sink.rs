@@ -26,7 +26,11 @@ fn exponential_integral(x: f64) -> f64 {
 pub struct LineSink {
     /// Half the radius of the front over the root of diffusivity times time.
     pub constant: f64,
+    /// Of frozen ground (m2/s).
     diffusivity: f64,
+    freezing_point: f64,
+    /// Heat that the line takes over `4 pi` times the conductivity of frozen ground (K).
+    depth: f64,
 }
 
 impl LineSink {
@@ -51,12 +55,20 @@ impl LineSink {
             let middle = 0.5 * (low + high);
             if excess(middle) > 0.0 { low = middle } else { high = middle }
         }
-        LineSink { constant: 0.5 * (low + high), diffusivity: frozen }
+        let depth = power / (4.0 * std::f64::consts::PI * material.frozen.conductivity);
+        LineSink { constant: 0.5 * (low + high), diffusivity: frozen, freezing_point: material.freezing_point, depth }
     }
 
     /// Radius of the front (m) at a time (s).
     pub fn front(&self, time: f64) -> f64 {
         2.0 * self.constant * (self.diffusivity * time).sqrt()
+    }
+
+    /// Temperature (C) at a radius (m) inside the front.
+    pub fn frozen_temperature(&self, radius: f64, time: f64) -> f64 {
+        let place = radius * radius / (4.0 * self.diffusivity * time);
+        let front = self.constant * self.constant;
+        self.freezing_point - self.depth * (exponential_integral(place) - exponential_integral(front))
     }
 }
 

@@ -419,11 +419,11 @@ fn formula(scene: &Scene, day: &Day) -> Option<(f64, f64)> {
         count: ring.count,
         ring_radius: ring.ring_radius,
         pipe_radius: ring.pipe_radius,
-        pipe: ring.temperature.at(scene.duration) - material.freezing_point,
+        pipe: ring.condition.temperature()?.at(scene.duration) - material.freezing_point,
         fronts: (inner, outer),
         conductivity: material.frozen.conductivity,
     };
-    let (mean, heat) = if ring.is_even() && !ring.one_particle && ring.film.is_none() && steady.pipe < 0.0 {
+    let (mean, heat) = if ring.is_even() && !ring.one_particle && ring.condition.film().is_none() && steady.pipe < 0.0 {
         steady.mean_and_heat()?
     } else {
         return None;

@@ -117,7 +117,8 @@ fn axis(map: &Map<'_>, ring: &PipeRing) -> Vec<OnAxis> {
         let read = map.at(&map.field.temperature_c, place)?;
         let inside = ring.numbers().any(|k| ring.place(k).distance(place) < ring.pipe_radius);
         // Particles are coarser than pipes; a pipe that is off has the temperature of the ground.
-        let pipe = ring.schedule.is_none().then(|| ring.temperature.at(map.field.time_s));
+        let pipe =
+            ring.condition.temperature().filter(|_| ring.schedule.is_none()).map(|series| series.at(map.field.time_s));
         Some(OnAxis { angle, temperature: pipe.filter(|_| inside).unwrap_or(read), inside })
     };
     (0..=count).filter_map(sample).collect()

@@ -210,10 +210,10 @@ fn balance(scene: &Scene) -> Option<f64> {
     let material = scene.materials.first()?;
     let pores = material.pores?;
     let spacing = widest(scene);
-    let cold = material.freezing_point - ring.temperature.at(scene.duration);
+    let cold = material.freezing_point - ring.condition.temperature()?.at(scene.duration);
     let warm = scene.initial_temperature - material.freezing_point;
     let slim = (spacing / (4.0 * ring.pipe_radius)).ln();
-    if ring.one_particle || ring.film.is_some() || cold <= 0.0 || warm <= 0.0 || slim <= 0.0 {
+    if ring.one_particle || ring.condition.film().is_some() || cold <= 0.0 || warm <= 0.0 || slim <= 0.0 {
         return None;
     }
     let water = pores.water_density * pores.water_heat_capacity;

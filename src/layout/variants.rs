@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use frazil_core::boundary::pipe::PipeCondition;
 use frazil_core::space::domain::Domain;
 use frazil_scene::{Change, PipeName, PipeRing, Scene};
 use frazil_simulation::closing::{DugTooEarly, in_time};
@@ -99,9 +100,19 @@ impl Layout {
         let freezing = self.scene.materials[0].freezing_point;
         let mut places: Vec<DVec2> = Vec::new();
         for (number, ring) in self.scene.rings.iter().enumerate() {
-            let (coldest, _) = ring.temperature.range();
-            if coldest >= freezing {
-                return Err(UnfitLayout::Warm { ring: number + 1, coldest, freezing });
+            match &ring.condition {
+                PipeCondition::Temperature(series) | PipeCondition::Film { brine: series, .. } => {
+                    let (coldest, _) = series.range();
+                    if coldest >= freezing {
+                        return Err(UnfitLayout::Warm { ring: number + 1, coldest, freezing });
+                    }
+                }
+                PipeCondition::Heat(series) => {
+                    let (least, _) = series.range();
+                    if least >= 0.0 {
+                        return Err(UnfitLayout::Heating { ring: number + 1, least });
+                    }
+                }
             }
             places.extend(ring.numbers().map(|k| ring.place(k)));
             let Some(shaft) = shaft_radius else { continue };
@@ -143,6 +154,14 @@ pub enum UnfitLayout {
         coldest: f64,
         /// Freezing point of the ground.
         freezing: f64,
+    },
+    /// Pipes take no heat.
+    #[error("pipes.{ring}.heat_W_per_m: found {least}, must come below 0, where pipes take heat")]
+    Heating {
+        /// Number of the ring, from 1.
+        ring: usize,
+        /// Least heat that the ground receives from a pipe (W/m).
+        least: f64,
     },
     /// A pipe stands in the shaft.
     #[error("pipe {pipe} stands {distance:.3} m from the centre, inside the shaft: shaft_radius_m is {shaft}")]

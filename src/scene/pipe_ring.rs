@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use frazil_core::boundary::pipe::Pipe;
-use frazil_core::series::{Schedule, Series};
+use frazil_core::boundary::pipe::{Pipe, PipeCondition};
+use frazil_core::series::Schedule;
 use glam::DVec2;
 
 /// A ring of evenly spaced pipes, from which pipes and gaps follow. A row, or pipes at any places, is a ring all of whose pipes are moved.
@@ -23,10 +23,8 @@ pub struct PipeRing {
     pub pipe_radius: f64,
     /// Whether each pipe is the particle nearest to its place.
     pub one_particle: bool,
-    /// Temperature of the pipes' outer wall while they work; of what flows in them, where there is a film.
-    pub temperature: Series,
-    /// Coefficient (W/m2K) between what flows in them and the ground at their outer wall.
-    pub film: Option<f64>,
+    /// What is kept up at each of them while they work.
+    pub condition: PipeCondition,
     /// When they work; always if absent. No heat crosses their walls at other times.
     pub schedule: Option<Arc<Schedule>>,
 }
@@ -76,8 +74,7 @@ impl PipeRing {
                     y: place.y,
                     radius: self.pipe_radius,
                     one_particle: self.one_particle,
-                    temperature: self.temperature.clone(),
-                    film: self.film,
+                    condition: self.condition.clone(),
                     schedule: self.schedule.clone(),
                 }
             })

@@ -383,7 +383,7 @@ fn read_root(mut root: Section<'_>, name: &str, kinds: &[&'static MethodKind]) -
     let parts = wall_parts.iter().map(|part| &part.condition);
     let own = || walls.iter().map(|wall| &wall.condition).chain(parts.clone());
     let brings_heat = own().any(Condition::brings_heat);
-    let has_flux = asked.heated || has_flux(own());
+    let has_flux = asked.heated || has_flux(own(), &rings);
     let setup = numerics::Setup { domain: body, along, materials: known, brings_heat, has_flux, features };
     let conditions = own().chain(excavation.iter().flatten().map(|shaft| &shaft.condition));
     root.set_temperatures(temperatures(&initial, (&regions, &rings, &stream), conditions));

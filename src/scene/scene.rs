@@ -199,9 +199,10 @@ pub struct Scene {
     pub remarks: Vec<String>,
 }
 
-/// Whether any of these is a flux.
-pub(crate) fn has_flux<'a>(mut conditions: impl Iterator<Item = &'a Condition>) -> bool {
+/// Whether any of these conditions is a flux, or any of these pipes of given heat.
+pub(crate) fn has_flux<'a>(mut conditions: impl Iterator<Item = &'a Condition>, rings: &[PipeRing]) -> bool {
     conditions.any(|condition| matches!(condition, Condition::Flux(_)))
+        || rings.iter().any(|ring| ring.condition.heat().is_some())
 }
 
 /// Parts of a scene that name temperatures, beside its start and its walls.
@@ -230,7 +231,7 @@ impl Temperatures<'_> {
             condition.temperature().into_iter().for_each(&mut widen);
         }
         for ring in self.rings {
-            widen(&ring.temperature);
+            ring.condition.temperature().into_iter().for_each(&mut widen);
         }
         if let Some((_, temperature)) = self.stream.and_then(|stream| stream.reset) {
             range = (range.0.min(temperature), range.1.max(temperature));
@@ -405,10 +406,10 @@ impl Scene {
         }
     }
 
-    /// Whether a flux condition, a source of heat or the weight of water can drive temperatures beyond
+    /// Whether a flux condition, a source of heat, pipes of given heat or the weight of water can drive temperatures beyond
     /// [`Scene::temperature_range`].
     pub fn has_flux(&self) -> bool {
-        self.gravity.is_some() || self.has_heat_sources() || has_flux(self.conditions())
+        self.gravity.is_some() || self.has_heat_sources() || has_flux(self.conditions(), &self.rings)
     }
 
     /// Whether a wall or a part of one has a flux or a film.
@@ -423,11 +424,11 @@ impl Scene {
         schedules.filter_map(|schedule| schedule.next_switch(t)).chain(dug).reduce(f64::min)
     }
 
-    /// The first instant after `t` (s) at which the temperature, flux or film of a wall, the temperature of pipes or a source of
-    /// heat bends, jumps or turns, or a crack opens or begins to grow: long steps land on it.
+    /// The first instant after `t` (s) at which the temperature, flux or film of a wall, the temperature or heat of pipes or a source
+    /// of heat bends, jumps or turns, or a crack opens or begins to grow: long steps land on it.
     pub fn next_bend(&self, t: f64) -> Option<f64> {
         let walls = self.conditions().flat_map(Condition::series);
-        let rings = self.rings.iter().map(|ring| &ring.temperature);
+        let rings = self.rings.iter().map(|ring| ring.condition.series());
         let sources = self.regions.iter().filter_map(|region| match &region.heat {
             Some(Power::Even(series)) => Some(series),
             Some(Power::Formula(_)) | None => None,

@@ -51,7 +51,9 @@ pub fn in_time(scene: &Scene) -> Result<(), DugTooEarly> {
     let Some(shaft) = &scene.excavation else { return Ok(()) };
     // What varies at random may conduct better than any material by as much as it likes.
     let varies = scene.random.conductivity.is_some();
-    if scene.rings.is_empty() || scene.flow.is_some() || varies || has_other_cold(scene) {
+    // Pipes of given heat get as cold as that takes.
+    let without_bound = scene.rings.iter().any(|ring| ring.condition.heat().is_some());
+    if scene.rings.is_empty() || without_bound || scene.flow.is_some() || varies || has_other_cold(scene) {
         return Ok(());
     }
     let places: Vec<(DVec2, f64)> =
@@ -103,7 +105,8 @@ fn coldness(scene: &Scene, time: f64) -> f64 {
     let freezing = scene.materials.iter().map(|material| material.freezing_point).fold(f64::NEG_INFINITY, f64::max);
     let cold = |ring: &PipeRing, time: f64| {
         let works = ring.schedule.as_ref().is_none_or(|schedule| schedule.works(time));
-        if works { (freezing - ring.temperature.at(time)).max(0.0) } else { 0.0 }
+        let temperature = ring.condition.temperature().filter(|_| works);
+        temperature.map_or(0.0, |series| (freezing - series.at(time)).max(0.0))
     };
     let piece = time / PIECES as f64;
     let mut coldest: f64 = 0.0;

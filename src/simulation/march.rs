@@ -177,11 +177,11 @@ pub fn run(
     let found = |kept| checkpoint::found(kept, || identity(kept, scene, settings, (options.seed, options.fields)));
     let kept = options.checkpoints.map(found).transpose()?.flatten();
     let plan = build(scene, settings, reference, options.threads, options.seed)?;
-    let (particles, method, pipes) = (&plan.particles, plan.method.as_ref(), &plan.pipe_extents[..]);
+    let (particles, method, pipes) = (&plan.particles, plan.method.as_ref(), &plan.pipes[..]);
     let observers = Observers::new(&Setup { scene, particles, method, pipes, maps: options.fields, reference });
     holdable(scene, settings.method, Memory { observers: observers.held_at_the_end(), ..plan.summary.memory })?;
     let setup = setup.stop();
-    let guard = Guard::new(scene, &plan.particles, &plan.pipe_extents);
+    let guard = Guard::new(scene, &plan.particles, &plan.pipes);
     let (began, dense) = (Instant::now(), plan.method.report().is_dense);
     let Plan { particles, method, step, bound, summary, .. } = plan;
     let outputs = outputs(scene);

@@ -70,7 +70,8 @@ impl MonotonicityCheck {
             _ => None,
         };
         let open = scene.has_flux();
-        let rings: Vec<_> = scene.rings.iter().map(|ring| if open { None } else { side(&ring.temperature) }).collect();
+        let rings: Vec<_> =
+            scene.rings.iter().map(|ring| ring.condition.temperature().filter(|_| !open).and_then(side)).collect();
         let frozen =
             if low == high || scene.flow.is_some() || scene.gravity.is_some() { None } else { direction(scene) };
         let watches = frozen.is_some() || rings.iter().any(Option::is_some);
@@ -137,13 +138,14 @@ fn direction(scene: &Scene) -> Option<f64> {
         };
         scene.conditions().all(wall)
             // A pipe that rests does not pull.
-            && scene.rings.iter().all(|ring| ring.schedule.is_none() && pulls(&ring.temperature, *sign))
+            && scene.rings.iter().all(|ring| ring.schedule.is_none() && ring.condition.temperature().is_some_and(|series| pulls(series, *sign)))
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use frazil_core::boundary::pipe::PipeCondition;
     use frazil_core::physics::film::FilmKind;
     use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
     use frazil_core::space::domain::Domain;
@@ -220,10 +222,9 @@ mod tests {
             first_angle: 0.0,
             moved: Vec::new(),
             one_particle: false,
-            film: None,
             missing: Vec::new(),
             pipe_radius: 0.1,
-            temperature: Series::Constant(temperature),
+            condition: PipeCondition::Temperature(Series::Constant(temperature)),
             schedule: None,
         };
         let mut ring = scene(vec![(WallId::Outer, held(5.0))]);

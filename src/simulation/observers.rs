@@ -21,6 +21,7 @@ mod neck;
 pub(crate) mod observer;
 mod passage;
 mod phases;
+mod pipe_walls;
 mod probes;
 mod profiles;
 pub(crate) mod rays;
@@ -47,7 +48,7 @@ pub use fields::map;
 pub use loads::TABLE as LOADS;
 
 /// Makes each observer, where a scene needs it; and the table that says itself what is in it, if it leaves one.
-const OBSERVERS: [(Maker, Option<&str>); 19] = [
+const OBSERVERS: [(Maker, Option<&str>); 20] = [
     (monotonicity::of, None),
     (front::of, None),
     (frozen::of, None),
@@ -66,6 +67,7 @@ const OBSERVERS: [(Maker, Option<&str>); 19] = [
     (isotherms::of, Some(isotherms::TABLE)),
     (regions::of, Some(regions::TABLE)),
     (front_shape::of, Some(front_shape::TABLE)),
+    (pipe_walls::of, Some(pipe_walls::TABLE)),
     (loads::of, Some(loads::TABLE)),
 ];
 

@@ -14,7 +14,7 @@ mod transport;
 
 use std::sync::Arc;
 
-use frazil_core::boundary::pipe::Extent;
+use frazil_core::boundary::pipe::Sink;
 use frazil_core::memory::{HeapSize, Memory};
 use frazil_core::particles::Particles;
 use frazil_core::physics::latent_heat::LatentHeatScheme;
@@ -75,7 +75,7 @@ pub struct Plan {
     /// The same in words.
     pub summary: PlanSummary,
     /// Where pipes are at work, in the sector.
-    pub pipe_extents: Vec<Extent>,
+    pub pipes: Vec<Sink>,
 }
 
 /// Limits of explicit steps of a method on a scene.
@@ -166,7 +166,7 @@ pub(crate) fn build_for(
     let team = team(threads)?;
     let mut prepared = Prepared::new(scene, settings, reference, seed, team.as_ref())?;
     refusals::out_of_place(scene, numerics, &prepared)?;
-    let pipe_extents = prepared.sinks.iter().map(|sink| sink.extent).collect();
+    let pipes = prepared.sinks.clone();
     let why_list = |flows| why_list(scene, numerics, discretisation, &prepared.stencil, prepared.narrow, flows);
     // Water needs the pairs; heat may be conducted without them.
     let conducts_on_lattice = why_list(false).is_none();
@@ -218,5 +218,5 @@ pub(crate) fn build_for(
         ]
         .concat(),
     };
-    Ok(Plan { particles, method, step, bound, summary, pipe_extents })
+    Ok(Plan { particles, method, step, bound, summary, pipes })
 }

@@ -244,7 +244,7 @@ fn try_out(
     threads: usize,
     now: &mut dyn FnMut() -> f64,
 ) -> Forecast {
-    let Plan { mut particles, mut method, step, bound, mut summary, pipe_extents: pipes } = plan;
+    let Plan { mut particles, mut method, step, bound, mut summary, pipes } = plan;
     let setup =
         Setup { scene, particles: &particles, method: method.as_ref(), pipes: &pipes, maps: true, reference: None };
     let mut observers = Observers::new(&setup);

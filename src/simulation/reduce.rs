@@ -168,7 +168,8 @@ fn larger(
     let mut plain = settings.clone();
     plain.numerics.integrator = IntegratorChoice::Euler;
     let plan = build(&larger, &plain, reference, 1, 1)?;
-    let borders = plan.pipe_extents.iter().find(|pipe| straddles(&plan.particles, pipe.centre, pipe.half_width));
+    let borders =
+        plan.pipes.iter().map(|pipe| pipe.extent).find(|pipe| straddles(&plan.particles, pipe.centre, pipe.half_width));
     Ok(match borders {
         Some(pipe) => {
             let at = pipe.centre;

@@ -54,7 +54,7 @@ pub fn without_displaced(
     volumes: &Volumes,
     count: usize,
 ) -> Arc<[f64]> {
-    let mut sinks = sinks.iter().filter(|sink| sink.displaced > 0.0 && sink.works(0.0)).peekable();
+    let mut sinks = sinks.iter().filter(|sink| sink.radius > 0.0 && sink.works(0.0)).peekable();
     if sinks.peek().is_none() {
         return start;
     }
@@ -62,8 +62,8 @@ pub fn without_displaced(
     for sink in sinks {
         for (index, weight) in &sink.sample {
             let particle = *index as usize;
-            let taken = materials.of(particle).enthalpy(sink.temperature.at(0.0)) - left[particle];
-            left[particle] += taken * sink.share * weight * sink.displaced / volumes.of(particle);
+            let taken = sink.content(materials.of(particle), left[particle]) - left[particle];
+            left[particle] += taken * sink.share * weight * sink.area() / volumes.of(particle);
         }
     }
     left.into()

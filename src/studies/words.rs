@@ -4,6 +4,7 @@ mod of_water;
 
 use frazil_core::balances::heated::Power;
 use frazil_core::boundary::condition::Condition;
+use frazil_core::boundary::pipe::PipeCondition;
 use frazil_core::breakage::crack::{Crack, Growth};
 use frazil_core::physics::material::{Material, Phase};
 use frazil_core::series::Series;
@@ -217,13 +218,19 @@ impl Words<'_> {
 
     fn ring(&self, ring: &PipeRing) -> String {
         let (around, radius) = (self.with(ring.ring_radius, "m"), self.with(ring.pipe_radius, "m"));
-        let temperature = self.series(&ring.temperature, "°C");
+        let condition = match &ring.condition {
+            PipeCondition::Temperature(series) => format!("at {}", self.series(series, "°C")),
+            PipeCondition::Film { coefficient, brine } => {
+                format!("brine of {}, {}", self.series(brine, "°C"), self.with(*coefficient, "W/(m² K)"))
+            }
+            PipeCondition::Heat(series) => format!("heat into the ground: {}", self.series(series, "W/m")),
+        };
         let (first, last) = (ring.place(0), ring.place(ring.count - 1));
         let places = match self.scene.domain {
             Domain::Ring { .. } => format!("on a circle of radius {around}"),
             _ => format!("from {} to {}", self.point(first), self.point(last)),
         };
-        format!("{} {places}, each of radius {radius}, at {temperature}", ring.count)
+        format!("{} {places}, each of radius {radius}, {condition}", ring.count)
     }
 
     fn material(&self, material: &Material) -> String {

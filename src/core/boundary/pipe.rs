@@ -5,7 +5,8 @@
 //! `q = (U_sampled - U_pipe) / R`, `R = S - c - ln(r/dx) / 2 pi`, `S = sum a_i a_j g_ij` (lattice Green's function).
 //!
 //! A film between brine and ground carries the same heat: `q = 2 pi r h (T_wall - T_brine)`, `q = (U_sampled - U(T_wall)) / R`.
-//! That is the film of a flat wall with a depth of `2 pi r R`. In ground that conducts by direction the annulus is that of an ellipse
+//! That is the film of a flat wall with a depth of `2 pi r R`. A pipe of given heat has that heat as its `q`, and its wall
+//! the temperature of `U_sampled - q R`. In ground that conducts by direction the annulus is that of an ellipse
 //! ([`Green::far_field`]), and a film is one of the mean flux around the pipe.
 
 use std::f64::consts::{PI, TAU};
@@ -20,7 +21,58 @@ use crate::physics::thermal::Thermal;
 use crate::series::{Schedule, Series};
 use crate::space::lattice::Lattice;
 
-/// A freeze pipe: a cold circle of true radius at an exact position.
+/// What is kept up at a pipe while it works.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PipeCondition {
+    /// Its outer wall has this temperature.
+    Temperature(Series),
+    /// Brine of this temperature flows in it.
+    Film {
+        /// Heat transfer coefficient between brine and ground (W/m2K), per area of the outer wall.
+        coefficient: f64,
+        /// Temperature of the brine.
+        brine: Series,
+    },
+    /// The ground receives this heat (W/m): negative where the pipe takes it.
+    Heat(Series),
+}
+
+impl PipeCondition {
+    /// The temperature of its wall or of its brine, where the scene says one.
+    pub fn temperature(&self) -> Option<&Series> {
+        match self {
+            PipeCondition::Temperature(series) | PipeCondition::Film { brine: series, .. } => Some(series),
+            PipeCondition::Heat(_) => None,
+        }
+    }
+
+    /// The heat that the ground receives (W/m), where the scene says it.
+    pub fn heat(&self) -> Option<&Series> {
+        match self {
+            PipeCondition::Heat(series) => Some(series),
+            PipeCondition::Temperature(_) | PipeCondition::Film { .. } => None,
+        }
+    }
+
+    /// Heat transfer coefficient between brine and ground (W/m2K).
+    pub fn film(&self) -> Option<f64> {
+        match self {
+            PipeCondition::Film { coefficient, .. } => Some(*coefficient),
+            PipeCondition::Temperature(_) | PipeCondition::Heat(_) => None,
+        }
+    }
+
+    /// What of it may change in time.
+    pub fn series(&self) -> &Series {
+        match self {
+            PipeCondition::Temperature(series)
+            | PipeCondition::Film { brine: series, .. }
+            | PipeCondition::Heat(series) => series,
+        }
+    }
+}
+
+/// A freeze pipe: a circle of true radius at an exact position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pipe {
     /// Centre (m).
@@ -31,10 +83,8 @@ pub struct Pipe {
     pub radius: f64,
     /// Whether it is the particle nearest to its place, and has the radius that the lattice gives it.
     pub one_particle: bool,
-    /// Temperature of the pipe's outer wall while it works; of what flows in it, where there is a film.
-    pub temperature: Series,
-    /// Coefficient (W/m2K) between what flows in it and the ground at its outer wall.
-    pub film: Option<f64>,
+    /// What is kept up at it while it works.
+    pub condition: PipeCondition,
     /// When it works; always if absent. No heat crosses its wall at other times.
     pub schedule: Option<Arc<Schedule>>,
 }
@@ -85,25 +135,14 @@ pub struct Sink {
     pub share: f64,
     /// Resistance between the sampled ground and the pipe's wall, times conductivity (-).
     pub resistance: f64,
-    /// Temperature of the pipe's wall, or of the brine where there is a film.
-    pub temperature: Series,
-    /// What lies between brine and ground.
-    pub film: Option<PipeFilm>,
+    /// What is kept up at the pipe while it works.
+    pub condition: PipeCondition,
+    /// Radius of the pipe (m); 0 of a single particle.
+    pub radius: f64,
     /// When the pipe works; always if absent.
     pub schedule: Option<Arc<Schedule>>,
-    /// Ground (m2) in whose place the pipe stands.
-    pub displaced: f64,
     /// Where the delta is at work.
     pub extent: Extent,
-}
-
-/// A film at the wall of a pipe.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PipeFilm {
-    /// Coefficient (W/m2K).
-    pub coefficient: f64,
-    /// Perimeter of the pipe (m).
-    pub perimeter: f64,
 }
 
 /// Resistance (in units of 1 / conductivity) between a pipe of one particle and that particle: it makes the particle's
@@ -187,10 +226,9 @@ pub fn immerse(
         sample: hold.sample,
         share,
         resistance: hold.resistance,
-        temperature: pipe.temperature.clone(),
-        film: pipe.film.map(|coefficient| PipeFilm { coefficient, perimeter: TAU * radius }),
+        condition: pipe.condition.clone(),
+        radius,
         schedule: pipe.schedule.clone(),
-        displaced: PI * radius * radius,
         extent: Extent { ring, centre, half_width: hold.half_width * lattice.spacing, share, smoothing },
     }))
 }
@@ -310,27 +348,88 @@ impl Sink {
         self.sample.iter().map(|(index, weight)| weight * value(*index as usize)).sum()
     }
 
+    /// Area of the ground in whose place the pipe stands (m2).
+    pub fn area(&self) -> f64 {
+        PI * self.radius * self.radius
+    }
+
+    /// Enthalpy (J/m3) that what stands in the place of ground of a material and an enthalpy has at the start: that at the pipe's
+    /// temperature; in a pipe that only takes heat, that at which the ground would have given off its latent heat; else that of the
+    /// ground.
+    pub fn content(&self, thermal: &Thermal, ground: f64) -> f64 {
+        match &self.condition {
+            PipeCondition::Temperature(series) | PipeCondition::Film { brine: series, .. } => {
+                thermal.enthalpy(series.at(0.0))
+            }
+            PipeCondition::Heat(given) if given.range().1 <= 0.0 && thermal.curve.latent_heat() > 0.0 => {
+                let frozen = thermal.enthalpy(thermal.curve.freezing_point()) - thermal.curve.latent_heat();
+                frozen.min(ground)
+            }
+            PipeCondition::Heat(_) => ground,
+        }
+    }
+
+    /// Perimeter of the pipe (m).
+    fn perimeter(&self) -> f64 {
+        TAU * self.radius
+    }
+
+    /// Potential (W/m, relative) of what is kept up at `time` (s), where that is a temperature.
+    #[inline]
+    pub fn own_potential(&self, time: f64, thermal: &Thermal) -> f64 {
+        self.condition.temperature().map_or(0.0, |series| thermal.potential_at(series.at(time)))
+    }
+
     /// Heat (W/m) that the whole pipe takes from the ground at `time` (s), by what it sees of potentials (W/m, relative)
     /// and the potential of its own temperature.
     #[inline]
     pub fn heat(&self, sampled: f64, own: f64, time: f64, thermal: &Thermal) -> f64 {
-        let Some(PipeFilm { coefficient, perimeter }) = self.film else { return (sampled - own) / self.resistance };
-        let film = Film::convection(coefficient, self.temperature.at(time));
-        let inside = sampled + thermal.zero_potential;
-        -perimeter * thermal.curve.film_flux(inside, perimeter * self.resistance, &film)
+        match &self.condition {
+            PipeCondition::Temperature(_) => (sampled - own) / self.resistance,
+            PipeCondition::Film { coefficient, brine } => {
+                let film = Film::convection(*coefficient, brine.at(time));
+                let inside = sampled + thermal.zero_potential;
+                -self.perimeter() * thermal.curve.film_flux(inside, self.perimeter() * self.resistance, &film)
+            }
+            PipeCondition::Heat(given) => -given.at(time),
+        }
+    }
+
+    /// Temperature of the pipe's outer wall at `time` (s), by what it sees of potentials (W/m, relative).
+    pub fn wall_temperature(&self, sampled: f64, time: f64, thermal: &Thermal) -> f64 {
+        let taken =
+            if self.works(time) { self.heat(sampled, self.own_potential(time, thermal), time, thermal) } else { 0.0 };
+        thermal.curve.temperature_of_potential(sampled + thermal.zero_potential - taken * self.resistance)
     }
 
     /// Resistance with which small changes around a state meet the pipe.
     pub fn resistance_to_changes(&self, sampled: f64, time: f64, thermal: &Thermal) -> f64 {
-        let Some(PipeFilm { coefficient, perimeter }) = self.film else { return self.resistance };
-        let film = Film::convection(coefficient, self.temperature.at(time));
-        let inside = sampled + thermal.zero_potential;
-        -1.0 / (perimeter * thermal.curve.film_slope(inside, perimeter * self.resistance, &film))
+        match &self.condition {
+            PipeCondition::Temperature(_) => self.resistance,
+            PipeCondition::Film { coefficient, brine } => {
+                let film = Film::convection(*coefficient, brine.at(time));
+                let inside = sampled + thermal.zero_potential;
+                let slope = thermal.curve.film_slope(inside, self.perimeter() * self.resistance, &film);
+                -1.0 / (self.perimeter() * slope)
+            }
+            PipeCondition::Heat(_) => f64::INFINITY,
+        }
+    }
+
+    /// Whether small changes meet the pipe alike at all times and in all states.
+    pub fn is_constant(&self) -> bool {
+        self.condition.film().is_none() && (self.schedule.is_none() || self.condition.heat().is_some())
+    }
+
+    /// The sink for small changes around a state.
+    pub(crate) fn still(&self) -> Sink {
+        Sink { condition: PipeCondition::Temperature(Series::Constant(0.0)), ..self.clone() }
     }
 
     /// What the sink adds to the row sum of a particle (m^-2), by particle.
     pub fn row_sums(&self, spacing: f64) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let scale = self.share / (self.resistance * spacing * spacing);
+        let is_held = self.condition.heat().is_none();
+        let scale = if is_held { self.share / (self.resistance * spacing * spacing) } else { 0.0 };
         self.sample.iter().map(move |(index, weight)| (*index as usize, weight * weight * scale))
     }
 }

@@ -101,7 +101,7 @@ impl<T: PairTerm> Tangent for ListBalance<T> {
         let curved = parts.rims.iter().any(|rim| self.rows.faces[0][rim.patch].holds() > 0.0);
         let (even, linear) = (parts.volumes.is_even(), !parts.materials.mixed() && parts.boundary.is_linear());
         let (means, falls) = (parts.exchange != Exchange::Potential, parts.up.is_some());
-        let scheduled = parts.sinks.iter().any(|sink| sink.schedule.is_some() || sink.film.is_some());
+        let scheduled = !parts.sinks.iter().all(Sink::is_constant);
         TangentShape {
             is_symmetric: even && parts.ghosts.all_mirrored() && linear && !curved && !falls,
             is_constant: linear && !means && !falls && !scheduled && parts.cuts.is_empty(),

@@ -95,7 +95,7 @@ impl<L: Laws> LatticeBalance<L> {
             derived = Bound { step: 1.0 / front_rate, cause: "the sub-cell front of a particle".to_string() };
         }
         let bands = bands(&around.lattice, threads(&team, &around), shape);
-        let potential = |sink: &Sink| around.thermal_at_sink(sink).potential_at(sink.temperature.at(0.0));
+        let potential = |sink: &Sink| sink.own_potential(0.0, around.thermal_at_sink(sink));
         let walls = boundary.patches.iter().map(|patch| Source::Patch(patch.id));
         let facts = BalanceFacts {
             patches: walls.chain(Source::rings(parts.rings)).collect(),
@@ -135,8 +135,8 @@ impl<L: Laws> LatticeBalance<L> {
         let around = &self.around;
         for ((sink, potential), heat) in self.sinks.iter().zip(&mut self.sink_potentials).zip(&mut self.sink_heat) {
             let thermal = around.thermal_at_sink(sink);
-            if sink.temperature.changes() {
-                *potential = thermal.potential_at(sink.temperature.at(time));
+            if sink.condition.series().changes() {
+                *potential = sink.own_potential(time, thermal);
             }
             *heat = if sink.works(time) {
                 let sampled = sink.sampled(|index| around.laws.potential_of(index, enthalpy[index]));
@@ -438,7 +438,7 @@ impl<L: Laws> Tangent for LatticeBalance<L> {
         let film = (0..4).any(|side| self.around.face(side).bends());
         let curved = self.boundary.curved.is_some_and(|(patch, _)| faces[patch].holds() > 0.0);
         let symmetric = irregular.is_none_or(IrregularRows::is_symmetric);
-        let scheduled = self.sinks.iter().any(|sink| sink.schedule.is_some() || sink.film.is_some());
+        let scheduled = !self.sinks.iter().all(Sink::is_constant);
         let constant = irregular.is_none_or(IrregularRows::is_constant) && self.boundary.is_linear();
         let far = irregular.is_some_and(IrregularRows::has_rims) || self.around.sees_far() || !self.sinks.is_empty();
         let by_pairs = shape.reach_rows * lattice.columns + shape.reach.min(lattice.columns);

@@ -9,7 +9,6 @@ use crate::kernels::lattice::LatticeBalance;
 use crate::kernels::sweep::Shape;
 use crate::physics::laws::Laws;
 use crate::physics::potential::Identity;
-use crate::series::Series;
 
 impl<L: Laws> LatticeBalance<L> {
     /// Linearises at a state and time (s); `slopes` takes dU/dH (m2/s) of every particle.
@@ -41,7 +40,6 @@ impl<L: Laws> LatticeBalance<L> {
 
     /// The operator on small changes of potentials: walls and pipes hold still, and no heat is booked.
     fn still(&self) -> LatticeBalance<Identity> {
-        let still = |sink: &Sink| Sink { temperature: Series::Constant(0.0), film: None, ..sink.clone() };
         let around = &self.around;
         let mut boundary = self.boundary.clone();
         boundary.hold_still();
@@ -65,7 +63,7 @@ impl<L: Laws> LatticeBalance<L> {
             },
             boundary,
             weights: self.weights.clone(),
-            sinks: self.sinks.iter().map(still).collect(),
+            sinks: self.sinks.iter().map(Sink::still).collect(),
             sink_potentials: vec![0.0; self.sinks.len()],
             sink_heat: vec![0.0; self.sinks.len()],
             corners: self.corners.clone(),

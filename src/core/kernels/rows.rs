@@ -130,7 +130,7 @@ impl<T: PairTerm> ListRows<T> {
         let walls = parts.boundary.patches.len();
         for (sink, heat) in parts.sinks.iter().zip(&mut self.sink_heat) {
             let material = parts.materials.of(sink.sample.first().map_or(0, |entry| entry.0 as usize));
-            let wall = material.potential_at(sink.temperature.at(clock.time));
+            let wall = sink.own_potential(clock.time, material);
             *heat = if sink.works(clock.time) {
                 let sampled = sink.sampled(|index| self.fields.potential[index]);
                 sink.heat(sampled, wall, clock.time, material)

@@ -8,6 +8,7 @@ use super::problem::Read;
 use super::range::{Range, plain, temperatures};
 use super::section::{Key, Names, Section};
 use crate::pipe_ring::PipeRing;
+use frazil_core::boundary::pipe::PipeCondition;
 use frazil_core::space::domain::{Domain, Sector};
 
 /// Pipes of one ring, and rings, that a scene may have; their distances are checked pair by pair.
@@ -51,7 +52,10 @@ pub(super) fn pipes(root: &mut Section<'_>, domain: Option<&Domain>) -> Vec<Pipe
     rings
 }
 
+const TEMPERATURE: (&str, &str) = ("temperature", "c");
 const FILM: (&str, &str) = ("coefficient", "W_per_m2_K");
+/// Key of the heat that ground receives from each pipe.
+const HEAT: (&str, &str) = ("heat", "W_per_m");
 /// Key of the places of pipes that stand on no circle.
 const PLACES: (&str, &str) = ("places", "m");
 /// Keys of the first and the last pipe of a row.
@@ -117,13 +121,7 @@ fn ring(section: &mut Section<'_>, number: usize) -> Read<PipeRing> {
     } else {
         section.positive(("pipe_radius", "m"))
     };
-    let temperature = section.series(("temperature", "c"), temperatures(section.units().absolute_zero()));
-    let film = if one_particle {
-        section.refuse(FILM, "a pipe of one particle has no wall");
-        None
-    } else {
-        section.optional_number(FILM, Range::POSITIVE)
-    };
+    let condition = condition(section, one_particle);
     let schedule = section.optional_schedule().map(Arc::new);
     let (count, ring_radius, first_angle, moved) = circle?;
     let mut ring = PipeRing {
@@ -134,12 +132,38 @@ fn ring(section: &mut Section<'_>, number: usize) -> Read<PipeRing> {
         moved,
         missing: Vec::new(),
         pipe_radius: pipe_radius?,
-        temperature: temperature?,
-        film,
+        condition: condition?,
         schedule,
     };
     as_built(section, number, &mut ring);
     Ok(ring)
+}
+
+/// What is kept up at the pipes: a temperature of their walls or of brine, or heat.
+fn condition(section: &mut Section<'_>, one_particle: bool) -> Read<PipeCondition> {
+    let given = section.only_one(&[TEMPERATURE.into(), HEAT.into()]);
+    let is_heat = given == Ok(1);
+    if is_heat && one_particle {
+        section.problem(
+            HEAT,
+            "a pipe of one particle has a temperature: remove \"one_particle\" and give a \"pipe_radius_m\"",
+        );
+    }
+    let film = if one_particle || is_heat {
+        let reason = if is_heat { "the heat of the pipes is given" } else { "a pipe of one particle has no wall" };
+        section.refuse(FILM, reason);
+        None
+    } else {
+        section.optional_number(FILM, Range::POSITIVE)
+    };
+    if given? == 1 {
+        return section.series(HEAT, Range::ANY).map(PipeCondition::Heat);
+    }
+    let series = section.series(TEMPERATURE, temperatures(section.units().absolute_zero()))?;
+    Ok(match film {
+        Some(coefficient) => PipeCondition::Film { coefficient, brine: series },
+        None => PipeCondition::Temperature(series),
+    })
 }
 
 /// Pipes that are missing, and those that do not stand in their places.

@@ -1,6 +1,6 @@
 //! Watching over the range of temperatures while a run goes on.
 
-use frazil_core::boundary::pipe::Extent;
+use frazil_core::boundary::pipe::Sink;
 use frazil_core::particles::Particles;
 use frazil_core::physics::retention::scale::{DRY, head};
 use frazil_core::saved::{Pass, Saved};
@@ -88,11 +88,11 @@ impl Saved for Guard {
 
 impl Guard {
     /// A guard for a scene; `pipes` are the places where pipes are at work.
-    pub fn new(scene: &Scene, particles: &Particles, pipes: &[Extent]) -> Self {
+    pub fn new(scene: &Scene, particles: &Particles, pipes: &[Sink]) -> Self {
         let lattice = &particles.lattice;
         let mut inside_pipes = Vec::new();
         for pipe in pipes {
-            inside_pipes.extend(pipe.particles(lattice));
+            inside_pipes.extend(pipe.extent.particles(lattice));
         }
         inside_pipes.sort_unstable();
         inside_pipes.dedup();

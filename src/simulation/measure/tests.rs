@@ -1,6 +1,7 @@
 //! Errors against references that are made up.
 
 use frazil_core::boundary::condition::Condition;
+use frazil_core::boundary::pipe::PipeCondition;
 use frazil_core::physics::material::{FreezingLaw, Material, Mixing, Phase};
 use frazil_core::series::Series;
 use frazil_core::space::domain::{Domain, Sector};
@@ -83,10 +84,9 @@ fn ring_scene() -> Scene {
         first_angle: 0.0,
         moved: Vec::new(),
         one_particle: false,
-        film: None,
         missing: Vec::new(),
         pipe_radius: 0.05,
-        temperature: Series::Constant(-20.0),
+        condition: PipeCondition::Temperature(Series::Constant(-20.0)),
         schedule: None,
     });
     scene

@@ -67,7 +67,8 @@ impl Boundary {
             Domain::Line { .. } | Domain::Radial { .. } => {}
         }
         for ring in &scene.rings {
-            let pipe = |k: usize| (Shape::Circle(ring.place(k), ring.pipe_radius), ring.temperature.clone());
+            let Some(temperature) = ring.condition.temperature() else { continue };
+            let pipe = |k: usize| (Shape::Circle(ring.place(k), ring.pipe_radius), temperature.clone());
             parts.extend(ring.numbers().map(pipe));
         }
         let (low, high) = scene.temperature_range();

@@ -4,7 +4,7 @@ use frazil_core::saved::{Pass, Saved};
 use std::cell::{OnceCell, RefCell};
 use std::sync::Arc;
 
-use frazil_core::boundary::pipe::Extent;
+use frazil_core::boundary::pipe::Sink;
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
 use frazil_core::solvers::solver::Solver;
@@ -198,8 +198,8 @@ pub(crate) struct Setup<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) particles: &'a Particles,
     pub(crate) method: &'a dyn Solver,
-    /// Where pipes are at work.
-    pub(crate) pipes: &'a [Extent],
+    /// Pipes, joined to particles.
+    pub(crate) pipes: &'a [Sink],
     /// Whether maps are kept.
     pub(crate) maps: bool,
     /// What the run is measured against.

@@ -2,18 +2,19 @@
 
 use std::f64::consts::{PI, TAU};
 
-use frazil_core::boundary::pipe::Extent;
+use frazil_core::boundary::pipe::{PipeCondition, Sink};
 use frazil_core::ledger::Ledger;
 use frazil_core::particles::Particles;
 use frazil_scene::Scene;
 use glam::DVec2;
 
+use super::pipe_walls::mean_wall_temperature;
 use super::wall::SAME_PLACE;
 
 /// A ring of pipes sunk into particles.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Sunk {
-    pub(super) pipes: Vec<Extent>,
+    pub(super) pipes: Vec<Sink>,
     /// Particles that the heat of its pipes is spread over.
     pub(super) near: Vec<u32>,
 }
@@ -21,7 +22,7 @@ pub(super) struct Sunk {
 /// Pipes of a ring in ground that is frozen around them. There the field of a pipe is that of a line sink,
 /// `T = T_p + q/(2 pi k) ln(r/r_p)`, but particles hold a smoothed one, over the pipe too.
 pub(super) struct FrozenIn<'a> {
-    pipes: &'a [Extent],
+    pipes: &'a [Sink],
     /// Radius of the pipes (m); 0 of single particles.
     radius: f64,
     /// Temperature of their walls.
@@ -43,13 +44,22 @@ pub(super) fn frozen_in<'a>(
         .filter_map(|((sunk, rate), ring)| {
             let first = *sunk.near.first()? as usize;
             let cools = rate < 0.0 && sunk.near.iter().all(|i| particles.frozen_fraction(*i as usize) >= 1.0);
-            let pipe = ring.temperature.at(time);
             let share: f64 = sunk.pipes.iter().map(|pipe| pipe.share).sum();
+            // The temperature inside the wall, and outside.
+            let (inside, pipe) = match &ring.condition {
+                PipeCondition::Temperature(series) => (series.at(time), series.at(time)),
+                // Behind a film the wall is warmer than the brine.
+                PipeCondition::Film { coefficient, brine } => {
+                    let brine = brine.at(time);
+                    (brine, brine - rate / share * (1.0 / (coefficient * TAU * ring.pipe_radius)))
+                }
+                PipeCondition::Heat(_) => {
+                    let wall = mean_wall_temperature(&sunk.pipes, particles, time);
+                    (wall, wall)
+                }
+            };
             let factor = particles.mean_factor(&sunk.near);
-            let conductivity = factor * particles.materials.of(first).curve.conductivity(pipe);
-            // Behind a film the wall is warmer than the brine.
-            let film = ring.film.map_or(0.0, |film| 1.0 / (film * TAU * ring.pipe_radius));
-            let pipe = pipe - rate / share * film;
+            let conductivity = factor * particles.materials.of(first).curve.conductivity(inside);
             let heat = -rate / share / conductivity;
             cools.then_some(FrozenIn { pipes: &sunk.pipes, radius: ring.pipe_radius, temperature: pipe, heat })
         })
@@ -69,14 +79,14 @@ impl FrozenIn<'_> {
     /// By how much the integral of the temperature over all particles is greater than over the ground outside the pipes
     /// (K m2): what smoothing takes off the field, and what the field of a line has inside the pipes.
     pub(super) fn excess(&self) -> f64 {
-        let smoothed: f64 = self.pipes.iter().map(|pipe| pipe.share * pipe.smoothing).sum();
+        let smoothed: f64 = self.pipes.iter().map(|pipe| pipe.share * pipe.extent.smoothing).sum();
         let inside = self.area() * self.temperature - self.share() * 0.25 * self.heat * self.radius * self.radius;
         self.heat * smoothed + inside
     }
 
     /// Puts pipes and the field around them where readings at radii of a ray through their axes are smoothed.
     pub(super) fn sharpen(&self, direction: DVec2, radii: &[f64], temperature: &mut [f64]) {
-        for pipe in self.pipes.iter().filter(|_| self.radius > 0.0) {
+        for pipe in self.pipes.iter().map(|pipe| pipe.extent).filter(|_| self.radius > 0.0) {
             let axis = pipe.centre.dot(direction);
             if axis <= 0.0 || pipe.centre.distance(axis * direction) > SAME_PLACE * axis {
                 continue;

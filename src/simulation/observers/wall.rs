@@ -2,7 +2,7 @@
 //! the centre and how thick it is where it is weakest, and sections of it.
 
 use crate::recorded::Recorded;
-use frazil_core::boundary::pipe::Extent;
+use frazil_core::boundary::pipe::Sink;
 use frazil_core::memory::total;
 use frazil_core::particles::Particles;
 use frazil_core::saved::{Pass, Saved};
@@ -127,14 +127,15 @@ pub(super) fn of(setup: &Setup<'_>) -> Made {
 
 impl Wall {
     /// Watches neighbouring pipes.
-    fn link(&mut self, scene: &Scene, sector: Sector, sampler: &Sampler<'_>, pipes: &[Extent]) {
+    fn link(&mut self, scene: &Scene, sector: Sector, sampler: &Sampler<'_>, pipes: &[Sink]) {
         for (number, ring) in scene.rings.iter().enumerate() {
             let place = |k: usize| Place { name: PipeName { ring: number, pipe: k }, at: ring.place(k) };
             self.places.extend(ring.numbers().map(place));
         }
         self.rings = vec![Sunk::default(); scene.rings.len()];
-        for pipe in pipes {
-            self.rings[pipe.ring].pipes.push(*pipe);
+        for sink in pipes {
+            let pipe = &sink.extent;
+            self.rings[pipe.ring].pipes.push(sink.clone());
             let inside = |i: &u32| sampler.lattice.position(*i as usize).distance(pipe.centre) <= pipe.half_width;
             self.rings[pipe.ring].near.extend(pipe.particles(sampler.lattice).into_iter().filter(inside));
         }

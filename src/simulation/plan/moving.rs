@@ -56,5 +56,5 @@ pub(super) fn plan(scene: &Scene, settings: &MethodSettings, set: ParticleSet) -
         relaxed_by: Vec::new(),
         differences: [settings.discretisation.differences.clone(), differences].concat(),
     };
-    Ok(Plan { particles, method, step, bound, summary, pipe_extents: Vec::new() })
+    Ok(Plan { particles, method, step, bound, summary, pipes: Vec::new() })
 }

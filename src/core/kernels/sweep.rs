@@ -15,7 +15,7 @@ use crate::memory::HeapSize;
 use crate::physics::laws::Laws;
 use crate::space::lattice::Lattice;
 
-use block::{BlockRates, Near};
+use block::{BlockRates, Near, Soon};
 use lanes::LANES;
 
 /// Widest stencil that has a compiled sweep, in cells; wider ones take the pair list.
@@ -258,7 +258,7 @@ fn line<L: Laws, S: Surroundings, T: Target>(
         frame.surroundings.patches(0, &[potentials], &mut patches[0]);
     }
     for column in (0..count).step_by(BLOCK) {
-        let near = Near { weights: frame.weights, rows: &[band.ring.groups(0)], column };
+        let near = Near { weights: frame.weights, rows: &[band.ring.groups(0)], column, soon: Soon::of(&[]) };
         let (slots, taken) = target.slots(column..count.min(column + BLOCK));
         // SAFETY: blocks are those of this processor.
         unsafe { block(&near, slots, taken) };
@@ -330,8 +330,17 @@ fn rows<L: Laws, S: Surroundings, T: Target>(
         while column < end {
             let count = (end - column).min(BLOCK);
             let from = start - base + column - first;
+            // The same columns of the row that is filled next, as far as it has them.
+            let next = row + reach_rows + 1;
+            let soon = if next < end_row {
+                let ((first, end), start) = (frame.lattice.span(next), frame.lattice.start(next));
+                let at = |column: usize| start - base + column.clamp(first, end) - first;
+                Soon::of(target.enthalpy(at(column)..at(column + count)))
+            } else {
+                Soon::of(&[])
+            };
             let (slots, taken) = target.slots(from..from + count);
-            let near = Near { weights: frame.weights, rows: &near, column };
+            let near = Near { weights: frame.weights, rows: &near, column, soon };
             // SAFETY: blocks are those of this processor.
             unsafe { block(&near, slots, taken) };
             column += count;

@@ -26,7 +26,7 @@ proptest! {
         let rows: Vec<&[f64]> = rows.iter().map(Vec::as_slice).collect();
         let by_distance = std::array::from_fn(|k| std::array::from_fn(|dy| numbers[(9 * k + dy) % 64]));
         let weights = Weights { by_distance, sum: numbers[7], disc };
-        let near = Near { weights: &weights, rows: &rows, column };
+        let near = Near { weights: &weights, rows: &rows, column, soon: Soon::of(&[]) };
         let made = |block: BlockRates| {
             let mut slots = drawn(&numbers, count, 3);
             // SAFETY: asked for below, where a block needs more than every processor has.
